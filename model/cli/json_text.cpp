@@ -1,0 +1,132 @@
+#include "json_text.hpp"
+
+#include <cmath>
+
+#include <rapidjson/prettywriter.h>
+#include <rapidjson/stringbuffer.h>
+
+namespace fringe::cli {
+namespace {
+
+using Writer = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
+
+void write_text(Writer& writer, const char* key, const std::string& text) {
+  writer.Key(key);
+  writer.String(text.data(), static_cast<rapidjson::SizeType>(text.size()));
+}
+
+void write_number(Writer& writer, double number) {
+  if (std::isinf(number))
+    writer.RawValue("1e999", 5, rapidjson::kNumberType);
+  else
+    writer.Double(number);
+}
+
+void write_number(Writer& writer, const char* key, double number) {
+  writer.Key(key);
+  write_number(writer, number);
+}
+
+void write_count(Writer& writer, const char* key, std::size_t count) {
+  writer.Key(key);
+  writer.Uint64(count);
+}
+
+void write_flag(Writer& writer, const char* key, bool flag) {
+  writer.Key(key);
+  writer.Bool(flag);
+}
+
+void write_vector(Writer& writer, const char* key, const Eigen::Vector3d& vector) {
+  writer.Key(key);
+  writer.StartArray();
+  for (const double component : vector)
+    write_number(writer, component);
+  writer.EndArray();
+}
+
+void write_object(Writer& writer, const ObjectCapacitance& object) {
+  writer.StartObject();
+  write_text(writer, "name", object.name);
+  write_number(writer, "capacitance", object.capacitance);
+  write_number(writer, "bound", object.bound);
+  write_flag(writer, "skipped", object.skipped);
+  writer.EndObject();
+}
+
+void write_sensor(Writer& writer, const SensorCapacitance& sensor) {
+  writer.StartObject();
+  write_text(writer, "name", sensor.name);
+  write_number(writer, "total", sensor.total);
+  write_number(writer, "voltage", sensor.voltage);
+  write_number(writer, "delta_voltage", sensor.delta_voltage);
+  write_flag(writer, "contact", sensor.contact);
+  writer.Key("objects");
+  writer.StartArray();
+  for (const ObjectCapacitance& object : sensor.objects)
+    write_object(writer, object);
+  writer.EndArray();
+  writer.EndObject();
+}
+
+void write_object(Writer& writer, const ObjectInfo& object) {
+  writer.StartObject();
+  write_text(writer, "name", object.name);
+  write_count(writer, "triangles", object.triangles);
+  write_number(writer, "area", object.area);
+  writer.Key("volume");
+  if (object.volume)
+    write_number(writer, *object.volume);
+  else
+    writer.Null();
+  writer.Key("aabb");
+  writer.StartObject();
+  write_vector(writer, "minimum", object.bounding_box.min());
+  write_vector(writer, "maximum", object.bounding_box.max());
+  writer.EndObject();
+  writer.EndObject();
+}
+
+}  // namespace
+
+std::string capacitance_json(const std::vector<SensorCapacitance>& sensors, const CapacitanceOptions& options,
+                             double seconds) {
+  rapidjson::StringBuffer buffer;
+  Writer writer(buffer);
+  writer.StartObject();
+  writer.Key("options");
+  writer.StartObject();
+  write_text(writer, "method", to_string(options.method));
+  writer.EndObject();
+  write_number(writer, "seconds", seconds);
+  writer.Key("sensors");
+  writer.StartArray();
+  for (const SensorCapacitance& sensor : sensors)
+    write_sensor(writer, sensor);
+  writer.EndArray();
+  writer.EndObject();
+  return buffer.GetString();
+}
+
+std::string info_json(const SceneInfo& info) {
+  rapidjson::StringBuffer buffer;
+  Writer writer(buffer);
+  writer.StartObject();
+  writer.Key("counts");
+  writer.StartObject();
+  write_count(writer, "links", info.links);
+  write_count(writer, "sensors", info.sensors);
+  write_count(writer, "distance_sensors", info.distance_sensors);
+  write_count(writer, "objects", info.objects.size());
+  write_count(writer, "triangles", info.triangles);
+  writer.EndObject();
+  writer.Key("objects");
+  writer.StartArray();
+  for (const ObjectInfo& object : info.objects)
+    write_object(writer, object);
+  writer.EndArray();
+  writer.EndObject();
+  return buffer.GetString();
+}
+
+}  // namespace fringe::cli

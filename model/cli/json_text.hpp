@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fringe/capacitance.hpp"
+#include "fringe/scene_info.hpp"
+
+/// The answers as JSON documents. Infinity is written as the number 1e999, which every reader of JSON takes
+/// for one.
+namespace fringe::cli {
+
+std::string capacitance_json(const std::vector<SensorCapacitance>& sensors, const CapacitanceOptions& options,
+                             double seconds);
+
+std::string info_json(const SceneInfo& info);
+
+}  // namespace fringe::cli

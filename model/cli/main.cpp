@@ -1,0 +1,95 @@
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "fringe/capacitance.hpp"
+#include "fringe/error.hpp"
+#include "fringe/scene_info.hpp"
+#include "fringe/scene_reader.hpp"
+#include "fringe/version.hpp"
+#include "json_text.hpp"
+#include "table_text.hpp"
+
+namespace {
+
+using namespace fringe;
+
+enum ExitCode { answered = 0, failed = 1, wrong_input = 2 };
+
+/// What the command line asks for.
+struct Request {
+  std::string scene;
+  std::string method = "exact";
+  bool json = false;
+};
+
+CLI::App* add_command(CLI::App& program, Request& request, const std::string& name,
+                      const std::string& description) {
+  CLI::App* command = program.add_subcommand(name, description);
+  command->set_version_flag("--version", version());
+  command->add_option("SCENE", request.scene, "The scene file (TOML)")->required();
+  command->add_flag("--json", request.json, "Print one JSON document instead of a table");
+  return command;
+}
+
+std::string answer_capacitance(const Request& request) {
+  const CapacitanceOptions options{parse_method(request.method)};
+  const Scene scene = load_scene(request.scene);
+  const auto start = std::chrono::steady_clock::now();
+  const std::vector<SensorCapacitance> sensors = capacitance(scene, options);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  return request.json ? cli::capacitance_json(sensors, options, elapsed.count())
+                      : cli::capacitance_table(sensors, options, elapsed.count());
+}
+
+std::string answer_info(const Request& request) {
+  const SceneInfo info = scene_info(load_scene(request.scene));
+  return request.json ? cli::info_json(info) : cli::info_table(info);
+}
+
+int run(int argument_count, char** arguments) {
+  CLI::App program("fringe: what a capacitive proximity sensor feels of the objects around it");
+  program.set_version_flag("--version", version());
+  program.require_subcommand(1);
+  Request request;
+  CLI::App* capacitance_command =
+      add_command(program, request, "capacitance",
+                  "Capacitance and output voltage of every sensor by the triangle-integral model");
+  capacitance_command->add_option("--method", request.method, "exact, split:N or gauss:K")
+      ->capture_default_str();
+  add_command(program, request, "info", "Counts, areas, volumes and bounding boxes");
+  try {
+    program.parse(argument_count, arguments);
+  } catch (const CLI::ParseError& error) {
+    // Help and version end in an "error" too, one with exit code 0.
+    return program.exit(error, std::cout, std::cerr) == 0 ? answered : wrong_input;
+  }
+
+  std::string answer =
+      program.got_subcommand(capacitance_command) ? answer_capacitance(request) : answer_info(request);
+  if (answer.back() != '\n')
+    answer += '\n';
+  std::cout << answer << std::flush;
+  if (!std::cout)
+    throw std::runtime_error("the answer could not be written");
+  return answered;
+}
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+  try {
+    return run(argument_count, arguments);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "fringe: {}\n", error.what());
+    return wrong_input;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "fringe: {}\n", error.what());
+    return failed;
+  }
+}

@@ -1,0 +1,44 @@
+#include "table_text.hpp"
+
+#include <fmt/format.h>
+
+namespace fringe::cli {
+namespace {
+
+constexpr double picofarads_per_farad = 1e12;
+
+}  // namespace
+
+std::string capacitance_table(const std::vector<SensorCapacitance>& sensors,
+                              const CapacitanceOptions& options, double seconds) {
+  std::string text = fmt::format("method {}, {:.3g} s\n", to_string(options.method), seconds);
+  for (const SensorCapacitance& sensor : sensors) {
+    text += fmt::format("\nsensor {}{}\n", sensor.name, sensor.contact ? " (contact)" : "");
+    for (const ObjectCapacitance& object : sensor.objects)
+      text += fmt::format("  {:<24} {:>14.6g} pF\n", object.name, object.capacitance * picofarads_per_farad);
+    text += fmt::format("  {:<24} {:>14.6g} pF\n", "total", sensor.total * picofarads_per_farad);
+    text += fmt::format("  {:<24} {:>14.6g} V\n", "voltage", sensor.voltage);
+    text += fmt::format("  {:<24} {:>14.6g} V\n", "delta voltage", sensor.delta_voltage);
+  }
+  return text;
+}
+
+std::string info_table(const SceneInfo& info) {
+  std::string text =
+      fmt::format("{} links, {} sensors, {} distance sensors, {} objects, {} triangles\n", info.links,
+                  info.sensors, info.distance_sensors, info.objects.size(), info.triangles);
+  for (const ObjectInfo& object : info.objects) {
+    const auto& low = object.bounding_box.min();
+    const auto& high = object.bounding_box.max();
+    text += fmt::format("\nobject {}\n", object.name);
+    text += fmt::format("  {:<10} {}\n", "triangles", object.triangles);
+    text += fmt::format("  {:<10} {:.6g} m2\n", "area", object.area);
+    text += fmt::format("  {:<10} {}\n", "volume",
+                        object.volume ? fmt::format("{:.6g} m3", *object.volume) : "none: open surface");
+    text += fmt::format("  {:<10} x {:.6g} to {:.6g}, y {:.6g} to {:.6g}, z {:.6g} to {:.6g} m\n", "box",
+                        low.x(), high.x(), low.y(), high.y(), low.z(), high.z());
+  }
+  return text;
+}
+
+}  // namespace fringe::cli

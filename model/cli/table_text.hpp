@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fringe/capacitance.hpp"
+#include "fringe/scene_info.hpp"
+
+/// The answers as tables for people: capacitances in pF.
+namespace fringe::cli {
+
+std::string capacitance_table(const std::vector<SensorCapacitance>& sensors,
+                              const CapacitanceOptions& options, double seconds);
+
+std::string info_table(const SceneInfo& info);
+
+}  // namespace fringe::cli

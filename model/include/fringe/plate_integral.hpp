@@ -1,0 +1,27 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "fringe/method.hpp"
+#include "fringe/rectangle.hpp"
+#include "fringe/triangle.hpp"
+
+namespace fringe {
+
+/// ∫dA/d over a triangle in metres, d the shortest distance from a point of the triangle to the plate
+/// (thesis 5.3.1 to 5.3.3). Times the permittivity it is the triangle's share of the capacitance.
+///
+/// Both sides of the plate count alike. The result is 0 for a triangle without area, and +infinity where the
+/// triangle meets the plate in such a way that the integral diverges (it crosses the plate, or an edge lies
+/// on it; a single vertex on the plate leaves the integral finite).
+///
+/// @throws InputError when a vertex is not finite, the plate is not a rectangle, or the method is out of
+/// range.
+double plate_integral(const Triangle& triangle, const Rectangle& plate, const Method& method = Exact{});
+
+/// plate_integral of each triangle, in their order; an error names the triangle by its index.
+std::vector<double> plate_integrals(std::span<const Triangle> triangles, const Rectangle& plate,
+                                    const Method& method = Exact{});
+
+}  // namespace fringe

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "fringe/rectangle.hpp"
+#include "fringe/shape.hpp"
+
+namespace fringe {
+
+/// What fills the space between the conductors.
+struct Medium {
+  double relative_permittivity = 1.0;
+};
+
+/// A node of the tree of links (thesis, appendix A).
+struct Link {
+  std::string name;
+  std::optional<std::size_t> parent;                       ///< index among the links; none: a root
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< from this link's frame to its parent's
+};
+
+/// A capacitive sensor: one conductor made of one or more rectangles, read through a voltage divider
+/// (thesis 5.3.5).
+struct Sensor {
+  std::string name;
+  std::optional<std::size_t> link;      ///< index among the links; none: the world
+  double input_voltage = 2.5;           ///< V
+  double coupling_capacitance = 5e-12;  ///< F
+  std::vector<Rectangle> plates;        ///< in the link's frame
+};
+
+/// A sensor that looks for the closest point in a cone.
+struct DistanceSensor {
+  std::string name;
+  std::optional<std::size_t> link;  ///< index among the links; none: the world
+  Eigen::Vector3d apex;             ///< m, in the link's frame
+  Eigen::Vector3d direction;        ///< in the link's frame, of any length but zero
+  double full_angle_degrees;        ///< in (0, 180]
+  double range;                     ///< m
+};
+
+/// A conductor held at the potential of the ground.
+struct Grounded {};
+
+/// An insulated conductor without net charge.
+struct Floating {};
+
+/// A body that polarises instead of conducting.
+struct Dielectric {
+  double relative_permittivity;
+};
+
+using ElectricalRole = std::variant<Grounded, Floating, Dielectric>;
+
+/// A body the sensors see.
+struct Object {
+  std::string name;
+  std::optional<std::size_t> link;  ///< index among the links; none: the world
+  Shape shape;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< from the shape's frame to the link's
+  ElectricalRole role = Grounded{};
+  bool collides = true;
+};
+
+/// Everything a scene file says, in the file's order.
+struct Scene {
+  Medium medium;
+  std::vector<Link> links;
+  std::vector<Sensor> sensors;
+  std::vector<DistanceSensor> distance_sensors;
+  std::vector<Object> objects;
+};
+
+}  // namespace fringe

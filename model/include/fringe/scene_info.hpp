@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "fringe/scene.hpp"
+
+namespace fringe {
+
+/// What can be said about an object without any physics; in the world frame.
+struct ObjectInfo {
+  std::string name;
+  std::size_t triangles;
+  double area;                   ///< m²
+  std::optional<double> volume;  ///< m³, positive when the triangles face outward; none for an open surface
+  Eigen::AlignedBox3d bounding_box;  ///< m, sides along the world's axes
+};
+
+struct SceneInfo {
+  std::size_t links;
+  std::size_t sensors;
+  std::size_t distance_sensors;
+  std::size_t triangles;  ///< of all objects
+  std::vector<ObjectInfo> objects;
+};
+
+SceneInfo scene_info(const Scene& scene);
+
+}  // namespace fringe

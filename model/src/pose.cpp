@@ -1,0 +1,82 @@
+#include "fringe/pose.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "fringe/error.hpp"
+
+namespace fringe {
+namespace {
+
+Eigen::Isometry3d isometry(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = rotation;
+  pose.translation() = translation;
+  return pose;
+}
+
+}  // namespace
+
+Eigen::Isometry3d pose_from_axis(const Eigen::Vector3d& axis, double degrees,
+                                 const Eigen::Vector3d& translation) {
+  // stableNormalized: neither a tiny nor a huge axis may overflow.
+  const Eigen::AngleAxisd rotation(degrees * std::numbers::pi / 180, axis.stableNormalized());
+  return isometry(rotation.toRotationMatrix(), translation);
+}
+
+Eigen::Isometry3d pose_from_quaternion(const Eigen::Quaterniond& quaternion,
+                                       const Eigen::Vector3d& translation) {
+  Eigen::Quaterniond unit = quaternion;
+  unit.coeffs() = quaternion.coeffs().stableNormalized();
+  return isometry(unit.toRotationMatrix(), translation);
+}
+
+Eigen::Isometry3d pose_from_matrix(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {
+  /// As far from orthogonal as a rectangle's edges may be.
+  constexpr double tolerance = 1e-9;
+  if (!rotation.allFinite() || !translation.allFinite())
+    throw InputError("a pose must be finite");
+  const double deviation =
+      (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(deviation <= tolerance) || rotation.determinant() < 0)
+    throw InputError("the rotation must be an orthonormal, right-handed matrix");
+  return isometry(rotation, translation);
+}
+
+std::vector<Eigen::Isometry3d> world_poses(const std::vector<Link>& links) {
+  std::vector<Eigen::Isometry3d> poses;
+  poses.reserve(links.size());
+  for (const Link& link : links) {
+    Eigen::Isometry3d pose = link.pose;
+    for (std::optional<std::size_t> parent = link.parent; parent; parent = links[*parent].parent)
+      pose = links[*parent].pose * pose;
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+Eigen::Isometry3d attachment_pose(const std::vector<Eigen::Isometry3d>& link_poses,
+                                  std::optional<std::size_t> link) {
+  return link ? link_poses[*link] : Eigen::Isometry3d::Identity();
+}
+
+void set_pose(Scene& scene, std::string_view link_name, const Eigen::Isometry3d& pose) {
+  const auto link = std::find_if(scene.links.begin(), scene.links.end(),
+                                 [=](const Link& candidate) { return candidate.name == link_name; });
+  if (link == scene.links.end())
+    throw InputError(fmt::format("the scene has no link \"{}\"", link_name));
+  link->pose = pose;
+}
+
+Rectangle transformed(const Rectangle& rectangle, const Eigen::Isometry3d& pose) {
+  return {pose * rectangle.corner, pose.linear() * rectangle.edge_u, pose.linear() * rectangle.edge_v};
+}
+
+Triangle transformed(const Triangle& triangle, const Eigen::Isometry3d& pose) {
+  return {pose * triangle[0], pose * triangle[1], pose * triangle[2]};
+}
+
+}  // namespace fringe

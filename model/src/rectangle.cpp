@@ -1,0 +1,24 @@
+#include "fringe/rectangle.hpp"
+
+#include <cmath>
+
+#include "fringe/error.hpp"
+
+namespace fringe {
+
+void validate(const Rectangle& rectangle) {
+  /// How far from a right angle the edges may be: what is left after single-precision rotations are cleaned
+  /// up, and far below what the model's physics resolves.
+  constexpr double largest_cosine = 1e-9;
+  if (!rectangle.corner.allFinite() || !rectangle.edge_u.allFinite() || !rectangle.edge_v.allFinite())
+    throw InputError("the rectangle's corner and edges must be finite");
+  const double length_u = rectangle.edge_u.stableNorm(), length_v = rectangle.edge_v.stableNorm();
+  if (length_u == 0 || length_v == 0)
+    throw InputError("a rectangle's edge must not have length zero");
+  if (!std::isfinite(length_u) || !std::isfinite(length_v))
+    throw InputError("a rectangle's edge is too long");
+  if (!(std::abs((rectangle.edge_u / length_u).dot(rectangle.edge_v / length_v)) <= largest_cosine))
+    throw InputError("edge_u and edge_v are not at right angles");
+}
+
+}  // namespace fringe

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+#include <toml++/toml.h>
+
+/// Reading a TOML table key by key with errors that say file, line, key and reason.
+namespace fringe::detail {
+
+/// Wraps one table of a scene file. Every `read` names its key; what was never named is an unknown key, which
+/// `finish` reports. The required reads throw InputError when the key is missing, all of them when the value
+/// is of a wrong kind.
+class TableReader {
+ public:
+  /// `prefix` stands before every key in messages, for instance `object "target": `.
+  TableReader(const toml::table& table, std::string file, std::string prefix);
+
+  bool has(std::string_view key) const { return table_->contains(key); }
+
+  std::string name(std::string_view key);
+  std::string text(std::string_view key);
+  bool boolean_or(std::string_view key, bool otherwise);
+  double number(std::string_view key);
+  double positive_number(std::string_view key);
+  double positive_number_or(std::string_view key, double otherwise);
+  int whole_number_or(std::string_view key, int least, int otherwise);
+  std::vector<double> numbers(std::string_view key, std::size_t count);
+  std::vector<double> positive_numbers(std::string_view key, std::size_t count);
+  Eigen::Vector3d vector(std::string_view key);
+  Eigen::Vector3d vector_or_zero(std::string_view key);
+  Eigen::Vector3d nonzero_vector(std::string_view key);
+
+  TableReader table(std::string_view key);
+  /// The tables of an array; none when the key is missing.
+  std::vector<TableReader> tables(std::string_view key);
+
+  /// From here on messages call this table what it is rather than where it stands.
+  void rename(std::string prefix) { prefix_ = std::move(prefix); }
+
+  /// Throws for a key that nothing asked for.
+  void finish() const;
+
+  /// Throws InputError about a key of this table, or about the table itself when the table has no such key.
+  [[noreturn]] void fail(std::string_view key, std::string_view reason) const;
+
+ private:
+  const toml::node* find(std::string_view key);
+  const toml::node& require(std::string_view key);
+  double finite(std::string_view key, const toml::node& node) const;
+
+  const toml::table* table_;
+  std::string file_;
+  std::string prefix_;
+  std::set<std::string, std::less<>> asked_;
+};
+
+/// "FILE:LINE: KEY: REASON", without a line when it is 0 and without a key when that is empty.
+std::string located_message(std::string_view file, unsigned line, std::string_view key,
+                            std::string_view reason);
+
+}  // namespace fringe::detail

@@ -1,0 +1,139 @@
+#include "fringe/triangulation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+namespace fringe {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double pi = std::numbers::pi;
+
+/// Adds the quad p q r s, anticlockwise seen from outside, as (p q r) and (p r s).
+void add_quad(std::vector<Triangle>& triangles, const Vector3d& p, const Vector3d& q, const Vector3d& r,
+              const Vector3d& s) {
+  triangles.push_back({p, q, r});
+  triangles.push_back({p, r, s});
+}
+
+/// The point at an angle on a circle about z.
+Vector3d on_circle(double radius, double angle, double z) {
+  return {radius * std::cos(angle), radius * std::sin(angle), z};
+}
+
+/// The k-th of n points evenly spread over a circle about z; the n-th is the first again, to the last bit.
+Vector3d on_circle(double radius, int k, int n, double z) {
+  return on_circle(radius, 2 * pi * (k % n) / n, z);
+}
+
+std::vector<Triangle> triangles_of(const Plate& plate) {
+  const double x = plate.size_x / 2, y = plate.size_y / 2;
+  std::vector<Triangle> triangles;
+  add_quad(triangles, {-x, -y, 0}, {x, -y, 0}, {x, y, 0}, {-x, y, 0});
+  return triangles;
+}
+
+std::vector<Triangle> triangles_of(const Cuboid& cuboid) {
+  std::array<Vector3d, 8> vertices;
+  for (int i = 0; i < 8; ++i)
+    vertices[i] = {(i & 1 ? 0.5 : -0.5) * cuboid.size_x, (i & 2 ? 0.5 : -0.5) * cuboid.size_y,
+                   (i & 4 ? 0.5 : -0.5) * cuboid.size_z};
+  constexpr std::array<std::array<int, 4>, 6> faces{
+      {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
+  std::vector<Triangle> triangles;
+  for (const auto& [p, q, r, s] : faces)
+    add_quad(triangles, vertices[p], vertices[q], vertices[r], vertices[s]);
+  return triangles;
+}
+
+std::vector<Triangle> triangles_of(const Cylinder& cylinder) {
+  const double bottom = -cylinder.height / 2, top = cylinder.height / 2;
+  std::vector<Triangle> triangles;
+  for (int k = 0; k < cylinder.segments; ++k) {
+    const Vector3d bottom_here = on_circle(cylinder.radius, k, cylinder.segments, bottom);
+    const Vector3d bottom_next = on_circle(cylinder.radius, k + 1, cylinder.segments, bottom);
+    const Vector3d top_here{bottom_here.x(), bottom_here.y(), top},
+        top_next{bottom_next.x(), bottom_next.y(), top};
+    add_quad(triangles, bottom_here, bottom_next, top_next, top_here);
+    triangles.push_back({Vector3d(0, 0, bottom), bottom_next, bottom_here});
+    triangles.push_back({Vector3d(0, 0, top), top_here, top_next});
+  }
+  return triangles;
+}
+
+std::vector<Triangle> triangles_of(const Cone& cone) {
+  const double base = -cone.height / 2;
+  std::vector<Triangle> triangles;
+  for (int k = 0; k < cone.segments; ++k) {
+    const Vector3d here = on_circle(cone.radius, k, cone.segments, base);
+    const Vector3d next = on_circle(cone.radius, k + 1, cone.segments, base);
+    triangles.push_back({here, next, Vector3d(0, 0, cone.height / 2)});
+    triangles.push_back({Vector3d(0, 0, base), next, here});
+  }
+  return triangles;
+}
+
+std::vector<Triangle> triangles_of(const Arc& arc) {
+  const bool full_ring = arc.degrees == 360;
+  struct Ring {
+    Vector3d inner_bottom, outer_bottom, inner_top, outer_top;
+  };
+  const auto ring = [&](int k) {
+    // At 360 degrees the last ring is the first, to the last bit.
+    const double fraction = static_cast<double>(full_ring ? k % arc.segments : k) / arc.segments - 0.5;
+    const double angle = arc.degrees * fraction * pi / 180;
+    const double bottom = -arc.height / 2, top = arc.height / 2;
+    return Ring{on_circle(arc.inner_radius, angle, bottom), on_circle(arc.outer_radius, angle, bottom),
+                on_circle(arc.inner_radius, angle, top), on_circle(arc.outer_radius, angle, top)};
+  };
+  std::vector<Triangle> triangles;
+  for (int k = 0; k < arc.segments; ++k) {
+    const Ring a = ring(k), b = ring(k + 1);
+    add_quad(triangles, a.outer_bottom, b.outer_bottom, b.outer_top, a.outer_top);
+    add_quad(triangles, b.inner_bottom, a.inner_bottom, a.inner_top, b.inner_top);
+    add_quad(triangles, a.inner_bottom, b.inner_bottom, b.outer_bottom, a.outer_bottom);
+    add_quad(triangles, a.inner_top, a.outer_top, b.outer_top, b.inner_top);
+  }
+  if (!full_ring) {
+    const Ring first = ring(0), last = ring(arc.segments);
+    add_quad(triangles, first.inner_bottom, first.outer_bottom, first.outer_top, first.inner_top);
+    add_quad(triangles, last.outer_bottom, last.inner_bottom, last.inner_top, last.outer_top);
+  }
+  return triangles;
+}
+
+std::vector<Triangle> triangles_of(const Sphere& sphere) {
+  const int n = sphere.segments;
+  const int bands = std::max(2, n / 2);
+  const auto point = [&](int j, int k) {
+    const double polar = pi * j / bands;
+    return on_circle(sphere.radius * std::sin(polar), k, n, sphere.radius * std::cos(polar));
+  };
+  const Vector3d north(0, 0, sphere.radius), south(0, 0, -sphere.radius);
+  std::vector<Triangle> triangles;
+  triangles.reserve(2 * static_cast<std::size_t>(n) * static_cast<std::size_t>(bands - 1));
+  for (int k = 0; k < n; ++k)
+    triangles.push_back({north, point(1, k), point(1, k + 1)});
+  for (int j = 1; j <= bands - 2; ++j)
+    for (int k = 0; k < n; ++k)
+      add_quad(triangles, point(j, k), point(j + 1, k), point(j + 1, k + 1), point(j, k + 1));
+  for (int k = 0; k < n; ++k)
+    triangles.push_back({south, point(bands - 1, k + 1), point(bands - 1, k)});
+  return triangles;
+}
+
+std::vector<Triangle> triangles_of(const Mesh& mesh) {
+  return mesh.triangles;
+}
+
+}  // namespace
+
+std::vector<Triangle> triangulate(const Shape& shape) {
+  return std::visit([](const auto& form) { return triangles_of(form); }, shape);
+}
+
+}  // namespace fringe

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "fringe/plate_integral.hpp"
+
+/// What the tests of the integral build their triangles with.
+namespace fringe::test {
+
+/// The two triangles of the parallelogram corner + a·u + b·v.
+inline std::vector<Triangle> parallelogram(const Eigen::Vector3d& corner, const Eigen::Vector3d& u,
+                                           const Eigen::Vector3d& v) {
+  return {{corner, corner + u, corner + u + v}, {corner, corner + u + v, corner + v}};
+}
+
+inline double total_integral(const std::vector<Triangle>& triangles, const Rectangle& plate,
+                             const Method& method = Exact{}) {
+  double sum = 0;
+  for (const double value : plate_integrals(triangles, plate, method))
+    sum += value;
+  return sum;
+}
+
+/// Random numbers that are the same with every standard library: the engine is fixed by the standard, the
+/// distributions are not.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+
+  double uniform(double low, double high) {
+    const double share = static_cast<double>(engine_() >> 11U) * 0x1p-53;
+    return low + share * (high - low);
+  }
+
+  Eigen::Vector3d in_box(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+    const double x = uniform(low.x(), high.x()), y = uniform(low.y(), high.y());
+    return {x, y, uniform(low.z(), high.z())};
+  }
+
+  Triangle triangle_in_box(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+    const Eigen::Vector3d a = in_box(low, high), b = in_box(low, high);
+    return {a, b, in_box(low, high)};
+  }
+
+  Eigen::Isometry3d rigid_motion() {
+    const Eigen::Vector3d axis = in_box({-1, -1, -1}, {1, 1, 1}).normalized();
+    Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+    motion.rotate(Eigen::AngleAxisd(uniform(0, 6), axis));
+    motion.pretranslate(in_box({-1, -1, -1}, {1, 1, 1}));
+    return motion;
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+}  // namespace fringe::test

@@ -1,0 +1,178 @@
+#include "fringe/mesh_file.hpp"
+
+#include <bit>
+#include <cstdint>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fringe/error.hpp"
+#include "temporary_folder.hpp"
+
+namespace fringe {
+namespace {
+
+using Eigen::Vector3d;
+
+class MeshFile : public test::TemporaryFolder {
+ protected:
+  void expect_refused(const std::string& name, const std::string& content, const std::string& reason) const {
+    try {
+      read_mesh_file(write(name, content));
+      FAIL() << name << " is accepted";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(reason));
+    }
+  }
+};
+
+const std::string ascii_stl = R"(solid two
+facet normal 0 0 1
+outer loop
+vertex 0 0 1
+vertex 1 0 1
+vertex 0 1 1
+endloop
+endfacet
+facet normal 0 0 1
+outer loop
+vertex 0 0 0
+vertex 1 0 0
+vertex 0 1 0
+endloop
+endfacet
+endsolid two
+)";
+
+const std::string obj = R"(v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+v 0.5 2 0
+l 1 2
+f 1 2 3 5 4
+f 3 2 1
+)";
+
+const std::string ascii_ply = R"(ply
+format ascii 1.0
+comment four corners
+element vertex 4
+property float x
+property float y
+property float z
+element face 2
+property list uchar int vertex_indices
+end_header
+0 0 0
+1 0 0
+1 1 0
+0 1 0
+4 0 1 2 3
+3 2 1 0
+)";
+
+template <class Number>
+void append_bytes(std::string& target, Number number) {
+  static_assert(std::endian::native == std::endian::little);
+  const auto bytes = std::bit_cast<std::array<char, sizeof(Number)>>(number);
+  target.append(bytes.data(), bytes.size());
+}
+
+std::string binary_stl() {
+  std::string content(80, '\0');
+  append_bytes(content, std::uint32_t{1});
+  for (const float number : {0.F, 0.F, 1.F, 0.F, 0.F, 0.F, 2.F, 0.F, 0.F, 0.F, 3.F, 0.F})
+    append_bytes(content, number);
+  append_bytes(content, std::uint16_t{0});
+  return content;
+}
+
+std::string binary_ply() {
+  std::string content = ascii_ply.substr(0, ascii_ply.find("0 0 0\n"));
+  content.replace(content.find("ascii"), 5, "binary_little_endian");
+  for (const float number : {0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 1.F, 1.F, 0.F, 0.F, 1.F, 0.F})
+    append_bytes(content, number);
+  append_bytes(content, std::uint8_t{4});
+  for (const std::int32_t index : {0, 1, 2, 3})
+    append_bytes(content, index);
+  append_bytes(content, std::uint8_t{3});
+  for (const std::int32_t index : {2, 1, 0})
+    append_bytes(content, index);
+  return content;
+}
+
+const std::vector<Triangle> two_faces_of_ply{{Vector3d{0, 0, 0}, {1, 0, 0}, {1, 1, 0}},
+                                             {Vector3d{0, 0, 0}, {1, 1, 0}, {0, 1, 0}},
+                                             {Vector3d{1, 1, 0}, {1, 0, 0}, {0, 0, 0}}};
+
+TEST_F(MeshFile, StlKeepsTheOrderOfTheFile) {
+  const std::vector<Triangle> triangles = read_mesh_file(write("two.stl", ascii_stl));
+  ASSERT_EQ(triangles.size(), 2U);
+  EXPECT_EQ(triangles[0], (Triangle{Vector3d{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}));
+  EXPECT_EQ(triangles[1], (Triangle{Vector3d{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+}
+
+TEST_F(MeshFile, BinaryStlIsReadWhateverTheCaseOfItsExtension) {
+  const std::vector<Triangle> triangles = read_mesh_file(write("one.STL", binary_stl()));
+  EXPECT_THAT(triangles, testing::ElementsAre(Triangle{Vector3d{0, 0, 0}, {2, 0, 0}, {0, 3, 0}}));
+}
+
+TEST_F(MeshFile, ObjPolygonsAreFansFromTheirFirstVertexAndLinesAreLeftOut) {
+  const std::vector<Triangle> triangles = read_mesh_file(write("five.obj", obj));
+  const Vector3d a(0, 0, 0), b(1, 0, 0), c(1, 1, 0), d(0, 1, 0), e(0.5, 2, 0);
+  EXPECT_THAT(triangles, testing::ElementsAre(Triangle{a, b, c}, Triangle{a, c, e}, Triangle{a, e, d},
+                                              Triangle{c, b, a}));
+}
+
+TEST_F(MeshFile, PlyIsReadAsTextAndAsBytes) {
+  EXPECT_EQ(read_mesh_file(write("text.ply", ascii_ply)), two_faces_of_ply);
+  EXPECT_EQ(read_mesh_file(write("bytes.ply", binary_ply())), two_faces_of_ply);
+}
+
+TEST_F(MeshFile, MustExistAndHaveAKnownExtension) {
+  EXPECT_THROW(read_mesh_file(folder() / "missing.stl"), InputError);
+  EXPECT_THROW(read_mesh_file(folder()), InputError);
+  expect_refused("mesh.vtk", ascii_stl, ".stl, .obj or .ply");
+}
+
+TEST_F(MeshFile, MustHaveFaces) {
+  expect_refused("empty.stl", "", "cannot be read");
+  expect_refused("points.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n", "has no faces");
+}
+
+TEST_F(MeshFile, MustNotBeTruncated) {
+  expect_refused("text.stl", ascii_stl.substr(0, ascii_stl.rfind("vertex")), "cannot be read");
+  expect_refused("bytes.stl", binary_stl().substr(0, 100), "cannot be read");
+  const std::string bytes = binary_ply();
+  for (const std::size_t missing : {1U, 13U, 20U, 40U})
+    expect_refused("bytes.ply", bytes.substr(0, bytes.size() - missing), "ends before the data");
+  for (const std::size_t missing : {3U, 8U, 20U, 40U})
+    expect_refused("text.ply", ascii_ply.substr(0, ascii_ply.size() - missing), "ends before the data");
+  expect_refused("header.ply", ascii_ply.substr(0, 60), "header");
+}
+
+TEST_F(MeshFile, MustNotNameVerticesThatDoNotExist) {
+  expect_refused("index.obj", obj + "f 1 2 99\n", "cannot be read");
+  std::string ply = ascii_ply;
+  expect_refused("index.ply", ply.replace(ply.find("3 2 1 0"), 7, "3 2 1 9"), "vertex 9 of 4");
+}
+
+TEST_F(MeshFile, MustBeFinite) {
+  std::string ply = ascii_ply;
+  expect_refused("nan.ply", ply.replace(ply.find("1 1 0"), 5, "nan 1 0"), "");
+  std::string stl = ascii_stl;
+  expect_refused("nan.stl", stl.replace(stl.find("vertex 1 0 1"), 12, "vertex nan 0 1"), "not finite");
+}
+
+TEST_F(MeshFile, OfGarbageIsRefused) {
+  std::string garbage = "ply\n";
+  for (unsigned i = 0; i < 4000; ++i)
+    garbage += static_cast<char>(i * 2654435761U >> 13U);
+  for (const char* name : {"garbage.stl", "garbage.obj", "garbage.ply"})
+    expect_refused(name, garbage, "mesh file");
+}
+
+}  // namespace
+}  // namespace fringe

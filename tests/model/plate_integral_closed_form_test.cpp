@@ -1,0 +1,114 @@
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "fringe/plate_integral.hpp"
+#include "geometry.hpp"
+
+/// Integrals that calculus gives in one line, the line beside the code. The plate is 0 ≤ x ≤ 3, 0 ≤ y ≤ 2, z
+/// = 0.
+namespace fringe {
+namespace {
+
+using test::parallelogram;
+using test::total_integral;
+
+const Rectangle plate{{0, 0, 0}, {3, 0, 0}, {0, 2, 0}};
+constexpr double tolerance = 4e-15;
+
+void expect_close(double value, double expected) {
+  EXPECT_NEAR(value, expected, tolerance * expected);
+}
+
+TEST(PlateIntegralInRegionI, OfAParallelPlateIsAreaOverDistance) {
+  // ∫dA/d = A/d
+  for (const double distance : {1e-9, 0.02, 1.0, 1e6})
+    expect_close(total_integral(parallelogram({0.5, 0.25, distance}, {2, 0, 0}, {0, 1.5, 0}), plate),
+                 3 / distance);
+}
+
+TEST(PlateIntegralInRegionI, OfAnInclinedPlateIsALogarithm) {
+  // d = s·sin θ at the distance s from the line where the planes meet: ∫dA/d = (w/sin θ)·ln(s₂/s₁)
+  for (const double angle : {1e-3, 0.1, 0.7, 1.2}) {
+    const double s1 = 0.1, s2 = 2.9, width = 1.5;
+    const Eigen::Vector3d slope(std::cos(angle), 0, std::sin(angle));
+    const std::vector<Triangle> target =
+        parallelogram(s1 * slope + Eigen::Vector3d(0, 0.25, 0), (s2 - s1) * slope, {0, width, 0});
+    expect_close(total_integral(target, plate), width / std::sin(angle) * std::log(s2 / s1));
+  }
+}
+
+TEST(PlateIntegralInRegionI, OfAVerticalPlateIsALogarithm) {
+  // d = z: ∫dA/d = w·ln(z₂/z₁)
+  expect_close(total_integral(parallelogram({1, 0.5, 0.01}, {0, 1, 0}, {0, 0, 0.99}), plate),
+               std::log(100.0));
+}
+
+TEST(PlateIntegralInRegionI, IsFiniteForATriangleThatTouchesThePlateWithOneVertex) {
+  // Heights 0, h, h over a triangle of area A, width growing in proportion to height: ∫dA/d = ∫₀ʰ (2A/h²)·z
+  // dz/z = 2A/h
+  const double h = 0.5;
+  const Triangle triangle{Eigen::Vector3d{1, 1, 0}, {1.5, 1, h}, {1.5, 1.5, h}};
+  expect_close(plate_integral(triangle, plate), twice_area(triangle) / h);
+}
+
+TEST(PlateIntegralInRegionII, OfAParallelStripIsADifferenceOfInverseHyperbolicSines) {
+  // d = √(x² + z²): ∫dA/d = w·(asinh(b/z) − asinh(a/z))
+  const double a = 0.5, b = 4, width = 1.5;
+  for (const double z : {1e-3, 0.4, 10.0}) {
+    const std::vector<Triangle> strip = parallelogram({-b, 0.25, z}, {b - a, 0, 0}, {0, width, 0});
+    expect_close(total_integral(strip, plate), width * (std::asinh(b / z) - std::asinh(a / z)));
+  }
+}
+
+TEST(PlateIntegralInRegionII, OfAStripInThePlatesPlaneIsALogarithm) {
+  // d = x − 3: ∫dA/d = w·ln(b/a)
+  expect_close(total_integral(parallelogram({3.5, 0.25, 0}, {3.5, 0, 0}, {0, 1.5, 0}), plate),
+               1.5 * std::log(8.0));
+}
+
+TEST(PlateIntegralInRegionII, OfATriangleAcrossTheEdgesDirectionIsThatOfAPointInThePlane) {
+  // In the plane y = 1 the edge is a point. A right triangle with that point as the vertex of its right angle
+  // and legs a: ∫dA/r = ∫ρ(φ)dφ = √2·a·asinh(1)
+  const double a = 0.7;
+  const Triangle triangle{Eigen::Vector3d{0, 1, 0}, {-a, 1, 0}, {0, 1, a}};
+  expect_close(plate_integral(triangle, plate), std::sqrt(2) * a * std::asinh(1));
+}
+
+TEST(PlateIntegralInRegionIII, OfATriangleAtTheCornerIsALogarithm) {
+  // A right triangle in the plate's plane, the plate's corner at its right angle, legs a: ∫dA/r =
+  // √2·a·asinh(1)
+  const double a = 0.7;
+  const Triangle triangle{Eigen::Vector3d{0, 0, 0}, {-a, 0, 0}, {0, -a, 0}};
+  expect_close(plate_integral(triangle, plate), std::sqrt(2) * a * std::asinh(1));
+}
+
+TEST(PlateIntegralInRegionIII, OfATriangleAboveTheCornerHasALogarithmAndASolidAngle) {
+  // The same triangle at height z. With p = a/√2 the distance from the right angle to the long side, t = p
+  // half its length, R₀² = p² + z², R² = R₀² + t²: ∫dA/r = 2·(p·asinh(t/R₀) − z·atan(p·t/(R₀² + z·R)))
+  const double a = 0.7;
+  for (const double z : {0.001, 0.3, 5.0}) {
+    const Triangle triangle{Eigen::Vector3d{0, 0, z}, {-a, 0, z}, {0, -a, z}};
+    const double p = a / std::sqrt(2), r0 = std::hypot(p, z), r = std::hypot(r0, p);
+    const double expected = 2 * (p * std::asinh(p / r0) - z * std::atan(p * p / (r0 * r0 + z * r)));
+    // For large z the closed form itself cancels: p·asinh(t/R₀) is z/p times the difference.
+    EXPECT_NEAR(plate_integral(triangle, plate), expected, tolerance * (1 + z / p * z / p) * expected);
+  }
+}
+
+TEST(PlateIntegralAcrossRegions, OfAPlateLargerThanTheSensorIsTheSumOverTheNineCells) {
+  // A parallel rectangle that overlaps the plate by b on every side, at height z: A/z in front of the plate;
+  // asinh(b/z) per unit of length beside each edge; and b × b squares at the corners, each two right
+  // triangles with legs b whose acute angle (45°) is at the corner. With R₀² = b² + z², R² = R₀² + b² such a
+  // square gives 2·(b·asinh(b/R₀) − z·atan(b²/(R₀² + z·R))).
+  const double b = 0.8, z = 0.3;
+  const double r0 = std::hypot(b, z), r = std::hypot(r0, b);
+  const double corner = 2 * (b * std::asinh(b / r0) - z * std::atan(b * b / (r0 * r0 + z * r)));
+  const double expected = 3.0 * 2.0 / z + 2 * (3 + 2) * std::asinh(b / z) + 4 * corner;
+  expect_close(total_integral(parallelogram({-b, -b, z}, {3 + 2 * b, 0, 0}, {0, 2 + 2 * b, 0}), plate),
+               expected);
+}
+
+}  // namespace
+}  // namespace fringe

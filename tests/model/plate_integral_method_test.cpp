@@ -1,0 +1,108 @@
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fringe/error.hpp"
+#include "fringe/plate_integral.hpp"
+#include "geometry.hpp"
+
+/// The numerical methods against the exact one, and what every method refuses.
+namespace fringe {
+namespace {
+
+const Rectangle plate{{0, 0, 0}, {1, 0, 0}, {0, 0.8, 0}};
+
+struct NamedTriangle {
+  const char* region;
+  Triangle triangle;
+};
+
+const std::vector<NamedTriangle> triangles{
+    {"I", {Eigen::Vector3d{0.1, 0.1, 0.5}, {0.8, 0.2, 0.7}, {0.3, 0.7, 0.9}}},
+    {"II", {Eigen::Vector3d{-0.5, 0.1, 0.2}, {-0.9, 0.3, 0.4}, {-0.4, 0.7, 0.6}}},
+    {"III", {Eigen::Vector3d{-0.5, -0.3, 0.2}, {-0.9, -0.2, 0.4}, {-0.4, -0.7, 0.6}}},
+};
+
+double relative_error(const Triangle& triangle, const Method& method) {
+  const double exact = plate_integral(triangle, plate);
+  return std::abs(plate_integral(triangle, plate, method) - exact) / exact;
+}
+
+TEST(SplitMethod, WithoutLevelsIsAreaOverTheCentroidsDistance) {
+  // The centroid (0.4, 0.3, 0.6) lies in front of the plate.
+  const Triangle triangle{Eigen::Vector3d{0.1, 0.1, 0.5}, {0.8, 0.1, 0.4}, {0.3, 0.7, 0.9}};
+  EXPECT_DOUBLE_EQ(plate_integral(triangle, plate, Split{0}), twice_area(triangle) / 2 / 0.6);
+}
+
+TEST(SplitMethod, TakesEverySmallTriangleByTheRegionOfItsCentroid) {
+  // One level: the centroids of the quarters are at x = −5/6, −1/3 (twice: once turned) and 1/6 of the size;
+  // with z = 1 their distances are √(1 + x²) beside the plate and 1 in front of it.
+  const Triangle triangle{Eigen::Vector3d{-1, 0.2, 1}, {0.5, 0.2, 1}, {-1, 0.5, 1}};
+  const double area = 1.5 * 0.3 / 2;
+  const double beside = 2 / std::hypot(1, 0.75) + 1 / std::hypot(1, 0.5);
+  EXPECT_DOUBLE_EQ(plate_integral(triangle, plate, Split{1}), area / 4 * (beside + 1));
+}
+
+TEST(SplitMethod, QuartersItsErrorWithEveryLevel) {
+  for (const auto& [region, triangle] : triangles)
+    for (int levels = 2; levels < 7; ++levels) {
+      const double ratio =
+          relative_error(triangle, Split{levels}) / relative_error(triangle, Split{levels + 1});
+      EXPECT_NEAR(ratio, 4, 0.1) << "region " << region << ", level " << levels;
+    }
+}
+
+TEST(GaussMethod, WithOnePointTakesThePointItsRuleNames) {
+  // Weight 1/2 at u = v = 1/2: the point half way from the first vertex to the middle of the opposite side.
+  const Triangle triangle{Eigen::Vector3d{0.1, 0.1, 0.5}, {0.8, 0.1, 0.4}, {0.4, 0.7, 0.8}};
+  EXPECT_DOUBLE_EQ(plate_integral(triangle, plate, Gauss{1}), twice_area(triangle) * 0.5 / 0.55);
+}
+
+TEST(GaussMethod, ConvergesToTheExactIntegralWithinOneRegion) {
+  for (const auto& [region, triangle] : triangles) {
+    EXPECT_LT(relative_error(triangle, Gauss{4}), 1e-3) << region;
+    EXPECT_LT(relative_error(triangle, Gauss{8}), 1e-6) << region;
+    EXPECT_LT(relative_error(triangle, Gauss{64}), 4e-15) << region;
+  }
+}
+
+TEST(EveryMethod, IsInfiniteWhereTheTriangleCrossesThePlate) {
+  const Triangle crossing{Eigen::Vector3d{0.3, 0.3, -0.2}, {0.6, 0.3, 0.1}, {0.4, 0.6, 0.3}};
+  for (const Method& method : {Method{Exact{}}, Method{Split{0}}, Method{Split{4}}, Method{Gauss{8}}})
+    EXPECT_EQ(plate_integral(crossing, plate, method), std::numeric_limits<double>::infinity());
+}
+
+TEST(EveryMethod, IsFiniteForATriangleInThePlatesPlaneBesideIt) {
+  const Triangle beside{Eigen::Vector3d{-1, 0.1, 0}, {-2, 0.2, 0}, {-1.5, 0.7, 0}};
+  const double exact = plate_integral(beside, plate);
+  EXPECT_NEAR(plate_integral(beside, plate, Split{5}), exact, 1e-4 * exact);
+  EXPECT_NEAR(plate_integral(beside, plate, Gauss{16}), exact, 1e-12 * exact);
+}
+
+TEST(EveryMethod, RefusesParametersOutOfRange) {
+  const Triangle& triangle = triangles.front().triangle;
+  for (const Method& method : {Method{Split{-1}}, Method{Split{11}}, Method{Gauss{0}}, Method{Gauss{65}}})
+    EXPECT_THROW(plate_integral(triangle, plate, method), InputError);
+}
+
+TEST(EveryMethod, RefusesAVertexThatIsNotFiniteAndNamesIt) {
+  std::vector<Triangle> surface{triangles[0].triangle, triangles[1].triangle};
+  surface[1][2].y() = std::numeric_limits<double>::quiet_NaN();
+  try {
+    plate_integrals(surface, plate);
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "triangle 1: vertex 2 is not finite");
+  }
+  EXPECT_THROW(plate_integral(surface[1], plate), InputError);
+}
+
+TEST(EveryMethod, RefusesAPlateThatIsNoRectangle) {
+  EXPECT_THROW(plate_integral(triangles[0].triangle, {{0, 0, 0}, {1, 0, 0}, {0.1, 1, 0}}), InputError);
+}
+
+}  // namespace
+}  // namespace fringe

@@ -1,0 +1,345 @@
+#include "fringe/scene_reader.hpp"
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fringe/error.hpp"
+#include "temporary_folder.hpp"
+
+namespace fringe {
+namespace {
+
+using Eigen::Vector3d;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class SceneReader : public test::TemporaryFolder {
+ protected:
+  Scene read(std::string_view text) const { return load_scene(write("scene.toml", text)); }
+
+  std::string error_of(std::string_view text) const {
+    try {
+      read(text);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+};
+
+constexpr auto complete = R"([medium]
+relative_permittivity = 3
+
+[[link]]
+name = "hand"
+parent = "arm"
+quaternion = [0, 0, 0, 2]
+
+[[link]]
+name = "arm"
+translation = [0, 0, 0.5]
+rotation = { axis = [0, 0, 1], degrees = 90 }
+
+[[sensor]]
+name = "front"
+link = "hand"
+input_voltage = 5
+coupling_capacitance = 1e-12
+plates = [
+  { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.2, 0] },
+  { corner = [1, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.2, 0] },
+]
+
+[[distance_sensor]]
+name = "eye"
+link = "arm"
+apex = [1, 2, 3]
+direction = [0, 0, 2]
+full_angle_degrees = 40
+range = 0.8
+
+[[object]]
+name = "target"
+shape = { type = "plate", size = [0.1, 0.2] }
+translation = [0, 0, 0.02]
+rotation = { quaternion = [1, 0, 0, 0] }
+
+[[object]]
+name = "apple"
+link = "arm"
+shape = { type = "sphere", radius = 0.05, segments = 12 }
+material = { relative_permittivity = 50 }
+collides = false
+
+[[object]]
+name = "foil"
+shape = { type = "plane", size = [1, 1] }
+potential = "floating"
+)";
+
+TEST_F(SceneReader, ReadsEverythingTheFormatKnows) {
+  const Scene scene = read(complete);
+  EXPECT_EQ(scene.medium.relative_permittivity, 3);
+
+  ASSERT_EQ(scene.links.size(), 2U);
+  EXPECT_EQ(scene.links[0].parent, 1U);
+  EXPECT_FALSE(scene.links[1].parent.has_value());
+  // Half a turn about z; a quarter turn about z, then up.
+  EXPECT_LT((scene.links[0].pose * Vector3d(1, 0, 0) - Vector3d(-1, 0, 0)).norm(), 1e-15);
+  EXPECT_LT((scene.links[1].pose * Vector3d(1, 0, 0) - Vector3d(0, 1, 0.5)).norm(), 1e-15);
+
+  ASSERT_EQ(scene.sensors.size(), 1U);
+  EXPECT_EQ(scene.sensors[0].link, 0U);
+  EXPECT_EQ(scene.sensors[0].input_voltage, 5);
+  EXPECT_EQ(scene.sensors[0].coupling_capacitance, 1e-12);
+  ASSERT_EQ(scene.sensors[0].plates.size(), 2U);
+  EXPECT_EQ(scene.sensors[0].plates[1].corner, Vector3d(1, 0, 0));
+  EXPECT_EQ(scene.sensors[0].plates[1].edge_v, Vector3d(0, 0.2, 0));
+
+  ASSERT_EQ(scene.distance_sensors.size(), 1U);
+  EXPECT_EQ(scene.distance_sensors[0].apex, Vector3d(1, 2, 3));
+  EXPECT_EQ(scene.distance_sensors[0].direction, Vector3d(0, 0, 2));
+  EXPECT_EQ(scene.distance_sensors[0].full_angle_degrees, 40);
+  EXPECT_EQ(scene.distance_sensors[0].range, 0.8);
+
+  ASSERT_EQ(scene.objects.size(), 3U);
+  EXPECT_EQ(std::get<Plate>(scene.objects[0].shape).size_y, 0.2);
+  EXPECT_EQ(scene.objects[0].pose.translation(), Vector3d(0, 0, 0.02));
+  EXPECT_TRUE(std::holds_alternative<Grounded>(scene.objects[0].role));
+  EXPECT_TRUE(scene.objects[0].collides);
+  EXPECT_EQ(std::get<Sphere>(scene.objects[1].shape).segments, 12);
+  EXPECT_EQ(std::get<Dielectric>(scene.objects[1].role).relative_permittivity, 50);
+  EXPECT_FALSE(scene.objects[1].collides);
+  EXPECT_TRUE(std::holds_alternative<Floating>(scene.objects[2].role));
+}
+
+TEST_F(SceneReader, FillsInTheDefaults) {
+  const Scene scene = read(R"(
+    [[sensor]]
+    name = "s"
+    plates = [ { corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] } ]
+    [[object]]
+    name = "o"
+    shape = { type = "cylinder", radius = 1, height = 1 }
+  )");
+  EXPECT_EQ(scene.medium.relative_permittivity, 1);
+  EXPECT_EQ(scene.sensors[0].input_voltage, 2.5);
+  EXPECT_EQ(scene.sensors[0].coupling_capacitance, 5e-12);
+  EXPECT_FALSE(scene.sensors[0].link.has_value());
+  EXPECT_EQ(std::get<Cylinder>(scene.objects[0].shape).segments, 48);
+  EXPECT_TRUE(scene.objects[0].pose.isApprox(Eigen::Isometry3d::Identity()));
+}
+
+TEST_F(SceneReader, ReadsEveryShape) {
+  write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const Scene scene = read(R"(
+    object = [
+      { name = "a", shape = { type = "cube", size = 2 } },
+      { name = "b", shape = { type = "cuboid", size = [1, 2, 3] } },
+      { name = "c", shape = { type = "cone", radius = 1, height = 2, segments = 3 } },
+      { name = "d", shape = { type = "arc", inner_radius = 1, outer_radius = 2, height = 3, degrees = 360 } },
+      { name = "e", shape = { type = "mesh", file = "mesh.obj", scale = 0.5 } },
+    ]
+  )");
+  EXPECT_EQ(std::get<Cuboid>(scene.objects[0].shape).size_z, 2);
+  EXPECT_EQ(std::get<Cuboid>(scene.objects[1].shape).size_z, 3);
+  EXPECT_EQ(std::get<Cone>(scene.objects[2].shape).segments, 3);
+  EXPECT_EQ(std::get<Arc>(scene.objects[3].shape).outer_radius, 2);
+  EXPECT_THAT(std::get<Mesh>(scene.objects[4].shape).triangles,
+              testing::ElementsAre(Triangle{Vector3d{0, 0, 0}, {0.5, 0, 0}, {0, 0.5, 0}}));
+}
+
+TEST_F(SceneReader, NamesFileLineKeyAndReason) {
+  const std::string text =
+      "[[object]]\nname = \"target\"\n[object.shape]\ntype = \"plate\"\nsize = [0.1, 0]\n";
+  EXPECT_EQ(error_of(text), (folder() / "scene.toml").string() +
+                                ":5: object \"target\": shape.size: must be greater than zero");
+}
+
+TEST_F(SceneReader, NamesTheTableByItsPlaceWhenItHasNoName) {
+  EXPECT_THAT(
+      error_of("[[object]]\nname = \"a\"\nshape = { type = \"cube\", size = 1 }\n[[object]]\nshape = 3\n"),
+      HasSubstr(":4: object[1].name: is missing"));
+}
+
+TEST_F(SceneReader, RefusesAFileThatDoesNotExist) {
+  EXPECT_THROW(load_scene(folder() / "missing.toml"), InputError);
+  EXPECT_THROW(load_scene(folder()), InputError);
+}
+
+TEST_F(SceneReader, NamesTheMeshThatCannotBeRead) {
+  EXPECT_THAT(error_of("[[object]]\nname = \"m\"\nshape = { type = \"mesh\", file = \"missing.stl\" }\n"),
+              AllOf(HasSubstr("object \"m\": shape.file"), HasSubstr("missing.stl does not exist")));
+  write("broken.stl", "solid");
+  EXPECT_THAT(error_of("[[object]]\nname = \"m\"\nshape = { type = \"mesh\", file = \"broken.stl\" }\n"),
+              AllOf(HasSubstr("object \"m\": shape.file"), HasSubstr("broken.stl")));
+}
+
+struct BadScene {
+  const char* what;
+  const char* text;
+  const char* key;
+  const char* reason;
+};
+
+void PrintTo(const BadScene& bad, std::ostream* stream) {
+  *stream << bad.what;
+}
+
+class BadSceneFile : public SceneReader, public testing::WithParamInterface<BadScene> {};
+
+TEST_P(BadSceneFile, IsRefusedWithKeyAndReason) {
+  EXPECT_THAT(error_of(GetParam().text),
+              AllOf(HasSubstr("scene.toml:"), HasSubstr(GetParam().key), HasSubstr(GetParam().reason)));
+}
+
+#define FRINGE_SENSOR(plate) "[[sensor]]\nname = \"s\"\nplates = [ " plate " ]\n"
+#define FRINGE_OBJECT(shape) "[[object]]\nname = \"o\"\nshape = { " shape " }\n"
+
+const std::vector<BadScene> bad_scenes{
+    {"not TOML", "[[object]\n", "", ""},
+    {"key given twice", "[medium]\nrelative_permittivity = 1\nrelative_permittivity = 2\n", "",
+     "relative_permittivity"},
+    {"empty", "", "", "at least one sensor or object"},
+    {"only links", "[[link]]\nname = \"l\"\n", "", "at least one sensor or object"},
+    {"unknown table", "[mediun]\n", "mediun", "not a known key"},
+    {"unknown key of the medium", "[medium]\npermittivity = 1\n", "medium.permittivity", "not a known key"},
+    {"permittivity of zero", "[medium]\nrelative_permittivity = 0\n", "medium.relative_permittivity",
+     "greater than zero"},
+    {"medium that is no table", "medium = 1\n", "medium", "must be a table"},
+    {"sensor that is no array", "[sensor]\nname = \"s\"\n", "sensor", "array of tables"},
+    {"array of something else", "sensor = [1]\n", "sensor", "array of tables"},
+
+    {"link without name", "[[link]]\n", "link[0].name", "is missing"},
+    {"empty name", "[[link]]\nname = \"\"\n", "link[0].name", "must not be empty"},
+    {"name of a wrong type", "[[link]]\nname = 3\n", "link[0].name", "must be a string"},
+    {"link name twice", "[[link]]\nname = \"l\"\n[[link]]\nname = \"l\"\n", "link[1].name", "\"l\" is taken"},
+    {"unknown parent", "[[link]]\nname = \"l\"\nparent = \"p\"\n", "link \"l\": parent", "no link \"p\""},
+    {"own parent", "[[link]]\nname = \"l\"\nparent = \"l\"\n", "link \"l\": parent", "cycle"},
+    {"cycle of two", "[[link]]\nname = \"a\"\nparent = \"b\"\n[[link]]\nname = \"b\"\nparent = \"a\"\n",
+     "parent", "cycle"},
+    {"link into a cycle",
+     "[[link]]\nname = \"c\"\nparent = \"a\"\n[[link]]\nname = \"a\"\nparent = \"b\"\n[[link]]\nname = "
+     "\"b\"\nparent = \"a\"\n",
+     "parent", "cycle"},
+    {"translation of two numbers", "[[link]]\nname = \"l\"\ntranslation = [0, 0]\n",
+     "link \"l\": translation", "3 numbers"},
+    {"translation of texts", "[[link]]\nname = \"l\"\ntranslation = [\"0\", 0, 0]\n", "translation",
+     "must be a number"},
+    {"translation that is nan", "[[link]]\nname = \"l\"\ntranslation = [nan, 0, 0]\n", "translation",
+     "finite"},
+    {"translation that is infinite", "[[link]]\nname = \"l\"\ntranslation = [0, -inf, 0]\n", "translation",
+     "finite"},
+    {"axis of zero", "[[link]]\nname = \"l\"\nrotation = { axis = [0, 0, 0], degrees = 1 }\n",
+     "rotation.axis", "zero"},
+    {"rotation without degrees", "[[link]]\nname = \"l\"\nrotation = { axis = [0, 0, 1] }\n",
+     "rotation.degrees", "is missing"},
+    {"rotation with radians",
+     "[[link]]\nname = \"l\"\nrotation = { axis = [0, 0, 1], degrees = 1, radians = 1 }\n",
+     "rotation.radians", "not a known key"},
+    {"quaternion of zero", "[[link]]\nname = \"l\"\nquaternion = [0, 0, 0, 0]\n", "quaternion", "zero"},
+    {"quaternion of three", "[[link]]\nname = \"l\"\nquaternion = [1, 0, 0]\n", "quaternion", "4 numbers"},
+    {"rotation and quaternion",
+     "[[link]]\nname = \"l\"\nquaternion = [1, 0, 0, 0]\nrotation = { axis = [0, 0, 1], degrees = 1 }\n",
+     "quaternion", "beside rotation"},
+
+    {"sensor without plates", "[[sensor]]\nname = \"s\"\n", "sensor \"s\": plates", "at least one plate"},
+    {"sensor with no plates", "[[sensor]]\nname = \"s\"\nplates = []\n", "sensor \"s\": plates",
+     "at least one plate"},
+    {"plate without a corner", FRINGE_SENSOR("{ edge_u = [1, 0, 0], edge_v = [0, 1, 0] }"),
+     "plates[0].corner", "is missing"},
+    {"plate with an edge of zero",
+     FRINGE_SENSOR("{ corner = [0, 0, 0], edge_u = [0, 0, 0], edge_v = [0, 1, 0] }"),
+     "sensor \"s\": plates[0].edge_u", "zero"},
+    {"plate that is no rectangle",
+     FRINGE_SENSOR("{ corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0.1, 1, 0] }"), "plates[0].edge_v",
+     "right angles"},
+    {"plate that is nan", FRINGE_SENSOR("{ corner = [nan, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }"),
+     "plates[0].corner", "finite"},
+    {"sensor on an unknown link", "[[sensor]]\nname = \"s\"\nlink = \"l\"\n", "sensor \"s\": link",
+     "no link \"l\""},
+    {"negative voltage", "[[sensor]]\nname = \"s\"\ninput_voltage = -1\n", "input_voltage",
+     "greater than zero"},
+    {"coupling capacitance of zero", "[[sensor]]\nname = \"s\"\ncoupling_capacitance = 0.0\n",
+     "coupling_capacitance", "greater than zero"},
+    {"unknown key of a sensor",
+     "[[sensor]]\nname = \"s\"\ncolour = 1\nplates = [{ corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, "
+     "1, 0] }]\n",
+     "sensor \"s\": colour", "not a known key"},
+
+    {"distance sensor of 181 degrees",
+     "[[distance_sensor]]\nname = \"d\"\napex = [0, 0, 0]\ndirection = [0, 0, 1]\nfull_angle_degrees = "
+     "181\nrange = 1\n",
+     "distance_sensor \"d\": full_angle_degrees", "at most 180"},
+    {"distance sensor without direction",
+     "[[distance_sensor]]\nname = \"d\"\napex = [0, 0, 0]\ndirection = [0, 0, 0]\nfull_angle_degrees = "
+     "18\nrange = 1\n",
+     "direction", "zero"},
+    {"distance sensor without range",
+     "[[distance_sensor]]\nname = \"d\"\napex = [0, 0, 0]\ndirection = [0, 0, 1]\nfull_angle_degrees = 18\n",
+     "range", "is missing"},
+
+    {"object without shape", "[[object]]\nname = \"o\"\n", "object \"o\": shape", "is missing"},
+    {"shape without type", FRINGE_OBJECT("size = 1"), "shape.type", "is missing"},
+    {"unknown shape", FRINGE_OBJECT("type = \"torus\""), "shape.type", "\"torus\" is not a known shape"},
+    {"plate of size zero", FRINGE_OBJECT("type = \"plate\", size = [0, 1]"), "shape.size",
+     "greater than zero"},
+    {"plate of three sizes", FRINGE_OBJECT("type = \"plate\", size = [1, 1, 1]"), "shape.size", "2 numbers"},
+    {"plate of one size", FRINGE_OBJECT("type = \"plate\", size = 1"), "shape.size", "2 numbers"},
+    {"cube of three sizes", FRINGE_OBJECT("type = \"cube\", size = [1, 1, 1]"), "shape.size",
+     "must be a number"},
+    {"cube of a boolean size", FRINGE_OBJECT("type = \"cube\", size = true"), "shape.size",
+     "must be a number"},
+    {"cuboid of negative size", FRINGE_OBJECT("type = \"cuboid\", size = [1, -1, 1]"), "shape.size",
+     "greater than zero"},
+    {"cube with segments", FRINGE_OBJECT("type = \"cube\", size = 1, segments = 8"), "shape.segments",
+     "not a known key"},
+    {"sphere without radius", FRINGE_OBJECT("type = \"sphere\""), "shape.radius", "is missing"},
+    {"sphere of nan", FRINGE_OBJECT("type = \"sphere\", radius = nan"), "shape.radius", "finite"},
+    {"two segments", FRINGE_OBJECT("type = \"sphere\", radius = 1, segments = 2"), "shape.segments",
+     "at least 3"},
+    {"half a segment", FRINGE_OBJECT("type = \"sphere\", radius = 1, segments = 4.5"), "shape.segments",
+     "whole number"},
+    {"cone without height", FRINGE_OBJECT("type = \"cone\", radius = 1"), "shape.height", "is missing"},
+    {"arc inside out",
+     FRINGE_OBJECT("type = \"arc\", inner_radius = 2, outer_radius = 1, height = 1, degrees = 9"),
+     "shape.outer_radius", "greater than inner_radius"},
+    {"arc of 361 degrees",
+     FRINGE_OBJECT("type = \"arc\", inner_radius = 1, outer_radius = 2, height = 1, degrees = 361"),
+     "shape.degrees", "at most 360"},
+    {"mesh without file", FRINGE_OBJECT("type = \"mesh\""), "shape.file", "is missing"},
+    {"mesh of an unknown kind", FRINGE_OBJECT("type = \"mesh\", file = \"x.vtk\""), "shape.file",
+     ".stl, .obj or .ply"},
+    {"mesh of scale zero", FRINGE_OBJECT("type = \"mesh\", file = \"x.stl\", scale = 0"), "shape.scale",
+     "greater than zero"},
+    {"unknown potential",
+     "[[object]]\nname = \"o\"\nshape = { type = \"cube\", size = 1 }\npotential = \"high\"\n",
+     "object \"o\": potential", R"("grounded" or "floating")"},
+    {"potential and material",
+     "[[object]]\nname = \"o\"\nshape = { type = \"cube\", size = 1 }\npotential = \"grounded\"\nmaterial = "
+     "{ "
+     "relative_permittivity = 2 }\n",
+     "material", "beside potential"},
+    {"material without permittivity",
+     "[[object]]\nname = \"o\"\nshape = { type = \"cube\", size = 1 }\nmaterial = {}\n",
+     "material.relative_permittivity", "is missing"},
+    {"collides that is a number",
+     "[[object]]\nname = \"o\"\nshape = { type = \"cube\", size = 1 }\ncollides = 1\n", "collides",
+     "true or false"},
+    {"object name that a sensor has",
+     FRINGE_SENSOR(
+         "{ corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }") "[[object]]\nname = \"s\"\n",
+     "object[0].name", "\"s\" is taken"},
+};
+
+#undef FRINGE_SENSOR
+#undef FRINGE_OBJECT
+
+INSTANTIATE_TEST_SUITE_P(Texts, BadSceneFile, testing::ValuesIn(bad_scenes));
+
+}  // namespace
+}  // namespace fringe

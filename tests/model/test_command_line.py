@@ -1,0 +1,186 @@
+"""What the `fringe` program prints, where, and with which exit code."""
+
+import json
+import math
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+Command = Callable[..., "subprocess.CompletedProcess[str]"]
+
+VACUUM_PERMITTIVITY = 8.8541878128e-12
+
+PLATES = """
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+
+[[object]]
+name = "target"
+shape = { type = "plate", size = [0.1, 0.1] }
+translation = [0, 0, HEIGHT]
+"""
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    """A 10 cm sensor with a plate of the same size 2 cm in front of it."""
+    path = tmp_path / "a scene.toml"
+    path.write_text(PLATES.replace("HEIGHT", "0.02"))
+    return path
+
+
+@pytest.fixture
+def touching(tmp_path: Path) -> Path:
+    path = tmp_path / "touching.toml"
+    path.write_text(PLATES.replace("HEIGHT", "0"))
+    return path
+
+
+def test_capacitance_as_json(fringe_command: Command, scene: Path) -> None:
+    done = fringe_command("capacitance", scene, "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    answer = json.loads(done.stdout)
+    expected = VACUUM_PERMITTIVITY * 0.01 / 0.02  # epsilon A / d
+    voltage = 5e-12 / (5e-12 + expected) * 2.5
+    assert set(answer) == {"options", "seconds", "sensors"}
+    assert answer["options"] == {"method": "exact"}
+    assert 0 < answer["seconds"] < 1
+    (sensor,) = answer["sensors"]
+    assert set(sensor) == {"name", "total", "voltage", "delta_voltage", "contact", "objects"}
+    assert sensor["name"] == "front"
+    assert sensor["total"] == pytest.approx(expected, rel=1e-15)
+    assert sensor["voltage"] == pytest.approx(voltage, rel=1e-15)
+    assert sensor["delta_voltage"] == pytest.approx(2.5 - voltage, rel=1e-15)
+    assert sensor["contact"] is False
+    assert sensor["objects"] == [
+        {"name": "target", "capacitance": sensor["total"], "bound": 0, "skipped": False}
+    ]
+
+
+def test_capacitance_as_table(fringe_command: Command, scene: Path) -> None:
+    done = fringe_command("capacitance", scene)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "4.42709 pF" in done.stdout
+    assert "1.32597 V" in done.stdout
+
+
+@pytest.mark.parametrize("method", ["exact", "split:0", "split:4", "gauss:8"])
+def test_method(fringe_command: Command, scene: Path, method: str) -> None:
+    answer = json.loads(fringe_command("capacitance", "--method", method, scene, "--json").stdout)
+    assert answer["options"] == {"method": method}
+    # A parallel plate in front of the sensor has the same distance everywhere: every method is exact.
+    assert answer["sensors"][0]["total"] == pytest.approx(VACUUM_PERMITTIVITY * 0.5, rel=1e-14)
+
+
+def test_contact_is_an_infinite_number_in_json(fringe_command: Command, touching: Path) -> None:
+    done = fringe_command("capacitance", touching, "--json")
+    assert done.returncode == 0
+    (sensor,) = json.loads(done.stdout)["sensors"]
+    assert sensor["total"] == math.inf
+    assert sensor["objects"][0]["capacitance"] == math.inf
+    assert (sensor["contact"], sensor["voltage"], sensor["delta_voltage"]) == (True, 0, 2.5)
+    assert "contact" in fringe_command("capacitance", touching).stdout
+
+
+def test_info(fringe_command: Command, tmp_path: Path) -> None:
+    path = tmp_path / "box.toml"
+    path.write_text(
+        'object = [ { name = "box", shape = { type = "cuboid", size = [1, 2, 3] }, translation = [1, 0, 0] } ]'
+    )
+    done = fringe_command("info", path, "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    answer = json.loads(done.stdout)
+    assert answer["counts"] == {
+        "links": 0,
+        "sensors": 0,
+        "distance_sensors": 0,
+        "objects": 1,
+        "triangles": 12,
+    }
+    (box,) = answer["objects"]
+    assert box == {
+        "name": "box",
+        "triangles": 12,
+        "area": pytest.approx(22, rel=1e-14),
+        "volume": pytest.approx(6, rel=1e-14),
+        "aabb": {"minimum": [0.5, -1, -1.5], "maximum": [1.5, 1, 1.5]},
+    }
+    assert "22 m2" in fringe_command("info", path).stdout
+
+
+def test_info_knows_no_volume_of_an_open_surface(fringe_command: Command, scene: Path) -> None:
+    assert json.loads(fringe_command("info", scene, "--json").stdout)["objects"][0]["volume"] is None
+
+
+@pytest.mark.parametrize("command", [(), ("capacitance",), ("info",)])
+def test_help_and_version(fringe_command: Command, command: tuple[str, ...]) -> None:
+    helped = fringe_command(*command, "--help")
+    assert (helped.returncode, helped.stderr) == (0, "")
+    assert "--version" in helped.stdout
+    version = fringe_command(*command, "--version")
+    assert (version.returncode, version.stdout, version.stderr) == (0, "0.1.0\n", "")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        (),
+        ("collapse",),
+        ("capacitance",),
+        ("capacitance", "SCENE", "--tolerance", "1e-6"),
+        ("capacitance", "SCENE", "--faces", "facing"),
+        ("capacitance", "SCENE", "SCENE"),
+        ("capacitance", "SCENE", "--method"),
+        ("info", "SCENE", "--method", "exact"),
+        ("collide", "SCENE"),
+        ("sense", "SCENE"),
+    ],
+)
+def test_wrong_usage(fringe_command: Command, scene: Path, arguments: tuple[str, ...]) -> None:
+    done = fringe_command(*(scene if argument == "SCENE" else argument for argument in arguments))
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr
+
+
+@pytest.mark.parametrize("method", ["", "split", "split:11", "gauss:0", "reduced:2", "boundary-elements"])
+def test_unknown_method(fringe_command: Command, scene: Path, method: str) -> None:
+    done = fringe_command("capacitance", scene, "--json", f"--method={method}")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "method" in done.stderr
+
+
+def test_wrong_input_names_file_line_key_and_reason(fringe_command: Command, tmp_path: Path) -> None:
+    path = tmp_path / "bad.toml"
+    path.write_text('[[object]]\nname = "o"\nshape = { type = "plate", size = [nan, 1] }\n')
+    for command in ("capacitance", "info"):
+        done = fringe_command(command, path, "--json")
+        assert (done.returncode, done.stdout) == (2, "")
+        assert done.stderr == f'fringe: {path}:3: object "o": shape.size: must be finite\n'
+
+
+def test_missing_file(fringe_command: Command, tmp_path: Path) -> None:
+    done = fringe_command("info", tmp_path / "missing.toml")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "missing.toml" in done.stderr
+
+
+@pytest.mark.parametrize("role", ['potential = "floating"', "material = { relative_permittivity = 50 }"])
+def test_objects_that_are_not_grounded_are_refused(fringe_command: Command, scene: Path, role: str) -> None:
+    scene.write_text(scene.read_text() + role + "\n")
+    done = fringe_command("capacitance", scene, "--json")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert '"target"' in done.stderr
+    assert fringe_command("info", scene).returncode == 0
+
+
+def test_an_answer_that_cannot_be_written_is_a_failure(scene: Path) -> None:
+    program = Path(__file__).resolve().parents[2] / "build" / "bin" / "fringe"
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        done = subprocess.run(
+            [program, "info", scene], stdout=full, stderr=subprocess.PIPE, text=True, check=False
+        )
+    assert done.returncode == 1
+    assert "written" in done.stderr

@@ -1,0 +1,172 @@
+"""The Python module `fringe`: arrays in and out, the scene, the errors."""
+
+import math
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fringe
+
+CORNER, EDGE_U, EDGE_V = np.zeros(3), np.array([1.0, 0, 0]), np.array([0, 0.8, 0])
+ABOVE = np.array([[0.1, 0.1, 0.5], [0.6, 0.1, 0.5], [0.1, 0.7, 0.5]])
+
+SCENE = """
+[[link]]
+name = "arm"
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+[[object]]
+name = "target"
+link = "arm"
+shape = { type = "plate", size = [0.1, 0.1] }
+"""
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> fringe.Scene:
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    return fringe.Scene.load(path)
+
+
+def test_plate_integral_of_many_triangles() -> None:
+    crossing = ABOVE - np.array([0, 0, 1]) * np.array([[0], [1], [0]])
+    flat = np.array([ABOVE[0], ABOVE[0], ABOVE[1]])
+    values = fringe.plate_integral(np.array([ABOVE, crossing, flat]), CORNER, EDGE_U, EDGE_V)
+    assert values.dtype == np.float64
+    assert values.shape == (3,)
+    assert values[0] == pytest.approx(0.15 / 0.5, rel=1e-15)  # A / d
+    assert values[1] == math.inf
+    assert values[2] == 0
+
+
+def test_plate_integral_takes_lists_integers_and_strided_arrays() -> None:
+    expected = fringe.plate_integral(ABOVE[None], CORNER, EDGE_U, EDGE_V)
+    assert fringe.plate_integral([ABOVE.tolist()], [0, 0, 0], [1, 0, 0], [0, 0.8, 0]) == expected
+    assert (
+        fringe.plate_integral(np.asfortranarray(np.array([ABOVE, ABOVE]))[::2], CORNER, EDGE_U, EDGE_V)
+        == expected
+    )
+
+
+def test_plate_integral_of_no_triangles_is_empty() -> None:
+    assert fringe.plate_integral(np.empty((0, 3, 3)), CORNER, EDGE_U, EDGE_V).shape == (0,)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"triangles": ABOVE},
+        {"triangles": np.zeros((2, 3, 2))},
+        {"triangles": np.full((1, 3, 3), np.nan)},
+        {"triangles": np.full((1, 3, 3), np.inf)},
+        {"corner": np.zeros(2)},
+        {"corner": np.array([0, np.nan, 0])},
+        {"edge_u": np.zeros(3)},
+        {"edge_u": np.zeros((1, 3))},
+        {"edge_v": np.array([1e-8, 0.8, 0])},
+        {"method": "reduced:2"},
+        {"method": "split:-1"},
+    ],
+)
+def test_plate_integral_refuses(change: dict[str, object]) -> None:
+    arguments = {"triangles": ABOVE[None], "corner": CORNER, "edge_u": EDGE_U, "edge_v": EDGE_V} | change
+    with pytest.raises(ValueError):
+        fringe.plate_integral(**arguments)
+
+
+def test_input_error_is_a_value_error() -> None:
+    assert issubclass(fringe.InputError, ValueError)
+    with pytest.raises(fringe.InputError, match="missing.toml"):
+        fringe.Scene.load("missing.toml")
+
+
+def test_conductors_are_in_the_world_frame_and_the_sensors_come_first(scene: fringe.Scene) -> None:
+    scene.set_pose("arm", [0, 0, 0.02], np.eye(3))
+    conductors = scene.conductors()
+    assert list(conductors) == ["front", "target"]
+    assert conductors["front"].shape == (2, 3, 3)
+    np.testing.assert_array_equal(
+        conductors["target"][1], [[-0.05, -0.05, 0.02], [0.05, 0.05, 0.02], [-0.05, 0.05, 0.02]]
+    )
+
+
+def test_capacitance_has_the_form_of_the_command_lines_json(scene: fringe.Scene) -> None:
+    answer = scene.capacitance()
+    assert answer["options"] == {"method": "exact"}
+    assert answer["seconds"] > 0
+    (sensor,) = answer["sensors"]
+    assert sensor["total"] == math.inf
+    assert (sensor["contact"], sensor["voltage"], sensor["delta_voltage"]) == (True, 0, 2.5)
+    scene.set_pose("arm", [0, 0, 0.02], [1, 0, 0, 0])
+    (sensor,) = scene.capacitance(method="split:2")["sensors"]
+    assert sensor["total"] == pytest.approx(8.8541878128e-12 * 0.5, rel=1e-14)
+    assert sensor["objects"] == [
+        {"name": "target", "capacitance": sensor["total"], "bound": 0, "skipped": False}
+    ]
+
+
+def test_set_pose_takes_a_matrix_or_a_quaternion(scene: fringe.Scene) -> None:
+    turn = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    scene.set_pose("arm", [1, 2, 3], turn)
+    by_matrix = scene.conductors()["target"]
+    np.testing.assert_allclose(by_matrix[0, 0], [1.05, 1.95, 3], atol=1e-15)
+    scene.set_pose("arm", [1, 2, 3], [3, 0, 0, 3])
+    np.testing.assert_allclose(scene.conductors()["target"], by_matrix, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("link", "translation", "rotation"),
+    [
+        ("leg", [0, 0, 0], [1, 0, 0, 0]),
+        ("arm", [0, 0], [1, 0, 0, 0]),
+        ("arm", [0, 0, math.nan], [1, 0, 0, 0]),
+        ("arm", [0, 0, 0], [0, 0, 0, 0]),
+        ("arm", [0, 0, 0], [1, 0, 0]),
+        ("arm", [0, 0, 0], [math.inf, 0, 0, 0]),
+        ("arm", [0, 0, 0], 2 * np.eye(3)),
+        ("arm", [0, 0, 0], -np.eye(3)),
+    ],
+)
+def test_set_pose_refuses(scene: fringe.Scene, link: str, translation: list[float], rotation: object) -> None:
+    before = scene.conductors()["target"]
+    with pytest.raises(fringe.InputError):
+        scene.set_pose(link, translation, rotation)
+    np.testing.assert_array_equal(scene.conductors()["target"], before)
+
+
+def test_info(scene: fringe.Scene) -> None:
+    info = scene.info()
+    assert info["counts"] == {"links": 1, "sensors": 1, "distance_sensors": 0, "objects": 1, "triangles": 2}
+    (target,) = info["objects"]
+    assert target["volume"] is None
+    assert target["area"] == pytest.approx(0.01)
+    np.testing.assert_array_equal(target["aabb"]["maximum"], [0.05, 0.05, 0])
+
+
+def test_other_threads_run_while_the_integral_is_computed() -> None:
+    ticks = 0
+    stop = threading.Event()
+
+    def count() -> None:
+        nonlocal ticks
+        while not stop.wait(0.001):
+            ticks += 1
+
+    counter = threading.Thread(target=count)
+    counter.start()
+    fringe.plate_integral(np.repeat(ABOVE[None], 200, axis=0), CORNER, EDGE_U, EDGE_V, method="split:8")
+    stop.set()
+    counter.join()
+    assert ticks > 3
+
+
+def test_everything_is_documented() -> None:
+    assert fringe.__version__ == "0.1.0"
+    for thing in (fringe, fringe.plate_integral, fringe.InputError, fringe.Scene):
+        assert thing.__doc__
+    for method in ("load", "capacitance", "conductors", "set_pose", "info"):
+        assert getattr(fringe.Scene, method).__doc__

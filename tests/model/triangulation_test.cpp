@@ -1,0 +1,128 @@
+#include "fringe/triangulation.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace fringe {
+namespace {
+
+using Eigen::Vector3d;
+using std::numbers::pi;
+
+/// Area of the regular polygon with n corners on a circle, and of a sector of it in n pieces.
+double polygon_area(double radius, int n, double angle = 2 * pi) {
+  return n * radius * radius * std::sin(angle / n) / 2;
+}
+
+/// Length of the side of that polygon.
+double side(double radius, int n, double angle = 2 * pi) {
+  return 2 * radius * std::sin(angle / n / 2);
+}
+
+/// Every face of a body that is convex seen from `inside` looks away from it.
+void expect_outward(const std::vector<Triangle>& triangles, const Vector3d& inside) {
+  for (const auto& [a, b, c] : triangles)
+    EXPECT_GT((b - a).cross(c - a).dot(a - inside), 0);
+}
+
+TEST(Triangulation, OfAPlateIsTwoTrianglesThatFaceUp) {
+  const std::vector<Triangle> triangles = triangulate(Plate{4, 2});
+  ASSERT_EQ(triangles.size(), 2U);
+  EXPECT_EQ(triangles[0], (Triangle{Vector3d{-2, -1, 0}, {2, -1, 0}, {2, 1, 0}}));
+  EXPECT_EQ(triangles[1], (Triangle{Vector3d{-2, -1, 0}, {2, 1, 0}, {-2, 1, 0}}));
+  EXPECT_DOUBLE_EQ(area(triangles), 8);
+}
+
+TEST(Triangulation, OfACuboidHasItsAreaAndVolume) {
+  const std::vector<Triangle> triangles = triangulate(Cuboid{2, 3, 5});
+  EXPECT_EQ(triangles.size(), 12U);
+  EXPECT_EQ(triangles[0], (Triangle{Vector3d{-1, -1.5, -2.5}, {-1, 1.5, -2.5}, {1, 1.5, -2.5}}))
+      << "-z first";
+  EXPECT_EQ(triangles[11], (Triangle{Vector3d{1, -1.5, -2.5}, {1, 1.5, 2.5}, {1, -1.5, 2.5}})) << "+x last";
+  EXPECT_DOUBLE_EQ(area(triangles), 2 * (2 * 3 + 3 * 5 + 5 * 2));
+  EXPECT_DOUBLE_EQ(signed_volume(triangles), 2 * 3 * 5);
+  EXPECT_TRUE(is_closed(triangles));
+  expect_outward(triangles, {0, 0, 0});
+}
+
+TEST(Triangulation, OfACylinderIsAnInscribedPrism) {
+  const double r = 0.3, h = 2;
+  for (const int n : {3, 8, 48}) {
+    const std::vector<Triangle> triangles = triangulate(Cylinder{r, h, n});
+    EXPECT_EQ(triangles.size(), 4U * n);
+    EXPECT_NEAR(area(triangles), 2 * polygon_area(r, n) + n * side(r, n) * h, 1e-13);
+    EXPECT_NEAR(signed_volume(triangles), polygon_area(r, n) * h, 1e-13);
+    EXPECT_TRUE(is_closed(triangles));
+    expect_outward(triangles, {0, 0, 0});
+  }
+}
+
+TEST(Triangulation, OfAConeIsAnInscribedPyramidWithItsBaseBelow) {
+  const double r = 0.3, h = 2;
+  for (const int n : {3, 8, 48}) {
+    const std::vector<Triangle> triangles = triangulate(Cone{r, h, n});
+    EXPECT_EQ(triangles.size(), 2U * n);
+    EXPECT_EQ(triangles[0][2], Vector3d(0, 0, h / 2));
+    EXPECT_NEAR(signed_volume(triangles), polygon_area(r, n) * h / 3, 1e-13);
+    EXPECT_TRUE(is_closed(triangles));
+    expect_outward(triangles, {0, 0, 0});
+  }
+}
+
+TEST(Triangulation, OfAnArcIsARingSectorWithEnds) {
+  const double inner = 0.5, outer = 0.8, h = 0.2, degrees = 120, angle = degrees * pi / 180;
+  const int n = 10;
+  const std::vector<Triangle> triangles = triangulate(Arc{inner, outer, h, degrees, n});
+  EXPECT_EQ(triangles.size(), 8U * n + 4);
+  const double base = polygon_area(outer, n, angle) - polygon_area(inner, n, angle);
+  EXPECT_NEAR(signed_volume(triangles), base * h, 1e-14);
+  EXPECT_NEAR(area(triangles),
+              2 * base + n * (side(outer, n, angle) + side(inner, n, angle)) * h + 2 * (outer - inner) * h,
+              1e-14);
+  EXPECT_TRUE(is_closed(triangles));
+  // Symmetric about the xz plane, between −60° and +60°.
+  const Eigen::AlignedBox3d box = axis_aligned_box(triangles);
+  EXPECT_NEAR(box.max().y(), outer * std::sin(angle / 2), 1e-15);
+  EXPECT_NEAR(box.min().y(), -box.max().y(), 1e-15);
+  EXPECT_GT(box.min().x(), 0);
+}
+
+TEST(Triangulation, OfAFullArcIsAClosedRing) {
+  const int n = 12;
+  const std::vector<Triangle> triangles = triangulate(Arc{0.5, 0.8, 0.2, 360, n});
+  EXPECT_EQ(triangles.size(), 8U * n);
+  EXPECT_NEAR(signed_volume(triangles), (polygon_area(0.8, n) - polygon_area(0.5, n)) * 0.2, 1e-14);
+  EXPECT_TRUE(is_closed(triangles));
+}
+
+TEST(Triangulation, OfASphereIsInscribedAndConvergesToIt) {
+  const double r = 0.7;
+  for (const int n : {3, 4, 7, 48}) {
+    const std::vector<Triangle> triangles = triangulate(Sphere{r, n});
+    const int bands = std::max(2, n / 2);
+    EXPECT_EQ(triangles.size(), 2U * n * (bands - 1));
+    EXPECT_EQ(triangles.front()[0], Vector3d(0, 0, r));
+    EXPECT_EQ(triangles.back()[0], Vector3d(0, 0, -r));
+    EXPECT_TRUE(is_closed(triangles));
+    expect_outward(triangles, {0, 0, 0});
+    for (const Triangle& triangle : triangles)
+      for (const Vector3d& vertex : triangle)
+        EXPECT_NEAR(vertex.norm(), r, 1e-15);
+  }
+  // The volume of the inscribed body falls short in proportion to 1/n².
+  const double volume = 4 * pi / 3 * r * r * r;
+  const double coarse = volume - signed_volume(triangulate(Sphere{r, 48}));
+  const double fine = volume - signed_volume(triangulate(Sphere{r, 96}));
+  EXPECT_NEAR(coarse / fine, 4, 0.02);
+}
+
+TEST(Triangulation, OfAMeshIsTheMesh) {
+  const Triangle triangle{Vector3d{1, 2, 3}, {4, 5, 6}, {7, 8, 10}};
+  EXPECT_EQ(triangulate(Mesh{"x.stl", 1, {triangle}}), std::vector<Triangle>{triangle});
+}
+
+}  // namespace
+}  // namespace fringe
