@@ -1,0 +1,1 @@
+"""Set-ups of capacitive sensors: scene files, study files, families of set-ups, triangle meshes. See SCENE.md."""

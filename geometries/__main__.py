@@ -1,0 +1,54 @@
+"""`python3 -m geometries`: convert meshes, show what a study expands to."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from geometries import meshes, study
+from geometries.errors import InputError
+
+# As everywhere in the project: 0 answered, 2 the input is wrong.
+_WRONG_INPUT = 2
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line; returns the exit code."""
+    parser = argparse.ArgumentParser(prog="python3 -m geometries", description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True)
+    convert = commands.add_parser(
+        "convert", help="write a mesh of any format meshio knows as STL, OBJ or PLY"
+    )
+    convert.add_argument("source", type=Path, metavar="IN")
+    convert.add_argument("target", type=Path, metavar="OUT")
+    expand = commands.add_parser("expand", help="list the cases of a study")
+    expand.add_argument("study", metavar="STUDY", help="a name in geometries/studies, or a file")
+    options = parser.parse_args(arguments)
+    try:
+        if options.command == "convert":
+            count = meshes.convert(options.source, options.target)
+            print(f"{options.target}: {count} triangles")
+        else:
+            print(_table(study.load(study.find(options.study))))
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return _WRONG_INPUT
+    return 0
+
+
+def _table(chosen: study.Study) -> str:
+    cases = chosen.cases()
+    lines = [f"{case.id}  {case.family:<9} {_parameters(case)}" for case in cases]
+    return "\n".join([f"{chosen.title}: {len(cases)} cases, lengths in metres, angles in degrees", *lines])
+
+
+def _parameters(case: study.Case) -> str:
+    return "  ".join(
+        f"{name}={'×'.join(f'{v:g}' for v in value) if isinstance(value, tuple) else f'{value:g}'}"
+        for name, value in case.parameters.items()
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

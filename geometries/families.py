@@ -1,0 +1,210 @@
+"""Families of set-ups: one rectangular sensor, one grounded rectangular target, a few named lengths and angles.
+
+The sensor "sensor" is the rectangle of `sensor_size` = (x, y) centred at the origin in the plane z = 0, with normal +z.
+The target "target" is a plate of `target_size`. Every length is in metres, every angle in degrees. Space around the
+sensor has three regions: I in front of the plate, II beside an edge, III diagonal to a corner. Parameters that make no
+set-up of the family are refused with an InputError that names the parameter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometries.errors import InputError
+from geometries.poses import AxisRotation, Pose, QuaternionRotation, Rotation
+from geometries.scene import Object, Plate, Scene, Sensor
+from geometries.shapes import PlateShape
+
+Vector2 = tuple[float, float]
+Array = NDArray[np.float64]
+
+
+def empty(sensor_size: Vector2) -> Scene:
+    """The sensor alone: the set-up that `delta_self` is measured against."""
+    _check_size("sensor_size", sensor_size)
+    x, y = sensor_size
+    plate = Plate(corner=(-x / 2, -y / 2, 0.0), edge_u=(x, 0.0, 0.0), edge_v=(0.0, y, 0.0))
+    return Scene(sensors=(Sensor("sensor", (plate,)),))
+
+
+def parallel(sensor_size: Vector2, target_size: Vector2, gap: float, offset: Vector2 = (0.0, 0.0)) -> Scene:
+    """The target parallel to the sensor at height `gap`, its centre `offset` from the sensor's axis in x and y."""
+    _check_at_least("gap", gap, 0.0, strictly=True)
+    return _scene(sensor_size, target_size, 0.0, 0.0, lambda box: (offset[0], offset[1], gap))
+
+
+def inclined(sensor_size: Vector2, target_size: Vector2, hinge_gap: float, tilt_degrees: float) -> Scene:
+    """The target pivots about its edge above the sensor's edge x = −x/2, parallel to y (thesis 6.4, Experiment IV).
+
+    The hinge stays at height `hinge_gap`; the target lies parallel to the sensor at 0 degrees and stands upright at 90.
+    """
+    _check_at_least("hinge_gap", hinge_gap, 0.0, strictly=True)
+    hinge = -sensor_size[0] / 2
+    return _scene(
+        sensor_size,
+        target_size,
+        tilt_degrees,
+        0.0,
+        lambda box: (hinge - box[0, 0], 0.0, hinge_gap - box[0, 2]),
+    )
+
+
+def edge(
+    sensor_size: Vector2, target_size: Vector2, gap: float, height: float, tilt_degrees: float = 0.0
+) -> Scene:
+    """The target beside the sensor's edge x = x/2, wholly in region II.
+
+    `gap` is the lateral distance from that edge to the target's near edge, `height` the near edge's z (0: coplanar). The
+    target is tilted upwards about its near edge. It may not be longer in y than the sensor: it would reach region III.
+    """
+    _check_at_least("gap", gap, 0.0, strictly=False)
+    _check_at_least("height", height, 0.0, strictly=False)
+    if gap == 0 and height == 0:
+        raise InputError("", "gap", "must be greater than 0 at height 0: the target would touch the sensor")
+    if target_size[1] > sensor_size[1]:
+        raise InputError(
+            "", "target_size[1]", "must be at most sensor_size[1]: the target would leave region II"
+        )
+    near = sensor_size[0] / 2 + gap
+    return _scene(
+        sensor_size, target_size, tilt_degrees, 0.0, lambda box: (near - box[0, 0], 0.0, height - box[0, 2])
+    )
+
+
+def corner(
+    sensor_size: Vector2,
+    target_size: Vector2,
+    gap: Vector2,
+    height: float,
+    tilt_degrees: float = 0.0,
+    turn_degrees: float = 0.0,
+) -> Scene:
+    """The target diagonal to the sensor's corner (x/2, y/2), wholly in region III.
+
+    `gap` holds the lateral distances along x and y from that corner to the box around the target, `height` is the z of
+    the target's lowest point (0: coplanar). The target is tilted about its y axis, then turned about z.
+    """
+    for axis in (0, 1):
+        _check_at_least(f"gap[{axis}]", gap[axis], 0.0, strictly=False)
+    _check_at_least("height", height, 0.0, strictly=False)
+    if gap[0] == 0 and gap[1] == 0 and height == 0:
+        raise InputError("", "gap", "must be greater than 0 at height 0: the target would touch the sensor")
+    near_x, near_y = sensor_size[0] / 2 + gap[0], sensor_size[1] / 2 + gap[1]
+    return _scene(
+        sensor_size,
+        target_size,
+        tilt_degrees,
+        turn_degrees,
+        lambda box: (near_x - box[0, 0], near_y - box[0, 1], height - box[0, 2]),
+    )
+
+
+def straddle(
+    sensor_size: Vector2,
+    target_size: Vector2,
+    gap: float,
+    offset: Vector2,
+    tilt_degrees: float = 0.0,
+    turn_degrees: float = 0.0,
+) -> Scene:
+    """The target partly over the sensor, partly beside it: in several regions at once.
+
+    `gap` is the height of its lowest point, `offset` its centre from the sensor's axis in x and y. It is tilted about
+    its y axis, then turned about z.
+    """
+    _check_at_least("gap", gap, 0.0, strictly=True)
+    scene = _scene(
+        sensor_size,
+        target_size,
+        tilt_degrees,
+        turn_degrees,
+        lambda box: (offset[0], offset[1], gap - box[0, 2]),
+    )
+    outline = scene.conductors()["target"][:, :, :2].reshape(-1, 2)
+    if not _straddles(outline, np.asarray(sensor_size) / 2):
+        raise InputError("", "offset", "the target must lie partly over the sensor and partly beside it")
+    return scene
+
+
+FAMILIES: dict[str, Callable[..., Scene]] = {
+    "parallel": parallel,
+    "inclined": inclined,
+    "edge": edge,
+    "corner": corner,
+    "straddle": straddle,
+}
+
+
+def _scene(
+    sensor_size: Vector2,
+    target_size: Vector2,
+    tilt_degrees: float,
+    turn_degrees: float,
+    place: Callable[[Array], tuple[float, float, float]],
+) -> Scene:
+    """The sensor with a target that is tilted about y (its +x end upwards), turned about z, then moved by `place`.
+
+    `place` gets the bounding box (2, 3), lowest and highest coordinates, of the rotated target centred at the origin.
+    """
+    _check_size("target_size", target_size)
+    if not 0 <= tilt_degrees <= 90:
+        raise InputError("", "tilt_degrees", f"must be in 0 … 90, not {tilt_degrees!r}")
+    sensor_alone = empty(sensor_size)
+    shape = PlateShape(target_size)
+    rotation = _rotation(tilt_degrees, turn_degrees)
+    vertices = shape.triangles().reshape(-1, 3) @ rotation.matrix().T
+    x, y, z = place(np.array([vertices.min(axis=0), vertices.max(axis=0)]))
+    target = Object("target", shape, pose=Pose((float(x), float(y), float(z)), rotation))
+    return Scene(sensors=sensor_alone.sensors, objects=(target,))
+
+
+def _rotation(tilt_degrees: float, turn_degrees: float) -> Rotation:
+    """First the tilt, about −y so that the +x end rises, then the turn about z."""
+    if turn_degrees == 0:
+        return AxisRotation((0.0, -1.0, 0.0), tilt_degrees) if tilt_degrees else AxisRotation()
+    if tilt_degrees == 0:
+        return AxisRotation((0.0, 0.0, 1.0), turn_degrees)
+    tilt, turn = math.radians(tilt_degrees) / 2, math.radians(turn_degrees) / 2
+    # The product of the quaternions (cos turn, 0, 0, sin turn) and (cos tilt, 0, −sin tilt, 0).
+    return QuaternionRotation(
+        (
+            math.cos(turn) * math.cos(tilt),
+            math.sin(turn) * math.sin(tilt),
+            -math.cos(turn) * math.sin(tilt),
+            math.sin(turn) * math.cos(tilt),
+        )
+    )
+
+
+def _straddles(outline: Array, half_size: Array) -> bool:
+    """Whether a convex outline (n, 2) lies partly over the rectangle |x| < half_size and partly outside it.
+
+    They overlap when none of the normals of their sides separates them. A side of the target without length (a plate
+    that stands upright) has no normal and separates nothing.
+    """
+    if (np.abs(outline) <= half_size).all():
+        return False
+    sides = np.diff(outline[[0, 1, 2]], axis=0)
+    normals = [np.array([1.0, 0.0]), np.array([0.0, 1.0]), *(np.array([-side[1], side[0]]) for side in sides)]
+    for normal in normals:
+        reach = float(np.abs(normal) @ half_size)
+        shadow = outline @ normal
+        if shadow.min() >= reach > 0 or shadow.max() <= -reach < 0:
+            return False
+    return True
+
+
+def _check_size(name: str, size: Vector2) -> None:
+    for index, length in enumerate(size):
+        if not (math.isfinite(length) and length > 0):
+            raise InputError("", f"{name}[{index}]", f"must be greater than 0, not {length!r}")
+
+
+def _check_at_least(name: str, value: float, least: float, strictly: bool) -> None:
+    if not math.isfinite(value) or value < least or (strictly and value == least):
+        relation = "greater than" if strictly else "at least"
+        raise InputError("", name, f"must be {relation} {least:g}, not {value!r}")

@@ -1,0 +1,90 @@
+"""Triangle meshes from files, and their conversion between formats. meshio does the reading and the writing."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometries.errors import InputError
+
+Array = NDArray[np.float64]
+
+# The formats that the scene file allows, because the C++ reader knows them as well.
+SCENE_FORMATS = (".stl", ".obj", ".ply")
+_SURFACE_CELLS = ("triangle", "quad", "polygon")
+
+
+def read_triangles(path: Path, key: str = "") -> Array:
+    """The triangles (n, 3, 3) of a mesh file, in the file's order and unit; polygons as fans from their first vertex.
+
+    Volume meshes give the surface cells that they hold. InputError, naming `key`, when the file is missing, unreadable,
+    or has no triangles, or when a vertex is missing or not finite.
+    """
+    # Imported here because it takes a third of a second, and most scenes have no mesh.
+    import meshio
+
+    if not path.is_file():
+        raise InputError(str(path), key, "no such mesh file")
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            mesh = meshio.read(path)
+    except SystemExit as error:
+        reason = " ".join(said.getvalue().split())
+        raise InputError(str(path), key, f"is not a mesh that can be read: {reason}") from error
+    # meshio reports damaged files by whatever its parsers trip over.
+    except Exception as error:
+        raise InputError(str(path), key, f"is not a mesh that can be read: {error}") from error
+    points = np.zeros((len(mesh.points), 3))
+    if len(points):
+        coordinates = np.asarray(mesh.points, dtype=np.float64)
+        points[:, : coordinates.shape[1]] = coordinates
+    fans = [
+        _fan(np.asarray(block.data))
+        for block in mesh.cells
+        if block.type.rstrip("0123456789") in _SURFACE_CELLS
+    ]
+    indices = np.concatenate(fans) if fans else np.empty((0, 3), dtype=np.int64)
+    if not len(indices):
+        raise InputError(str(path), key, "holds no triangles")
+    if indices.min() < 0 or indices.max() >= len(points):
+        raise InputError(str(path), key, "names a vertex that it does not hold")
+    triangles: Array = points[indices]
+    if not np.isfinite(triangles).all():
+        raise InputError(str(path), key, "holds a vertex that is not finite")
+    return triangles
+
+
+def convert(source: Path, target: Path) -> int:
+    """Write the triangles of `source` (any format meshio knows) as STL, OBJ or PLY; returns their number.
+
+    The target appears whole or not at all. InputError when the source cannot be read or the target cannot be written.
+    """
+    import meshio
+
+    if target.suffix.lower() not in SCENE_FORMATS:
+        raise InputError(str(target), "", f"must end in one of {', '.join(SCENE_FORMATS)}")
+    triangles = read_triangles(source)
+    points, inverse = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    mesh = meshio.Mesh(points, [("triangle", inverse.reshape(-1, 3))])
+    unfinished = target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
+    try:
+        meshio.write(unfinished, mesh)
+        os.replace(unfinished, target)
+    except (Exception, SystemExit) as error:
+        raise InputError(str(target), "", f"cannot be written: {error}") from error
+    finally:
+        unfinished.unlink(missing_ok=True)
+    return len(triangles)
+
+
+def _fan(polygons: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Polygons (n, m) as fans of triangles (n·(m − 2), 3) from their first vertex."""
+    last = polygons.shape[1] - 1
+    fans = np.stack([polygons[:, [0, k, k + 1]] for k in range(1, last)], axis=1)
+    return np.asarray(fans.reshape(-1, 3), dtype=np.int64)

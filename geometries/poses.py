@@ -1,0 +1,83 @@
+"""Rotations and poses. A pose maps p to R·p + t: rotate, then translate."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector3 = tuple[float, float, float]
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class AxisRotation:
+    """A turn by `degrees` about `axis` (any length but zero), right-handed."""
+
+    axis: Vector3 = (0.0, 0.0, 1.0)
+    degrees: float = 0.0
+
+    def matrix(self) -> Array:
+        """The rotation matrix (3, 3), by Rodrigues' formula."""
+        x, y, z = np.asarray(self.axis) / np.linalg.norm(self.axis)
+        cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        angle = math.radians(self.degrees)
+        return np.asarray(np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * (cross @ cross))
+
+
+@dataclass(frozen=True)
+class QuaternionRotation:
+    """A turn given as the quaternion w + xi + yj + zk (any length but zero)."""
+
+    quaternion: tuple[float, float, float, float]
+
+    def matrix(self) -> Array:
+        """The rotation matrix (3, 3)."""
+        w, x, y, z = np.asarray(self.quaternion) / np.linalg.norm(self.quaternion)
+        return np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+
+
+Rotation = AxisRotation | QuaternionRotation
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where a frame stands in its parent's: translation in metres, rotation as it was written in the file."""
+
+    translation: Vector3 = (0.0, 0.0, 0.0)
+    rotation: Rotation = AxisRotation()
+
+    def transform(self) -> Transform:
+        return Transform(self.rotation.matrix(), np.asarray(self.translation))
+
+
+@dataclass(frozen=True, eq=False)
+class Transform:
+    """p ↦ R·p + t with R = `rotation` (3, 3) and t = `translation` (3,), in metres."""
+
+    rotation: Array
+    translation: Array
+
+    @staticmethod
+    def identity() -> Transform:
+        return Transform(np.eye(3), np.zeros(3))
+
+    def after(self, inner: Transform) -> Transform:
+        """The transform that applies `inner` first and this one second."""
+        return Transform(self.rotation @ inner.rotation, self.points(inner.translation))
+
+    def points(self, points: Array) -> Array:
+        """Map points (..., 3)."""
+        return np.asarray(points @ self.rotation.T + self.translation)
+
+    def directions(self, directions: Array) -> Array:
+        """Map directions (..., 3): rotated, not moved."""
+        return np.asarray(directions @ self.rotation.T)

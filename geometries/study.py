@@ -1,0 +1,216 @@
+"""Study files: which set-ups to compare, how exactly to solve them, which methods of the model to try.
+
+    name = "gap"
+    title = "The gap between two equal plates"
+
+    [reference]
+    rtol = 1e-3                     # relative accuracy asked of the field reference
+    max_seconds = 120               # per case
+
+    [model]
+    methods = ["exact", "split:4"]  # always with "exact", which the report compares
+
+    [[sweep]]
+    family = "parallel"             # a function of `families`; the other keys are its parameters
+    sensor_size = [0.1, 0.1]        # a number or a vector: the same in every case
+    target_size = [[0.1, 0.1], [0.05, 0.05]]               # a list of them: swept
+    gap = { geomspace = [0.005, 0.2, 5] }                  # or linspace = [first, last, number]
+    combine = "product"             # default; or "zip": the swept lists are walked through together
+"""
+
+from __future__ import annotations
+
+import inspect
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, cast, get_type_hints
+
+import numpy as np
+
+from geometries.errors import InputError
+from geometries.families import FAMILIES, Vector2
+from geometries.scene import Scene
+from geometries.tables import Table, parse, read_text
+from geometries.writer import identity
+
+Parameter = float | Vector2
+
+EMPTY = "empty"
+
+_STUDIES = Path(__file__).parent / "studies"
+_IDENTITY_DIGITS = 16
+_PLANNED_FAMILIES = ("box", "sensors", "scene")
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scene of a study. `parameters` holds the family's parameters, defaults included; `id` hashes the scene."""
+
+    id: str
+    family: str
+    parameters: dict[str, Parameter]
+    scene: Scene
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study file, expanded. `rtol` and `max_seconds` are for the reference, `methods` for the model."""
+
+    name: str
+    title: str
+    rtol: float
+    max_seconds: float
+    methods: tuple[str, ...]
+    sweeps: tuple[Case, ...]
+
+    def cases(self) -> list[Case]:
+        """Every case once, in the order of the file; then, for every distinct sensor, the sensor alone."""
+        cases: dict[str, Case] = {}
+        for case in [*self.sweeps, *map(empty_case, self.sweeps)]:
+            cases.setdefault(case.id, case)
+        return list(cases.values())
+
+
+def empty_case(case: Case) -> Case:
+    """The case without its objects, which `delta_self` is measured against."""
+    parameters = {name: value for name, value in case.parameters.items() if name == "sensor_size"}
+    return _case(EMPTY, parameters, replace(case.scene, objects=()))
+
+
+def find(study: str) -> Path:
+    """The file of a study given by its name in `geometries/studies` or by its path; InputError when there is none."""
+    named = _STUDIES / f"{study}.toml"
+    if named.is_file():
+        return named
+    if Path(study).is_file():
+        return Path(study)
+    known = ", ".join(sorted(path.stem for path in _STUDIES.glob("*.toml")))
+    raise InputError(study, "", f"is neither a study file nor one of the studies here: {known}")
+
+
+def load(path: Path | str) -> Study:
+    """The study in a file; InputError when the file cannot be used."""
+    return loads(read_text(Path(path)), source=str(path))
+
+
+def loads(text: str, source: str = "study") -> Study:
+    """The study in a text; `source` stands for it in errors."""
+    root = parse(text, source)
+    reference = root.table("reference")
+    model = root.table("model")
+    study = Study(
+        name=_folder_name(root),
+        title=root.text("title"),
+        rtol=reference.positive("rtol"),
+        max_seconds=reference.positive("max_seconds"),
+        methods=_methods(model),
+        sweeps=tuple(case for sweep in root.tables("sweep") for case in _sweep(sweep)),
+    )
+    if not study.sweeps:
+        raise root.error("sweep", "a study needs at least one sweep")
+    for table in (reference, model, root):
+        table.finish()
+    return study
+
+
+def _folder_name(root: Table) -> str:
+    name = root.text("name")
+    if Path(name).name != name or name in (".", ".."):
+        raise root.error("name", f"names the folder of the results and may hold no path, as {name!r} does")
+    return name
+
+
+def _methods(model: Table) -> tuple[str, ...]:
+    methods = model.value("methods")
+    if not isinstance(methods, list) or not all(isinstance(method, str) for method in methods):
+        raise model.error("methods", "must be a list of strings")
+    if "exact" not in methods:
+        raise model.error("methods", 'must hold "exact", the method that is compared with the reference')
+    return tuple(methods)
+
+
+def _sweep(sweep: Table) -> Iterator[Case]:
+    family = sweep.text("family")
+    if family in _PLANNED_FAMILIES:
+        raise sweep.error(
+            "family", f"the family {family!r} does not exist yet; there are {', '.join(FAMILIES)}"
+        )
+    if family not in FAMILIES:
+        raise sweep.error("family", f"unknown family {family!r}; there are {', '.join(FAMILIES)}")
+    combine = sweep.text("combine", "product")
+    if combine not in ("product", "zip"):
+        raise sweep.error("combine", f"must be product or zip, not {combine!r}")
+    function = FAMILIES[family]
+    is_vector = {
+        name: hint is not float for name, hint in get_type_hints(function).items() if name != "return"
+    }
+    defaults = {name: parameter.default for name, parameter in inspect.signature(function).parameters.items()}
+    values = {
+        name: [defaults[name]]
+        if defaults[name] is not inspect.Parameter.empty and not sweep.has(name)
+        else _values(sweep, name, is_vector[name])
+        for name in is_vector
+    }
+    sweep.finish()
+    for parameters in _combinations(sweep, values, combine):
+        try:
+            scene = function(**parameters)
+        except InputError as error:
+            raise InputError(
+                sweep.source, sweep.key(error.key), f"{error.reason} (in {_told(parameters)})"
+            ) from error
+        yield _case(family, parameters, scene)
+
+
+def _values(sweep: Table, name: str, is_vector: bool) -> list[Parameter]:
+    """What a parameter takes in turn: one value when the key holds one, else those of a list or a range."""
+    value = sweep.value(name)
+    if isinstance(value, dict):
+        if is_vector:
+            raise sweep.error(name, "a range is for a number; give a list of vectors")
+        return _range(sweep.table(name))
+    if is_vector:
+        vectors = value if isinstance(value, list) and value and isinstance(value[0], list) else [value]
+        return [cast(Vector2, sweep.as_vector(name, vector, 2)) for vector in vectors]
+    numbers = value if isinstance(value, list) else [value]
+    if not numbers:
+        raise sweep.error(name, "must hold at least one value")
+    return [sweep.as_number(name, number) for number in numbers]
+
+
+def _range(table: Table) -> list[Parameter]:
+    if len(table.keys()) != 1 or table.keys()[0] not in ("linspace", "geomspace"):
+        raise table.error("", "a range is { linspace = [first, last, number] } or { geomspace = … }")
+    kind = table.keys()[0]
+    first, last, number = table.vector(kind, 3)
+    if number < 2 or number != int(number):
+        raise table.error(kind, f"needs an integer number of values, at least 2, not {number!r}")
+    if kind == "geomspace" and (first <= 0 or last <= 0):
+        raise table.error(kind, "needs ends greater than 0")
+    count = int(number)
+    values = np.geomspace(first, last, count) if kind == "geomspace" else np.linspace(first, last, count)
+    return [float(value) for value in values]
+
+
+def _combinations(
+    sweep: Table, values: dict[str, list[Parameter]], combine: str
+) -> Iterator[dict[str, Parameter]]:
+    if combine == "product":
+        yield from (dict(zip(values, chosen)) for chosen in itertools.product(*values.values()))
+        return
+    lengths = {name: len(swept) for name, swept in values.items() if len(swept) > 1}
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        raise sweep.error("combine", f"zip needs lists of one length, not {told}")
+    for index in range(max(lengths.values(), default=1)):
+        yield {name: swept[index] if len(swept) > 1 else swept[0] for name, swept in values.items()}
+
+
+def _case(family: str, parameters: dict[str, Parameter], scene: Scene) -> Case:
+    return Case(identity(scene)[:_IDENTITY_DIGITS], family, parameters, scene)
+
+
+def _told(parameters: dict[str, Any]) -> str:
+    return ", ".join(f"{name} = {list(v) if isinstance(v, tuple) else v}" for name, v in parameters.items())

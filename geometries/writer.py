@@ -1,0 +1,123 @@
+"""Scenes written as TOML, in one form for each scene, and their identity."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from typing import Any
+
+import tomli_w
+
+from geometries.poses import AxisRotation, Pose
+from geometries.scene import DistanceSensor, Link, Object, Scene, Sensor
+from geometries.shapes import Arc, Cone, Cuboid, Cylinder, MeshShape, PlateShape, Shape
+
+MeshSource = Callable[[MeshShape], dict[str, str]]
+
+
+def canonical(scene: Scene) -> str:
+    """The scene as a TOML text: fixed order of keys, defaults written out, floats by their shortest exact decimals.
+
+    Loading the text gives an equal scene. A mesh is named by its absolute path, so that the text may be put anywhere.
+    """
+    return _text(scene, lambda mesh: {"file": mesh.file})
+
+
+def identity(scene: Scene) -> str:
+    """sha256 (hexadecimal) of the canonical text in which the mesh files' bytes stand for their paths."""
+    return hashlib.sha256(_text(scene, lambda mesh: {"sha256": mesh.digest}).encode()).hexdigest()
+
+
+def _text(scene: Scene, mesh_source: MeshSource) -> str:
+    document: dict[str, Any] = {
+        "medium": {"relative_permittivity": scene.medium.relative_permittivity},
+        "link": [_link(link) for link in scene.links],
+        "sensor": [_sensor(sensor) for sensor in scene.sensors],
+        "distance_sensor": [_distance_sensor(sensor) for sensor in scene.distance_sensors],
+        "object": [_object(body, mesh_source) for body in scene.objects],
+    }
+    text: str = tomli_w.dumps({key: _plain(value) for key, value in document.items() if value})
+    return text
+
+
+def _plain(value: Any) -> Any:
+    """The same value in TOML's types: no tuples, every -0.0 as 0.0, and nothing that is None."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items() if item is not None}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    return value + 0.0 if isinstance(value, float) else value
+
+
+def _pose(pose: Pose) -> dict[str, Any]:
+    if isinstance(pose.rotation, AxisRotation):
+        rotation = {"axis": pose.rotation.axis, "degrees": pose.rotation.degrees}
+        return {"translation": pose.translation, "rotation": rotation}
+    return {"translation": pose.translation, "quaternion": pose.rotation.quaternion}
+
+
+def _link(link: Link) -> dict[str, Any]:
+    return {"name": link.name, "parent": link.parent, **_pose(link.pose)}
+
+
+def _sensor(sensor: Sensor) -> dict[str, Any]:
+    plates = [{"corner": p.corner, "edge_u": p.edge_u, "edge_v": p.edge_v} for p in sensor.plates]
+    return {
+        "name": sensor.name,
+        "link": sensor.link,
+        "input_voltage": sensor.input_voltage,
+        "coupling_capacitance": sensor.coupling_capacitance,
+        "plates": plates,
+    }
+
+
+def _distance_sensor(sensor: DistanceSensor) -> dict[str, Any]:
+    return {
+        "name": sensor.name,
+        "link": sensor.link,
+        "apex": sensor.apex,
+        "direction": sensor.direction,
+        "full_angle_degrees": sensor.full_angle_degrees,
+        "range": sensor.range,
+    }
+
+
+def _object(body: Object, mesh_source: MeshSource) -> dict[str, Any]:
+    dielectric = body.relative_permittivity is not None
+    return {
+        "name": body.name,
+        "link": body.link,
+        **_pose(body.pose),
+        "potential": None if dielectric else body.potential,
+        "collides": body.collides,
+        "material": {"relative_permittivity": body.relative_permittivity} if dielectric else None,
+        "shape": _shape(body.shape, mesh_source),
+    }
+
+
+def _shape(shape: Shape, mesh_source: MeshSource) -> dict[str, Any]:
+    if isinstance(shape, PlateShape):
+        return {"type": "plate", "size": shape.size}
+    if isinstance(shape, Cuboid):
+        return {"type": "cuboid", "size": shape.size}
+    if isinstance(shape, Cylinder):
+        return {
+            "type": "cylinder",
+            "radius": shape.radius,
+            "height": shape.height,
+            "segments": shape.segments,
+        }
+    if isinstance(shape, Cone):
+        return {"type": "cone", "radius": shape.radius, "height": shape.height, "segments": shape.segments}
+    if isinstance(shape, Arc):
+        return {
+            "type": "arc",
+            "inner_radius": shape.inner_radius,
+            "outer_radius": shape.outer_radius,
+            "height": shape.height,
+            "degrees": shape.degrees,
+            "segments": shape.segments,
+        }
+    if isinstance(shape, MeshShape):
+        return {"type": "mesh", **mesh_source(shape), "scale": shape.scale}
+    return {"type": "sphere", "radius": shape.radius, "segments": shape.segments}

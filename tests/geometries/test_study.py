@@ -1,0 +1,166 @@
+"""Study files: expansion into cases, their identities, the studies that come with the project, and what is refused."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from geometries import families, study
+from geometries.__main__ import main
+from geometries.errors import InputError
+
+HEAD = """
+name = "n"
+title = "t"
+[reference]
+rtol = 1e-3
+max_seconds = 60
+[model]
+methods = ["exact", "split:4"]
+"""
+SWEEP = """
+[[sweep]]
+family = "parallel"
+sensor_size = [0.1, 0.1]
+target_size = [0.1, 0.1]
+gap = 0.02
+"""
+EDGE = SWEEP.replace("parallel", "edge") + "height = 0\n"
+
+
+def expand(*sweeps: str) -> list[study.Case]:
+    return study.loads(HEAD + "".join(sweeps)).cases()
+
+
+def values(cases: list[study.Case], name: str) -> list[study.Parameter]:
+    return [case.parameters[name] for case in cases if case.family != study.EMPTY]
+
+
+def test_a_sweep_without_lists_is_one_case_and_its_empty_scene() -> None:
+    case, alone = expand(SWEEP)
+    assert case.scene == families.parallel((0.1, 0.1), (0.1, 0.1), 0.02)
+    assert case.parameters == {
+        "sensor_size": (0.1, 0.1),
+        "target_size": (0.1, 0.1),
+        "gap": 0.02,
+        "offset": (0.0, 0.0),
+    }
+    assert (alone.family, alone.parameters) == ("empty", {"sensor_size": (0.1, 0.1)})
+    assert alone.scene == families.empty((0.1, 0.1))
+
+
+def test_lists_are_swept_as_a_product_by_default() -> None:
+    cases = expand(
+        SWEEP.replace("0.02", "[0.01, 0.02]").replace(
+            "target_size = [0.1, 0.1]", "target_size = [[1, 1], [2, 2]]"
+        )
+    )
+    assert list(zip(values(cases, "target_size"), values(cases, "gap"))) == [
+        ((1, 1), 0.01),
+        ((1, 1), 0.02),
+        ((2, 2), 0.01),
+        ((2, 2), 0.02),
+    ]
+
+
+def test_zip_walks_through_the_lists_together() -> None:
+    cases = expand(
+        EDGE.replace("0.02", "[0.01, 0.02]").replace("height = 0", "height = [0.3, 0.4]") + 'combine = "zip"'
+    )
+    assert list(zip(values(cases, "gap"), values(cases, "height"))) == [(0.01, 0.3), (0.02, 0.4)]
+
+
+def test_ranges() -> None:
+    linear = values(expand(SWEEP.replace("0.02", "{ linspace = [0.01, 0.03, 3] }")), "gap")
+    assert linear == pytest.approx([0.01, 0.02, 0.03])
+    geometric = values(expand(SWEEP.replace("0.02", "{ geomspace = [0.01, 0.04, 3] }")), "gap")
+    assert geometric == pytest.approx([0.01, 0.02, 0.04])
+
+
+def test_the_same_scene_is_one_case_and_keeps_the_first_place() -> None:
+    cases = expand(SWEEP, EDGE, SWEEP)
+    assert [case.family for case in cases] == ["parallel", "edge", "empty"]
+
+
+def test_each_distinct_sensor_gets_one_empty_scene() -> None:
+    sensors = SWEEP.replace("sensor_size = [0.1, 0.1]", "sensor_size = [[0.1, 0.1], [0.04, 0.04]]")
+    assert Counter(case.family for case in expand(sensors, EDGE)) == {"parallel": 2, "edge": 1, "empty": 2}
+
+
+def test_a_changed_parameter_of_one_family_changes_only_its_own_identities() -> None:
+    before = {case.id for case in expand(SWEEP, EDGE)}
+    after = {case.id for case in expand(SWEEP.replace("0.02", "0.03"), EDGE)}
+    assert len(before & after) == 2 and len(before - after) == 1
+
+
+def test_identities_are_sixteen_hexadecimal_digits() -> None:
+    for case in expand(SWEEP):
+        assert len(case.id) == 16 and int(case.id, 16) >= 0
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "reason"),
+    [
+        (HEAD, "sweep", "at least one sweep"),
+        (SWEEP, "reference", "is missing"),
+        ("colour = 1" + HEAD + SWEEP, "colour", "unknown key"),
+        (HEAD.replace('"n"', '"../n"') + SWEEP, "name", "may hold no path"),
+        (HEAD.replace("1e-3", "0") + SWEEP, "reference.rtol", "greater than 0"),
+        (HEAD.replace('"exact", ', "") + SWEEP, "model.methods", '"exact"'),
+        (HEAD.replace('"exact"', "3") + SWEEP, "model.methods", "list of strings"),
+        (HEAD + SWEEP.replace("parallel", "box"), "sweep[0].family", "does not exist yet"),
+        (HEAD + SWEEP.replace("parallel", "paralel"), "sweep[0].family", "unknown family"),
+        (HEAD + SWEEP.replace("gap", "hinge_gap"), "sweep[0].gap", "is missing"),
+        (HEAD + SWEEP + "tilt_degrees = 3", "sweep[0].tilt_degrees", "unknown key"),
+        (HEAD + SWEEP.replace("0.02", '"2 cm"'), "sweep[0].gap", "must be a number"),
+        (HEAD + SWEEP.replace("0.02", "[]"), "sweep[0].gap", "at least one value"),
+        (HEAD + SWEEP.replace("0.02", "[0.02, nan]"), "sweep[0].gap", "must be finite"),
+        (HEAD + SWEEP.replace("0.02", "-0.02"), "sweep[0].gap", "greater than 0"),
+        (HEAD + SWEEP.replace("0.02", "{ logspace = [1, 2, 3] }"), "sweep[0].gap", "a range is"),
+        (HEAD + SWEEP.replace("0.02", "{ geomspace = [0, 1, 3] }"), "sweep[0].gap.geomspace", "ends greater"),
+        (
+            HEAD + SWEEP.replace("0.02", "{ linspace = [0, 1, 1.5] }"),
+            "sweep[0].gap.linspace",
+            "integer number",
+        ),
+        (HEAD + SWEEP.replace("[0.1, 0.1]", "0.1"), "sweep[0].sensor_size", "list of 2 numbers"),
+        (HEAD + SWEEP + 'combine = "sum"', "sweep[0].combine", "product or zip"),
+        (
+            HEAD
+            + EDGE.replace("0.02", "[1, 2]").replace("height = 0", "height = [1, 2, 3]")
+            + 'combine = "zip"',
+            "sweep[0].combine",
+            "lists of one length",
+        ),
+    ],
+)
+def test_what_cannot_be_expanded_is_refused_by_key_and_reason(text: str, key: str, reason: str) -> None:
+    with pytest.raises(InputError) as caught:
+        study.loads(text, source="study.toml")
+    assert (caught.value.file, caught.value.key) == ("study.toml", key)
+    assert reason in caught.value.reason
+
+
+def test_the_default_study_has_at_least_eight_cases_of_every_family() -> None:
+    cases = study.load(study.find("default")).cases()
+    count = Counter(case.family for case in cases)
+    assert all(count[family] >= 8 for family in families.FAMILIES)
+    assert count[study.EMPTY] <= 5
+
+
+def test_a_study_is_found_by_name_or_by_path(tmp_path: Path) -> None:
+    assert study.find("smoke").stem == "smoke"
+    own = tmp_path / "own.toml"
+    own.write_text(HEAD + SWEEP)
+    assert study.find(str(own)) == own
+    with pytest.raises(InputError, match="one of the studies here: default, smoke"):
+        study.find("missing")
+
+
+def test_expand_lists_the_cases(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["expand", "smoke"]) == 0
+    printed = capsys.readouterr().out
+    assert "3 cases" in printed and "gap=0.05" in printed
+    assert main(["expand", "missing"]) == 2
