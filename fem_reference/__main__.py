@@ -1,0 +1,92 @@
+"""Command line: python3 -m fem_reference SCENE [--rtol R] [--max-seconds S] [--json] [--slice FILE]."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import math
+import os
+import sys
+from pathlib import Path
+
+from geometries.interpreter import continue_with
+
+ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
+
+
+def _positive(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not value > 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
+    return value
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python3 -m fem_reference",
+        description="The Maxwell capacitance matrix of a scene by finite elements, with an error for every entry.",
+        epilog="Exit status: 0 answered; 2 wrong input; 3 the asked accuracy was not reached, the answer and its "
+        "errors are given all the same; 1 anything else.",
+    )
+    parser.add_argument("scene", metavar="SCENE", help="a scene file (TOML)")
+    parser.add_argument(
+        "--rtol", type=_positive, default=1e-3, help="largest relative error of an entry (default 1e-3)"
+    )
+    parser.add_argument(
+        "--max-seconds",
+        type=_positive,
+        default=math.inf,
+        help="start no level that would end later than this",
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON document and nothing else")
+    parser.add_argument(
+        "--slice",
+        metavar="FILE",
+        help="in the place of the matrix: write the potential in a vertical plane through the conductors' centres, "
+        "the first sensor at 1 V, to this JSON file",
+    )
+    parser.add_argument("--version", action="version", version=_version())
+    return parser
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return f"fem_reference with dolfinx {version('fenics-dolfinx')}"
+    except PackageNotFoundError:
+        return "fem_reference, dolfinx not found"
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command; returns its exit status."""
+    options = _parser().parse_args(arguments)
+    continue_with("dolfinx")
+    _prepare_libraries()
+    from fem_reference import output
+    from geometries.errors import InputError
+
+    try:
+        if options.slice is not None:
+            return output.write_slice(Path(options.scene), Path(options.slice))
+        return output.answer(Path(options.scene), options.rtol, options.max_seconds, options.json)
+    except InputError as wrong:
+        print(f"fem_reference: {wrong}", file=sys.stderr)
+        return WRONG_INPUT
+    except (RuntimeError, OSError, MemoryError) as failure:
+        print(f"fem_reference: {options.scene}: {failure or 'out of memory'}", file=sys.stderr)
+        return FAILED
+
+
+def _prepare_libraries() -> None:
+    """Compiled forms are kept beside the build; a process uses one core, since cases run side by side; no chatter."""
+    logging.getLogger().setLevel(logging.WARNING)
+    os.environ.setdefault("XDG_CACHE_HOME", str(Path(__file__).resolve().parent.parent / "build" / "cache"))
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,145 @@
+"""What the command prints and writes: a JSON document, a table for people, and a slice of the potential."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import basix
+import dolfinx
+import gmsh
+import numpy as np
+from petsc4py import PETSc
+
+from fem_reference.potential_slice import potential_slice
+from fem_reference.reference import Level, Reference, maxwell
+from geometries.reader import load
+
+PICOFARAD = 1e-12
+ANSWERED, NOT_REACHED = 0, 3
+
+METHOD = (
+    "Richardson extrapolation over meshes of edge size h, h/2, h/4 … where the ratio of their differences is that of the "
+    "theory; the error is an estimate from those differences, plus a bound on the open boundary and the solver's residue"
+)
+
+
+def answer(path: Path, rtol: float, max_seconds: float, as_json: bool) -> int:
+    """Solve a scene file and print the answer; returns the exit status."""
+    scene = load(path)
+    reference = maxwell(scene, rtol, max_seconds, str(path), None if as_json else _tell_level)
+    if as_json:
+        print(json.dumps(document(reference)))
+    else:
+        print(table(reference))
+    if not reference.reached:
+        print(
+            f"fem_reference: {path}: asked {rtol:.3g}, reached {reference.worst:.3g} in {reference.seconds:.0f} s",
+            file=sys.stderr,
+        )
+    return ANSWERED if reference.reached else NOT_REACHED
+
+
+def document(reference: Reference) -> dict[str, Any]:
+    """The answer as plain data: farads, metres, seconds; matrices row by row in the order of `conductors`."""
+    sensors = reference.names[: reference.sensors]
+    result: dict[str, Any] = {
+        "conductors": list(reference.names),
+        "maxwell": reference.maxwell.value.tolist(),
+        "lower": reference.lower.tolist(),
+        "upper": reference.upper.tolist(),
+        "error": reference.maxwell.error.tolist(),
+        "extrapolated": reference.maxwell.extrapolated.tolist(),
+    }
+    if len(reference.names) > len(sensors):
+        result["delta_self"] = {
+            name: {
+                "value": float(reference.delta_self.value[k]),
+                "error": float(reference.delta_self.error[k]),
+            }
+            for k, name in enumerate(sensors)
+        }
+    return result | {
+        "rtol": reference.rtol,
+        "reached": reference.reached,
+        "worst_relative_error": reference.worst,
+        "error_kind": "estimate",
+        "method": METHOD,
+        "levels": [_level_document(level) for level in reference.levels],
+        "unknowns": reference.levels[-1].unknowns,
+        "seconds": reference.seconds,
+        "versions": versions(),
+    }
+
+
+def versions() -> dict[str, str]:
+    """The software that can change an answer."""
+    return {
+        "dolfinx": dolfinx.__version__,
+        "basix": basix.__version__,
+        "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
+        "gmsh": gmsh.__version__,
+        "numpy": np.__version__,
+    }
+
+
+def table(reference: Reference) -> str:
+    """The Maxwell matrix and delta_self in picofarad, each with its error."""
+    width = max(8, *(len(name) for name in reference.names)) + 2
+    lines = ["Maxwell matrix, pF: charge on the row's conductor per volt on the column's"]
+    lines.append(" " * width + "".join(f"{name:>24}" for name in reference.names))
+    value, error = reference.maxwell.value / PICOFARAD, reference.maxwell.error / PICOFARAD
+    for i, name in enumerate(reference.names):
+        entries = (f"{value[i, j]:.6f} ± {error[i, j]:.6f}" for j in range(len(reference.names)))
+        lines.append(f"{name:<{width}}" + "".join(f"{entry:>24}" for entry in entries))
+    if len(reference.names) > reference.sensors:
+        lines.append("delta_self, pF: the sensor's own entry less what it is without the objects")
+        for k, name in enumerate(reference.names[: reference.sensors]):
+            change = reference.delta_self.value[k] / PICOFARAD, reference.delta_self.error[k] / PICOFARAD
+            lines.append(f"{name:<{width}}" + f"{change[0]:.6f} ± {change[1]:.6f}".rjust(24))
+    finest = reference.levels[-1]
+    lines.append(
+        f"largest relative error {reference.worst:.2e} (estimate), {len(reference.levels)} levels, "
+        f"{finest.unknowns} unknowns, {reference.seconds:.1f} s"
+    )
+    return "\n".join(lines)
+
+
+def write_slice(path: Path, target: Path) -> int:
+    """Write the potential around the scene in a vertical plane to a JSON file, whole or not at all."""
+    _write_whole(target, json.dumps(potential_slice(load(path), str(path))))
+    return ANSWERED
+
+
+def _write_whole(target: Path, text: str) -> None:
+    temporary = target.with_name(f".{target.name}.{os.getpid()}")
+    try:
+        temporary.write_text(text)
+        temporary.replace(target)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+def _tell_level(level: Level, worst: float) -> None:
+    print(
+        f"edge size {level.edge_size * 1e3:.3g} mm: {level.unknowns} unknowns, {level.seconds:.1f} s, "
+        f"largest relative error so far {worst:.2e}",
+        file=sys.stderr,
+        flush=True,
+    )
+
+
+def _level_document(level: Level) -> dict[str, Any]:
+    return {
+        "h_min": level.edge_size,
+        "unknowns": level.unknowns,
+        "cells": level.cells,
+        "seconds": level.seconds,
+        "maxwell": level.maxwell.tolist(),
+        "delta_self": level.delta_self.tolist(),
+        "sensors_alone": level.sensors_alone.tolist(),
+    }

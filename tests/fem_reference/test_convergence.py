@@ -1,0 +1,63 @@
+"""The error estimate: exact on sequences that follow the theory, wider whenever a check is skipped or fails."""
+
+import numpy as np
+import pytest
+
+from fem_reference.convergence import LEAST_FRACTION, UNCHECKED_SAFETY, estimate, open_boundary_error
+
+
+def of(*values: float) -> tuple[float, float, bool]:
+    found = estimate([np.array([value]) for value in values])
+    return float(found.value[0]), float(found.error[0]), bool(found.extrapolated[0])
+
+
+def test_one_level_knows_nothing() -> None:
+    assert of(3.0) == (3.0, 3.0, False)
+
+
+def test_two_levels_are_not_extrapolated() -> None:
+    assert of(3.0, 2.5) == (2.5, 1.0, False)
+
+
+def test_linear_convergence_is_extrapolated_to_its_limit() -> None:
+    """1 + h at h = 4, 2, 1: the limit is 1, and the step 1 is the scale of the error."""
+    assert of(5.0, 3.0, 2.0) == (1.0, LEAST_FRACTION, True)
+
+
+@pytest.mark.parametrize("order", [0.8, 1.0, 4 / 3, 1.5])
+def test_the_error_covers_other_orders_of_convergence(order: float) -> None:
+    """1 + h^order: the limit 1 stays inside although it is extrapolated as if the order were one."""
+    value, error, extrapolated = of(*(1 + h**order for h in (4.0, 2.0, 1.0)))
+    assert extrapolated and abs(value - 1) <= error
+
+
+@pytest.mark.parametrize("values", [(5.0, 4.0, 1.0), (5.0, 3.0, 3.5), (5.0, 3.0, 2.9)])
+def test_differences_of_another_ratio_are_not_extrapolated(values: tuple[float, float, float]) -> None:
+    """Growing, alternating or suddenly small differences: the finest value, and an error from the larger one."""
+    value, error, extrapolated = of(*values)
+    first, second = abs(values[1] - values[0]), abs(values[2] - values[1])
+    assert not extrapolated and value == values[2]
+    assert error == pytest.approx(UNCHECKED_SAFETY * max(first / 2, second))
+
+
+def test_a_quantity_that_does_not_change_has_no_error() -> None:
+    assert of(2.0, 2.0, 2.0) == (2.0, 0.0, True)
+
+
+def test_every_quantity_is_judged_by_itself() -> None:
+    found = estimate([np.array([5.0, 5.0]), np.array([3.0, 4.0]), np.array([2.0, 1.0])])
+    assert found.extrapolated.tolist() == [True, False]
+
+
+def test_open_boundary_error_falls_with_the_third_power_of_the_radius() -> None:
+    maxwell = np.array([[6.0, -3.0], [-3.0, 7.0]])
+    near, far = open_boundary_error(maxwell, 1.0, 50.0), open_boundary_error(maxwell, 1.0, 100.0)
+    np.testing.assert_allclose(near / far, 8.0, rtol=1e-3)
+
+
+def test_open_boundary_error_bounds_a_dipole() -> None:
+    """Two charges ±q at ±a on the axis of a sphere R: the dipole's part of ∫(1/R)u² is 16πq²a²/3R³ over (4π)²."""
+    q, a, radius = 1.0, 1.0, 100.0
+    dipole_energy = (2 * q * a) ** 2 / (4 * np.pi) ** 2 * 4 * np.pi / 3 / radius**3
+    maxwell = np.array([[q]])
+    assert open_boundary_error(maxwell, a, radius)[0, 0] >= dipole_energy
