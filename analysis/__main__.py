@@ -1,0 +1,107 @@
+"""`python3 -m analysis`: run a study, report on its results."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+from pathlib import Path
+from types import FrameType
+
+from geometries.interpreter import continue_with
+
+# As everywhere in the project.
+ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
+# What shells report for a command that was interrupted.
+_INTERRUPTED = 130
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    continue_with("dolfinx")
+    from geometries.errors import InputError
+
+    signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        if options.command == "run":
+            return _run(options.study, options.results, options.jobs)
+        return _report(options.results)
+    except InputError as error:
+        print(f"analysis: {error}", file=sys.stderr)
+        return WRONG_INPUT
+    except ModuleNotFoundError as error:
+        if error.name != "fringe":
+            raise
+        print("analysis: the model is not built: ./run builds it", file=sys.stderr)
+        return FAILED
+    except KeyboardInterrupt:
+        print(
+            "\nanalysis: stopped; finished cases are kept, the same command goes on from there",
+            file=sys.stderr,
+        )
+        return _INTERRUPTED
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python3 -m analysis",
+        description=__doc__,
+        epilog="Exit status: 0 answered; 2 wrong input; 3 a case is short of the asked accuracy, its wider errors are "
+        "reported; 1 a case failed, or anything else.",
+    )
+    commands = parser.add_subparsers(dest="command", required=True)
+    run = commands.add_parser("run", help="solve what is not solved yet, then report")
+    run.add_argument("study", metavar="STUDY", help="a name in geometries/studies, or a file")
+    run.add_argument(
+        "--results", type=Path, metavar="DIR", help="where to keep the results (default: results/<study>)"
+    )
+    run.add_argument(
+        "--jobs", type=_count, metavar="N", help="solves at a time (default: by cores and memory)"
+    )
+    report = commands.add_parser("report", help="write table.csv and report.html from stored answers")
+    report.add_argument("results", type=Path, metavar="RESULTS", help="a folder that `run` has filled")
+    return parser
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number greater than 0")
+    return int(text)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    raise KeyboardInterrupt
+
+
+def _run(name: str, folder: Path | None, jobs: int | None) -> int:
+    from analysis import reference_stage, workflow
+    from analysis.keys import REPOSITORY
+    from geometries import study
+
+    chosen = study.load(study.find(name))
+    target = folder or REPOSITORY / "results" / chosen.name
+    failures = workflow.run(chosen, target, jobs)
+    for failure in failures:
+        print(f"analysis: case {failure.case}: {failure.stage}: {failure.reason}", file=sys.stderr)
+    code = _report(target)
+    # A missing picture is told, but takes nothing from the comparison.
+    return FAILED if any(failure.stage != reference_stage.SLICE for failure in failures) else code
+
+
+def _report(folder: Path) -> int:
+    from analysis import report, statistics
+
+    made = report.make(folder)
+    if made.summaries:
+        print(statistics.headline(made.summaries))
+    if made.not_reached:
+        print(
+            f"{made.not_reached} cases are short of the asked accuracy; their wider errors are in the report"
+        )
+    print(f"report: {made.path}")
+    return NOT_REACHED if made.not_reached else ANSWERED
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,93 @@
+"""The keys of stored answers: a hash of all that can change an answer. Equal key, equal answer.
+
+That is the scene, the options, and the version of the code: a hash of the stage's sources, and for the reference the
+versions of the packages that it stands on.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Iterable
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from pathlib import Path
+
+from geometries.scene import Scene
+from geometries.study import Study
+from geometries.writer import identity
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+
+_MODEL_SUFFIXES = {".cpp", ".hpp", ".h", ".txt", ".cmake", ".in"}
+# What makes scenes has no part in solving them: a new family must not make old answers void.
+_NOT_SOLVING = {"families.py", "study.py", "interpreter.py", "__main__.py", "__init__.py"}
+_REFERENCE_PACKAGES = ("fenics-dolfinx", "fenics-basix", "petsc4py", "numpy")
+_GMSH_VERSION = re.compile(r'^GMSH_API_VERSION *= *"([^"]+)"', re.MULTILINE)
+
+
+def model_key(scene: Scene, study: Study, code: str) -> str:
+    """The key of a model answer; `code` is `model_code`."""
+    return _hash({"scene": identity(scene), "methods": study.methods, "code": code})
+
+
+def reference_key(scene: Scene, study: Study, code: str) -> str:
+    """The key of a reference answer; `code` is `reference_code`."""
+    options = {"rtol": study.rtol, "max_seconds": study.max_seconds}
+    return _hash({"scene": identity(scene), "options": options, "code": code})
+
+
+def slice_key(scene: Scene, code: str) -> str:
+    """The key of a slice of the potential; `code` is `reference_code`."""
+    return _hash({"scene": identity(scene), "slice": True, "code": code})
+
+
+def model_code(repository: Path = REPOSITORY) -> str:
+    """The version of the model: a hash of its sources."""
+    return hash_of_files(
+        (path for path in (repository / "model").rglob("*") if path.suffix in _MODEL_SUFFIXES), repository
+    )
+
+
+def reference_code(repository: Path = REPOSITORY) -> str:
+    """The version of the reference: a hash of its sources, of the scene reader's, and of the packages' versions."""
+    sources = list((repository / "fem_reference").glob("*.py"))
+    sources += [path for path in (repository / "geometries").glob("*.py") if path.name not in _NOT_SOLVING]
+    packages = {name: _package_version(name) for name in _REFERENCE_PACKAGES} | {"gmsh": _gmsh_version()}
+    return _hash({"sources": hash_of_files(sources, repository), "packages": packages})
+
+
+def report_code(repository: Path = REPOSITORY) -> str:
+    """The version of the report: a hash of this package."""
+    return hash_of_files((repository / "analysis").glob("*.py"), repository)
+
+
+def hash_of_files(paths: Iterable[Path], root: Path) -> str:
+    """sha256 over the names relative to `root` and the contents of files, in the order of their names."""
+    digest = hashlib.sha256()
+    for path in sorted(paths):
+        content = path.read_bytes()
+        digest.update(f"{path.relative_to(root)} {len(content)}\n".encode())
+        digest.update(content)
+    return digest.hexdigest()
+
+
+def _package_version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "absent"
+
+
+def _gmsh_version() -> str:
+    """Read from the module's text: Debian's gmsh has no package metadata, and importing it takes half a second."""
+    module = find_spec("gmsh")
+    if module is None or module.origin is None:
+        return "absent"
+    found = _GMSH_VERSION.search(Path(module.origin).read_text(encoding="utf-8"))
+    return found[1] if found else "unknown"
+
+
+def _hash(parts: object) -> str:
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()

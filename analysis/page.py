@@ -1,0 +1,137 @@
+"""The report as one HTML page that needs nothing but itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from html import escape
+
+from analysis.plot import Plot
+
+_STYLE = """
+:root { --ink: #24292f; --soft: #57606a; --line: #d8dee4; --tint: #f6f8fa; --accent: #0b5394; }
+* { box-sizing: border-box; }
+body { margin: 0; color: var(--ink); background: white; line-height: 1.55;
+       font: 16px/1.55 system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif; }
+main { max-width: 76rem; margin: 0 auto; padding: 2.5rem 1.25rem 4rem; }
+h1 { font-size: 1.9rem; line-height: 1.2; margin: 0 0 .4rem; }
+h2 { font-size: 1.3rem; margin: 3rem 0 .4rem; padding-top: 1.2rem; border-top: 1px solid var(--line); }
+h3 { font-size: 1rem; margin: 1.6rem 0 .3rem; }
+p { max-width: 46rem; margin: .5rem 0; }
+a { color: var(--accent); }
+.soft { color: var(--soft); font-size: .92rem; }
+.finding { border-left: 3px solid var(--accent); padding-left: .8rem; }
+.panels { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 1rem 1.5rem; }
+.panel { min-width: 0; margin: .6rem 0 0; }
+.panels.single { grid-template-columns: minmax(0, 56rem); }
+@media (max-width: 52rem) { .panels, .panels.single { grid-template-columns: minmax(0, 1fr); } }
+.panel figcaption { color: var(--soft); font-size: .92rem; }
+.scroll { overflow-x: auto; margin: .8rem 0; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .9rem; }
+th, td { padding: .3rem .7rem .3rem 0; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap; }
+th { color: var(--soft); font-weight: 600; vertical-align: bottom; }
+th.text, td.text { text-align: left; }
+tr.strong td { font-weight: 600; }
+code { font: .86em ui-monospace, "DejaVu Sans Mono", monospace; background: var(--tint); padding: .1em .3em; }
+td code { background: none; padding: 0; }
+details { margin: .8rem 0; } summary { cursor: pointer; color: var(--accent); }
+@media print {
+  body { font-size: 11px; } main { max-width: none; padding: 0; } h2 { margin-top: 1.5rem; }
+  figure, tr { break-inside: avoid; } .scroll { overflow: visible; }
+  .panels { grid-template-columns: minmax(0, 1fr); } .panel { max-width: 44rem; }
+}
+"""
+# Figures know their width only when they are drawn: paper is narrower than most screens.
+_FIT_TO_PAPER = """
+addEventListener("beforeprint", () => document.querySelectorAll(".js-plotly-plot").forEach(p => Plotly.Plots.resize(p)));
+"""
+
+
+def document(title: str, inputs: str, body: Iterable[str]) -> str:
+    """The whole page. `inputs`, the hash of what it was made from, is kept in its head; plotly.js is put in once."""
+    from plotly.offline import get_plotlyjs
+
+    return "\n".join(
+        [
+            '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">',
+            inputs_mark(inputs),
+            '<meta name="viewport" content="width=device-width, initial-scale=1">',
+            f"<title>{escape(title)}</title>",
+            f"<style>{_STYLE}</style>",
+            f"<script>{get_plotlyjs()}</script>",
+            f"<script>{_FIT_TO_PAPER}</script>",
+            "</head>\n<body>\n<main>",
+            *body,
+            "</main>\n</body>\n</html>\n",
+        ]
+    )
+
+
+def inputs_mark(inputs: str) -> str:
+    """The line in a page's head by which a later run sees that the page is up to date."""
+    return f'<meta name="made-from" content="{inputs}">'
+
+
+def section(title: str, *parts: str) -> str:
+    return f"<section>\n<h2>{escape(title)}</h2>\n" + "\n".join(parts) + "\n</section>"
+
+
+def plot_section(plot: Plot) -> str:
+    """A plot with its finding above and its explanation below."""
+    panels = "\n".join(
+        f'<figure class="panel"><figcaption>{escape(panel.caption)}</figcaption>{_figure(panel.figure)}</figure>'
+        for panel in plot.panels
+    )
+    # Said by a class, since a figure is drawn while the page is still being read and its siblings are unknown.
+    kind = "panels single" if len(plot.panels) == 1 else "panels"
+    parts = [finding(plot.finding), f'<div class="{kind}">{panels}</div>']
+    if plot.explanation:
+        parts.append(soft(plot.explanation))
+    return section(plot.title, *parts)
+
+
+def finding(text: str) -> str:
+    return f'<p class="finding">{escape(text)}</p>'
+
+
+def paragraph(text: str) -> str:
+    return f"<p>{escape(text)}</p>"
+
+
+def soft(text: str) -> str:
+    return f'<p class="soft">{escape(text)}</p>'
+
+
+def code(text: str) -> str:
+    return f"<code>{escape(text)}</code>"
+
+
+def folded(summary: str, content: str) -> str:
+    """Content that is opened by a click, for what few readers need."""
+    return f"<details><summary>{escape(summary)}</summary>\n{content}\n</details>"
+
+
+def table(
+    header: list[str], rows: list[list[str]], text_columns: int = 1, strong: frozenset[int] = frozenset()
+) -> str:
+    """A table of cells that are HTML already; the first `text_columns` are set left, the rest, numbers, right."""
+    kinds = ['class="text"' if index < text_columns else "" for index in range(len(header))]
+    head = "".join(f"<th {kind}>{escape(cell)}</th>" for kind, cell in zip(kinds, header))
+    lines = [
+        f'<tr{" class=strong" if number in strong else ""}>'
+        + "".join(f"<td {kind}>{cell}</td>" for kind, cell in zip(kinds, row))
+        + "</tr>"
+        for number, row in enumerate(rows)
+    ]
+    return (
+        f'<div class="scroll"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n'
+        + "\n".join(lines)
+        + "\n</tbody></table></div>"
+    )
+
+
+def _figure(figure: object) -> str:
+    from plotly.io import to_html
+
+    config = {"responsive": True, "displaylogo": False, "displayModeBar": False}
+    html: str = to_html(figure, full_html=False, include_plotlyjs=False, config=config)
+    return html

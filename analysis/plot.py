@@ -1,0 +1,88 @@
+"""What every plot shares: its parts, its colours, its axes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import plotly.graph_objects as go
+
+# Okabe and Ito's palette, told apart by colour-blind eyes too; the symbols do the same in grey print.
+_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+_SYMBOLS = ("circle", "square", "diamond", "triangle-up", "x", "star", "cross")
+_FONT = "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', sans-serif"
+INK, GRID, SENSOR_COLOUR, TARGET_COLOUR = "#24292f", "#e4e7eb", "#0072B2", "#D55E00"
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One figure and the line above it."""
+
+    caption: str
+    figure: go.Figure
+
+
+@dataclass(frozen=True, eq=False)
+class Plot:
+    """A section of the report: a title, one sentence of finding computed from the data, and figures side by side."""
+
+    title: str
+    finding: str
+    panels: list[Panel]
+    explanation: str = ""
+
+
+def family_marker(family: str, families: list[str], **more: Any) -> dict[str, Any]:
+    """Colour and symbol of a family, the same in every plot."""
+    index = families.index(family)
+    colour, symbol = _COLOURS[index % len(_COLOURS)], _SYMBOLS[index % len(_SYMBOLS)]
+    return {"color": colour, "symbol": symbol, "size": 8, **more}
+
+
+def series_colour(index: int) -> str:
+    """The colour of a series that stands for no family."""
+    return _COLOURS[index % len(_COLOURS)]
+
+
+def axis(title: str, **more: Any) -> dict[str, Any]:
+    """An axis with a title that holds the unit."""
+    return {
+        "title": {"text": title, "standoff": 8},
+        "gridcolor": GRID,
+        "zerolinecolor": "#9aa4ae",
+        "linecolor": "#9aa4ae",
+        "showline": True,
+        "ticks": "outside",
+        "tickcolor": "#9aa4ae",
+        "automargin": True,
+        **more,
+    }
+
+
+def log_axis(title: str, **more: Any) -> dict[str, Any]:
+    """A logarithmic axis whose ticks are powers of ten with 2 and 5 between, written out."""
+    ticks = [digit * 10.0**exponent for exponent in range(-6, 7) for digit in (1, 2, 5)]
+    return axis(title, type="log", tickvals=ticks, ticktext=[f"{tick:g}" for tick in ticks], **more)
+
+
+def power_axis(title: str) -> dict[str, Any]:
+    """A logarithmic axis over many decades, whose ticks are powers of ten."""
+    return axis(title, type="log", dtick=1, exponentformat="power")
+
+
+def figure(
+    traces: list[Any], x: dict[str, Any], y: dict[str, Any], height: int = 400, **more: Any
+) -> go.Figure:
+    """A figure in the report's style; the legend lies below, where a narrow screen has room."""
+    layout = {
+        "font": {"family": _FONT, "size": 13, "color": INK},
+        "plot_bgcolor": "white",
+        "paper_bgcolor": "white",
+        "margin": {"l": 56, "r": 16, "t": 12, "b": 48},
+        "height": height,
+        "legend": {"orientation": "h", "y": -0.22, "yanchor": "top", "x": 0, "xanchor": "left"},
+        "hoverlabel": {"font": {"family": _FONT}},
+        "xaxis": x,
+        "yaxis": y,
+    }
+    return go.Figure(data=traces, layout=layout | more)

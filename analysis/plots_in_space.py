@@ -1,0 +1,145 @@
+"""A set-up as one sees it: the two plates in space, and the potential in the plane through their centres."""
+
+from __future__ import annotations
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+
+from analysis.plot import INK, SENSOR_COLOUR, TARGET_COLOUR, Panel, Plot, axis, figure
+from analysis.results import CaseResult
+from analysis.store import Document
+from analysis.table import MUTUAL, Row
+
+Array = NDArray[np.float64]
+
+CENTIMETRE = 1e-2
+
+
+def pictures(rows: list[Row]) -> list[Plot]:
+    """For each family the first case with a slice of the potential, or its first case where none has one."""
+    found = []
+    for family in dict.fromkeys(row.case.family for row in rows):
+        members = [row for row in rows if row.case.family == family and row.quantity == MUTUAL]
+        found.append(_picture(next((row for row in members if row.case.slice), members[0])))
+    return found
+
+
+def _picture(row: Row) -> Plot:
+    case = row.case
+    panels = [Panel("sensor (blue) and target (orange)", _space(case))]
+    if case.slice is not None:
+        caption = (
+            "potential (V) in the vertical plane through both centres: sensor (black) at 1 V, target grounded"
+        )
+        panels.append(Panel(caption, _slice(case, case.slice)))
+    mutual = row.reference.value / 1e-12
+    finding = (
+        f"In case {case.id} the grounded target carries {mutual:.3g} pC for each volt on the sensor (mutual, reference);"
+        f" the model's value is {abs(row.model_error):.0%} too {'high' if row.model_error > 0 else 'low'}."
+    )
+    return Plot(f"Family {case.family}", finding, panels, _parameters(case))
+
+
+def _parameters(case: CaseResult) -> str:
+    """The parameters for people: lengths in cm."""
+    told = []
+    for name, value in case.parameters.items():
+        label, values = name.replace("_", " "), value if isinstance(value, tuple) else (value,)
+        if name.endswith("_degrees"):
+            told.append(f"{label.removesuffix(' degrees')} {values[0]:g}°")
+        else:
+            between = " × " if name.endswith("_size") else " and "
+            told.append(f"{label} {between.join(f'{v / CENTIMETRE:g}' for v in values)} cm")
+    return ", ".join(told) + "."
+
+
+def _space(case: CaseResult) -> go.Figure:
+    sensors = {sensor.name for sensor in case.scene.sensors}
+    conductors = case.scene.conductors()
+    extent = np.ptp(np.concatenate([triangles.reshape(-1, 3) for triangles in conductors.values()]), axis=0)
+    traces: list[object] = []
+    for name, triangles in conductors.items():
+        vertices = triangles.reshape(-1, 3) / CENTIMETRE
+        first, second, third = np.arange(len(vertices)).reshape(-1, 3).T
+        colour = SENSOR_COLOUR if name in sensors else TARGET_COLOUR
+        x, y, z = vertices.T
+        traces.append(
+            go.Mesh3d(
+                x=x,
+                y=y,
+                z=z,
+                i=first,
+                j=second,
+                k=third,
+                color=colour,
+                opacity=0.75,
+                name=name,
+                hoverinfo="name",
+            )
+        )
+    scene = {
+        "xaxis": {"title": "x (cm)"},
+        "yaxis": {"title": "y (cm)"},
+        "zaxis": {"title": "z (cm)"},
+        "aspectmode": "manual",
+        "aspectratio": dict(zip("xyz", (extent / extent.max()).tolist())),
+        "camera": {"eye": {"x": 0.85, "y": -1.2, "z": 0.75}},
+    }
+    return figure(traces, {}, {}, height=420, scene=scene, margin={"l": 0, "r": 0, "t": 0, "b": 0})
+
+
+def _slice(case: CaseResult, slice_of: Document) -> go.Figure:
+    along, z = np.array(slice_of["along"]) / CENTIMETRE, np.array(slice_of["z"]) / CENTIMETRE
+    potential = np.array(slice_of["potential"], dtype=np.float64)
+    traces: list[object] = [
+        go.Contour(
+            x=along,
+            y=z,
+            z=np.round(potential, 4),
+            zmin=0,
+            zmax=1,
+            contours={"start": 0, "end": 1, "size": 0.05},
+            line={"width": 0.5},
+            colorscale="Blues",
+            colorbar={"title": "V", "thickness": 12},
+            hovertemplate="along %{x:.3g} cm, z %{y:.3g} cm: %{z:.3f} V<extra></extra>",
+        )
+    ]
+    traces += _cuts(case, np.array(slice_of["origin"]), np.array(slice_of["direction"]))
+    same_scale = {"scaleanchor": "x", "constrain": "domain"}
+    return figure(
+        traces, axis("along the plane (cm)", constrain="domain"), axis("z (cm)", **same_scale), height=420
+    )
+
+
+def _cuts(case: CaseResult, origin: Array, direction: Array) -> list[go.Scatter]:
+    """Where the conductors' triangles cross the plane: the lines between the crossings of their edges."""
+    sensors = {sensor.name for sensor in case.scene.sensors}
+    across_plane = np.array([-direction[1], direction[0]])
+    traces = []
+    for name, triangles in case.scene.conductors().items():
+        horizontal = triangles[..., :2] - origin
+        local = np.stack([horizontal @ direction, horizontal @ across_plane, triangles[..., 2]], axis=-1)
+        along: list[float | None] = []
+        upwards: list[float | None] = []
+        for triangle in local:
+            crossings = _crossings(triangle)
+            if len(crossings) >= 2:
+                ends = np.array([min(crossings), max(crossings)]) / CENTIMETRE
+                along += [ends[0, 0], ends[1, 0], None]
+                upwards += [ends[0, 1], ends[1, 1], None]
+        colour = INK if name in sensors else TARGET_COLOUR
+        line = {"color": colour, "width": 4}
+        traces.append(go.Scatter(x=along, y=upwards, mode="lines", line=line, name=name, hoverinfo="name"))
+    return traces
+
+
+def _crossings(triangle: Array) -> list[tuple[float, float]]:
+    """(along, z) where the edges of a triangle (along, across, z) meet the plane across = 0."""
+    found = []
+    for start, end in zip(triangle, np.roll(triangle, -1, axis=0)):
+        if start[1] * end[1] <= 0 and start[1] != end[1]:
+            point = start + start[1] / (start[1] - end[1]) * (end - start)
+            found.append((float(point[0]), float(point[2])))
+    return found

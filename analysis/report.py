@@ -1,0 +1,80 @@
+"""From stored answers to `table.csv` and `report.html`."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis import keys, results, statistics, table
+from analysis.store import write_text
+
+REPORT, TABLE = "report.html", "table.csv"
+# The mark of the inputs stands in the first lines of a page whose script takes megabytes.
+_MARK_WITHIN = 1000
+
+
+@dataclass(frozen=True)
+class Report:
+    """Where the report is, what it says in few numbers, and how many cases are short of the asked accuracy."""
+
+    path: Path
+    summaries: list[statistics.Summary]
+    not_reached: int
+
+
+def make(folder: Path) -> Report:
+    """Write the table and the report of the results in a folder, unless they are up to date; InputError without results."""
+    found = results.load(folder)
+    rows = table.rows(found)
+    summaries = statistics.summaries(rows)
+    inputs = _inputs(folder, found)
+    if not _is_current(folder, inputs):
+        write_text(folder / TABLE, table.to_csv(rows, found.methods))
+        write_text(folder / REPORT, _page(found, rows, summaries, inputs))
+    solved = [case.reference for case in found.cases.values() if case.reference is not None]
+    return Report(folder / REPORT, summaries, sum(not answer.reached for answer in solved))
+
+
+def _inputs(folder: Path, found: results.Results) -> str:
+    """A hash of everything the report is made from: the answers, what was asked, and the code of this package."""
+    files = [folder / results.MANIFEST]
+    for case in found.cases.values():
+        files += [case.folder / name for name in (results.REFERENCE, results.MODEL, results.SLICE)]
+    answers = keys.hash_of_files((path for path in files if path.is_file()), folder)
+    return hashlib.sha256(f"{answers} {keys.report_code()}".encode()).hexdigest()
+
+
+def _is_current(folder: Path, inputs: str) -> bool:
+    from analysis.page import inputs_mark
+
+    if not (folder / TABLE).is_file() or not (folder / REPORT).is_file():
+        return False
+    with (folder / REPORT).open(encoding="utf-8") as file:
+        return inputs_mark(inputs) in file.read(_MARK_WITHIN)
+
+
+def _page(
+    found: results.Results, rows: list[table.Row], summaries: list[statistics.Summary], inputs: str
+) -> str:
+    # Imported here: plotly takes a second, and a report that is up to date needs none.
+    from analysis import page, plot_of_time, plots_in_space, plots_of_errors, sections, symmetry
+
+    body = [sections.headline(found, summaries), sections.failures(found)]
+    if rows:
+        plots = [
+            plots_of_errors.model_against_reference(rows),
+            plots_of_errors.error_over_gap(rows),
+            plots_of_errors.error_over_tilt(rows),
+            plots_of_errors.error_over_offset(rows),
+            plots_of_errors.error_over_size_ratio(rows),
+            plot_of_time.time_against_error(rows),
+            *plots_in_space.pictures(rows),
+        ]
+        body += [page.plot_section(plot) for plot in plots]
+    body += [
+        sections.trust(found, rows, symmetry.pairs(found.compared())),
+        sections.all_rows(found, rows),
+        sections.reproduce(found, rows),
+    ]
+    return page.document(found.title, inputs, body)

@@ -1,0 +1,127 @@
+"""The folder of a study's results: what was asked (`study.json`) and the answers there are (`cases/<id>/`)."""
+
+from __future__ import annotations
+
+import platform
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from analysis.answers import ModelAnswer, ReferenceAnswer
+from analysis.jobs import Failure
+from analysis.store import Document, read_json, write_json
+from geometries import reader
+from geometries.errors import InputError
+from geometries.scene import Scene
+from geometries.study import EMPTY, Case, Parameter, Study, empty_case
+
+MANIFEST = "study.json"
+SCENE, REFERENCE, MODEL, SLICE = "scene.toml", "fem.json", "model.json", "slice.json"
+
+
+@dataclass(frozen=True, eq=False)
+class CaseResult:
+    """One case with the answers that exist. `empty` is the id of the case without objects."""
+
+    id: str
+    family: str
+    parameters: dict[str, Parameter]
+    empty: str
+    folder: Path
+    scene: Scene
+    reference: ReferenceAnswer | None
+    model: ModelAnswer | None
+    slice: Document | None
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """All of a study's results."""
+
+    folder: Path
+    title: str
+    rtol: float
+    max_seconds: float
+    methods: tuple[str, ...]
+    machine: dict[str, str]
+    failures: tuple[Failure, ...]
+    cases: dict[str, CaseResult]
+
+    def compared(self) -> list[CaseResult]:
+        """The cases with objects, in the study's order."""
+        return [case for case in self.cases.values() if case.family != EMPTY]
+
+
+def case_folder(results: Path, case: str) -> Path:
+    return results / "cases" / case
+
+
+def write_manifest(folder: Path, study: Study, failures: list[Failure]) -> None:
+    """Write down what the study asked and which cases failed; left alone when it says so already."""
+    document: Document = {
+        "name": study.name,
+        "title": study.title,
+        "rtol": study.rtol,
+        "max_seconds": study.max_seconds,
+        "methods": list(study.methods),
+        "machine": machine(),
+        "failures": [asdict(failure) for failure in failures],
+        "cases": [_case_document(case) for case in study.cases()],
+    }
+    if read_json(folder / MANIFEST) != document:
+        write_json(folder / MANIFEST, document)
+
+
+def load(folder: Path) -> Results:
+    """The results in a folder; InputError when it holds none."""
+    manifest = read_json(folder / MANIFEST)
+    if manifest is None:
+        raise InputError(str(folder), "", f"holds no results: there is no {MANIFEST}")
+    return Results(
+        folder=folder,
+        title=manifest["title"],
+        rtol=manifest["rtol"],
+        max_seconds=manifest["max_seconds"],
+        methods=tuple(manifest["methods"]),
+        machine=manifest["machine"],
+        failures=tuple(Failure(**failure) for failure in manifest["failures"]),
+        cases={document["id"]: _case_result(folder, document) for document in manifest["cases"]},
+    )
+
+
+def machine() -> dict[str, str]:
+    """The machine that this runs on, as far as it matters to a run time."""
+    lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    models = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return {
+        "processor": models[0] if models else platform.machine(),
+        "cores": str(len(models)),
+        "system": platform.system() + " " + platform.release(),
+        "python": platform.python_version(),
+    }
+
+
+def _case_document(case: Case) -> Document:
+    parameters: dict[str, Any] = {
+        name: list(value) if isinstance(value, tuple) else value for name, value in case.parameters.items()
+    }
+    return {"id": case.id, "family": case.family, "parameters": parameters, "empty": empty_case(case).id}
+
+
+def _case_result(results: Path, document: Document) -> CaseResult:
+    folder = case_folder(results, document["id"])
+    reference, model = read_json(folder / REFERENCE), read_json(folder / MODEL)
+    return CaseResult(
+        id=document["id"],
+        family=document["family"],
+        parameters={
+            name: (value[0], value[1]) if isinstance(value, list) else value
+            for name, value in document["parameters"].items()
+        },
+        empty=document["empty"],
+        folder=folder,
+        scene=reader.load(folder / SCENE),
+        reference=ReferenceAnswer.of(reference) if reference else None,
+        model=ModelAnswer.of(model) if model else None,
+        slice=read_json(folder / SLICE),
+    )

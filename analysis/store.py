@@ -1,0 +1,44 @@
+"""Files that are there whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import os
+import threading
+from pathlib import Path
+from typing import Any
+
+Document = dict[str, Any]
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file under a temporary name in its folder (made when missing), then rename it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    # Unlike tempfile's, this file gets the permissions that the user's umask gives to any other.
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}")
+    try:
+        temporary.write_text(text, encoding="utf-8")
+        os.replace(temporary, path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+def write_json(path: Path, document: Document) -> None:
+    """Write a JSON document, whole or not at all."""
+    write_text(path, json.dumps(document, indent=1) + "\n")
+
+
+def read_json(path: Path) -> Document | None:
+    """The JSON document in a file; None when there is none."""
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return document if isinstance(document, dict) else None
+
+
+def read_current(path: Path, key: str) -> Document | None:
+    """The document in a file when it was stored under this very key; None when it must be computed."""
+    document = read_json(path)
+    return document if document is not None and document.get("key") == key else None

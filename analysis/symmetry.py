@@ -1,0 +1,85 @@
+"""Pairs of set-ups whose answers must agree: congruent ones, and those with sensor and target exchanged."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.answers import Estimate
+from analysis.results import CaseResult
+from analysis.set_up import Rectangle, rectangles
+
+Array = NDArray[np.float64]
+
+# Lengths count as equal within this part of the set-up's size: more than rounding, less than any intended difference.
+_TOLERANCE = 1e-9
+# The ways to walk around a rectangle, from any corner in either direction.
+_WALKS = [np.roll(order, shift) for order in ([0, 1, 2, 3], [3, 2, 1, 0]) for shift in range(4)]
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two cases that must agree in `quantity`, and what the reference says of each; farads."""
+
+    first: CaseResult
+    second: CaseResult
+    relation: str
+    quantity: str
+    first_value: Estimate
+    second_value: Estimate
+
+    @property
+    def agrees(self) -> bool:
+        return self.first_value.agrees_with(self.second_value)
+
+    @property
+    def difference(self) -> float:
+        """Relative to the mean of the two."""
+        mean = (self.first_value.value + self.second_value.value) / 2
+        return abs(self.first_value.value - self.second_value.value) / mean
+
+
+def pairs(cases: list[CaseResult]) -> list[Pair]:
+    """Every pair of cases with answers that must agree: congruent set-ups in both quantities, exchanged ones in `mutual`."""
+    solved = [(case, plates) for case in cases if case.reference and (plates := rectangles(case.scene))]
+    found = []
+    for (first, here), (second, there) in itertools.combinations(solved, 2):
+        if _congruent(here, there):
+            found += [_pair(first, second, "mirrored or moved", name) for name in ("mutual", "delta_self")]
+        elif _congruent(here, (there[1], there[0])):
+            found.append(_pair(first, second, "sensor and target exchanged", "mutual"))
+    return found
+
+
+def _congruent(first: tuple[Rectangle, Rectangle], second: tuple[Rectangle, Rectangle]) -> bool:
+    """Whether a motion or a mirror image takes one set-up to the other, sensor to sensor.
+
+    It does when the distances between all the corners are the same, in some order around each rectangle.
+    """
+    distances = _distances(first[0].vertices, first[1].vertices)
+    tolerance = _TOLERANCE * distances.max()
+    for own, other in itertools.product(_WALKS, _WALKS):
+        walked = _distances(second[0].vertices[own], second[1].vertices[other])
+        if (np.abs(walked - distances) <= tolerance).all():
+            return True
+    return False
+
+
+def _distances(sensor: Array, target: Array) -> Array:
+    points = np.concatenate([sensor, target])
+    return np.asarray(np.linalg.norm(points[:, None] - points[None], axis=2))
+
+
+def _pair(first: CaseResult, second: CaseResult, relation: str, quantity: str) -> Pair:
+    return Pair(first, second, relation, quantity, _value(first, quantity), _value(second, quantity))
+
+
+def _value(case: CaseResult, quantity: str) -> Estimate:
+    assert case.reference is not None
+    sensor, target = case.reference.conductors
+    if quantity == "mutual":
+        return case.reference.mutual(sensor, target)
+    return case.reference.delta_self[sensor]

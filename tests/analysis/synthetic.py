@@ -1,0 +1,121 @@
+"""Synthetic answers: a results folder as `run` leaves it, without solving anything."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from analysis import results, store
+from analysis.jobs import Failure
+from geometries import study
+from geometries.writer import canonical
+
+HEAD = """
+name = "synthetic"
+title = "Synthetic answers"
+[reference]
+rtol = 1e-3
+max_seconds = 60
+[model]
+methods = ["exact", "split:0", "split:4"]
+"""
+PARALLEL = """
+[[sweep]]
+family = "parallel"
+sensor_size = [0.1, 0.1]
+target_size = [0.1, 0.1]
+gap = [0.01, 0.02, 0.04]
+"""
+EDGE = """
+[[sweep]]
+family = "edge"
+sensor_size = [0.1, 0.1]
+target_size = [0.1, 0.1]
+gap = [0.01, 0.02]
+height = 0
+"""
+VERSIONS = {"dolfinx": "0.5.2"}
+PICO = 1e-12
+
+
+def reference_document(mutual: float, delta_self: float, error: float = 0.01, **more: Any) -> dict[str, Any]:
+    """The reference's answer for two conductors, in pF: M[s,s] is 4 + delta_self, that of the sensor alone being 4."""
+    own = (4 + delta_self) * PICO
+    matrix = [[own, -mutual * PICO], [-mutual * PICO, own]]
+    coarse = [[1.1 * value for value in row] for row in matrix]
+    return {
+        "conductors": ["sensor", "target"],
+        "maxwell": matrix,
+        "error": [[error * PICO] * 2] * 2,
+        "delta_self": {"sensor": {"value": delta_self * PICO, "error": error * PICO}},
+        "levels": [
+            {"h_min": 1e-3, "unknowns": 1000, "cells": 300, "seconds": 1.5, "maxwell": coarse},
+            {"h_min": 5e-4, "unknowns": 2000, "cells": 600, "seconds": 3.0, "maxwell": matrix},
+        ],
+        "unknowns": 2000,
+        "seconds": 4.5,
+        "reached": True,
+        "method": "made up",
+        "versions": VERSIONS,
+    } | more
+
+
+def empty_document() -> dict[str, Any]:
+    """The reference's answer for the sensor alone: 4 pF."""
+    whole = reference_document(1, 0)
+    return whole | {
+        "conductors": ["sensor"],
+        "maxwell": [[4 * PICO]],
+        "error": [[0.01 * PICO]],
+        "delta_self": {},
+        "levels": [],
+    }
+
+
+def model_document(exact: float, coarse: float | None = None) -> dict[str, Any]:
+    """The model's answers in pF: exact and split:4 nearly the same, split:0 as given."""
+    values = {"exact": exact, "split:0": exact if coarse is None else coarse, "split:4": exact * (1 + 1e-5)}
+    seconds = {"exact": 1e-6, "split:0": 5e-7, "split:4": 4e-5}
+    return {
+        "key": "",
+        "version": "0.1.0",
+        "methods": {
+            method: {
+                "seconds": seconds[method],
+                "sensors": [
+                    {
+                        "name": "sensor",
+                        "total": value * PICO,
+                        "objects": [{"name": "target", "capacitance": value * PICO}],
+                    }
+                ],
+            }
+            for method, value in values.items()
+        },
+    }
+
+
+def make_results(
+    folder: Path,
+    sweeps: str = PARALLEL + EDGE,
+    answers: dict[int, tuple[dict[str, Any] | None, dict[str, Any] | None]] | None = None,
+    failures: list[Failure] | None = None,
+) -> Path:
+    """A folder of results; `answers` holds (reference, model) by the number of the case.
+
+    Cases without given answers have mutual 2 pF, delta_self 1 pF, and a model value of 1.8 pF.
+    """
+    chosen = study.loads(HEAD + sweeps)
+    for number, case in enumerate(chosen.cases()):
+        place = results.case_folder(folder, case.id)
+        store.write_text(place / results.SCENE, canonical(case.scene))
+        if case.family == study.EMPTY:
+            store.write_json(place / results.REFERENCE, empty_document())
+            continue
+        reference, model = (answers or {}).get(number, (reference_document(2, 1), model_document(1.8)))
+        if reference is not None:
+            store.write_json(place / results.REFERENCE, reference)
+        if model is not None:
+            store.write_json(place / results.MODEL, model)
+    results.write_manifest(folder, chosen, failures or [])
+    return folder

@@ -1,0 +1,154 @@
+"""The report: every plot with its finding, what failed, what is short of the accuracy, offline, rebuilt only when needed."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from analysis import plot_of_time, report, results, store, table
+from analysis.jobs import Failure
+from geometries.errors import InputError
+from tests.analysis.synthetic import make_results, model_document, reference_document
+
+
+def text_of(folder: Path) -> str:
+    """The page without its scripts."""
+    page = report.make(folder).path.read_text()
+    return re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return make_results(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "title",
+    [
+        "Model against reference",
+        "Model error over gap/size",
+        "Model error over tilt",
+        "Model error over lateral offset",
+        "Model error over size ratio",
+        "Run time against error (mutual)",
+        "Family parallel",
+        "Family edge",
+    ],
+)
+def test_every_plot_has_a_figure_and_a_finding(folder: Path, title: str) -> None:
+    text = text_of(folder)
+    (section,) = re.findall(rf"<section>\s*<h2>{re.escape(title)}</h2>(.*?)</section>", text, re.DOTALL)
+    (finding,) = re.findall(r'<p class="finding">(.*?)</p>', section)
+    assert finding.endswith(".") and len(finding) > 30
+    assert "plotly-graph-div" in section
+
+
+def test_the_headline_has_a_line_for_each_quantity_and_family(folder: Path) -> None:
+    text = text_of(folder)
+    assert "mutual: the model is 10% off (rms over 5 cases), median 10%, worst -10%" in text
+    assert "delta_self: the model is 80% off (rms over 5 cases), median 80%, worst +80%" in text
+    assert "sure to 0.50% or better" in text
+
+
+def test_the_page_needs_nothing_from_elsewhere(folder: Path) -> None:
+    page = report.make(folder).path.read_text()
+    tags = re.findall(
+        r"<(?:script|link|img|iframe)\b[^>]*>", re.sub(r"(?s)<script>.*?</script>", "<script>", page)
+    )
+    assert tags and not any("src=" in tag or "href=" in tag for tag in tags)
+    assert page.count("plotly.js v") == 1
+
+
+def test_failed_cases_are_listed_with_their_reason(tmp_path: Path) -> None:
+    failure = Failure("0123456789abcdef", "reference", "exit code 2: <no mesh>")
+    text = text_of(make_results(tmp_path, answers={0: (None, model_document(1))}, failures=[failure]))
+    assert "Failed cases" in text
+    assert "0123456789abcdef" in text and "exit code 2: &lt;no mesh&gt;" in text
+
+
+def test_without_failures_there_is_no_such_section(folder: Path) -> None:
+    assert "Failed cases" not in text_of(folder)
+
+
+def test_cases_short_of_the_asked_accuracy_are_named_and_counted(tmp_path: Path) -> None:
+    folder = make_results(
+        tmp_path, answers={0: (reference_document(2, 1, reached=False), model_document(1.8))}
+    )
+    assert report.make(folder).not_reached == 1
+    assert "5 of 6 solves reached the asked relative accuracy" in text_of(folder)
+    assert "Short of it" in text_of(folder)
+
+
+def test_the_two_ways_to_delta_self_are_counted(tmp_path: Path) -> None:
+    disagreeing = reference_document(2, 1)
+    disagreeing["delta_self"]["sensor"]["value"] = 1.5e-12
+    folder = make_results(tmp_path, answers={0: (disagreeing, model_document(1.8))})
+    assert "4 of 5 cases agree within the sum of their errors; the largest difference is 0.5 pF" in text_of(
+        folder
+    )
+
+
+def test_every_row_names_its_case_and_every_case_its_commands(folder: Path) -> None:
+    text = text_of(folder)
+    for case in results.load(folder).compared():
+        assert f"cases/{case.id}/scene.toml --rtol 0.001 --max-seconds 60" in text
+        assert f"cases/{case.id}/scene.toml --method exact" in text
+
+
+def test_versions_and_machine_are_told(folder: Path) -> None:
+    text = text_of(folder)
+    for word in ("dolfinx", "0.5.2", "processor", "cores"):
+        assert word in text
+
+
+def test_a_slice_of_the_potential_is_drawn_where_there_is_one(folder: Path) -> None:
+    assert "potential (V)" not in text_of(folder)
+    case = results.load(folder).compared()[0]
+    plane = {"origin": [0.0, 0.0], "direction": [1.0, 0.0]}
+    slice_of = plane | {"along": [-0.1, 0.1], "z": [-0.1, 0.1], "potential": [[0.1, 0.2], [0.3, 0.4]]}
+    store.write_json(case.folder / results.SLICE, {"key": "", **slice_of})
+    assert "potential (V) in the vertical plane through both centres" in text_of(folder)
+
+
+def test_the_report_is_made_again_only_when_an_answer_has_changed(folder: Path) -> None:
+    made = report.make(folder).path.stat().st_mtime_ns
+    assert report.make(folder).path.stat().st_mtime_ns == made
+    case = results.load(folder).compared()[0]
+    store.write_json(case.folder / results.MODEL, model_document(1.7))
+    assert report.make(folder).path.stat().st_mtime_ns != made
+    (folder / report.TABLE).unlink()
+    report.make(folder)
+    assert (folder / report.TABLE).is_file()
+
+
+def test_results_without_a_single_answer_still_give_a_report(tmp_path: Path) -> None:
+    folder = make_results(tmp_path, answers={number: (None, None) for number in range(5)})
+    assert report.make(folder).summaries == []
+    assert "Every row" in text_of(folder)
+
+
+def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="holds no results"):
+        report.make(tmp_path)
+
+
+def test_run_time_against_error_computed_by_hand(tmp_path: Path) -> None:
+    """Reference 2.0, exact 1.8, split:0 1.5, the coarse mesh 10 % off; all cases alike."""
+    answers = {number: (reference_document(2, 1), model_document(1.8, coarse=1.5)) for number in range(5)}
+    rows = [
+        row
+        for row in table.rows(results.load(make_results(tmp_path, answers=answers)))
+        if row.object == "target"
+    ]
+    integration = plot_of_time.integration_errors(rows)
+    assert [point.label for point in integration] == ["split:0", "split:4"]
+    assert integration[0].error == pytest.approx(0.3 / 1.8)
+    assert integration[0].seconds == 5e-7
+    assert [p.error for p in plot_of_time.total_errors(rows, ["exact", "split:0"])] == pytest.approx(
+        [0.1, 0.25]
+    )
+    coarse, fine = plot_of_time.level_errors(rows)
+    assert (coarse.error, coarse.seconds) == (pytest.approx(0.1), 1.5)
+    assert fine.error == pytest.approx(0)

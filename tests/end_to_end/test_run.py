@@ -1,0 +1,75 @@
+"""The smoke study from the command line: real meshes, real field solves, the real model."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+
+
+def run(results: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "analysis", "run", "smoke", "--results", str(results)]
+    return subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The results of the smoke study, in a folder with a space."""
+    folder = tmp_path_factory.mktemp("smoke results") / "smoke"
+    finished = run(folder)
+    assert finished.returncode == 0, finished.stderr
+    assert f"report: {folder / 'report.html'}" in finished.stdout
+    return folder
+
+
+def stored(results: Path) -> dict[Path, int]:
+    return {path: path.stat().st_mtime_ns for path in results.rglob("*") if path.is_file()}
+
+
+def test_the_table_has_both_quantities_of_both_cases_with_small_reference_errors(results: Path) -> None:
+    rows = list(csv.DictReader((results / "table.csv").open()))
+    assert [(row["family"], row["quantity"]) for row in rows] == [
+        ("parallel", "mutual"),
+        ("parallel", "delta_self"),
+        ("edge", "mutual"),
+        ("edge", "delta_self"),
+    ]
+    for row in rows:
+        assert row["reached"] == "True"
+        # The smoke study asks for one per cent of the matrix; delta_self is smaller than its entries.
+        assert 0 < float(row["reference_error_F"]) < 0.05 * float(row["reference_F"])
+        assert float(row["model_error_low"]) < float(row["model_error"]) < float(row["model_error_high"])
+
+
+def test_the_parallel_plates_agree_with_the_published_capacitance(results: Path) -> None:
+    """Two-terminal capacitance of equal squares at gap/side 0.5: 2.2364 of the plate formula, to 1e-4."""
+    rows = {(row["family"], row["quantity"]): row for row in csv.DictReader((results / "table.csv").open())}
+    case = rows["parallel", "mutual"]["case"]
+    mutual = float(rows["parallel", "mutual"]["reference_F"])
+    matrix = json.loads((results / "cases" / case / "fem.json").read_text())["maxwell"]
+    whole = (matrix[0][0] * matrix[1][1] - mutual**2) / (matrix[0][0] + matrix[1][1] - 2 * mutual)
+    assert whole / (8.8541878128e-12 * 0.1**2 / 0.05) == pytest.approx(2.2364, rel=2e-3)
+
+
+def test_the_model_value_of_parallel_plates_is_the_plate_formula(results: Path) -> None:
+    row = next(csv.DictReader((results / "table.csv").open()))
+    assert float(row["model_exact_F"]) == pytest.approx(8.8541878128e-12 * 0.1**2 / 0.05, rel=1e-9)
+
+
+def test_the_report_has_a_picture_of_the_potential_of_each_family(results: Path) -> None:
+    assert (results / "report.html").read_text().count("potential (V) in the vertical plane") == 2
+
+
+def test_a_second_run_solves_nothing_and_takes_seconds(results: Path) -> None:
+    before, start = stored(results), time.monotonic()
+    finished = run(results)
+    assert finished.returncode == 0
+    assert time.monotonic() - start < 5
+    assert stored(results) == before

@@ -1,0 +1,180 @@
+"""Two readers of one format, C++ for the model and Python for the reference: same file, same names, same triangles."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analysis.model_stage import model_module
+from geometries import families, reader, study
+from geometries.writer import canonical
+
+SENSOR = """
+[[sensor]]
+name = "front"
+plates = [
+    { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] },
+    { corner = [0.1, -0.05, 0.02], edge_u = [0, 0.03, 0.04], edge_v = [0.2, 0, 0] },
+]
+"""
+LINKS = """
+[[link]]
+name = "arm"
+parent = "room"
+translation = [0.3, -0.2, 0.5]
+rotation = { axis = [1, 2, -3], degrees = 77.7 }
+[[link]]
+name = "hand"
+parent = "arm"
+quaternion = [0.3, -0.4, 0.5, 2]
+[[link]]
+name = "room"
+translation = [1, 2, 3]
+rotation = { quaternion = [1, 0, 0, 1] }
+"""
+SHAPES = {
+    "plate": 'type = "plate", size = [0.073, 0.119]',
+    "plane": 'type = "plane", size = [0.1, 0.2]',
+    "cube": 'type = "cube", size = 0.05',
+    "cuboid": 'type = "cuboid", size = [0.01, 0.02, 0.03]',
+    "cylinder": 'type = "cylinder", radius = 0.03, height = 0.1',
+    "cylinder of 5": 'type = "cylinder", radius = 0.03, height = 0.1, segments = 5',
+    "cone": 'type = "cone", radius = 0.03, height = 0.1, segments = 7',
+    "arc": 'type = "arc", inner_radius = 0.03, outer_radius = 0.04, height = 0.1, degrees = 100',
+    "ring": 'type = "arc", inner_radius = 0.03, outer_radius = 0.04, height = 0.1, degrees = 360, segments = 9',
+    "sphere": 'type = "sphere", radius = 0.05',
+    "sphere of 3": 'type = "sphere", radius = 0.05, segments = 3',
+    "sphere of 5": 'type = "sphere", radius = 0.05, segments = 5',
+    "obj": 'type = "mesh", file = "body.obj", scale = 0.001',
+    "stl": 'type = "mesh", file = "body.stl"',
+    "ply": 'type = "mesh", file = "body.ply", scale = 2',
+}
+POSES = {
+    "as it is": "",
+    "rotated": "translation = [0.1, -0.2, 0.3]\nrotation = { axis = [1, 1, 0], degrees = 17.2 }",
+    "turned by a quaternion": "quaternion = [1, 2, 3, 4]",
+    "on a link": 'link = "hand"\ntranslation = [0.1, 0, 0]\nrotation = { axis = [0, 1, 0], degrees = -250 }',
+}
+# A square, a pentagon and two triangles, so that polygons have to be cut in the same way.
+OBJ = """
+v 0 0 0
+v 10 0 0
+v 10 10 0
+v 0 10 0
+v 5 15 1
+v 2 3 9.5
+f 1 2 3 4
+f 1 2 3 5 4
+f 1 2 6
+f 3 2 6
+"""
+# Binary fractions: in a mesh file the model's reader keeps seven digits of a decimal number.
+TRIANGLES = [((0, 0, 0), (0.75, 0, 0), (0, 0.75, 0)), ((0, 0, 0.25), (0.75, 0, 0), (0, 0.5, 0.125))]
+CONSTRUCTED, SINGLE_PRECISION = 1e-12, 2e-7
+
+
+def assert_same_conductors(path: Path, tolerance: float = CONSTRUCTED) -> None:
+    here, there = reader.load(path).conductors(), model_module().Scene.load(str(path)).conductors()
+    assert list(here) == list(there)
+    for name, triangles in here.items():
+        size = np.ptp(triangles.reshape(-1, 3), axis=0).max()
+        reach = np.abs(triangles).max()
+        assert there[name].shape == triangles.shape
+        assert np.abs(there[name] - triangles).max() <= tolerance * max(size, reach)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "body.obj").write_text(OBJ)
+    facets = [
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join(f"vertex {x} {y} {z}\n" for x, y, z in triangle)
+        + "endloop\nendfacet\n"
+        for triangle in TRIANGLES
+    ]
+    (tmp_path / "body.stl").write_text("solid body\n" + "".join(facets) + "endsolid body\n")
+    vertices = [vertex for triangle in TRIANGLES for vertex in triangle]
+    header = (
+        "ply\nformat ascii 1.0\nelement vertex 6\nproperty double x\nproperty double y\nproperty double z\n"
+    )
+    header += "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+    lines = "".join(f"{x} {y} {z}\n" for x, y, z in vertices)
+    (tmp_path / "body.ply").write_text(header + lines + "3 0 1 2\n3 3 4 5\n")
+    return tmp_path
+
+
+@pytest.mark.parametrize("pose", POSES)
+@pytest.mark.parametrize("shape", SHAPES)
+def test_every_shape_in_every_pose(folder: Path, shape: str, pose: str) -> None:
+    body = f'[[object]]\nname = "body"\nshape = {{ {SHAPES[shape]} }}\n{POSES[pose]}\n'
+    (folder / "scene.toml").write_text(SENSOR + LINKS + body)
+    assert_same_conductors(folder / "scene.toml")
+
+
+@pytest.mark.parametrize("shape", ["obj", "stl", "ply"])
+def test_mesh_files_with_decimal_coordinates_agree_to_single_precision(folder: Path, shape: str) -> None:
+    for name in ("body.obj", "body.stl", "body.ply"):
+        (folder / name).write_text((folder / name).read_text().replace("0.75", "0.1").replace("9.5", "9.7"))
+    body = f'[[object]]\nname = "body"\nshape = {{ {SHAPES[shape]} }}\n'
+    (folder / "scene.toml").write_text(SENSOR + body)
+    assert_same_conductors(folder / "scene.toml", SINGLE_PRECISION)
+
+
+def test_sensors_on_links(folder: Path) -> None:
+    (folder / "scene.toml").write_text(SENSOR + 'link = "hand"\n' + LINKS)
+    assert_same_conductors(folder / "scene.toml")
+
+
+def test_the_canonical_text_of_every_default_case(folder: Path) -> None:
+    for case in study.load(study.find("default")).cases():
+        (folder / "scene.toml").write_text(canonical(case.scene))
+        assert_same_conductors(folder / "scene.toml")
+
+
+def test_the_canonical_text_of_poses_and_links(folder: Path) -> None:
+    bodies = "".join(
+        f'[[object]]\nname = "{shape}"\nshape = {{ {SHAPES[shape]} }}\n{POSES["on a link"]}\n'
+        for shape in SHAPES
+    )
+    (folder / "scene.toml").write_text(SENSOR + LINKS + bodies)
+    (folder / "canonical.toml").write_text(canonical(reader.load(folder / "scene.toml")))
+    assert_same_conductors(folder / "canonical.toml")
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        "colour = 1\n" + SENSOR,
+        SENSOR.replace("0, 0.03, 0.04", "0, 0, 0"),
+        SENSOR.replace("edge_v = [0, 0.1, 0]", "edge_v = [0.01, 0.1, 0]"),
+        SENSOR + SENSOR,
+        SENSOR + 'link = "nowhere"\n',
+        SENSOR + '[[link]]\nname = "a"\nparent = "a"\n',
+        SENSOR + '[[object]]\nname = "o"\nshape = { type = "plate", size = [0.1, 0] }\n',
+        SENSOR + '[[object]]\nname = "o"\nshape = { type = "plate", size = [0.1, nan] }\n',
+        SENSOR + '[[object]]\nname = "o"\nshape = { type = "sphere", radius = 1, segments = 2 }\n',
+        SENSOR + '[[object]]\nname = "o"\nshape = { type = "mesh", file = "missing.stl" }\n',
+        SENSOR + '[[object]]\nname = "o"\nshape = { type = "cube", size = 1 }\nquaternion = [0, 0, 0, 0]\n',
+        SENSOR
+        + '[[object]]\nname = "o"\nshape = { type = "cube", size = 1 }\nquaternion = [1, 0, 0, 0]\n'
+        + "rotation = { axis = [0, 0, 1], degrees = 1 }\n",
+        "[medium]\nrelative_permittivity = 0\n" + SENSOR,
+        "",
+    ],
+)
+def test_both_refuse_what_the_format_does_not_allow(folder: Path, wrong: str) -> None:
+    path = folder / "scene.toml"
+    path.write_text(wrong)
+    with pytest.raises(ValueError):
+        reader.load(path)
+    with pytest.raises(ValueError):
+        model_module().Scene.load(str(path))
+
+
+def test_a_family_made_in_python_is_read_the_same_in_both(folder: Path) -> None:
+    scene = families.corner((0.073, 0.119), (0.041, 0.029), (0.0137, 0.009), 0.006, 17.2, 20.0)
+    (folder / "scene.toml").write_text(canonical(scene))
+    assert reader.load(folder / "scene.toml") == scene
+    assert_same_conductors(folder / "scene.toml")
