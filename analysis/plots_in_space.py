@@ -14,6 +14,8 @@ from analysis.table import MUTUAL, Row
 Array = NDArray[np.float64]
 
 CENTIMETRE = 1e-2
+FLATTEST = 0.1
+"""Height of the box around a scene over its largest side, at least: plates in one plane have none of their own."""
 
 
 def pictures(rows: list[Row]) -> list[Plot]:
@@ -81,10 +83,10 @@ def _space(case: CaseResult) -> go.Figure:
     scene = {
         "xaxis": {"title": "x (cm)"},
         "yaxis": {"title": "y (cm)"},
-        "zaxis": {"title": "z (cm)"},
+        "zaxis": {"title": "z (cm)", "nticks": 4},
         "aspectmode": "manual",
-        "aspectratio": dict(zip("xyz", (extent / extent.max()).tolist())),
-        "camera": {"eye": {"x": 0.85, "y": -1.2, "z": 0.75}},
+        "aspectratio": dict(zip("xyz", np.maximum(extent / extent.max(), FLATTEST).tolist())),
+        "camera": {"eye": {"x": 0.95, "y": -1.35, "z": 0.85}},
     }
     return figure(traces, {}, {}, height=420, scene=scene, margin={"l": 0, "r": 0, "t": 0, "b": 0})
 

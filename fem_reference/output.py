@@ -23,7 +23,7 @@ ANSWERED, NOT_REACHED = 0, 3
 
 METHOD = (
     "Richardson extrapolation over meshes of edge size h, h/2, h/4 … where the ratio of their differences is that of the "
-    "theory; the error is an estimate from those differences, plus a bound on the open boundary and the solver's residue"
+    "theory; the error is an estimate from those differences, plus a bound on the open boundary"
 )
 
 

@@ -11,6 +11,10 @@ namespace fringe::test {
 
 /// A test with a folder of its own, removed afterwards.
 class TemporaryFolder : public testing::Test {
+ public:
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
  protected:
   TemporaryFolder() {
     std::string pattern = (std::filesystem::temp_directory_path() / "fringe-test-XXXXXX").string();
@@ -20,11 +24,9 @@ class TemporaryFolder : public testing::Test {
     folder_ = pattern;
   }
   ~TemporaryFolder() override { std::filesystem::remove_all(folder_); }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
   std::filesystem::path write(const std::string& name, std::string_view content) const {
-    const std::filesystem::path path = folder_ / name;
+    std::filesystem::path path = folder_ / name;
     std::ofstream(path, std::ios::binary) << content;
     return path;
   }
