@@ -66,6 +66,10 @@ int run(int argument_count, char** arguments) {
   try {
     program.parse(argument_count, arguments);
   } catch (const CLI::ParseError& error) {
+    if (argument_count > 1 && arguments[1][0] != '-' && program.get_subcommands().empty()) {
+      fmt::print(stderr, "fringe: there is no command '{}': see fringe --help\n", arguments[1]);
+      return wrong_input;
+    }
     // Help and version end in an "error" too, one with exit code 0.
     return program.exit(error, std::cout, std::cerr) == 0 ? answered : wrong_input;
   }

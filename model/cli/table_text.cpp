@@ -11,7 +11,9 @@ constexpr double picofarads_per_farad = 1e12;
 
 std::string capacitance_table(const std::vector<SensorCapacitance>& sensors,
                               const CapacitanceOptions& options, double seconds) {
-  std::string text = fmt::format("method {}, {:.3g} s\n", to_string(options.method), seconds);
+  std::string text = fmt::format("The model's estimate of mutual, the charge on a grounded object per volt "
+                                 "on the sensor ({}, {:.3g} s)\n",
+                                 to_string(options.method), seconds);
   for (const SensorCapacitance& sensor : sensors) {
     text += fmt::format("\nsensor {}{}\n", sensor.name, sensor.contact ? " (contact)" : "");
     for (const ObjectCapacitance& object : sensor.objects)

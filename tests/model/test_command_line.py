@@ -63,6 +63,7 @@ def test_capacitance_as_json(fringe_command: Command, scene: Path) -> None:
 def test_capacitance_as_table(fringe_command: Command, scene: Path) -> None:
     done = fringe_command("capacitance", scene)
     assert (done.returncode, done.stderr) == (0, "")
+    assert "mutual" in done.stdout.splitlines()[0]
     assert "4.42709 pF" in done.stdout
     assert "1.32597 V" in done.stdout
 
@@ -143,6 +144,10 @@ def test_wrong_usage(fringe_command: Command, scene: Path, arguments: tuple[str,
     done = fringe_command(*(scene if argument == "SCENE" else argument for argument in arguments))
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr
+
+
+def test_an_unknown_command_is_named(fringe_command: Command, scene: Path) -> None:
+    assert "no command 'collapse'" in fringe_command("collapse", scene).stderr
 
 
 @pytest.mark.parametrize("method", ["", "split", "split:11", "gauss:0", "reduced:2", "boundary-elements"])
