@@ -1,27 +1,21 @@
-"""Files that are there whole or not at all."""
+"""Stored answers: documents that are there whole or not at all."""
 
 from __future__ import annotations
 
 import json
-import os
-import threading
 from pathlib import Path
 from typing import Any
+
+from geometries.files import whole_file
 
 Document = dict[str, Any]
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a file under a temporary name in its folder (made when missing), then rename it."""
+    """Write a file, whole or not at all; its folder is made when missing."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    # Unlike tempfile's, this file gets the permissions that the user's umask gives to any other.
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}")
-    try:
-        temporary.write_text(text, encoding="utf-8")
-        os.replace(temporary, path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
+    with whole_file(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
 
 
 def write_json(path: Path, document: Document) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ from petsc4py import PETSc
 
 from fem_reference.potential_slice import potential_slice
 from fem_reference.reference import Level, Reference, maxwell
+from geometries.files import whole_file
 from geometries.reader import load
 
 PICOFARAD = 1e-12
@@ -23,7 +23,7 @@ ANSWERED, NOT_REACHED = 0, 3
 
 METHOD = (
     "Richardson extrapolation over meshes of edge size h, h/2, h/4 … where the ratio of their differences is that of the "
-    "theory; the error is an estimate from those differences, plus a bound on the open boundary"
+    "theory; the error is an estimate from those differences, plus a bound on the open boundary and what all meshes share"
 )
 
 
@@ -110,18 +110,10 @@ def table(reference: Reference) -> str:
 
 def write_slice(path: Path, target: Path) -> int:
     """Write the potential around the scene in a vertical plane to a JSON file, whole or not at all."""
-    _write_whole(target, json.dumps(potential_slice(load(path), str(path))))
+    text = json.dumps(potential_slice(load(path), str(path)))
+    with whole_file(target) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
     return ANSWERED
-
-
-def _write_whole(target: Path, text: str) -> None:
-    temporary = target.with_name(f".{target.name}.{os.getpid()}")
-    try:
-        temporary.write_text(text)
-        temporary.replace(target)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
 
 
 def _tell_level(level: Level, worst: float) -> None:

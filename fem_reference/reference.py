@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
-from fem_reference.convergence import Estimate, estimate, open_boundary_error
+from fem_reference.convergence import SHARED_ERROR, Estimate, estimate, open_boundary_error
 from fem_reference.mesh import OUTER_RADIUS, tagged_mesh
 from fem_reference.scene_bodies import Conductors, conductors
 from fem_reference.sizing import Sizing
@@ -23,7 +23,7 @@ LEVELS_BEFORE_CHECK = 3
 """The ratio of two differences takes three levels: fewer are never taken for an answer."""
 MOST_LEVELS = 6
 GROWTH_OF_TIME = 3.2
-"""Time of a level over that of the one before: the largest ratio met in the default study."""
+"""Time of a level over that of the one before, somewhat above the largest ratio met in the default study (2.9)."""
 
 
 @dataclass(frozen=True)
@@ -133,19 +133,20 @@ def _level(problem: Conductors, relative_permittivity: float, refinement: float)
 def _answer(
     problem: Conductors, relative_permittivity: float, levels: Sequence[Level], rtol: float, seconds: float
 ) -> Reference:
-    """Extrapolate, and add what the levels share: the open boundary."""
+    """Extrapolate, and add what the levels share: the open boundary, and the elements away from the edges."""
     farads = epsilon_0 * relative_permittivity * problem.unit
     finest = levels[-1].maxwell
     boundary = farads * open_boundary_error(finest / farads, 1.0, OUTER_RADIUS)
     matrix = estimate([level.maxwell for level in levels])
     change = estimate([level.delta_self for level in levels])
-    sensors = slice(0, problem.sensors)
-    influence_boundary = np.diag(boundary)[sensors] * change.value / np.diag(finest)[sensors]
+    relative_boundary = (np.diag(boundary) / np.diag(finest))[: problem.sensors]
+    matrix_error = matrix.error + boundary + SHARED_ERROR * np.abs(matrix.value)
+    change_error = change.error + (relative_boundary + SHARED_ERROR) * np.abs(change.value)
     return Reference(
         problem.names,
         problem.sensors,
-        Estimate(matrix.value, matrix.error + boundary, matrix.extrapolated),
-        Estimate(change.value, change.error + np.abs(influence_boundary), change.extrapolated),
+        Estimate(matrix.value, matrix_error, matrix.extrapolated),
+        Estimate(change.value, change_error, change.extrapolated),
         tuple(levels),
         rtol,
         seconds,

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import io
-import os
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geometries.errors import InputError
+from geometries.files import whole_file
 
 Array = NDArray[np.float64]
 
@@ -72,14 +72,11 @@ def convert(source: Path, target: Path) -> int:
     triangles = read_triangles(source)
     points, inverse = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
     mesh = meshio.Mesh(points, [("triangle", inverse.reshape(-1, 3))])
-    unfinished = target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
     try:
-        meshio.write(unfinished, mesh)
-        os.replace(unfinished, target)
+        with whole_file(target) as unfinished:
+            meshio.write(unfinished, mesh)
     except (Exception, SystemExit) as error:
         raise InputError(str(target), "", f"cannot be written: {error}") from error
-    finally:
-        unfinished.unlink(missing_ok=True)
     return len(triangles)
 
 
