@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from geometries.scene import Scene
 Array = NDArray[np.float64]
 
 LEVELS_BEFORE_CHECK = 3
-"""The ratio of two differences takes three levels: fewer are never taken for an answer."""
+"""The ratio of two differences takes three levels: with fewer no accuracy counts as reached."""
 MOST_LEVELS = 6
 GROWTH_OF_TIME = 3.2
 """Time of a level over that of the one before, somewhat above the largest ratio met in the default study (2.9)."""
@@ -52,10 +52,11 @@ class Reference:
     levels: tuple[Level, ...]
     rtol: float
     seconds: float
-    reached: bool = field(init=False)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "reached", self.worst <= self.rtol)
+    @property
+    def reached(self) -> bool:
+        """Whether every error is within `rtol`, and was judged by enough levels."""
+        return len(self.levels) >= LEVELS_BEFORE_CHECK and self.worst <= self.rtol
 
     @property
     def worst(self) -> float:
@@ -105,9 +106,8 @@ def solve_conductors(
         answer = _answer(problem, relative_permittivity, levels, rtol, time.monotonic() - start)
         if progress is not None:
             progress(levels[-1], answer.worst)
-        finished = answer.reached and len(levels) >= LEVELS_BEFORE_CHECK
         predicted = answer.seconds + GROWTH_OF_TIME * levels[-1].seconds
-        if finished or len(levels) == MOST_LEVELS or predicted > max_seconds:
+        if answer.reached or len(levels) == MOST_LEVELS or predicted > max_seconds:
             return answer
 
 

@@ -1,4 +1,4 @@
-"""Laplace's equation around the conductors on one mesh: cubic elements, open boundary, charges by the reaction."""
+"""Laplace's equation around the conductors on one mesh: cubic elements, open boundary, charges by the energy."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ SOLVER_OPTIONS = {
 
 @dataclass(frozen=True)
 class Charges:
-    """Charges per volt on one mesh, relative permittivity 1 and ε0 = 1: lengths in metres."""
+    """Charges per volt on one mesh, for ε = 1: lengths in the unit of the mesh."""
 
     maxwell: NDArray[np.float64]
-    """(n, n): charge on body i with body j at 1 V and the others grounded."""
+    """(n, n): charge on conductor i with conductor j at 1 V and the others grounded."""
     sensors_alone: NDArray[np.float64]
-    """(m, m): the same for the first m bodies with the others absent."""
+    """(m, m): the same for the first m conductors with the others absent."""
     unknowns: int
 
 
