@@ -69,6 +69,30 @@ void write_sensor(Writer& writer, const SensorCapacitance& sensor) {
   writer.EndObject();
 }
 
+void write_options(Writer& writer, const CapacitanceOptions& options) {
+  writer.Key("options");
+  writer.StartObject();
+  write_text(writer, "method", to_string(options.method));
+  write_text(writer, "plates", to_string(options.plates));
+  write_text(writer, "faces", to_string(options.faces));
+  write_number(writer, "tolerance", options.tolerance);
+  writer.EndObject();
+}
+
+void write_counts(Writer& writer, const EvaluationCounts& counts) {
+  writer.Key("counts");
+  writer.StartObject();
+  write_count(writer, "triangles_evaluated", counts.triangles_evaluated);
+  write_count(writer, "triangles_lumped", counts.triangles_lumped);
+  write_count(writer, "triangles_skipped", counts.triangles_skipped);
+  write_count(writer, "triangles_reused", counts.triangles_reused);
+  write_count(writer, "nodes_lumped", counts.nodes_lumped);
+  write_count(writer, "objects_evaluated", counts.objects_evaluated);
+  write_count(writer, "objects_skipped", counts.objects_skipped);
+  write_count(writer, "objects_reused", counts.objects_reused);
+  writer.EndObject();
+}
+
 void write_object(Writer& writer, const ObjectInfo& object) {
   writer.StartObject();
   write_text(writer, "name", object.name);
@@ -89,19 +113,17 @@ void write_object(Writer& writer, const ObjectInfo& object) {
 
 }  // namespace
 
-std::string capacitance_json(const std::vector<SensorCapacitance>& sensors, const CapacitanceOptions& options,
+std::string capacitance_json(const SceneCapacitance& answer, const CapacitanceOptions& options,
                              double seconds) {
   rapidjson::StringBuffer buffer;
   Writer writer(buffer);
   writer.StartObject();
-  writer.Key("options");
-  writer.StartObject();
-  write_text(writer, "method", to_string(options.method));
-  writer.EndObject();
+  write_options(writer, options);
   write_number(writer, "seconds", seconds);
+  write_counts(writer, answer.counts);
   writer.Key("sensors");
   writer.StartArray();
-  for (const SensorCapacitance& sensor : sensors)
+  for (const SensorCapacitance& sensor : answer.sensors)
     write_sensor(writer, sensor);
   writer.EndArray();
   writer.EndObject();

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "fringe/capacitance.hpp"
 #include "fringe/scene_info.hpp"
@@ -10,7 +9,7 @@
 /// for one.
 namespace fringe::cli {
 
-std::string capacitance_json(const std::vector<SensorCapacitance>& sensors, const CapacitanceOptions& options,
+std::string capacitance_json(const SceneCapacitance& answer, const CapacitanceOptions& options,
                              double seconds);
 
 std::string info_json(const SceneInfo& info);

@@ -25,6 +25,9 @@ enum ExitCode { answered = 0, failed = 1, wrong_input = 2 };
 struct Request {
   std::string scene;
   std::string method = "exact";
+  std::string plates = "sum";
+  std::string faces = "all";
+  double tolerance = 0;
   bool json = false;
 };
 
@@ -38,13 +41,14 @@ CLI::App* add_command(CLI::App& program, Request& request, const std::string& na
 }
 
 std::string answer_capacitance(const Request& request) {
-  const CapacitanceOptions options{parse_method(request.method)};
+  const CapacitanceOptions options{parse_method(request.method), parse_plate_rule(request.plates),
+                                   parse_face_rule(request.faces), request.tolerance};
   const Scene scene = load_scene(request.scene);
   const auto start = std::chrono::steady_clock::now();
-  const std::vector<SensorCapacitance> sensors = capacitance(scene, options);
+  const SceneCapacitance answer = capacitance(scene, options);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  return request.json ? cli::capacitance_json(sensors, options, elapsed.count())
-                      : cli::capacitance_table(sensors, options, elapsed.count());
+  return request.json ? cli::capacitance_json(answer, options, elapsed.count())
+                      : cli::capacitance_table(answer, options, elapsed.count());
 }
 
 std::string answer_info(const Request& request) {
@@ -61,6 +65,18 @@ int run(int argument_count, char** arguments) {
       add_command(program, request, "capacitance",
                   "Capacitance and output voltage of every sensor by the triangle-integral model");
   capacitance_command->add_option("--method", request.method, "exact, split:N or gauss:K")
+      ->capture_default_str();
+  capacitance_command
+      ->add_option("--plates", request.plates,
+                   "sum: every plate of a sensor counts every point; nearest: only the nearest plate does")
+      ->capture_default_str();
+  capacitance_command
+      ->add_option("--faces", request.faces,
+                   "all, or facing: only triangles whose outward side sees the plate, and those in contact")
+      ->capture_default_str();
+  capacitance_command
+      ->add_option("--tolerance", request.tolerance,
+                   "What may be left out of a sensor's total, relative to it; only with exact")
       ->capture_default_str();
   add_command(program, request, "info", "Counts, areas, volumes and bounding boxes");
   try {

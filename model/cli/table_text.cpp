@@ -1,5 +1,7 @@
 #include "table_text.hpp"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 namespace fringe::cli {
@@ -7,17 +9,30 @@ namespace {
 
 constexpr double picofarads_per_farad = 1e12;
 
+/// What there is to say about an object's capacitance beside its value.
+std::string remark(const ObjectCapacitance& object) {
+  if (std::isinf(object.capacitance))
+    return "  contact";
+  if (object.bound == 0)
+    return "";
+  return fmt::format("  wrong by at most {:.2g} pF{}", object.bound * picofarads_per_farad,
+                     object.skipped ? ", left out" : "");
+}
+
 }  // namespace
 
-std::string capacitance_table(const std::vector<SensorCapacitance>& sensors,
-                              const CapacitanceOptions& options, double seconds) {
-  std::string text = fmt::format("The model's estimate of mutual, the charge on a grounded object per volt "
-                                 "on the sensor ({}, {:.3g} s)\n",
-                                 to_string(options.method), seconds);
-  for (const SensorCapacitance& sensor : sensors) {
+std::string capacitance_table(const SceneCapacitance& answer, const CapacitanceOptions& options,
+                              double seconds) {
+  std::string text =
+      fmt::format("The model's estimate of mutual, the charge on a grounded object per volt on the sensor\n"
+                  "method {}, plates {}, faces {}, tolerance {}, {} triangles evaluated, {:.3g} s\n",
+                  to_string(options.method), to_string(options.plates), to_string(options.faces),
+                  options.tolerance, answer.counts.triangles_evaluated, seconds);
+  for (const SensorCapacitance& sensor : answer.sensors) {
     text += fmt::format("\nsensor {}{}\n", sensor.name, sensor.contact ? " (contact)" : "");
     for (const ObjectCapacitance& object : sensor.objects)
-      text += fmt::format("  {:<24} {:>14.6g} pF\n", object.name, object.capacitance * picofarads_per_farad);
+      text += fmt::format("  {:<24} {:>14.6g} pF{}\n", object.name, object.capacitance * picofarads_per_farad,
+                          remark(object));
     text += fmt::format("  {:<24} {:>14.6g} pF\n", "total", sensor.total * picofarads_per_farad);
     text += fmt::format("  {:<24} {:>14.6g} V\n", "voltage", sensor.voltage);
     text += fmt::format("  {:<24} {:>14.6g} V\n", "delta voltage", sensor.delta_voltage);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "fringe/capacitance.hpp"
 #include "fringe/scene_info.hpp"
@@ -9,8 +8,8 @@
 /// The answers as tables for people: capacitances in pF.
 namespace fringe::cli {
 
-std::string capacitance_table(const std::vector<SensorCapacitance>& sensors,
-                              const CapacitanceOptions& options, double seconds);
+std::string capacitance_table(const SceneCapacitance& answer, const CapacitanceOptions& options,
+                              double seconds);
 
 std::string info_table(const SceneInfo& info);
 

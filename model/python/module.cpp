@@ -1,7 +1,12 @@
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -16,6 +21,7 @@
 #include "fringe/error.hpp"
 #include "fringe/plate_integral.hpp"
 #include "fringe/pose.hpp"
+#include "fringe/scene_evaluator.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
 #include "fringe/version.hpp"
@@ -79,28 +85,78 @@ py::dict dictionary(const SensorCapacitance& sensor) {
                   "objects"_a = objects);
 }
 
-py::dict capacitance_of(const Scene& scene, const std::string& method) {
-  const CapacitanceOptions options{parse_method(method)};
-  std::vector<SensorCapacitance> answer;
+py::dict dictionary(const CapacitanceOptions& options) {
+  return py::dict("method"_a = to_string(options.method), "plates"_a = to_string(options.plates),
+                  "faces"_a = to_string(options.faces), "tolerance"_a = options.tolerance);
+}
+
+py::dict dictionary(const EvaluationCounts& counts) {
+  return py::dict(
+      "triangles_evaluated"_a = counts.triangles_evaluated, "triangles_lumped"_a = counts.triangles_lumped,
+      "triangles_skipped"_a = counts.triangles_skipped, "triangles_reused"_a = counts.triangles_reused,
+      "nodes_lumped"_a = counts.nodes_lumped, "objects_evaluated"_a = counts.objects_evaluated,
+      "objects_skipped"_a = counts.objects_skipped, "objects_reused"_a = counts.objects_reused);
+}
+
+/// A scene with the evaluator of its last options, which keeps what does not move.
+class LiveScene {
+ public:
+  explicit LiveScene(Scene scene) : scene_(std::move(scene)) {}
+
+  const Scene& scene() const { return scene_; }
+
+  void set_pose(const std::string& link, const Eigen::Isometry3d& pose) {
+    const std::lock_guard lock(mutex_);
+    fringe::set_pose(scene_, link, pose);
+    if (evaluator_)
+      evaluator_->set_pose(link, pose);
+  }
+
+  SceneCapacitance capacitance(const CapacitanceOptions& options) {
+    const std::lock_guard lock(mutex_);
+    if (!evaluator_ || !same(options, options_)) {
+      evaluator_.emplace(scene_, options);
+      options_ = options;
+    }
+    return evaluator_->capacitance();
+  }
+
+ private:
+  static bool same(const CapacitanceOptions& a, const CapacitanceOptions& b) {
+    return to_string(a.method) == to_string(b.method) && a.plates == b.plates && a.faces == b.faces &&
+           a.tolerance == b.tolerance;
+  }
+
+  Scene scene_;
+  CapacitanceOptions options_;
+  std::optional<SceneEvaluator> evaluator_;
+  std::mutex mutex_;  ///< other Python threads run while an answer is made
+};
+
+py::dict capacitance_of(LiveScene& scene, const std::string& method, const std::string& plates,
+                        const std::string& faces, double tolerance) {
+  const CapacitanceOptions options{parse_method(method), parse_plate_rule(plates), parse_face_rule(faces),
+                                   tolerance};
+  SceneCapacitance answer;
   std::chrono::duration<double> elapsed{};
   {
     const py::gil_scoped_release unlocked;
     const auto start = std::chrono::steady_clock::now();
-    answer = capacitance(scene, options);
+    answer = scene.capacitance(options);
     elapsed = std::chrono::steady_clock::now() - start;
   }
   py::list sensors;
-  for (const SensorCapacitance& sensor : answer)
+  for (const SensorCapacitance& sensor : answer.sensors)
     sensors.append(dictionary(sensor));
-  return py::dict("options"_a = py::dict("method"_a = to_string(options.method)),
-                  "seconds"_a = elapsed.count(), "sensors"_a = sensors);
+  return py::dict("options"_a = dictionary(options), "seconds"_a = elapsed.count(),
+                  "counts"_a = dictionary(answer.counts), "sensors"_a = sensors);
 }
 
-py::dict conductors_of(const Scene& scene) {
+py::dict conductors_of(const LiveScene& scene) {
   std::vector<Conductor> surfaces;
   {
     const py::gil_scoped_release unlocked;
-    surfaces = conductors(scene);
+    surfaces = conductors(scene.scene());
   }
   py::dict result;
   for (const auto& [name, triangles] : surfaces)
@@ -108,11 +164,11 @@ py::dict conductors_of(const Scene& scene) {
   return result;
 }
 
-py::dict info_of(const Scene& scene) {
+py::dict info_of(const LiveScene& scene) {
   SceneInfo info;
   {
     const py::gil_scoped_release unlocked;
-    info = scene_info(scene);
+    info = scene_info(scene.scene());
   }
   py::list objects;
   for (const ObjectInfo& object : info.objects)
@@ -126,11 +182,12 @@ py::dict info_of(const Scene& scene) {
                   "objects"_a = objects);
 }
 
-void set_link_pose(Scene& scene, const std::string& link, const Array& translation, const Array& rotation) {
+void set_link_pose(LiveScene& scene, const std::string& link, const Array& translation,
+                   const Array& rotation) {
   const Eigen::Vector3d t = vector3(translation, "translation");
   if (rotation.ndim() == 2 && rotation.shape(0) == 3 && rotation.shape(1) == 3) {
     const Eigen::Matrix3d matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>(rotation.data());
-    set_pose(scene, link, pose_from_matrix(matrix, t));
+    scene.set_pose(link, pose_from_matrix(matrix, t));
     return;
   }
   if (rotation.ndim() != 1 || rotation.shape(0) != 4)
@@ -141,7 +198,7 @@ void set_link_pose(Scene& scene, const std::string& link, const Array& translati
     throw InputError("a pose must be finite");
   if (quaternion.coeffs().isZero(0))
     throw InputError("a quaternion must not be zero");
-  set_pose(scene, link, pose_from_quaternion(quaternion, t));
+  scene.set_pose(link, pose_from_quaternion(quaternion, t));
 }
 
 }  // namespace
@@ -166,11 +223,25 @@ Returns an (n,) array in metres: 0 for a triangle without area, +inf where the t
 integral diverges. Raises InputError (a ValueError) for values that are not finite, wrong shapes, a plate that is not a
 rectangle and an unknown method.)");
 
-  py::class_<Scene>(module, "Scene", "A scene of links, sensors and objects (geometries/SCENE.md).")
-      .def_static("load", &load_scene, "path"_a, py::call_guard<py::gil_scoped_release>(),
-                  "Reads a scene file and the mesh files it names. Raises InputError for a wrong one.")
-      .def("capacitance", &capacitance_of, "method"_a = "exact",
-           "What every sensor feels, as the dictionary that `fringe capacitance --json` prints; F and V.")
+  py::class_<LiveScene>(module, "Scene", "A scene of links, sensors and objects (geometries/SCENE.md).")
+      .def_static(
+          "load",
+          [](const std::filesystem::path& path) { return std::make_unique<LiveScene>(load_scene(path)); },
+          "path"_a, py::call_guard<py::gil_scoped_release>(),
+          "Reads a scene file and the mesh files it names. Raises InputError for a wrong one.")
+      .def("capacitance", &capacitance_of, "method"_a = "exact", py::kw_only(), "plates"_a = "sum",
+           "faces"_a = "all", "tolerance"_a = 0.0,
+           R"(What every sensor feels, as the dictionary that `fringe capacitance --json` prints; F and V.
+
+method: "exact", "split:N" or "gauss:K", as for plate_integral.
+plates: "sum", every plate of a sensor counts every point of a surface; "nearest", only the plate nearest to it does.
+faces: "all", or "facing": only triangles whose outward side sees the plate, and those in contact with it.
+tolerance: what may be left out of a sensor's total, relative to it; each object's "bound" says how much of it was left
+out at most. 0: nothing is left out but by "nearest", 1e-12. Only with the method "exact".
+
+Asked again with the same options, only what moved since is evaluated; "counts" says what that was.
+
+Raises InputError (a ValueError) for unknown or inconsistent options and for objects that are not grounded.)")
       .def("conductors", &conductors_of,
            "Name to (n, 3, 3) triangles in the world frame, the sensors first, each in the file's order.")
       .def("set_pose", &set_link_pose, "link"_a, "translation"_a, "rotation"_a,

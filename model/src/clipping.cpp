@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "compensated.hpp"
 
@@ -24,21 +25,38 @@ PieceVertex cut(const PieceVertex& a, const PieceVertex& b, double from_a, doubl
   return vertex;
 }
 
-/// Sutherland and Hodgman: the part of a convex piece on one side of coordinate = bound.
+/// The part of a convex piece on one side of coordinate = bound (Sutherland and Hodgman).
 Piece clip(const Piece& piece, int axis, double bound, Side side) {
-  Piece kept;
-  const auto inside_by = [&](const PieceVertex& vertex) {
-    const double above = vertex.position[axis] - bound;
-    return side == Side::upper ? above : -above;
-  };
+  std::array<double, most_corners> inside_by;
+  double innermost = 0, outermost = 0;
   for (std::size_t i = 0; i < piece.size; ++i) {
-    const PieceVertex& current = piece.vertices[i];
-    const PieceVertex& next = piece.vertices[(i + 1) % piece.size];
-    const double current_inside = inside_by(current), next_inside = inside_by(next);
-    if (current_inside >= 0)
-      kept.vertices[kept.size++] = current;
-    if ((current_inside > 0 && next_inside < 0) || (current_inside < 0 && next_inside > 0))
-      kept.vertices[kept.size++] = cut(current, next, current_inside, next_inside, axis, bound);
+    const double above = piece.vertices[i].position[axis] - bound;
+    inside_by[i] = side == Side::upper ? above : -above;
+    innermost = std::max(innermost, inside_by[i]);
+    outermost = std::min(outermost, inside_by[i]);
+  }
+  if (outermost == 0)
+    return piece;
+  const auto crosses = [&](std::size_t i, std::size_t j) {
+    return (inside_by[i] > 0 && inside_by[j] < 0) || (inside_by[i] < 0 && inside_by[j] > 0);
+  };
+  if (innermost > 0) {
+    int meetings = 0;  // of the outline with the plane
+    for (std::size_t i = 0; i < piece.size; ++i)
+      meetings += inside_by[i] == 0 || crosses(i, (i + 1) % piece.size);
+    // A plane that divides a convex outline meets it twice. If it does not, the piece lies in the plane but
+    // for rounding; its two parts would overlap, so all of it goes to one side.
+    if (meetings != 2)
+      return innermost > -outermost || (innermost == -outermost && side == Side::upper) ? piece : Piece{};
+  }
+  Piece kept;
+  for (std::size_t i = 0; i < piece.size; ++i) {
+    const std::size_t next = (i + 1) % piece.size;
+    if (inside_by[i] >= 0)
+      kept.vertices[kept.size++] = piece.vertices[i];
+    if (crosses(i, next))
+      kept.vertices[kept.size++] =
+          cut(piece.vertices[i], piece.vertices[next], inside_by[i], inside_by[next], axis, bound);
   }
   return kept;
 }
@@ -54,8 +72,8 @@ Piece whole(const LocalTriangle& triangle) {
 }
 
 Extent extent(const Piece& piece, int axis) {
-  Extent result{piece.vertices[0].position[axis], piece.vertices[0].position[axis]};
-  for (std::size_t i = 1; i < piece.size; ++i) {
+  Extent result{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 0; i < piece.size; ++i) {
     result.lowest = std::min(result.lowest, piece.vertices[i].position[axis]);
     result.highest = std::max(result.highest, piece.vertices[i].position[axis]);
   }

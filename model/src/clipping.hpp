@@ -29,9 +29,12 @@ struct PieceVertex {
   Eigen::Vector3d barycentric;
 };
 
-/// A convex piece of a triangle; four cuts leave at most seven corners.
+/// Four cuts leave a triangle at most seven corners.
+constexpr std::size_t most_corners = 7;
+
+/// A convex piece of a triangle.
 struct Piece {
-  std::array<PieceVertex, 7> vertices;
+  std::array<PieceVertex, most_corners> vertices;
   std::size_t size = 0;
 };
 
@@ -46,7 +49,7 @@ inline Eigen::Vector3d from_plate(const PlateFrame& plate, Cell cell, const Eige
   return {beside(cell.u, point.x(), plate.length_u), beside(cell.v, point.y(), plate.length_v), point.z()};
 }
 
-/// How far a piece reaches along an axis.
+/// How far a piece reaches along an axis; from +infinity to −infinity when it is empty.
 struct Extent {
   double lowest;
   double highest;

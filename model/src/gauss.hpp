@@ -2,14 +2,10 @@
 
 #include <vector>
 
+#include "gauss_node.hpp"
 #include "plate_frame.hpp"
 
 namespace fringe::detail {
-
-struct GaussNode {
-  double position;  ///< in (0, 1)
-  double weight;    ///< the weights of a rule add up to 1
-};
 
 using GaussRule = std::vector<GaussNode>;
 

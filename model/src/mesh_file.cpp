@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "fringe/error.hpp"
+#include "obj_indices.hpp"
 #include "ply_completeness.hpp"
 
 namespace fringe {
@@ -33,24 +34,25 @@ void require_readable(const std::filesystem::path& path) {
     throw InputError(fmt::format("the mesh file {} does not exist", path.string()));
 }
 
-/// A face's vertices, checked: a damaged file can name vertices that do not exist, or hold numbers that are
-/// none.
-std::vector<Eigen::Vector3d> face_vertices(const aiMesh& mesh, const aiFace& face) {
+/// The vertices of the face with the given number, checked: a damaged file can name vertices that do not
+/// exist, or hold numbers that are none.
+std::vector<Eigen::Vector3d> face_vertices(const aiMesh& mesh, unsigned number) {
+  const aiFace& face = mesh.mFaces[number];
   std::vector<Eigen::Vector3d> vertices;
   for (const unsigned index : std::span(face.mIndices, face.mNumIndices)) {
     if (index >= mesh.mNumVertices)
-      throw InputError(fmt::format("a face names vertex {} of {}", index, mesh.mNumVertices));
+      throw InputError(fmt::format("face {} names vertex {} of {}", number, index, mesh.mNumVertices));
     const aiVector3D& vertex = mesh.mVertices[index];
     vertices.emplace_back(vertex.x, vertex.y, vertex.z);
     if (!vertices.back().allFinite())
-      throw InputError(fmt::format("vertex {} is not finite", index));
+      throw InputError(fmt::format("vertex {} of face {} is not finite", vertices.size() - 1, number));
   }
   return vertices;
 }
 
 void append_fans(std::vector<Triangle>& triangles, const aiMesh& mesh) {
-  for (const aiFace& face : std::span(mesh.mFaces, mesh.mNumFaces)) {
-    const std::vector<Eigen::Vector3d> vertices = face_vertices(mesh, face);
+  for (unsigned number = 0; number < mesh.mNumFaces; ++number) {
+    const std::vector<Eigen::Vector3d> vertices = face_vertices(mesh, number);
     for (std::size_t i = 1; i + 1 < vertices.size(); ++i)
       triangles.push_back({vertices[0], vertices[i], vertices[i + 1]});
   }
@@ -64,6 +66,8 @@ std::vector<Triangle> read_mesh_file(const std::filesystem::path& path) {
   try {
     if (lower_case_extension(path) == ".ply")
       detail::require_complete_ply(path);
+    else if (lower_case_extension(path) == ".obj")
+      detail::require_obj_indices(path);
     Assimp::Importer importer;
     // No post-processing: it would join, reorder or re-triangulate.
     const aiScene* scene = importer.ReadFile(path.string(), 0);

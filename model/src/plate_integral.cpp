@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <variant>
 
 #include <fmt/format.h>
 
-#include "clipping.hpp"
+#include "exact_integral.hpp"
+#include "fringe/batch_integral.hpp"
 #include "fringe/error.hpp"
 #include "gauss.hpp"
-#include "kernel.hpp"
 #include "plate_frame.hpp"
 #include "splitting.hpp"
 
@@ -19,50 +18,6 @@ namespace fringe {
 namespace {
 
 using namespace detail;
-using Eigen::Vector3d;
-
-/// The kernel of a triangle that lies in one cell.
-double kernel_in_cell(const PlateFrame& plate, Cell cell, const Vector3d& a, const Vector3d& b,
-                      const Vector3d& c) {
-  if (cell.u == Strip::within && cell.v == Strip::within)
-    return kernel_of_heights(a.z(), b.z(), c.z());
-  return kernel(from_plate(plate, cell, a), from_plate(plate, cell, b), from_plate(plate, cell, c));
-}
-
-/// The kernel of a piece in one cell, weighted by its share of the whole triangle: the sum over a fan.
-double kernel_of_piece(const PlateFrame& plate, Cell cell, const Piece& piece) {
-  double sum = 0;
-  const PieceVertex& hub = piece.vertices[0];
-  for (std::size_t i = 1; i + 1 < piece.size; ++i) {
-    const PieceVertex &first = piece.vertices[i], &second = piece.vertices[i + 1];
-    const double share = share_of_area(hub, first, second);
-    if (share > 0)
-      sum += share * kernel_in_cell(plate, cell, hub.position, first.position, second.position);
-  }
-  return sum;
-}
-
-/// The integral in closed form: the triangle is cut at the plate's border planes, and every piece is
-/// integrated in its own cell (model/NUMERICS.md).
-double exact_integral(const PlateFrame& plate, const LocalTriangle& triangle, double twice_area) {
-  const Piece uncut = whole(triangle);
-  const Extent extent_u = extent(uncut, 0), extent_v = extent(uncut, 1);
-  const std::optional<Strip> only_u = only_strip(extent_u, plate.length_u);
-  const std::optional<Strip> only_v = only_strip(extent_v, plate.length_v);
-  if (only_u && only_v)
-    return twice_area * kernel_in_cell(plate, {*only_u, *only_v}, triangle[0], triangle[1], triangle[2]);
-  double sum = 0;
-  for (const Strip u : strips) {
-    if (!has_share(u, extent_u, plate.length_u))
-      continue;
-    const Piece in_u = clip_to_strip(uncut, 0, u, plate.length_u);
-    const Extent extent_in_u = extent(in_u, 1);
-    for (const Strip v : strips)
-      if (has_share(v, extent_in_u, plate.length_v))
-        sum += kernel_of_piece(plate, {u, v}, clip_to_strip(in_u, 1, v, plate.length_v));
-  }
-  return twice_area * sum;
-}
 
 /// A triangle that has points on both sides of the plate's plane, or on it.
 bool meets_plane(const LocalTriangle& triangle) {
@@ -123,6 +78,8 @@ std::vector<double> plate_integrals(std::span<const Triangle> triangles, const R
                                     const Method& method) {
   validate(plate);
   validate(method);
+  if (std::holds_alternative<Exact>(method))
+    return plate_integrals(TriangleBatch(triangles), plate);
   const PlateFrame frame = plate_frame(plate);
   const Integrator integrate(method);
   std::vector<double> integrals;

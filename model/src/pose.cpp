@@ -63,12 +63,16 @@ Eigen::Isometry3d attachment_pose(const std::vector<Eigen::Isometry3d>& link_pos
   return link ? link_poses[*link] : Eigen::Isometry3d::Identity();
 }
 
+std::size_t find_link(const std::vector<Link>& links, std::string_view name) {
+  const auto found =
+      std::find_if(links.begin(), links.end(), [=](const Link& link) { return link.name == name; });
+  if (found == links.end())
+    throw InputError(fmt::format("the scene has no link \"{}\"", name));
+  return static_cast<std::size_t>(found - links.begin());
+}
+
 void set_pose(Scene& scene, std::string_view link_name, const Eigen::Isometry3d& pose) {
-  const auto link = std::find_if(scene.links.begin(), scene.links.end(),
-                                 [=](const Link& candidate) { return candidate.name == link_name; });
-  if (link == scene.links.end())
-    throw InputError(fmt::format("the scene has no link \"{}\"", link_name));
-  link->pose = pose;
+  scene.links[find_link(scene.links, link_name)].pose = pose;
 }
 
 Rectangle transformed(const Rectangle& rectangle, const Eigen::Isometry3d& pose) {

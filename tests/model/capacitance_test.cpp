@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,6 +13,8 @@
 
 namespace fringe {
 namespace {
+
+using Eigen::Vector3d;
 
 Object plate_at(const std::string& name, double size, double height) {
   return {name,       std::nullopt, Plate{size, size}, pose_from_axis({0, 0, 1}, 0, {0, 0, height}),
@@ -31,7 +35,7 @@ Scene sandwich() {
 TEST(Capacitance, OfParallelPlatesIsPermittivityTimesAreaOverDistance) {
   Scene scene = sandwich();
   scene.medium.relative_permittivity = 2;
-  const SensorCapacitance felt = capacitance(scene).at(0);
+  const SensorCapacitance felt = capacitance(scene).sensors.at(0);
   // C = ε₀·ε_r·A/d
   const double near = 8.8541878128e-12 * 2 * 0.01 / 0.02, behind = 8.8541878128e-12 * 2 * 0.01 / 0.04;
   EXPECT_EQ(felt.name, "front");
@@ -46,17 +50,17 @@ TEST(Capacitance, OfParallelPlatesIsPermittivityTimesAreaOverDistance) {
 
 TEST(Capacitance, AddsUpOverThePlatesOfASensor) {
   Scene scene = sandwich();
-  const double one = capacitance(scene).at(0).total;
+  const double one = capacitance(scene).sensors.at(0).total;
   scene.sensors[0].plates.push_back(scene.sensors[0].plates[0]);
-  EXPECT_DOUBLE_EQ(capacitance(scene).at(0).total, 2 * one);
+  EXPECT_DOUBLE_EQ(capacitance(scene).sensors.at(0).total, 2 * one);
 }
 
 TEST(Capacitance, FollowsTheMethod) {
   Scene scene = sandwich();
   scene.objects.resize(1);
   scene.objects[0] = plate_at("large", 0.3, 0.02);
-  const double exact = capacitance(scene).at(0).total;
-  const double split = capacitance(scene, {Split{3}}).at(0).total;
+  const double exact = capacitance(scene).sensors.at(0).total;
+  const double split = capacitance(scene, {Split{3}}).sensors.at(0).total;
   EXPECT_NE(split, exact);
   EXPECT_NEAR(split, exact, 0.05 * exact);
 }
@@ -67,14 +71,43 @@ TEST(Capacitance, MovesWithTheLinks) {
   scene.sensors[0].link = 0;
   for (Object& object : scene.objects)
     object.link = 0;
-  const double expected = capacitance(sandwich()).at(0).total;
-  EXPECT_NEAR(capacitance(scene).at(0).total, expected, 1e-13 * expected);
+  const double expected = capacitance(sandwich()).sensors.at(0).total;
+  EXPECT_NEAR(capacitance(scene).sensors.at(0).total, expected, 1e-13 * expected);
+}
+
+TEST(Capacitance, OfEveryShapeFollowsTheTreeOfLinks) {
+  const Triangle triangle{Vector3d{0, 0, 0}, {0.05, 0, 0.01}, {0, 0.05, 0.02}};
+  const std::vector<Shape> shapes{
+      Plate{0.05, 0.1},     Cuboid{0.05, 0.05, 0.05},     Cuboid{0.02, 0.04, 0.06}, Cylinder{0.02, 0.05, 12},
+      Cone{0.03, 0.05, 12}, Arc{0.03, 0.05, 0.02, 90, 8}, Sphere{0.03, 12},         Mesh{"", 1, {triangle}}};
+  const Eigen::Isometry3d arm = pose_from_axis({1, 0, 2}, 30, {1, 2, 3}),
+                          hand = pose_from_axis({0, 1, 1}, -50, {0.1, 0, 0.2}),
+                          own = pose_from_axis({1, 1, 0}, 20, {0.02, -0.01, 0.07});
+  for (const Shape& shape : shapes) {
+    Scene flat = sandwich();
+    flat.objects = {{"thing", std::nullopt, shape, own, Grounded{}, true}};
+    const double expected = capacitance(flat).sensors.at(0).total;
+    EXPECT_GT(expected, 0);
+    EXPECT_NEAR(capacitance(flat, {Split{6}}).sensors.at(0).total, expected, 1e-3 * expected);
+
+    // The sensor hangs on the hand, which hangs on the arm, and so does the object; then on the arm only.
+    Scene scene = flat;
+    scene.links = {{"hand", 1, hand}, {"arm", std::nullopt, arm}};
+    scene.sensors[0].link = 0;
+    scene.objects[0].link = 0;
+    EXPECT_NEAR(capacitance(scene).sensors.at(0).total, expected, 1e-12 * expected);
+    scene.objects[0].link = 1;
+    scene.objects[0].pose = hand * own;
+    EXPECT_NEAR(capacitance(scene).sensors.at(0).total, expected, 1e-12 * expected);
+    set_pose(scene, "hand", Eigen::Isometry3d::Identity());
+    EXPECT_GT(std::abs(capacitance(scene).sensors.at(0).total - expected), 1e-3 * expected);
+  }
 }
 
 TEST(Capacitance, WithoutObjectsIsZeroAndLeavesTheInputVoltage) {
   Scene scene = sandwich();
   scene.objects.clear();
-  const SensorCapacitance felt = capacitance(scene).at(0);
+  const SensorCapacitance felt = capacitance(scene).sensors.at(0);
   EXPECT_EQ(felt.total, 0);
   EXPECT_EQ(felt.voltage, 2.5);
   EXPECT_EQ(felt.delta_voltage, 0);
@@ -83,7 +116,7 @@ TEST(Capacitance, WithoutObjectsIsZeroAndLeavesTheInputVoltage) {
 TEST(Capacitance, OnContactIsInfiniteAndLeavesNoVoltage) {
   Scene scene = sandwich();
   scene.objects.push_back(plate_at("touching", 0.02, 0));
-  const SensorCapacitance felt = capacitance(scene).at(0);
+  const SensorCapacitance felt = capacitance(scene).sensors.at(0);
   EXPECT_TRUE(felt.contact);
   EXPECT_EQ(felt.total, std::numeric_limits<double>::infinity());
   EXPECT_TRUE(std::isfinite(felt.objects.at(0).capacitance));
@@ -99,6 +132,203 @@ TEST(Capacitance, DividesTheVoltageAsTwoCapacitorsInSeries) {
   // V = C_c/(C_c + C)·V_in
   EXPECT_DOUBLE_EQ(divider_voltage(sensor, 4e-12), 1);
   EXPECT_DOUBLE_EQ(divider_voltage(sensor, 0), 3);
+}
+
+/// A sensor of two plates side by side that together are the one of the sandwich, and objects all around it.
+Scene divided_sensor() {
+  Scene scene = sandwich();
+  scene.sensors[0].plates = {{{-0.05, -0.05, 0}, {0.04, 0, 0}, {0, 0.1, 0}},
+                             {{-0.01, -0.05, 0}, {0.06, 0, 0}, {0, 0.1, 0}}};
+  scene.objects.push_back({"ball", std::nullopt, Sphere{0.03, 12},
+                           pose_from_axis({1, 2, 3}, 40, {0.01, 0.02, 0.1}), Grounded{}, true});
+  return scene;
+}
+
+const CapacitanceOptions nearest{Exact{}, PlateRule::nearest};
+
+TEST(Capacitance, OfTheNearestOfTwoTilesIsThatOfTheWholePlate) {
+  Scene whole = divided_sensor();
+  whole.sensors[0].plates = sandwich().sensors[0].plates;
+  const SensorCapacitance expected = capacitance(whole).sensors.at(0);
+  const SensorCapacitance felt = capacitance(divided_sensor(), nearest).sensors.at(0);
+  for (std::size_t i = 0; i < expected.objects.size(); ++i)
+    EXPECT_NEAR(felt.objects.at(i).capacitance, expected.objects.at(i).capacitance,
+                1e-13 * expected.objects.at(i).capacitance);
+  EXPECT_GT(capacitance(divided_sensor()).sensors.at(0).total, 1.5 * felt.total);
+}
+
+TEST(Capacitance, OfTheNearestOfOnePlateIsThatOfTheSumToTheLastBit) {
+  Scene scene = divided_sensor();
+  scene.sensors[0].plates.pop_back();
+  for (const Method& method : {Method{Exact{}}, Method{Split{2}}, Method{Gauss{3}}})
+    EXPECT_EQ(capacitance(scene, {method, PlateRule::nearest}).sensors.at(0).total,
+              capacitance(scene, {method, PlateRule::sum}).sensors.at(0).total);
+}
+
+TEST(Capacitance, OfTheNearestPlateKeepsToTheTolerance) {
+  Scene scene = divided_sensor();
+  // Tilted and lifted, so that the border between the two plates is curved.
+  scene.sensors[0].plates[1] = {{0, -0.05, 0.03}, {0.04, 0, 0.03}, {0, 0.1, 0}};
+  const SensorCapacitance accurate = capacitance(scene, nearest).sensors.at(0);
+  bool left_out = false;
+  for (const double tolerance : {1e-2, 1e-5}) {
+    const SensorCapacitance felt =
+        capacitance(scene, {Exact{}, PlateRule::nearest, FaceRule::all, tolerance}).sensors.at(0);
+    for (std::size_t i = 0; i < felt.objects.size(); ++i) {
+      const auto& [name, value, bound, skipped] = felt.objects[i];
+      const double expected = accurate.objects[i].capacitance;
+      EXPECT_LE(bound, tolerance * expected);
+      EXPECT_LE(std::abs(value - expected), bound + 1e-11 * expected);
+      left_out = left_out || bound > 1e-12 * expected;
+    }
+  }
+  EXPECT_TRUE(left_out);
+}
+
+TEST(Capacitance, OfNodesGivesEachToItsNearestPlate) {
+  const double exact = capacitance(divided_sensor(), nearest).sensors.at(0).total;
+  for (const Method& method : {Method{Split{5}}, Method{Gauss{16}}}) {
+    const double nodes = capacitance(divided_sensor(), {method, PlateRule::nearest}).sensors.at(0).total;
+    EXPECT_NE(nodes, exact);
+    EXPECT_NEAR(nodes, exact, 1e-3 * exact);
+  }
+}
+
+TEST(Capacitance, OfNodesIsInfiniteOnContactWithAnyPlate) {
+  Scene scene = divided_sensor();
+  // Stands across the second plate, its centroids nearer to neither side of it.
+  scene.objects = {{"wall", std::nullopt, Plate{0.02, 0.02}, pose_from_axis({1, 0, 0}, 90, {0.02, 0, 0.001}),
+                    Grounded{}, true}};
+  for (const Method& method : {Method{Exact{}}, Method{Split{2}}, Method{Gauss{2}}})
+    for (const PlateRule rule : {PlateRule::sum, PlateRule::nearest})
+      EXPECT_TRUE(capacitance(scene, {method, rule}).sensors.at(0).contact);
+}
+
+TEST(Capacitance, OfFacingFacesLeavesOutTheBackOfABody) {
+  Scene scene = sandwich();
+  const double size = 0.1, gap = 0.02;
+  scene.objects = {{"box", std::nullopt, Cuboid{size, size, size},
+                    pose_from_axis({0, 0, 1}, 0, {0, 0, gap + size / 2}), Grounded{}, true}};
+  // The face opposite the plate counts; the back does not, nor do the sides, in whose planes the plate ends.
+  const double front = vacuum_permittivity * size * size / gap;
+  const SensorCapacitance facing =
+      capacitance(scene, {Exact{}, PlateRule::sum, FaceRule::facing}).sensors.at(0);
+  EXPECT_NEAR(facing.total, front, 1e-14 * front);
+  // All faces: the back at gap + size, and four sides, 4·size·∫dz/z.
+  const double all =
+      front + vacuum_permittivity * (size * size / (gap + size) + 4 * size * std::log((gap + size) / gap));
+  EXPECT_NEAR(capacitance(scene).sensors.at(0).total, all, 1e-13 * all);
+}
+
+TEST(Capacitance, OfFacingFacesSeesTheFrontOfAOneSidedPlateOnly) {
+  // Both plates of the sandwich have their normal along +z: away from the sensor above it, towards it below.
+  const SensorCapacitance felt =
+      capacitance(sandwich(), {Exact{}, PlateRule::sum, FaceRule::facing}).sensors.at(0);
+  EXPECT_EQ(felt.objects.at(0).capacitance, 0);
+  EXPECT_DOUBLE_EQ(felt.objects.at(1).capacitance, vacuum_permittivity * 0.01 / 0.04);
+}
+
+TEST(Capacitance, OfFacingFacesIsInfiniteOnContactFromAnySide) {
+  for (const PlateRule rule : {PlateRule::sum, PlateRule::nearest}) {
+    Scene scene = divided_sensor();
+    scene.objects = {plate_at("lying", 0.02, 0)};
+    EXPECT_TRUE(capacitance(scene, {Exact{}, rule, FaceRule::facing}).sensors.at(0).contact);
+    // In the plane, beside the plate: neither seen nor touching.
+    scene.objects[0].pose = pose_from_axis({0, 0, 1}, 0, {0.2, 0, 0});
+    EXPECT_EQ(capacitance(scene, {Exact{}, rule, FaceRule::facing}).sensors.at(0).total, 0);
+  }
+}
+
+TEST(Capacitance, OfTheNearestFacingPlateLooksAmongThoseAFaceSees) {
+  // A plate under the object's back is nearer, but not seen; the one in front counts.
+  Scene scene = sandwich();
+  scene.objects = {plate_at("between", 0.1, 0.06)};
+  scene.sensors[0].plates.push_back({{-0.05, -0.05, 0.16}, {0.1, 0, 0}, {0, 0.1, 0}});
+  const double below = vacuum_permittivity * 0.01 / 0.06, above = vacuum_permittivity * 0.01 / 0.1;
+  for (const Method& method : {Method{Exact{}}, Method{Split{2}}}) {
+    EXPECT_NEAR(capacitance(scene, {method, PlateRule::nearest}).sensors.at(0).total, below, 1e-14 * below);
+    EXPECT_NEAR(capacitance(scene, {method, PlateRule::nearest, FaceRule::facing}).sensors.at(0).total, above,
+                1e-14 * above);
+  }
+}
+
+TEST(Capacitance, CountsWhatWasEvaluated) {
+  const Scene scene = divided_sensor();
+  const std::size_t triangles = 2 + 2 + 12 * 2 * (6 - 1);
+  const EvaluationCounts counts = capacitance(scene).counts;
+  EXPECT_EQ(counts.triangles_evaluated, 2 * triangles);
+  EXPECT_EQ(counts.objects_evaluated, 3U);
+  EXPECT_EQ(counts.triangles_skipped + counts.triangles_lumped + counts.objects_skipped, 0U);
+  EXPECT_LT(capacitance(scene, {Exact{}, PlateRule::sum, FaceRule::facing}).counts.triangles_evaluated,
+            2 * triangles);
+  EXPECT_EQ(capacitance(scene, {Split{1}, PlateRule::nearest}).counts.triangles_evaluated, 2 * triangles);
+}
+
+TEST(Capacitance, TakesDuplicateTrianglesAndTrianglesWithoutArea) {
+  Scene scene = sandwich();
+  const Triangle triangle{Vector3d{0, 0, 0.03}, {0.1, 0, 0.04}, {0, 0.1, 0.05}};
+  const Triangle point{triangle[0], triangle[0], triangle[0]};
+  const Triangle line{Vector3d{0, 0, 0}, {0.02, 0, 0}, {0.04, 0, 0}};
+  const auto total = [&](const std::vector<Triangle>& triangles, const CapacitanceOptions& options) {
+    scene.objects = {
+        {"mesh", std::nullopt, Mesh{"", 1, triangles}, Eigen::Isometry3d::Identity(), Grounded{}, true}};
+    return capacitance(scene, options).sensors.at(0).total;
+  };
+  for (const PlateRule plates : {PlateRule::sum, PlateRule::nearest})
+    for (const FaceRule faces : {FaceRule::all, FaceRule::facing}) {
+      const CapacitanceOptions options{Exact{}, plates, faces};
+      const Triangle turned{triangle[0], triangle[2], triangle[1]};
+      const double once = total({turned}, options);
+      EXPECT_GT(once, 0);
+      EXPECT_DOUBLE_EQ(total({turned, point, turned, line}, options), 2 * once);
+    }
+}
+
+void expect_refused(const Scene& scene, const CapacitanceOptions& options, const std::string& reason) {
+  try {
+    capacitance(scene, options);
+    FAIL() << "accepted; expected: " << reason;
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr(reason));
+  }
+}
+
+TEST(Capacitance, RefusesTolerancesThatAreNoneOrChangeNothing) {
+  for (const double tolerance : {-1e-9, std::numeric_limits<double>::infinity(), std::nan("")})
+    expect_refused(sandwich(), {Exact{}, PlateRule::sum, FaceRule::all, tolerance}, "tolerance");
+  for (const Method& method : {Method{Split{2}}, Method{Gauss{2}}})
+    expect_refused(sandwich(), {method, PlateRule::sum, FaceRule::all, 1e-6}, "needs the method exact");
+}
+
+TEST(Capacitance, NamesTheElementThatIsWrong) {
+  const Triangle good{Vector3d{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
+  Triangle bad = good;
+  bad[2].y() = std::nan("");
+  Scene scene = sandwich();
+  scene.objects[1].shape = Mesh{"", 1, {good, bad}};
+  expect_refused(scene, {}, "object \"behind\": triangle 1: vertex 2 is not finite");
+  scene.objects[1].shape = Mesh{"", 1, {}};
+  expect_refused(scene, {}, "object \"behind\" has no triangles");
+
+  scene = divided_sensor();
+  Vector3d& edge = scene.sensors[0].plates[1].edge_v;
+  edge = {1e-9, 0.1, 0};
+  expect_refused(scene, {}, "sensor \"front\": plates[1]: edge_u and edge_v are not at right angles");
+  edge = {0, 0, 0};
+  expect_refused(scene, {}, "sensor \"front\": plates[1]: a rectangle's edge must not have length zero");
+  edge = {0, std::numeric_limits<double>::infinity(), 0};
+  expect_refused(scene, {}, "sensor \"front\": plates[1]");
+}
+
+TEST(CapacitanceOptions, AreReadBackFromTheirTexts) {
+  for (const char* text : {"sum", "nearest"})
+    EXPECT_EQ(to_string(parse_plate_rule(text)), text);
+  for (const char* text : {"all", "facing"})
+    EXPECT_EQ(to_string(parse_face_rule(text)), text);
+  for (const char* text : {"", "SUM", "all", "nearest "})
+    EXPECT_THROW(parse_plate_rule(text), InputError);
+  for (const char* text : {"", "sum", "front"})
+    EXPECT_THROW(parse_face_rule(text), InputError);
 }
 
 TEST(Capacitance, KnowsOnlyGroundedConductors) {

@@ -154,16 +154,34 @@ TEST_F(MeshFile, MustNotBeTruncated) {
 }
 
 TEST_F(MeshFile, MustNotNameVerticesThatDoNotExist) {
-  expect_refused("index.obj", obj + "f 1 2 99\n", "cannot be read");
+  expect_refused("index.obj", obj + "f 1 2 99\n", "face 2 (line 9) names vertex 99 of 5");
+  expect_refused("index.obj", obj + "f 1/1 2/1 \\\n0/1\n", "face 2 (line 9) names vertex 0/1 of 5");
+  expect_refused("index.obj", obj + "f -1 -2 -6\nv 0 0 0\n", "face 2 (line 9) names vertex -6 of 6");
+  expect_refused("index.obj", obj + "f 1 2 three\n", "face 2 (line 9) names vertex three of 5");
   std::string ply = ascii_ply;
-  expect_refused("index.ply", ply.replace(ply.find("3 2 1 0"), 7, "3 2 1 9"), "vertex 9 of 4");
+  expect_refused("index.ply", ply.replace(ply.find("3 2 1 0"), 7, "3 2 1 9"), "face 1 names vertex 9 of 4");
+}
+
+TEST_F(MeshFile, ObjNamesVerticesForwardsBackwardsAndBeforeTheyComeUp) {
+  const std::string statements = "f 1 \\\n2//1 3\nv 0 0 0\nv 1 0 0\r\nv 1 1 0\nf -3 -2 -1\r\n";
+  const Triangle triangle{Vector3d{0, 0, 0}, {1, 0, 0}, {1, 1, 0}};
+  EXPECT_THAT(read_mesh_file(write("index.obj", statements)), testing::ElementsAre(triangle, triangle));
 }
 
 TEST_F(MeshFile, MustBeFinite) {
   std::string ply = ascii_ply;
   expect_refused("nan.ply", ply.replace(ply.find("1 1 0"), 5, "nan 1 0"), "");
   std::string stl = ascii_stl;
-  expect_refused("nan.stl", stl.replace(stl.find("vertex 1 0 1"), 12, "vertex nan 0 1"), "not finite");
+  expect_refused("nan.stl", stl.replace(stl.find("vertex 1 0 0"), 12, "vertex nan 0 1"),
+                 "vertex 1 of face 1 is not finite");
+}
+
+TEST_F(MeshFile, MayRepeatTrianglesAndHoldSomeWithoutArea) {
+  const Vector3d a(0, 0, 0), b(1, 0, 0), c(1, 1, 0);
+  const std::string faces = "f 1 2 3\nf 1 2 3\nf 1 1 3\nf 2 2 2\n";
+  EXPECT_THAT(
+      read_mesh_file(write("double.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\n" + faces)),
+      testing::ElementsAre(Triangle{a, b, c}, Triangle{a, b, c}, Triangle{a, a, c}, Triangle{b, b, b}));
 }
 
 TEST_F(MeshFile, OfGarbageIsRefused) {

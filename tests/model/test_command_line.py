@@ -45,8 +45,18 @@ def test_capacitance_as_json(fringe_command: Command, scene: Path) -> None:
     answer = json.loads(done.stdout)
     expected = VACUUM_PERMITTIVITY * 0.01 / 0.02  # epsilon A / d
     voltage = 5e-12 / (5e-12 + expected) * 2.5
-    assert set(answer) == {"options", "seconds", "sensors"}
-    assert answer["options"] == {"method": "exact"}
+    assert set(answer) == {"options", "seconds", "counts", "sensors"}
+    assert answer["options"] == {"method": "exact", "plates": "sum", "faces": "all", "tolerance": 0}
+    assert answer["counts"] == {
+        "triangles_evaluated": 2,
+        "triangles_lumped": 0,
+        "triangles_skipped": 0,
+        "triangles_reused": 0,
+        "nodes_lumped": 0,
+        "objects_evaluated": 1,
+        "objects_skipped": 0,
+        "objects_reused": 0,
+    }
     assert 0 < answer["seconds"] < 1
     (sensor,) = answer["sensors"]
     assert set(sensor) == {"name", "total", "voltage", "delta_voltage", "contact", "objects"}
@@ -66,12 +76,13 @@ def test_capacitance_as_table(fringe_command: Command, scene: Path) -> None:
     assert "mutual" in done.stdout.splitlines()[0]
     assert "4.42709 pF" in done.stdout
     assert "1.32597 V" in done.stdout
+    assert "method exact, plates sum, faces all, tolerance 0, 2 triangles evaluated" in done.stdout
 
 
 @pytest.mark.parametrize("method", ["exact", "split:0", "split:4", "gauss:8"])
 def test_method(fringe_command: Command, scene: Path, method: str) -> None:
     answer = json.loads(fringe_command("capacitance", "--method", method, scene, "--json").stdout)
-    assert answer["options"] == {"method": method}
+    assert answer["options"]["method"] == method
     # A parallel plate in front of the sensor has the same distance everywhere: every method is exact.
     assert answer["sensors"][0]["total"] == pytest.approx(VACUUM_PERMITTIVITY * 0.5, rel=1e-14)
 
@@ -83,7 +94,90 @@ def test_contact_is_an_infinite_number_in_json(fringe_command: Command, touching
     assert sensor["total"] == math.inf
     assert sensor["objects"][0]["capacitance"] == math.inf
     assert (sensor["contact"], sensor["voltage"], sensor["delta_voltage"]) == (True, 0, 2.5)
-    assert "contact" in fringe_command("capacitance", touching).stdout
+    table = fringe_command("capacitance", touching).stdout
+    assert "sensor front (contact)" in table
+    assert "inf pF  contact" in table
+
+
+@pytest.fixture
+def two_plates(tmp_path: Path) -> Path:
+    """Two 5 cm × 10 cm plates at an angle, and an open sheet above them that shows them its back."""
+    path = tmp_path / "two.toml"
+    path.write_text(
+        """
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.05, 0, 0], edge_v = [0, 0.1, 0] },
+           { corner = [0, -0.05, 0], edge_u = [0.04, 0, 0.03], edge_v = [0, 0.1, 0] } ]
+
+[[object]]
+name = "sheet"
+shape = { type = "plate", size = [0.1, 0.1] }
+translation = [-0.02, 0.01, 0.06]
+"""
+    )
+    return path
+
+
+def test_plates_count_every_point_or_the_nearest_ones(fringe_command: Command, two_plates: Path) -> None:
+    def answer(*options: str) -> tuple[dict[str, object], float]:
+        document = json.loads(fringe_command("capacitance", two_plates, "--json", *options).stdout)
+        return document["options"], document["sensors"][0]["total"]
+
+    options, nearest = answer("--plates", "nearest")
+    assert options == {"method": "exact", "plates": "nearest", "faces": "all", "tolerance": 0}
+    _, total = answer("--plates", "sum")
+    assert 0.5 * total < nearest < 0.9 * total
+    _, by_centroids = answer("--plates", "nearest", "--method", "split:6")
+    assert by_centroids == pytest.approx(nearest, rel=1e-4)
+
+
+def test_faces(fringe_command: Command, two_plates: Path) -> None:
+    command = ("capacitance", two_plates, "--json", "--faces", "facing")
+    done = json.loads(fringe_command(*command).stdout)
+    assert done["options"]["faces"] == "facing"
+    assert done["sensors"][0]["total"] == 0
+    assert done["counts"]["triangles_evaluated"] == 0
+    two_plates.write_text(two_plates.read_text() + "rotation = { axis = [1, 0, 0], degrees = 180 }\n")
+    turned = json.loads(fringe_command(*command).stdout)["sensors"][0]["total"]
+    every = json.loads(fringe_command("capacitance", two_plates, "--json").stdout)["sensors"][0]["total"]
+    assert turned == every > 0
+
+
+def test_tolerance_is_kept_and_said(fringe_command: Command, two_plates: Path) -> None:
+    def sheet(tolerance: str) -> dict[str, float]:
+        done = fringe_command(
+            "capacitance", two_plates, "--json", "--plates", "nearest", "--tolerance", tolerance
+        )
+        document = json.loads(done.stdout)
+        assert document["options"]["tolerance"] == float(tolerance)
+        target: dict[str, float] = document["sensors"][0]["objects"][0]
+        return target
+
+    accurate, coarse = sheet("0"), sheet("1e-2")
+    assert 0 < coarse["bound"] <= 1e-2 * accurate["capacitance"]
+    assert abs(coarse["capacitance"] - accurate["capacitance"]) <= coarse["bound"]
+    table = fringe_command("capacitance", two_plates, "--plates", "nearest", "--tolerance", "1e-2").stdout
+    assert "wrong by at most" in table
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        (("--plates", "all"), "plates 'all' is not known"),
+        (("--faces", "sum"), "faces 'sum' is not known"),
+        (("--tolerance", "-1e-6"), "must be finite and not negative"),
+        (("--tolerance", "inf"), "must be finite and not negative"),
+        (("--tolerance", "nan"), "must be finite and not negative"),
+        (("--tolerance", "small"), "tolerance"),
+        (("--tolerance", "1e-6", "--method", "split:4"), "needs the method exact"),
+        (("--tolerance", "1e-6", "--method", "gauss:4"), "needs the method exact"),
+    ],
+)
+def test_wrong_options(fringe_command: Command, scene: Path, options: tuple[str, ...], reason: str) -> None:
+    done = fringe_command("capacitance", scene, "--json", *options)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert reason in done.stderr
 
 
 def test_info(fringe_command: Command, tmp_path: Path) -> None:
@@ -131,8 +225,8 @@ def test_help_and_version(fringe_command: Command, command: tuple[str, ...]) -> 
         (),
         ("collapse",),
         ("capacitance",),
-        ("capacitance", "SCENE", "--tolerance", "1e-6"),
-        ("capacitance", "SCENE", "--faces", "facing"),
+        ("capacitance", "SCENE", "--tolerance"),
+        ("info", "SCENE", "--faces", "facing"),
         ("capacitance", "SCENE", "SCENE"),
         ("capacitance", "SCENE", "--method"),
         ("info", "SCENE", "--method", "exact"),

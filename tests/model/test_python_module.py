@@ -96,7 +96,10 @@ def test_conductors_are_in_the_world_frame_and_the_sensors_come_first(scene: fri
 
 def test_capacitance_has_the_form_of_the_command_lines_json(scene: fringe.Scene) -> None:
     answer = scene.capacitance()
-    assert answer["options"] == {"method": "exact"}
+    assert set(answer) == {"options", "seconds", "counts", "sensors"}
+    assert answer["options"] == {"method": "exact", "plates": "sum", "faces": "all", "tolerance": 0}
+    assert answer["counts"]["triangles_evaluated"] == 2
+    assert len(answer["counts"]) == 8
     assert answer["seconds"] > 0
     (sensor,) = answer["sensors"]
     assert sensor["total"] == math.inf
@@ -107,6 +110,37 @@ def test_capacitance_has_the_form_of_the_command_lines_json(scene: fringe.Scene)
     assert sensor["objects"] == [
         {"name": "target", "capacitance": sensor["total"], "bound": 0, "skipped": False}
     ]
+
+
+def test_capacitance_takes_the_options_of_the_command_line(scene: fringe.Scene) -> None:
+    scene.set_pose("arm", [0, 0, 0.02], np.eye(3))
+    answer = scene.capacitance(plates="nearest", faces="facing", tolerance=1e-6)
+    assert answer["options"] == {
+        "method": "exact",
+        "plates": "nearest",
+        "faces": "facing",
+        "tolerance": 1e-6,
+    }
+    # The target turns its back on the sensor.
+    assert answer["sensors"][0]["total"] == 0
+    scene.set_pose("arm", [0, 0, 0.02], np.diag([1.0, -1, -1]))
+    total = scene.capacitance(plates="nearest", faces="facing")["sensors"][0]["total"]
+    assert total == pytest.approx(8.8541878128e-12 * 0.5, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        ({"plates": "both"}, "plates"),
+        ({"faces": "front"}, "faces"),
+        ({"tolerance": -1.0}, "tolerance"),
+        ({"tolerance": math.nan}, "tolerance"),
+        ({"tolerance": 1e-6, "method": "split:4"}, "needs the method exact"),
+    ],
+)
+def test_capacitance_refuses(scene: fringe.Scene, options: dict[str, object], reason: str) -> None:
+    with pytest.raises(fringe.InputError, match=reason):
+        scene.capacitance(**options)
 
 
 def test_set_pose_takes_a_matrix_or_a_quaternion(scene: fringe.Scene) -> None:
@@ -170,3 +204,28 @@ def test_everything_is_documented() -> None:
         assert thing.__doc__
     for method in ("load", "capacitance", "conductors", "set_pose", "info"):
         assert getattr(fringe.Scene, method).__doc__
+
+
+def test_asked_again_evaluates_only_what_moved(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        SCENE
+        + """
+[[object]]
+name = "fixed"
+shape = { type = "cube", size = 0.1 }
+translation = [0, 0, 0.5]
+"""
+    )
+    scene = fringe.Scene.load(path)
+    scene.set_pose("arm", [0, 0, 0.02], [1, 0, 0, 0])
+    first, again = scene.capacitance(), scene.capacitance()
+    assert again["sensors"] == first["sensors"]
+    assert (first["counts"]["objects_evaluated"], again["counts"]["objects_reused"]) == (2, 2)
+
+    scene.set_pose("arm", [0, 0, 0.03], [1, 0, 0, 0])
+    moved = scene.capacitance()
+    assert moved["counts"]["objects_evaluated"] == 1
+    fresh = fringe.Scene.load(path)
+    fresh.set_pose("arm", [0, 0, 0.03], [1, 0, 0, 0])
+    assert moved["sensors"] == fresh.capacitance()["sensors"]

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "fringe/method.hpp"
@@ -11,8 +13,33 @@ namespace fringe {
 /// Permittivity of empty space in F/m (CODATA 2018, 8.854 187 8128(13)e-12).
 constexpr double vacuum_permittivity = 8.8541878128e-12;
 
+/// What the plates of one sensor do with a point of a surface.
+enum class PlateRule {
+  sum,     ///< each plate counts every point (thesis 5.3, read literally)
+  nearest  ///< only the plate nearest to the point counts it: ∫dA/min_k d_k
+};
+
+/// Which faces count for a plate.
+enum class FaceRule {
+  all,    ///< every triangle (thesis 5.3.4)
+  facing  ///< the triangles from whose outward side some point of the plate is seen, and those in contact
+};
+
+/// Reads "sum" or "nearest". Throws InputError for anything else.
+PlateRule parse_plate_rule(std::string_view text);
+/// Reads "all" or "facing". Throws InputError for anything else.
+FaceRule parse_face_rule(std::string_view text);
+std::string to_string(PlateRule rule);
+std::string to_string(FaceRule rule);
+
 struct CapacitanceOptions {
   Method method = Exact{};
+  PlateRule plates = PlateRule::sum;
+  FaceRule faces = FaceRule::all;
+  /// What the evaluation may leave out of a sensor's total, relative to it; the bounds of its objects say how
+  /// much that was at most. 0: nothing but what the division among nearest plates needs, 1e-12. Only with the
+  /// method Exact.
+  double tolerance = 0;
 };
 
 /// What one object adds to a sensor.
@@ -34,10 +61,32 @@ struct SensorCapacitance {
   std::vector<ObjectCapacitance> objects;
 };
 
+/// The work an answer took, summed over the sensors and their plates.
+struct EvaluationCounts {
+  std::size_t triangles_evaluated = 0;  ///< pairs of a triangle, or a part of one, and a plate
+  std::size_t triangles_lumped = 0;     ///< pairs that were counted together with their neighbours
+  std::size_t triangles_skipped = 0;    ///< pairs left out
+  std::size_t triangles_reused = 0;     ///< pairs whose value was known
+  std::size_t nodes_lumped = 0;         ///< groups of neighbours that were counted together
+  std::size_t objects_evaluated = 0;    ///< pairs of an object and a sensor
+  std::size_t objects_skipped = 0;      ///< pairs left out
+  std::size_t objects_reused = 0;       ///< pairs whose value was known
+
+  EvaluationCounts& operator+=(const EvaluationCounts& other);
+};
+
+/// What every sensor of a scene feels, in the scene's order.
+struct SceneCapacitance {
+  std::vector<SensorCapacitance> sensors;
+  EvaluationCounts counts;
+};
+
 /// The triangle-integral model (thesis 5.3): for each sensor and object ε₀·ε_r·Σ∫dA/d over the sensor's
 /// plates and the object's triangles, and the voltage that the sum leaves (thesis 5.3.5). Throws InputError
-/// when an object is not a grounded conductor: the model knows no other.
-std::vector<SensorCapacitance> capacitance(const Scene& scene, const CapacitanceOptions& options = {});
+/// when an object is not a grounded conductor (the model knows no other) or has no triangles, when a vertex
+/// is not finite, when a plate is not a rectangle, and for options that are out of range or do not go
+/// together.
+SceneCapacitance capacitance(const Scene& scene, const CapacitanceOptions& options = {});
 
 /// The output of the voltage divider (thesis 5.3.5): C_c/(C_c + total)·input_voltage, 0 for an infinite
 /// total.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,9 @@ std::vector<Eigen::Isometry3d> world_poses(const std::vector<Link>& links);
 /// The pose in the world of what is attached to a link, or to the world itself.
 Eigen::Isometry3d attachment_pose(const std::vector<Eigen::Isometry3d>& link_poses,
                                   std::optional<std::size_t> link);
+
+/// The index of the link of that name. Throws InputError when there is none.
+std::size_t find_link(const std::vector<Link>& links, std::string_view name);
 
 /// Replaces a link's pose relative to its parent. Throws InputError when no link has the name.
 void set_pose(Scene& scene, std::string_view link_name, const Eigen::Isometry3d& pose);

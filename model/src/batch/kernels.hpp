@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+/// The integrals of many triangles at a time, in the widest registers of the processor (model/NUMERICS.md,
+/// section 12).
+///
+/// What is declared here is compiled once for every instruction set, so it keeps to plain numbers and
+/// pointers: a function shared with the rest of the program could otherwise end up in it with instructions
+/// the machine does not have.
+namespace fringe::detail {
+
+/// A plate's coordinates (PlateFrame) as plain numbers.
+struct PlateCoordinates {
+  double corner[3];
+  double axes[9];  ///< row by row
+  double length_u;
+  double length_v;
+};
+
+/// Triangles as a structure of arrays: the nine coordinates of the vertices, v0.x, v0.y, … v2.z, twice the
+/// area, and the largest squared distance of a vertex from the centroid. All arrays are readable up to the
+/// next multiple of `padding` triangles.
+struct TriangleArrays {
+  const double* coordinates[9];
+  const double* twice_area;
+  const double* squared_size;
+
+  static constexpr std::size_t padding = 8;
+
+  /// Into how many pieces a triangle is cut at one border.
+  static constexpr std::size_t most_pieces = 3;
+};
+
+/// A rule on the triangle with the largest squared ratio of size to distance for which it suffices.
+struct RuleChoice {
+  double largest_squared_ratio;
+  const struct TriangleNode* nodes;
+  int points;
+};
+
+/// How many distances from the origin a virtual triangle may be long for a Gauss rule along its height.
+constexpr double most_lengths = 5;
+
+/// A Gauss rule along the height with the smallest squared ratio of distance to height for which it suffices.
+struct HeightRuleChoice {
+  double smallest_squared_ratio;
+  const struct GaussNode* nodes;
+  int points;
+};
+
+/// How the error is kept below the asked one, triangle by triangle.
+struct Choices {
+  std::span<const RuleChoice> rules;               ///< from few points to many
+  std::span<const HeightRuleChoice> height_rules;  ///< from few points to many
+};
+
+/// Triangles of one cell each, by the vectors from the plate's nearest points to their vertices: v0.x, v0.y,
+/// … v2.z. All arrays are readable up to the next multiple of TriangleArrays::padding.
+struct VirtualTriangles {
+  const double* components[9];
+  const double* weight;  ///< twice the area
+};
+
+/// The functions for one instruction set.
+struct Kernels {
+  std::string_view instruction_set;
+
+  /// Sets twice_area and squared_size of triangles given by their coordinates, in whole registers.
+  void (*measure)(const double* const (&coordinates)[9], std::size_t count, double* twice_area,
+                  double* squared_size);
+
+  /// Adds ∫dA/d of each triangle to values[i]. For those that take more care (several borders, contact,
+  /// extreme shapes) values[i] is meaningless; their indices are written to `left`, some of them more than
+  /// once: it needs room for most_pieces times the triangles. Returns how many were written.
+  std::size_t (*integrate)(const TriangleArrays& triangles, std::size_t count, const PlateCoordinates& plate,
+                           const Choices& choices, double* values, std::uint32_t* left);
+
+  /// The same for triangles of one cell given by their vectors from the plate; writes each to `left` at most
+  /// once.
+  std::size_t (*integrate_virtual)(const VirtualTriangles& triangles, std::size_t count,
+                                   const Choices& choices, double* values, std::uint32_t* left);
+
+  /// Σ weight/distance over points, whose arrays are readable up to the next multiple of
+  /// TriangleArrays::padding.
+  double (*sum_over_nodes)(const PlateCoordinates& plate, const double* x, const double* y, const double* z,
+                           const double* weight, std::size_t count);
+};
+
+/// The sets of functions this machine can run, the slowest first.
+std::span<const Kernels* const> available_kernels();
+
+/// The fastest of them.
+const Kernels& best_kernels();
+
+}  // namespace fringe::detail

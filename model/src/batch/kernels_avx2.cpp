@@ -1,0 +1,10 @@
+#include "kernel_sets.hpp"
+#include "kernels_template.hpp"
+#include "lanes_avx2.hpp"
+
+namespace fringe::detail {
+
+const Kernels kernels_avx2{"AVX2", &KernelsFor<LanesAvx2>::measure, &KernelsFor<LanesAvx2>::integrate,
+                           &KernelsFor<LanesAvx2>::integrate_virtual, &KernelsFor<LanesAvx2>::sum_over_nodes};
+
+}  // namespace fringe::detail

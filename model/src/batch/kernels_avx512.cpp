@@ -1,0 +1,17 @@
+// GCC 12 takes the deliberately undefined registers of its own AVX-512 header for mistakes.
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
+
+#include "kernel_sets.hpp"
+#include "kernels_template.hpp"
+#include "lanes_avx512.hpp"
+
+namespace fringe::detail {
+
+const Kernels kernels_avx512{"AVX-512", &KernelsFor<LanesAvx512>::measure,
+                             &KernelsFor<LanesAvx512>::integrate, &KernelsFor<LanesAvx512>::integrate_virtual,
+                             &KernelsFor<LanesAvx512>::sum_over_nodes};
+
+}  // namespace fringe::detail

@@ -1,0 +1,11 @@
+#include "kernel_sets.hpp"
+#include "kernels_template.hpp"
+#include "lanes_scalar.hpp"
+
+namespace fringe::detail {
+
+const Kernels kernels_scalar{"scalar", &KernelsFor<LanesScalar>::measure, &KernelsFor<LanesScalar>::integrate,
+                             &KernelsFor<LanesScalar>::integrate_virtual,
+                             &KernelsFor<LanesScalar>::sum_over_nodes};
+
+}  // namespace fringe::detail

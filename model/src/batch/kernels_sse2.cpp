@@ -1,0 +1,10 @@
+#include "kernel_sets.hpp"
+#include "kernels_template.hpp"
+#include "lanes_sse2.hpp"
+
+namespace fringe::detail {
+
+const Kernels kernels_sse2{"SSE2", &KernelsFor<LanesSse2>::measure, &KernelsFor<LanesSse2>::integrate,
+                           &KernelsFor<LanesSse2>::integrate_virtual, &KernelsFor<LanesSse2>::sum_over_nodes};
+
+}  // namespace fringe::detail

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <sleef.h>
+#include <xsimd/xsimd.hpp>
+
+namespace fringe::detail {
+
+/// Two doubles: what every x86-64 processor has.
+struct LanesSse2 {
+  using Vector = xsimd::batch<double, xsimd::sse2>;
+  using Mask = Vector::batch_bool_type;
+  static constexpr int width = 2;
+  static constexpr bool fused = false;
+
+  static unsigned bits(const Mask& mask) { return static_cast<unsigned>(_mm_movemask_pd(mask)); }
+  static Vector log(const Vector& x) { return Sleef_logd2_u10sse2(x); }
+  static Vector atan2(const Vector& y, const Vector& x) { return Sleef_atan2d2_u10sse2(y, x); }
+  static constexpr bool has_estimate = false;
+};
+
+}  // namespace fringe::detail

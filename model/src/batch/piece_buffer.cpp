@@ -1,0 +1,55 @@
+#include "piece_buffer.hpp"
+
+#include "../kernel.hpp"
+#include "../pieces.hpp"
+
+namespace fringe::detail {
+
+PieceBuffer::PieceBuffer(const Kernels& kernels, const Choices& choices, double* values)
+    : kernels_(kernels), choices_(choices), values_(values) {}
+
+void PieceBuffer::add(const PlateFrame& plate, const LocalTriangle& triangle, double twice_area,
+                      std::uint32_t index) {
+  using Eigen::Vector3d;
+  for_each_piece(plate, triangle,
+                 [&](Cell cell, const Vector3d& a, const Vector3d& b, const Vector3d& c, double share) {
+                   if (size_ == capacity)
+                     flush();
+                   const Vector3d corners[] = {from_plate(plate, cell, a), from_plate(plate, cell, b),
+                                               from_plate(plate, cell, c)};
+                   for (int corner = 0; corner < 3; ++corner)
+                     for (int axis = 0; axis < 3; ++axis)
+                       components_[3 * corner + axis][size_] = corners[corner][axis];
+                   weights_[size_] = share * twice_area;
+                   indices_[size_++] = index;
+                 });
+}
+
+void PieceBuffer::flush() {
+  // The last register may reach beyond the pieces: what stands there is left from before, or zero.
+  VirtualTriangles pieces;
+  for (int k = 0; k < 9; ++k)
+    pieces.components[k] = components_[k];
+  pieces.weight = weights_;
+  double results[capacity] = {};
+  std::uint32_t left[capacity];
+  const std::size_t left_count = kernels_.integrate_virtual(pieces, size_, choices_, results, left);
+  for (std::size_t i = 0; i < left_count; ++i)
+    results[left[i]] = weights_[left[i]] * careful_kernel(left[i]);
+  for (std::size_t i = 0; i < size_; ++i)
+    values_[indices_[i]] += results[i];
+  size_ = 0;
+}
+
+double PieceBuffer::careful_kernel(std::size_t piece) const {
+  const Eigen::Vector3d v0 = corner(piece, 0), v1 = corner(piece, 1), v2 = corner(piece, 2);
+  const bool in_front = v0.head<2>().isZero(0) && v1.head<2>().isZero(0) && v2.head<2>().isZero(0);
+  return in_front ? kernel_of_heights(v0.z(), v1.z(), v2.z()) : kernel(v0, v1, v2);
+}
+
+Eigen::Vector3d PieceBuffer::corner(std::size_t piece, int which) const {
+  return {components_[3 * which][piece], components_[3 * which + 1][piece],
+          components_[3 * which + 2][piece]};
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "fringe/triangle.hpp"
+#include "node.hpp"
+
+namespace fringe::detail {
+
+struct Partition {
+  std::vector<Node> nodes;
+  std::vector<Triangle> triangles;
+};
+
+/// The triangles that have an area, halved again and again at the median of their centroids along the longest
+/// side of the centroids' box, until a node has few enough to be a leaf. Only the nodes' ranges and children
+/// are set.
+Partition partition(std::span<const Triangle> triangles);
+
+}  // namespace fringe::detail

@@ -1,0 +1,150 @@
+#include "fringe/scene_evaluator.hpp"
+
+#include <string>
+
+#include <gmock/gmock.h>
+
+#include "fringe/error.hpp"
+#include "fringe/pose.hpp"
+#include "fringe/scene_info.hpp"
+#include "geometry.hpp"
+
+namespace fringe {
+namespace {
+
+using Eigen::Vector3d;
+using test::Random;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+Eigen::Isometry3d shifted(const Vector3d& translation) {
+  return pose_from_axis({0, 0, 1}, 0, translation);
+}
+
+Object sphere_at(const std::string& name, double radius, const Vector3d& centre) {
+  return {name, std::nullopt, Sphere{radius, 40}, shifted(centre), Grounded{}, true};
+}
+
+Sensor plate_sensor(const std::string& name, const Vector3d& corner) {
+  Sensor sensor;
+  sensor.name = name;
+  sensor.plates = {{corner, {0.1, 0, 0}, {0, 0.1, 0}}};
+  return sensor;
+}
+
+/// A sensor on an arm and one on the wall; a body held by the arm, one on the floor, and many far away.
+Scene workshop() {
+  Scene scene;
+  scene.links = {{"arm", std::nullopt, shifted({0, 0, 0})}, {"hand", 0, shifted({0, 0, 0.1})}};
+  scene.sensors = {plate_sensor("on the arm", {-0.05, -0.05, 0.2}), plate_sensor("on the wall", {0.5, 0, 0})};
+  scene.sensors[0].link = 0;
+  scene.objects = {sphere_at("held", 0.03, {0, 0, 0.4}), sphere_at("on the floor", 0.1, {0.1, 0.1, 0.5})};
+  scene.objects[0].link = 1;
+  Random random(1);
+  for (int i = 0; i < 20; ++i)
+    scene.objects.push_back(
+        sphere_at("far " + std::to_string(i), 0.05, random.in_box({-9, -9, 3}, {9, 9, 5})));
+  return scene;
+}
+
+/// Every value agrees with the exact one within its bound, and the bounds of a sensor with the tolerance.
+void expect_within_bounds(const SceneCapacitance& answer, const SceneCapacitance& exact, double tolerance) {
+  for (std::size_t s = 0; s < exact.sensors.size(); ++s) {
+    const SensorCapacitance &felt = answer.sensors[s], &true_one = exact.sensors[s];
+    double bounds = 0;
+    for (std::size_t o = 0; o < true_one.objects.size(); ++o) {
+      const ObjectCapacitance& share = felt.objects[o];
+      bounds += share.bound;
+      EXPECT_NEAR(share.capacitance, true_one.objects[o].capacitance,
+                  share.bound + 1e-13 * true_one.objects[o].capacitance)
+          << felt.name << ", " << share.name;
+    }
+    EXPECT_LE(bounds, tolerance * true_one.total * (1 + 1e-12)) << felt.name;
+  }
+}
+
+TEST(SceneEvaluator, AgreesWithFreshAnswersWhileLinksMove) {
+  for (const double tolerance : {0.0, 1e-3, 1e-6}) {
+    Scene scene = workshop();
+    SceneEvaluator evaluator(scene, {.tolerance = tolerance});
+    Random random(2);
+    for (int step = 0; step < 6; ++step) {
+      expect_within_bounds(evaluator.capacitance(), capacitance(scene), tolerance);
+      const std::string link = step % 2 == 0 ? "arm" : "hand";
+      const Eigen::Isometry3d pose = pose_from_axis(random.in_box({-1, -1, -1}, {1, 1, 1}), 30,
+                                                    random.in_box({-0.1, -0.1, 0}, {0.1, 0.1, 0.1}));
+      set_pose(scene, link, pose);
+      evaluator.set_pose(link, pose);
+    }
+  }
+}
+
+TEST(SceneEvaluator, EvaluatesOnlyPairsThatMovedRelativeToEachOther) {
+  Scene scene = workshop();
+  scene.objects.resize(2);
+  SceneEvaluator evaluator(scene);
+  EXPECT_EQ(evaluator.capacitance().counts.objects_evaluated, 4);
+  // Nothing moved.
+  EXPECT_EQ(evaluator.capacitance().counts.objects_reused, 4);
+  EXPECT_EQ(evaluator.capacitance().counts.triangles_evaluated, 0);
+  // The hand holds one body and no sensor.
+  evaluator.set_pose("hand", shifted({0, 0, 0.12}));
+  EXPECT_EQ(evaluator.capacitance().counts.objects_evaluated, 2);
+  // The arm carries a sensor and, by its hand, a body: they stay as they are to each other, and so do those
+  // that do not hang on it.
+  evaluator.set_pose("arm", shifted({0.01, 0, 0}));
+  const EvaluationCounts counts = evaluator.capacitance().counts;
+  EXPECT_EQ(counts.objects_evaluated, 2);
+  EXPECT_EQ(counts.objects_reused, 2);
+}
+
+TEST(SceneEvaluator, LooksAtFarObjectsFromOutsideOnly) {
+  SceneEvaluator evaluator(workshop(), {.tolerance = 1e-2});
+  const SceneCapacitance& answer = evaluator.capacitance();
+  EXPECT_GE(answer.counts.objects_skipped, 30);
+  EXPECT_GT(answer.counts.objects_evaluated, 0);
+  const ObjectCapacitance& far = answer.sensors[0].objects[5];
+  EXPECT_TRUE(far.skipped);
+  EXPECT_GT(far.bound, 0);
+}
+
+TEST(SceneEvaluator, CountsEveryTriangleOnce) {
+  const Scene scene = workshop();
+  std::size_t triangles = 0;
+  for (const ObjectInfo& object : scene_info(scene).objects)
+    triangles += object.triangles;
+  SceneEvaluator evaluator(scene, {.tolerance = 1e-4});
+  for (int step = 0; step < 3; ++step) {
+    const EvaluationCounts& counts = evaluator.capacitance().counts;
+    EXPECT_EQ(counts.triangles_evaluated + counts.triangles_lumped + counts.triangles_skipped +
+                  counts.triangles_reused,
+              2 * triangles);
+    EXPECT_EQ(counts.objects_evaluated + counts.objects_skipped + counts.objects_reused,
+              2 * scene.objects.size());
+    evaluator.set_pose("arm", shifted({0.01 * step, 0, 0}));
+  }
+}
+
+TEST(SceneEvaluator, ContactIsInfiniteAndEndsWithIt) {
+  Scene scene = workshop();
+  SceneEvaluator evaluator(scene, {.tolerance = 1e-4});
+  EXPECT_FALSE(evaluator.capacitance().sensors[0].contact);
+  evaluator.set_pose("hand", shifted({0, 0, -0.2}));
+  const SensorCapacitance touched = evaluator.capacitance().sensors[0];
+  EXPECT_TRUE(touched.contact);
+  EXPECT_EQ(touched.voltage, 0);
+  evaluator.set_pose("hand", shifted({0, 0, 0.1}));
+  expect_within_bounds(evaluator.capacitance(), capacitance(scene), 1e-4);
+}
+
+TEST(SceneEvaluator, RefusesUnknownLinks) {
+  SceneEvaluator evaluator(workshop());
+  EXPECT_THAT(
+      [&] {
+        evaluator.set_pose("leg", shifted({0, 0, 0}));
+      },
+      ThrowsMessage<InputError>(HasSubstr("\"leg\"")));
+}
+
+}  // namespace
+}  // namespace fringe
