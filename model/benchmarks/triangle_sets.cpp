@@ -1,0 +1,149 @@
+#include "triangle_sets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "fringe/triangulation.hpp"
+
+namespace fringe::benchmarks {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double side = 0.1;
+
+struct Box {
+  Vector3d low;
+  Vector3d high;
+};
+
+/// Random numbers that are the same with every standard library: the engine is fixed by the standard, its
+/// distributions are not.
+class Random {
+ public:
+  double uniform(double low, double high) {
+    return low + static_cast<double>(engine_() >> 11U) * 0x1p-53 * (high - low);
+  }
+
+  Vector3d in(const Box& box) {
+    const double x = uniform(box.low.x(), box.high.x()), y = uniform(box.low.y(), box.high.y());
+    return {x, y, uniform(box.low.z(), box.high.z())};
+  }
+
+  /// A direction, all alike: on a sphere the height is uniform (Archimedes).
+  Vector3d direction() {
+    const double height = uniform(-1, 1), angle = uniform(0, 2 * std::numbers::pi);
+    const double radius = std::sqrt(1 - height * height);
+    return {radius * std::cos(angle), radius * std::sin(angle), height};
+  }
+
+ private:
+  std::mt19937_64 engine_{1};
+};
+
+double distance_from_plate(const Vector3d& point) {
+  return std::hypot(point.x() - std::clamp(point.x(), 0.0, side),
+                    point.y() - std::clamp(point.y(), 0.0, side), point.z());
+}
+
+/// A triangle with its corners on a sphere about `centre`.
+Triangle triangle_about(Random& random, const Vector3d& centre, double radius) {
+  Triangle triangle;
+  for (Vector3d& vertex : triangle)
+    vertex = centre + radius * random.direction();
+  return triangle;
+}
+
+std::vector<Triangle> triangles_in(const Box& box, double size_over_distance, std::size_t count) {
+  Random random;
+  std::vector<Triangle> triangles(count);
+  for (Triangle& triangle : triangles) {
+    const Vector3d centre = random.in(box);
+    triangle = triangle_about(random, centre, size_over_distance * distance_from_plate(centre));
+  }
+  return triangles;
+}
+
+/// Where the centres lie: so far inside the cells, and so high, that coarse triangles stay in one cell and do
+/// not meet the plate's plane.
+Box box(Region region) {
+  switch (region) {
+  case Region::face:
+    return {{0.04, 0.04, 0.02}, {0.06, 0.06, 0.1}};
+  case Region::edge:
+    return {{-0.08, 0.045, 0.04}, {-0.05, 0.055, 0.06}};
+  case Region::corner:
+    break;
+  }
+  return {{-0.1, -0.1, 0.06}, {-0.06, -0.06, 0.1}};
+}
+
+std::string thesis_name(Region region) {
+  switch (region) {
+  case Region::face:
+    return "I";
+  case Region::edge:
+    return "II";
+  case Region::corner:
+    break;
+  }
+  return "III";
+}
+
+}  // namespace
+
+Rectangle measured_plate() {
+  return {{0, 0, 0}, {side, 0, 0}, {0, side, 0}};
+}
+
+TriangleSet fine_triangles(Region region, std::size_t count) {
+  return {thesis_name(region) + "_fine", triangles_in(box(region), 0.02, count)};
+}
+
+TriangleSet coarse_triangles(Region region, std::size_t count) {
+  return {thesis_name(region) + "_coarse", triangles_in(box(region), 0.3, count)};
+}
+
+TriangleSet small_straddlers(std::size_t count) {
+  const Box over_an_edge{{0, 0.02, 0.02}, {0, 0.08, 0.1}};
+  const Box beside_a_corner{{-0.1, 0, 0.02}, {-0.02, 0, 0.1}};
+  Random random;
+  std::vector<Triangle> triangles(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector3d centre = random.in(i % 2 == 0 ? over_an_edge : beside_a_corner);
+    const double size = random.uniform(0.02, 0.1) * distance_from_plate(centre);
+    Triangle& triangle = triangles[i];
+    triangle = triangle_about(random, centre, size);
+    const Vector3d shift = centre - (triangle[0] + triangle[1] + triangle[2]) / 3;
+    for (Vector3d& vertex : triangle)
+      vertex += shift;
+  }
+  return {"straddling_small", triangles};
+}
+
+TriangleSet nine_cell_straddlers(std::size_t count) {
+  // Flat enough that no triangle meets the plate, where the integral would diverge.
+  constexpr double size_over_height = 2, height_share = 0.3;
+  Random random;
+  std::vector<Triangle> triangles(count);
+  for (Triangle& triangle : triangles) {
+    const Vector3d centre = random.in({{0.03, 0.03, 0.1}, {0.07, 0.07, 0.2}});
+    triangle = triangle_about(random, centre, size_over_height * centre.z());
+    for (Vector3d& vertex : triangle)
+      vertex.z() = centre.z() + height_share * (vertex.z() - centre.z());
+  }
+  return {"straddling_nine_cells", triangles};
+}
+
+TriangleSet closed_mesh(int segments) {
+  std::vector<Triangle> triangles = triangulate(Sphere{1, segments});
+  const Vector3d half_axes(0.15, 0.1, 0.08), centre(0.06, 0.04, 0.13);
+  for (Triangle& triangle : triangles)
+    for (Vector3d& vertex : triangle)
+      vertex = centre + half_axes.cwiseProduct(vertex);
+  return {"closed_mesh", triangles};
+}
+
+}  // namespace fringe::benchmarks

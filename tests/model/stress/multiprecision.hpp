@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <boost/multiprecision/eigen.hpp>
+#include <boost/multiprecision/mpfr.hpp>
+
+#include "double_double.hpp"
+
+/// Numbers of 50 digits, on the stack, for everything that is done once per triangle: what cancels in the
+/// geometry of the thinnest slivers (1e-20 of the squares that make it up) still leaves 30 digits.
+namespace fringe::stress {
+
+using Real = boost::multiprecision::number<
+    boost::multiprecision::mpfr_float_backend<50, boost::multiprecision::allocate_stack>,
+    boost::multiprecision::et_off>;
+
+using RealVector = Eigen::Matrix<Real, 3, 1>;
+
+/// The double-double nearest to a number.
+inline DoubleDouble to_double_double(const Real& number) {
+  const auto high = static_cast<double>(number);
+  return {high, static_cast<double>(Real(number - high))};
+}
+
+inline Real to_real(DoubleDouble number) {
+  return Real(number.high) + Real(number.low);
+}
+
+}  // namespace fringe::stress

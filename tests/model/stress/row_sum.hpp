@@ -1,0 +1,29 @@
+#pragma once
+
+#include "double_double.hpp"
+#include "graded_rule.hpp"
+
+namespace fringe::stress {
+
+struct DoubleDoubleVector {
+  DoubleDouble x, y, z;
+};
+
+inline DoubleDoubleVector operator+(const DoubleDoubleVector& a, const DoubleDoubleVector& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+inline DoubleDoubleVector operator*(DoubleDouble factor, const DoubleDoubleVector& vector) {
+  return {factor * vector.x, factor * vector.y, factor * vector.z};
+}
+
+/// The plate is 0 ≤ x ≤ u, 0 ≤ y ≤ v, z = 0.
+struct PlateExtent {
+  DoubleDouble u, v;
+};
+
+/// ∫₀¹ s ds/d(apex + s·ray) by a rule, d the distance to the plate.
+DoubleDouble row_sum(const DoubleDoubleVector& apex, const DoubleDoubleVector& ray, const PlateExtent& extent,
+                     const Rule& rule);
+
+}  // namespace fringe::stress

@@ -1,0 +1,539 @@
+#include "triangle_classes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "../geometry.hpp"
+#include "fringe/error.hpp"
+
+namespace fringe::stress {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using test::Random;
+
+/// Plates per class: many shapes and poses, and still enough triangles for each to fill a batch.
+constexpr std::size_t most_groups = 16;
+
+/// Where triangles must touch the plate exactly, all coordinates are multiples of this: sums and products
+/// with small numbers have no rounding error.
+constexpr double grid = 0x1p-12;
+
+double on_grid(double number) {
+  return grid * std::round(number / grid);
+}
+
+Vector3d on_grid(const Vector3d& point) {
+  return {on_grid(point.x()), on_grid(point.y()), on_grid(point.z())};
+}
+
+double log_uniform(Random& random, double low, double high) {
+  return std::pow(10.0, random.uniform(std::log10(low), std::log10(high)));
+}
+
+bool chance(Random& random, double probability) {
+  return random.uniform(0, 1) < probability;
+}
+
+Vector3d direction(Random& random) {
+  while (true) {
+    const Vector3d vector = random.in_box({-1, -1, -1}, {1, 1, 1});
+    if (vector.norm() > 0.1 && vector.norm() < 1)
+      return vector.normalized();
+  }
+}
+
+/// A plate's sides as a generator of triangles sees them: the plate is 0 ≤ x ≤ length.x, 0 ≤ y ≤ length.y.
+struct Size {
+  Vector2d length;
+
+  double scale() const { return length.maxCoeff(); }
+  Vector3d extent() const { return {length.x(), length.y(), 0}; }
+};
+
+/// The plate seen from one of its sides, so that a generator only has to think of x = 0: x and y may be
+/// exchanged, and each may be counted from the other end.
+class View {
+ public:
+  View(Random& random, const Size& size)
+      : size_(size), exchanged_(chance(random, 0.5)), flip_x_(chance(random, 0.5)),
+        flip_y_(chance(random, 0.5)) {}
+
+  Size size() const { return exchanged_ ? Size{{size_.length.y(), size_.length.x()}} : size_; }
+
+  Triangle operator()(Triangle triangle) const {
+    for (Vector3d& vertex : triangle) {
+      if (exchanged_)
+        std::swap(vertex.x(), vertex.y());
+      if (flip_x_)
+        vertex.x() = size_.length.x() - vertex.x();
+      if (flip_y_)
+        vertex.y() = size_.length.y() - vertex.y();
+    }
+    return triangle;
+  }
+
+ private:
+  Size size_;
+  bool exchanged_, flip_x_, flip_y_;
+};
+
+/// Anywhere around the plate, at heights in a range given in plate sizes.
+Vector3d around(Random& random, const Size& size, double lowest = 0.1, double highest = 1.5) {
+  const double scale = size.scale();
+  return random.in_box(Vector3d(-1.5, -1.5, lowest) * scale,
+                       size.extent() + Vector3d(1.5, 1.5, highest) * scale);
+}
+
+Triangle triangle_around(Random& random, const Size& size, double lowest = 0.1, double highest = 1.5) {
+  const Vector3d a = around(random, size, lowest, highest), b = around(random, size, lowest, highest);
+  return {a, b, around(random, size, lowest, highest)};
+}
+
+/// The area is at least a twentieth of the longest edge squared.
+bool well_shaped(const Triangle& triangle) {
+  const double longest =
+      std::max({(triangle[1] - triangle[0]).squaredNorm(), (triangle[2] - triangle[1]).squaredNorm(),
+                (triangle[0] - triangle[2]).squaredNorm()});
+  return twice_area(triangle) >= 0.1 * longest;
+}
+
+/// Draws until the triangle is of ordinary shape.
+template <class Draw>
+Triangle shaped(const Draw& draw) {
+  while (true) {
+    const Triangle triangle = draw();
+    if (well_shaped(triangle))
+      return triangle;
+  }
+}
+
+Triangle in_box(Random& random, const Vector3d& low, const Vector3d& high) {
+  return shaped([&] { return random.triangle_in_box(low, high); });
+}
+
+Triangle ordinary(Random& random, const Size& size) {
+  return shaped([&] { return triangle_around(random, size); });
+}
+
+Triangle in_region_1(Random& random, const Size& size) {
+  const double scale = size.scale();
+  return in_box(random, 0.01 * size.extent() + Vector3d(0, 0, 0.05 * scale),
+                0.99 * size.extent() + Vector3d(0, 0, scale));
+}
+
+Triangle in_region_2(Random& random, const Size& size) {
+  const View view(random, size);
+  const double scale = view.size().scale();
+  return view(in_box(random, {-scale, 0.01 * view.size().length.y(), 0.05 * scale},
+                     {-0.01 * scale, 0.99 * view.size().length.y(), scale}));
+}
+
+Triangle in_region_3(Random& random, const Size& size) {
+  const View view(random, size);
+  const double scale = size.scale();
+  return view(in_box(random, {-scale, -scale, 0.05 * scale}, {-0.01 * scale, -0.01 * scale, scale}));
+}
+
+/// Around the plate's centre, so that a part lies in each of the nine cells.
+Triangle in_nine_cells(Random& random, const Size& size) {
+  const double scale = size.scale();
+  const double start = random.uniform(0, 2 * std::numbers::pi);
+  Triangle triangle;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double angle =
+        start + 2 * std::numbers::pi / 3 * (static_cast<double>(i) + random.uniform(-0.2, 0.2));
+    const double radius = random.uniform(4, 8) * scale;
+    triangle[i] = size.extent() / 2 + Vector3d(radius * std::cos(angle), radius * std::sin(angle),
+                                               random.uniform(0.1, 2) * scale);
+  }
+  return triangle;
+}
+
+Triangle sliver(Random& random, const Size& size) {
+  const Vector3d a = around(random, size), b = around(random, size);
+  const Vector3d across = (b - a).cross(direction(random)) / log_uniform(random, 1, 1e10);
+  return {a, b, a + random.uniform(0, 1) * (b - a) + across};
+}
+
+/// In a plane whose slope is `tilt`, over a height of at least 0.3 plate sizes in its middle.
+Triangle tilted(Random& random, const Size& size, double tilt) {
+  const double angle = random.uniform(0, 2 * std::numbers::pi);
+  const Vector2d slope(tilt * std::cos(angle), tilt * std::sin(angle));
+  const double height = random.uniform(0.4, 1.5) * size.scale();
+  return shaped([&] {
+    Triangle triangle = triangle_around(random, size);
+    for (Vector3d& vertex : triangle)
+      vertex.z() = height + slope.dot(vertex.head<2>() - size.length / 2);
+    return triangle;
+  });
+}
+
+Triangle parallel(Random& random, const Size& size) {
+  return tilted(random, size, 0);
+}
+
+Triangle nearly_parallel(Random& random, const Size& size) {
+  return tilted(random, size, log_uniform(random, 1e-16, 1e-1));
+}
+
+double small_distance(Random& random, const Size& size) {
+  return size.scale() * log_uniform(random, 1e-12, 1e-1);
+}
+
+Vector3d on_plate(Random& random, const Size& size) {
+  return random.in_box(0.05 * size.extent(), 0.95 * size.extent());
+}
+
+Vector3d on_edge(Random& random, const Size& size) {
+  return {0, random.uniform(0.05, 0.95) * size.length.y(), 0};
+}
+
+Triangle with_vertex(Random& random, const Size& size, const Vector3d& vertex) {
+  return {vertex, around(random, size), around(random, size)};
+}
+
+Triangle near_plate(Random& random, const Size& size) {
+  const Vector3d foot = on_plate(random, size);
+  return with_vertex(random, size, foot + Vector3d(0, 0, small_distance(random, size)));
+}
+
+Triangle near_edge(Random& random, const Size& size) {
+  const View view(random, size);
+  const double angle = random.uniform(0, std::numbers::pi);
+  const Vector3d foot = on_edge(random, view.size());
+  const Vector3d vertex = foot + small_distance(random, size) * Vector3d(std::cos(angle), 0, std::sin(angle));
+  return view(with_vertex(random, view.size(), vertex));
+}
+
+Triangle near_corner(Random& random, const Size& size) {
+  const View view(random, size);
+  Vector3d outwards = direction(random);
+  outwards.z() = std::abs(outwards.z());
+  return view(with_vertex(random, view.size(), small_distance(random, size) * outwards));
+}
+
+/// Beside the plate (x < 0), in front of its plane and behind it.
+Vector3d beside(Random& random, const Size& size) {
+  const double scale = size.scale();
+  return random.in_box({-scale, -scale, -scale}, {-0.01 * scale, size.length.y() + scale, scale});
+}
+
+/// A vertex on the plate, the rest off it: both other vertices in front of the plate's plane, or both beside
+/// the border plane that the vertex lies in.
+Triangle touching_with_vertex(Random& random, const Size& size, const Vector3d& vertex, bool allow_beside) {
+  Triangle triangle{on_grid(vertex), {}, {}};
+  const bool in_front = !allow_beside || chance(random, 0.5);
+  for (std::size_t i = 1; i < 3; ++i)
+    triangle[i] = on_grid(in_front ? around(random, size) : beside(random, size));
+  return triangle;
+}
+
+Triangle touching_plate(Random& random, const Size& size) {
+  return touching_with_vertex(random, size, on_plate(random, size), false);
+}
+
+Triangle touching_edge(Random& random, const Size& size) {
+  const View view(random, size);
+  return view(touching_with_vertex(random, view.size(), on_edge(random, view.size()), true));
+}
+
+Triangle touching_corner(Random& random, const Size& size) {
+  const View view(random, size);
+  return view(touching_with_vertex(random, view.size(), {0, 0, 0}, true));
+}
+
+/// An edge in the plane x = −gap that passes the plate's edge or corner, the third vertex farther out.
+Triangle passing_with_edge(Random& random, const Size& size, double gap) {
+  const Vector3d foot = chance(random, 0.5) ? Vector3d::Zero() : on_grid(on_edge(random, size));
+  // Even multiples of the grid, so that half of it is on the grid too.
+  Vector3d along = 2 * on_grid(0.5 * random.in_box({0, -1, 0.1}, {0, 1, 1}) * size.scale());
+  if (chance(random, 0.5))
+    along = -along;
+  const Vector3d shift(-gap, 0, 0);
+  return {foot + along + shift, foot - along / 2 + shift, on_grid(beside(random, size)) + shift};
+}
+
+Triangle touching_with_edge(Random& random, const Size& size) {
+  const View view(random, size);
+  return view(passing_with_edge(random, view.size(), 0));
+}
+
+/// A face that stands at right angles to a direction away from the corner.
+Triangle passing_with_face(Random& random, const Size& size, double gap) {
+  const Vector3d outwards =
+      Vector3d(random.uniform(-1, -0.1), random.uniform(-1, -0.1), random.uniform(-1, 1)).normalized();
+  const Vector3d across = outwards.cross(direction(random)).normalized(), up = outwards.cross(across);
+  const double start = random.uniform(0, 2 * std::numbers::pi);
+  Triangle triangle;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double angle = start + 2 * std::numbers::pi / 3 * static_cast<double>(i);
+    const double radius = random.uniform(0.2, 1) * size.scale();
+    triangle[i] = gap * outwards + radius * (std::cos(angle) * across + std::sin(angle) * up);
+  }
+  return triangle;
+}
+
+Triangle passing_closely(Random& random, const Size& size) {
+  const View view(random, size);
+  const double gap = small_distance(random, size);
+  return view(chance(random, 0.5) ? passing_with_edge(random, view.size(), gap)
+                                  : passing_with_face(random, view.size(), gap));
+}
+
+/// A triangle of a given size about a point.
+Triangle about(Random& random, const Vector3d& middle, double size) {
+  return shaped([&] {
+    Triangle triangle = random.triangle_in_box(Vector3d::Constant(-size / 2), Vector3d::Constant(size / 2));
+    for (Vector3d& vertex : triangle)
+      vertex += middle;
+    return triangle;
+  });
+}
+
+Triangle far(Random& random, const Size& size) {
+  return about(random, 1e4 * size.scale() * direction(random), size.scale());
+}
+
+Triangle micrometre(Random& random, const Size& size) {
+  constexpr double side = 1e-6;
+  Vector3d middle = around(random, size);
+  middle.z() = side + size.scale() * log_uniform(random, 1e-5, 1);
+  return about(random, middle, side);
+}
+
+Triangle huge(Random& random, const Size& size) {
+  constexpr double plate_sizes = 1e4;
+  const double lateral = plate_sizes * size.scale();
+  const double lowest = 0.1 * size.scale(), highest = chance(random, 0.5) ? size.scale() : lateral;
+  return in_box(random, {-lateral, -lateral, lowest}, {lateral, lateral, highest});
+}
+
+Triangle in_the_plane(Random& random, const Size& size) {
+  const View view(random, size);
+  return view(shaped([&] {
+    Triangle triangle;
+    for (Vector3d& vertex : triangle) {
+      vertex = beside(random, view.size()) - Vector3d(0.04 * size.scale(), 0, 0);
+      vertex.z() = 0;
+    }
+    return triangle;
+  }));
+}
+
+Triangle edge_in_border_plane(Random& random, const Size& size) {
+  const View view(random, size);
+  return view(shaped([&] {
+    Triangle triangle = triangle_around(random, view.size());
+    triangle[0].x() = triangle[1].x() = 0;
+    return triangle;
+  }));
+}
+
+Triangle in_border_plane(Random& random, const Size& size) {
+  const View view(random, size);
+  return view(shaped([&] {
+    Triangle triangle = triangle_around(random, view.size());
+    for (Vector3d& vertex : triangle)
+      vertex.x() = 0;
+    return triangle;
+  }));
+}
+
+Triangle plane_through_corner(Random& random, const Size& size) {
+  const View view(random, size);
+  return view(shaped([&] {
+    const Vector3d low(-1, -1, 0.1), high(-0.1, -0.1, 1);
+    const Vector3d u = size.scale() * random.in_box(low, high), v = size.scale() * random.in_box(low, high);
+    Triangle triangle;
+    for (Vector3d& vertex : triangle)
+      vertex = random.uniform(0.1, 1) * u + random.uniform(0.1, 1) * v;
+    return triangle;
+  }));
+}
+
+Triangle plane_through_edge(Random& random, const Size& size) {
+  const View view(random, size);
+  return view(shaped([&] {
+    const double angle = random.uniform(0, std::numbers::pi / 2);
+    Triangle triangle;
+    for (Vector3d& vertex : triangle) {
+      const double radius = random.uniform(0.1, 1) * size.scale();
+      vertex = {-radius * std::cos(angle), random.uniform(0.01, 0.99) * view.size().length.y(),
+                radius * std::sin(angle)};
+    }
+    return triangle;
+  }));
+}
+
+Triangle without_area(Random& random, const Size& size) {
+  const Vector3d a = on_grid(around(random, size, -1, 1));
+  if (chance(random, 0.1))
+    return {a, a, a};
+  const Vector3d step = on_grid(0.2 * around(random, size, -1, 1));
+  const auto multiple = [&] { return std::round(random.uniform(-8, 8)); };
+  return {a, a + multiple() * step, a + multiple() * step};
+}
+
+/// The centroid in the plate's inside, the vertices on both sides.
+Triangle crossing(Random& random, const Size& size) {
+  const Vector3d middle = on_plate(random, size);
+  const Vector3d up = size.scale() * random.in_box({-1, -1, 0.1}, {1, 1, 1});
+  const Vector3d level = size.scale() * random.in_box({-1, -1, -0.05}, {1, 1, 0.05});
+  return {middle + up, middle + level, middle - up - level};
+}
+
+/// In contact with the plate along a segment or an area.
+Triangle on_the_plate(Random& random, const Size& size) {
+  const View view(random, size);
+  const Size seen = view.size();
+  const Vector3d a = on_grid(on_plate(random, seen)), b = on_grid(on_plate(random, seen));
+  const Vector3d off = on_grid(around(random, seen));
+  const Vector3d level(off.x(), off.y(), 0);
+  const auto beyond_end = [&](double start) {
+    return on_grid(start + random.uniform(0.1, 1) * seen.scale());
+  };
+  switch (static_cast<int>(random.uniform(0, 4))) {
+  case 0:
+    return view({a, b, level});  // lies on it, at least in part
+  case 1:
+    return view({a, b, off});  // an edge on it
+  case 2:
+    return view({Vector3d(0, -beyond_end(0), 0), {0, beyond_end(seen.length.y()), 0}, off});  // over its edge
+  default:
+    return view({a, level, off});  // an edge that leaves it
+  }
+}
+
+Triangle behind(Random& random, const Size& size) {
+  return shaped([&] { return triangle_around(random, size, -1.5, -0.1); });
+}
+
+/// How a plate and its triangles are brought to the world.
+enum class Placement { free, exact, kilometre };
+
+struct Kind {
+  TriangleClass described;
+  Placement placement;
+  Triangle (*draw)(Random&, const Size&);
+};
+
+constexpr bool well_behaved = true, hard = false;
+
+const std::vector<Kind>& kinds() {
+  static const std::vector<Kind> all{
+      {{"random", well_behaved}, Placement::free, ordinary},
+      {{"region-1", well_behaved}, Placement::free, in_region_1},
+      {{"region-2", well_behaved}, Placement::free, in_region_2},
+      {{"region-3", well_behaved}, Placement::free, in_region_3},
+      {{"nine-cells", well_behaved}, Placement::free, in_nine_cells},
+      {{"behind", well_behaved}, Placement::free, behind},
+      {{"sliver", hard}, Placement::free, sliver},
+      {{"parallel", well_behaved}, Placement::free, parallel},
+      {{"nearly-parallel", well_behaved}, Placement::free, nearly_parallel},
+      {{"near-plate", hard}, Placement::free, near_plate},
+      {{"near-edge", hard}, Placement::free, near_edge},
+      {{"near-corner", hard}, Placement::free, near_corner},
+      {{"passing-closely", hard}, Placement::free, passing_closely},
+      {{"touching-plate", hard}, Placement::exact, touching_plate},
+      {{"touching-edge", hard}, Placement::exact, touching_edge},
+      {{"touching-corner", hard}, Placement::exact, touching_corner},
+      {{"touching-with-edge", hard}, Placement::exact, touching_with_edge},
+      {{"far", hard}, Placement::free, far},
+      {{"one-kilometre-away", hard}, Placement::kilometre, ordinary},
+      {{"one-micrometre", hard}, Placement::free, micrometre},
+      {{"huge", hard}, Placement::free, huge},
+      {{"in-the-plane", well_behaved}, Placement::free, in_the_plane},
+      {{"edge-in-border-plane", well_behaved}, Placement::free, edge_in_border_plane},
+      {{"in-border-plane", well_behaved}, Placement::free, in_border_plane},
+      {{"plane-through-corner", well_behaved}, Placement::free, plane_through_corner},
+      {{"plane-through-edge", well_behaved}, Placement::free, plane_through_edge},
+      {{"no-area", hard}, Placement::exact, without_area},
+      {{"crossing", hard}, Placement::free, crossing},
+      {{"on-the-plate", hard}, Placement::exact, on_the_plate},
+  };
+  return all;
+}
+
+/// A rotation by multiples of 90° about the axes: no coordinate is rounded.
+Eigen::Matrix3d quarter_turns(Random& random) {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  for (int axis = 0; axis < 3; ++axis)
+    for (int turns = static_cast<int>(random.uniform(0, 4)); turns > 0; --turns) {
+      Eigen::Matrix3d quarter = Eigen::Matrix3d::Zero();
+      const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+      quarter(axis, axis) = 1;
+      quarter(last, next) = 1;
+      quarter(next, last) = -1;
+      turn = quarter * turn;
+    }
+  return turn;
+}
+
+Eigen::Isometry3d placement(Random& random, Placement kind, double scale) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  if (kind == Placement::exact) {
+    pose.linear() = quarter_turns(random);
+    pose.translation() = on_grid(random.in_box({-4, -4, -4}, {4, 4, 4}));
+    return pose;
+  }
+  pose.linear() = random.rigid_motion().linear();
+  pose.translation() = kind == Placement::kilometre
+                           ? Vector3d(1000 * direction(random))
+                           : Vector3d(scale * random.in_box({-1, -1, -1}, {1, 1, 1}));
+  return pose;
+}
+
+/// Sides from 5 cm to 2 m.
+Size plate_size(Random& random, Placement kind) {
+  const Vector2d length(log_uniform(random, 0.05, 2), log_uniform(random, 0.05, 2));
+  return kind == Placement::exact ? Size{{on_grid(length.x()), on_grid(length.y())}} : Size{length};
+}
+
+Group make_group(Random& random, const Kind& kind, std::size_t count, bool moved) {
+  const Size size = plate_size(random, kind.placement);
+  const Eigen::Isometry3d pose = moved || kind.placement == Placement::kilometre
+                                     ? placement(random, kind.placement, size.scale())
+                                     : Eigen::Isometry3d::Identity();
+  Group group{{pose.translation(), pose.linear() * Vector3d(size.length.x(), 0, 0),
+               pose.linear() * Vector3d(0, size.length.y(), 0)},
+              {}};
+  group.triangles.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Triangle local = kind.draw(random, size);
+    group.triangles.push_back({pose * local[0], pose * local[1], pose * local[2]});
+  }
+  return group;
+}
+
+}  // namespace
+
+std::vector<TriangleClass> triangle_classes() {
+  std::vector<TriangleClass> all;
+  for (const Kind& kind : kinds())
+    all.push_back(kind.described);
+  return all;
+}
+
+std::vector<Group> make_triangles(const std::string& name, std::size_t count, std::uint64_t seed) {
+  const auto kind =
+      std::find_if(kinds().begin(), kinds().end(), [&](const Kind& k) { return k.described.name == name; });
+  if (kind == kinds().end())
+    throw InputError(fmt::format("there is no class '{}'", name));
+  // Every class draws its own numbers, whichever others are asked for.
+  Random random(seed * kinds().size() + static_cast<std::uint64_t>(kind - kinds().begin()));
+  std::vector<Group> groups;
+  const std::size_t group_count = std::min(most_groups, count);
+  for (std::size_t i = 0; i < group_count; ++i)
+    groups.push_back(
+        make_group(random, *kind, count * (i + 1) / group_count - count * i / group_count, i % 2 == 1));
+  return groups;
+}
+
+}  // namespace fringe::stress

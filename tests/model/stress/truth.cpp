@@ -1,0 +1,81 @@
+#include "truth.hpp"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "graded_rule.hpp"
+#include "row_sum.hpp"
+
+namespace fringe::stress {
+namespace {
+
+DoubleDoubleVector to_double_double(const RealVector& vector) {
+  return {stress::to_double_double(vector.x()), stress::to_double_double(vector.y()),
+          stress::to_double_double(vector.z())};
+}
+
+double norm(const RealVector& vector) {
+  return static_cast<double>(Real(sqrt(vector.squaredNorm())));
+}
+
+/// Infinite where the segment has no length.
+double closeness(double distance, double length) {
+  return length > 0 ? distance / length : std::numeric_limits<double>::infinity();
+}
+
+DoubleDouble integrate(const Sector& sector, const PlateExtent& extent, const GradedRules& rules) {
+  const RealVector along = sector.end.position - sector.start.position;
+  const DoubleDoubleVector apex = to_double_double(sector.apex.position),
+                           start = to_double_double(sector.start.position - sector.apex.position),
+                           step = to_double_double(along);
+  const double apex_distance = norm(sector.apex.from_plate);
+  const Eigen::Vector3d start_from_plate =
+      RealVector(sector.start.from_plate - sector.apex.from_plate).cast<double>();
+  const RealVector along_from_plate = sector.end.from_plate - sector.start.from_plate;
+  const Eigen::Vector3d step_from_plate = along_from_plate.cast<double>();
+
+  const Rule& across = rules.rule(closeness(norm(sector.start.from_plate), norm(along_from_plate)));
+  DoubleDouble sum;
+  for (std::size_t i = 0; i < across.size(); ++i) {
+    const DoubleDouble t = across.position(i);
+    const DoubleDoubleVector ray = start + t * step;
+    const double ray_length = (start_from_plate + t.high * step_from_plate).norm();
+    sum =
+        sum + across.weight(i) * row_sum(apex, ray, extent, rules.rule(closeness(apex_distance, ray_length)));
+  }
+  const Real area = twice_area(sector.apex.position, sector.start.position, sector.end.position);
+  return stress::to_double_double(area) * sum;
+}
+
+DoubleDouble integrate(const Dissection& dissection, const GradedRules& rules) {
+  const PlateExtent extent{stress::to_double_double(dissection.frame.lengths[0]),
+                           stress::to_double_double(dissection.frame.lengths[1])};
+  DoubleDouble sum;
+  for (const Sector& sector : dissection.sectors)
+    sum = sum + integrate(sector, extent, rules);
+  return sum;
+}
+
+}  // namespace
+
+Truth integrate(const Dissection& dissection) {
+  if (dissection.twice_area == 0)
+    return {{0, 0}, true};
+  if (dissection.divergent)
+    return {{std::numeric_limits<double>::infinity(), 0}, true};
+  // The estimate behind the number of points is for the singularities along s; along t they may be closer.
+  // Then the first pair disagrees, and the later orders have points to spare.
+  static const std::array<GradedRules, 4> rules{GradedRules(18), GradedRules(23), GradedRules(34),
+                                                GradedRules(50)};
+  constexpr double agreement = 1e-19;
+  Truth truth{integrate(dissection, rules.front()), false};
+  for (std::size_t i = 1; i < rules.size() && !truth.converged; ++i) {
+    const DoubleDouble value = integrate(dissection, rules[i]);
+    truth.converged = std::abs((value - truth.value).high) <= agreement * value.high;
+    truth.value = value;
+  }
+  return truth;
+}
+
+}  // namespace fringe::stress

@@ -1,0 +1,59 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "truth.hpp"
+
+/// The quadrature where its answer is known.
+namespace fringe::stress {
+namespace {
+
+const Rectangle plate{{0, 0, 0}, {2, 0, 0}, {0, 1, 0}};
+
+Truth truth(const Triangle& triangle) {
+  return integrate(dissect(triangle, plate));
+}
+
+void expect_value(const Triangle& triangle, const Real& expected) {
+  const Truth found = truth(triangle);
+  EXPECT_TRUE(found.converged);
+  EXPECT_LE(static_cast<double>(abs(Real(to_real(found.value) / expected - 1))), 1e-20);
+}
+
+TEST(Truth, OfAParallelTriangleIsAreaOverHeight) {
+  expect_value({{{0.5, 0.25, 0.125}, {1.5, 0.25, 0.125}, {0.5, 0.75, 0.125}}}, 2);
+}
+
+TEST(Truth, OfATriangleThatStandsOnItsVertexIsTheOneOfAWedge) {
+  // d = z, from 0 to 1, and the width at z is z/2
+  expect_value({{{1, 0.5, 0}, {0.75, 0.5, 1}, {1.25, 0.5, 1}}}, Real(1) / 2);
+}
+
+TEST(Truth, OfATriangleThatTouchesACornerIsThatOfItsOppositeEdge) {
+  // In polar coordinates about the corner: ∫dφ/cos φ over the right angle's half
+  expect_value({{{0, 0, 0}, {-1, 0, 0}, {-1, -1, 0}}}, log(1 + sqrt(Real(2))));
+}
+
+TEST(Truth, OfATriangleInABorderPlaneIsCountedOnce) {
+  // d = z over either part of 1 × 1
+  const double z = 1;
+  const Real lower = to_real(truth({{{0, 0, z}, {0, 1, z}, {0, 1, 2 * z}}}).value);
+  const Real upper = to_real(truth({{{0, 0, z}, {0, 1, 2 * z}, {0, 0, 2 * z}}}).value);
+  EXPECT_LE(static_cast<double>(abs(Real(lower + upper - log(Real(2))))), 1e-20);
+}
+
+TEST(Truth, IsInfiniteWhereTheTriangleMeetsThePlateAlongASegment) {
+  for (const Triangle& triangle :
+       {Triangle{{{1, 0.5, -1}, {1, 0.75, 1}, {0.5, 0.25, 1}}},
+        Triangle{{{1, 0.5, 0}, {1, 0.75, 0}, {1, 0.5, 1}}}, Triangle{{{0, -1, 0}, {0, 3, 0}, {-1, 0, 1}}}})
+    EXPECT_TRUE(std::isinf(truth(triangle).value.high));
+}
+
+TEST(Truth, IsFiniteWhereATriangleBesideThePlateTouchesItsEdgeInOnePoint) {
+  for (const double x : {0.0, 2.0})
+    EXPECT_TRUE(
+        std::isfinite(truth({{{x, 0.5, -1}, {x, 0.5, 1}, {x == 0 ? -1.0 : 3.0, 0.5, 0}}}).value.high));
+}
+
+}  // namespace
+}  // namespace fringe::stress
