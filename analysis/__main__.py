@@ -25,7 +25,7 @@ def main(arguments: list[str] | None = None) -> int:
     signal.signal(signal.SIGTERM, _interrupt)
     try:
         if options.command == "run":
-            return _run(options.study, options.results, options.jobs)
+            return _run(options.study, options.results, options.jobs, options.measure_model)
         return _report(options.results)
     except InputError as error:
         print(f"analysis: {error}", file=sys.stderr)
@@ -59,6 +59,11 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--jobs", type=_count, metavar="N", help="solves at a time (default: by cores and memory)"
     )
+    run.add_argument(
+        "--measure-model",
+        action="store_true",
+        help="measure the model by itself, too: run time against error, stability (two minutes, kept with the results)",
+    )
     report = commands.add_parser("report", help="write table.csv and report.html from stored answers")
     report.add_argument("results", type=Path, metavar="RESULTS", help="a folder that `run` has filled")
     return parser
@@ -74,16 +79,17 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
-def _run(name: str, folder: Path | None, jobs: int | None) -> int:
+def _run(name: str, folder: Path | None, jobs: int | None, measure_model: bool) -> int:
     from analysis import reference_stage, workflow
     from analysis.keys import REPOSITORY
     from geometries import study
 
     chosen = study.load(study.find(name))
     target = folder or REPOSITORY / "results" / chosen.name
-    failures = workflow.run(chosen, target, jobs)
+    failures = workflow.run(chosen, target, jobs, measure_model)
     for failure in failures:
-        print(f"analysis: case {failure.case}: {failure.stage}: {failure.reason}", file=sys.stderr)
+        place = f"case {failure.case}: " if failure.case else ""
+        print(f"analysis: {place}{failure.stage}: {failure.reason}", file=sys.stderr)
     code = _report(target)
     # A missing picture is told, but takes nothing from the comparison.
     return FAILED if any(failure.stage != reference_stage.SLICE for failure in failures) else code

@@ -18,7 +18,7 @@ _REFRESH_SECONDS = 1.0
 
 @dataclass(frozen=True)
 class Failure:
-    """A case that a stage could not answer, and why."""
+    """A case that a stage could not answer, and why. Without a case it is a measurement of the model by itself."""
 
     case: str
     stage: str
@@ -27,7 +27,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class Job:
-    """Work for one case. `cost` is its expected seconds on one core; `work` returns a failure or None."""
+    """Work for one case or one measurement. `cost` is its expected seconds; `work` returns a failure or None."""
 
     cost: float
     work: Callable[[Processes], Failure | None]
@@ -41,8 +41,10 @@ def parallel_jobs() -> int:
     return max(1, min(cores, int(psutil.virtual_memory().available) // _MEMORY_PER_JOB))
 
 
-def run_all(jobs: list[Job], workers: int) -> list[Failure]:
+def run_all(jobs: list[Job], workers: int, done: str = "solved") -> list[Failure]:
     """Run the jobs, the costly ones first so that none is left over at the end; returns the failures.
+
+    `done` is what the progress bar says of those that have ended.
 
     KeyboardInterrupt ends the running jobs' processes, starts no more, and is raised again.
     """
@@ -51,7 +53,7 @@ def run_all(jobs: list[Job], workers: int) -> list[Failure]:
     with ThreadPoolExecutor(workers) as pool:
         try:
             futures = {pool.submit(_run, job, processes): job for job in ordered}
-            return [failure for failure in _watch(futures, workers) if failure is not None]
+            return [failure for failure in _watch(futures, workers, done) if failure is not None]
         except BaseException:
             processes.stop()
             pool.shutdown(cancel_futures=True)
@@ -65,7 +67,7 @@ def remaining_seconds(total: float, done: float, elapsed: float, workers: int) -
     return elapsed * (total - done) / done
 
 
-def _watch(futures: dict[Future[Failure | None], Job], workers: int) -> Iterator[Failure | None]:
+def _watch(futures: dict[Future[Failure | None], Job], workers: int, done: str) -> Iterator[Failure | None]:
     """The jobs' outcomes as they come, with a progress bar that counts expected cost rather than jobs."""
     from tqdm import tqdm
 
@@ -74,18 +76,18 @@ def _watch(futures: dict[Future[Failure | None], Job], workers: int) -> Iterator
     # A terminal shows the time running; a log gets a line for each finished job only.
     patience = _REFRESH_SECONDS if sys.stderr.isatty() else None
     with tqdm(total=total, bar_format=layout, ncols=100) as bar:
-        _show(bar, 0, len(futures), workers)
+        _show(bar, f"0 of {len(futures)} {done}", workers)
         while pending:
             finished, pending = wait(pending, patience, FIRST_COMPLETED)
             for future in finished:
                 bar.update(futures[future].cost)
                 yield future.result()
-            _show(bar, len(futures) - len(pending), len(futures), workers)
+            _show(bar, f"{len(futures) - len(pending)} of {len(futures)} {done}", workers)
 
 
-def _show(bar: Any, done: int, jobs: int, workers: int) -> None:
+def _show(bar: Any, told: str, workers: int) -> None:
     seconds = remaining_seconds(bar.total, bar.n, bar.format_dict["elapsed"], workers)
-    bar.set_description_str(f"{done} of {jobs} solved", refresh=False)
+    bar.set_description_str(told, refresh=False)
     bar.set_postfix_str(f"about {bar.format_interval(seconds)} to go")
 
 

@@ -20,7 +20,7 @@ from geometries.writer import identity
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 
-_MODEL_SUFFIXES = {".cpp", ".hpp", ".h", ".txt", ".cmake", ".in"}
+_SOURCE_SUFFIXES = {".cpp", ".hpp", ".h", ".txt", ".cmake", ".in"}
 # What makes scenes has no part in solving them: a new family must not make old answers void.
 _NOT_SOLVING = {"families.py", "study.py", "interpreter.py", "files.py", "__main__.py", "__init__.py"}
 _REFERENCE_PACKAGES = ("fenics-dolfinx", "fenics-basix", "petsc4py", "numpy")
@@ -43,11 +43,23 @@ def slice_key(scene: Scene, code: str) -> str:
     return _hash({"scene": identity(scene), "slice": True, "code": code})
 
 
+def measurement_key(command: str, code: str, machine: dict[str, str]) -> str:
+    """The key of a measurement of the model by itself; `code` is `code_of` what it measures."""
+    return _hash({"command": command, "code": code, "machine": machine})
+
+
 def model_code(repository: Path = REPOSITORY) -> str:
     """The version of the model: a hash of its sources."""
-    return hash_of_files(
-        (path for path in (repository / "model").rglob("*") if path.suffix in _MODEL_SUFFIXES), repository
-    )
+    return code_of(["model"], repository)
+
+
+def code_of(places: Iterable[str], repository: Path = REPOSITORY) -> str:
+    """A hash of the files named, and of the C++ and CMake sources in the folders named."""
+    found: list[Path] = []
+    for place in (repository / name for name in places):
+        found += [path for path in place.rglob("*") if path.suffix in _SOURCE_SUFFIXES]
+        found += [place] if place.is_file() else []
+    return hash_of_files(found, repository)
 
 
 def reference_code(repository: Path = REPOSITORY) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from html import escape
 
-from analysis.plot import Plot
+from analysis.plot import Panel, Plot
 
 _STYLE = """
 :root { --ink: #24292f; --soft: #57606a; --line: #d8dee4; --tint: #f6f8fa; --accent: #0b5394; }
@@ -77,16 +77,21 @@ def section(title: str, *parts: str) -> str:
 
 def plot_section(plot: Plot) -> str:
     """A plot with its finding above and its explanation below."""
-    panels = "\n".join(
-        f'<figure class="panel"><figcaption>{escape(panel.caption)}</figcaption>{_figure(panel.figure)}</figure>'
-        for panel in plot.panels
-    )
-    # Said by a class, since a figure is drawn while the page is still being read and its siblings are unknown.
-    kind = "panels single" if len(plot.panels) == 1 else "panels"
-    parts = [finding(plot.finding), f'<div class="{kind}">{panels}</div>']
+    parts = [finding(plot.finding), figures(plot.panels)]
     if plot.explanation:
         parts.append(soft(plot.explanation))
     return section(plot.title, *parts)
+
+
+def figures(panels: list[Panel]) -> str:
+    """Panels side by side."""
+    drawn = "\n".join(
+        f'<figure class="panel"><figcaption>{escape(panel.caption)}</figcaption>{_figure(panel.figure)}</figure>'
+        for panel in panels
+    )
+    # Said by a class, since a figure is drawn while the page is still being read and its siblings are unknown.
+    kind = "panels single" if len(panels) == 1 else "panels"
+    return f'<div class="{kind}">{drawn}</div>'
 
 
 def finding(text: str) -> str:

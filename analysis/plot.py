@@ -65,9 +65,9 @@ def log_axis(title: str, **more: Any) -> dict[str, Any]:
     return axis(title, type="log", tickvals=ticks, ticktext=[f"{tick:g}" for tick in ticks], **more)
 
 
-def power_axis(title: str) -> dict[str, Any]:
-    """A logarithmic axis over many decades, whose ticks are powers of ten."""
-    return axis(title, type="log", dtick=1, exponentformat="power")
+def power_axis(title: str, decades: int = 1, **more: Any) -> dict[str, Any]:
+    """A logarithmic axis over many decades, whose ticks are powers of ten, one every so many decades."""
+    return axis(title, type="log", tick0=0, dtick=decades, exponentformat="power", **more)
 
 
 def figure(

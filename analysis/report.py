@@ -38,7 +38,7 @@ def make(folder: Path) -> Report:
 
 def _inputs(folder: Path, found: results.Results) -> str:
     """A hash of everything the report is made from: the answers, what was asked, and the code of this package."""
-    files = [folder / results.MANIFEST]
+    files = [folder / name for name in (results.MANIFEST, results.RUN_TIMES, results.STABILITY)]
     for case in found.cases.values():
         files += [case.folder / name for name in (results.REFERENCE, results.MODEL, results.SLICE)]
     answers = keys.hash_of_files((path for path in files if path.is_file()), folder)
@@ -58,7 +58,16 @@ def _page(
     found: results.Results, rows: list[table.Row], summaries: list[statistics.Summary], inputs: str
 ) -> str:
     # Imported here: plotly takes a second, and a report that is up to date needs none.
-    from analysis import page, plot_of_time, plots_in_space, plots_of_errors, sections, symmetry
+    from analysis import (
+        page,
+        plot_of_time,
+        plots_in_space,
+        plots_of_errors,
+        run_times_section,
+        sections,
+        stability_section,
+        symmetry,
+    )
 
     body = [sections.headline(found, summaries), sections.failures(found)]
     if rows:
@@ -73,6 +82,8 @@ def _page(
         ]
         body += [page.plot_section(plot) for plot in plots]
     body += [
+        run_times_section.section(found.run_times),
+        stability_section.section(found.stability),
         sections.trust(found, rows, symmetry.pairs(found.compared())),
         sections.all_rows(found, rows),
         sections.reproduce(found, rows),

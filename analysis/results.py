@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import platform
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from analysis import machine, measurements
 from analysis.answers import ModelAnswer, ReferenceAnswer
 from analysis.jobs import Failure
 from analysis.store import Document, read_json, write_json
@@ -17,6 +17,7 @@ from geometries.study import EMPTY, Case, Parameter, Study, empty_case
 
 MANIFEST = "study.json"
 SCENE, REFERENCE, MODEL, SLICE = "scene.toml", "fem.json", "model.json", "slice.json"
+RUN_TIMES, STABILITY = "run_times.json", "stability.json"
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +37,7 @@ class CaseResult:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """All of a study's results."""
+    """All of a study's results. `run_times` and `stability` are of the model itself; None where they were not measured."""
 
     folder: Path
     title: str
@@ -46,6 +47,8 @@ class Results:
     machine: dict[str, str]
     failures: tuple[Failure, ...]
     cases: dict[str, CaseResult]
+    run_times: measurements.RunTimes | None
+    stability: measurements.Stability | None
 
     def compared(self) -> list[CaseResult]:
         """The cases with objects, in the study's order."""
@@ -64,7 +67,7 @@ def write_manifest(folder: Path, study: Study, failures: list[Failure]) -> None:
         "rtol": study.rtol,
         "max_seconds": study.max_seconds,
         "methods": list(study.methods),
-        "machine": machine(),
+        "machine": machine.description(),
         "failures": [asdict(failure) for failure in failures],
         "cases": [_case_document(case) for case in study.cases()],
     }
@@ -86,19 +89,9 @@ def load(folder: Path) -> Results:
         machine=manifest["machine"],
         failures=tuple(Failure(**failure) for failure in manifest["failures"]),
         cases={document["id"]: _case_result(folder, document) for document in manifest["cases"]},
+        run_times=measurements.run_times(read_json(folder / RUN_TIMES)),
+        stability=measurements.stability(read_json(folder / STABILITY)),
     )
-
-
-def machine() -> dict[str, str]:
-    """The machine that this runs on, as far as it matters to a run time."""
-    lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    models = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return {
-        "processor": models[0] if models else platform.machine(),
-        "cores": str(len(models)),
-        "system": platform.system() + " " + platform.release(),
-        "python": platform.python_version(),
-    }
 
 
 def _case_document(case: Case) -> Document:

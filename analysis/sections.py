@@ -152,7 +152,7 @@ def failures(results: Results) -> str:
     if not results.failures:
         return ""
     rows = [
-        [page.code(failure.case), escape(failure.stage), escape(failure.reason)]
+        [page.code(failure.case) if failure.case else "", escape(failure.stage), escape(failure.reason)]
         for failure in results.failures
     ]
     return page.section(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from analysis import keys, model_stage, reference_stage, set_up
+from analysis import keys, measurement_stage, model_stage, reference_stage, set_up
 from analysis.jobs import Failure, Job, parallel_jobs, run_all
 from analysis.results import MODEL, REFERENCE, SCENE, SLICE, case_folder, write_manifest
 from analysis.store import read_current, write_text
@@ -15,8 +15,10 @@ from geometries.writer import canonical
 _SECONDS_EMPTY, _SECONDS_PAIR, _SECONDS_PER_SIZE_OVER_GAP, _SECONDS_SLICE = 4.0, 12.0, 1.0, 4.0
 
 
-def run(study: Study, folder: Path, workers: int | None) -> list[Failure]:
+def run(study: Study, folder: Path, workers: int | None, measure_model: bool = False) -> list[Failure]:
     """Bring every case of the study up to date in `folder`; returns the failures, which are written down there too.
+
+    With `measure_model` the measurements of the model by itself, too. Those that are out of date are removed in any case.
 
     KeyboardInterrupt ends it at once; what was finished stays.
     """
@@ -25,7 +27,7 @@ def run(study: Study, folder: Path, workers: int | None) -> list[Failure]:
         path = case_folder(folder, case.id) / SCENE
         if not path.is_file():
             write_text(path, canonical(case.scene))
-    failures = _evaluate_model(study, cases, folder)
+    failures = _evaluate_model(study, cases, folder) + _measure_model(folder, measure_model)
     jobs = _reference_jobs(study, cases, folder)
     if jobs:
         try:
@@ -50,6 +52,24 @@ def _evaluate_model(study: Study, cases: list[Case], folder: Path) -> list[Failu
         failure = model_stage.evaluate(target.with_name(SCENE), target, key, study.methods, module)
         failures += [failure] if failure else []
     return failures
+
+
+def _measure_model(folder: Path, wanted: bool) -> list[Failure]:
+    """One measurement after the other, and nothing beside them: what runs at the same time would spoil the times."""
+    jobs = []
+    for measurement in measurement_stage.MEASUREMENTS:
+        target, key = folder / measurement.file, measurement_stage.key(measurement)
+        if read_current(target, key) is None:
+            target.unlink(missing_ok=True)
+            jobs.append(_measurement_job(measurement, target, key))
+    return run_all(jobs, 1, "measurements of the model") if wanted and jobs else []
+
+
+def _measurement_job(measurement: measurement_stage.Measurement, target: Path, key: str) -> Job:
+    return Job(
+        measurement.seconds,
+        lambda processes: measurement_stage.measure(measurement, target, key, processes),
+    )
 
 
 def _reference_jobs(study: Study, cases: list[Case], folder: Path) -> list[Job]:

@@ -197,7 +197,7 @@ def test_a_terminated_run_says_so_and_keeps_what_is_finished(tmp_path: Path) -> 
         f"""
         import sys, time
         from analysis import __main__ as command_line, workflow
-        def run(study, folder, workers):
+        def run(study, folder, workers, measure_model):
             print("running", flush=True)
             time.sleep(60)
         workflow.run = run

@@ -1,0 +1,50 @@
+"""The machine that this runs on, as far as it matters to a run time or to the instructions that are chosen."""
+
+from __future__ import annotations
+
+import platform
+from pathlib import Path
+
+_CPUINFO = Path("/proc/cpuinfo")
+# What the model's vector code is made for, from wide to narrow.
+_INSTRUCTION_SETS = {"avx512f": "AVX-512", "avx2": "AVX2"}
+
+
+def description() -> dict[str, str]:
+    """For people."""
+    models = _values("model name")
+    return {
+        "processor": models[0] if models else platform.machine(),
+        "cores": str(len(models)),
+        "system": platform.system() + " " + platform.release(),
+        "python": platform.python_version(),
+    }
+
+
+def instruction_sets() -> str:
+    """The wide instruction sets that the processor has."""
+    flags = _flags()
+    return (
+        ", ".join(name for flag, name in _INSTRUCTION_SETS.items() if flag in flags)
+        or "neither AVX-512 nor AVX2"
+    )
+
+
+def identity() -> dict[str, str]:
+    """What makes two machines different where run times count: name, processor, instructions."""
+    return {
+        "name": platform.node(),
+        "processor": description()["processor"],
+        "flags": " ".join(sorted(_flags())),
+    }
+
+
+def _flags() -> set[str]:
+    flags = _values("flags")
+    return set(flags[0].split()) if flags else set()
+
+
+def _values(name: str) -> list[str]:
+    """The values under a name, one for each core."""
+    lines = _CPUINFO.read_text(encoding="utf-8").splitlines()
+    return [line.split(":", 1)[1].strip() for line in lines if line.partition(":")[0].strip() == name]
