@@ -25,9 +25,10 @@ _SETS = (
     "Triangles in the regions I (in front of the plate), II (beside an edge) and III (diagonal to a corner), of 0.02 (fine) "
     "and 0.3 (coarse) of their distance in size; small ones astride two cells around the plate, as a fine mesh has them; "
     "triangles larger than the plate that reach into up to nine cells; a closed mesh around all cells. split:N is the "
-    "thesis' method with 4^N equal triangles, gauss:K a product rule of K² nodes. Errors are relative to quadrature in "
-    "extended precision, the largest of the set or, where a method is slow, of an evenly spread sample; times are those of "
-    "one core, the smallest of three."
+    "thesis' method with 4^N equal triangles, gauss:K a product rule of K² nodes; exact lays the triangles out anew each time, "
+    "batch has them laid out once, tolerance:T too and each triangle within T; tree:T gives only the sum, within T, by a tree "
+    "made once. Errors are relative to quadrature in extended precision, the largest of the set or, where a method is slow, of "
+    "an evenly spread sample; times are those of one core, the smallest of three."
 )
 
 

@@ -13,9 +13,13 @@
 #include <oneapi/tbb/global_control.h>
 #include <unistd.h>
 
+#include "fringe/batch_integral.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/plate_integral.hpp"
+#include "fringe/pose.hpp"
+#include "fringe/scene_evaluator.hpp"
 #include "fringe/scene_reader.hpp"
+#include "fringe/surface_tree.hpp"
 #include "triangle_sets.hpp"
 
 namespace fringe::benchmarks {
@@ -91,6 +95,37 @@ std::function<double()> capacitance_of_a_scene() {
   return [scene] { return capacitance(scene).sensors.front().total; };
 }
 
+Workload batched(double tolerance, const TriangleSet& set) {
+  return [=]() -> std::function<double()> {
+    return [=, batch = TriangleBatch(set.triangles)] {
+      return total_integrals(batch, std::vector{measured_plate()}, {tolerance, 1}).front().value;
+    };
+  };
+}
+
+Workload making_a_tree(const TriangleSet& set) {
+  return [=] { return [=] { return static_cast<double>(SurfaceTree(set.triangles).triangle_count()); }; };
+}
+
+Workload by_tree(double tolerance, const TriangleSet& set) {
+  return [=]() -> std::function<double()> {
+    const auto tree = std::make_shared<SurfaceTree>(set.triangles);
+    return [=] { return tree->integrate(measured_plate(), {.tolerance = tolerance}).value; };
+  };
+}
+
+/// One link of many moves, after the trees are made.
+std::function<double()> pose_of_a_scene() {
+  const Scene scene = load_scene(TemporaryFile(scene_of_boxes(100)).path());
+  const auto evaluator = std::make_shared<SceneEvaluator>(scene, CapacitanceOptions{.tolerance = 1e-4});
+  evaluator->capacitance();
+  evaluator->capacitance();
+  return [evaluator, step = 0]() mutable {
+    evaluator->set_pose("link 7", pose_from_axis({1, 2, 3}, 10.0 * ++step, {0.1, 0.1, 0.1}));
+    return evaluator->capacitance().sensors.front().total;
+  };
+}
+
 std::map<std::string, Workload> workloads() {
   constexpr std::size_t count = 1000;
   std::vector<TriangleSet> sets{small_straddlers(count), nine_cell_straddlers(count), closed_mesh(40)};
@@ -103,6 +138,11 @@ std::map<std::string, Workload> workloads() {
     all[set.name + "/exact"] = integrals("exact", set);
   all["closed_mesh/split:4"] = integrals("split:4", closed_mesh(40));
   all["closed_mesh/gauss:4"] = integrals("gauss:4", closed_mesh(40));
+  all["closed_mesh/batch"] = batched(0, closed_mesh(40));
+  all["closed_mesh/tolerance:1e-6"] = batched(1e-6, closed_mesh(40));
+  all["closed_mesh/tree"] = making_a_tree(closed_mesh(40));
+  all["closed_mesh/tree:1e-6"] = by_tree(1e-6, closed_mesh(100));
+  all["scene/pose"] = pose_of_a_scene;
   all["scene/load"] = loading_of_a_scene;
   all["scene/capacitance"] = capacitance_of_a_scene;
   return all;

@@ -25,38 +25,43 @@ PieceVertex cut(const PieceVertex& a, const PieceVertex& b, double from_a, doubl
   return vertex;
 }
 
-/// The part of a convex piece on one side of coordinate = bound (Sutherland and Hodgman).
-Piece clip(const Piece& piece, int axis, double bound, Side side) {
-  std::array<double, most_corners> inside_by;
+double inside_by(const PieceVertex& vertex, int axis, double bound, Side side) {
+  const double above = vertex.position[axis] - bound;
+  return side == Side::upper ? above : -above;
+}
+
+/// All of a piece or nothing of it, for the side that it reaches farther into; one that is flat goes to
+/// either, because the caller has chosen.
+Piece all_or_nothing(const Piece& piece, int axis, double bound, Side side) {
   double innermost = 0, outermost = 0;
   for (std::size_t i = 0; i < piece.size; ++i) {
-    const double above = piece.vertices[i].position[axis] - bound;
-    inside_by[i] = side == Side::upper ? above : -above;
-    innermost = std::max(innermost, inside_by[i]);
-    outermost = std::min(outermost, inside_by[i]);
+    const double inside = inside_by(piece.vertices[i], axis, bound, side);
+    innermost = std::max(innermost, inside);
+    outermost = std::min(outermost, inside);
   }
-  if (outermost == 0)
-    return piece;
-  const auto crosses = [&](std::size_t i, std::size_t j) {
-    return (inside_by[i] > 0 && inside_by[j] < 0) || (inside_by[i] < 0 && inside_by[j] > 0);
-  };
-  if (innermost > 0) {
-    int meetings = 0;  // of the outline with the plane
-    for (std::size_t i = 0; i < piece.size; ++i)
-      meetings += inside_by[i] == 0 || crosses(i, (i + 1) % piece.size);
-    // A plane that divides a convex outline meets it twice. If it does not, the piece lies in the plane but
-    // for rounding; its two parts would overlap, so all of it goes to one side.
-    if (meetings != 2)
-      return innermost > -outermost || (innermost == -outermost && side == Side::upper) ? piece : Piece{};
-  }
+  const bool belongs =
+      outermost == 0 || innermost > -outermost || (innermost == -outermost && side == Side::upper);
+  return belongs ? piece : Piece{};
+}
+
+/// The part of a convex piece on one side of coordinate = bound (Sutherland and Hodgman).
+Piece clip(const Piece& piece, int axis, double bound, Side side) {
   Piece kept;
+  int meetings = 0;  // of the outline with the plane
   for (std::size_t i = 0; i < piece.size; ++i) {
-    const std::size_t next = (i + 1) % piece.size;
-    if (inside_by[i] >= 0)
-      kept.vertices[kept.size++] = piece.vertices[i];
-    if (crosses(i, next))
-      kept.vertices[kept.size++] =
-          cut(piece.vertices[i], piece.vertices[next], inside_by[i], inside_by[next], axis, bound);
+    const PieceVertex& current = piece.vertices[i];
+    const PieceVertex& next = piece.vertices[(i + 1) % piece.size];
+    const double current_inside = inside_by(current, axis, bound, side);
+    const double next_inside = inside_by(next, axis, bound, side);
+    const bool crosses = (current_inside > 0 && next_inside < 0) || (current_inside < 0 && next_inside > 0);
+    // A plane that divides a convex outline meets it twice. If more often, the piece lies in the plane but
+    // for rounding, and its two parts would overlap.
+    if ((crosses || current_inside == 0) && ++meetings > 2)
+      return all_or_nothing(piece, axis, bound, side);
+    if (current_inside >= 0)
+      kept.vertices[kept.size++] = current;
+    if (crosses)
+      kept.vertices[kept.size++] = cut(current, next, current_inside, next_inside, axis, bound);
   }
   return kept;
 }

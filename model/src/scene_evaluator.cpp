@@ -43,25 +43,40 @@ Surface surface_of(const Object& object) {
   }
 }
 
-std::vector<Rectangle> moved(const Sensor& sensor, const Eigen::Isometry3d& pose) {
+/// A sensor's plates where they are.
+struct PlacedSensor {
   std::vector<Rectangle> plates;
+  std::vector<detail::PlateFrame> frames;
+};
+
+PlacedSensor placed(const Sensor& sensor, const Eigen::Isometry3d& pose) {
+  PlacedSensor result;
   for (const Rectangle& plate : sensor.plates) {
-    const Rectangle& placed = plates.emplace_back(transformed(plate, pose));
+    const Rectangle& moved = result.plates.emplace_back(transformed(plate, pose));
     try {
-      validate(placed);
-      if (!(placed.corner + placed.edge_u + placed.edge_v).allFinite())
+      validate(moved);
+      if (!(moved.corner + moved.edge_u + moved.edge_v).allFinite())
         throw InputError("the rectangle reaches too far");
     } catch (const InputError& error) {
       throw InputError(
-          fmt::format("sensor \"{}\": plates[{}]: {}", sensor.name, plates.size() - 1, error.what()));
+          fmt::format("sensor \"{}\": plates[{}]: {}", sensor.name, result.plates.size() - 1, error.what()));
     }
+    result.frames.push_back(detail::plate_frame(moved));
   }
-  return plates;
+  return result;
 }
+
+/// An object's surface and where it is.
+struct PlacedObject {
+  std::optional<std::size_t> link;
+  Eigen::Isometry3d on_link;
+  Surface surface;
+  Eigen::Isometry3d from_world = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+};
 
 /// What is known of one sensor and one object.
 struct Pair {
-  std::vector<Rectangle> plates;  ///< the sensor's, in the object's frame
   Enclosure enclosure;
   SurfaceIntegral integral;
   bool known = false;
@@ -73,13 +88,11 @@ class SceneEvaluator::Implementation {
  public:
   Implementation(const Scene& scene, const CapacitanceOptions& options)
       : options_(options), permittivity_(vacuum_permittivity * scene.medium.relative_permittivity),
-        motion_(scene.links), sensors_(scene.sensors) {
+        motion_(scene.links), sensors_(scene.sensors), placed_sensors_(scene.sensors.size()) {
     validate(options);
-    for (const Object& object : scene.objects) {
-      surfaces_.push_back(surface_of(object));
-      attachments_.push_back({object.link, object.pose});
-    }
-    pairs_.resize(sensors_.size() * surfaces_.size());
+    for (const Object& object : scene.objects)
+      objects_.push_back({object.link, object.pose, surface_of(object)});
+    pairs_.resize(sensors_.size() * objects_.size());
     for (const Sensor& sensor : sensors_) {
       SensorCapacitance felt{sensor.name, 0, 0, 0, false, {}};
       for (const Object& object : scene.objects)
@@ -93,6 +106,7 @@ class SceneEvaluator::Implementation {
   const SceneCapacitance& capacitance() {
     answer_.counts = {};
     motion_.update();
+    place();
     for (std::size_t sensor = 0; sensor < sensors_.size(); ++sensor)
       evaluate(sensor);
     motion_.settle();
@@ -101,33 +115,40 @@ class SceneEvaluator::Implementation {
   }
 
  private:
-  struct Attachment {
-    std::optional<std::size_t> link;
-    Eigen::Isometry3d pose;
-  };
+  bool has_moved(std::optional<std::size_t> link) const {
+    return answers_ == 0 || !motion_.rigid(link, std::nullopt);
+  }
 
+  /// Brings what moved to where it is.
+  void place() {
+    for (std::size_t i = 0; i < sensors_.size(); ++i)
+      if (has_moved(sensors_[i].link))
+        placed_sensors_[i] = placed(sensors_[i], motion_.world_pose(sensors_[i].link));
+    for (PlacedObject& object : objects_) {
+      if (!has_moved(object.link))
+        continue;
+      const Eigen::Isometry3d pose = motion_.world_pose(object.link) * object.on_link;
+      object.from_world = pose.inverse(Eigen::Isometry);
+      object.centroid = pose * object.surface.centroid;
+    }
+  }
+
+  /// Whether objects may be lumped, or their surfaces looked at from outside only.
   bool lumps() const { return options_.tolerance > 0 && options_.plates == PlateRule::sum; }
 
   void evaluate(std::size_t sensor) {
-    const std::span<Pair> pairs = std::span(pairs_).subspan(sensor * surfaces_.size(), surfaces_.size());
-    for (std::size_t object = 0; object < pairs.size(); ++object)
-      place(sensor, object, pairs[object]);
+    const std::span<Pair> pairs = std::span(pairs_).subspan(sensor * objects_.size(), objects_.size());
+    for (std::size_t object = 0; object < pairs.size(); ++object) {
+      Pair& pair = pairs[object];
+      pair.known = pair.known && motion_.rigid(sensors_[sensor].link, objects_[object].link);
+      if (!pair.known && lumps())
+        pair.enclosure = detail::enclosure(objects_[object].surface, objects_[object].centroid,
+                                           placed_sensors_[sensor].frames);
+    }
     const double allowance = allowance_per_object(pairs);
     for (std::size_t object = 0; object < pairs.size(); ++object)
-      integrate(pairs[object], surfaces_[object], allowance);
+      integrate(pairs[object], objects_[object], placed_sensors_[sensor].plates, allowance);
     tell(sensor, pairs);
-  }
-
-  /// Forgets what is known of a pair that has moved relative to each other.
-  void place(std::size_t sensor, std::size_t object, Pair& pair) {
-    if (pair.known && motion_.rigid(sensors_[sensor].link, attachments_[object].link))
-      return;
-    pair.known = false;
-    const Eigen::Isometry3d to_object =
-        (motion_.world_pose(attachments_[object].link) * attachments_[object].pose).inverse(Eigen::Isometry);
-    pair.plates = moved(sensors_[sensor], to_object * motion_.world_pose(sensors_[sensor].link));
-    if (lumps())
-      pair.enclosure = detail::enclosure(surfaces_[object], pair.plates);
   }
 
   /// Half of the tolerance goes with each object's own integral. The other half, of what the objects add up
@@ -141,25 +162,29 @@ class SceneEvaluator::Implementation {
     return options_.tolerance / 2 * total / static_cast<double>(pairs.size());
   }
 
-  void integrate(Pair& pair, Surface& surface, double allowance) {
+  void integrate(Pair& pair, PlacedObject& object, std::span<const Rectangle> plates, double allowance) {
+    Surface& surface = object.surface;
     const double own = options_.tolerance / 2 * (pair.integral.value - pair.integral.bound);
     if (pair.known && (!lumps() || pair.integral.bound <= own + allowance)) {
       ++answer_.counts.objects_reused;
-      answer_.counts.triangles_reused += pair.plates.size() * surface.triangles.size();
+      answer_.counts.triangles_reused += plates.size() * surface.triangles.size();
       return;
     }
     const Enclosure& known = pair.enclosure;
     if (allowance > 0 && (known.upper - known.lower) / 2 <= allowance) {
       pair.integral = {(known.upper + known.lower) / 2, (known.upper - known.lower) / 2, true, {}};
       pair.integral.counts.objects_skipped = 1;
-      pair.integral.counts.triangles_skipped = pair.plates.size() * surface.triangles.size();
+      pair.integral.counts.triangles_skipped = plates.size() * surface.triangles.size();
     } else {
       if (lumps() && answers_ > 0 && !surface.tree)
         surface.tree.emplace(surface.triangles);
       CapacitanceOptions options = options_;
       if (lumps() && options_.faces == FaceRule::all)
         options.tolerance /= 2;
-      pair.integral = detail::surface_integral(surface, pair.plates, options, allowance);
+      in_object_frame_.clear();
+      for (const Rectangle& plate : plates)
+        in_object_frame_.push_back(transformed(plate, object.from_world));
+      pair.integral = detail::surface_integral(surface, in_object_frame_, options, allowance);
     }
     pair.known = true;
     answer_.counts += pair.integral.counts;
@@ -185,9 +210,10 @@ class SceneEvaluator::Implementation {
   double permittivity_;
   detail::LinkMotion motion_;
   std::vector<Sensor> sensors_;
-  std::vector<Surface> surfaces_;
-  std::vector<Attachment> attachments_;
+  std::vector<PlacedSensor> placed_sensors_;
+  std::vector<PlacedObject> objects_;
   std::vector<Pair> pairs_;  ///< of the first sensor with every object, then of the second
+  std::vector<Rectangle> in_object_frame_;
   SceneCapacitance answer_;
   std::size_t answers_ = 0;
 };

@@ -165,23 +165,46 @@ SurfaceIntegral integrate(const Surface& surface, std::span<const Rectangle> pla
 
 Surface make_surface(std::vector<Triangle> triangles) {
   TriangleBatch batch(triangles);
-  const Eigen::AlignedBox3d box = axis_aligned_box(triangles);
-  const Eigen::Vector3d centre = box.center();
-  double radius = 0;
-  for (const Triangle& triangle : triangles)
-    for (const Eigen::Vector3d& vertex : triangle)
-      radius = std::max(radius, (vertex - centre).norm());
-  const double total_area = area(triangles);
-  return {std::move(triangles), std::move(batch), std::nullopt, centre, radius, total_area};
+  double total_area = 0;
+  Eigen::Vector3d first_moment = Eigen::Vector3d::Zero();
+  // From a point of the surface, so that nothing is lost far from the origin.
+  const Eigen::Vector3d origin = triangles.front()[0];
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const auto& [a, b, c] = triangles[i];
+    const double area = batch.twice_area()[i] / 2;
+    total_area += area;
+    first_moment += area / 3 * ((a - origin) + (b - origin) + (c - origin));
+  }
+  const Eigen::Vector3d centroid =
+      total_area > 0 ? Eigen::Vector3d(origin + first_moment / total_area) : origin;
+  double squared_radius = 0, squared_radius_moment = 0;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const Eigen::Vector3d a = triangles[i][0] - centroid, b = triangles[i][1] - centroid,
+                          c = triangles[i][2] - centroid;
+    squared_radius = std::max({squared_radius, a.squaredNorm(), b.squaredNorm(), c.squaredNorm()});
+    squared_radius_moment +=
+        batch.twice_area()[i] / 12 *
+        (a.squaredNorm() + b.squaredNorm() + c.squaredNorm() + a.dot(b) + b.dot(c) + c.dot(a));
+  }
+  return {std::move(triangles),      std::move(batch), std::nullopt,         centroid,
+          std::sqrt(squared_radius), total_area,       squared_radius_moment};
 }
 
-Enclosure enclosure(const Surface& surface, std::span<const Rectangle> plates) {
+Enclosure enclosure(const Surface& surface, const Eigen::Vector3d& centroid,
+                    std::span<const PlateFrame> plates) {
   Enclosure result;
-  for (const Rectangle& plate : plates) {
-    const PlateFrame frame = plate_frame(plate);
-    const double to_centre = distance(frame, frame.axes * (surface.centre - frame.corner));
-    result.lower += surface.area / (to_centre + surface.radius);
-    result.upper += to_centre > surface.radius ? surface.area / (to_centre - surface.radius) : infinity;
+  for (const PlateFrame& plate : plates) {
+    const double to_centroid = distance(plate, plate.axes * (centroid - plate.corner));
+    const double farthest = to_centroid + surface.radius, nearest = to_centroid - surface.radius;
+    if (!(nearest > 0)) {
+      result.lower += surface.area / farthest;
+      result.upper = infinity;
+      continue;
+    }
+    const double middle = surface.area / to_centroid;
+    const double error = surface.squared_radius_moment / (nearest * nearest * nearest);
+    result.lower += std::max(surface.area / farthest, middle - error);
+    result.upper += std::min(surface.area / nearest, middle + error);
   }
   return result;
 }

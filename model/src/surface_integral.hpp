@@ -10,6 +10,7 @@
 #include "fringe/rectangle.hpp"
 #include "fringe/surface_tree.hpp"
 #include "fringe/triangle_batch.hpp"
+#include "plate_frame.hpp"
 
 /// ∫dA/d over the surface of one object for the plates of one sensor, all in the object's own frame.
 namespace fringe::detail {
@@ -19,9 +20,10 @@ struct Surface {
   std::vector<Triangle> triangles;
   TriangleBatch batch;
   std::optional<SurfaceTree> tree;  ///< made when the surface is integrated over and over
-  Eigen::Vector3d centre;           ///< of a sphere that holds the surface
-  double radius;
+  Eigen::Vector3d centroid;         ///< of the area
+  double radius;                    ///< of a sphere about the centroid that holds the surface
   double area;
+  double squared_radius_moment;  ///< ∫|p − centroid|² dA
 };
 
 /// @throws InputError when a vertex is not finite.
@@ -40,7 +42,8 @@ struct Enclosure {
   double lower = 0;
   double upper = 0;
 };
-Enclosure enclosure(const Surface& surface, std::span<const Rectangle> plates);
+Enclosure enclosure(const Surface& surface, const Eigen::Vector3d& centroid,
+                    std::span<const PlateFrame> plates);
 
 /// @param options what counts and how it is integrated; the bound is at most tolerance·value + allowance
 SurfaceIntegral surface_integral(const Surface& surface, std::span<const Rectangle> plates,

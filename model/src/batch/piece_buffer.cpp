@@ -47,7 +47,7 @@ double PieceBuffer::careful_kernel(std::size_t piece) const {
   return in_front ? kernel_of_heights(v0.z(), v1.z(), v2.z()) : kernel(v0, v1, v2);
 }
 
-Eigen::Vector3d PieceBuffer::corner(std::size_t piece, int which) const {
+Eigen::Vector3d PieceBuffer::corner(std::size_t piece, std::size_t which) const {
   return {components_[3 * which][piece], components_[3 * which + 1][piece],
           components_[3 * which + 2][piece]};
 }

@@ -26,7 +26,7 @@ class PieceBuffer {
   double careful_kernel(std::size_t piece) const;
 
   /// The vector from the plate to a corner of a waiting piece.
-  Eigen::Vector3d corner(std::size_t piece, int which) const;
+  Eigen::Vector3d corner(std::size_t piece, std::size_t which) const;
 
   const Kernels& kernels_;
   const Choices& choices_;

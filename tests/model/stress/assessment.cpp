@@ -9,6 +9,7 @@
 #include <mpfr.h>
 
 #include "conditioning.hpp"
+#include "fringe/batch_integral.hpp"
 #include "fringe/plate_integral.hpp"
 #include "thesis_formula.hpp"
 
@@ -71,10 +72,22 @@ std::optional<double> error_of(const Specimen& specimen, Judged method) {
   return std::nullopt;
 }
 
+double error_over_allowed(const Specimen& specimen, std::size_t tolerance) {
+  return relative_error(specimen.bounded[tolerance], specimen.truth) /
+         (tolerances[tolerance] + limit * specimen.conditioning);
+}
+
+bool keeps_tolerances(const Specimen& specimen) {
+  for (std::size_t k = 0; k < tolerances.size(); ++k)
+    if (!(error_over_allowed(specimen, k) <= 1))
+      return false;
+  return true;
+}
+
 bool passes(const Specimen& specimen, const TriangleClass& of_class) {
   const double error = *error_of(specimen, Judged::exact);
   return specimen.truth.converged && error <= limit * specimen.conditioning &&
-         (!of_class.well_behaved || error <= largest_well_behaved_error);
+         (!of_class.well_behaved || error <= largest_well_behaved_error) && keeps_tolerances(specimen);
 }
 
 std::vector<Specimen> with_truth(const std::vector<Group>& groups, unsigned threads) {
@@ -104,9 +117,15 @@ Assessment assess(const TriangleClass& of_class, const std::vector<Group>& group
   auto specimen = assessment.specimens.begin();
   for (const Group& group : groups) {
     const std::vector<double> batched = plate_integrals(group.triangles, group.plate);
+    const TriangleBatch batch(group.triangles);
+    std::array<std::vector<double>, tolerances.size()> bounded;
+    for (std::size_t k = 0; k < tolerances.size(); ++k)
+      bounded[k] = plate_integrals(batch, group.plate, {.tolerance = tolerances[k]});
     const std::vector<double> split = plate_integrals(group.triangles, group.plate, Split{4});
     for (std::size_t i = 0; i < group.triangles.size(); ++i, ++specimen) {
       specimen->batched = batched[i];
+      for (std::size_t k = 0; k < tolerances.size(); ++k)
+        specimen->bounded[k] = bounded[k][i];
       specimen->split = split[i];
       specimen->single = plate_integral(group.triangles[i], group.plate);
     }

@@ -24,6 +24,9 @@ constexpr double largest_well_behaved_error = 4e-15;
 enum class Judged { exact, thesis, split };
 constexpr std::array<Judged, 3> judged{Judged::exact, Judged::thesis, Judged::split};
 
+/// Largest relative errors that batches are asked for.
+constexpr std::array<double, 4> tolerances{1e-12, 1e-9, 1e-6, 1e-3};
+
 /// As the report names it.
 std::string name_of(Judged method);
 
@@ -32,9 +35,10 @@ struct Specimen {
   Triangle triangle;
   Rectangle plate;
   Truth truth;
-  double conditioning = smallest_conditioning;  ///< at least that
-  double batched = 0;                           ///< exact, in one call with its whole group
-  double single = 0;                            ///< exact, alone
+  double conditioning = smallest_conditioning;      ///< at least that
+  double batched = 0;                               ///< exact, in one call with its whole group
+  double single = 0;                                ///< exact, alone
+  std::array<double, tolerances.size()> bounded{};  ///< batched, to each tolerance
   double split = 0;
   std::optional<double> thesis;  ///< for triangles in region I
 };
@@ -47,7 +51,13 @@ double relative_error(double value, const Truth& truth);
 /// does not apply.
 std::optional<double> error_of(const Specimen& specimen, Judged method);
 
-/// Whether the exact method is as good as it must be, and the truth is one.
+/// The error of the value for a tolerance over what it may be: the tolerance, and rounding as for `exact`.
+double error_over_allowed(const Specimen& specimen, std::size_t tolerance);
+
+/// Whether all of those are at most 1.
+bool keeps_tolerances(const Specimen& specimen);
+
+/// Whether the exact method is as good as it must be, the tolerances are kept, and the truth is one.
 bool passes(const Specimen& specimen, const TriangleClass& of_class);
 
 struct Assessment {

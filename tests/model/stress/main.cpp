@@ -86,6 +86,10 @@ void print(const ClassSummary& summary) {
                  method.triangles, method.not_finite, shown(method.median_error), shown(method.largest_error),
                  shown(method.median_over_conditioning), shown(method.percentile_99_over_conditioning),
                  shown(method.largest_over_conditioning), method.wrong_by_1_percent);
+  fmt::print("{:<22}error over what a tolerance allows:", summary.of_class.name);
+  for (std::size_t k = 0; k < tolerances.size(); ++k)
+    fmt::print("  {:g}: {:.2g}", tolerances[k], summary.largest_over_allowed[k]);
+  fmt::print("\n");
   if (summary.truth_failed > 0)
     fmt::print("{:<22}the quadrature failed for {} triangles\n", summary.of_class.name, summary.truth_failed);
   std::fflush(stdout);
@@ -144,7 +148,7 @@ int command(int argument_count, char** arguments) {
   CLI::App program(
       "Holds the exact integral against quadrature in higher precision, on random triangles of "
       "every class that has broken a formula. Fails when an error is more than 16 times what one "
-      "unit in the last place of an input changes (c).");
+      "unit in the last place of an input changes (c), or beyond a tolerance asked for.");
   Request request;
   program.add_option("--count", request.count, "Triangles, of all classes together")->capture_default_str();
   program.add_option("--seed", request.seed, "Of the random numbers")->capture_default_str();
@@ -157,21 +161,23 @@ int command(int argument_count, char** arguments) {
       "Print class, triangle, corner, edge_u, edge_v and the integral to 25 digits; judge nothing");
   try {
     program.parse(argument_count, arguments);
-    return run(request);
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? passed : wrong_input;
-  } catch (const InputError& error) {
-    fmt::print(stderr, "plate_integral_stress: {}\n", error.what());
-    return wrong_input;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "plate_integral_stress: {}\n", error.what());
-    return failed;
   }
+  return run(request);
 }
 
 }  // namespace
 }  // namespace fringe::stress
 
 int main(int argument_count, char** arguments) {
-  return fringe::stress::command(argument_count, arguments);
+  try {
+    return fringe::stress::command(argument_count, arguments);
+  } catch (const fringe::InputError& error) {
+    fmt::print(stderr, "plate_integral_stress: {}\n", error.what());
+    return fringe::stress::wrong_input;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "plate_integral_stress: {}\n", error.what());
+    return fringe::stress::failed;
+  }
 }

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include <fmt/format.h>
 #include <rapidjson/prettywriter.h>
 #include <rapidjson/stringbuffer.h>
 
@@ -93,6 +94,11 @@ void write(Writer& writer, const ClassSummary& summary) {
     write(writer, method);
   }
   writer.EndObject();
+  writer.Key("error_over_allowed");
+  writer.StartObject();
+  for (std::size_t k = 0; k < tolerances.size(); ++k)
+    write(writer, fmt::format("{}", tolerances[k]).c_str(), std::optional(summary.largest_over_allowed[k]));
+  writer.EndObject();
   writer.EndObject();
 }
 
@@ -117,10 +123,14 @@ std::string to_json(const Summary& summary) {
 }  // namespace
 
 ClassSummary summarize(const Assessment& assessment) {
-  ClassSummary summary{assessment.of_class, assessment.specimens.size(), 0, {}};
-  for (const Specimen& specimen : assessment.specimens)
+  ClassSummary summary{assessment.of_class, assessment.specimens.size(), 0, {}, {}};
+  for (const Specimen& specimen : assessment.specimens) {
     if (!specimen.truth.converged)
       ++summary.truth_failed;
+    for (std::size_t k = 0; k < tolerances.size(); ++k)
+      summary.largest_over_allowed[k] =
+          std::max(summary.largest_over_allowed[k], error_over_allowed(specimen, k));
+  }
   for (const Judged method : judged)
     summary.methods.emplace_back(name_of(method), summarize(assessment, method));
   return summary;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -28,6 +29,8 @@ struct ClassSummary {
   std::size_t triangles = 0;
   std::size_t truth_failed = 0;
   std::vector<std::pair<std::string, MethodSummary>> methods;
+  /// Of error_over_allowed, for each tolerance.
+  std::array<double, tolerances.size()> largest_over_allowed{};
 };
 
 ClassSummary summarize(const Assessment& assessment);

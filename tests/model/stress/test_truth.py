@@ -66,7 +66,7 @@ class Case(NamedTuple):
 
 
 def cases(name: str) -> list[Case]:
-    command = [PROGRAM, "--only-truth", "--classes", name, "--count", str(PER_CLASS), "--seed", "11"]
+    command = [str(PROGRAM), "--only-truth", "--classes", name, "--count", str(PER_CLASS), "--seed", "11"]
     lines = subprocess.run(
         command, capture_output=True, text=True, check=True, timeout=120
     ).stdout.splitlines()
@@ -80,7 +80,8 @@ def parsed(line: str, name: str) -> Case:
     assert len(numbers) == 18
     exact = [mpmath.mpf(float.fromhex(number)) for number in numbers]
     vectors: list[Vector] = [(exact[i], exact[i + 1], exact[i + 2]) for i in range(0, 18, 3)]
-    return Case(vectors[:3], *vectors[3:], truth=mpmath.mpf(truth))
+    corner, edge_u, edge_v = vectors[3:]
+    return Case(vectors[:3], corner, edge_u, edge_v, mpmath.mpf(truth))
 
 
 def dot(a: Vector, b: Vector) -> mpmath.mpf:

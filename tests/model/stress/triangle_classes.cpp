@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -61,8 +62,8 @@ struct Size {
 /// exchanged, and each may be counted from the other end.
 class View {
  public:
-  View(Random& random, const Size& size)
-      : size_(size), exchanged_(chance(random, 0.5)), flip_x_(chance(random, 0.5)),
+  View(Random& random, Size size)
+      : size_(std::move(size)), exchanged_(chance(random, 0.5)), flip_x_(chance(random, 0.5)),
         flip_y_(chance(random, 0.5)) {}
 
   Size size() const { return exchanged_ ? Size{{size_.length.y(), size_.length.x()}} : size_; }
@@ -108,7 +109,7 @@ bool well_shaped(const Triangle& triangle) {
 template <class Draw>
 Triangle shaped(const Draw& draw) {
   while (true) {
-    const Triangle triangle = draw();
+    Triangle triangle = draw();
     if (well_shaped(triangle))
       return triangle;
   }
@@ -162,13 +163,16 @@ Triangle sliver(Random& random, const Size& size) {
   return {a, b, a + random.uniform(0, 1) * (b - a) + across};
 }
 
-/// In a plane whose slope is `tilt`, over a height of at least 0.3 plate sizes in its middle.
+/// In a plane whose slope is `tilt`, over a height of at least 0.3 plate sizes in its middle; half of them in
+/// front of the plate.
 Triangle tilted(Random& random, const Size& size, double tilt) {
   const double angle = random.uniform(0, 2 * std::numbers::pi);
   const Vector2d slope(tilt * std::cos(angle), tilt * std::sin(angle));
   const double height = random.uniform(0.4, 1.5) * size.scale();
+  const bool in_front = chance(random, 0.5);
   return shaped([&] {
-    Triangle triangle = triangle_around(random, size);
+    Triangle triangle = in_front ? random.triangle_in_box(0.01 * size.extent(), 0.99 * size.extent())
+                                 : triangle_around(random, size);
     for (Vector3d& vertex : triangle)
       vertex.z() = height + slope.dot(vertex.head<2>() - size.length / 2);
     return triangle;
