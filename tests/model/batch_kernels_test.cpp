@@ -85,6 +85,7 @@ TEST_P(BatchKernels, KeepTheirErrorBelowTheTolerance) {
 TEST_P(BatchKernels, MeasureLargeTrianglesOverAllBorders) {
   Random random(4);
   std::vector<Triangle> triangles;
+  triangles.reserve(500);
   for (int i = 0; i < 500; ++i)
     triangles.push_back(random.triangle_in_box({-0.3, -0.3, 0.02}, {0.4, 0.4, 0.1}));
   const std::vector<double> values = integrals(triangles);
@@ -126,6 +127,7 @@ TEST_P(BatchKernels, KeepTheAreaOfSlivers) {
   std::vector<double> twice(count), squared_size(count);
   const double* pointers[9];
   std::vector<Triangle> slivers;
+  slivers.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const Vector3d a = random.in_box({-1, -1, -1}, {1, 1, 1}), b = random.in_box({-1, -1, -1}, {1, 1, 1});
     const Vector3d off = 1e-10 * random.in_box({-1, -1, -1}, {1, 1, 1});
