@@ -37,11 +37,15 @@ const std::vector<GaussRule>& height_nodes() {
   return rules;
 }
 
-/// The smallest ratio of distance to height for which so many Gauss points keep the relative error of a
-/// triangle no longer than most_lengths distances below the tolerance: 60·R^(−2n) with asinh(2·0.9·ratio) =
-/// ln R (model/NUMERICS.md, section 12).
+/// The smallest ratio of distance to height, or a little more, for which so many Gauss points keep the
+/// relative error of a triangle no longer than most_lengths distances below the tolerance:
+/// 128·R^(−2n)/(1 − R⁻²) with asinh(2·0.9·ratio) = ln R (model/NUMERICS.md, section 12).
 double smallest_ratio(int points, double tolerance) {
-  return std::sinh(std::log(60 / tolerance) / (2.0 * points)) / 1.8;
+  const double exponent = 1.0 / (2.0 * points), scale = 128 / tolerance;
+  double growth = std::max(1.0, std::pow(scale, exponent));
+  while (scale > std::pow(growth, 2 * points) * (1 - 1 / (growth * growth)))
+    growth *= 1.001;
+  return std::sinh(std::log(growth)) / 1.8;
 }
 
 }  // namespace
