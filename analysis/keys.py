@@ -34,7 +34,7 @@ def model_key(scene: Scene, study: Study, code: str) -> str:
 
 def reference_key(scene: Scene, study: Study, code: str) -> str:
     """The key of a reference answer; `code` is `reference_code`."""
-    options = {"rtol": study.rtol, "max_seconds": study.max_seconds}
+    options = {"rtol": study.rtol, "max_seconds": study.max_seconds, "error": study.error}
     return _hash({"scene": identity(scene), "options": options, "code": code})
 
 

@@ -11,6 +11,7 @@ from analysis.jobs import Failure
 from analysis.keys import REPOSITORY
 from analysis.processes import Finished, Processes
 from analysis.store import Document, write_json
+from geometries.study import Study
 
 SOLVE, SLICE = "reference", "slice of the potential"
 # The reference's exit codes with an answer: within the asked accuracy, and short of it but with honest bounds.
@@ -18,12 +19,10 @@ _ANSWERED = (0, 3)
 _CACHE = REPOSITORY / "build" / "cache"
 
 
-def solve(
-    scene: Path, target: Path, key: str, rtol: float, max_seconds: float, processes: Processes
-) -> Failure | None:
+def solve(scene: Path, target: Path, key: str, study: Study, processes: Processes) -> Failure | None:
     """Solve a scene file and store the answer with its key; returns why, when there is none."""
-    options = ["--rtol", repr(rtol), "--max-seconds", repr(max_seconds), "--json"]
-    finished = _run([str(scene.resolve()), *options], processes)
+    asked = ["--rtol", repr(study.rtol), "--max-seconds", repr(study.max_seconds), "--error", study.error]
+    finished = _run([str(scene.resolve()), *asked, "--json"], processes)
     if finished.exit_code not in _ANSWERED:
         return _failure(scene, SOLVE, finished)
     document = _parsed(finished.output)

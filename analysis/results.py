@@ -43,6 +43,7 @@ class Results:
     title: str
     rtol: float
     max_seconds: float
+    error: str
     methods: tuple[str, ...]
     machine: dict[str, str]
     failures: tuple[Failure, ...]
@@ -66,6 +67,7 @@ def write_manifest(folder: Path, study: Study, failures: list[Failure]) -> None:
         "title": study.title,
         "rtol": study.rtol,
         "max_seconds": study.max_seconds,
+        "error": study.error,
         "methods": list(study.methods),
         "machine": machine.description(),
         "failures": [asdict(failure) for failure in failures],
@@ -85,6 +87,7 @@ def load(folder: Path) -> Results:
         title=manifest["title"],
         rtol=manifest["rtol"],
         max_seconds=manifest["max_seconds"],
+        error=manifest["error"],
         methods=tuple(manifest["methods"]),
         machine=manifest["machine"],
         failures=tuple(Failure(**failure) for failure in manifest["failures"]),

@@ -7,6 +7,7 @@ from html import escape
 import numpy as np
 
 from analysis import page
+from analysis.answers import ReferenceAnswer
 from analysis.results import Results
 from analysis.statistics import ALL_FAMILIES, Summary
 from analysis.symmetry import Pair
@@ -137,6 +138,9 @@ def _accuracy(results: Results, rows: list[Row]) -> list[str]:
                 f"{np.median(seconds):.1f} s (median) each; the largest relative error of a compared value is {worst:.1e}."
             )
         )
+    enclosed = [answer for answer in solved if answer.error_kind == "enclosure"]
+    if enclosed:
+        parts.append(page.finding(_widths(enclosed)))
     listed = "; ".join(f"{case.family} {case.id}" for case in short)
     if short:
         parts.append(page.paragraph(f"Short of it, kept with their wider errors: {listed}."))
@@ -145,6 +149,19 @@ def _accuracy(results: Results, rows: list[Row]) -> list[str]:
         for method in sorted({answer.method for answer in solved})
     ]
     return parts
+
+
+def _widths(enclosed: list[ReferenceAnswer]) -> str:
+    """How far the proven bounds of the entries are from the best values."""
+    own = [answer.error[0, 0] / answer.maxwell[0, 0] for answer in enclosed]
+    mutual = [answer.error[0, 1] / -answer.maxwell[0, 1] for answer in enclosed if len(answer.maxwell) > 1]
+    sentence = (
+        f"In {len(enclosed)} solves the truth is enclosed, not estimated: the first sensor's own entry to within "
+        f"{np.median(own):.1e} of its best value (median; worst {max(own):.1e})"
+    )
+    if mutual:
+        sentence += f", the mutual one to within {np.median(mutual):.1e} (worst {max(mutual):.1e})"
+    return f"{sentence}."
 
 
 def failures(results: Results) -> str:

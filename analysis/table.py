@@ -160,7 +160,8 @@ def _difference(reference: ReferenceAnswer, empty: CaseResult | None, sensor: st
 def reference_command(results: Results, case: str) -> str:
     """The command, from the repository's folder, that computes the reference's answer for a case."""
     scene = shlex.quote(_from_repository(results.folder / "cases" / case / SCENE))
-    return f"python3 -m fem_reference {scene} --rtol {results.rtol:g} --max-seconds {results.max_seconds:g}"
+    asked = f"--rtol {results.rtol:g} --max-seconds {results.max_seconds:g} --error {results.error}"
+    return f"python3 -m fem_reference {scene} {asked}"
 
 
 def model_command(results: Results, case: str, method: str = COMPARED_METHOD) -> str:

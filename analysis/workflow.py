@@ -102,7 +102,7 @@ def _solve_job(case: Case, study: Study, target: Path, key: str) -> Job:
     scene = target.with_name(SCENE)
     return Job(
         _expected_seconds(case),
-        lambda processes: reference_stage.solve(scene, target, key, study.rtol, study.max_seconds, processes),
+        lambda processes: reference_stage.solve(scene, target, key, study, processes),
     )
 
 

@@ -1,4 +1,4 @@
-"""Command line: python3 -m fem_reference SCENE [--rtol R] [--max-seconds S] [--json] [--slice FILE]."""
+"""Command line: python3 -m fem_reference SCENE [--rtol R] [--error KIND] [--max-…] [--json] [--output F.vtu] [--slice F]."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import argparse
 import logging
 import math
 import os
+import shlex
 import sys
 from pathlib import Path
 
@@ -22,6 +23,12 @@ def _positive(text: str) -> float:
     if not value > 0:
         raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
     return value
+
+
+def _field_file(text: str) -> Path:
+    if not text.endswith(".vtu"):
+        raise argparse.ArgumentTypeError(f"{text!r} does not end in .vtu")
+    return Path(text)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -41,7 +48,33 @@ def _parser() -> argparse.ArgumentParser:
         default=math.inf,
         help="start no level that would end later than this",
     )
+    parser.add_argument(
+        "--max-unknowns",
+        type=_positive,
+        default=math.inf,
+        help="start no level that would have more unknowns than this",
+    )
+    parser.add_argument(
+        "--max-memory",
+        type=_positive,
+        default=math.inf,
+        metavar="GIB",
+        help="start no level that would take more memory than this",
+    )
+    parser.add_argument(
+        "--error",
+        choices=("enclosure", "estimate"),
+        default="enclosure",
+        help="what rtol is asked of: half the width of intervals proven to hold the truth (default), or errors estimated from "
+        "successive meshes, several times faster",
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON document and nothing else")
+    parser.add_argument(
+        "--output",
+        metavar="FILE.vtu",
+        type=_field_file,
+        help="also write potential, field and bodies, the first sensor at 1 V, on the coarsest mesh, for ParaView",
+    )
     parser.add_argument(
         "--slice",
         metavar="FILE",
@@ -66,18 +99,42 @@ def main(arguments: list[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     continue_with("dolfinx")
     _prepare_libraries()
+    from mpi4py import MPI
+
     from fem_reference import output
+    from fem_reference.limits import Limits
     from geometries.errors import InputError
 
+    # Every process runs all of this, and comes to the same end; one of them says so.
+    is_first = MPI.COMM_WORLD.rank == 0
+    told = sys.stderr if is_first else open(os.devnull, "w", encoding="utf-8")
     try:
+        alone = [
+            ("--slice", options.slice),
+            ("--output", options.output),
+            ("--error enclosure", options.error == "enclosure"),
+        ]
+        what = next((name for name, asked in alone if asked), None)
+        if MPI.COMM_WORLD.size > 1 and what is not None:
+            raise InputError(
+                options.scene, what, "is made by a single process; several solve with --error estimate"
+            )
         if options.slice is not None:
             return output.write_slice(Path(options.scene), Path(options.slice))
-        return output.answer(Path(options.scene), options.rtol, options.max_seconds, options.json)
+        if options.output is not None:
+            output.write_field(Path(options.scene), options.output)
+        limits = Limits(options.max_seconds, options.max_unknowns, options.max_memory * 2**30)
+        return output.answer(Path(options.scene), options.rtol, limits, options.error, options.json)
     except InputError as wrong:
-        print(f"fem_reference: {wrong}", file=sys.stderr)
+        print(f"fem_reference: {wrong}", file=told)
         return WRONG_INPUT
     except (RuntimeError, OSError, MemoryError) as failure:
-        print(f"fem_reference: {options.scene}: {failure or 'out of memory'}", file=sys.stderr)
+        words = shlex.join(sys.argv[1:] if arguments is None else arguments)
+        print(
+            f"fem_reference: {options.scene}: {failure or 'out of memory'}; "
+            f"to see it again: python3 -m fem_reference {words}",
+            file=told,
+        )
         return FAILED
 
 

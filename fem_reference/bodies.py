@@ -1,4 +1,4 @@
-"""The conductors as the field solver sees them: rectangles without thickness, discs, and solid cuboids, in the world frame.
+"""The bodies as the field solver sees them: rectangles without thickness, discs, and solids, in the world frame.
 
 Every body answers the same questions: how large is it, where are its edges (the charge is singular there), and how far
 is a point from it. The distances are closed forms in the body's own frame, where its symmetry planes fold space into one
@@ -12,6 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
+
+from fem_reference.polyhedron import Polyhedron
+from fem_reference.round_bodies import Arc, Cone, Cylinder, Sphere
 
 Vector = NDArray[np.float64]
 
@@ -113,10 +116,10 @@ class Cuboid:
         return np.array([origin + a * u + b * v + c * w for c in (0, 1) for b in (0, 1) for a in (0, 1)])
 
 
-Body = Rectangle | Disc | Cuboid
+Body = Rectangle | Disc | Cuboid | Sphere | Cylinder | Cone | Arc | Polyhedron
 
 
-def _folded(body: Body, points: Vector) -> Vector:
+def _folded(body: Rectangle | Disc, points: Vector) -> Vector:
     """Coordinates (3, n) of points in the body's frame, folded into the first octant by the body's symmetry."""
     return np.asarray(np.abs((points - body.centre) @ body.axes.T).T)
 

@@ -11,10 +11,14 @@ import basix
 import dolfinx
 import gmsh
 import numpy as np
+from mpi4py import MPI
 from petsc4py import PETSc
 
+from fem_reference.field_file import write_field_file
 from fem_reference.potential_slice import potential_slice
-from fem_reference.reference import Level, Reference, maxwell
+from fem_reference.level import Level
+from fem_reference.limits import Limits
+from fem_reference.reference import ErrorKind, Reference, maxwell
 from geometries.files import whole_file
 from geometries.reader import load
 
@@ -25,26 +29,38 @@ METHOD = (
     "Richardson extrapolation over meshes of edge size h, h/2, h/4 … where the ratio of their differences is that of the "
     "theory; the error is an estimate from those differences, plus a bound on the open boundary and what all meshes share"
 )
+INTERVAL: dict[ErrorKind, str] = {
+    "estimate": "lower and upper are the value less and plus its estimated error",
+    "enclosure": "lower and upper enclose the true value: energies of a continuous potential and of a divergence-free flux, "
+    "both continued to infinity and integrated to rounding on straight and quarter-point cells; the surfaces of the bodies "
+    "listed as curved are those of second-order cells, whose deviation widens the interval by an estimate",
+}
 
 
-def answer(path: Path, rtol: float, max_seconds: float, as_json: bool) -> int:
+def answer(path: Path, rtol: float, limits: Limits, error: ErrorKind, as_json: bool) -> int:
     """Solve a scene file and print the answer; returns the exit status."""
     scene = load(path)
-    reference = maxwell(scene, rtol, max_seconds, str(path), None if as_json else _tell_level)
+    is_first = MPI.COMM_WORLD.rank == 0
+    progress = _tell_level if is_first and not as_json else None
+    reference = maxwell(scene, rtol, limits, str(path), progress, error)
+    status = ANSWERED if reference.reached else NOT_REACHED
+    if not is_first:
+        return status
     if as_json:
         print(json.dumps(document(reference)))
     else:
         print(table(reference))
     if not reference.reached:
         print(
-            f"fem_reference: {path}: asked {rtol:.3g}, reached {reference.worst:.3g} in {reference.seconds:.0f} s",
+            f"fem_reference: {path}: asked {rtol:.3g}, reached {reference.worst:.3g} in {reference.seconds:.0f} s; "
+            f"{reference.stopped_by}",
             file=sys.stderr,
         )
-    return ANSWERED if reference.reached else NOT_REACHED
+    return status
 
 
 def document(reference: Reference) -> dict[str, Any]:
-    """The answer as plain data: farads, metres, seconds; matrices row by row in the order of `conductors`."""
+    """The answer as plain data: farads, metres, seconds, bytes; matrices row by row in the order of `conductors`."""
     sensors = reference.names[: reference.sensors]
     result: dict[str, Any] = {
         "conductors": list(reference.names),
@@ -54,7 +70,7 @@ def document(reference: Reference) -> dict[str, Any]:
         "error": reference.maxwell.error.tolist(),
         "extrapolated": reference.maxwell.extrapolated.tolist(),
     }
-    if len(reference.names) > len(sensors):
+    if reference.has_objects:
         result["delta_self"] = {
             name: {
                 "value": float(reference.delta_self.value[k]),
@@ -62,15 +78,29 @@ def document(reference: Reference) -> dict[str, Any]:
             }
             for k, name in enumerate(sensors)
         }
+    finest = reference.levels[-1]
     return result | {
+        "floating": list(reference.floating),
+        "dielectrics": [
+            {"name": body.name, "relative_permittivity": body.relative_permittivity}
+            for body in reference.dielectrics
+        ],
         "rtol": reference.rtol,
         "reached": reference.reached,
+        "stopped_by": reference.stopped_by,
         "worst_relative_error": reference.worst,
-        "error_kind": "estimate",
+        "error_kind": reference.error_kind,
+        "interval": INTERVAL[reference.error_kind],
+        "curved": list(reference.curved),
+        "symmetry_planes": [
+            {"normal": plane.normal.tolist(), "offset": plane.offset} for plane in reference.planes
+        ],
         "method": METHOD,
         "levels": [_level_document(level) for level in reference.levels],
-        "unknowns": reference.levels[-1].unknowns,
+        "unknowns": finest.unknowns,
+        "memory_per_unknown": finest.memory / finest.unknowns,
         "seconds": reference.seconds,
+        "processes": MPI.COMM_WORLD.size,
         "versions": versions(),
     }
 
@@ -95,14 +125,26 @@ def table(reference: Reference) -> str:
     for i, name in enumerate(reference.names):
         entries = (f"{value[i, j]:.6f} ± {error[i, j]:.6f}" for j in range(len(reference.names)))
         lines.append(f"{name:<{width}}" + "".join(f"{entry:>24}" for entry in entries))
-    if len(reference.names) > reference.sensors:
+    if reference.enclosure is not None:
+        lines.append("proven to lie in")
+        lower, upper = reference.lower / PICOFARAD, reference.upper / PICOFARAD
+        for i, name in enumerate(reference.names):
+            entries = (f"[{lower[i, j]:.6f}, {upper[i, j]:.6f}]" for j in range(len(reference.names)))
+            lines.append(f"{name:<{width}}" + "".join(f"{entry:>24}" for entry in entries))
+    if reference.has_objects:
         lines.append("delta_self, pF: the sensor's own entry less what it is without the objects")
         for k, name in enumerate(reference.names[: reference.sensors]):
             change = reference.delta_self.value[k] / PICOFARAD, reference.delta_self.error[k] / PICOFARAD
             lines.append(f"{name:<{width}}" + f"{change[0]:.6f} ± {change[1]:.6f}".rjust(24))
+    if reference.floating:
+        lines.append(f"floating, without charge and so without a row: {', '.join(reference.floating)}")
+    for body in reference.dielectrics:
+        lines.append(f"dielectric: {body.name}, relative permittivity {body.relative_permittivity:g}")
+    if reference.planes:
+        lines.append(f"planes of symmetry found: {len(reference.planes)}; one side of them was solved")
     finest = reference.levels[-1]
     lines.append(
-        f"largest relative error {reference.worst:.2e} (estimate), {len(reference.levels)} levels, "
+        f"largest relative error {reference.worst:.2e} ({reference.error_kind}), {len(reference.levels)} levels, "
         f"{finest.unknowns} unknowns, {reference.seconds:.1f} s"
     )
     return "\n".join(lines)
@@ -116,6 +158,13 @@ def write_slice(path: Path, target: Path) -> int:
     return ANSWERED
 
 
+def write_field(path: Path, target: Path) -> None:
+    """Write the field around the scene to a VTU file, whole or not at all."""
+    if not target.parent.is_dir():
+        raise FileNotFoundError(f"there is no folder {target.parent} for {target.name}")
+    write_field_file(load(path), target, str(path))
+
+
 def _tell_level(level: Level, worst: float) -> None:
     print(
         f"edge size {level.edge_size * 1e3:.3g} mm: {level.unknowns} unknowns, {level.seconds:.1f} s, "
@@ -126,7 +175,7 @@ def _tell_level(level: Level, worst: float) -> None:
 
 
 def _level_document(level: Level) -> dict[str, Any]:
-    return {
+    described: dict[str, Any] = {
         "h_min": level.edge_size,
         "unknowns": level.unknowns,
         "cells": level.cells,
@@ -135,3 +184,10 @@ def _level_document(level: Level) -> dict[str, Any]:
         "delta_self": level.delta_self.tolist(),
         "sensors_alone": level.sensors_alone.tolist(),
     }
+    if level.enclosure is not None:
+        described |= {
+            "lower": level.enclosure.lower.tolist(),
+            "upper": level.enclosure.upper.tolist(),
+            "flux_seconds": level.flux_seconds,
+        }
+    return described

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from fem_reference.mesh import tagged_mesh
 from fem_reference.scene_bodies import Conductors, conductors
 from fem_reference.sizing import Sizing
-from fem_reference.solve import FieldProblem
+from fem_reference.solve import FieldProblem, first_sensor_driven
 from geometries.scene import Scene
 
 Array = NDArray[np.float64]
@@ -29,13 +29,15 @@ def potential_slice(scene: Scene, source: str = "scene") -> dict[str, Any]:
 
     The plane is vertical and goes through the centre of the first sensor and that of all other conductors; along x when
     they stand above each other. A point of it is origin + along·direction horizontally, z upwards; rows of `potential`
-    follow z. The first sensor is at 1 V, every other conductor grounded. Raises InputError as `conductors` does.
+    follow z. The first sensor is at 1 V, every other conductor grounded or, if floating, without charge. Raises InputError as `conductors` does.
     """
     problem = conductors(scene, source)
-    mesh = tagged_mesh(problem.bodies, problem.owner, Sizing(), straight=True)
-    system = FieldProblem(mesh, [problem.bodies_of(k) for k in range(len(problem.names))])
+    mesh = tagged_mesh(
+        problem.bodies, problem.owner, Sizing(), straight=True, dielectrics=problem.permittivities
+    )
+    system = FieldProblem(mesh, problem.parts, problem.permittivities)
     potential = fem.Function(system.space)
-    potential.x.array[:] = system.potentials(range(len(problem.names)))[0]
+    potential.x.array[:] = first_sensor_driven(system, len(problem.floating))
     origin, direction = _vertical_plane(problem)
     offsets = np.linspace(-REACH, REACH, POINTS)
     along, z = np.meshgrid(offsets, offsets)

@@ -2,41 +2,37 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
-from fem_reference.convergence import SHARED_ERROR, Estimate, estimate, open_boundary_error
-from fem_reference.mesh import OUTER_RADIUS, tagged_mesh
-from fem_reference.scene_bodies import Conductors, conductors
-from fem_reference.sizing import Sizing
-from fem_reference.solve import Charges, FieldProblem, charges
+from fem_reference.convergence import Estimate, estimate, open_boundary_error, shared_error
+from fem_reference.enclosure import Enclosure, intersection
+from fem_reference.level import Level, solve_level
+from fem_reference.limits import Limits
+from fem_reference.mesh import OUTER_RADIUS
+from fem_reference.scene_bodies import Conductors, Dielectric, conductors
+from fem_reference.size_rules import Sizing, growth_for
+from fem_reference.symmetry import Plane, mirror_planes
 from geometries.scene import Scene
 
 Array = NDArray[np.float64]
+ErrorKind = Literal["enclosure", "estimate"]
 
 LEVELS_BEFORE_CHECK = 3
 """The ratio of two differences takes three levels: with fewer no accuracy counts as reached."""
-MOST_LEVELS = 6
+MOST_LEVELS = 7
 GROWTH_OF_TIME = 3.2
 """Time of a level over that of the one before, somewhat above the largest ratio met in the default study (2.9)."""
-
-
-@dataclass(frozen=True)
-class Level:
-    """What one mesh gave; farads, and the size of its tetrahedra at the finest body's edges in metres."""
-
-    edge_size: float
-    unknowns: int
-    cells: int
-    seconds: float
-    maxwell: Array
-    sensors_alone: Array
-    delta_self: Array
+GROWTH_OF_UNKNOWNS = 2.4
+"""The same for unknowns and memory: the cells along the edges double."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +48,22 @@ class Reference:
     levels: tuple[Level, ...]
     rtol: float
     seconds: float
+    floating: tuple[str, ...] = ()
+    """Conductors without charge: eliminated from the matrix."""
+    dielectrics: tuple[Dielectric, ...] = ()
+    curved: tuple[str, ...] = ()
+    """Bodies with curved surfaces, of which the cells are an approximation."""
+    planes: tuple[Plane, ...] = ()
+    """Planes of symmetry, metres; the answer is that of one side of them, a half, a quarter or an eighth of space."""
+    enclosure: Enclosure | None = None
+    """Where the entries of the Maxwell matrix lie, when asked for."""
+    stopped_by: str | None = None
+    """The limit that ended the refinement."""
+
+    @property
+    def has_objects(self) -> bool:
+        """Whether there is anything that `delta_self` could be due to."""
+        return len(self.names) > self.sensors or bool(self.floating or self.dielectrics)
 
     @property
     def reached(self) -> bool:
@@ -59,35 +71,53 @@ class Reference:
         return len(self.levels) >= LEVELS_BEFORE_CHECK and self.worst <= self.rtol
 
     @property
+    def error_kind(self) -> ErrorKind:
+        return "estimate" if self.enclosure is None else "enclosure"
+
+    @property
     def worst(self) -> float:
-        """The largest relative error among the entries of the Maxwell matrix and the delta_self."""
-        pairs = [self.maxwell] if len(self.names) == self.sensors else [self.maxwell, self.delta_self]
+        """The largest relative error among the entries of the Maxwell matrix, and the delta_self if errors are estimates.
+
+        Of an enclosure: half its width. What is proven says nothing about the difference of two solutions.
+        """
+        if self.enclosure is not None:
+            return float(np.max(self.enclosure.half_width / np.abs(self.maxwell.value)))
+        pairs = [self.maxwell, self.delta_self] if self.has_objects else [self.maxwell]
         return float(max(np.max(pair.error / np.abs(pair.value)) for pair in pairs))
 
     @property
     def lower(self) -> Array:
+        if self.enclosure is not None:
+            return self.enclosure.lower
         return np.asarray(self.maxwell.value - self.maxwell.error)
 
     @property
     def upper(self) -> Array:
+        if self.enclosure is not None:
+            return self.enclosure.upper
         return np.asarray(self.maxwell.value + self.maxwell.error)
+
+
+Progress = Callable[[Level, float], None]
 
 
 def maxwell(
     scene: Scene,
     rtol: float = 1e-3,
-    max_seconds: float = float("inf"),
+    limits: Limits = Limits(),
     source: str = "scene",
-    progress: Callable[[Level, float], None] | None = None,
+    progress: Progress | None = None,
+    error: ErrorKind = "enclosure",
 ) -> Reference:
     """Solve the scene on finer and finer meshes until every entry's relative error is at most `rtol`.
 
-    Stops unfinished (`reached` False, the errors as they are) when the next level would end after `max_seconds`.
-    `progress` is told every level and the largest relative error so far. Raises InputError for scenes that cannot be
-    solved, RuntimeError when the mesher or the solver fails.
+    `error` says which: half the width of an interval that is proven to hold the truth, or an estimate from successive
+    levels, several times faster. Stops unfinished (`reached` False, the errors as they are) when the next level would go
+    beyond the limits. `progress` is told every level and the largest relative error so far. Raises InputError for
+    scenes that cannot be solved, RuntimeError when the mesher or the solver fails.
     """
     return solve_conductors(
-        conductors(scene, source), scene.medium.relative_permittivity, rtol, max_seconds, progress
+        conductors(scene, source), scene.medium.relative_permittivity, rtol, limits, progress, error
     )
 
 
@@ -95,59 +125,90 @@ def solve_conductors(
     problem: Conductors,
     relative_permittivity: float = 1.0,
     rtol: float = 1e-3,
-    max_seconds: float = float("inf"),
-    progress: Callable[[Level, float], None] | None = None,
+    limits: Limits = Limits(),
+    progress: Progress | None = None,
+    error: ErrorKind = "enclosure",
 ) -> Reference:
     """As `maxwell`, for conductors given as bodies."""
     start = time.monotonic()
+    growth = growth_for(rtol)
+    planes = mirror_planes(problem.bodies, problem.owner)
     levels: list[Level] = []
+    next_enclosed = 0
     while True:
-        levels.append(_level(problem, relative_permittivity, 2.0 ** len(levels)))
-        answer = _answer(problem, relative_permittivity, levels, rtol, time.monotonic() - start)
+        number = len(levels)
+        sizing = Sizing(refinement=2.0**number, growth=growth)
+        # The next level may be the last when there are limits, and is when none are left.
+        enclosed = error == "enclosure" and (
+            number >= next_enclosed
+            or number == MOST_LEVELS - 1
+            or (limits != Limits() and next_enclosed < MOST_LEVELS)
+        )
+        levels.append(solve_level(problem, relative_permittivity, sizing, enclosed, planes))
+        answer = _answer(problem, relative_permittivity, levels, rtol, growth, time.monotonic() - start)
+        answer = replace(answer, planes=tuple(problem.in_metres(plane) for plane in planes))
         if progress is not None:
             progress(levels[-1], answer.worst)
-        predicted = answer.seconds + GROWTH_OF_TIME * levels[-1].seconds
-        if answer.reached or len(levels) == MOST_LEVELS or predicted > max_seconds:
-            return answer
+        # Every process takes the decision of the first, whose clock it is.
+        stopped_by = MPI.COMM_WORLD.bcast(_stopped_by(levels, limits, answer.seconds))
+        if answer.reached or len(levels) == MOST_LEVELS or stopped_by is not None:
+            most = f"{MOST_LEVELS} levels are the most"
+            return answer if answer.reached else replace(answer, stopped_by=stopped_by or most)
+        if enclosed:
+            next_enclosed = number + _halvings(answer.worst, rtol)
 
 
-def _level(problem: Conductors, relative_permittivity: float, refinement: float) -> Level:
-    start = time.monotonic()
-    sizing = Sizing(refinement=refinement)
-    mesh = tagged_mesh(problem.bodies, problem.owner, sizing)
-    system = FieldProblem(mesh, [problem.bodies_of(k) for k in range(len(problem.names))])
-    found: Charges = charges(system, problem.sensors)
-    farads = epsilon_0 * relative_permittivity * problem.unit
-    smallest = min(body.size for body in problem.bodies)
-    return Level(
-        sizing.edge * smallest * problem.unit / refinement,
-        found.unknowns,
-        mesh.cell_count,
-        time.monotonic() - start,
-        farads * found.maxwell,
-        farads * found.sensors_alone,
-        farads * np.diag(found.maxwell[: problem.sensors, : problem.sensors] - found.sensors_alone),
-    )
+def _halvings(worst: float, rtol: float) -> int:
+    """How many halvings of the edge size to go before the next enclosure; no further one is needed when it is narrow enough.
+
+    The width falls at least like the edge size, on the coarsest levels faster: from two levels on it is worth asking.
+    """
+    if worst <= rtol:
+        return MOST_LEVELS
+    return min(math.ceil(math.log2(worst / rtol)), 2)
+
+
+def _stopped_by(levels: Sequence[Level], limits: Limits, seconds: float) -> str | None:
+    last = levels[-1]
+    # A level without bounds says nothing about their time; it goes with the cells.
+    flux = max(level.flux_seconds / level.cells for level in levels) * last.cells
+    predicted = seconds + GROWTH_OF_TIME * (last.seconds - last.flux_seconds + flux)
+    return limits.exceeded_by(predicted, GROWTH_OF_UNKNOWNS * last.unknowns, GROWTH_OF_UNKNOWNS * last.memory)
 
 
 def _answer(
-    problem: Conductors, relative_permittivity: float, levels: Sequence[Level], rtol: float, seconds: float
+    problem: Conductors,
+    relative_permittivity: float,
+    levels: Sequence[Level],
+    rtol: float,
+    growth: float,
+    seconds: float,
 ) -> Reference:
     """Extrapolate, and add what the levels share: the open boundary, and the elements away from the edges."""
     farads = epsilon_0 * relative_permittivity * problem.unit
     finest = levels[-1].maxwell
-    boundary = farads * open_boundary_error(finest / farads, 1.0, OUTER_RADIUS)
+    boundary = problem.most_charge**2 * farads * open_boundary_error(finest / farads, 1.0, OUTER_RADIUS)
     matrix = estimate([level.maxwell for level in levels])
     change = estimate([level.delta_self for level in levels])
     relative_boundary = (np.diag(boundary) / np.diag(finest))[: problem.sensors]
-    matrix_error = matrix.error + boundary + SHARED_ERROR * np.abs(matrix.value)
-    change_error = change.error + (relative_boundary + SHARED_ERROR) * np.abs(change.value)
+    matrix_error = matrix.error + boundary + shared_error(growth) * np.abs(matrix.value)
+    change_error = change.error + (relative_boundary + shared_error(growth)) * np.abs(change.value)
+    value = matrix.value
+    proven = [level.enclosure for level in levels if level.enclosure is not None]
+    interval = intersection(proven) if proven else None
+    if interval is not None:
+        value = np.clip(value, interval.lower, interval.upper)
+        matrix_error = np.minimum(matrix_error, np.maximum(value - interval.lower, interval.upper - value))
     return Reference(
         problem.names,
         problem.sensors,
-        Estimate(matrix.value, matrix_error, matrix.extrapolated),
+        Estimate(value, matrix_error, matrix.extrapolated),
         Estimate(change.value, change_error, change.extrapolated),
         tuple(levels),
         rtol,
         seconds,
+        problem.floating,
+        problem.dielectrics,
+        problem.curved,
+        enclosure=interval,
     )

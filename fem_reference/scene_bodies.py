@@ -9,14 +9,19 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_reference.bodies import Body, Cuboid, Disc, Rectangle, separation
+from fem_reference.bodies import Body, Cuboid, Rectangle
+from fem_reference.distances import TOUCHING, distance, holds, touch_with_faces
 from fem_reference.mesh import bounding_sphere
+from fem_reference.polyhedron import NotASolid, Polyhedron, polyhedron
+from fem_reference.round_bodies import Arc, Cone, Cylinder, Sphere
+from fem_reference.symmetry import Plane
+from geometries import shapes
 from geometries.errors import InputError
 from geometries.scene import Object, Scene
-from geometries.shapes import Cuboid as CuboidShape
-from geometries.shapes import PlateShape
+from geometries.shapes import MeshShape, PlateShape
 
 Array = NDArray[np.float64]
+ClosedFormShape = PlateShape | shapes.Cuboid | shapes.Sphere | shapes.Cylinder | shapes.Cone | shapes.Arc
 
 SMALLEST_GAP = 1e-3
 """Smallest gap over the smaller of two bodies' sizes. The mesh resolves every gap, and its size grows like the square of
@@ -24,53 +29,121 @@ size over gap: below this a case would not fit the machine."""
 
 
 @dataclass(frozen=True)
+class Dielectric:
+    """A body without charge of its own; `contrast` is its relative permittivity over the medium's."""
+
+    name: str
+    relative_permittivity: float
+    contrast: float
+
+
+@dataclass(frozen=True)
 class Conductors:
-    """The conductors of a scene, sensors first; `bodies[k]` is a part of conductor `owner[k]`. Lengths over `unit`."""
+    """What a scene is made of. Lengths over `unit`.
+
+    `bodies[k]` is a part of number `owner[k]`: numbers go through the conductors of the Maxwell matrix, sensors first,
+    then through the floating conductors, then through the dielectric bodies.
+    """
 
     names: tuple[str, ...]
+    """The conductors that have a row in the Maxwell matrix."""
     sensors: int
     bodies: tuple[Body, ...]
     owner: tuple[int, ...]
     centre: Array
     unit: float
+    floating: tuple[str, ...] = ()
+    dielectrics: tuple[Dielectric, ...] = ()
 
     def bodies_of(self, conductor: int) -> list[int]:
         return [k for k, owner in enumerate(self.owner) if owner == conductor]
 
+    @property
+    def parts(self) -> list[list[int]]:
+        """The bodies of every conductor, the floating ones last."""
+        return [self.bodies_of(k) for k in range(len(self.names) + len(self.floating))]
+
+    def in_metres(self, plane: Plane) -> Plane:
+        """A plane of the scaled scene in the world frame."""
+        return Plane(plane.normal, float(self.unit * plane.offset + plane.normal @ self.centre))
+
+    @property
+    def curved(self) -> tuple[str, ...]:
+        """The bodies with curved surfaces."""
+        return tuple(
+            body.name for body in self.bodies if not isinstance(body, Rectangle | Cuboid | Polyhedron)
+        )
+
+    @property
+    def permittivities(self) -> dict[int, float]:
+        """Of the dielectric bodies, relative to the medium's."""
+        first = len(self.names) + len(self.floating)
+        return {
+            body: dielectric.contrast
+            for k, dielectric in enumerate(self.dielectrics)
+            for body in self.bodies_of(first + k)
+        }
+
+    @property
+    def most_charge(self) -> float:
+        """Bound on the sum of |charge| in the scene over twice the driven conductor's charge, the others grounded.
+
+        Every field line starts on the driven conductor. It ends and starts again at most once on each floating conductor;
+        a share |1 − 1/ε| of it does on the surface of a dielectric body, which it is taken to cross once.
+        """
+        return 1 + len(self.floating) + sum(abs(1 - 1 / body.contrast) for body in self.dielectrics)
+
 
 def conductors(scene: Scene, source: str = "scene") -> Conductors:
-    """The conductors of a scene, moved to the origin and scaled by the radius of their bounding sphere.
+    """The conductors and dielectric bodies of a scene, moved to the origin and scaled by their bounding sphere's radius.
 
     So the mesh, and every number but the unit, is the same for a scene of twice the size or elsewhere. Raises InputError
     for what cannot be solved: no conductor, a shape or material the solver does not know, conductors that touch.
     """
-    names: list[str] = []
-    bodies: list[Body] = []
-    owner: list[int] = []
-    for sensor in scene.sensors:
-        for corner, edge_u, edge_v in scene.sensor_rectangles(sensor.name):
-            owner.append(len(names))
-            bodies.append(rectangle(sensor.name, corner, edge_u, edge_v))
-        names.append(sensor.name)
-    for body in scene.objects:
-        owner.append(len(names))
-        bodies.append(_object_body(scene, body, source))
-        names.append(body.name)
     if not scene.sensors:
         raise InputError(source, "sensor", "nothing to solve: the scene has no capacitive sensor")
+    solid = [body for body in scene.objects if body.relative_permittivity is None]
+    grounded = [body for body in solid if body.potential == "grounded"]
+    floating = [body for body in solid if body.potential == "floating"]
+    dielectric = [body for body in scene.objects if body.relative_permittivity is not None]
+    bodies: list[Body] = []
+    owner: list[int] = []
+    for k, sensor in enumerate(scene.sensors):
+        for corner, edge_u, edge_v in scene.sensor_rectangles(sensor.name):
+            owner.append(k)
+            bodies.append(rectangle(sensor.name, corner, edge_u, edge_v))
+    for k, body in enumerate([*grounded, *floating, *dielectric]):
+        owner.append(len(scene.sensors) + k)
+        bodies.append(_object_body(scene, body, source))
     for first, second in combinations(range(len(bodies)), 2):
         if owner[first] != owner[second]:
-            _refuse_contact(bodies[first], bodies[second], source)
-    return normalised(names, len(scene.sensors), bodies, owner)
+            # Dielectric bodies come last: the second of two is one when either is.
+            any_dielectric = owner[second] >= len(scene.sensors) + len(solid)
+            _refuse_contact(bodies[first], bodies[second], any_dielectric, source)
+    return normalised(
+        [sensor.name for sensor in scene.sensors] + [body.name for body in grounded],
+        len(scene.sensors),
+        bodies,
+        owner,
+        [body.name for body in floating],
+        [_dielectric(body, scene) for body in dielectric],
+    )
 
 
 def normalised(
-    names: Sequence[str], sensors: int, bodies: Sequence[Body], owner: Sequence[int]
+    names: Sequence[str],
+    sensors: int,
+    bodies: Sequence[Body],
+    owner: Sequence[int],
+    floating: Sequence[str] = (),
+    dielectrics: Sequence[Dielectric] = (),
 ) -> Conductors:
-    """Conductors from bodies in metres: `bodies[k]` is a part of conductor `owner[k]`, the first `sensors` are sensors."""
+    """Conductors from bodies in metres: `bodies[k]` is a part of number `owner[k]`, the first `sensors` are sensors."""
     centre, unit = bounding_sphere(bodies)
     moved = tuple(_moved(body, centre, unit) for body in bodies)
-    return Conductors(tuple(names), sensors, moved, tuple(owner), centre, unit)
+    return Conductors(
+        tuple(names), sensors, moved, tuple(owner), centre, unit, tuple(floating), tuple(dielectrics)
+    )
 
 
 def rectangle(name: str, corner: Array, edge_u: Array, edge_v: Array) -> Rectangle:
@@ -81,29 +154,63 @@ def rectangle(name: str, corner: Array, edge_u: Array, edge_v: Array) -> Rectang
     return Rectangle(name, corner + (edge_u + edge_v) / 2, axes, (widths[0] / 2, widths[1] / 2))
 
 
+def _dielectric(body: Object, scene: Scene) -> Dielectric:
+    assert body.relative_permittivity is not None
+    contrast = body.relative_permittivity / scene.medium.relative_permittivity
+    return Dielectric(body.name, body.relative_permittivity, contrast)
+
+
 def _object_body(scene: Scene, body: Object, source: str) -> Body:
     key = f'object "{body.name}"'
-    if body.relative_permittivity is not None:
-        raise InputError(source, f"{key}: material", "the field reference solves for conductors only")
-    if body.potential != "grounded":
-        raise InputError(source, f"{key}: potential", "the field reference solves for grounded objects only")
+    if body.relative_permittivity is not None and isinstance(body.shape, PlateShape):
+        raise InputError(source, f"{key}: shape.type", "a plate has no volume that could be dielectric")
     rotation, translation = scene.pose_of_object(body.name)
-    shape = body.shape
-    if isinstance(shape, PlateShape):
-        x, y = shape.size
-        return Rectangle(body.name, translation, rotation.T, (x / 2, y / 2))
-    if isinstance(shape, CuboidShape):
-        x, y, z = shape.size
-        return Cuboid(body.name, translation, rotation.T, (x / 2, y / 2, z / 2))
-    raise InputError(source, f"{key}: shape.type", "the field reference knows plates and cuboids only")
+    if isinstance(body.shape, MeshShape):
+        try:
+            return polyhedron(body.name, body.shape.triangles() @ rotation.T + translation)
+        except NotASolid as reason:
+            raise InputError(source, f"{key}: shape.file", f"{body.shape.file} {reason}") from reason
+    return _placed(body.name, body.shape, rotation.T, translation)
 
 
-def _refuse_contact(first: Body, second: Body, source: str) -> None:
-    assert not isinstance(first, Disc) and not isinstance(second, Disc), "scenes have no discs"
-    gap = separation(first, second)
-    size = min(first.size, second.size)
+def _placed(name: str, shape: ClosedFormShape, axes: Array, centre: Array) -> Body:
+    """The body of a shape whose frame has these axes (rows) and this origin."""
+    match shape:
+        case PlateShape():
+            x, y = shape.size
+            return Rectangle(name, centre, axes, (x / 2, y / 2))
+        case shapes.Cuboid():
+            x, y, z = shape.size
+            return Cuboid(name, centre, axes, (x / 2, y / 2, z / 2))
+        case shapes.Sphere():
+            return Sphere(name, centre, shape.radius)
+        case shapes.Cylinder():
+            return Cylinder(name, centre, axes, shape.radius, shape.height)
+        case shapes.Cone():
+            return Cone(name, centre, axes, shape.radius, shape.height)
+        case shapes.Arc():
+            half_angle = np.radians(shape.degrees) / 2
+            return Arc(name, centre, axes, shape.inner_radius, shape.outer_radius, shape.height, half_angle)
+
+
+def _refuse_contact(first: Body, second: Body, dielectric: bool, source: str) -> None:
+    """Refuse bodies that meet or nearly do; when the second is `dielectric` it may touch the first with a face."""
     key = f'"{first.name}" and "{second.name}"'
-    if gap <= 1e-9 * size:
+    gap = distance(first, second)
+    size = min(first.size, second.size)
+    if dielectric and gap <= TOUCHING * size and touch_with_faces(first, second):
+        return
+    for outer, inner in ((first, second), (second, first)):
+        if holds(outer, inner):
+            raise InputError(source, key, f'"{inner.name}" is inside "{outer.name}"')
+    if gap <= TOUCHING * size and dielectric:
+        raise InputError(
+            source,
+            key,
+            "overlap, or touch elsewhere than with plane faces; a dielectric body may touch with plane faces of "
+            "plates, cuboids, cylinders and cones only",
+        )
+    if gap <= TOUCHING * size:
         raise InputError(
             source, key, "the conductors touch or cross: their capacitance is infinite or meaningless"
         )
@@ -116,7 +223,15 @@ def _refuse_contact(first: Body, second: Body, source: str) -> None:
 
 
 def _moved(body: Body, centre: Array, unit: float) -> Body:
+    if isinstance(body, Polyhedron):
+        return replace(body, vertices=(body.vertices - centre) / unit, size=body.size / unit)
     origin = (body.centre - centre) / unit
-    if isinstance(body, Disc):
-        return replace(body, centre=origin, radius=body.radius / unit)
-    return replace(body, centre=origin, half_widths=tuple(width / unit for width in body.half_widths))
+    if isinstance(body, Rectangle):
+        a, b = body.half_widths
+        return replace(body, centre=origin, half_widths=(a / unit, b / unit))
+    if isinstance(body, Cuboid):
+        a, b, c = body.half_widths
+        return replace(body, centre=origin, half_widths=(a / unit, b / unit, c / unit))
+    lengths = ("radius", "height", "inner_radius", "outer_radius")
+    scaled = {name: getattr(body, name) / unit for name in lengths if hasattr(body, name)}
+    return replace(body, centre=origin, **scaled)

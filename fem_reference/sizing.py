@@ -11,93 +11,67 @@ resolved where they are close, and nowhere else. All distances are closed forms,
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
 from itertools import combinations
 
 import gmsh
 
-from fem_reference.bodies import Body, Cuboid, Disc
+from fem_reference import field_nodes
+from fem_reference.bodies import Body
+from fem_reference.distance_text import TextBody, curvature_radius, edge_distance, minimum, surface_distance
+from fem_reference.distances import in_contact
+from fem_reference.polyhedra_fields import polyhedra_fields
+from fem_reference.polyhedron import Polyhedron
+from fem_reference.round_bodies import Cone
+from fem_reference.size_rules import Sizing
+
+__all__ = ["Sizing", "set_size_field"]
+
+AT_APEX = 0.1
+"""Size at the apex of a cone over that at its edge: around the apex the surface bends as sharply as one likes."""
 
 
-@dataclass(frozen=True)
-class Sizing:
-    """How fine the mesh is. Lengths are relative; `fem_reference/NUMERICS.md` section 2 has the measurements."""
-
-    edge: float = 0.1
-    """Size at a body's edges over the body's size, on the coarsest level."""
-    edge_in_gap: float = 0.3
-    """Size at an edge over the width of the gap there, on the coarsest level: from 0.4 on the first level may lie outside
-    the convergent range."""
-    gap: float = 1.0
-    """Size in a gap over its width. Cubic elements resolve the smooth field in a gap with one."""
-    growth: float = 0.4
-    """Growth of the size per distance from the edges."""
-    refinement: float = 1.0
-    """Divides the sizes at the edges: 1, 2, 4, … on successive levels, at a fixed growth."""
-
-
-def set_size_field(bodies: Sequence[Body], owner: Sequence[int], sizing: Sizing) -> None:
+def set_size_field(
+    bodies: Sequence[Body],
+    owner: Sequence[int],
+    sizing: Sizing,
+    volumes: Mapping[int, Sequence[int]],
+    dielectrics: Collection[int] = (),
+) -> None:
     """Make the size field of these bodies the background mesh of the current gmsh model.
 
-    Bodies of one conductor (equal `owner`) have no gap between them.
+    Bodies of one conductor (equal `owner`) have no gap between them, nor have a dielectric body and what it touches; there
+    the thickness of the dielectric is what the field varies over. `volumes` are gmsh's tags of the volumes that solid
+    bodies consist of.
     """
-    surface = [_surface_distance(body) for body in bodies]
-    sizes = []
+    pairs = [(i, j) for i, j in combinations(range(len(bodies)), 2) if owner[i] != owner[j]]
+    contacts = [(i, j) for i, j in pairs if in_contact(bodies[i], bodies[j])]
+    gaps = [pair for pair in pairs if pair not in contacts]
+    known = {k: surface_distance(body) for k, body in enumerate(bodies) if not isinstance(body, Polyhedron)}
+    closed = [pair for pair in gaps if set(pair) <= known.keys()]
+    sizes = [f"{sizing.gap}*({known[i]}+{known[j]})" for i, j in closed]
     for i, body in enumerate(bodies):
-        gaps = [f"({surface[i]}+{surface[j]})" for j in range(len(bodies)) if owner[j] != owner[i]]
-        edge = [repr(sizing.edge * body.size), *(f"{sizing.edge_in_gap}*{gap}" for gap in gaps)]
-        sizes.append(f"{_minimum(edge)}/{sizing.refinement}+{sizing.growth}*{_edge_distance(body)}")
-    for i, j in combinations(range(len(bodies)), 2):
-        if owner[i] != owner[j]:
-            sizes.append(f"{sizing.gap}*({surface[i]}+{surface[j]})")
-    fields = gmsh.model.mesh.field
-    smallest = fields.add("Min")
-    fields.setNumbers(smallest, "FieldsList", [_add(size) for size in sizes])
-    fields.setAsBackgroundMesh(smallest)
+        if not isinstance(body, Polyhedron):
+            across = [f"({known[i]}+{known[k + j - i]})" for k, j in closed if i in (k, j)]
+            edge = [repr(sizing.edge * body.size), *(f"{sizing.edge_in_gap}*{gap}" for gap in across)]
+            for j in (k + j - i for k, j in contacts if i in (k, j)):
+                edge.append(f"({sizing.edge}*{bodies[j].size!r}+{sizing.edge_in_gap}*{known[j]})")
+            sizes += _sizes_of_body(body, f"{minimum(edge)}/{sizing.refinement}", known[i], sizing)
+            if i in dielectrics:
+                sizes.append(f"{sizing.gap}*({body.size!r}+2*{known[i]})")
+    fields = [field_nodes.expression(size) for size in sizes]
+    if len(known) < len(bodies):
+        rest = [pair for pair in gaps if pair not in closed]
+        fields += polyhedra_fields(bodies, rest, sizing, volumes, dielectrics)
+    gmsh.model.mesh.field.setAsBackgroundMesh(field_nodes.smallest(fields))
 
 
-def _add(expression: str) -> int:
-    field: int = gmsh.model.mesh.field.add("MathEval")
-    gmsh.model.mesh.field.setString(field, "F", expression)
-    return field
-
-
-def _minimum(expressions: Sequence[str]) -> str:
-    """The smallest of several expressions; MathEval's own `min` takes two."""
-    if len(expressions) == 1:
-        return f"({expressions[0]})"
-    half = len(expressions) // 2
-    return f"min({_minimum(expressions[:half])},{_minimum(expressions[half:])})"
-
-
-def _folded(body: Body) -> list[str]:
-    """Absolute coordinates in the body's frame, as text."""
-    return [
-        "abs("
-        + "+".join(f"({axis[k]!r})*({name}-({body.centre[k]!r}))" for k, name in enumerate("xyz"))
-        + ")"
-        for axis in body.axes.tolist()
-    ]
-
-
-def _surface_distance(body: Body) -> str:
-    """Distance to the body itself (0 inside a solid), as text."""
-    x, y, z = _folded(body)
-    if isinstance(body, Disc):
-        return f"sqrt(max(sqrt({x}^2+{y}^2)-{body.radius!r},0)^2+{z}^2)"
-    widths = [*body.half_widths, 0.0][:3]
-    return "sqrt(" + "+".join(f"max({c}-{w!r},0)^2" for c, w in zip((x, y, z), widths)) + ")"
-
-
-def _edge_distance(body: Body) -> str:
-    """Distance to the nearest edge of the body, as text."""
-    x, y, z = _folded(body)
-    if isinstance(body, Disc):
-        return f"sqrt((sqrt({x}^2+{y}^2)-{body.radius!r})^2+{z}^2)"
-    beyond = [f"({c}-{w!r})^2" for c, w in zip((x, y, z), body.half_widths)]
-    outside = [f"max({c}-{w!r},0)^2" for c, w in zip((x, y, z), body.half_widths)]
-    if isinstance(body, Cuboid):
-        along = ["+".join(outside[k] if k == axis else beyond[k] for k in range(3)) for axis in range(3)]
-        return f"sqrt({_minimum(along)})"
-    return f"sqrt(min({outside[0]}+{beyond[1]},{beyond[0]}+{outside[1]})+{z}^2)"
+def _sizes_of_body(body: TextBody, at_edges: str, surface: str, sizing: Sizing) -> list[str]:
+    """What the body's edges ask for, and what its curvature does: on a cone that is nothing at the apex."""
+    edges, radius = edge_distance(body), curvature_radius(body)
+    sizes = [] if edges is None else [f"{at_edges}+{sizing.growth}*{edges}"]
+    if radius is not None:
+        least = f"{AT_APEX}*{at_edges}+" if isinstance(body, Cone) else ""
+        curved = f"{sizing.curvature / sizing.refinement**0.5!r}*{radius}"
+        sizes.append(f"{least}{curved}+{sizing.growth}*{surface}")
+    return sizes

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import copy
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fem_reference.mesh import AWAY_FROM_EDGES, FIRST_BODY, NEAR_EDGE, OUTER_SURFACE, TaggedMesh
+from fem_reference.stages import stage
 
 DEGREE = 3
 QUADRATURE_DEGREE_NEAR_EDGE = 10
@@ -24,7 +26,7 @@ CURVED_SURFACE_QUADRATURE_DEGREE = 8
 COMPILATION = {"timeout": 300}
 """Seconds to wait for another process that compiles the same form: cases run side by side on a slow machine too."""
 
-SOLVER_OPTIONS = {
+SOLVER_OPTIONS: dict[str, str | float | int] = {
     "ksp_type": "cg",
     "ksp_rtol": 1e-6,
     "ksp_norm_type": "preconditioned",
@@ -45,20 +47,42 @@ class Charges:
     """Charges per volt on one mesh, for ε = 1: lengths in the unit of the mesh."""
 
     maxwell: NDArray[np.float64]
-    """(n, n): charge on conductor i with conductor j at 1 V and the others grounded."""
+    """(n, n): charge on conductor i with conductor j at 1 V and the others grounded; floating ones have no charge."""
     sensors_alone: NDArray[np.float64]
-    """(m, m): the same for the first m conductors with the others absent."""
+    """(m, m): the same for the first m conductors with everything else absent."""
     unknowns: int
+    potentials: list[NDArray[np.float64]]
+    """For each conductor: the potential (unknowns,) with it at 1 V and the others grounded."""
 
 
 class FieldProblem:
     """The stiffness matrix of one mesh, and solutions with any choice of conductors on it."""
 
-    def __init__(self, tagged: TaggedMesh, conductors: Sequence[Sequence[int]]) -> None:
-        """`conductors[k]` lists the bodies that make up conductor k."""
-        self.space = fem.FunctionSpace(tagged.mesh, ("Lagrange", DEGREE), jit_params=COMPILATION)
-        self.stiffness = _stiffness(tagged, self.space)
+    def __init__(
+        self,
+        tagged: TaggedMesh,
+        conductors: Sequence[Sequence[int]],
+        permittivities: Mapping[int, float] | None = None,
+    ) -> None:
+        """`conductors[k]` lists the bodies that make up conductor k.
+
+        `permittivities` has those of the solid bodies that are dielectric, relative to the medium's.
+        """
+        self.tagged = tagged
+        self.permittivities = dict(permittivities or {})
+        with stage("assembling the equations"):
+            self.space = fem.FunctionSpace(tagged.mesh, ("Lagrange", DEGREE), jit_params=COMPILATION)
+            self.stiffness = _stiffness(tagged, self.space, self.permittivities)
         self.dofs = [_conductor_dofs(tagged, self.space, bodies) for bodies in conductors]
+
+    def without_dielectrics(self) -> FieldProblem:
+        """The same conductors on the same mesh, the medium in the place of every dielectric body."""
+        if not self.permittivities:
+            return self
+        bare = copy.copy(self)
+        bare.permittivities = {}
+        bare.stiffness = _stiffness(self.tagged, self.space, {})
+        return bare
 
     @property
     def unknowns(self) -> int:
@@ -69,10 +93,18 @@ class FieldProblem:
 
         Conductors that are not present are free space. Raises RuntimeError when the iteration does not converge.
         """
+        with stage("solving the equations"):
+            return self._potentials(present)
+
+    def _potentials(self, present: Sequence[int]) -> list[NDArray[np.float64]]:
         fixed = np.unique(np.concatenate([self.dofs[k] for k in present]))
         constrained = self.stiffness.copy()
-        constrained.zeroRowsColumns(fixed, 1.0)
-        solver = _solver(constrained)
+        first = self.space.dofmap.index_map.local_range[0]
+        constrained.zeroRowsColumns(np.asarray(fixed + first, dtype=PETSc.IntType), 1.0)
+        solver = PETSc.KSP().create(constrained.comm)
+        solver.setOperators(constrained)
+        set_options(solver, SOLVER_OPTIONS)
+        solver.setUp()
         potentials = []
         for k in present:
             driven = self.stiffness.createVecRight()
@@ -83,11 +115,10 @@ class FieldProblem:
             load.array[fixed] = 0.0
             solution = self.stiffness.createVecRight()
             solver.solve(load, solution)
-            if solver.getConvergedReason() < 0:
-                raise RuntimeError(
-                    f"the linear solver stopped without converging (PETSc reason {solver.getConvergedReason()})"
-                )
+            require_convergence(solver)
             solution.axpy(1.0, driven)
+            if not np.isfinite(solution.array).all():
+                raise RuntimeError("the potential is not finite")
             potentials.append(solution.array.copy())
         solver.destroy()
         constrained.destroy()
@@ -99,29 +130,66 @@ class FieldProblem:
         The same numbers as the sums of the reactions K·u_j over the conductors' unknowns, but what the iterative solver
         leaves undone enters squared.
         """
-        stack = np.array(potentials)
-        images = []
-        for potential in potentials:
-            source = self.stiffness.createVecRight()
-            source.array[:] = potential
-            image = self.stiffness.createVecLeft()
-            self.stiffness.mult(source, image)
-            images.append(image.array.copy())
-        products = stack @ np.array(images).T
-        return np.asarray((products + products.T) / 2)
+        return products(self.stiffness, potentials)
 
 
-def charges(problem: FieldProblem, sensors: int) -> Charges:
-    """The Maxwell matrix on one mesh; the first `sensors` conductors also with all others absent."""
-    potentials = problem.potentials(range(len(problem.dofs)))
+def products(matrix: PETSc.Mat, vectors: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """v_i·A·v_j (n, n) for a symmetric matrix."""
+    images = []
+    for vector in vectors:
+        source = matrix.createVecRight()
+        source.array[:] = vector
+        image = matrix.createVecLeft()
+        matrix.mult(source, image)
+        images.append(image.array.copy())
+    found = matrix.comm.tompi4py().allreduce(np.array(vectors) @ np.array(images).T)
+    return np.asarray((found + found.T) / 2)
+
+
+def charges(problem: FieldProblem, sensors: int, floating: int = 0) -> Charges:
+    """The Maxwell matrix on one mesh; the first `sensors` conductors also with everything else absent.
+
+    The last `floating` conductors carry no charge and have no row in the matrix.
+    """
+    count = len(problem.dofs)
+    potentials = problem.potentials(range(count))
     maxwell = problem.energies(potentials)
-    if sensors in (0, len(problem.dofs)):
-        return Charges(maxwell, maxwell[:sensors, :sensors], problem.unknowns)
-    return Charges(maxwell, problem.energies(problem.potentials(range(sensors))), problem.unknowns)
+    kept = without_floating(maxwell, floating)
+    if sensors == 0 or (sensors == count and not problem.permittivities):
+        return Charges(kept, kept[:sensors, :sensors], problem.unknowns, potentials)
+    bare = problem.without_dielectrics()
+    alone = bare.energies(bare.potentials(range(sensors)))
+    return Charges(kept, alone, problem.unknowns, potentials)
 
 
-def _stiffness(tagged: TaggedMesh, space: fem.FunctionSpace) -> PETSc.Mat:
-    """∫∇u·∇v over the mesh, plus the open boundary ∫ (x·n)/|x|² u v, exact for 1/|x|."""
+def without_floating(maxwell: NDArray[np.float64], floating: int) -> NDArray[np.float64]:
+    """The Maxwell matrix of the other conductors when the last `floating` ones carry no charge: the Schur complement.
+
+    Solving the rows 0 = M_fk·V_k + M_ff·V_f for the floating conductors' potentials leaves M_kk − M_kf·M_ff⁻¹·M_fk.
+    """
+    if floating == 0:
+        return maxwell
+    kept = len(maxwell) - floating
+    mixed = maxwell[:kept, kept:]
+    induced = np.linalg.solve(maxwell[kept:, kept:], mixed.T)
+    reduced = maxwell[:kept, :kept] - mixed @ induced
+    return np.asarray((reduced + reduced.T) / 2)
+
+
+def first_sensor_driven(problem: FieldProblem, floating: int) -> NDArray[np.float64]:
+    """The potential (unknowns,) with the first conductor at 1 V, the last `floating` without charge, the others at 0 V."""
+    potentials = problem.potentials(range(len(problem.dofs)))
+    if floating == 0:
+        return potentials[0]
+    maxwell = problem.energies(potentials)
+    induced = np.linalg.solve(maxwell[-floating:, -floating:], -maxwell[-floating:, 0])
+    return np.asarray(potentials[0] + induced @ np.array(potentials[-floating:]))
+
+
+def _stiffness(
+    tagged: TaggedMesh, space: fem.FunctionSpace, permittivities: Mapping[int, float]
+) -> PETSc.Mat:
+    """∫ε∇u·∇v over the mesh, plus the open boundary ∫ (x·n)/|x|² u v, exact for 1/|x|; ε = 1 but in dielectric bodies."""
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
     dx = ufl.Measure("dx", domain=tagged.mesh, subdomain_data=tagged.near_edge)
     ds = ufl.Measure("ds", domain=tagged.mesh, subdomain_data=tagged.facets)
@@ -131,30 +199,54 @@ def _stiffness(tagged: TaggedMesh, space: fem.FunctionSpace) -> PETSc.Mat:
     centre = fem.Constant(tagged.mesh, PETSc.ScalarType(tuple(tagged.centre)))
     x = ufl.SpatialCoordinate(tagged.mesh) - centre
     normal = ufl.FacetNormal(tagged.mesh)
-    form = ufl.inner(ufl.grad(u), ufl.grad(v)) * (near + away)
+    energy = ufl.inner(ufl.grad(u), ufl.grad(v))
+    if permittivities:
+        energy *= permittivity(tagged, permittivities)
+    form = energy * (near + away)
     form += ufl.dot(x, normal) / ufl.dot(x, x) * u * v * outer
     matrix = assemble_matrix(fem.form(form, jit_params=COMPILATION))
     matrix.assemble()
     return matrix
 
 
+def permittivity(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> fem.Function:
+    """The permittivity of every cell."""
+    coefficient = fem.Function(fem.FunctionSpace(tagged.mesh, ("DG", 0), jit_params=COMPILATION))
+    coefficient.x.array[:] = cell_permittivities(tagged, permittivities)
+    return coefficient
+
+
+def cell_permittivities(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> NDArray[np.float64]:
+    """The permittivity (cells,) relative to the medium's: 1 but in dielectric bodies."""
+    values = np.ones(tagged.local_cells)
+    for body, value in permittivities.items():
+        values[tagged.cells.find(FIRST_BODY + body)] = value
+    return values
+
+
 def _conductor_dofs(tagged: TaggedMesh, space: fem.FunctionSpace, bodies: Sequence[int]) -> NDArray[np.int32]:
     found = []
     for k in bodies:
         for dimension, tags in ((2, tagged.facets), (3, tagged.cells)):
-            entities = tags.find(FIRST_BODY + k)
-            if len(entities):
-                found.append(fem.locate_dofs_topological(space, dimension, entities))
-    return np.asarray(np.unique(np.concatenate(found)), dtype=PETSc.IntType)
+            # All processes ask, those without such entities too: the dofs of one may be on the facets of another.
+            found.append(fem.locate_dofs_topological(space, dimension, tags.find(FIRST_BODY + k)))
+    known = np.unique(np.concatenate(found))
+    return np.asarray(known[known < space.dofmap.index_map.size_local], dtype=PETSc.IntType)
 
 
-def _solver(matrix: PETSc.Mat) -> PETSc.KSP:
-    solver = PETSc.KSP().create(matrix.comm)
+def set_options(solver: PETSc.KSP, options: Mapping[str, str | float | int]) -> None:
+    """Configure a solver; the process's option database, which is shared, keeps nothing of it."""
+    database = PETSc.Options()
     solver.setOptionsPrefix("field_")
-    options = PETSc.Options()
-    for name, value in SOLVER_OPTIONS.items():
-        options[f"field_{name}"] = value
-    solver.setOperators(matrix)
+    for name, value in options.items():
+        database[f"field_{name}"] = value
     solver.setFromOptions()
-    solver.setUp()
-    return solver
+    for name in options:
+        del database[f"field_{name}"]
+
+
+def require_convergence(solver: PETSc.KSP) -> None:
+    """Raise RuntimeError unless the last solve converged."""
+    reason = solver.getConvergedReason()
+    if reason < 0:
+        raise RuntimeError(f"the linear solver stopped without converging (PETSc reason {reason})")

@@ -6,6 +6,7 @@
     [reference]
     rtol = 1e-3                     # relative accuracy asked of the field reference
     max_seconds = 120               # per case
+    error = "estimate"              # default; or "enclosure": rtol is asked of proven intervals
 
     [model]
     methods = ["exact", "split:4"]  # always with "exact", which the report compares
@@ -38,6 +39,7 @@ from geometries.writer import identity
 Parameter = float | Vector2
 
 EMPTY = "empty"
+ERROR_KINDS = ("estimate", "enclosure")
 
 _STUDIES = Path(__file__).parent / "studies"
 _IDENTITY_DIGITS = 16
@@ -56,12 +58,13 @@ class Case:
 
 @dataclass(frozen=True)
 class Study:
-    """A study file, expanded. `rtol` and `max_seconds` are for the reference, `methods` for the model."""
+    """A study file, expanded. `rtol`, `max_seconds` and `error` are for the reference, `methods` for the model."""
 
     name: str
     title: str
     rtol: float
     max_seconds: float
+    error: str
     methods: tuple[str, ...]
     sweeps: tuple[Case, ...]
 
@@ -105,6 +108,7 @@ def loads(text: str, source: str = "study") -> Study:
         title=root.text("title"),
         rtol=reference.positive("rtol"),
         max_seconds=reference.positive("max_seconds"),
+        error=_error_kind(reference),
         methods=_methods(model),
         sweeps=tuple(case for sweep in root.tables("sweep") for case in _sweep(sweep)),
     )
@@ -120,6 +124,13 @@ def _folder_name(root: Table) -> str:
     if Path(name).name != name or name in (".", ".."):
         raise root.error("name", f"names the folder of the results and may hold no path, as {name!r} does")
     return name
+
+
+def _error_kind(reference: Table) -> str:
+    kind = reference.text("error", "estimate")
+    if kind not in ERROR_KINDS:
+        raise reference.error("error", f"must be one of {', '.join(ERROR_KINDS)}, not {kind!r}")
+    return kind
 
 
 def _methods(model: Table) -> tuple[str, ...]:

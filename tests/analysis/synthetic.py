@@ -56,6 +56,7 @@ def reference_document(mutual: float, delta_self: float, error: float = 0.01, **
         "seconds": 4.5,
         "reached": True,
         "method": "made up",
+        "error_kind": "estimate",
         "versions": VERSIONS,
     } | more
 

@@ -224,7 +224,7 @@ class Workshop:
     def run(self, measure_model: bool) -> list[str]:
         """Bring a study without sweeps' answers up to date; returns what the programs logged meanwhile."""
         self.log.unlink(missing_ok=True)
-        nothing = study.Study("n", "t", 1e-3, 60.0, ("exact",), ())
+        nothing = study.Study("n", "t", 1e-3, 60.0, "estimate", ("exact",), ())
         assert not workflow.run(nothing, self.results, 2, measure_model)
         return self.log.read_text().splitlines() if self.log.is_file() else []
 

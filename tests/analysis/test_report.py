@@ -81,6 +81,15 @@ def test_cases_short_of_the_asked_accuracy_are_named_and_counted(tmp_path: Path)
     assert "Short of it" in text_of(folder)
 
 
+def test_enclosures_are_told_from_estimates(tmp_path: Path) -> None:
+    document = reference_document(2, 1, error_kind="enclosure")
+    lower = [[value - 0.02e-12 for value in row] for row in document["maxwell"]]
+    enclosed = document | {"lower": lower, "upper": document["maxwell"]}
+    text = text_of(make_results(tmp_path, answers={0: (enclosed, model_document(1.8))}))
+    assert "In 1 solves the truth is enclosed" in text and "the mutual one to within 1.0e-02" in text
+    assert "the truth is enclosed" not in text_of(make_results(tmp_path / "other"))
+
+
 def test_the_two_ways_to_delta_self_are_counted(tmp_path: Path) -> None:
     disagreeing = reference_document(2, 1)
     disagreeing["delta_self"]["sensor"]["value"] = 1.5e-12

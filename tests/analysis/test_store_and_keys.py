@@ -11,7 +11,7 @@ import pytest
 from analysis import keys, store
 from geometries import families, study
 
-STUDY = study.Study("n", "t", 1e-3, 60.0, ("exact",), ())
+STUDY = study.Study("n", "t", 1e-3, 60.0, "estimate", ("exact",), ())
 SCENE = families.parallel((0.1, 0.1), (0.1, 0.1), 0.02)
 
 
@@ -56,9 +56,10 @@ def test_the_reference_key_changes_with_scene_options_and_code() -> None:
         keys.reference_key(other, STUDY, "a"),
         keys.reference_key(SCENE, replace(STUDY, rtol=1e-4), "a"),
         keys.reference_key(SCENE, replace(STUDY, max_seconds=9.0), "a"),
+        keys.reference_key(SCENE, replace(STUDY, error="enclosure"), "a"),
         keys.reference_key(SCENE, STUDY, "b"),
     }
-    assert len(found) == 5
+    assert len(found) == 6
     assert keys.reference_key(SCENE, replace(STUDY, methods=("split:1",), title="x"), "a") in found
 
 

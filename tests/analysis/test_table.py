@@ -35,6 +35,15 @@ def test_the_model_error_and_its_interval_computed_by_hand(tmp_path: Path) -> No
     assert mutual.reference_error == pytest.approx(0.05)
 
 
+def test_an_enclosure_counts_as_far_as_its_farther_end(tmp_path: Path) -> None:
+    """M = [[5, −2], [−2, 5]] in pF, each entry between 0.2 below and 0.1 above: mutual 2 may be 2.2."""
+    document = reference_document(2, 1, error=0.01, error_kind="enclosure")
+    lower = [[value - 0.2e-12 for value in row] for row in document["maxwell"]]
+    upper = [[value + 0.1e-12 for value in row] for row in document["maxwell"]]
+    mutual, _ = rows_of(tmp_path, document | {"lower": lower, "upper": upper}, 1.8)
+    assert mutual.reference_error == pytest.approx(0.1)
+
+
 def test_a_model_above_the_reference_has_a_positive_error(tmp_path: Path) -> None:
     """Model 1.8 against delta_self 1.0 ± 0.1: +80 %, from 1.8/1.1 − 1 to 1.8/0.9 − 1."""
     _, delta_self = rows_of(tmp_path, reference_document(2, 1, error=0.1), 1.8)
@@ -81,6 +90,6 @@ def test_the_commands_name_the_scene_of_the_case_and_survive_spaces(tmp_path: Pa
     case = loaded.compared()[0]
     scene = f"'{folder}/cases/{case.id}/scene.toml'"
     assert table.reference_command(loaded, case.id) == (
-        f"python3 -m fem_reference {scene} --rtol 0.001 --max-seconds 60"
+        f"python3 -m fem_reference {scene} --rtol 0.001 --max-seconds 60 --error estimate"
     )
     assert table.model_command(loaded, case.id) == f"build/bin/fringe capacitance {scene} --method exact"

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
 
@@ -36,9 +37,10 @@ def scene(tmp_path: Path) -> Path:
 
 
 def test_json_is_one_document_with_the_whole_answer(scene: Path) -> None:
-    done = command(scene, "--json")
+    done = command(scene, "--json", "--error", "estimate")
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
+    assert found["error_kind"] == "estimate"
     assert found["conductors"] == ["front", "target"] and found["reached"] and found["rtol"] == 1e-3
     maxwell, error = np.array(found["maxwell"]), np.array(found["error"])
     np.testing.assert_allclose(np.array(found["upper"]) - found["lower"], 2 * error, rtol=1e-9)
@@ -50,7 +52,7 @@ def test_json_is_one_document_with_the_whole_answer(scene: Path) -> None:
 
 def test_when_time_is_short_the_answer_admits_it(scene: Path) -> None:
     """One level says nothing about its own error: 100 %, and exit status 3."""
-    done = command(scene, "--json", "--max-seconds", "0.1")
+    done = command(scene, "--json", "--error", "estimate", "--max-seconds", "0.1")
     assert done.returncode == 3
     found = json.loads(done.stdout)
     assert not found["reached"] and len(found["levels"]) == 1
@@ -58,9 +60,24 @@ def test_when_time_is_short_the_answer_admits_it(scene: Path) -> None:
     assert "asked 0.001, reached" in done.stderr
 
 
+@pytest.mark.parametrize(
+    "limit", [("--max-seconds", "0.1"), ("--max-unknowns", "1000"), ("--max-memory", "0.01")]
+)
+def test_one_level_under_a_limit_still_encloses_the_truth(scene: Path, limit: tuple[str, str]) -> None:
+    done = command(scene, "--json", "--rtol", "1e-4", *limit)
+    assert done.returncode == 3 and "the next level would" in done.stderr
+    found = json.loads(done.stdout)
+    assert not found["reached"] and len(found["levels"]) == 1 and found["error_kind"] == "enclosure"
+    assert found["stopped_by"].startswith("the next level would")
+    lower, upper, value = (np.array(found[name]) for name in ("lower", "upper", "maxwell"))
+    assert np.all(lower <= value) and np.all(value <= upper)
+    assert np.all(upper - lower <= 0.05 * np.abs(value))
+    assert 500 < found["memory_per_unknown"] < 50_000
+
+
 def test_people_get_a_table_with_errors_and_a_line_per_level(scene: Path) -> None:
     done = command(scene, "--max-seconds", "0.1")
-    assert "delta_self, pF" in done.stdout and "±" in done.stdout
+    assert "delta_self, pF" in done.stdout and "±" in done.stdout and "proven to lie in" in done.stdout
     assert done.stderr.startswith("edge size")
 
 
@@ -90,7 +107,15 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "arguments", [["--rtol", "0"], ["--rtol", "nan"], ["--max-seconds", "-1"], ["--wrong"]]
+    "arguments",
+    [
+        ["--rtol", "0"],
+        ["--rtol", "nan"],
+        ["--max-seconds", "-1"],
+        ["--max-unknowns", "no"],
+        ["--error", "guess"],
+        ["--wrong"],
+    ],
 )
 def test_wrong_options_are_refused(scene: Path, arguments: list[str]) -> None:
     done = command(scene, *arguments)
@@ -114,6 +139,48 @@ def test_a_slice_of_the_potential_runs_from_the_sensor_to_the_ground(scene: Path
 def test_a_slice_that_cannot_be_written_leaves_nothing(scene: Path, tmp_path: Path) -> None:
     done = command(scene, "--slice", tmp_path / "missing" / "slice.json")
     assert done.returncode == 1 and "missing" in done.stderr
+    assert list(tmp_path.iterdir()) == [scene]
+
+
+def test_the_field_is_written_for_paraview(scene: Path, tmp_path: Path) -> None:
+    """Read back: metres, 1 V on the first sensor, the floating object between, field = −gradient in between them."""
+    scene.write_text(
+        SCENE
+        + 'potential = "floating"\n[[object]]\nname = "ball"\ntranslation = [0, 0, -0.06]\n'
+        + 'shape = { type = "sphere", radius = 0.02 }\nmaterial = { relative_permittivity = 3 }\n'
+    )
+    done = command(scene, "--json", "--max-seconds", "0.1", "--output", tmp_path / "field.vtu")
+    assert done.returncode == 3, done.stderr
+    document = json.loads(done.stdout)
+    assert document["conductors"] == ["front"] and document["floating"] == ["target"]
+    assert document["dielectrics"] == [{"name": "ball", "relative_permittivity": 3}]
+    assert document["delta_self"]["front"]["value"] > 0
+    found = meshio.read(tmp_path / "field.vtu")
+    tetrahedra, triangles = found.cells_dict["tetra"], found.cells_dict["triangle"]
+    bodies = dict(zip((block.type for block in found.cells), found.cell_data["body"]))
+    fields = dict(zip((block.type for block in found.cells), found.cell_data["field"]))
+    potential = found.point_data["potential"]
+    assert set(bodies["triangle"]) == {1, 2} and set(bodies["tetra"]) == {0, 3}
+    sensor = found.points[triangles[bodies["triangle"] == 1]]
+    np.testing.assert_allclose(np.abs(sensor).max(axis=(0, 1)), [0.05, 0.05, 0], atol=1e-9)
+    np.testing.assert_allclose(potential[triangles[bodies["triangle"] == 1]], 1, atol=1e-9)
+    target = potential[triangles[bodies["triangle"] == 2]]
+    assert np.ptp(target) < 1e-9 and 0.3 < target.min() < 0.9
+    ball = np.linalg.norm(found.points[tetrahedra[bodies["tetra"] == 3]] - [0, 0, -0.06], axis=2)
+    assert ball.max() == pytest.approx(0.02, rel=1e-6)
+    middles = found.points[tetrahedra].mean(axis=1)
+    between = np.linalg.norm(middles - [0.01, 0, 0.015], axis=1) < 0.01
+    straight = (1 - target.min()) / 0.03
+    assert fields["tetra"][between].mean(axis=0)[2] == pytest.approx(straight, rel=0.15)
+    assert np.isnan(fields["triangle"]).all()
+
+
+@pytest.mark.parametrize("name, status", [("missing/field.vtu", 1), ("field.vtk", 2)])
+def test_a_field_that_cannot_be_written_is_refused_before_the_work(
+    scene: Path, tmp_path: Path, name: str, status: int
+) -> None:
+    done = command(scene, "--json", "--output", tmp_path / name)
+    assert done.returncode == status and done.stdout == "" and name.split("/")[0] in done.stderr
     assert list(tmp_path.iterdir()) == [scene]
 
 

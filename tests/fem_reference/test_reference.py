@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from fem_reference.convergence import Estimate
-from fem_reference.reference import Level, Reference
+from fem_reference.level import Level
+from fem_reference.reference import Reference
 
 
 def answer(levels: int, error: float) -> Reference:

@@ -11,7 +11,7 @@ from fem_reference.bodies import Body, Cuboid, Rectangle
 from fem_reference.mesh import FIRST_BODY, NEAR_EDGE, OUTER_RADIUS, TaggedMesh, tagged_mesh
 from fem_reference.scene_bodies import Conductors, normalised
 from fem_reference.sizing import Sizing
-from fem_reference.solve import FieldProblem, charges
+from fem_reference.solve import FieldProblem, charges, first_sensor_driven, without_floating
 from geometries.poses import AxisRotation
 
 UPRIGHT = AxisRotation((0, 1, 0), 90).matrix().T
@@ -82,6 +82,30 @@ def test_without_its_objects_a_sensor_is_the_plate_alone() -> None:
     alone = charges(FieldProblem(mesh, [[0]]), 1).maxwell * single.unit
     assert found.sensors_alone * problem.unit == pytest.approx(alone, rel=1e-3)
     assert found.sensors_alone[0, 0] < found.maxwell[0, 0]
+
+
+def test_a_floating_conductor_carries_no_charge_and_has_no_row() -> None:
+    """With the box floating: its reactions add up to nothing, and the others' are the rows of the reduced matrix."""
+    _, _, system = above_box()
+    potential = first_sensor_driven(system, 1)
+    source, image = system.stiffness.createVecRight(), system.stiffness.createVecLeft()
+    source.array[:] = potential
+    system.stiffness.mult(source, image)
+    reactions = [image.array[dofs].sum() for dofs in system.dofs]
+    reduced = charges(system, 1, floating=1).maxwell
+    assert abs(reactions[2]) < 1e-6 * reactions[0]
+    np.testing.assert_allclose(reduced[:, 0], reactions[:2], rtol=1e-4)
+    assert np.ptp(potential[system.dofs[2]]) == 0 and 0 < potential[system.dofs[2][0]] < 1
+
+
+def test_a_floating_conductor_is_between_grounded_and_absent() -> None:
+    """A third conductor grounded, floating, absent: each takes a constraint away, so the energies fall."""
+    _, _, system = above_box()
+    grounded = charges(system, 3).maxwell
+    floating = without_floating(grounded, 1)
+    absent = system.energies(system.potentials([0, 1]))
+    assert np.linalg.eigvalsh(grounded[:2, :2] - floating).min() > 0
+    assert np.linalg.eigvalsh(floating - absent).min() > 0
 
 
 def test_a_sensor_of_two_rectangles_is_one_conductor() -> None:

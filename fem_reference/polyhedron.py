@@ -1,0 +1,240 @@
+"""Solids bounded by triangles, from mesh files: what makes triangles the surface of a solid, and its edges."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+Vector = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+MOST_TRIANGLES = 5000
+"""Every triangle becomes a face of the geometry; NUMERICS.md section 8 has the time that takes."""
+SAME_POINT = 1e-6
+"""Vertices closer than this, over the surface's extent, are one: mesh files keep single precision."""
+SHARP_DEGREES = 30.0
+"""Faces that meet at a larger angle make an edge that the mesh is refined towards. At a flatter one, of a faceted round
+surface, the singularity is weaker than 0.15 in the power of the distance."""
+
+
+class NotASolid(ValueError):
+    """Triangles that do not bound a solid; the message says why and where."""
+
+
+@dataclass(frozen=True)
+class Polyhedron:
+    """A solid bounded by triangles, anticlockwise seen from outside; metres."""
+
+    name: str
+    vertices: Vector
+    """(n, 3)."""
+    triangles: Indices
+    """(m, 3): numbers of vertices."""
+    parts: tuple[Indices, ...]
+    """Which triangles bound each of the pieces that do not touch each other."""
+    size: float
+    """The smallest width of a piece across one of its faces."""
+
+    @property
+    def is_solid(self) -> bool:
+        return True
+
+    @property
+    def corners(self) -> Vector:
+        return self.vertices
+
+    @property
+    def edges(self) -> Indices:
+        """The sharp convex edges (k, 2), where the charge is singular; numbers of vertices."""
+        corners = self.vertices[self.triangles]
+        normals = _normals(corners)
+        pairs, faces = _edges_with_faces(self.triangles)
+        first, second = normals[faces[:, 0]], normals[faces[:, 1]]
+        angle = np.degrees(np.arccos(np.clip(np.einsum("ij,ij->i", first, second), -1, 1)))
+        outward = corners[faces[:, 1]].mean(axis=1) - corners[faces[:, 0]].mean(axis=1)
+        convex = np.einsum("ij,ij->i", outward, first) < 0
+        return np.asarray(pairs[convex & (angle > SHARP_DEGREES)])
+
+    def holds(self, points: Vector) -> NDArray[np.bool_]:
+        """Whether each of the points (n, 3) is inside: the solid angle of the surface is 4π there, else 0."""
+        to = self.vertices[self.triangles][None] - points[:, None, None]
+        a, b, c = to[:, :, 0], to[:, :, 1], to[:, :, 2]
+        ra, rb, rc = (np.linalg.norm(side, axis=2) for side in (a, b, c))
+        volume = np.einsum("ijk,ijk->ij", a, np.cross(b, c))
+        dots = [np.einsum("ijk,ijk->ij", p, q) for p, q in ((a, b), (b, c), (c, a))]
+        angle = 2 * np.arctan2(volume, ra * rb * rc + dots[0] * rc + dots[1] * ra + dots[2] * rb)
+        return np.asarray(angle.sum(axis=1) > 2 * np.pi)
+
+
+def polyhedron(name: str, triangles: Vector) -> Polyhedron:
+    """The solid that triangles (m, 3, 3) bound, each anticlockwise seen from outside.
+
+    Vertices in the same place are one; triangles that this leaves with two are dropped. Raises NotASolid when the surface is open, its
+    triangles do not agree which side is outside or take the inside for it, when it meets itself, or has too many.
+    """
+    extent = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
+    vertices, corners = _merged(triangles, SAME_POINT * extent)
+    corners = corners[
+        (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
+    ]
+    if len(corners) > MOST_TRIANGLES:
+        raise NotASolid(
+            f"has {len(corners)} triangles, more than the {MOST_TRIANGLES} that the field reference can mesh: simplify it"
+        )
+    if len(corners) == 0:
+        raise NotASolid("has no triangle with an area")
+    _refuse_needles(vertices[corners], SAME_POINT * extent)
+    _refuse_open(vertices, corners)
+    parts = _parts(corners)
+    for part in parts:
+        if _volume(vertices[corners[part]]) <= 0:
+            where = _place(vertices[corners[part]].mean(axis=(0, 1)))
+            raise NotASolid(
+                f"is inside out around {where}: its triangles must be anticlockwise seen from outside"
+            )
+    _refuse_crossing(vertices, corners, SAME_POINT * extent)
+    size = min(_least_extent(vertices[corners[part]]) for part in parts)
+    return Polyhedron(name, vertices, corners, tuple(parts), size)
+
+
+def _merged(triangles: Vector, tolerance: float) -> tuple[Vector, Indices]:
+    """Vertices without repetition (n, 3), and each triangle's numbers of them (m, 3)."""
+    points = triangles.reshape(-1, 3)
+    close = cKDTree(points).query_pairs(tolerance, output_type="ndarray")
+    graph = coo_array((np.ones(len(close)), (close[:, 0], close[:, 1])), shape=(len(points), len(points)))
+    count, label = connected_components(graph, directed=False)
+    _, first, numbers = np.unique(label, return_index=True, return_inverse=True)
+    return points[first], numbers.reshape(-1, 3).astype(np.int64)
+
+
+def _refuse_needles(triangles: Vector, tolerance: float) -> None:
+    """No triangle may have a vertex on the opposite side."""
+    sides = np.linalg.norm(np.roll(triangles, -1, axis=1) - triangles, axis=2).max(axis=1)
+    cross = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    flat = np.linalg.norm(cross, axis=1) <= tolerance * sides
+    if flat.any():
+        raise NotASolid(f"has a triangle without area around {_place(triangles[flat.argmax()].mean(axis=0))}")
+
+
+def _refuse_open(vertices: Vector, corners: Indices) -> None:
+    """Every directed edge must be there once, and once in the other direction."""
+    directed = corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    known, count = np.unique(directed, axis=0, return_counts=True)
+    if count.max() > 1:
+        edge = known[count.argmax()]
+        both = np.count_nonzero((np.sort(directed, axis=1) == np.sort(edge)).all(axis=1))
+        middle = _place(vertices[edge].mean(axis=0))
+        if both == 2:
+            raise NotASolid(f"has neighbouring triangles of opposite orientation at the edge around {middle}")
+        raise NotASolid(f"has {both} triangles at the edge around {middle}, where a solid has two")
+    present = set(map(tuple, directed.tolist()))
+    for start, end in directed.tolist():
+        if (end, start) not in present:
+            raise NotASolid(f"is open at the edge around {_place(vertices[[start, end]].mean(axis=0))}")
+
+
+def _parts(corners: Indices) -> list[Indices]:
+    """Groups of triangles that hang together by vertices."""
+    rows = np.repeat(np.arange(len(corners)), 3)
+    size = (len(corners), int(corners.max()) + 1)
+    touches = coo_array((np.ones(rows.size), (rows, corners.ravel())), shape=size).tocsr()
+    count, label = connected_components(touches @ touches.T, directed=False)
+    return [np.flatnonzero(label == part) for part in range(count)]
+
+
+def _refuse_crossing(vertices: Vector, corners: Indices, tolerance: float) -> None:
+    """No edge of a triangle may meet another triangle but where they share vertices."""
+    pairs = np.array(list(_close_pairs(vertices[corners])), dtype=np.int64).reshape(-1, 2)
+    for edge in ((0, 1), (1, 2), (2, 0)):
+        for one, other in ((0, 1), (1, 0)):
+            ends = corners[pairs[:, one]][:, edge]
+            opposite = corners[pairs[:, other]]
+            shared = (ends[:, :, None] == opposite[:, None]).any(axis=2).any(axis=1)
+            ends, opposite, named = ends[~shared], opposite[~shared], pairs[~shared]
+            met = _segment_meets(vertices[ends], vertices[opposite], tolerance)
+            if met.any():
+                place = _place(vertices[ends[met.argmax()]].mean(axis=0))
+                first, second = named[met.argmax()].tolist()
+                raise NotASolid(f"meets itself around {place}: triangles {first} and {second}")
+
+
+def _close_pairs(triangles: Vector) -> Iterator[tuple[int, int]]:
+    """Pairs of triangles whose bounding boxes meet."""
+    low, high = triangles.min(axis=1), triangles.max(axis=1)
+    for k in range(len(triangles) - 1):
+        meets = (low[k + 1 :] <= high[k]).all(axis=1) & (high[k + 1 :] >= low[k]).all(axis=1)
+        yield from ((k, k + 1 + int(other)) for other in np.flatnonzero(meets))
+
+
+def _segment_meets(segments: Vector, triangles: Vector, tolerance: float) -> NDArray[np.bool_]:
+    """Whether each segment (n, 2, 3) comes within `tolerance` of its triangle (n, 3, 3)."""
+    if not len(segments):
+        return np.zeros(0, dtype=bool)
+    normal = _normals(triangles)
+    heights = np.einsum("nkj,nj->nk", segments - triangles[:, :1], normal)
+    crosses = (heights.min(axis=1) <= tolerance) & (heights.max(axis=1) >= -tolerance)
+    span = heights[:, 0] - heights[:, 1]
+    flat = np.abs(span) <= tolerance
+    share = np.clip(np.where(flat, 0, heights[:, 0] / np.where(flat, 1, span)), 0, 1)
+    at = segments[:, 0] + share[:, None] * (segments[:, 1] - segments[:, 0])
+    pierces = crosses & ~flat & (_outside(at, triangles, normal) <= tolerance)
+    return np.asarray(pierces | (crosses & flat & _overlap_in_plane(segments, triangles, normal, tolerance)))
+
+
+def _overlap_in_plane(
+    segments: Vector, triangles: Vector, normal: Vector, tolerance: float
+) -> NDArray[np.bool_]:
+    """Whether segments in the plane of their triangles meet them: no line along a side or the segment parts them."""
+    apart = np.zeros(len(segments), dtype=bool)
+    sides = np.concatenate(
+        [np.roll(triangles, -1, axis=1) - triangles, segments[:, 1:] - segments[:, :1]], axis=1
+    )
+    for k in range(4):
+        across = np.cross(sides[:, k], normal)
+        across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-300)
+        mine = np.einsum("nkj,nj->nk", segments, across)
+        its = np.einsum("nkj,nj->nk", triangles, across)
+        apart |= mine.min(axis=1) > its.max(axis=1) + tolerance
+        apart |= mine.max(axis=1) < its.min(axis=1) - tolerance
+    return ~apart
+
+
+def _outside(points: Vector, triangles: Vector, normal: Vector) -> Vector:
+    """How far each point, in the plane of its triangle, is on the outer side of a side of it."""
+    sides = np.roll(triangles, -1, axis=1) - triangles
+    outward = np.cross(sides, normal[:, None])
+    outward /= np.linalg.norm(outward, axis=2, keepdims=True)
+    return np.asarray(np.einsum("nkj,nkj->nk", points[:, None] - triangles, outward).max(axis=1))
+
+
+def _edges_with_faces(corners: Indices) -> tuple[Indices, Indices]:
+    """The edges (k, 2) of a closed surface and the two triangles (k, 2) at each."""
+    directed = np.sort(corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    face = np.repeat(np.arange(len(corners)), 3)
+    order = np.lexsort((directed[:, 1], directed[:, 0]))
+    return directed[order][::2], face[order].reshape(-1, 2)
+
+
+def _normals(triangles: Vector) -> Vector:
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300))
+
+
+def _volume(triangles: Vector) -> float:
+    centred = triangles - triangles.mean(axis=(0, 1))
+    return float(np.einsum("ij,ij->", centred[:, 0], np.cross(centred[:, 1], centred[:, 2])) / 6)
+
+
+def _least_extent(triangles: Vector) -> float:
+    """The smallest width between two planes parallel to a triangle that hold the surface between them."""
+    return float(np.ptp(triangles.reshape(-1, 3) @ _normals(triangles).T, axis=0).min())
+
+
+def _place(point: Vector) -> str:
+    return "(" + ", ".join(f"{coordinate:.4g}" for coordinate in point) + ") m"

@@ -1,0 +1,127 @@
+"""Round solids in the world frame: spheres, cylinders, cones and arcs. Their surfaces are meshed curved, not faceted.
+
+`axes` are the rows of the body's frame: its axis is axes[2]; an arc is symmetric about axes[0].
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A ball; metres."""
+
+    name: str
+    centre: Vector
+    radius: float
+
+    @property
+    def is_solid(self) -> bool:
+        return True
+
+    @property
+    def size(self) -> float:
+        return 2 * self.radius
+
+    @property
+    def corners(self) -> Vector:
+        """The corners (8, 3) of the cube around the ball."""
+        return _box(self.centre, np.eye(3), (self.radius, self.radius, self.radius))
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """A solid cylinder around axes[2], from −height/2 to height/2; metres."""
+
+    name: str
+    centre: Vector
+    axes: Vector
+    radius: float
+    height: float
+
+    @property
+    def is_solid(self) -> bool:
+        return True
+
+    @property
+    def size(self) -> float:
+        return min(2 * self.radius, self.height)
+
+    @property
+    def corners(self) -> Vector:
+        """The corners (8, 3) of the box around the cylinder."""
+        return _box(self.centre, self.axes, (self.radius, self.radius, self.height / 2))
+
+
+@dataclass(frozen=True)
+class Cone:
+    """A solid cone around axes[2], base at −height/2, apex at height/2; metres."""
+
+    name: str
+    centre: Vector
+    axes: Vector
+    radius: float
+    height: float
+
+    @property
+    def is_solid(self) -> bool:
+        return True
+
+    @property
+    def size(self) -> float:
+        return min(2 * self.radius, self.height)
+
+    @property
+    def corners(self) -> Vector:
+        """The corners (8, 3) of the box around the cone."""
+        return _box(self.centre, self.axes, (self.radius, self.radius, self.height / 2))
+
+
+@dataclass(frozen=True)
+class Arc:
+    """A ring sector around axes[2], from −half_angle to half_angle about axes[0]; metres, radians."""
+
+    name: str
+    centre: Vector
+    axes: Vector
+    inner_radius: float
+    outer_radius: float
+    height: float
+    half_angle: float
+
+    @property
+    def is_solid(self) -> bool:
+        return True
+
+    @property
+    def is_ring(self) -> bool:
+        return self.half_angle >= math.pi
+
+    @property
+    def size(self) -> float:
+        width = min(self.outer_radius - self.inner_radius, self.height)
+        length = (self.inner_radius + self.outer_radius) * min(self.half_angle, math.pi)
+        return min(width, length)
+
+    @property
+    def corners(self) -> Vector:
+        """The corners (8, 3) of the box around the sector."""
+        low = min(math.cos(self.half_angle) * radius for radius in (self.inner_radius, self.outer_radius))
+        high = self.outer_radius * math.sin(min(self.half_angle, math.pi / 2))
+        middle = self.centre + (low + self.outer_radius) / 2 * self.axes[0]
+        return _box(middle, self.axes, ((self.outer_radius - low) / 2, high, self.height / 2))
+
+
+RoundBody = Sphere | Cylinder | Cone | Arc
+
+
+def _box(centre: Vector, axes: Vector, half_widths: tuple[float, float, float]) -> Vector:
+    signs = np.array([[a, b, c] for c in (-1, 1) for b in (-1, 1) for a in (-1, 1)])
+    return np.asarray(centre + (signs * np.asarray(half_widths)) @ axes)

@@ -1,0 +1,107 @@
+"""Planes in which a scene is its own mirror image, found and not declared: they spare the mesh half of space each.
+
+Every conductor has to be its own image, so that all potentials are symmetric and no field line crosses the plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_reference.bodies import Body, Cuboid, Disc, Rectangle
+from fem_reference.polyhedron import Polyhedron
+from fem_reference.round_bodies import Arc, Cone, Cylinder, Sphere
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 1e-9
+"""How far images may be off, over the unit of length (the scene's bounding sphere): rounding of poses, and far below the error
+of any answer."""
+
+
+@dataclass(frozen=True)
+class Plane:
+    """The points x with normal·x = offset; the normal (3,) is of unit length."""
+
+    normal: Array
+    offset: float
+
+    def mirrored(self, points: Array) -> Array:
+        """The images (…, 3) of points (…, 3)."""
+        return points - 2 * (points @ self.normal - self.offset)[..., None] * self.normal
+
+    def turned(self, directions: Array) -> Array:
+        """The images (…, 3) of directions (…, 3)."""
+        return directions - 2 * (directions @ self.normal)[..., None] * self.normal
+
+
+def mirror_planes(bodies: Sequence[Body], owner: Sequence[int]) -> tuple[Plane, ...]:
+    """Up to three planes at right angles, in each of which every conductor and every dielectric body is its own image.
+
+    `owner[k]` is the conductor or dielectric body that body k belongs to. Lengths are over the scene's unit.
+    """
+    found: list[Plane] = []
+    for plane in _candidates(bodies, owner):
+        upright = all(abs(plane.normal @ other.normal) < TOLERANCE for other in found)
+        if upright and _is_mirror(plane, bodies, owner):
+            found.append(plane)
+    return tuple(found)
+
+
+def _candidates(bodies: Sequence[Body], owner: Sequence[int]) -> Iterator[Plane]:
+    """Planes of symmetry of the first body, and those that exchange it with another of its conductor."""
+    first = bodies[0]
+    centre = first.corners.mean(axis=0)
+    # A sphere has any axes; of surfaces made of triangles none are known.
+    axes = np.eye(3) if isinstance(first, Sphere | Polyhedron) else first.axes
+    for axis in axes:
+        yield Plane(axis, float(axis @ centre))
+    # A square has two more.
+    for one, other in combinations(axes, 2):
+        for diagonal in ((one + other) / np.sqrt(2), (one - other) / np.sqrt(2)):
+            yield Plane(diagonal, float(diagonal @ centre))
+    for body, own in zip(bodies[1:], owner[1:]):
+        between = body.corners.mean(axis=0) - centre
+        length = float(np.linalg.norm(between))
+        if own == owner[0] and length > TOLERANCE:
+            normal = between / length
+            yield Plane(normal, float(normal @ (centre + between / 2)))
+
+
+def _is_mirror(plane: Plane, bodies: Sequence[Body], owner: Sequence[int]) -> bool:
+    return all(
+        any(own == other and _is_image(body, image, plane) for image, other in zip(bodies, owner))
+        for body, own in zip(bodies, owner)
+    )
+
+
+def _is_image(body: Body, other: Body, plane: Plane) -> bool:
+    """Whether `other` is the mirror image of `body`; not known of surfaces made of triangles."""
+    if type(body) is not type(other) or isinstance(body, Polyhedron):
+        return False
+    corners, wanted = plane.mirrored(body.corners), other.corners
+    if isinstance(body, Sphere):
+        return bool(
+            np.allclose(corners.mean(axis=0), wanted.mean(axis=0), rtol=0, atol=TOLERANCE)
+        ) and _same_lengths(body, other)
+    distances = np.linalg.norm(corners[:, None] - wanted[None], axis=2)
+    if distances.min(axis=1).max() > TOLERANCE:
+        return False
+    if isinstance(body, Rectangle | Cuboid):
+        return True
+    # Round bodies fill the boxes of their corners, so that the axes have to correspond too.
+    assert isinstance(other, Disc | Cylinder | Cone | Arc)
+    axis, wanted_axis = plane.turned(body.axes[2]), other.axes[2]
+    along = float(axis @ wanted_axis) if isinstance(body, Cone) else abs(float(axis @ wanted_axis))
+    middle = float(plane.turned(body.axes[0]) @ other.axes[0]) if isinstance(body, Arc) else 1.0
+    return along > 1 - TOLERANCE and middle > 1 - TOLERANCE and _same_lengths(body, other)
+
+
+def _same_lengths(body: Body, other: Body) -> bool:
+    names = ("radius", "height", "inner_radius", "outer_radius", "half_angle")
+    pairs = [(getattr(body, name), getattr(other, name)) for name in names if hasattr(body, name)]
+    return all(abs(a - b) <= TOLERANCE for a, b in pairs)

@@ -1,0 +1,73 @@
+"""Several processes: the matrix of one, to 1e-9, told once."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2"]
+SCENE = """
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+
+[[object]]
+name = "plate"
+shape = { type = "plate", size = [0.06, 0.06] }
+translation = [0.01, 0.02, 0.03]
+
+[[object]]
+name = "ball"
+shape = { type = "sphere", radius = 0.02 }
+translation = [0.09, 0.02, 0.03]
+potential = "floating"
+"""
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    return path
+
+
+def run(processes: list[str], *arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    command = [*processes, sys.executable, "-m", "fem_reference", *map(str, arguments)]
+    # Without what this process's own MPI has put into the environment.
+    environment = dict(os.environ)
+    return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+
+
+def answer(scene: Path, processes: list[str]) -> dict[str, Any]:
+    """One level: what is asked for is not reached, with exit status 3 of the whole."""
+    done = run(processes, scene, "--json", "--error", "estimate", "--max-seconds", "0.1")
+    assert done.returncode == 3, done.stderr
+    found = json.loads(done.stdout)
+    assert isinstance(found, dict)
+    return found
+
+
+def test_two_processes_give_the_matrix_of_one(scene: Path) -> None:
+    alone, together = answer(scene, []), answer(scene, MPIRUN)
+    assert (alone["processes"], together["processes"]) == (1, 2)
+    assert alone["unknowns"] == together["unknowns"]
+    np.testing.assert_allclose(together["maxwell"], alone["maxwell"], rtol=1e-9)
+    assert together["delta_self"]["front"]["value"] == pytest.approx(
+        alone["delta_self"]["front"]["value"], rel=1e-8
+    )
+
+
+@pytest.mark.parametrize("arguments", [(), ("--error", "estimate", "--slice", "slice.json")])
+def test_what_one_process_does_is_refused_once(scene: Path, arguments: tuple[str, ...]) -> None:
+    done = run(MPIRUN, scene, *arguments)
+    told = [line for line in done.stderr.splitlines() if line.startswith("fem_reference:")]
+    assert done.returncode == 2 and len(told) == 1 and "single process" in told[0]
+    assert list(scene.parent.iterdir()) == [scene]

@@ -1,0 +1,125 @@
+"""Solids of every shape, meshed: their volumes and surfaces are the true ones, and the mesh knows a dielectric body."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+import ufl
+from dolfinx import fem
+
+from fem_reference.bodies import Body, Cuboid, Rectangle
+from fem_reference.mesh import FIRST_BODY, tagged_mesh
+from fem_reference.polyhedron import polyhedron
+from fem_reference.round_bodies import Arc, Cone, Cylinder, Sphere
+from fem_reference.scene_bodies import Conductors, Dielectric, normalised
+from fem_reference.sizing import Sizing
+from fem_reference.solve import Charges, FieldProblem, charges
+from geometries import shapes
+from geometries.poses import AxisRotation
+
+TURNED = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T
+CENTRE = np.array([0.1, -0.2, 0.3])
+CUBE = shapes.Cuboid((1.0, 1.0, 1.0)).triangles() @ TURNED
+
+
+def solve(problem: Conductors) -> Charges:
+    """On the coarsest level, in units of ε times the length of the bodies."""
+    mesh = tagged_mesh(problem.bodies, problem.owner, Sizing(), dielectrics=problem.permittivities)
+    found = charges(FieldProblem(mesh, problem.parts, problem.permittivities), 1, len(problem.floating))
+    return replace(
+        found, maxwell=problem.unit * found.maxwell, sensors_alone=problem.unit * found.sensors_alone
+    )
+
+
+@pytest.mark.parametrize(
+    "body, volume",
+    [
+        (Sphere("sphere", CENTRE, 1.0), 4 / 3 * np.pi),
+        (Cylinder("cylinder", CENTRE, TURNED, 1.0, 2.0), 2 * np.pi),
+        (Cone("cone", CENTRE, TURNED, 1.0, 2.0), 2 / 3 * np.pi),
+        (Arc("arc", CENTRE, TURNED, 1.0, 2.0, 0.8, 1.2), 1.2 * 3 * 0.8),
+        (Arc("ring", CENTRE, TURNED, 0.8, 1.2, 0.4, np.pi), np.pi * 0.8 * 0.4),
+        (polyhedron("two cubes", np.concatenate([CUBE, CUBE + 3.0])), 2.0),
+    ],
+    ids=lambda value: getattr(value, "name", ""),
+)
+def test_a_meshed_solid_has_its_true_volume(body: Body, volume: float) -> None:
+    """On the coarsest level; the error of the surface's elements, of second order, falls with the fourth power."""
+    assert abs(volume_of_mesh(body, 1) / volume - 1) < 2e-4
+
+
+def test_on_the_third_level_a_balls_volume_is_exact_to_1e_5() -> None:
+    assert abs(volume_of_mesh(Sphere("sphere", CENTRE, 1.0), 4) / (4 / 3 * np.pi) - 1) < 1e-5
+
+
+def volume_of_mesh(body: Body, refinement: float) -> float:
+    problem = normalised([body.name], 1, [body], [0])
+    tagged = tagged_mesh(problem.bodies, problem.owner, Sizing(refinement=refinement))
+    inside = ufl.Measure("dx", domain=tagged.mesh, subdomain_data=tagged.cells)(FIRST_BODY)
+    one = fem.Constant(tagged.mesh, 1.0)
+    return float(fem.assemble_scalar(fem.form(one * inside)) * problem.unit**3)
+
+
+def slab_between_plates(slab: Cuboid | None, contrast: float) -> Charges:
+    plates: list[Body] = [
+        Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("s", 0.0), ("p", 0.5))
+    ]
+    if slab is None:
+        return solve(normalised(["s", "p"], 1, plates, [0, 1]))
+    dielectric = Dielectric(slab.name, contrast, contrast)
+    return solve(normalised(["s", "p"], 1, [*plates, slab], [0, 1, 2], dielectrics=[dielectric]))
+
+
+@cache
+def with_slab(contrast: float) -> Charges:
+    """The slab touches both plates and sticks out on one side."""
+    slab = Cuboid("slab", np.array([0.1, 0, 0.25]), np.eye(3), (0.6, 0.5, 0.25))
+    return slab_between_plates(slab, contrast)
+
+
+def test_a_dielectric_body_of_the_mediums_permittivity_is_not_there() -> None:
+    """On a mesh of its own, to the mesh error of the coarsest level."""
+    bare = slab_between_plates(None, 1.0)
+    np.testing.assert_allclose(with_slab(1.0).maxwell, bare.maxwell, rtol=2e-3)
+    assert np.array_equal(with_slab(1.0).sensors_alone, with_slab(4.0).sensors_alone)
+
+
+def test_a_slab_between_plates_raises_their_capacitance_but_not_beyond_its_permittivity() -> None:
+    """Thomson and Dirichlet: the energy grows with the permittivity anywhere, and is ε times as much with ε everywhere."""
+    medium, slab = with_slab(1.0).maxwell, with_slab(4.0).maxwell
+    assert np.linalg.eigvalsh(slab - medium).min() > 0
+    assert np.linalg.eigvalsh(4 * medium - slab).min() > 0
+    assert -slab[0, 1] > 2 * -medium[0, 1], "most of the flux between the plates is in the slab"
+
+
+def test_overlapping_plates_of_one_sensor_are_one_conductor() -> None:
+    """Two rectangles that share a third of their area, against the rectangle they cover."""
+    half: list[Body] = [Rectangle("s", np.array([x, 0, 0]), np.eye(3), (0.5, 0.5)) for x in (-0.25, 0.25)]
+    whole: list[Body] = [Rectangle("s", np.zeros(3), np.eye(3), (0.75, 0.5))]
+    values = [solve(normalised(["s"], 1, bodies, [0] * len(bodies))) for bodies in (half, whole)]
+    assert values[0].maxwell[0, 0] == pytest.approx(values[1].maxwell[0, 0], rel=1e-3)
+
+
+def test_a_cube_given_as_a_mesh_is_the_cube() -> None:
+    """On meshes of the same edge size, which differ elsewhere: within a tenth of the error of that size."""
+    cuboid = solve(normalised(["s"], 1, [Cuboid("s", np.zeros(3), TURNED, (0.5, 0.5, 0.5))], [0]))
+    mesh = solve(normalised(["s"], 1, [polyhedron("s", CUBE)], [0]))
+    print(f"\ncube as a mesh over cuboid: {mesh.maxwell[0, 0] / cuboid.maxwell[0, 0] - 1:.1e}")
+    assert mesh.maxwell[0, 0] == pytest.approx(cuboid.maxwell[0, 0], rel=2e-4)
+
+
+def test_the_size_in_a_gap_to_a_mesh_is_the_gap() -> None:
+    """Edges of the tetrahedra beside the point where a corner of a cube comes close to a plate."""
+    down = polyhedron("cube", CUBE - [0, 0, CUBE[..., 2].min() - 0.1])
+    plate = Rectangle("s", np.zeros(3), np.eye(3), (2.0, 2.0))
+    problem = normalised(["s", "cube"], 1, [plate, down], [0, 1])
+    tagged = tagged_mesh(problem.bodies, problem.owner, Sizing(), straight=True)
+    nodes, cells = tagged.mesh.geometry.x, tagged.mesh.geometry.dofmap.array.reshape(-1, 4)
+    lowest = down.vertices[down.vertices[:, 2].argmin()]
+    under = (np.array([lowest[0], lowest[1], 0.05]) - problem.centre) / problem.unit
+    sizes = np.linalg.norm(nodes[cells[:, 1:]] - nodes[cells[:, :1]], axis=2).max(axis=1)
+    near = np.linalg.norm(nodes[cells].mean(axis=1) - under, axis=1) < 0.05 / problem.unit
+    assert near.sum() >= 3 and np.median(sizes[near]) * problem.unit < 0.2
