@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "compensated.hpp"
 
@@ -47,17 +48,22 @@ Piece all_or_nothing(const Piece& piece, int axis, double bound, Side side) {
 /// The part of a convex piece on one side of coordinate = bound (Sutherland and Hodgman).
 Piece clip(const Piece& piece, int axis, double bound, Side side) {
   Piece kept;
+  if (piece.size == 0)
+    return kept;
   int meetings = 0;  // of the outline with the plane
+  double next_inside = inside_by(piece.vertices[0], axis, bound, side);
   for (std::size_t i = 0; i < piece.size; ++i) {
     const PieceVertex& current = piece.vertices[i];
-    const PieceVertex& next = piece.vertices[(i + 1) % piece.size];
-    const double current_inside = inside_by(current, axis, bound, side);
-    const double next_inside = inside_by(next, axis, bound, side);
+    const PieceVertex& next = piece.vertices[i + 1 < piece.size ? i + 1 : 0];
+    const double current_inside = std::exchange(next_inside, inside_by(next, axis, bound, side));
     const bool crosses = (current_inside > 0 && next_inside < 0) || (current_inside < 0 && next_inside > 0);
     // A plane that divides a convex outline meets it twice. If more often, the piece lies in the plane but
     // for rounding, and its two parts would overlap.
-    if ((crosses || current_inside == 0) && ++meetings > 2)
-      return all_or_nothing(piece, axis, bound, side);
+    if ((crosses || current_inside == 0) && ++meetings > 2) {
+      // Assigned, not returned: with one variable to return, the piece is built in place.
+      kept = all_or_nothing(piece, axis, bound, side);
+      return kept;
+    }
     if (current_inside >= 0)
       kept.vertices[kept.size++] = current;
     if (crosses)

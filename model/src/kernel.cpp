@@ -128,8 +128,9 @@ class HeightRules {
   }
 
  private:
-  /// 11 points suffice from a ratio of 1.4, and from 0.5 to 8 either formula is as accurate as the other.
-  static constexpr int most_points = 11;
+  /// 13 points suffice from a ratio of 1. The terms of Wilton's form outgrow their sum in proportion to the
+  /// ratio: at 1.3 they are six times as large, and the rounding of each is multiplied by that.
+  static constexpr int most_points = 13;
 
   struct Entry {
     double smallest_squared_ratio;

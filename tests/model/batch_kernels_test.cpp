@@ -117,6 +117,29 @@ TEST_P(BatchKernels, ScaleWithTheLength) {
   }
 }
 
+TEST_P(BatchKernels, KeepTheAreaOfSlivers) {
+  // Products whose difference is what remains: without fused operations, or exact products in their place, a
+  // sliver's area has lost as many digits as it is thin.
+  Random random(7);
+  constexpr std::size_t count = 64;
+  std::vector<std::vector<double>> coordinates(9, std::vector<double>(count));
+  std::vector<double> twice(count), squared_size(count);
+  const double* pointers[9];
+  std::vector<Triangle> slivers;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector3d a = random.in_box({-1, -1, -1}, {1, 1, 1}), b = random.in_box({-1, -1, -1}, {1, 1, 1});
+    const Vector3d off = 1e-10 * random.in_box({-1, -1, -1}, {1, 1, 1});
+    slivers.push_back({a, b, a + random.uniform(0.1, 0.9) * (b - a) + off});
+    for (std::size_t k = 0; k < 9; ++k)
+      coordinates[k][i] = slivers[i][k / 3][static_cast<Eigen::Index>(k % 3)];
+  }
+  for (std::size_t k = 0; k < 9; ++k)
+    pointers[k] = coordinates[k].data();
+  GetParam()->measure(pointers, count, twice.data(), squared_size.data());
+  for (std::size_t i = 0; i < count; ++i)
+    EXPECT_NEAR(twice[i], twice_area(slivers[i]), 1e-15 * twice[i]) << i;
+}
+
 TEST_P(BatchKernels, SumOverNodes) {
   Random random(5);
   constexpr std::size_t count = 13, readable = 16;

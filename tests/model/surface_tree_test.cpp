@@ -15,6 +15,7 @@
 #include "fringe/triangulation.hpp"
 #include "geometry.hpp"
 #include "tree/build.hpp"
+#include "tree/node_bound.hpp"
 
 namespace fringe {
 namespace {
@@ -283,22 +284,114 @@ TEST(SurfaceTree, MomentsOfEveryNodeAreWithinTheStatedMismatch) {
       for (std::size_t i = 0; i < node.triangles.count; ++i)
         part.push_back(tree.triangles[node.triangles.first + i]);
       const Vector3d direction = random.in_box({-1, -1, -1}, {1, 1, 1}).normalized();
-      for (const detail::Quadrature& quadrature : node.quadratures) {
-        for (int power = 0; power <= quadrature.degree; ++power) {
+      for (std::size_t step = 0; step < node.quadratures.size(); ++step) {
+        const detail::Range& points = node.quadratures[step];
+        if (points.count == 0)
+          continue;
+        for (int power = 0; power <= detail::highest_degree; ++power) {
           double sum = 0;
-          for (std::size_t i = quadrature.points.first; i < quadrature.points.first + quadrature.points.count;
-               ++i) {
+          for (std::size_t i = points.first; i < points.first + points.count; ++i) {
             const Vector3d point(tree.points.x[i], tree.points.y[i], tree.points.z[i]);
             sum += tree.points.weight[i] * std::pow(direction.dot(point - node.centre), power);
           }
           const double scale = node.area * std::pow(node.radius, power);
           EXPECT_NEAR(sum, integral_of_power(part, node.centre, direction, power),
-                      quadrature.mismatch[static_cast<std::size_t>(power)] + rounding * scale);
+                      (node.errors.mismatch[static_cast<std::size_t>(power)][step] + rounding) * scale);
         }
         // What is not matched may not be much, or the quadratures would be of no use.
-        EXPECT_LE(quadrature.mismatch[0], 1e-4 * node.area);
+        EXPECT_LE(node.errors.mismatch[0][step], 1e-4);
       }
     }
+  }
+}
+
+/// A triangle much smaller than a metre about a point, in a plane of constant z, of a given area.
+Triangle small_triangle(const Vector3d& place, double area) {
+  const double size = std::sqrt(4 * area / std::sqrt(27.0));
+  Triangle triangle;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double angle = 2 * std::acos(-1.0) * static_cast<double>(k) / 3;
+    triangle[k] = place + size * Vector3d(std::cos(angle), std::sin(angle), 0);
+  }
+  return triangle;
+}
+
+/// The error of a quadrature and the bound of it, for a tree of one node.
+struct MeasuredBound {
+  double error;
+  double bound;
+};
+
+MeasuredBound measured_bound(const std::vector<Triangle>& triangles, const Rectangle& plate,
+                             std::size_t step) {
+  const detail::SurfaceNodes tree = detail::build_nodes(triangles);
+  const detail::Node& node = tree.nodes.front();
+  const detail::PlateFrame frame = detail::plate_frame(plate);
+  const detail::Placement placement = detail::place(frame, node.centre);
+  double sum = 0;
+  const detail::Range& points = node.quadratures[step];
+  for (std::size_t i = points.first; i < points.first + points.count; ++i)
+    sum += tree.points.weight[i] /
+           detail::place(frame, {tree.points.x[i], tree.points.y[i], tree.points.z[i]}).distance;
+  return {std::abs(sum - test::total_integral(triangles, plate)),
+          detail::smooth_errors(placement, node)[step] + detail::kink_error(frame, placement, node)};
+}
+
+/// A bound that were five times smaller would be passed.
+void expect_nearly_attained(const MeasuredBound& measured) {
+  EXPECT_LE(measured.error, measured.bound);
+  EXPECT_GE(measured.error, measured.bound / 5);
+}
+
+/// A large plate in the plane z = height.
+Rectangle wide_plate(double height) {
+  return {{-1e4, -1e4, height}, {2e4, 0, 0}, {0, 2e4, 0}};
+}
+
+// Two spots one above the other: the expansion's forms all take their largest values there. Far away the
+// first term that is not matched dominates the bound, at 1.05 radii the remainder does.
+TEST(SurfaceTree, BoundIsNearlyAttainedByTwoSpots) {
+  for (const double heavy : {1.0, 4.0}) {
+    // About the centroid, the lighter spot a metre away and towards the plate.
+    const std::vector<Triangle> spots{small_triangle({0, 0, -1 / heavy}, 1e-8 * heavy),
+                                      small_triangle({0, 0, 1}, 1e-8)};
+    for (const double distance : {1.05, 1.2, 2.0, 10.0, 100.0}) {
+      SCOPED_TRACE(fmt::format("heavy {}, distance {}", heavy, distance));
+      expect_nearly_attained(measured_bound(spots, wide_plate(distance), 0));
+    }
+  }
+}
+
+// The four points of degree 2 are symmetric, spots of unequal weight are not: the term of degree 3 is left.
+TEST(SurfaceTree, BoundOfTheThirdMomentsIsNearlyAttained) {
+  const std::vector<Triangle> spots{small_triangle({0, 0, -1.0 / 9}, 9e-8), small_triangle({0, 0, 1}, 1e-8)};
+  for (const double distance : {20.0, 100.0})
+    expect_nearly_attained(measured_bound(spots, wide_plate(distance), 1));
+}
+
+// Above the plate the distance of a surface parallel to it is constant: all error comes from the lighter spot
+// beyond the border.
+TEST(SurfaceTree, BoundAcrossABorderIsNearlyAttained) {
+  const std::vector<Triangle> spots{small_triangle({-1.0 / 20, 0, 0}, 20e-8),
+                                    small_triangle({1, 0, 0}, 1e-8)};
+  for (const double distance : {200.0, 1000.0})
+    expect_nearly_attained(
+        measured_bound(spots, {{-5000, -5000, -distance}, {5000, 0, 0}, {0, 10000, 0}}, 1));
+}
+
+TEST(SurfaceTree, BoundDoesNotDependOnTheUnitOfLength) {
+  const std::vector<Triangle> triangles = triangulate(Sphere{0.5, 32});
+  const Rectangle plate{{0.4, -0.3, 0.9}, {1, 0, 0}, {0, 1, 0}};
+  const TreeIntegral expected = SurfaceTree(triangles).integrate(plate, {.tolerance = 1e-4});
+  for (const double scale : {std::ldexp(1.0, -120), std::ldexp(1.0, 120)}) {
+    std::vector<Triangle> scaled = triangles;
+    for (Triangle& triangle : scaled)
+      for (Vector3d& vertex : triangle)
+        vertex *= scale;
+    const TreeIntegral integral = SurfaceTree(scaled).integrate(
+        {scale * plate.corner, scale * plate.edge_u, scale * plate.edge_v}, {.tolerance = 1e-4});
+    EXPECT_NEAR(integral.value / scale, expected.value, rounding * expected.value);
+    EXPECT_NEAR(integral.bound / scale, expected.bound, rounding * expected.value);
   }
 }
 

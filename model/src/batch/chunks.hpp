@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 #include "../plate_frame.hpp"
 #include "choices.hpp"
@@ -8,6 +9,12 @@
 #include "kernels.hpp"
 
 namespace fringe::detail {
+
+/// Consecutive elements.
+struct Range {
+  std::size_t first = 0;
+  std::size_t count = 0;
+};
 
 /// Triangles that are integrated together: few enough to stay in the fastest cache, and the parts into which
 /// a sum is cut, whatever the number of threads.
@@ -20,6 +27,11 @@ void integrate_chunk(const Kernels& kernels, const TriangleBatch& triangles, std
 /// The sum of the integrals of the triangles from begin to end.
 double sum_range(const Kernels& kernels, const TriangleBatch& triangles, std::size_t begin, std::size_t end,
                  const PlateFrame& plate, const Choices& choices);
+
+/// The sum of the integrals of the triangles of many ranges. Short ones are gathered, so that registers are
+/// full.
+double sum_ranges(const Kernels& kernels, const TriangleBatch& triangles, std::span<const Range> ranges,
+                  const PlateFrame& plate, const Choices& choices);
 
 /// A plate's frame as the kernels take it.
 PlateCoordinates plate_coordinates(const PlateFrame& plate);

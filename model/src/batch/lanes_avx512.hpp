@@ -5,6 +5,24 @@
 #include <sleef.h>
 #include <xsimd/xsimd.hpp>
 
+/// xsimd 8.1 has no fused operations for AVX-512 and would round twice. These overloads stand where
+/// argument-dependent lookup finds its own, and are preferred because they are no templates.
+namespace xsimd {
+
+using EightDoubles = batch<double, avx512bw>;
+
+inline EightDoubles fma(const EightDoubles& a, const EightDoubles& b, const EightDoubles& c) {
+  return _mm512_fmadd_pd(a, b, c);
+}
+inline EightDoubles fms(const EightDoubles& a, const EightDoubles& b, const EightDoubles& c) {
+  return _mm512_fmsub_pd(a, b, c);
+}
+inline EightDoubles fnma(const EightDoubles& a, const EightDoubles& b, const EightDoubles& c) {
+  return _mm512_fnmadd_pd(a, b, c);
+}
+
+}  // namespace xsimd
+
 namespace fringe::detail {
 
 /// Eight doubles: AVX-512 (F, CD, DQ, BW).

@@ -4,12 +4,9 @@
 
 #include <Eigen/Core>
 
-namespace fringe::detail {
+#include "weighted_point.hpp"
 
-struct WeightedPoint {
-  Eigen::Vector3d position;
-  double weight;
-};
+namespace fringe::detail {
 
 /// The coordinates in which points are compressed: the centre, the size and the principal axes (columns) of
 /// what they stand for. Along its normal a smooth surface is thin, and most moments that involve it need no

@@ -1,18 +1,18 @@
 #include "elimination.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+
+#include "vector_clones.hpp"
 
 namespace fringe::detail {
 
-// Most of the cost of building a tree is in this loop. Every element takes the same two operations whatever
-// the length of the registers, so that all versions give the same result. The address sanitizer cannot run
-// before the choice is made.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-[[gnu::target_clones("avx512f", "avx2", "default")]]
-#endif
-std::size_t
-eliminate_columns(const Columns& columns, std::span<const std::size_t> listed, const double* pivot,
-                  std::size_t pivot_row, std::size_t next_row) {
+// Much of the cost of building a tree is in this loop.
+FRINGE_VECTOR_CLONES
+std::size_t eliminate_columns(const ColumnArray& columns, std::span<const std::size_t> listed,
+                              const double* pivot, std::size_t pivot_row, std::size_t next_row) {
   const double inverse = 1 / pivot[pivot_row];
   double largest = -1;
   std::size_t largest_place = 0;
@@ -28,6 +28,26 @@ eliminate_columns(const Columns& columns, std::span<const std::size_t> listed, c
     }
   }
   return largest_place;
+}
+
+FRINGE_VECTOR_CLONES
+double longest_step(const double* coefficients, const double* weights, double slack,
+                    double smallest_coefficient, std::size_t size) {
+  // A coefficient that is too small, or positive, leaves a denominator that makes the quotient larger than
+  // any weight.
+  constexpr double smallest_denominator = 1e-300, smallest_share = 1e-3;
+  const double least = smallest_share * slack;
+  std::array<double, column_padding> steps;
+  steps.fill(std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < size; i += column_padding) {
+    for (std::size_t lane = 0; lane < column_padding; ++lane) {
+      const double room = weights[i + lane] + slack, below = -coefficients[i + lane] - smallest_coefficient;
+      const double step =
+          (room > least ? room : least) / (below > smallest_denominator ? below : smallest_denominator);
+      steps[lane] = step < steps[lane] ? step : steps[lane];
+    }
+  }
+  return *std::min_element(steps.begin(), steps.end());
 }
 
 }  // namespace fringe::detail

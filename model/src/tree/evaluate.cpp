@@ -9,9 +9,11 @@
 
 #include "../batch/chunks.hpp"
 #include "../facing.hpp"
+#include "border_triangles.hpp"
 #include "direct_choices.hpp"
 #include "fringe/plate_integral.hpp"
 #include "node_bound.hpp"
+#include "partition.hpp"
 #include "point_sum.hpp"
 
 namespace fringe::detail {
@@ -93,7 +95,6 @@ class Evaluation {
       descend();
     finish_leaves();
     result_.value += points_.sum();
-    result_.counts.points += points_.count();
     return result_;
   }
 
@@ -146,48 +147,96 @@ class Evaluation {
     const std::optional<Lump> found = lump(frame_, current.placement, node, allowed);
     if (!found)
       return false;
-    if (found->quadrature) {
-      points_.add(tree_.points, found->quadrature->points);
-    } else {
+    const Range& quadrature = node.quadratures[found->quadrature];
+    result_.counts.points += quadrature.count;
+    if (quadrature_degrees[found->quadrature] == 1)
       result_.value += node.area / current.placement.distance;
-      ++result_.counts.points;
-    }
-    settle(current, found->error);
+    else
+      points_.add(tree_.points, quadrature);
+    settle(current.share, found->error);
+    ++result_.counts.nodes_lumped;
+    result_.counts.triangles_lumped += node.triangles.count;
     return true;
   }
 
-  void settle(const Visit& current, double error) {
+  void settle(double share, double error) {
     result_.bound += error;
-    lumped_share_ += current.share;
-    ++result_.counts.nodes_lumped;
-    result_.counts.triangles_lumped += tree_.nodes[current.node].triangles.count;
+    lumped_share_ += share;
   }
 
   /// Leaves that could not be lumped: the points of their triangles where the tolerance that is left allows,
-  /// and the integrals of the triangles elsewhere.
+  /// and the integrals of the triangles elsewhere. Leaves at the plate's borders come last, since they can
+  /// make use of whatever is left.
   void finish_leaves() {
     Shares open = leaf_shares_;
-    double direct_share = 0;
+    std::vector<Visit> at_borders;
     for (const Visit& current : leaves_) {
-      const Node& node = tree_.nodes[current.node];
-      const double error = trianglewise_error(frame_, current.placement, node);
-      if (!current.mixed && error <= error_per_share(open) * current.share) {
-        points_.add(tree_.points, node.trianglewise.points);
-        settle(current, error);
+      const Node& leaf = tree_.nodes[current.node];
+      const double error = trianglewise_error(current.placement, leaf);
+      if (current.mixed || !(error <= error_per_share(open) * current.share)) {
+        add_direct(leaf.triangles, current.mixed);
+        direct_share_ += current.mixed ? 0 : current.share;
+      } else if (std::min(current.placement.border_u, current.placement.border_v) <
+                 leaf.trianglewise.reach + leaf.trianglewise.largest_radius) {
+        at_borders.push_back(current);
+      } else {
+        settle(current.share, error);
         open.remove(current);
+        add_points(leaf.triangles);
+        ++result_.counts.nodes_lumped;
+      }
+    }
+    for (const Visit& current : at_borders)
+      finish_at_border(current, open);
+    integrate_direct(remaining_tolerance());
+  }
+
+  /// A leaf that a border crosses: the triangles whose errors the leaf's part of the tolerance does not cover
+  /// are integrated, and keep their own part of it.
+  void finish_at_border(const Visit& current, Shares& open) {
+    const Node& leaf = tree_.nodes[current.node];
+    const auto& [first, count] = leaf.triangles;
+    std::array<double, most_triangles_in_leaf> errors;
+    border_errors(frame_, current.placement, leaf, tree_.triangle_points, errors.data());
+    const double share_each = current.share / static_cast<double>(count);
+    const double allowed_each = error_per_share(open) * share_each;
+    double error = trianglewise_error(current.placement, leaf),
+           allowed = allowed_each * static_cast<double>(count);
+    std::size_t run = 0, direct = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (error + errors[i] <= allowed) {
+        error += errors[i];
         continue;
       }
-      add_direct(node.triangles, current.mixed);
-      direct_share += current.mixed ? 0 : current.share;
+      allowed -= allowed_each;
+      ++direct;
+      add_points({first + run, i - run});
+      add_direct({first + i, 1}, false);
+      run = i + 1;
     }
-    integrate_direct(remaining_tolerance(direct_share));
+    add_points({first + run, count - run});
+    Visit lumped = current;
+    lumped.share = share_each * static_cast<double>(count - direct);
+    direct_share_ += current.share - lumped.share;
+    settle(lumped.share, error);
+    open.remove(lumped);
+  }
+
+  /// Appends the points of triangles.
+  void add_points(const Range& triangles) {
+    if (triangles.count == 0)
+      return;
+    const Range range{points_per_triangle * triangles.first, points_per_triangle * triangles.count};
+    points_.add(tree_.triangle_points, range);
+    result_.counts.points += range.count;
+    result_.counts.triangles_lumped += triangles.count;
   }
 
   /// What of the tolerance the lumped nodes have not used, as a tolerance of the whole integral: it may be
   /// used on any part of it.
-  double remaining_tolerance(double direct_share) const {
+  double remaining_tolerance() const {
     const double used = std::max(result_.bound - options_.allowance, 0.0);
-    return used > 0 ? std::max(options_.tolerance - used / (lumped_share_ + direct_share), 0.0)
+    return used > 0 ? std::max(options_.tolerance - used / (lumped_share_ + direct_share_), 0.0)
                     : options_.tolerance;
   }
 
@@ -211,10 +260,7 @@ class Evaluation {
 
   void integrate_direct(double tolerance) {
     const auto& [relative_error, choices] = direct_choices(tolerance);
-    double sum = 0;
-    for (const Range& range : direct_)
-      sum += sum_range(kernels_, tree_.triangles, range.first, range.first + range.count, frame_,
-                       choices.choices());
+    const double sum = sum_ranges(kernels_, tree_.triangles, direct_, frame_, choices.choices());
     result_.value += sum;
     result_.bound = std::isinf(sum) ? 0.0 : result_.bound + bound_of_sum(sum, relative_error);
   }
@@ -234,6 +280,7 @@ class Evaluation {
   PointSum points_;
   TreeIntegral result_;
   double lumped_share_ = 0;
+  double direct_share_ = 0;  ///< of what is integrated triangle by triangle and certainly counts
   Shares leaf_shares_;
   std::vector<Visit> open_, next_, leaves_;
   std::vector<Range> direct_;

@@ -1,6 +1,10 @@
 #include "moments.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
+
+#include "monomial_rows.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -27,7 +31,7 @@ std::array<RuleNode, 7> radon_rule() {
   return rule;
 }
 
-constexpr std::size_t powers = highest_degree + 1;
+constexpr std::size_t powers = moment_degree + 1;
 
 /// Indices of all monomials by their exponents, and the binomial coefficients.
 struct Tables {
@@ -37,9 +41,9 @@ struct Tables {
 
 constexpr Tables make_tables() {
   Tables tables{};
-  for (int a = 0; a <= highest_degree; ++a)
-    for (int b = 0; a + b <= highest_degree; ++b)
-      for (int c = 0; a + b + c <= highest_degree; ++c)
+  for (int a = 0; a <= moment_degree; ++a)
+    for (int b = 0; a + b <= moment_degree; ++b)
+      for (int c = 0; a + b + c <= moment_degree; ++c)
         tables.index[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)][static_cast<std::size_t>(c)] =
             monomial_index(a, b, c);
   for (std::size_t n = 0; n < powers; ++n) {
@@ -82,13 +86,17 @@ void append_rule(const Triangle& triangle, double area, std::vector<WeightedPoin
     points.push_back({barycentric[0] * a + barycentric[1] * b + barycentric[2] * c, area * weight});
 }
 
-void add_points(const std::vector<WeightedPoint>& points, const MomentFrame& frame, Moments& moments) {
-  MonomialValues values{};
-  for (const auto& [position, weight] : points) {
-    evaluate_monomials<highest_degree>((position - frame.centre) / frame.scale, values);
-    for (std::size_t i = 0; i < all_monomials; ++i)
-      moments[i] += weight * values[i];
+Moments moments_of(const std::vector<WeightedPoint>& points, const MomentFrame& frame) {
+  // So few that their monomials stay in the fastest cache.
+  constexpr std::size_t block = 48;
+  Moments moments{};
+  for (std::size_t first = 0; first < points.size(); first += block) {
+    const std::span part = std::span(points).subspan(first, std::min(block, points.size() - first));
+    MonomialRows(part, frame.centre, Eigen::Matrix3d::Identity() / frame.scale, moment_degree,
+                 MonomialRows::Factor::weight)
+        .add_up(moments);
   }
+  return moments;
 }
 
 void add_translated(const Moments& part, const MomentFrame& part_frame, const MomentFrame& frame,

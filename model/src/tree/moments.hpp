@@ -23,8 +23,8 @@ using Moments = MonomialValues;
 /// Appends the points of a rule of degree 5 on the triangle.
 void append_rule(const Triangle& triangle, double area, std::vector<WeightedPoint>& points);
 
-/// Adds the moments of weighted points.
-void add_points(const std::vector<WeightedPoint>& points, const MomentFrame& frame, Moments& moments);
+/// The moments of weighted points.
+Moments moments_of(const std::vector<WeightedPoint>& points, const MomentFrame& frame);
 
 /// Adds the moments of a part of the surface, known in a frame of its own.
 void add_translated(const Moments& part, const MomentFrame& part_frame, const MomentFrame& frame,

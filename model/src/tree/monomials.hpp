@@ -2,11 +2,8 @@
 
 #include <array>
 #include <cstddef>
-#include <utility>
 
-#include <Eigen/Core>
-
-/// The monomials xᵃyᵇzᶜ up to degree 5, in an order in which a lower degree comes before a higher one, so
+/// The monomials xᵃyᵇzᶜ up to degree 6, in an order in which a lower degree comes before a higher one, so
 /// that those up to degree p are the first monomial_count(p).
 namespace fringe::detail {
 
@@ -15,11 +12,15 @@ namespace fringe::detail {
 /// cheaper.
 constexpr int highest_degree = 5;
 
+/// The highest degree of the moments that are known. One more than the quadratures keep, so that what they
+/// are off first is measured instead of bounded.
+constexpr int moment_degree = highest_degree + 1;
+
 constexpr std::size_t monomial_count(int degree) {
   return static_cast<std::size_t>((degree + 1) * (degree + 2) * (degree + 3) / 6);
 }
 
-constexpr std::size_t all_monomials = monomial_count(highest_degree);
+constexpr std::size_t all_monomials = monomial_count(moment_degree);
 
 struct Monomial {
   std::array<int, 3> exponents{};
@@ -64,26 +65,6 @@ constexpr std::size_t monomial_index(int a, int b, int c) {
   while (monomials[index].exponents != std::array<int, 3>{a, b, c})
     ++index;
   return index;
-}
-
-/// The monomials up to a degree at a point.
-template <int degree>
-void evaluate_monomials(const Eigen::Vector3d& point, MonomialValues& values) {
-  values[0] = 1;
-  // Written out by the compiler, so that the table is not read at run time.
-  [&]<std::size_t... i>(std::index_sequence<i...>) {
-    ((values[i + 1] = values[monomials[i + 1].factor] * point[monomials[i + 1].axis]), ...);
-  }
-  (std::make_index_sequence<monomial_count(degree) - 1>{});
-}
-
-inline void evaluate_monomials(const Eigen::Vector3d& point, int degree, MonomialValues& values) {
-  if (degree <= 2)
-    evaluate_monomials<2>(point, values);
-  else if (degree == 3)
-    evaluate_monomials<3>(point, values);
-  else
-    evaluate_monomials<highest_degree>(point, values);
 }
 
 }  // namespace fringe::detail

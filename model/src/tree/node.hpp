@@ -6,19 +6,14 @@
 
 #include <Eigen/Core>
 
+#include "../batch/chunks.hpp"
 #include "fringe/triangle_batch.hpp"
 #include "monomials.hpp"
 
 /// What the tree over a surface stores (model/NUMERICS.md, section 11).
 namespace fringe::detail {
 
-/// Consecutive elements.
-struct Range {
-  std::size_t first = 0;
-  std::size_t count = 0;
-};
-
-/// The points of all quadratures.
+/// The points of quadratures.
 struct PointArrays {
   std::vector<double> x, y, z, weight;
 };
@@ -34,28 +29,30 @@ struct SymmetricMatrix {
   }
 };
 
-/// A quadrature Σ w f(p) for ∫ f dA over a node, with what bounds its error. δ is the distance of a point
-/// from the node's centre.
-struct Quadrature {
-  Range points;
-  int degree = 0;
-  double remainder = 0;  ///< ∫|δ|^(degree+1) dA + Σ|w||δ|^(degree+1)
-  /// By degree k: how far the quadrature is from the integral, at most, for a form of degree k that does not
-  /// exceed |δ|ᵏ.
-  std::array<double, highest_degree + 1> mismatch{};
+/// The degrees of the quadratures of every node, from few points to many: a small node far away needs few.
+/// That of degree 1 is the node's centre.
+constexpr std::array<int, 4> quadrature_degrees{1, 2, 3, highest_degree};
+
+/// A number for each quadrature of a node.
+using PerQuadrature = std::array<double, quadrature_degrees.size()>;
+
+/// What bounds the errors of a node's quadratures Σ w f(p) for ∫ f dA, in units of the node's area and of
+/// powers of its radius: numbers that neither overflow nor vanish whatever the size of the surface. δ is the
+/// distance of a point from the node's centre.
+struct QuadratureErrors {
+  /// By degree k: how far the quadrature is from the integral, at most, for the form of degree k in the
+  /// expansion of 1/distance.
+  std::array<PerQuadrature, moment_degree + 1> mismatch{};
+  PerQuadrature remainder{};  ///< at least ∫|δ|⁷ dA + Σ|w||δ|⁷
 };
 
-/// The degrees of the quadratures of every node: a small node far away needs few points.
-constexpr std::array<int, 3> quadrature_degrees{2, 3, highest_degree};
-
-/// One quadrature of degree 2 for each triangle of a leaf, with what bounds the sum of their errors. Here δ
-/// is the distance from the centroid of the point's own triangle.
-struct TrianglewiseQuadrature {
-  Range points;
-  double remainder = 0;           ///< ∫|δ|³ dA + Σ w|δ|³
-  double reach = 0;               ///< the largest distance of a centroid from the node's centre
-  double largest_radius = 0;      ///< the largest |δ|
-  SymmetricMatrix second_moment;  ///< ∫ δδᵀ dA = Σ w δδᵀ
+/// A quadrature of degree 2 for each triangle of a leaf, with what bounds the sum of their errors, in units
+/// as above. Here δ is the distance from the centroid of the point's own triangle.
+struct TrianglewiseErrors {
+  double reach = 0;           ///< m; the largest distance of a centroid from the node's centre
+  double largest_radius = 0;  ///< m; the largest |δ|
+  double mismatch = 0;        ///< for the form of degree 3
+  double remainder = 0;       ///< ∫|δ|⁴ dA + Σ w|δ|⁴
 };
 
 /// The outward normals of all triangles make an angle with the axis whose cosine is at least this; −1 says
@@ -69,24 +66,30 @@ constexpr std::size_t no_child = 0;  // the root is nobody's child
 
 struct Node {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double radius = 0;  ///< of a sphere about the centre that holds the triangles and the quadrature's points
+  double radius = 0;  ///< of a sphere about the centre that holds the triangles and the quadratures' points
   double area = 0;
-  double squared_radius_moment = 0;                                 ///< ∫|δ|² dA
-  Range triangles;                                                  ///< in the tree's order
-  std::size_t first_child = no_child;                               ///< the second follows it
-  std::array<Quadrature, quadrature_degrees.size()> quadratures{};  ///< from few points to many
-  /// nᵀSn ≥ ∫(n·δ)² dA, and for each quadrature ≥ Σ w (n·δ)² over the positive weights and over the others.
+  Range triangles;                     ///< in the tree's order
+  std::size_t first_child = no_child;  ///< the second follows it
+  double smallest_remainder = 0;       ///< of the quadratures' errors: with it most nodes too near are told
+  TrianglewiseErrors trianglewise{};   ///< of leaves
+  QuadratureErrors errors{};
+  std::array<Range, quadrature_degrees.size()> quadratures{};
+  /// In units of the area times the radius squared: nᵀSn ≥ ∫(n·δ)² dA, and for each quadrature ≥ Σ w (n·δ)²
+  /// over the positive weights and over the others.
   SymmetricMatrix second_moment{};
-  TrianglewiseQuadrature trianglewise{};  ///< of leaves
   NormalCone normals{};
 };
+
+/// How many points of `triangle_points` belong to each triangle.
+constexpr std::size_t points_per_triangle = 3;
 
 /// The tree: nodes with parents before children, the triangles that have an area in an order in which every
 /// node's are consecutive.
 struct SurfaceNodes {
   std::vector<Node> nodes;
   TriangleBatch triangles;
-  PointArrays points;
+  PointArrays points;           ///< of the nodes' quadratures
+  PointArrays triangle_points;  ///< of the triangles, in their order
 };
 
 }  // namespace fringe::detail

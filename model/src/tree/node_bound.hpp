@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <optional>
 
@@ -26,11 +27,10 @@ inline Placement place(const PlateFrame& plate, const Eigen::Vector3d& centre) {
           std::min(std::abs(local.y()), std::abs(local.y() - plate.length_v))};
 }
 
-/// What the kinks of the distance in the plate's border planes add to the error, at most, when the points are
-/// no farther than `radius` from centres that are no nearer to the border planes than `placement` says, and
-/// no point is nearer than `nearest` to the plate.
-inline double kink_error(const PlateFrame& plate, const Placement& placement, double radius, double nearest,
-                         const SymmetricMatrix& second_moment) {
+/// What the kinks of the distance in the plate's border planes add to the error, at most, for any of a node's
+/// quadratures.
+inline double kink_error(const PlateFrame& plate, const Placement& placement, const Node& node) {
+  const double radius = node.radius;
   if (std::min(placement.border_u, placement.border_v) >= radius)
     return 0;
   double sum = 0;
@@ -38,59 +38,68 @@ inline double kink_error(const PlateFrame& plate, const Placement& placement, do
     const double border = axis == 0 ? placement.border_u : placement.border_v;
     if (border >= radius)
       continue;
-    const double share_beyond = 1 - std::max(border, 0.0) / radius;
-    sum += share_beyond * share_beyond * second_moment.along(plate.axes.row(axis));
+    const double share_beyond = 1 - border / radius;
+    sum += share_beyond * share_beyond * node.second_moment.along(plate.axes.row(axis));
   }
-  return sum / (2 * nearest * nearest * nearest);
+  const double nearest = placement.distance - radius, ratio = radius / nearest;
+  return node.area / nearest * ratio * ratio * sum / 2;
 }
 
-/// The points that stand for a node, with the bound of their error.
+/// What the quadratures of a node whose sphere lies in one cell are off, at most. The centre must be farther
+/// from the plate than the radius.
+inline PerQuadrature smooth_errors(const Placement& placement, const Node& node) {
+  const double ratio = node.radius / placement.distance, scale = node.area / placement.distance;
+  PerQuadrature sums{};
+  for (std::size_t step = 0; step < sums.size(); ++step)
+    sums[step] = node.errors.remainder[step] * (ratio / (1 - ratio));
+  for (std::size_t k = node.errors.mismatch.size(); k-- > 1;)
+    for (std::size_t step = 0; step < sums.size(); ++step)
+      sums[step] = (sums[step] + node.errors.mismatch[k][step]) * ratio;
+  for (std::size_t step = 0; step < sums.size(); ++step)
+    sums[step] = (sums[step] + node.errors.mismatch[0][step]) * scale;
+  return sums;
+}
+
+/// The quadrature that stands for a node, with the bound of its error.
 struct Lump {
-  const Quadrature* quadrature;  ///< none: the centre alone
+  std::size_t quadrature;
   double error;
 };
 
 /// The fewest points whose error is not above what is allowed, if there are any.
 inline std::optional<Lump> lump(const PlateFrame& plate, const Placement& placement, const Node& node,
                                 double allowed) {
-  const double nearest = placement.distance - node.radius;
-  if (!(nearest > 0))
+  if (!(placement.distance > node.radius))
     return std::nullopt;
-  const double kinks = kink_error(plate, placement, node.radius, nearest, node.second_moment);
-  if (kinks > allowed)
+  // What the form of the highest degree and those beyond it add: read first, since most nodes fail by it.
+  const double ratio = node.radius / placement.distance, cube = ratio * ratio * ratio;
+  if (node.smallest_remainder * cube * cube * ratio * node.area >
+      allowed * (placement.distance - node.radius))
     return std::nullopt;
-  const double inverse = 1 / placement.distance;
-  double factor = inverse * inverse / nearest;  // D^−(degree + 2)/(1 − R/D), here for degree 1
-  if (const double error = kinks + node.squared_radius_moment * factor; error <= allowed)
-    return Lump{nullptr, error};
-  int degree = 1;
-  for (const Quadrature& quadrature : node.quadratures) {
-    for (; degree < quadrature.degree; ++degree)
-      factor *= inverse;
-    double error = kinks + quadrature.remainder * factor;
-    if (error > allowed)
-      continue;
-    double mismatch = 0;
-    for (int k = quadrature.degree; k >= 0; --k)
-      mismatch = (mismatch + quadrature.mismatch[static_cast<std::size_t>(k)]) * inverse;
-    error += mismatch;
-    if (error <= allowed)
-      return Lump{&quadrature, error};
-  }
+  const double kinks = kink_error(plate, placement, node);
+  if (!(kinks <= allowed))
+    return std::nullopt;
+  const PerQuadrature errors = smooth_errors(placement, node);
+  for (std::size_t step = 0; step < errors.size(); ++step)
+    if (const double error = errors[step] + kinks; error <= allowed)
+      return Lump{step, error};
   return std::nullopt;
 }
 
-/// The error of the quadratures of a leaf's triangles together.
-inline double trianglewise_error(const PlateFrame& plate, const Placement& placement, const Node& node) {
-  const TrianglewiseQuadrature& quadrature = node.trianglewise;
-  const double centroids = placement.distance - quadrature.reach;
-  const double nearest = centroids - quadrature.largest_radius;
+/// No point of a leaf's triangles is nearer to the plate.
+inline double nearest_distance(const Placement& placement, const Node& leaf) {
+  return placement.distance - leaf.trianglewise.reach - leaf.trianglewise.largest_radius;
+}
+
+/// The error of the quadratures of a leaf's triangles together, without what the border planes add.
+inline double trianglewise_error(const Placement& placement, const Node& leaf) {
+  const double centroids = placement.distance - leaf.trianglewise.reach;
+  const double nearest = nearest_distance(placement, leaf);
   if (!(nearest > 0))
     return std::numeric_limits<double>::infinity();
-  const Placement closest{centroids, placement.border_u - quadrature.reach,
-                          placement.border_v - quadrature.reach};
-  return quadrature.remainder / (centroids * centroids * centroids * nearest) +
-         kink_error(plate, closest, quadrature.largest_radius, nearest, quadrature.second_moment);
+  const double ratio = leaf.radius / centroids;
+  return leaf.area / centroids * ratio * ratio * ratio *
+         (leaf.trianglewise.mismatch + leaf.trianglewise.remainder * leaf.radius / nearest);
 }
 
 }  // namespace fringe::detail

@@ -8,10 +8,6 @@
 namespace fringe::detail {
 namespace {
 
-/// About as many triangles as the quadrature of a node has points: below, a node costs as much as its
-/// triangles.
-constexpr std::size_t most_triangles_in_leaf = 32;
-
 struct Centroid {
   Eigen::Vector3d position;
   std::uint32_t triangle;

@@ -8,6 +8,10 @@
 
 namespace fringe::detail {
 
+/// About as many as keep the points of a node and those of its triangles in balance: with more, the leaves at
+/// the plate's borders grow, with fewer the number of nodes does.
+constexpr std::size_t most_triangles_in_leaf = 32;
+
 struct Partition {
   std::vector<Node> nodes;
   std::vector<Triangle> triangles;

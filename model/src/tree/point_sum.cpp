@@ -6,23 +6,31 @@ namespace fringe::detail {
 
 void PointSum::add(const PointArrays& arrays, const Range& range) {
   count_ += range.count;
-  for (std::size_t done = 0; done < range.count;) {
-    const std::size_t count = std::min(range.count - done, capacity - size_);
-    const std::size_t from = range.first + done;
-    std::copy_n(arrays.x.data() + from, count, x_.data() + size_);
-    std::copy_n(arrays.y.data() + from, count, y_.data() + size_);
-    std::copy_n(arrays.z.data() + from, count, z_.data() + size_);
-    std::copy_n(arrays.weight.data() + from, count, weight_.data() + size_);
-    size_ += count;
-    done += count;
-    if (size_ == capacity)
-      flush();
+  if (range.count <= most_gathered) {
+    gather(arrays, range);
+    return;
   }
+  const std::size_t whole = range.count / TriangleArrays::padding * TriangleArrays::padding;
+  sum_ += kernels_.sum_over_nodes(plate_, arrays.x.data() + range.first, arrays.y.data() + range.first,
+                                  arrays.z.data() + range.first, arrays.weight.data() + range.first, whole);
+  gather(arrays, {range.first + whole, range.count - whole});
 }
 
 double PointSum::sum() {
   flush();
   return sum_;
+}
+
+void PointSum::gather(const PointArrays& arrays, const Range& range) {
+  if (size_ + range.count > capacity)
+    flush();
+  for (std::size_t i = 0; i < range.count; ++i) {
+    x_[size_ + i] = arrays.x[range.first + i];
+    y_[size_ + i] = arrays.y[range.first + i];
+    z_[size_ + i] = arrays.z[range.first + i];
+    weight_[size_ + i] = arrays.weight[range.first + i];
+  }
+  size_ += range.count;
 }
 
 void PointSum::flush() {
@@ -36,7 +44,7 @@ void PointSum::flush() {
     z_[i] = z_[last];
     weight_[i] = 0;
   }
-  sum_ += kernels_.sum_over_nodes(plate_, x_.data(), y_.data(), z_.data(), weight_.data(), size_);
+  sum_ += kernels_.sum_over_nodes(plate_, x_, y_, z_, weight_, size_);
   size_ = 0;
 }
 

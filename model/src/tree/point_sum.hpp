@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 
 #include "../batch/chunks.hpp"
@@ -23,11 +22,15 @@ class PointSum {
   /// Few enough to stay in the fastest cache, many enough to fill long registers.
   static constexpr std::size_t capacity = 512;
 
+  /// More points are summed where they lie.
+  static constexpr std::size_t most_gathered = 32;
+
+  void gather(const PointArrays& arrays, const Range& range);
   void flush();
 
   const Kernels& kernels_;
   PlateCoordinates plate_;
-  std::array<double, capacity> x_{}, y_{}, z_{}, weight_{};
+  double x_[capacity], y_[capacity], z_[capacity], weight_[capacity];  // up to size_ only
   std::size_t size_ = 0;
   std::size_t count_ = 0;
   double sum_ = 0;

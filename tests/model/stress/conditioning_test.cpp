@@ -27,7 +27,7 @@ double largest_change(Triangle triangle, Rectangle plate) {
   const DoubleDouble value = integral(triangle, plate);
   double largest = 0;
   for (Eigen::Vector3d* vector :
-       {&triangle[0], &triangle[1], &triangle[2], &plate.corner, &plate.edge_u, &plate.edge_v})
+       {triangle.data(), &triangle[1], &triangle[2], &plate.corner, &plate.edge_u, &plate.edge_v})
     for (double& number : *vector)
       for (const double towards : {-infinity, infinity}) {
         const double original = number;

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace fringe::detail {
+
+struct WeightedPoint {
+  Eigen::Vector3d position;
+  double weight;
+};
+
+}  // namespace fringe::detail
