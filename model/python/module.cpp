@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -16,9 +17,11 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include "fringe/bounding_volume.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/conductors.hpp"
 #include "fringe/error.hpp"
+#include "fringe/gjk.hpp"
 #include "fringe/plate_integral.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/scene_evaluator.hpp"
@@ -52,6 +55,69 @@ std::vector<Triangle> triangles_of(const Array& array) {
     for (std::size_t j = 0; j < 3; ++j)
       triangles[i][j] = Eigen::Vector3d(array.data() + 9 * i + 3 * j);
   return triangles;
+}
+
+std::vector<Eigen::Vector3d> vertices_of(const Array& array, const char* name) {
+  if (array.ndim() != 2 || array.shape(1) != 3)
+    throw InputError(fmt::format("{} must have shape (n, 3)", name));
+  std::vector<Eigen::Vector3d> vertices(static_cast<std::size_t>(array.shape(0)));
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    vertices[i] = Eigen::Vector3d(array.data() + 3 * i);
+  return vertices;
+}
+
+std::vector<Face> faces_of(const py::array_t<std::int64_t, py::array::c_style>& array) {
+  if (array.ndim() != 2 || array.shape(1) != 3)
+    throw InputError("faces must have shape (m, 3)");
+  std::vector<Face> faces(static_cast<std::size_t>(array.shape(0)));
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    for (std::size_t j = 0; j < 3; ++j) {
+      const std::int64_t vertex = array.data()[3 * i + j];
+      if (vertex < 0)
+        throw InputError(fmt::format("face {} names vertex {}", i, vertex));
+      faces[i][j] = static_cast<std::size_t>(vertex);
+    }
+  return faces;
+}
+
+bool gjk_intersects_of(const Array& a, const Array& b) {
+  const std::vector<Eigen::Vector3d> hull_a = vertices_of(a, "a"), hull_b = vertices_of(b, "b");
+  const py::gil_scoped_release unlocked;
+  return gjk_intersects(hull_a, hull_b).intersects;
+}
+
+py::tuple gjk_distance_of(const Array& a, const Array& b) {
+  const std::vector<Eigen::Vector3d> hull_a = vertices_of(a, "a"), hull_b = vertices_of(b, "b");
+  HullDistance answer;
+  {
+    const py::gil_scoped_release unlocked;
+    answer = gjk_distance(hull_a, hull_b);
+  }
+  return py::make_tuple(answer.distance, answer.witness_a, answer.witness_b);
+}
+
+py::tuple bounding_sphere_of(const Array& vertices) {
+  const auto [centre, radius] = bounding_sphere(vertices_of(vertices, "v"));
+  return py::make_tuple(centre, radius);
+}
+
+py::tuple aabb_of(const Array& vertices) {
+  const Eigen::AlignedBox3d box = axis_aligned_box(vertices_of(vertices, "v"));
+  return py::make_tuple(Eigen::Vector3d(box.min()), Eigen::Vector3d(box.max()));
+}
+
+py::tuple obb_of(const Array& vertices, const py::object& faces, const std::string& method) {
+  const std::vector<Eigen::Vector3d> points = vertices_of(vertices, "v");
+  std::vector<Face> triangles;
+  if (!faces.is_none())
+    triangles = faces_of(faces.cast<py::array_t<std::int64_t, py::array::c_style>>());
+  const BoxMethod how = parse_box_method(method);
+  OrientedBox box;
+  {
+    const py::gil_scoped_release unlocked;
+    box = oriented_box(points, triangles, how);
+  }
+  return py::make_tuple(box.centre, box.axes, box.half_widths);
 }
 
 Array array_of(const std::vector<Triangle>& triangles) {
@@ -222,6 +288,32 @@ method: "exact", "split:N" (4**N equal triangles, centroid rule) or "gauss:K" (K
 Returns an (n,) array in metres: 0 for a triangle without area, +inf where the triangle meets the plate so that the
 integral diverges. Raises InputError (a ValueError) for values that are not finite, wrong shapes, a plate that is not a
 rectangle and an unknown method.)");
+
+  module.def(
+      "gjk_intersects", &gjk_intersects_of, "a"_a, "b"_a,
+      R"(Whether the convex hulls of two vertex arrays, (n, 3) and (m, 3), have a point in common; touching counts.
+
+Exact for the coordinates given. Raises InputError (a ValueError) for wrong shapes, no vertices and vertices that are
+not finite.)");
+  module.def("gjk_distance", &gjk_distance_of, "a"_a, "b"_a,
+             R"(The shortest distance between the convex hulls of two vertex arrays, (n, 3) and (m, 3).
+
+Returns (distance, nearest point of a, nearest point of b); 0 and a common point twice when the hulls intersect.
+Raises InputError (a ValueError) as gjk_intersects does.)");
+  module.def("bounding_sphere", &bounding_sphere_of, "v"_a,
+             "The smallest sphere around the vertices (n, 3), all strictly inside: (centre, radius).");
+  module.def(
+      "aabb", &aabb_of, "v"_a,
+      "The smallest box with sides along the axes that holds the vertices (n, 3): (minimum, maximum).");
+  module.def(
+      "obb", &obb_of, "v"_a, "faces"_a = py::none(), "method"_a = "tight",
+      R"(A box around the vertices (n, 3), all strictly inside: (centre (3,), axes (3, 3), half_widths (3,)).
+
+The rows of axes are orthonormal and right-handed. faces: (m, 3) vertex indices, or None.
+method: "vertices" or "triangles", along the eigenvectors of the covariance of the vertices or of the surface; "tight",
+searched for the smallest volume.
+
+Raises InputError (a ValueError) for wrong shapes, indices out of range, no vertices and vertices that are not finite.)");
 
   py::class_<LiveScene>(module, "Scene", "A scene of links, sensors and objects (geometries/SCENE.md).")
       .def_static(
