@@ -20,6 +20,7 @@
 #include "fringe/bounding_volume.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/conductors.hpp"
+#include "fringe/distance_sensor.hpp"
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
 #include "fringe/plate_integral.hpp"
@@ -27,6 +28,7 @@
 #include "fringe/scene_evaluator.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
+#include "fringe/scene_sensing.hpp"
 #include "fringe/version.hpp"
 
 namespace py = pybind11;
@@ -120,6 +122,21 @@ py::tuple obb_of(const Array& vertices, const py::object& faces, const std::stri
   return py::make_tuple(box.centre, box.axes, box.half_widths);
 }
 
+py::object cone_closest_of(const Array& triangles, const Array& apex, const Array& direction,
+                           double full_angle, double range, const std::string& method) {
+  const std::vector<Triangle> surface = triangles_of(triangles);
+  const SensingCone cone{vector3(apex, "apex"), vector3(direction, "direction"), full_angle, range};
+  const ConeMethod how = parse_cone_method(method);
+  std::optional<VisiblePoint> seen;
+  {
+    const py::gil_scoped_release unlocked;
+    seen = cone_closest(surface, cone, how);
+  }
+  if (!seen)
+    return py::none();
+  return py::make_tuple(seen->distance, seen->point, seen->triangle);
+}
+
 Array array_of(const std::vector<Triangle>& triangles) {
   Array array({static_cast<py::ssize_t>(triangles.size()), py::ssize_t{3}, py::ssize_t{3}});
   double* target = array.mutable_data();
@@ -164,7 +181,7 @@ py::dict dictionary(const EvaluationCounts& counts) {
       "objects_skipped"_a = counts.objects_skipped, "objects_reused"_a = counts.objects_reused);
 }
 
-/// A scene with the evaluator of its last options, which keeps what does not move.
+/// A scene with the evaluators of its last options, which keep what does not move.
 class LiveScene {
  public:
   explicit LiveScene(Scene scene) : scene_(std::move(scene)) {}
@@ -176,6 +193,17 @@ class LiveScene {
     fringe::set_pose(scene_, link, pose);
     if (evaluator_)
       evaluator_->set_pose(link, pose);
+    if (sensing_)
+      sensing_->set_pose(link, pose);
+  }
+
+  std::vector<DistanceReading> sense(ConeMethod method) {
+    const std::lock_guard lock(mutex_);
+    if (!sensing_ || method != sensing_method_) {
+      sensing_.emplace(scene_, method);
+      sensing_method_ = method;
+    }
+    return sensing_->sense();
   }
 
   SceneCapacitance capacitance(const CapacitanceOptions& options) {
@@ -196,6 +224,8 @@ class LiveScene {
   Scene scene_;
   CapacitanceOptions options_;
   std::optional<SceneEvaluator> evaluator_;
+  ConeMethod sensing_method_ = ConeMethod::field_of_view;
+  std::optional<SceneSensing> sensing_;
   std::mutex mutex_;  ///< other Python threads run while an answer is made
 };
 
@@ -216,6 +246,28 @@ py::dict capacitance_of(LiveScene& scene, const std::string& method, const std::
     sensors.append(dictionary(sensor));
   return py::dict("options"_a = dictionary(options), "seconds"_a = elapsed.count(),
                   "counts"_a = dictionary(answer.counts), "sensors"_a = sensors);
+}
+
+py::dict dictionary(const DistanceReading& reading) {
+  if (!reading.closest)
+    return py::dict("name"_a = reading.name, "distance"_a = py::none(), "point"_a = py::none(),
+                    "object"_a = py::none(), "triangle"_a = py::none());
+  const auto& [distance, point, object, triangle] = *reading.closest;
+  return py::dict("name"_a = reading.name, "distance"_a = distance, "point"_a = point, "object"_a = object,
+                  "triangle"_a = triangle);
+}
+
+py::dict sense_of(LiveScene& scene, const std::string& method) {
+  const ConeMethod how = parse_cone_method(method);
+  std::vector<DistanceReading> readings;
+  {
+    const py::gil_scoped_release unlocked;
+    readings = scene.sense(how);
+  }
+  py::list sensors;
+  for (const DistanceReading& reading : readings)
+    sensors.append(dictionary(reading));
+  return py::dict("distance_sensors"_a = sensors);
 }
 
 py::dict conductors_of(const LiveScene& scene) {
@@ -315,6 +367,18 @@ searched for the smallest volume.
 
 Raises InputError (a ValueError) for wrong shapes, indices out of range, no vertices and vertices that are not finite.)");
 
+  module.def("cone_closest", &cone_closest_of, "triangles"_a, "apex"_a, "direction"_a, "full_angle"_a,
+             "range"_a, "method"_a = "field_of_view",
+             R"(The point of the triangles (n, 3, 3) nearest to the apex of a cone, among those in the cone.
+
+The cone is what lies within full_angle / 2 (radians, full_angle in (0, pi]) of the direction, a (3,) array of any length
+but zero, and within the range of the apex; the boundary counts as inside.
+method: "field_of_view" or "cone_equation", two ways to the same answer (thesis 4.2.2 and 4.2.1).
+
+Returns (distance, point (3,), index of the triangle), or None when nothing is in the cone. An apex on a triangle has the
+distance 0. Raises InputError (a ValueError) for wrong shapes, values that are not finite or out of range and an unknown
+method.)");
+
   py::class_<LiveScene>(module, "Scene", "A scene of links, sensors and objects (geometries/SCENE.md).")
       .def_static(
           "load",
@@ -334,6 +398,13 @@ out at most. 0: nothing is left out but by "nearest", 1e-12. Only with the metho
 Asked again with the same options, only what moved since is evaluated; "counts" says what that was.
 
 Raises InputError (a ValueError) for unknown or inconsistent options and for objects that are not grounded.)")
+      .def(
+          "sense", &sense_of, "method"_a = "field_of_view",
+          R"(The closest point that every distance sensor sees, as the dictionary that `fringe sense --json` prints.
+
+For each sensor "distance" (m), "point" (world frame), "object" and "triangle", the index into conductors()[object]; all
+None when nothing is in its cone. Every object is seen, whatever it is made of and also on the sensor's own link.
+method: as for cone_closest.)")
       .def("conductors", &conductors_of,
            "Name to (n, 3, 3) triangles in the world frame, the sensors first, each in the file's order.")
       .def("set_pose", &set_link_pose, "link"_a, "translation"_a, "rotation"_a,
