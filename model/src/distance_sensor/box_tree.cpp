@@ -103,7 +103,7 @@ void BoxTree::search(ConeQuery& query, const Eigen::Isometry3d& pose, std::size_
       continue;
     }
     for (std::size_t i = node.first_triangle; i < node.first_triangle + node.triangle_count; ++i)
-      if (bounds.least_distance(box_of(triangles_[i])) <= query.reach() && !bounds.misses(triangles_[i]))
+      if (!bounds.misses(triangles_[i], query.reach()))
         query.offer(transformed(triangles_[i], pose), surface, indices_[i]);
   }
 }

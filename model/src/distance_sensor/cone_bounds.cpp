@@ -47,6 +47,24 @@ double ConeBounds::least_distance(const Eigen::AlignedBox3d& box) const {
   return distance * (1 - relative_rounding) - allowance(box);
 }
 
+/// But for the rounding of its coordinates: along any direction of length 1 the triangle is no nearer than
+/// its nearest vertex is along it. The best of these directions leads to the point nearest to the apex: the
+/// normal does where that is inside, and near it the directions of the vertices do.
+double ConeBounds::least_distance(const Triangle& triangle) const {
+  const Vector3d a = triangle[0] - apex_, b = triangle[1] - apex_, c = triangle[2] - apex_;
+  double least = 0;
+  for (const Vector3d& direction : {(b - a).cross(c - a).eval(), a, b, c}) {
+    const double square = direction.squaredNorm();
+    if (!is_ordinary(square))
+      continue;
+    const double along_a = direction.dot(a), along_b = direction.dot(b), along_c = direction.dot(c);
+    const double nearest =
+        std::max(std::min({along_a, along_b, along_c}), -std::max({along_a, along_b, along_c}));
+    least = std::max(least, nearest / std::sqrt(square));
+  }
+  return least - relative_rounding * (a.lpNorm<1>() + b.lpNorm<1>() + c.lpNorm<1>());
+}
+
 /// Whether one of two planes through the apex has the cone on its one side and all points on the other: that
 /// across the axis, and that which touches the cone along the line nearest to a centre. `least` is the lowest
 /// product of a direction with the points.
@@ -72,15 +90,21 @@ bool ConeBounds::misses(const Eigen::AlignedBox3d& box) const {
   });
 }
 
-bool ConeBounds::misses(const Triangle& triangle) const {
-  Eigen::AlignedBox3d box(triangle[0]);
-  box.extend(triangle[1]).extend(triangle[2]);
+bool ConeBounds::misses(const Triangle& triangle, const Eigen::AlignedBox3d& box) const {
   const Vector3d a = triangle[0] - apex_, b = triangle[1] - apex_, c = triangle[2] - apex_;
   const double slack =
       allowance(box) + relative_rounding * a.cwiseAbs().cwiseMax(b.cwiseAbs()).cwiseMax(c.cwiseAbs()).sum();
   return separated((a + b + c) / 3, [&](const Vector3d& direction) {
     return std::min({direction.dot(a), direction.dot(b), direction.dot(c)}) - slack;
   });
+}
+
+bool ConeBounds::misses(const Triangle& triangle, double reach) const {
+  Eigen::AlignedBox3d box(triangle[0]);
+  box.extend(triangle[1]).extend(triangle[2]);
+  // The cheapest first.
+  return least_distance(box) > reach || misses(triangle, box) ||
+         least_distance(triangle) - allowance(box) > reach;
 }
 
 }  // namespace fringe::detail

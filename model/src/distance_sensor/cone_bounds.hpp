@@ -15,17 +15,21 @@ class ConeBounds {
   /// The cone as seen from where the boxes are; the pose leads from there to the cone's frame of reference.
   ConeBounds(const SensingCone& cone, const Eigen::Isometry3d& pose);
 
-  /// No point of the box or the triangle is nearer to the apex than this.
+  /// No point of the box is nearer to the apex than this.
   double least_distance(const Eigen::AlignedBox3d& box) const;
 
-  /// True only when no point is in the cone.
+  /// True only when no point of the box is in the cone.
   bool misses(const Eigen::AlignedBox3d& box) const;
-  bool misses(const Triangle& triangle) const;
+
+  /// True only when no point of the triangle is in the cone and not beyond the reach.
+  bool misses(const Triangle& triangle, double reach) const;
 
  private:
   template <class Reach>
   bool separated(const Eigen::Vector3d& centre, const Reach& least) const;
   double allowance(const Eigen::AlignedBox3d& box) const;
+  double least_distance(const Triangle& triangle) const;
+  bool misses(const Triangle& triangle, const Eigen::AlignedBox3d& box) const;
 
   Eigen::Vector3d apex_;
   Eigen::Vector3d axis_;

@@ -50,8 +50,7 @@ std::optional<VisiblePoint> cone_closest(std::span<const Triangle> triangles, co
     const auto& [a, b, c] = triangles[i];
     if (!a.allFinite() || !b.allFinite() || !c.allFinite())
       throw InputError(fmt::format("triangle {} is not finite", i));
-    const Eigen::AlignedBox3d box(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c));
-    if (bounds.least_distance(box) <= query.reach() && !bounds.misses(triangles[i]))
+    if (!bounds.misses(triangles[i], query.reach()))
       query.offer(triangles[i], 0, i);
   }
   return point_of(query.best());
