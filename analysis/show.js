@@ -93,7 +93,7 @@
     traces.push(lines("#8c959f", 3, { line: { color: "#8c959f", width: 3, dash: "dot" } }));
     traces.push(...["#d1242f", "#1a7f37", "#0969da"].map(colour => lines(colour, 5)));
     traces.push({ type: "scatter3d", mode: "text", x: [], y: [], z: [], text: [], hoverinfo: "skip",
-                  textposition: "top center", textfont: { color: INK, size: 12 } });
+                  textposition: "top center", textfont: { color: INK, size: 22 } });
     return traces;
   }
 
@@ -149,7 +149,9 @@
     const update = { x: all.map(c => c.x), y: all.map(c => c.y), z: all.map(c => c.z) };
     const bodies = data.objects.length;
     Plotly.restyle(plot, update, all.map((_, n) => n));
-    Plotly.restyle(plot, { color: data.objects.map(body => MARKS[worst[body.name]] || colourOfLink(body.link)) }, data.objects.map((_, n) => n));
+    // The links are inside their bodies.
+    const colours = data.objects.map(body => MARKS[worst[body.name]] || colourOfLink(body.link));
+    Plotly.restyle(plot, { color: colours, opacity: state.links ? 0.35 : 1 }, data.objects.map((_, n) => n));
     const said = frame.readings.flatMap((reading, n) => reading ? [`${data.eyes[n].name}: ${millimetres(reading.distance)} to ${reading.object}`] : []);
     Plotly.restyle(plot, { text: [said, linkNames(frame)] }, [bodies + data.sensors.length + 2, all.length - 1]);
     tell(frame);
@@ -177,7 +179,7 @@
     margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, paper_bgcolor: "white", uirevision: "kept",
     font: { family: "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', sans-serif", size: 12, color: INK },
     scene: { ...axes(), dragmode: "turntable",
-             camera: { eye: { x: 0.72, y: -1.55, z: 0.55 }, center: { x: 0, y: 0, z: -0.05 } } },
+             camera: { eye: { x: 0.77, y: -1.66, z: 0.59 }, center: { x: 0, y: 0, z: -0.05 } } },
   };
 
   // --- the readings ---
