@@ -168,11 +168,12 @@
     }
     const largest = Math.max(...low.map((x, i) => high[i] - x)) || 1;
     const range = low.map((x, i) => { const margin = Math.max(0.02 * largest, (0.1 * largest - (high[i] - x)) / 2); return [x - margin, high[i] + margin]; });
-    const extent = range.map(([a, b]) => b - a), longest = Math.max(...extent);
+    // Of one size on the screen, whatever the proportions.
+    const extent = range.map(([a, b]) => b - a), scale = 1.9 / Math.hypot(...extent);
     const style = { showbackground: false, gridcolor: "#e4e7eb", zerolinecolor: "#d0d7de", color: "#57606a", showspikes: false, nticks: 5, tickfont: { size: 10 } };
     const named = i => ({ ...style, range: range[i], title: { text: "xyz"[i] + " (m)", font: { size: 11 } } });
     return { xaxis: named(0), yaxis: named(1), zaxis: named(2), aspectmode: "manual",
-             aspectratio: { x: 1.5 * extent[0] / longest, y: 1.5 * extent[1] / longest, z: 1.5 * extent[2] / longest } };
+             aspectratio: { x: scale * extent[0], y: scale * extent[1], z: scale * extent[2] } };
   }
 
   const layout = {
@@ -294,7 +295,9 @@
     button.addEventListener("click", () => { stop(); go(n); });
     frames.append(button);
   });
-  if (data.frames.length < 2) document.querySelector(".timeline").hidden = true;
+  const present = { motion: data.frames.length > 1, eyes: data.eyes.length, links: data.links.length, sensors: data.sensors.length,
+                    collisions: data.frames[0].collisions };
+  document.querySelectorAll("[data-needs]").forEach(part => { part.hidden = !present[part.dataset.needs]; });
   frames.addEventListener("keydown", event => {
     const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     if (!step) return;

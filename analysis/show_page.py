@@ -29,13 +29,14 @@ def document(title: str, digest: str, text: str, data: Document) -> str:
 
 
 def _summary(data: Document) -> str:
-    parts = [
-        _count(len(data["objects"]), "object"),
-        _count(len(data["links"]), "link"),
-        _count(len(data["sensors"]), "capacitive sensor"),
-        _count(len(data["eyes"]), "distance sensor"),
-        _count(len(data["frames"]), "frame"),
-    ]
+    nouns = {
+        "objects": "object",
+        "links": "link",
+        "sensors": "capacitive sensor",
+        "eyes": "distance sensor",
+        "frames": "frame",
+    }
+    parts = [_count(len(data[key]), noun) for key, noun in nouns.items() if data[key]]
     return ", ".join(parts) + ". Drag to turn, scroll to come closer, hover for names."
 
 
@@ -47,7 +48,7 @@ _STAGE = """
 <div class="stage">
 <div class="view">
   <div id="scene"></div>
-  <div class="timeline">
+  <div class="timeline" data-needs="motion">
     <button id="play" type="button">Play</button>
     <div id="frames" role="group" aria-label="Frames; the arrow keys step through them"></div>
     <p id="frame-name" aria-live="polite"></p>
@@ -58,14 +59,14 @@ _STAGE = """
       <label><input type="radio" name="boxes" value="aabb">along the axes</label>
       <label><input type="radio" name="boxes" value="obb">oriented</label>
     </fieldset>
-    <label><input type="checkbox" id="cones" checked>cones of the distance sensors</label>
-    <label><input type="checkbox" id="links">links</label>
+    <label data-needs="eyes"><input type="checkbox" id="cones" checked>cones of the distance sensors</label>
+    <label data-needs="links"><input type="checkbox" id="links">links</label>
   </div>
   <p class="legend soft">
-    <span><i class="mark sensor"></i>capacitive sensor</span>
-    <span><i class="mark eye"></i>distance sensor, with a line to the closest visible point</span>
-    <span><i class="mark bounds"></i>only the bounds overlap</span>
-    <span><i class="mark collision"></i>collision</span>
+    <span data-needs="sensors"><i class="mark sensor"></i>capacitive sensor</span>
+    <span data-needs="eyes"><i class="mark eye"></i>distance sensor, with a line to the closest visible point</span>
+    <span data-needs="collisions"><i class="mark bounds"></i>only the bounds overlap</span>
+    <span data-needs="collisions"><i class="mark collision"></i>collision</span>
   </p>
 </div>
 <aside class="readings">
