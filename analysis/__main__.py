@@ -1,4 +1,4 @@
-"""`python3 -m analysis`: run a study, report on its results."""
+"""`python3 -m analysis`: run a study, report on its results, show a scene."""
 
 from __future__ import annotations
 
@@ -19,13 +19,15 @@ _INTERRUPTED = 130
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     options = _parser().parse_args(arguments)
-    continue_with("dolfinx")
+    continue_with("plotly" if options.command == "show" else "dolfinx")
     from geometries.errors import InputError
 
     signal.signal(signal.SIGTERM, _interrupt)
     try:
         if options.command == "run":
             return _run(options.study, options.results, options.jobs, options.measure_model)
+        if options.command == "show":
+            return _show(options.scene, options.motion, options.output)
         return _report(options.results)
     except InputError as error:
         print(f"analysis: {error}", file=sys.stderr)
@@ -66,6 +68,19 @@ def _parser() -> argparse.ArgumentParser:
     )
     report = commands.add_parser("report", help="write table.csv and report.html from stored answers")
     report.add_argument("results", type=Path, metavar="RESULTS", help="a folder that `run` has filled")
+    show = commands.add_parser(
+        "show", help="write one page with a scene, its sensors' readings and its motion"
+    )
+    show.add_argument("scene", metavar="SCENE", help="a name in geometries/scenes, or a file")
+    show.add_argument(
+        "--motion",
+        type=Path,
+        metavar="FILE",
+        help="its frames (default: SCENE.motion.toml beside it, if any)",
+    )
+    show.add_argument(
+        "--output", type=Path, metavar="FILE", help="the page (default: results/show/<scene>.html)"
+    )
     return parser
 
 
@@ -107,6 +122,13 @@ def _report(folder: Path) -> int:
         )
     print(f"report: {made.path}")
     return NOT_REACHED if made.not_reached else ANSWERED
+
+
+def _show(scene: str, motion: Path | None, target: Path | None) -> int:
+    from analysis import show
+
+    print(f"page: {show.make(scene, motion, target)}")
+    return ANSWERED
 
 
 if __name__ == "__main__":

@@ -137,23 +137,24 @@ def _object(table: Table) -> Object:
 
 
 def _pose(table: Table) -> Pose:
-    return Pose(table.vector3("translation", (0.0, 0.0, 0.0)), _rotation(table))
+    return Pose(table.vector3("translation", (0.0, 0.0, 0.0)), rotation(table))
 
 
-def _rotation(table: Table) -> Rotation:
+def rotation(table: Table) -> Rotation:
+    """The rotation that `rotation` or `quaternion` of a link, an object or a frame's pose describe; none when absent."""
     if table.has("quaternion"):
         if table.has("rotation"):
             raise table.error("quaternion", "stands in the place of rotation: give one of them")
         return _quaternion(table)
     if not table.has("rotation"):
         return AxisRotation()
-    rotation = table.table("rotation")
-    if rotation.has("quaternion"):
-        quaternion = _quaternion(rotation)
-        rotation.finish()
+    inner = table.table("rotation")
+    if inner.has("quaternion"):
+        quaternion = _quaternion(inner)
+        inner.finish()
         return quaternion
-    turned = AxisRotation(_direction(rotation, "axis"), rotation.number("degrees"))
-    rotation.finish()
+    turned = AxisRotation(_direction(inner, "axis"), inner.number("degrees"))
+    inner.finish()
     return turned
 
 

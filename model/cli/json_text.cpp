@@ -93,6 +93,23 @@ void write_counts(Writer& writer, const EvaluationCounts& counts) {
   writer.EndObject();
 }
 
+void write_reading(Writer& writer, const DistanceReading& reading) {
+  writer.StartObject();
+  write_text(writer, "name", reading.name);
+  if (const auto& closest = reading.closest) {
+    write_number(writer, "distance", closest->distance);
+    write_vector(writer, "point", closest->point);
+    write_text(writer, "object", closest->object);
+    write_count(writer, "triangle", closest->triangle);
+  } else {
+    for (const char* key : {"distance", "point", "object", "triangle"}) {
+      writer.Key(key);
+      writer.Null();
+    }
+  }
+  writer.EndObject();
+}
+
 void write_object(Writer& writer, const ObjectInfo& object) {
   writer.StartObject();
   write_text(writer, "name", object.name);
@@ -125,6 +142,19 @@ std::string capacitance_json(const SceneCapacitance& answer, const CapacitanceOp
   writer.StartArray();
   for (const SensorCapacitance& sensor : answer.sensors)
     write_sensor(writer, sensor);
+  writer.EndArray();
+  writer.EndObject();
+  return buffer.GetString();
+}
+
+std::string readings_json(const std::vector<DistanceReading>& readings) {
+  rapidjson::StringBuffer buffer;
+  Writer writer(buffer);
+  writer.StartObject();
+  writer.Key("distance_sensors");
+  writer.StartArray();
+  for (const DistanceReading& reading : readings)
+    write_reading(writer, reading);
   writer.EndArray();
   writer.EndObject();
   return buffer.GetString();

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "fringe/capacitance.hpp"
 #include "fringe/scene_info.hpp"
+#include "fringe/scene_sensing.hpp"
 
 /// The answers as JSON documents. Infinity is written as the number 1e999, which every reader of JSON takes
 /// for one.
@@ -11,6 +13,8 @@ namespace fringe::cli {
 
 std::string capacitance_json(const SceneCapacitance& answer, const CapacitanceOptions& options,
                              double seconds);
+
+std::string readings_json(const std::vector<DistanceReading>& readings);
 
 std::string info_json(const SceneInfo& info);
 

@@ -3,6 +3,7 @@
 #include <exception>
 #include <iostream>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 #include "fringe/error.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
+#include "fringe/scene_sensing.hpp"
 #include "fringe/version.hpp"
 #include "json_text.hpp"
 #include "table_text.hpp"
@@ -25,6 +27,7 @@ enum ExitCode { answered = 0, failed = 1, wrong_input = 2 };
 struct Request {
   std::string scene;
   std::string method = "exact";
+  std::string cone_method = "field_of_view";
   std::string plates = "sum";
   std::string faces = "all";
   double tolerance = 0;
@@ -56,6 +59,12 @@ std::string answer_info(const Request& request) {
   return request.json ? cli::info_json(info) : cli::info_table(info);
 }
 
+std::string answer_sense(const Request& request) {
+  const std::vector<DistanceReading> readings =
+      sense(load_scene(request.scene), parse_cone_method(request.cone_method));
+  return request.json ? cli::readings_json(readings) : cli::readings_table(readings);
+}
+
 int run(int argument_count, char** arguments) {
   CLI::App program("fringe: what a capacitive proximity sensor feels of the objects around it");
   program.set_version_flag("--version", version());
@@ -78,6 +87,12 @@ int run(int argument_count, char** arguments) {
       ->add_option("--tolerance", request.tolerance,
                    "What may be left out of a sensor's total, relative to it; only with exact")
       ->capture_default_str();
+  CLI::App* sense_command =
+      add_command(program, request, "sense", "The closest point that every distance sensor sees");
+  sense_command
+      ->add_option("--method", request.cone_method,
+                   "field_of_view: by the angle to the cone's axis; cone_equation: in the cone's frame")
+      ->capture_default_str();
   add_command(program, request, "info", "Counts, areas, volumes and bounding boxes");
   try {
     program.parse(argument_count, arguments);
@@ -90,8 +105,9 @@ int run(int argument_count, char** arguments) {
     return program.exit(error, std::cout, std::cerr) == 0 ? answered : wrong_input;
   }
 
-  std::string answer =
-      program.got_subcommand(capacitance_command) ? answer_capacitance(request) : answer_info(request);
+  std::string answer = program.got_subcommand(capacitance_command) ? answer_capacitance(request)
+                       : program.got_subcommand(sense_command)     ? answer_sense(request)
+                                                                   : answer_info(request);
   if (answer.back() != '\n')
     answer += '\n';
   std::cout << answer << std::flush;

@@ -8,6 +8,7 @@ namespace fringe::cli {
 namespace {
 
 constexpr double picofarads_per_farad = 1e12;
+constexpr double millimetres_per_metre = 1e3;
 
 /// What there is to say about an object's capacitance beside its value.
 std::string remark(const ObjectCapacitance& object) {
@@ -36,6 +37,22 @@ std::string capacitance_table(const SceneCapacitance& answer, const CapacitanceO
     text += fmt::format("  {:<24} {:>14.6g} pF\n", "total", sensor.total * picofarads_per_farad);
     text += fmt::format("  {:<24} {:>14.6g} V\n", "voltage", sensor.voltage);
     text += fmt::format("  {:<24} {:>14.6g} V\n", "delta voltage", sensor.delta_voltage);
+  }
+  return text;
+}
+
+std::string readings_table(const std::vector<DistanceReading>& readings) {
+  if (readings.empty())
+    return "the scene has no distance sensors\n";
+  std::string text = "The closest point in each distance sensor's cone\n\n";
+  for (const auto& [name, closest] : readings) {
+    text += fmt::format("  {:<24} ", name);
+    if (closest)
+      text += fmt::format("{:>12.6g} mm  {}, at ({:.6g}, {:.6g}, {:.6g}) m\n",
+                          closest->distance * millimetres_per_metre, closest->object, closest->point.x(),
+                          closest->point.y(), closest->point.z());
+    else
+      text += "sees nothing\n";
   }
   return text;
 }

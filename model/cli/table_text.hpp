@@ -1,15 +1,19 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "fringe/capacitance.hpp"
 #include "fringe/scene_info.hpp"
+#include "fringe/scene_sensing.hpp"
 
-/// The answers as tables for people: capacitances in pF.
+/// The answers as tables for people: capacitances in pF, distances in mm.
 namespace fringe::cli {
 
 std::string capacitance_table(const SceneCapacitance& answer, const CapacitanceOptions& options,
                               double seconds);
+
+std::string readings_table(const std::vector<DistanceReading>& readings);
 
 std::string info_table(const SceneInfo& info);
 

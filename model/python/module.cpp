@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -16,14 +17,18 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include "fringe/bounding_volume.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/conductors.hpp"
+#include "fringe/distance_sensor.hpp"
 #include "fringe/error.hpp"
+#include "fringe/gjk.hpp"
 #include "fringe/plate_integral.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/scene_evaluator.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
+#include "fringe/scene_sensing.hpp"
 #include "fringe/version.hpp"
 
 namespace py = pybind11;
@@ -52,6 +57,84 @@ std::vector<Triangle> triangles_of(const Array& array) {
     for (std::size_t j = 0; j < 3; ++j)
       triangles[i][j] = Eigen::Vector3d(array.data() + 9 * i + 3 * j);
   return triangles;
+}
+
+std::vector<Eigen::Vector3d> vertices_of(const Array& array, const char* name) {
+  if (array.ndim() != 2 || array.shape(1) != 3)
+    throw InputError(fmt::format("{} must have shape (n, 3)", name));
+  std::vector<Eigen::Vector3d> vertices(static_cast<std::size_t>(array.shape(0)));
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    vertices[i] = Eigen::Vector3d(array.data() + 3 * i);
+  return vertices;
+}
+
+std::vector<Face> faces_of(const py::array_t<std::int64_t, py::array::c_style>& array) {
+  if (array.ndim() != 2 || array.shape(1) != 3)
+    throw InputError("faces must have shape (m, 3)");
+  std::vector<Face> faces(static_cast<std::size_t>(array.shape(0)));
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    for (std::size_t j = 0; j < 3; ++j) {
+      const std::int64_t vertex = array.data()[3 * i + j];
+      if (vertex < 0)
+        throw InputError(fmt::format("face {} names vertex {}", i, vertex));
+      faces[i][j] = static_cast<std::size_t>(vertex);
+    }
+  return faces;
+}
+
+bool gjk_intersects_of(const Array& a, const Array& b) {
+  const std::vector<Eigen::Vector3d> hull_a = vertices_of(a, "a"), hull_b = vertices_of(b, "b");
+  const py::gil_scoped_release unlocked;
+  return gjk_intersects(hull_a, hull_b).intersects;
+}
+
+py::tuple gjk_distance_of(const Array& a, const Array& b) {
+  const std::vector<Eigen::Vector3d> hull_a = vertices_of(a, "a"), hull_b = vertices_of(b, "b");
+  HullDistance answer;
+  {
+    const py::gil_scoped_release unlocked;
+    answer = gjk_distance(hull_a, hull_b);
+  }
+  return py::make_tuple(answer.distance, answer.witness_a, answer.witness_b);
+}
+
+py::tuple bounding_sphere_of(const Array& vertices) {
+  const auto [centre, radius] = bounding_sphere(vertices_of(vertices, "v"));
+  return py::make_tuple(centre, radius);
+}
+
+py::tuple aabb_of(const Array& vertices) {
+  const Eigen::AlignedBox3d box = axis_aligned_box(vertices_of(vertices, "v"));
+  return py::make_tuple(Eigen::Vector3d(box.min()), Eigen::Vector3d(box.max()));
+}
+
+py::tuple obb_of(const Array& vertices, const py::object& faces, const std::string& method) {
+  const std::vector<Eigen::Vector3d> points = vertices_of(vertices, "v");
+  std::vector<Face> triangles;
+  if (!faces.is_none())
+    triangles = faces_of(faces.cast<py::array_t<std::int64_t, py::array::c_style>>());
+  const BoxMethod how = parse_box_method(method);
+  OrientedBox box;
+  {
+    const py::gil_scoped_release unlocked;
+    box = oriented_box(points, triangles, how);
+  }
+  return py::make_tuple(box.centre, box.axes, box.half_widths);
+}
+
+py::object cone_closest_of(const Array& triangles, const Array& apex, const Array& direction,
+                           double full_angle, double range, const std::string& method) {
+  const std::vector<Triangle> surface = triangles_of(triangles);
+  const SensingCone cone{vector3(apex, "apex"), vector3(direction, "direction"), full_angle, range};
+  const ConeMethod how = parse_cone_method(method);
+  std::optional<VisiblePoint> seen;
+  {
+    const py::gil_scoped_release unlocked;
+    seen = cone_closest(surface, cone, how);
+  }
+  if (!seen)
+    return py::none();
+  return py::make_tuple(seen->distance, seen->point, seen->triangle);
 }
 
 Array array_of(const std::vector<Triangle>& triangles) {
@@ -98,7 +181,7 @@ py::dict dictionary(const EvaluationCounts& counts) {
       "objects_skipped"_a = counts.objects_skipped, "objects_reused"_a = counts.objects_reused);
 }
 
-/// A scene with the evaluator of its last options, which keeps what does not move.
+/// A scene with the evaluators of its last options, which keep what does not move.
 class LiveScene {
  public:
   explicit LiveScene(Scene scene) : scene_(std::move(scene)) {}
@@ -110,6 +193,17 @@ class LiveScene {
     fringe::set_pose(scene_, link, pose);
     if (evaluator_)
       evaluator_->set_pose(link, pose);
+    if (sensing_)
+      sensing_->set_pose(link, pose);
+  }
+
+  std::vector<DistanceReading> sense(ConeMethod method) {
+    const std::lock_guard lock(mutex_);
+    if (!sensing_ || method != sensing_method_) {
+      sensing_.emplace(scene_, method);
+      sensing_method_ = method;
+    }
+    return sensing_->sense();
   }
 
   SceneCapacitance capacitance(const CapacitanceOptions& options) {
@@ -130,6 +224,8 @@ class LiveScene {
   Scene scene_;
   CapacitanceOptions options_;
   std::optional<SceneEvaluator> evaluator_;
+  ConeMethod sensing_method_ = ConeMethod::field_of_view;
+  std::optional<SceneSensing> sensing_;
   std::mutex mutex_;  ///< other Python threads run while an answer is made
 };
 
@@ -150,6 +246,28 @@ py::dict capacitance_of(LiveScene& scene, const std::string& method, const std::
     sensors.append(dictionary(sensor));
   return py::dict("options"_a = dictionary(options), "seconds"_a = elapsed.count(),
                   "counts"_a = dictionary(answer.counts), "sensors"_a = sensors);
+}
+
+py::dict dictionary(const DistanceReading& reading) {
+  if (!reading.closest)
+    return py::dict("name"_a = reading.name, "distance"_a = py::none(), "point"_a = py::none(),
+                    "object"_a = py::none(), "triangle"_a = py::none());
+  const auto& [distance, point, object, triangle] = *reading.closest;
+  return py::dict("name"_a = reading.name, "distance"_a = distance, "point"_a = point, "object"_a = object,
+                  "triangle"_a = triangle);
+}
+
+py::dict sense_of(LiveScene& scene, const std::string& method) {
+  const ConeMethod how = parse_cone_method(method);
+  std::vector<DistanceReading> readings;
+  {
+    const py::gil_scoped_release unlocked;
+    readings = scene.sense(how);
+  }
+  py::list sensors;
+  for (const DistanceReading& reading : readings)
+    sensors.append(dictionary(reading));
+  return py::dict("distance_sensors"_a = sensors);
 }
 
 py::dict conductors_of(const LiveScene& scene) {
@@ -223,6 +341,44 @@ Returns an (n,) array in metres: 0 for a triangle without area, +inf where the t
 integral diverges. Raises InputError (a ValueError) for values that are not finite, wrong shapes, a plate that is not a
 rectangle and an unknown method.)");
 
+  module.def(
+      "gjk_intersects", &gjk_intersects_of, "a"_a, "b"_a,
+      R"(Whether the convex hulls of two vertex arrays, (n, 3) and (m, 3), have a point in common; touching counts.
+
+Exact for the coordinates given. Raises InputError (a ValueError) for wrong shapes, no vertices and vertices that are
+not finite.)");
+  module.def("gjk_distance", &gjk_distance_of, "a"_a, "b"_a,
+             R"(The shortest distance between the convex hulls of two vertex arrays, (n, 3) and (m, 3).
+
+Returns (distance, nearest point of a, nearest point of b); 0 and a common point twice when the hulls intersect.
+Raises InputError (a ValueError) as gjk_intersects does.)");
+  module.def("bounding_sphere", &bounding_sphere_of, "v"_a,
+             "The smallest sphere around the vertices (n, 3), all strictly inside: (centre, radius).");
+  module.def(
+      "aabb", &aabb_of, "v"_a,
+      "The smallest box with sides along the axes that holds the vertices (n, 3): (minimum, maximum).");
+  module.def(
+      "obb", &obb_of, "v"_a, "faces"_a = py::none(), "method"_a = "tight",
+      R"(A box around the vertices (n, 3), all strictly inside: (centre (3,), axes (3, 3), half_widths (3,)).
+
+The rows of axes are orthonormal and right-handed. faces: (m, 3) vertex indices, or None.
+method: "vertices" or "triangles", along the eigenvectors of the covariance of the vertices or of the surface; "tight",
+searched for the smallest volume.
+
+Raises InputError (a ValueError) for wrong shapes, indices out of range, no vertices and vertices that are not finite.)");
+
+  module.def("cone_closest", &cone_closest_of, "triangles"_a, "apex"_a, "direction"_a, "full_angle"_a,
+             "range"_a, "method"_a = "field_of_view",
+             R"(The point of the triangles (n, 3, 3) nearest to the apex of a cone, among those in the cone.
+
+The cone is what lies within full_angle / 2 (radians, full_angle in (0, pi]) of the direction, a (3,) array of any length
+but zero, and within the range of the apex; the boundary counts as inside.
+method: "field_of_view" or "cone_equation", two ways to the same answer (thesis 4.2.2 and 4.2.1).
+
+Returns (distance, point (3,), index of the triangle), or None when nothing is in the cone. An apex on a triangle has the
+distance 0. Raises InputError (a ValueError) for wrong shapes, values that are not finite or out of range and an unknown
+method.)");
+
   py::class_<LiveScene>(module, "Scene", "A scene of links, sensors and objects (geometries/SCENE.md).")
       .def_static(
           "load",
@@ -242,6 +398,13 @@ out at most. 0: nothing is left out but by "nearest", 1e-12. Only with the metho
 Asked again with the same options, only what moved since is evaluated; "counts" says what that was.
 
 Raises InputError (a ValueError) for unknown or inconsistent options and for objects that are not grounded.)")
+      .def(
+          "sense", &sense_of, "method"_a = "field_of_view",
+          R"(The closest point that every distance sensor sees, as the dictionary that `fringe sense --json` prints.
+
+For each sensor "distance" (m), "point" (world frame), "object" and "triangle", the index into conductors()[object]; all
+None when nothing is in its cone. Every object is seen, whatever it is made of and also on the sensor's own link.
+method: as for cone_closest.)")
       .def("conductors", &conductors_of,
            "Name to (n, 3, 3) triangles in the world frame, the sensors first, each in the file's order.")
       .def("set_pose", &set_link_pose, "link"_a, "translation"_a, "rotation"_a,

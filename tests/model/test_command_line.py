@@ -210,7 +210,7 @@ def test_info_knows_no_volume_of_an_open_surface(fringe_command: Command, scene:
     assert json.loads(fringe_command("info", scene, "--json").stdout)["objects"][0]["volume"] is None
 
 
-@pytest.mark.parametrize("command", [(), ("capacitance",), ("info",)])
+@pytest.mark.parametrize("command", [(), ("capacitance",), ("sense",), ("info",)])
 def test_help_and_version(fringe_command: Command, command: tuple[str, ...]) -> None:
     helped = fringe_command(*command, "--help")
     assert (helped.returncode, helped.stderr) == (0, "")
@@ -231,7 +231,8 @@ def test_help_and_version(fringe_command: Command, command: tuple[str, ...]) -> 
         ("capacitance", "SCENE", "--method"),
         ("info", "SCENE", "--method", "exact"),
         ("collide", "SCENE"),
-        ("sense", "SCENE"),
+        ("sense",),
+        ("sense", "SCENE", "--tolerance", "0"),
     ],
 )
 def test_wrong_usage(fringe_command: Command, scene: Path, arguments: tuple[str, ...]) -> None:

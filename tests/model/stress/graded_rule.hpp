@@ -8,6 +8,8 @@
 /// Quadrature rules on [0, 1] for functions that are nearly singular at 0.
 namespace fringe::stress {
 
+using detail::DoubleDouble;
+
 /// Nodes and weights, high and low parts apart so that loops over them vectorise.
 struct Rule {
   std::vector<double> position_high, position_low;

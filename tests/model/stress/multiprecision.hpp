@@ -12,6 +12,8 @@
 /// geometry of the thinnest slivers (1e-20 of the squares that make it up) still leaves 30 digits.
 namespace fringe::stress {
 
+using detail::DoubleDouble;
+
 using Real = boost::multiprecision::number<
     boost::multiprecision::mpfr_float_backend<50, boost::multiprecision::allocate_stack>,
     boost::multiprecision::et_off>;

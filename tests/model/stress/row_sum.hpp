@@ -5,6 +5,8 @@
 
 namespace fringe::stress {
 
+using detail::DoubleDouble;
+
 struct DoubleDoubleVector {
   DoubleDouble x, y, z;
 };

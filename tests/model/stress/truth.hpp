@@ -5,6 +5,8 @@
 
 namespace fringe::stress {
 
+using detail::DoubleDouble;
+
 /// What an integral is, as far as quadrature can tell.
 struct Truth {
   DoubleDouble value;      ///< 0 without area, +infinity where the integral diverges

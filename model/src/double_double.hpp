@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-/// Numbers of 106 bits as unevaluated sums of two doubles, for the innermost loops of the quadrature, where
-/// arbitrary precision would take ten times as long (T. J. Dekker, Numerische Mathematik 18, 1971; error
-/// bounds in Joldes, Muller and Popescu, ACM Transactions on Mathematical Software 44, 2017).
-namespace fringe::stress {
+/// Numbers of 106 bits as unevaluated sums of two doubles, for innermost loops, where arbitrary precision
+/// would take ten times as long (T. J. Dekker, Numerische Mathematik 18, 1971; error bounds in Joldes, Muller
+/// and Popescu, ACM Transactions on Mathematical Software 44, 2017).
+namespace fringe::detail {
 
 struct DoubleDouble {
   double high = 0;
@@ -38,13 +38,31 @@ inline DoubleDouble operator+(DoubleDouble a, DoubleDouble b) {
   return quick_sum(sum.high, sum.low + low.low);
 }
 
+inline DoubleDouble operator-(DoubleDouble a) {
+  return {-a.high, -a.low};
+}
+
 inline DoubleDouble operator-(DoubleDouble a, DoubleDouble b) {
-  return a + DoubleDouble{-b.high, -b.low};
+  return a + -b;
 }
 
 inline DoubleDouble operator*(DoubleDouble a, DoubleDouble b) {
   const DoubleDouble product = exact_product(a.high, b.high);
   return quick_sum(product.high, product.low + std::fma(a.high, b.low, a.low * b.high));
+}
+
+inline DoubleDouble operator*(double a, DoubleDouble b) {
+  const DoubleDouble product = exact_product(a, b.high);
+  return quick_sum(product.high, std::fma(a, b.low, product.low));
+}
+
+/// The quotient to 10·2^−106: two steps of long division, each exact but for the next.
+inline DoubleDouble operator/(DoubleDouble a, DoubleDouble b) {
+  const double first = a.high / b.high;
+  const DoubleDouble rest = a - first * b;
+  const double second = rest.high / b.high;
+  const double third = (rest - second * b).high / b.high;
+  return quick_sum(first, second) + DoubleDouble{third, 0};
 }
 
 /// 1/√a: one Newton step from the double, whose error it squares.
@@ -55,4 +73,13 @@ inline DoubleDouble inverse_square_root(DoubleDouble a) {
   return quick_sum(guess, 0.5 * guess * residual.high);
 }
 
-}  // namespace fringe::stress
+/// √a for a ≥ 0.
+inline DoubleDouble square_root(DoubleDouble a) {
+  return a.high == 0 ? DoubleDouble{} : a * inverse_square_root(a);
+}
+
+inline bool operator<(DoubleDouble a, DoubleDouble b) {
+  return a.high < b.high || (a.high == b.high && a.low < b.low);
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <variant>
+
+#include <Eigen/Core>
+
+namespace fringe {
+
+/// Stands for the point a − b of the Minkowski difference A − B: a vertex of A and one of B, by their
+/// indices.
+struct VertexPair {
+  std::size_t a;
+  std::size_t b;
+};
+
+/// One to four pairs; the simplex is the convex hull of their points.
+struct PairSimplex {
+  std::array<VertexPair, 4> pairs{};
+  std::size_t size = 0;
+};
+
+/// The hulls are disjoint: direction·a < direction·b for every vertex a of A and b of B, exactly.
+struct SeparatingDirection {
+  Eigen::Vector3d direction;
+};
+
+/// The hulls are disjoint, but so close that no direction of three doubles was found to separate them. One
+/// that does is the exact vector from n to the origin, n the point nearest to the origin on the line or plane
+/// through the two or three points of the simplex, or the only one.
+struct SeparatingSimplex {
+  PairSimplex simplex;
+};
+
+/// The hulls have a point in common: the simplex holds the origin.
+struct SimplexAroundOrigin {
+  PairSimplex simplex;
+};
+
+using GjkCertificate = std::variant<SeparatingDirection, SeparatingSimplex, SimplexAroundOrigin>;
+
+struct GjkAnswer {
+  bool intersects;
+  GjkCertificate certificate;
+};
+
+/// Whether the convex hulls of two sets of vertices have a point in common; touching counts. Exact for the
+/// coordinates given, whatever their magnitude, and always with a proof (Gilbert, Johnson and Keerthi, IEEE
+/// Journal of Robotics and Automation 4, 1988, 193; thesis chapter 2; model/NUMERICS.md, section 13). Throws
+/// InputError for an empty set and for a vertex that is not finite.
+GjkAnswer gjk_intersects(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b);
+
+/// Whether the certificate proves the answer. Decided in rational arithmetic from the coordinates alone, with
+/// nothing of what found the answer. Indices out of range prove nothing.
+bool proves(const GjkAnswer& answer, std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b);
+
+/// The shortest distance of two hulls, and where it is: a point of either.
+struct HullDistance {
+  double distance;  ///< in the unit of the vertices; 0 exactly when the hulls have a point in common
+  Eigen::Vector3d witness_a;
+  Eigen::Vector3d witness_b;
+};
+
+/// The shortest distance between the convex hulls of two sets of vertices. The nearest points are found
+/// exactly and then rounded: the distance is right to three units in its last place, each coordinate of a
+/// witness to one. A distance above the largest double is +∞. Hulls that intersect have one witness. Throws
+/// InputError as gjk_intersects does.
+HullDistance gjk_distance(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b);
+
+}  // namespace fringe

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "fringe/distance_sensor.hpp"
+#include "fringe/scene.hpp"
+
+namespace fringe {
+
+/// A point of an object that a distance sensor sees.
+struct SensedPoint {
+  double distance;        ///< m
+  Eigen::Vector3d point;  ///< m, in the world frame
+  std::string object;
+  std::size_t triangle;  ///< the index among the object's triangles, as in conductors()
+};
+
+/// What one distance sensor of a scene reads.
+struct DistanceReading {
+  std::string name;
+  std::optional<SensedPoint> closest;  ///< none: nothing is in its cone
+};
+
+/// What the distance sensors of a scene read, answered again and again while links move. They see every
+/// object, whatever it is made of and also on their own link, but neither each other nor the plates of
+/// capacitive sensors. Each object's tree of boxes is made once.
+class SceneSensing {
+ public:
+  /// Throws InputError for an object that is not finite.
+  explicit SceneSensing(const Scene& scene, ConeMethod method = ConeMethod::field_of_view);
+  ~SceneSensing();
+  SceneSensing(SceneSensing&&) noexcept;
+  SceneSensing& operator=(SceneSensing&&) noexcept;
+  SceneSensing(const SceneSensing&) = delete;
+  SceneSensing& operator=(const SceneSensing&) = delete;
+
+  /// Replaces a link's pose relative to its parent. Throws InputError when no link has the name.
+  void set_pose(std::string_view link, const Eigen::Isometry3d& pose);
+
+  /// The answer for the poses as they are, the sensors in the scene's order; of several objects equally near
+  /// the first. To the last bit what cone_closest finds on the conductors() of the scene. Throws InputError
+  /// for poses that lead beyond the range of doubles.
+  std::vector<DistanceReading> sense() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// One answer.
+std::vector<DistanceReading> sense(const Scene& scene, ConeMethod method = ConeMethod::field_of_view);
+
+}  // namespace fringe

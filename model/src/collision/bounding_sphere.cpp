@@ -1,0 +1,102 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <Eigen/LU>
+
+#include "fringe/bounding_volume.hpp"
+#include "scaled_points.hpp"
+
+namespace fringe {
+namespace {
+
+using Eigen::Vector3d;
+
+/// The point at equal distance from the one to four points, in the space they span; not finite when they are
+/// affinely dependent.
+Vector3d circumcentre(const std::vector<Vector3d>& points) {
+  const auto edges = static_cast<Eigen::Index>(points.size()) - 1;
+  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> edge(3, edges);
+  for (Eigen::Index i = 0; i < edges; ++i)
+    edge.col(i) = points[static_cast<std::size_t>(i) + 1] - points[0];
+  if (edges == 0)
+    return points[0];
+  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3> gram = edge.transpose() * edge;
+  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> half_squares = gram.diagonal() / 2;
+  return points[0] + edge * gram.partialPivLu().solve(half_squares);
+}
+
+/// The vertex farthest from the centre, and how far it is, squared.
+struct Farthest {
+  std::size_t index;
+  double square;
+};
+
+Farthest farthest_from(const Vector3d& centre, const std::vector<Vector3d>& points) {
+  Farthest farthest{0, 0};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double square = (points[i] - centre).squaredNorm();
+    if (square > farthest.square)
+      farthest = {i, square};
+  }
+  return farthest;
+}
+
+struct Ball {
+  Vector3d centre;
+  double square;                   ///< of the radius
+  std::vector<Vector3d> boundary;  ///< the points that determine it
+};
+
+/// The smallest ball around at most five points. It is the circumscribed ball of some of them; of those of
+/// all subsets it is the one whose farthest point is nearest. No test of containment, so no tolerance.
+Ball smallest_around(const std::vector<Vector3d>& points) {
+  Ball best{points[0], std::numeric_limits<double>::infinity(), {}};
+  for (unsigned subset = 1; subset < (1U << points.size()); ++subset) {
+    std::vector<Vector3d> boundary;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (((subset >> i) & 1U) != 0)
+        boundary.push_back(points[i]);
+    if (boundary.size() > 4)
+      continue;
+    const Vector3d centre = circumcentre(boundary);
+    const double square = farthest_from(centre, points).square;
+    if (centre.allFinite() && square < best.square)
+      best = {centre, square, boundary};
+  }
+  return best;
+}
+
+}  // namespace
+
+BoundingSphere bounding_sphere(std::span<const Vector3d> vertices) {
+  const auto [points, middle, exponent] = detail::scaled_points(vertices);
+  Vector3d centre = middle;
+  Farthest farthest = farthest_from(centre, points);
+  Ball ball{points.front(), 0, {points.front()}};
+  // The ball of the boundary grows with every round; when rounding hides that it does, it is the smallest.
+  while (true) {
+    const Farthest outside = farthest_from(ball.centre, points);
+    if (outside.square < farthest.square) {
+      centre = ball.centre;
+      farthest = outside;
+    }
+    std::vector<Vector3d> candidates = ball.boundary;
+    candidates.push_back(points[outside.index]);
+    Ball next = smallest_around(candidates);
+    if (!(next.square > ball.square))
+      break;
+    ball = std::move(next);
+  }
+  // Six roundings of the squared distance count half in the radius; the rest is so that whoever rounds the
+  // distance anew finds it smaller, too.
+  constexpr double outward = 1 + 8 * std::numeric_limits<double>::epsilon();
+  // What the centre and the radius can lose below the normal numbers.
+  constexpr double smallest = 3 * std::numeric_limits<double>::denorm_min();
+  const auto in_given_unit = [e = exponent](double x) { return std::ldexp(x, e); };
+  return {centre.unaryExpr(in_given_unit), in_given_unit(std::sqrt(farthest.square) * outward) + smallest};
+}
+
+}  // namespace fringe

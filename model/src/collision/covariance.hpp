@@ -1,0 +1,20 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "fringe/bounding_volume.hpp"
+
+namespace fringe::detail {
+
+/// The eigenvectors (rows, that of the largest eigenvalue first) of the covariance of the points
+/// (thesis 3.1.4.1).
+Eigen::Matrix3d axes_of_vertices(const std::vector<Eigen::Vector3d>& points);
+
+/// The same of the points of the triangles, each weighted with its area (thesis 3.1.4.2); of the vertices
+/// when the triangles have none.
+Eigen::Matrix3d axes_of_triangles(const std::vector<Eigen::Vector3d>& points, std::span<const Face> faces);
+
+}  // namespace fringe::detail

@@ -1,0 +1,179 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <gtest/gtest.h>
+
+#include "fringe/error.hpp"
+#include "fringe/gjk.hpp"
+#include "shape_pairs.hpp"
+
+namespace fringe {
+namespace {
+
+using Eigen::Vector3d;
+using test::Points;
+using test::Random;
+/// Digits enough for the squares and products of distances of 1e-15 to have thirty left.
+using Real =
+    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<100>, boost::multiprecision::et_off>;
+using RealVector = std::array<Real, 3>;
+
+RealVector real(const Vector3d& point) {
+  return {Real(point.x()), Real(point.y()), Real(point.z())};
+}
+
+RealVector plus(const RealVector& p, const Real& factor, const RealVector& q) {
+  return {p[0] + factor * q[0], p[1] + factor * q[1], p[2] + factor * q[2]};
+}
+
+Real inner(const RealVector& p, const RealVector& q) {
+  return p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+}
+
+Real square_of_difference(const RealVector& p, const RealVector& q) {
+  const RealVector d = plus(p, -1, q);
+  return inner(d, d);
+}
+
+Real clamped(const Real& t) {
+  return t < 0 ? Real(0) : t > 1 ? Real(1) : t;
+}
+
+Real point_segment(const RealVector& p, const RealVector& a, const RealVector& b) {
+  const RealVector along = plus(b, -1, a);
+  const Real length = inner(along, along);
+  const Real t = length == 0 ? Real(0) : clamped(inner(plus(p, -1, a), along) / length);
+  return square_of_difference(p, plus(a, t, along));
+}
+
+/// Where the lines' nearest points lie inside both segments, their distance; elsewhere an end is nearest, and
+/// point_segment finds it.
+Real segment_segment(const RealVector& a, const RealVector& b, const RealVector& c, const RealVector& d) {
+  const RealVector u = plus(b, -1, a), v = plus(d, -1, c), w = plus(a, -1, c);
+  const Real uu = inner(u, u), vv = inner(v, v), uv = inner(u, v), uw = inner(u, w), vw = inner(v, w);
+  const Real determinant = uu * vv - uv * uv;
+  Real least = std::min(
+      {point_segment(a, c, d), point_segment(b, c, d), point_segment(c, a, b), point_segment(d, a, b)});
+  if (determinant <= 0)
+    return least;
+  const Real s = (uv * vw - vv * uw) / determinant, t = (uu * vw - uv * uw) / determinant;
+  if (s >= 0 && s <= 1 && t >= 0 && t <= 1)
+    least = std::min(least, square_of_difference(plus(a, s, u), plus(c, t, v)));
+  return least;
+}
+
+/// The distance to the triangle's plane where the foot lies inside; elsewhere an edge is nearer.
+Real point_triangle(const RealVector& p, const RealVector& a, const RealVector& b, const RealVector& c) {
+  const RealVector u = plus(b, -1, a), v = plus(c, -1, a), w = plus(p, -1, a);
+  const Real uu = inner(u, u), vv = inner(v, v), uv = inner(u, v), uw = inner(u, w), vw = inner(v, w);
+  const Real determinant = uu * vv - uv * uv;
+  Real least = std::min({point_segment(p, a, b), point_segment(p, b, c), point_segment(p, c, a)});
+  if (determinant <= 0)
+    return least;
+  const Real s = (vv * uw - uv * vw) / determinant, t = (uu * vw - uv * uw) / determinant;
+  if (s >= 0 && t >= 0 && s + t <= 1)
+    least = std::min(least, square_of_difference(p, plus(plus(a, s, u), t, v)));
+  return least;
+}
+
+/// The smallest distance between any features of two disjoint hulls, squared: all pairs and triples of
+/// vertices, those on the hull among them.
+Real square_by_features(const Points& a, const Points& b) {
+  std::vector<RealVector> p, q;
+  std::transform(a.begin(), a.end(), std::back_inserter(p), real);
+  std::transform(b.begin(), b.end(), std::back_inserter(q), real);
+  Real least = square_of_difference(p[0], q[0]);
+  const auto vertices_to_faces = [&](const auto& vertices, const auto& others) {
+    for (const RealVector& vertex : vertices)
+      for (std::size_t i = 0; i < others.size(); ++i)
+        for (std::size_t j = 0; j <= i; ++j)
+          for (std::size_t k = 0; k <= j; ++k)
+            least = std::min(least, point_triangle(vertex, others[i], others[j], others[k]));
+  };
+  vertices_to_faces(p, q);
+  vertices_to_faces(q, p);
+  for (std::size_t i = 0; i < p.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      for (std::size_t k = 0; k < q.size(); ++k)
+        for (std::size_t l = 0; l < k; ++l)
+          least = std::min(least, segment_segment(p[i], p[j], q[k], q[l]));
+  return least;
+}
+
+double largest_coordinate(const Points& points) {
+  double largest = 0;
+  for (const Vector3d& point : points)
+    largest = std::max(largest, point.cwiseAbs().maxCoeff());
+  return largest;
+}
+
+class GjkDistanceOnClass : public testing::TestWithParam<test::PairClass> {};
+
+TEST_P(GjkDistanceOnClass, AgreesWithAllPairsOfFeatures) {
+  constexpr std::size_t most_vertices = 5;
+  constexpr double three_units = 3 * std::numeric_limits<double>::epsilon();
+  Random random(3);
+  int disjoint = 0;
+  for (int i = 0; i < 60; ++i) {
+    auto [a, b] = GetParam().make(random);
+    a.resize(std::min(a.size(), most_vertices));
+    b.resize(std::min(b.size(), most_vertices));
+    const HullDistance found = gjk_distance(a, b);
+    ASSERT_EQ(found.distance == 0, gjk_intersects(a, b).intersects) << "pair " << i;
+    if (found.distance == 0) {
+      ASSERT_EQ(found.witness_a, found.witness_b) << "pair " << i;
+      continue;
+    }
+    ++disjoint;
+    const Real expected = sqrt(square_by_features(a, b));
+    ASSERT_LE(abs(found.distance - expected), three_units * expected) << "pair " << i;
+  }
+  EXPECT_GT(disjoint, 0);
+}
+
+TEST_P(GjkDistanceOnClass, WitnessesLieInTheHullsAndAreSoFarApart) {
+  Random random(4);
+  for (int i = 0; i < 200; ++i) {
+    const auto [a, b] = GetParam().make(random);
+    const auto [distance, on_a, on_b] = gjk_distance(a, b);
+    // One unit in the last place of each coordinate.
+    const double rounding =
+        2 * std::numeric_limits<double>::epsilon() * std::max(largest_coordinate(a), largest_coordinate(b));
+    ASSERT_LE(gjk_distance(a, Points{on_a}).distance, rounding) << "pair " << i;
+    ASSERT_LE(gjk_distance(b, Points{on_b}).distance, rounding) << "pair " << i;
+    ASSERT_NEAR((on_a - on_b).norm(), distance, 4 * rounding) << "pair " << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Pairs, GjkDistanceOnClass,
+                         testing::ValuesIn(test::pair_classes().begin(), test::pair_classes().end()),
+                         [](const auto& instance) { return instance.param.name; });
+
+TEST(GjkDistance, OfShapesWithKnownDistances) {
+  const Points square{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  for (const double height : {3.0, 0x1p-40, 1e-300, 1e300}) {
+    const auto [distance, on_square, on_point] = gjk_distance(square, Points{{0.25, 0.5, height}});
+    EXPECT_EQ(distance, height);
+    EXPECT_EQ(on_square, Vector3d(0.25, 0.5, 0));
+    EXPECT_EQ(on_point, Vector3d(0.25, 0.5, height));
+  }
+  EXPECT_EQ(gjk_distance(square, Points{{4, 5, 0}}).distance, 5);              // (1, 1) to (4, 5)
+  EXPECT_EQ(gjk_distance(square, Points{{4, -2, 4}, {4, 2, 4}}).distance, 5);  // edge to edge
+  EXPECT_EQ(gjk_distance(square, Points{{-4, 0, 0}, {4, 0, 0}}).distance, 0);
+  constexpr double tiny = std::numeric_limits<double>::denorm_min();
+  EXPECT_EQ(gjk_distance(square, Points{{0, 0, tiny}}).distance, tiny);
+  constexpr double huge = std::numeric_limits<double>::max();
+  EXPECT_EQ(gjk_distance(Points{{-huge, 0, 0}}, Points{{huge, 0, 0}}).distance,
+            std::numeric_limits<double>::infinity());
+}
+
+TEST(GjkDistance, NamesWhatIsWrong) {
+  EXPECT_THROW(gjk_distance({}, Points{{0, 0, 0}}), InputError);
+  EXPECT_THROW(gjk_distance(Points{{0, 0, NAN}}, Points{{0, 0, 0}}), InputError);
+}
+
+}  // namespace
+}  // namespace fringe

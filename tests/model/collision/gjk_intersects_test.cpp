@@ -1,0 +1,148 @@
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fringe/error.hpp"
+#include "fringe/gjk.hpp"
+#include "linear_programme.hpp"
+#include "shape_pairs.hpp"
+
+namespace fringe {
+namespace {
+
+using Eigen::Vector3d;
+using test::Points;
+using test::Random;
+using test::ShapePair;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr int pairs_per_class = 500;
+
+const Points tetrahedron{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+
+bool intersect(const Points& a, const Points& b) {
+  const GjkAnswer answer = gjk_intersects(a, b);
+  EXPECT_TRUE(proves(answer, a, b));
+  return answer.intersects;
+}
+
+class GjkOnClass : public testing::TestWithParam<test::PairClass> {};
+
+TEST_P(GjkOnClass, AgreesWithLinearProgrammingAndProvesIt) {
+  Random random(1);
+  int intersecting = 0;
+  for (int i = 0; i < pairs_per_class; ++i) {
+    const auto [a, b] = GetParam().make(random);
+    const GjkAnswer answer = gjk_intersects(a, b);
+    ASSERT_EQ(answer.intersects, test::hulls_intersect(a, b)) << "pair " << i;
+    ASSERT_TRUE(proves(answer, a, b)) << "pair " << i;
+    ASSERT_EQ(gjk_intersects(b, a).intersects, answer.intersects) << "pair " << i;
+    intersecting += answer.intersects;
+  }
+  // A class that is all one or the other would show little.
+  EXPECT_GT(intersecting, GetParam().name == "mixed_magnitudes" ? 0 : pairs_per_class / 20);
+  EXPECT_LT(intersecting, GetParam().name == "nested" ? pairs_per_class + 1 : pairs_per_class * 19 / 20);
+}
+
+TEST_P(GjkOnClass, AnswersTheSameInAnyUnitOfLength) {
+  Random random(2);
+  for (int i = 0; i < pairs_per_class; ++i) {
+    const ShapePair pair = GetParam().make(random);
+    const bool expected = gjk_intersects(pair.a, pair.b).intersects;
+    for (const int exponent : {-500, -150, -20, 20, 150, 500}) {
+      const auto [a, b] = test::placed(pair, std::ldexp(1.0, exponent), Vector3d::Zero());
+      ASSERT_EQ(intersect(a, b), expected) << "pair " << i << ", 2^" << exponent;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Pairs, GjkOnClass,
+                         testing::ValuesIn(test::pair_classes().begin(), test::pair_classes().end()),
+                         [](const auto& instance) { return instance.param.name; });
+
+TEST(GjkIntersects, CountsTouchingAtAVertexAnEdgeAndAFace) {
+  for (const Vector3d& step : {Vector3d(1, 0, 0), Vector3d(0.5, 0.5, 0), Vector3d(0.25, 0.25, 0.5)}) {
+    Points moved, beyond;
+    for (const Vector3d& vertex : tetrahedron) {
+      moved.emplace_back(vertex + step);
+      beyond.emplace_back(vertex + step * (1 + 0x1p-52));
+    }
+    EXPECT_TRUE(intersect(tetrahedron, moved));
+    EXPECT_FALSE(intersect(tetrahedron, beyond));
+  }
+}
+
+TEST(GjkIntersects, DecidesBySmallestSteps) {
+  // Against the point (t, t, t), t the double above or below 1/3, of which three never sum to one.
+  const double above = std::nextafter(1.0 / 3, 1.0);
+  EXPECT_TRUE(intersect(tetrahedron, {Vector3d::Constant(1.0 / 3)}));
+  EXPECT_FALSE(intersect(tetrahedron, {Vector3d::Constant(above)}));
+  EXPECT_TRUE(intersect(tetrahedron, {Vector3d(0, 0, 0)}));
+  EXPECT_FALSE(intersect(tetrahedron, {Vector3d(0, 0, -std::numeric_limits<double>::denorm_min())}));
+}
+
+TEST(GjkIntersects, ProvesGapsThatNoDirectionOfDoublesShows) {
+  // Crossing segments ±u and w ± v of whole coordinates with det(u, v, w) = 1: their gap is 1/|u × v|, some
+  // 1e-30, and all that separates them are directions within 1e-45 of u × v.
+  const Vector3d u(-841690050544700, -594843285048260, 1000905404176547);
+  const Vector3d v(583736098737179, -180346584185322, 1071208196419212);
+  const Vector3d w(284772478851356, 316069082486629, -680505267393819);
+  const Points a{-u, u}, b{w - v, w + v};
+  const GjkAnswer answer = gjk_intersects(a, b);
+  EXPECT_EQ(answer.intersects, test::hulls_intersect(a, b));
+  EXPECT_FALSE(answer.intersects);
+  EXPECT_TRUE(std::holds_alternative<SeparatingSimplex>(answer.certificate));
+  EXPECT_TRUE(proves(answer, a, b));
+}
+
+TEST(GjkIntersects, TakesTheWholeRangeOfDoubles) {
+  constexpr double huge = std::numeric_limits<double>::max(),
+                   tiny = std::numeric_limits<double>::denorm_min();
+  const Points wide{{-huge, -huge, 0}, {huge, -huge, 0}, {0, huge, 0}};
+  EXPECT_TRUE(intersect(wide, {Vector3d(0, 0, 0)}));
+  EXPECT_FALSE(intersect(wide, {Vector3d(0, 0, tiny)}));
+  EXPECT_TRUE(intersect(wide, {Vector3d(0, 0, -tiny), Vector3d(0, 0, tiny)}));
+}
+
+TEST(GjkCertificate, ThatProvesNothingIsRefused) {
+  const Points far{{5, 5, 5}, {6, 5, 5}}, inside{{0.1, 0.1, 0.1}};
+  const GjkAnswer apart = gjk_intersects(tetrahedron, far), together = gjk_intersects(tetrahedron, inside);
+  ASSERT_TRUE(proves(apart, tetrahedron, far));
+  ASSERT_TRUE(proves(together, tetrahedron, inside));
+  EXPECT_FALSE(proves({true, apart.certificate}, tetrahedron, far));
+  EXPECT_FALSE(proves({false, together.certificate}, tetrahedron, inside));
+  EXPECT_FALSE(proves(apart, tetrahedron, inside));
+  EXPECT_FALSE(proves(together, tetrahedron, far));
+  EXPECT_FALSE(proves(apart, far, tetrahedron));
+  EXPECT_FALSE(proves({false, SeparatingDirection{{0, 0, 0}}}, tetrahedron, far));
+  EXPECT_FALSE(proves({false, SeparatingDirection{{infinity, 0, 0}}}, tetrahedron, far));
+  // Touching is no separation.
+  EXPECT_FALSE(proves({false, SeparatingDirection{{1, 0, 0}}}, tetrahedron, {{{1, 0, 0}}}));
+  EXPECT_TRUE(proves({false, SeparatingDirection{{1, 1, 1}}}, tetrahedron, far));
+  EXPECT_FALSE(proves({true, SimplexAroundOrigin{{{{{9, 0}}}, 1}}}, tetrahedron, inside));
+  EXPECT_FALSE(proves({true, SimplexAroundOrigin{{{}, 0}}}, tetrahedron, inside));
+  EXPECT_FALSE(proves({true, SimplexAroundOrigin{{{{{0, 0}, {1, 0}, {2, 0}}}, 3}}}, tetrahedron, inside));
+  EXPECT_TRUE(
+      proves({true, SimplexAroundOrigin{{{{{0, 0}, {1, 0}, {2, 0}, {3, 0}}}, 4}}}, tetrahedron, inside));
+}
+
+TEST(GjkIntersects, NamesWhatIsWrong) {
+  const auto message = [](const Points& a, const Points& b) -> std::string {
+    try {
+      gjk_intersects(a, b);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  EXPECT_EQ(message({}, tetrahedron), "A has no vertices");
+  EXPECT_EQ(message(tetrahedron, {}), "B has no vertices");
+  EXPECT_EQ(message(tetrahedron, {{0, 0, 0}, {0, infinity, 0}}), "vertex 1 of B is not finite");
+  EXPECT_EQ(message({{0, NAN, 0}}, tetrahedron), "vertex 0 of A is not finite");
+}
+
+}  // namespace
+}  // namespace fringe

@@ -1,0 +1,72 @@
+"""The collision functions of the Python module `fringe`: shapes of arrays, tuples, errors."""
+
+import numpy as np
+import pytest
+
+import fringe
+
+CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+STEP = np.array([1.0, 0, 0])
+METHODS = ["vertices", "triangles", "tight"]
+
+
+def test_gjk_intersects_counts_touching() -> None:
+    assert fringe.gjk_intersects(CUBE, CUBE + STEP) is True
+    assert fringe.gjk_intersects(CUBE, CUBE + np.nextafter(1, 2) * STEP) is False
+    assert fringe.gjk_intersects(CUBE.tolist(), [[0, 0, 0]]) is True
+
+
+def test_gjk_distance_has_witnesses() -> None:
+    distance, on_a, on_b = fringe.gjk_distance(CUBE, [[4.0, 0.25, 5.0]])
+    assert distance == 5
+    assert on_a.tolist() == [1, 0.25, 1]
+    assert on_b.tolist() == [4, 0.25, 5]
+    distance, on_a, on_b = fringe.gjk_distance(CUBE, CUBE + 0.5)
+    assert distance == 0
+    assert on_a.tolist() == on_b.tolist()
+
+
+def test_bounding_sphere_and_aabb() -> None:
+    centre, radius = fringe.bounding_sphere(CUBE)
+    assert centre == pytest.approx([0.5, 0.5, 0.5], abs=1e-15)
+    assert radius == pytest.approx(np.sqrt(0.75), rel=1e-14)
+    assert (np.linalg.norm(CUBE - centre, axis=1) < radius).all()
+    minimum, maximum = fringe.aabb(CUBE)
+    assert minimum.tolist() == [0, 0, 0]
+    assert maximum.tolist() == [1, 1, 1]
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    "vertices", [CUBE, CUBE[:1], CUBE[:2], CUBE[:4]], ids=["cube", "point", "segment", "flat"]
+)
+def test_obb_holds_every_vertex(vertices: np.ndarray, method: str) -> None:
+    centre, axes, half_widths = fringe.obb(vertices, None, method)
+    assert axes @ axes.T == pytest.approx(np.eye(3), abs=1e-15)
+    assert np.linalg.det(axes) == pytest.approx(1)
+    assert (np.abs((vertices - centre) @ axes.T) < half_widths).all()
+
+
+def test_obb_takes_faces() -> None:
+    flat = np.array([[0, 0, 0], [4.0, 0, 0], [4, 1, 0], [0, 1, 0]])
+    centre, axes, half_widths = fringe.obb(flat, np.array([[0, 1, 2], [0, 2, 3]]), "triangles")
+    assert centre == pytest.approx([2, 0.5, 0])
+    assert half_widths == pytest.approx([2, 0.5, 0], abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: fringe.gjk_intersects(np.empty((0, 3)), CUBE),
+        lambda: fringe.gjk_intersects(CUBE, CUBE[:, :2]),
+        lambda: fringe.gjk_distance(CUBE, [[np.nan, 0, 0]]),
+        lambda: fringe.bounding_sphere(np.empty((0, 3))),
+        lambda: fringe.aabb([[np.inf, 0, 0]]),
+        lambda: fringe.obb(CUBE, [[0, 1, 8]], "triangles"),
+        lambda: fringe.obb(CUBE, [[0, 1, -1]], "triangles"),
+        lambda: fringe.obb(CUBE, None, "loose"),
+    ],
+)
+def test_wrong_input_is_a_value_error(call) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(ValueError):
+        call()

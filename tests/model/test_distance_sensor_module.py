@@ -1,0 +1,135 @@
+"""The distance sensor in the Python module `fringe`: `cone_closest`, `Scene.sense` and their errors."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fringe
+
+METHODS = ["field_of_view", "cone_equation"]
+ORIGIN, UP = np.zeros(3), np.array([0.0, 0, 1])
+ABOVE = np.array([[-3.0, -3, 2], [3, -3, 2], [0, 3, 2]])
+"""A triangle 2 above the origin, beyond which the cone goes straight through."""
+
+SCENE = """
+[[link]]
+name = "arm"
+translation = [0, 0, 0.5]
+
+[[distance_sensor]]
+name = "eye"
+link = "arm"
+apex = [0, 0, 0]
+direction = [0, 0, -2]
+full_angle_degrees = 60
+range = 0.8
+
+[[distance_sensor]]
+name = "back"
+link = "arm"
+apex = [0, 0, 0]
+direction = [0, 0, 1]
+full_angle_degrees = 180
+range = 0.8
+
+[[object]]
+name = "floor"
+shape = { type = "plate", size = [2, 2] }
+
+[[object]]
+name = "water"
+shape = { type = "cube", size = 0.1 }
+translation = [0.1, 0, 0.1]
+material = { relative_permittivity = 80 }
+"""
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_cone_closest_gives_distance_point_and_triangle(method: str) -> None:
+    triangles = np.stack([ABOVE + UP, ABOVE])
+    distance, point, triangle = fringe.cone_closest(triangles, ORIGIN, 7 * UP, np.pi / 2, 10, method)
+    assert (distance, point.tolist(), triangle) == (2, [0, 0, 2], 1)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_cone_closest_is_none_when_nothing_is_in_the_cone(method: str) -> None:
+    assert fringe.cone_closest([ABOVE], ORIGIN, -UP, np.pi, 10, method) is None
+    assert fringe.cone_closest([ABOVE], ORIGIN, UP, np.pi, 1.999, method) is None
+    assert fringe.cone_closest(np.empty((0, 3, 3)), ORIGIN, UP, np.pi, 10, method) is None
+
+
+def test_cone_closest_keywords_are_those_of_the_contract() -> None:
+    answer = fringe.cone_closest(
+        triangles=[ABOVE], apex=[0, 0, 0], direction=[0, 0, 1], full_angle=1, range=3, method="cone_equation"
+    )
+    assert answer is not None and answer[0] == 2
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"triangles": ABOVE},
+        {"triangles": np.full((1, 3, 3), np.nan)},
+        {"triangles": np.full((1, 3, 3), np.inf)},
+        {"apex": [0, 0]},
+        {"apex": [0, np.nan, 0]},
+        {"direction": [0, 0, 0]},
+        {"direction": [0, 0, np.inf]},
+        {"full_angle": 0},
+        {"full_angle": -1},
+        {"full_angle": 3.2},
+        {"full_angle": np.nan},
+        {"range": 0},
+        {"range": -1},
+        {"range": np.inf},
+        {"method": "field of view"},
+    ],
+    ids=str,
+)
+def test_cone_closest_refuses_wrong_input(wrong: dict[str, object]) -> None:
+    right = {"triangles": [ABOVE], "apex": ORIGIN, "direction": UP, "full_angle": 1, "range": 1}
+    with pytest.raises(ValueError):
+        fringe.cone_closest(**{**right, **wrong})
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> fringe.Scene:
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    return fringe.Scene.load(path)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_sense_names_what_every_sensor_sees(scene: fringe.Scene, method: str) -> None:
+    eye, back = scene.sense(method)["distance_sensors"]
+    # The cube's top, 0.15 high, begins 5 cm beside the axis.
+    assert (eye["name"], eye["object"]) == ("eye", "water")
+    assert eye["distance"] == pytest.approx(np.hypot(0.05, 0.35), rel=1e-14)
+    assert eye["point"] == pytest.approx([0.05, 0, 0.15], abs=1e-15)
+    triangle = scene.conductors()["water"][eye["triangle"]]
+    assert triangle[:, 2] == pytest.approx(np.full(3, 0.15), abs=1e-15)
+    assert back == {"name": "back", "distance": None, "point": None, "object": None, "triangle": None}
+
+
+def test_sense_follows_the_links_and_agrees_with_cone_closest(scene: fringe.Scene) -> None:
+    for height in (0.3, 0.7, 0.9, 2.0):
+        scene.set_pose("arm", [0.3, 0.2, height], [1, 0, 0, 0])
+        eye = scene.sense()["distance_sensors"][0]
+        found = {
+            name: fringe.cone_closest(triangles, [0.3, 0.2, height], -UP, np.radians(60), 0.8)
+            for name, triangles in scene.conductors().items()
+        }
+        seen = {name: answer for name, answer in found.items() if answer is not None}
+        if not seen:
+            assert eye["distance"] is None
+            continue
+        nearest = min(seen, key=lambda name: float(seen[name][0]))
+        assert eye["object"] == nearest
+        assert eye["distance"] == pytest.approx(seen[nearest][0], rel=1e-14)
+    assert scene.sense()["distance_sensors"][0]["distance"] is None  # from 2 m all is out of range
+
+
+def test_sense_refuses_an_unknown_method(scene: fringe.Scene) -> None:
+    with pytest.raises(ValueError):
+        scene.sense("echo")

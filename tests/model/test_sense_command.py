@@ -1,0 +1,97 @@
+"""What `fringe sense` prints, and with which exit code."""
+
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+Command = Callable[..., "subprocess.CompletedProcess[str]"]
+
+SCENE = """
+[[distance_sensor]]
+name = "eye"
+apex = [0, 0, 0.5]
+direction = [0, 0, -1]
+full_angle_degrees = 60
+range = 0.8
+
+[[distance_sensor]]
+name = "back"
+apex = [0, 0, 0.5]
+direction = [0, 0, 1]
+full_angle_degrees = 180
+range = 0.8
+
+[[object]]
+name = "floor"
+shape = { type = "plate", size = [2, 2] }
+"""
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "a scene.toml"
+    path.write_text(SCENE)
+    return path
+
+
+@pytest.mark.parametrize("method", ["field_of_view", "cone_equation"])
+def test_sense_as_json(fringe_command: Command, scene: Path, method: str) -> None:
+    done = fringe_command("sense", scene, "--json", "--method", method)
+    assert (done.returncode, done.stderr) == (0, "")
+    eye, back = json.loads(done.stdout)["distance_sensors"]
+    assert eye.pop("point") == pytest.approx([0, 0, 0], abs=1e-16)
+    # The axis meets the floor on the line between its two triangles.
+    assert eye == {"name": "eye", "distance": 0.5, "object": "floor", "triangle": 0}
+    assert back == {"name": "back", "distance": None, "point": None, "object": None, "triangle": None}
+
+
+def test_sense_as_table(fringe_command: Command, scene: Path) -> None:
+    done = fringe_command("sense", scene)
+    assert (done.returncode, done.stderr) == (0, "")
+    _, _, eye, back = done.stdout.splitlines()
+    assert eye.split()[:4] == ["eye", "500", "mm", "floor,"]
+    assert back.split() == ["back", "sees", "nothing"]
+
+
+def test_a_scene_without_distance_sensors_has_no_readings(fringe_command: Command, scene: Path) -> None:
+    scene.write_text('[[object]]\nname = "floor"\nshape = { type = "plate", size = [2, 2] }\n')
+    assert json.loads(fringe_command("sense", scene, "--json").stdout) == {"distance_sensors": []}
+    assert fringe_command("sense", scene).stdout == "the scene has no distance sensors\n"
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "reason"),
+    [
+        ("full_angle_degrees", "181", "must be at most 180"),
+        ("full_angle_degrees", "0", "must be greater than zero"),
+        ("range", "-1", "must be greater than zero"),
+        ("range", "inf", "must be finite"),
+        ("direction", "[0, 0, 0]", "must not be zero"),
+        ("apex", "[0, 0]", "3"),
+    ],
+)
+def test_wrong_input_names_file_line_key_and_reason(
+    fringe_command: Command, scene: Path, key: str, value: str, reason: str
+) -> None:
+    lines = SCENE.splitlines()
+    line = next(number for number, text in enumerate(lines) if text.startswith(f"{key} ="))
+    lines[line] = f"{key} = {value}"
+    scene.write_text("\n".join(lines))
+    done = fringe_command("sense", scene, "--json")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert f"{scene}:{line + 1}: " in done.stderr
+    assert key in done.stderr
+    assert reason in done.stderr
+
+
+def test_unknown_method_and_missing_file(fringe_command: Command, scene: Path, tmp_path: Path) -> None:
+    for arguments, reason in [
+        ((scene, "--method", "echo"), 'unknown method "echo"'),
+        ((tmp_path / "none.toml",), "the file does not exist"),
+    ]:
+        done = fringe_command("sense", *arguments)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert reason in done.stderr
