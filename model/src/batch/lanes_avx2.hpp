@@ -15,6 +15,10 @@ struct LanesAvx2 {
   static unsigned bits(const Mask& mask) { return static_cast<unsigned>(_mm256_movemask_pd(mask)); }
   static Vector log(const Vector& x) { return Sleef_logd4_u10avx2(x); }
   static Vector atan2(const Vector& y, const Vector& x) { return Sleef_atan2d4_u10avx2(y, x); }
+  static double largest(const Vector& x) {
+    const __m128d pairs = _mm_max_pd(_mm256_castpd256_pd128(x), _mm256_extractf128_pd(x, 1));
+    return _mm_cvtsd_f64(_mm_max_sd(pairs, _mm_unpackhi_pd(pairs, pairs)));
+  }
   static constexpr bool has_estimate = false;
 };
 

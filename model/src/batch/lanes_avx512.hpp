@@ -36,6 +36,8 @@ struct LanesAvx512 {
   static Vector log(const Vector& x) { return Sleef_logd8_u10avx512f(x); }
   static Vector atan2(const Vector& y, const Vector& x) { return Sleef_atan2d8_u10avx512f(y, x); }
 
+  static double largest(const Vector& x) { return _mm512_reduce_max_pd(x); }
+
   /// 1/√x to 2^−14.
   static Vector inverse_square_root_estimate(const Vector& x) { return _mm512_rsqrt14_pd(x); }
   static constexpr bool has_estimate = true;

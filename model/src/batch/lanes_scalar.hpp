@@ -95,6 +95,7 @@ struct LanesScalar {
   static unsigned bits(Mask mask) { return mask.value ? 1U : 0U; }
   static Vector log(Vector x) { return std::log(x.value); }
   static Vector atan2(Vector y, Vector x) { return std::atan2(y.value, x.value); }
+  static double largest(Vector x) { return x.value; }
   static constexpr bool has_estimate = false;
 };
 

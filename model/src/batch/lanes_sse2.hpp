@@ -15,6 +15,7 @@ struct LanesSse2 {
   static unsigned bits(const Mask& mask) { return static_cast<unsigned>(_mm_movemask_pd(mask)); }
   static Vector log(const Vector& x) { return Sleef_logd2_u10sse2(x); }
   static Vector atan2(const Vector& y, const Vector& x) { return Sleef_atan2d2_u10sse2(y, x); }
+  static double largest(const Vector& x) { return _mm_cvtsd_f64(_mm_max_sd(x, _mm_unpackhi_pd(x, x))); }
   static constexpr bool has_estimate = false;
 };
 

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+/// The search in floating point that answers most queries (model/NUMERICS.md, section 13).
+///
+/// What is declared here is compiled once for every instruction set, so it keeps to plain numbers and
+/// pointers, as src/batch/kernels.hpp does.
+namespace fringe::detail {
+
+/// Vertices as a structure of arrays, readable up to the next multiple of `padding`, where the last vertex is
+/// repeated.
+struct VertexArrays {
+  const double* x;
+  const double* y;
+  const double* z;
+  std::uint32_t count;
+
+  static constexpr std::uint32_t padding = 8;
+};
+
+/// For hulls of many vertices: the directions, by the face and square of a cube around the origin that they
+/// go through, and for each square all vertices that may be the farthest along one of its directions.
+struct DirectionCells {
+  int resolution;                ///< squares along a side; 0: there are no cells, all vertices are looked at
+  const std::uint32_t* starts;   ///< where a cell's vertices begin, all multiples of the padding, and the end
+  VertexArrays vertices;         ///< of all cells, one after the other
+  const std::uint32_t* indices;  ///< of these vertices among the hull's
+};
+
+enum class Form : int { hull, box, ball, cylinder, cone, sector };
+
+/// A convex shape in its own frame, as its farthest points along directions.
+struct SupportShape {
+  Form form;
+  double size[3];  ///< box: half the sides; ball: radius; cylinder, cone and sector: (outer) radius, half the
+                   ///< height, inner radius
+  double ends[4];  ///< sector: the unit vectors (x, y) of its two ends, anticlockwise, less than half a turn
+  double middle[3];  ///< a point of the shape, but for rounding
+  double reach;      ///< no point is farther from the frame's origin
+  VertexArrays vertices;
+  DirectionCells cells;
+};
+
+/// A shape with the 16 numbers, column by column, of the matrix of its pose: a rotation to 1e-9.
+struct PlacedShape {
+  const SupportShape* shape;
+  const double* pose;
+};
+
+/// The farthest point of A along a direction and that of B against it, each in its shape's frame; and of
+/// hulls and boxes their indices (of a box: bit k is set where coordinate k is positive).
+struct SupportPair {
+  double on_a[3];
+  double on_b[3];
+  std::uint32_t a;
+  std::uint32_t b;
+};
+
+enum class Verdict : int { undecided, disjoint, intersecting };
+
+/// What the search has proven with regard to every rounding, or where it got to.
+struct QuickAnswer {
+  Verdict verdict;
+  double direction[3];   ///< disjoint: separates the shapes, from A to B
+  SupportPair pairs[4];  ///< the simplex reached; intersecting: one around the origin
+  int size;
+};
+
+struct QuickSearch {
+  std::string_view instruction_set;
+
+  /// The verdict alone; somewhat faster.
+  Verdict (*decide)(const PlacedShape& a, const PlacedShape& b);
+
+  void (*prove)(const PlacedShape& a, const PlacedShape& b, QuickAnswer& answer);
+
+  /// A point of a shape farthest along a direction, both in its own frame.
+  void (*support)(const SupportShape& shape, const double* direction, double* point);
+};
+
+/// The searches this machine can run, the slowest first.
+std::span<const QuickSearch* const> available_searches();
+
+/// The fastest of them.
+const QuickSearch& best_search();
+
+extern const QuickSearch search_scalar;
+#ifdef FRINGE_X86_KERNELS
+extern const QuickSearch search_sse2;
+extern const QuickSearch search_avx2;
+extern const QuickSearch search_avx512;
+#endif
+
+}  // namespace fringe::detail
