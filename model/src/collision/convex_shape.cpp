@@ -63,7 +63,7 @@ ConvexShape ConvexShape::hull(std::span<const Vector3d> vertices) {
     reach = std::max(reach, vertex.stableNorm());
     data->coordinates.push_back(vertex);
   }
-  data->coordinates.pad();
+  data->coordinates.fill_block();
   data->vertices.assign(vertices.begin(), vertices.end());
   data->cells = detail::direction_cells(vertices, reach);
   detail::SupportShape& support = data->support;
@@ -72,8 +72,8 @@ ConvexShape ConvexShape::hull(std::span<const Vector3d> vertices) {
   support.reach = reach * rounded_up;
   const Vector3d middle = middle_of(vertices);
   std::copy(middle.begin(), middle.end(), support.middle);
-  support.vertices = data->coordinates.arrays();
-  support.cells = {data->cells.resolution, data->cells.starts.data(), data->cells.coordinates.arrays(),
+  support.vertices = data->coordinates.blocks();
+  support.cells = {data->cells.resolution, data->cells.starts.data(), data->cells.coordinates.blocks(),
                    data->cells.indices.data()};
   return ConvexShape(std::move(data));
 }

@@ -10,23 +10,30 @@
 
 namespace fringe::detail {
 
-/// Coordinates as a structure of arrays, padded as VertexArrays asks for.
-struct CoordinateLists {
-  std::vector<double> x, y, z;
-
+/// Coordinates in blocks, as VertexBlocks describes them.
+class CoordinateBlocks {
+ public:
   void push_back(const Eigen::Vector3d& point);
 
-  /// Repeats the last point up to the next multiple of the padding.
-  void pad();
+  /// Repeats the last point until its block is full.
+  void fill_block();
 
-  VertexArrays arrays() const { return {x.data(), y.data(), z.data(), static_cast<std::uint32_t>(x.size())}; }
+  std::size_t size() const { return size_; }
+  VertexBlocks blocks() const {
+    return {coordinates_.data(), static_cast<std::uint32_t>(size_), static_cast<std::uint32_t>(last_)};
+  }
+
+ private:
+  std::vector<double> coordinates_;
+  std::size_t size_ = 0;
+  std::size_t last_ = 0;
 };
 
 /// What a DirectionCells points to.
 struct CellLists {
   int resolution = 0;
   std::vector<std::uint32_t> starts;
-  CoordinateLists coordinates;
+  CoordinateBlocks coordinates;
   std::vector<std::uint32_t> indices;
 };
 
@@ -36,7 +43,7 @@ CellLists direction_cells(std::span<const Eigen::Vector3d> vertices, double reac
 struct ConvexShapeData {
   SupportShape support;
   std::vector<Eigen::Vector3d> vertices;  ///< of flat shapes; a box's in the order of SupportPair
-  CoordinateLists coordinates;
+  CoordinateBlocks coordinates;
   CellLists cells;
 };
 

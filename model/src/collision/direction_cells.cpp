@@ -9,12 +9,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Up to so many vertices are all looked at: four of the widest registers.
-constexpr std::size_t few_vertices = 32;
-
-/// With squares a third as many a side as the root of the vertices' number, a square of a ball's hull has
-/// some ten vertices, and all squares together about as many times the vertices as there are squares a side.
-constexpr double vertices_per_square_root = 3;
+/// The root of the number of vertices over the squares along a side of the cube. More squares would spare a
+/// block of vertices here and there, and take more memory than is near the processor.
+constexpr double vertices_per_square_root = 4.5;
 constexpr int most_squares = 32;
 
 /// What the borders of a square are moved outwards, so that rounding a direction's place does not matter.
@@ -59,23 +56,33 @@ std::vector<std::uint32_t> candidates(std::span<const Vector3d> vertices,
 
 }  // namespace
 
-void CoordinateLists::push_back(const Vector3d& point) {
-  x.push_back(point.x());
-  y.push_back(point.y());
-  z.push_back(point.z());
+void CoordinateBlocks::push_back(const Vector3d& point) {
+  constexpr std::size_t block = VertexBlocks::size;
+  const std::size_t lane = size_ % block;
+  if (lane == 0)
+    coordinates_.resize(coordinates_.size() + 3 * block);
+  double* const begin = coordinates_.data() + size_ / block * 3 * block;
+  for (std::size_t k = 0; k < 3; ++k)
+    begin[k * block + lane] = point[static_cast<Eigen::Index>(k)];
+  ++size_;
 }
 
-void CoordinateLists::pad() {
-  while (x.size() % VertexArrays::padding != 0)
-    push_back({x.back(), y.back(), z.back()});
+void CoordinateBlocks::fill_block() {
+  constexpr std::size_t block = VertexBlocks::size;
+  const double* const last = coordinates_.data() + (size_ - 1) / block * 3 * block + (size_ - 1) % block;
+  const Vector3d point(last[0], last[block], last[2 * block]);
+  last_ = size_ - 1;
+  while (size_ % block != 0)
+    push_back(point);
 }
 
 CellLists direction_cells(std::span<const Vector3d> vertices, double reach) {
   CellLists cells;
-  if (vertices.size() <= few_vertices)
+  if (vertices.size() <= SupportShape::few_vertices)
     return cells;
+  // A square then has, on a ball's hull, some fifteen vertices.
   const double wished = std::sqrt(static_cast<double>(vertices.size())) / vertices_per_square_root;
-  cells.resolution = std::clamp(static_cast<int>(std::ceil(wished)), 2, most_squares);
+  cells.resolution = std::clamp(static_cast<int>(std::lround(wished)), 2, most_squares);
   // Twice what products of a vertex with a corner, of components up to 1, can be off.
   const double margin = 0x1p-48 * reach;
   const double side = 2.0 / cells.resolution;
@@ -92,8 +99,8 @@ CellLists direction_cells(std::span<const Vector3d> vertices, double reach) {
           cells.coordinates.push_back(vertices[index]);
           cells.indices.push_back(index);
         }
-        cells.coordinates.pad();
-        cells.indices.resize(cells.coordinates.x.size(), cells.indices.back());
+        cells.coordinates.fill_block();
+        cells.indices.resize(cells.coordinates.size(), cells.indices.back());
       }
   cells.starts.push_back(static_cast<std::uint32_t>(cells.indices.size()));
   return cells;

@@ -10,23 +10,22 @@
 /// pointers, as src/batch/kernels.hpp does.
 namespace fringe::detail {
 
-/// Vertices as a structure of arrays, readable up to the next multiple of `padding`, where the last vertex is
-/// repeated.
-struct VertexArrays {
-  const double* x;
-  const double* y;
-  const double* z;
-  std::uint32_t count;
+/// Vertices in blocks of eight: their x, then their y, then their z. The last vertex is repeated where the
+/// last block would not be full.
+struct VertexBlocks {
+  const double* coordinates;
+  std::uint32_t count;  ///< of vertices, repeated ones included
+  std::uint32_t last;   ///< the index of the vertex that is repeated; ones above stand for it
 
-  static constexpr std::uint32_t padding = 8;
+  static constexpr std::uint32_t size = 8;
 };
 
 /// For hulls of many vertices: the directions, by the face and square of a cube around the origin that they
 /// go through, and for each square all vertices that may be the farthest along one of its directions.
 struct DirectionCells {
   int resolution;                ///< squares along a side; 0: there are no cells, all vertices are looked at
-  const std::uint32_t* starts;   ///< where a cell's vertices begin, all multiples of the padding, and the end
-  VertexArrays vertices;         ///< of all cells, one after the other
+  const std::uint32_t* starts;   ///< where a cell's vertices begin, with a block of its own; and the end
+  VertexBlocks vertices;         ///< of all cells, one after the other
   const std::uint32_t* indices;  ///< of these vertices among the hull's
 };
 
@@ -40,8 +39,11 @@ struct SupportShape {
   double ends[4];  ///< sector: the unit vectors (x, y) of its two ends, anticlockwise, less than half a turn
   double middle[3];  ///< a point of the shape, but for rounding
   double reach;      ///< no point is farther from the frame's origin
-  VertexArrays vertices;
+  VertexBlocks vertices;
   DirectionCells cells;
+
+  /// Hulls of no more vertices are moved as a whole when a search begins.
+  static constexpr std::uint32_t few_vertices = 32;
 };
 
 /// A shape with the 16 numbers, column by column, of the matrix of its pose: a rotation to 1e-9.

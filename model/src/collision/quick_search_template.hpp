@@ -85,40 +85,37 @@ class QuickSearchFor {
   using V = typename Lanes::Vector;
   static constexpr std::uint32_t width = Lanes::width;
 
-  static V products(const VertexArrays& vertices, std::uint32_t i, const V& x, const V& y, const V& z) {
-    return fma(x, V::load_unaligned(vertices.x + i),
-               fma(y, V::load_unaligned(vertices.y + i), z * V::load_unaligned(vertices.z + i)));
+  /// The products of the vertices of a block, from a lane on.
+  static V products(const double* block, std::uint32_t lane, const V& x, const V& y, const V& z) {
+    constexpr std::uint32_t size = VertexBlocks::size;
+    return fma(
+        x, V::load_unaligned(block + lane),
+        fma(y, V::load_unaligned(block + size + lane), z * V::load_unaligned(block + 2 * size + lane)));
+  }
+
+  static Vec vertex(const VertexBlocks& vertices, std::uint32_t i) {
+    constexpr std::uint32_t size = VertexBlocks::size;
+    const double* const block = vertices.coordinates + i / size * (3 * size) + i % size;
+    return {block[0], block[size], block[2 * size]};
   }
 
   /// One of the vertices from `first` up to below `last` with the largest product.
-  static std::uint32_t farthest(const VertexArrays& vertices, std::uint32_t first, std::uint32_t last,
+  static std::uint32_t farthest(const VertexBlocks& vertices, std::uint32_t first, std::uint32_t last,
                                 const Vec& d) {
+    constexpr std::uint32_t size = VertexBlocks::size;
     const V x(d.x), y(d.y), z(d.z);
-    constexpr std::uint32_t unit = VertexArrays::padding, registers = unit / width;
-    if (last - first == unit) {
-      V all[registers];
-      for (std::uint32_t k = 0; k < registers; ++k)
-        all[k] = products(vertices, first + k * width, x, y, z);
-      V best = all[0];
-      for (std::uint32_t k = 1; k < registers; ++k)
-        best = max(best, all[k]);
-      const V largest(Lanes::largest(best));
-      unsigned which = 1U << (unit - 1);
-      for (std::uint32_t k = 0; k < registers; ++k)
-        which |= Lanes::bits(all[k] == largest) << (k * width);
-      return first + static_cast<std::uint32_t>(__builtin_ctz(which));
-    }
-    V best = products(vertices, first, x, y, z), block(static_cast<double>(first));
-    for (std::uint32_t i = first + width; i < last; i += width) {
-      const V product = products(vertices, i, x, y, z);
-      block = select(product > best, V(static_cast<double>(i)), block);
-      best = max(best, product);
-    }
+    V best = products(vertices.coordinates + first * 3, 0, x, y, z), place(static_cast<double>(first));
+    for (std::uint32_t i = first; i < last; i += size)
+      for (std::uint32_t lane = 0; lane < size; lane += width) {
+        const V product = products(vertices.coordinates + i * 3, lane, x, y, z);
+        place = select(product > best, V(static_cast<double>(i + lane)), place);
+        best = max(best, product);
+      }
     const unsigned which = Lanes::bits(best == V(Lanes::largest(best))) | (1U << (width - 1));
     const auto lane = static_cast<std::uint32_t>(__builtin_ctz(which));
-    double blocks[width];
-    block.store_unaligned(blocks);
-    return static_cast<std::uint32_t>(blocks[lane]) + lane;
+    double places[width];
+    place.store_unaligned(places);
+    return static_cast<std::uint32_t>(places[lane]) + lane;
   }
 
   static int square(double along, double inverse_of_main, int resolution) {
@@ -150,11 +147,11 @@ class QuickSearchFor {
     const DirectionCells& cells = shape.cells;
     if (cells.resolution == 0) {
       const std::uint32_t i = farthest(shape.vertices, 0, shape.vertices.count, d);
-      return {{shape.vertices.x[i], shape.vertices.y[i], shape.vertices.z[i]}, i};
+      return {vertex(shape.vertices, i), i};
     }
     const std::uint32_t c = cell(cells.resolution, d);
     const std::uint32_t i = farthest(cells.vertices, cells.starts[c], cells.starts[c + 1], d);
-    return {{cells.vertices.x[i], cells.vertices.y[i], cells.vertices.z[i]}, cells.indices[i]};
+    return {vertex(cells.vertices, i), cells.indices[i]};
   }
 
   /// (x, y) of the given length along (d.x, d.y), along x for zero.
@@ -226,15 +223,76 @@ class QuickSearchFor {
     }
   };
 
+  /// A point of a moved shape, in the world and in the shape's frame.
+  struct Found {
+    Vec at;
+    Local local;
+  };
+
+  /// A moved shape: directions are turned into its frame, points out of it.
+  template <class Kind>
+  struct Turned {
+    const SupportShape& shape;
+    const double* pose;
+    Vec offset;
+
+    Turned(const PlacedShape& placed, const Vec& to) : shape(*placed.shape), pose(placed.pose), offset(to) {}
+
+    Found farthest(const Vec& d) const {
+      const Local local = Kind::support(shape, to_local(pose, d));
+      return {rotated(pose, local.at, offset), local};
+    }
+  };
+
+  /// A moved hull of few vertices, all of which are moved beforehand.
+  struct Moved {
+    const SupportShape& shape;
+    double blocks[3 * SupportShape::few_vertices];
+
+    Moved(const PlacedShape& placed, const Vec& to) : shape(*placed.shape) {
+      constexpr std::uint32_t size = VertexBlocks::size;
+      const double* const pose = placed.pose;
+      const std::uint32_t end = shape.vertices.count * 3;
+      for (std::uint32_t block = 0; block < end; block += 3 * size)
+        for (std::uint32_t lane = 0; lane < size; lane += width) {
+          const double* const from = shape.vertices.coordinates + block + lane;
+          const V x = V::load_unaligned(from), y = V::load_unaligned(from + size),
+                  z = V::load_unaligned(from + 2 * size);
+          const auto row = [&](int k, double offset) {
+            return fma(V(pose[k]), x, fma(V(pose[4 + k]), y, fma(V(pose[8 + k]), z, V(offset))));
+          };
+          row(0, to.x).store_unaligned(blocks + block + lane);
+          row(1, to.y).store_unaligned(blocks + block + size + lane);
+          row(2, to.z).store_unaligned(blocks + block + 2 * size + lane);
+        }
+    }
+
+    Found farthest(const Vec& d) const {
+      // The last five bits of a product are replaced by the index of its vertex, so that the largest has it.
+      constexpr std::uint32_t size = VertexBlocks::size;
+      const V x(d.x), y(d.y), z(d.z);
+      V best = Lanes::tagged(products(blocks, 0, x, y, z), 0);
+      for (std::uint32_t first = 0; first < shape.vertices.count; first += size)
+        for (std::uint32_t lane = 0; lane < size; lane += width)
+          best = max(best, Lanes::tagged(products(blocks + first * 3, lane, x, y, z), first + lane));
+      const std::uint32_t i = Lanes::tag(Lanes::largest(best));
+      const double* const found = blocks + i / size * (3 * size) + i % size;
+      return {{found[0], found[size], found[2 * size]},
+              {vertex(shape.vertices, i), i < shape.vertices.last ? i : shape.vertices.last}};
+    }
+  };
+
   template <bool with_proof>
   static Verdict dispatched(const PlacedShape& a, const PlacedShape& b, QuickAnswer& answer) {
     switch (a.shape->form) {
     case Form::hull:
-      return dispatched<with_proof, Hull>(a, b, answer);
+      if (a.shape->vertices.count <= SupportShape::few_vertices)
+        return dispatched<with_proof, Moved>(a, b, answer);
+      return dispatched<with_proof, Turned<Hull>>(a, b, answer);
     case Form::box:
-      return dispatched<with_proof, Box>(a, b, answer);
+      return dispatched<with_proof, Turned<Box>>(a, b, answer);
     default:
-      return dispatched<with_proof, Curved>(a, b, answer);
+      return dispatched<with_proof, Turned<Curved>>(a, b, answer);
     }
   }
 
@@ -242,11 +300,13 @@ class QuickSearchFor {
   static Verdict dispatched(const PlacedShape& a, const PlacedShape& b, QuickAnswer& answer) {
     switch (b.shape->form) {
     case Form::hull:
-      return search<with_proof, A, Hull>(a, b, answer);
+      if (b.shape->vertices.count <= SupportShape::few_vertices)
+        return search<with_proof, A, Moved>(a, b, answer);
+      return search<with_proof, A, Turned<Hull>>(a, b, answer);
     case Form::box:
-      return search<with_proof, A, Box>(a, b, answer);
+      return search<with_proof, A, Turned<Box>>(a, b, answer);
     default:
-      return search<with_proof, A, Curved>(a, b, answer);
+      return search<with_proof, A, Turned<Curved>>(a, b, answer);
     }
   }
 
@@ -280,6 +340,8 @@ class QuickSearchFor {
     const Vec middle_b{b.shape->middle[0], b.shape->middle[1], b.shape->middle[2]};
     const Vec inside = minus(rotated(pose_a, middle_a, offset), rotated(pose_b, middle_b, {0, 0, 0}));
     Vec direction = negated(inside);
+    const A moved_a(a, offset);
+    const B moved_b(b, {0, 0, 0});
     Simplex simplex;
     simplex.points[0] = {inside, 0};
     simplex.size = with_proof ? 0 : 1;
@@ -293,11 +355,10 @@ class QuickSearchFor {
           break;
         direction = {extent, 0, 0}, magnitude = extent;
       }
-      const Local on_a = A::support(*a.shape, to_local(pose_a, direction));
-      const Local on_b = B::support(*b.shape, to_local(pose_b, negated(direction)));
-      const Point s{minus(rotated(pose_a, on_a.at, offset), rotated(pose_b, on_b.at, {0, 0, 0})), round};
+      const Found on_a = moved_a.farthest(direction), on_b = moved_b.farthest(negated(direction));
+      const Point s{minus(on_a.at, on_b.at), round};
       if constexpr (with_proof)
-        sources[round] = {on_a, on_b};
+        sources[round] = {on_a.local, on_b.local};
       if (-dot(s.at, direction) > fused(error_per_product * extent, magnitude, smallest_product)) {
         verdict = Verdict::disjoint;
         break;
