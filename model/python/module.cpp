@@ -80,9 +80,13 @@ std::vector<Face> faces_of(const py::array_t<std::int64_t, py::array::c_style>& 
   return faces;
 }
 
-bool gjk_intersects_of(const Array& a, const Array& b) {
+std::optional<bool> gjk_intersects_of(const Array& a, const Array& b, const std::string& method) {
   const std::vector<Eigen::Vector3d> hull_a = vertices_of(a, "a"), hull_b = vertices_of(b, "b");
+  if (method != "exact" && method != "thesis")
+    throw InputError(fmt::format("method must be \"exact\" or \"thesis\", not \"{}\"", method));
   const py::gil_scoped_release unlocked;
+  if (method == "thesis")
+    return thesis_gjk_intersects(hull_a, hull_b);
   return gjk_intersects(hull_a, hull_b).intersects;
 }
 
@@ -290,11 +294,13 @@ integral diverges. Raises InputError (a ValueError) for values that are not fini
 rectangle and an unknown method.)");
 
   module.def(
-      "gjk_intersects", &gjk_intersects_of, "a"_a, "b"_a,
+      "gjk_intersects", &gjk_intersects_of, "a"_a, "b"_a, "method"_a = "exact",
       R"(Whether the convex hulls of two vertex arrays, (n, 3) and (m, 3), have a point in common; touching counts.
 
-Exact for the coordinates given. Raises InputError (a ValueError) for wrong shapes, no vertices and vertices that are
-not finite.)");
+method: "exact", right for the coordinates given, always; or "thesis", Algorithm 2.1 as printed, which is often wrong
+where hulls touch, and None when it has not ended after 1000 rounds.
+
+Raises InputError (a ValueError) for wrong shapes, no vertices, vertices that are not finite and an unknown method.)");
   module.def("gjk_distance", &gjk_distance_of, "a"_a, "b"_a,
              R"(The shortest distance between the convex hulls of two vertex arrays, (n, 3) and (m, 3).
 

@@ -16,6 +16,12 @@ def test_gjk_intersects_counts_touching() -> None:
     assert fringe.gjk_intersects(CUBE.tolist(), [[0, 0, 0]]) is True
 
 
+def test_gjk_intersects_by_the_thesis_misses_contacts() -> None:
+    assert fringe.gjk_intersects(CUBE, CUBE + 0.25, method="thesis") is True
+    assert fringe.gjk_intersects(CUBE, CUBE + 2, method="thesis") is False
+    assert fringe.gjk_intersects(CUBE, CUBE + STEP, method="thesis") is False
+
+
 def test_gjk_distance_has_witnesses() -> None:
     distance, on_a, on_b = fringe.gjk_distance(CUBE, [[4.0, 0.25, 5.0]])
     assert distance == 5
@@ -59,6 +65,7 @@ def test_obb_takes_faces() -> None:
     [
         lambda: fringe.gjk_intersects(np.empty((0, 3)), CUBE),
         lambda: fringe.gjk_intersects(CUBE, CUBE[:, :2]),
+        lambda: fringe.gjk_intersects(CUBE, CUBE, method="guess"),
         lambda: fringe.gjk_distance(CUBE, [[np.nan, 0, 0]]),
         lambda: fringe.bounding_sphere(np.empty((0, 3))),
         lambda: fringe.aabb([[np.inf, 0, 0]]),

@@ -25,7 +25,10 @@ struct HullPair {
   double coordinate_error = 0;
 };
 
-/// Throws InputError for an empty set and for a vertex that is not finite.
+/// Throws InputError for an empty set and for a vertex that is not finite; the message has the set's name.
+void check_vertices(Vertices vertices, char name);
+
+/// Throws InputError as check_vertices does.
 HullPair hull_pair(Vertices a, Vertices b);
 
 /// Whether products of up to six lengths of the pair neither overflow nor, where they matter, underflow.
