@@ -3,6 +3,7 @@
 #include <string>
 
 #include "fringe/capacitance.hpp"
+#include "fringe/scene_collision.hpp"
 #include "fringe/scene_info.hpp"
 
 /// The answers as JSON documents. Infinity is written as the number 1e999, which every reader of JSON takes
@@ -11,6 +12,8 @@ namespace fringe::cli {
 
 std::string capacitance_json(const SceneCapacitance& answer, const CapacitanceOptions& options,
                              double seconds);
+
+std::string collision_json(const SceneCollision& answer, const Scene& scene);
 
 std::string info_json(const SceneInfo& info);
 

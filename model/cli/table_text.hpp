@@ -3,6 +3,7 @@
 #include <string>
 
 #include "fringe/capacitance.hpp"
+#include "fringe/scene_collision.hpp"
 #include "fringe/scene_info.hpp"
 
 /// The answers as tables for people: capacitances in pF.
@@ -10,6 +11,8 @@ namespace fringe::cli {
 
 std::string capacitance_table(const SceneCapacitance& answer, const CapacitanceOptions& options,
                               double seconds);
+
+std::string collision_table(const SceneCollision& answer, const Scene& scene);
 
 std::string info_table(const SceneInfo& info);
 

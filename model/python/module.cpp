@@ -24,6 +24,7 @@
 #include "fringe/gjk.hpp"
 #include "fringe/plate_integral.hpp"
 #include "fringe/pose.hpp"
+#include "fringe/scene_collision.hpp"
 #include "fringe/scene_evaluator.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
@@ -180,6 +181,8 @@ class LiveScene {
     fringe::set_pose(scene_, link, pose);
     if (evaluator_)
       evaluator_->set_pose(link, pose);
+    if (detector_)
+      detector_->set_pose(link, pose);
   }
 
   SceneCapacitance capacitance(const CapacitanceOptions& options) {
@@ -191,6 +194,13 @@ class LiveScene {
     return evaluator_->capacitance();
   }
 
+  SceneCollision collide() {
+    const std::lock_guard lock(mutex_);
+    if (!detector_)
+      detector_.emplace(scene_);
+    return detector_->collide();
+  }
+
  private:
   static bool same(const CapacitanceOptions& a, const CapacitanceOptions& b) {
     return to_string(a.method) == to_string(b.method) && a.plates == b.plates && a.faces == b.faces &&
@@ -200,6 +210,7 @@ class LiveScene {
   Scene scene_;
   CapacitanceOptions options_;
   std::optional<SceneEvaluator> evaluator_;
+  std::optional<CollisionDetector> detector_;
   std::mutex mutex_;  ///< other Python threads run while an answer is made
 };
 
@@ -220,6 +231,23 @@ py::dict capacitance_of(LiveScene& scene, const std::string& method, const std::
     sensors.append(dictionary(sensor));
   return py::dict("options"_a = dictionary(options), "seconds"_a = elapsed.count(),
                   "counts"_a = dictionary(answer.counts), "sensors"_a = sensors);
+}
+
+py::dict collide_of(LiveScene& scene) {
+  SceneCollision answer;
+  std::vector<ObjectPair> pairs;
+  {
+    const py::gil_scoped_release unlocked;
+    answer = scene.collide();
+    pairs = all_pairs(answer, scene.scene());
+  }
+  py::list result;
+  for (const ObjectPair& pair : pairs)
+    result.append(py::dict("a"_a = scene.scene().objects[pair.a].name,
+                           "b"_a = scene.scene().objects[pair.b].name,
+                           "status"_a = std::string(to_string(pair.status))));
+  return py::dict("tests"_a = py::dict("broad"_a = answer.tests.broad, "narrow"_a = answer.tests.narrow),
+                  "pairs"_a = result);
 }
 
 py::dict conductors_of(const LiveScene& scene) {
@@ -340,6 +368,12 @@ out at most. 0: nothing is left out but by "nearest", 1e-12. Only with the metho
 Asked again with the same options, only what moved since is evaluated; "counts" says what that was.
 
 Raises InputError (a ValueError) for unknown or inconsistent options and for objects that are not grounded.)")
+      .def("collide", &collide_of,
+           R"(Which objects collide, as the dictionary that `fringe collide --json` prints.
+
+Of each pair that can collide, "status" is "clear", "bounds" when only the bounding boxes meet, or "collision"; touching
+counts. Objects of the same link and those with collides = false are left out. Asked again, only what moved since is
+looked at; "tests" says how many bounding boxes ("broad") and convex shapes ("narrow") were tested.)")
       .def("conductors", &conductors_of,
            "Name to (n, 3, 3) triangles in the world frame, the sensors first, each in the file's order.")
       .def("set_pose", &set_link_pose, "link"_a, "translation"_a, "rotation"_a,

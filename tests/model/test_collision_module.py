@@ -1,5 +1,7 @@
 """The collision functions of the Python module `fringe`: shapes of arrays, tuples, errors."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -58,6 +60,23 @@ def test_obb_takes_faces() -> None:
     centre, axes, half_widths = fringe.obb(flat, np.array([[0, 1, 2], [0, 2, 3]]), "triangles")
     assert centre == pytest.approx([2, 0.5, 0])
     assert half_widths == pytest.approx([2, 0.5, 0], abs=1e-14)
+
+
+def test_scene_collide_follows_its_links(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        'link = [ { name = "arm" } ]\n'
+        '[[object]]\nname = "a"\nlink = "arm"\nshape = { type = "sphere", radius = 1, segments = 12 }\n'
+        '[[object]]\nname = "b"\nshape = { type = "cube", size = 2 }\n'
+    )
+    scene = fringe.Scene.load(path)
+    for x, status in ((1.5, "collision"), (2.5, "clear"), (2.0, "collision")):
+        scene.set_pose("arm", [x, 0, 0], np.eye(3))
+        answer = scene.collide()
+        assert answer["pairs"] == [{"a": "a", "b": "b", "status": status}]
+    scene.set_pose("arm", [1.9, 1.9, 0], np.eye(3))
+    assert scene.collide()["pairs"][0]["status"] == "bounds"
+    assert scene.collide()["tests"] == {"broad": 0, "narrow": 0}
 
 
 @pytest.mark.parametrize(

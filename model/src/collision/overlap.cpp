@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "box_overlap.hpp"
 #include "fringe/bounding_volume.hpp"
 
 namespace fringe {
@@ -26,11 +27,17 @@ bool overlap(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
 }
 
 bool overlap(const OrientedBox& a, const OrientedBox& b) {
+  // Ten times what the axes may be off.
+  constexpr double margin = 1e-13;
+  return detail::overlap_within(a, b, margin);
+}
+
+bool detail::overlap_within(const OrientedBox& a, const OrientedBox& b, double relative_margin) {
   // Everything compared below is a sum of products of an offset or a half-width with at most two components
-  // of axes, orthonormal to 1e-14: what is off is at most some ten times that, times all lengths together.
-  // The comparisons are written so that overflow means overlap.
+  // of axes: what is off is at most some ten times what they are, times all lengths together. The comparisons
+  // are written so that overflow means overlap.
   const Vector3d between = b.centre - a.centre;
-  const double margin = 1e-13 * (between.lpNorm<1>() + a.half_widths.sum() + b.half_widths.sum()) +
+  const double margin = relative_margin * (between.lpNorm<1>() + a.half_widths.sum() + b.half_widths.sum()) +
                         std::numeric_limits<double>::min();
   const Vector3d offset = a.axes * between;
   const Matrix3d turn = a.axes * b.axes.transpose(), cosines = turn.cwiseAbs();
