@@ -1,14 +1,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdint>
-#include <numbers>
-#include <random>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "peers/peer.hpp"
+#include "random.hpp"
 
 /// Nanoseconds per boolean query of two convex shapes, beside FCL, libccd and Bullet: the median of many
 /// rounds in which everybody takes turns. No query knows of an earlier one. Half of the pairs intersect, by
@@ -18,29 +18,10 @@
 namespace {
 
 using namespace fringe::benchmarks;
-using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr std::size_t shapes_per_row = 16;
 constexpr std::size_t pairs_per_row = 4000;
-
-class Random {
- public:
-  double uniform(double low, double high) {
-    return low + static_cast<double>(engine_() >> 11U) * 0x1p-53 * (high - low);
-  }
-
-  Vector3d direction() {
-    const double z = uniform(-1, 1), angle = uniform(0, 2 * std::numbers::pi);
-    const double across = std::sqrt(1 - z * z);
-    return {across * std::cos(angle), across * std::sin(angle), z};
-  }
-
-  std::size_t below(std::size_t limit) { return static_cast<std::size_t>(engine_() % limit); }
-
- private:
-  std::mt19937_64 engine_{1};
-};
 
 struct Row {
   std::string name;
@@ -72,18 +53,14 @@ std::vector<Row> rows() {
   return made;
 }
 
-Isometry3d turned(Random& random) {
-  return Isometry3d(Eigen::AngleAxisd(random.uniform(0, 2 * std::numbers::pi), random.direction()));
-}
-
 /// Pairs at random distances up to `farthest` in random poses.
 PeerPairs pairs_within(double farthest) {
   Random random;
   PeerPairs pairs;
   for (std::size_t i = 0; i < pairs_per_row; ++i) {
     PeerPair pair{2 * random.below(shapes_per_row / 2), 2 * random.below(shapes_per_row / 2) + 1,
-                  turned(random), turned(random)};
-    pair.pose_a.pretranslate(Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)));
+                  random.turn(), random.turn()};
+    pair.pose_a.pretranslate(random.in_cube(1));
     const double distance = farthest * std::cbrt(random.uniform(0, 1));
     pair.pose_b.pretranslate(pair.pose_a.translation() + distance * random.direction());
     pairs.push_back(pair);
