@@ -87,17 +87,20 @@ double nanoseconds_per_query(const Peer& peer, std::size_t& count) {
   return elapsed.count() / static_cast<double>(pairs_per_row);
 }
 
-void measure(const Row& row, int rounds) {
-  const PeerPairs pairs = half_intersecting(row.shapes);
+using MakePeer = std::unique_ptr<Peer> (*)(const PeerShapes&, const PeerPairs&);
+
+void measure(const std::string& name, const PeerShapes& shapes, const std::vector<MakePeer>& makers,
+             int rounds) {
+  const PeerPairs pairs = half_intersecting(shapes);
   std::vector<std::unique_ptr<Peer>> peers;
-  for (const auto make : {fringe_peer, libccd_mpr_peer, libccd_gjk_peer, bullet_peer, fcl_peer})
-    peers.push_back(make(row.shapes, pairs));
+  for (const MakePeer make : makers)
+    peers.push_back(make(shapes, pairs));
   std::vector<std::vector<double>> times(peers.size());
   std::vector<std::size_t> counts(peers.size());
   for (int round = 0; round < rounds; ++round)
     for (std::size_t i = 0; i < peers.size(); ++i)
       times[i].push_back(nanoseconds_per_query(*peers[i], counts[i]));
-  fmt::print("{:<14}", row.name);
+  fmt::print("{:<14}", name);
   for (std::vector<double>& own : times) {
     std::nth_element(own.begin(), own.begin() + rounds / 2, own.end());
     fmt::print(" {:>11.1f}", own[static_cast<std::size_t>(rounds) / 2]);
@@ -115,6 +118,10 @@ int main(int argument_count, char** arguments) {
   const int rounds = argument_count > 1 ? std::stoi(arguments[1]) : usual_rounds;
   fmt::print("{:<14} {:>11} {:>11} {:>11} {:>11} {:>11}   intersecting, difference of the others\n", "ns",
              "fringe", "libccd MPR", "libccd GJK", "Bullet", "FCL");
-  for (const Row& row : rows())
-    measure(row, rounds);
+  const std::vector<Row> all = rows();
+  for (const Row& row : all)
+    measure(row.name, row.shapes, {fringe_peer, libccd_mpr_peer, libccd_gjk_peer, bullet_peer, fcl_peer},
+            rounds);
+  fmt::print("\n{:<14} {:>11} {:>11}   boxes by their separating axes alone\n", "ns", "fringe", "FCL");
+  measure("boxes", all.front().shapes, {fringe_box_peer, fcl_box_peer}, rounds);
 }

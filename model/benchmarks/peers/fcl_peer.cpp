@@ -1,9 +1,11 @@
+#include <utility>
 #include <variant>
 
 #include <fcl/geometry/shape/box.h>
 #include <fcl/geometry/shape/cone.h>
 #include <fcl/geometry/shape/convex.h>
 #include <fcl/geometry/shape/cylinder.h>
+#include <fcl/math/bv/OBB.h>
 #include <fcl/narrowphase/detail/gjk_solver_libccd.h>
 
 #include "hull_faces.hpp"
@@ -61,7 +63,34 @@ class FclPeer : public Peer {
   fcl::detail::GJKSolver_libccd<double> solver_;
 };
 
+class FclBoxPeer : public Peer {
+ public:
+  FclBoxPeer(const PeerShapes& shapes, const PeerPairs& pairs) {
+    const auto box = [&](std::size_t shape, const Eigen::Isometry3d& pose) {
+      return fcl::OBBd(pose.linear(), pose.translation(), shapes[shape].size / 2);
+    };
+    for (const PeerPair& pair : pairs)
+      boxes_.emplace_back(box(pair.a, pair.pose_a), box(pair.b, pair.pose_b));
+  }
+
+  std::string name() const override { return "FCL"; }
+
+  std::size_t count_intersecting() const override {
+    std::size_t count = 0;
+    for (const auto& [a, b] : boxes_)
+      count += a.overlap(b) ? 1 : 0;
+    return count;
+  }
+
+ private:
+  std::vector<std::pair<fcl::OBBd, fcl::OBBd>> boxes_;
+};
+
 }  // namespace
+
+std::unique_ptr<Peer> fcl_box_peer(const PeerShapes& shapes, const PeerPairs& pairs) {
+  return std::make_unique<FclBoxPeer>(shapes, pairs);
+}
 
 std::unique_ptr<Peer> fcl_peer(const PeerShapes& shapes, const PeerPairs& pairs) {
   return std::make_unique<FclPeer>(shapes, pairs);

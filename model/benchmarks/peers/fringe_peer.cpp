@@ -1,3 +1,6 @@
+#include <utility>
+
+#include "fringe/bounding_volume.hpp"
 #include "fringe/convex_shape.hpp"
 #include "peer.hpp"
 
@@ -39,7 +42,34 @@ class FringePeer : public Peer {
   PeerPairs pairs_;
 };
 
+class FringeBoxPeer : public Peer {
+ public:
+  FringeBoxPeer(const PeerShapes& shapes, const PeerPairs& pairs) {
+    const auto box = [&](std::size_t shape, const Eigen::Isometry3d& pose) {
+      return OrientedBox{pose.translation(), pose.linear().transpose(), shapes[shape].size / 2};
+    };
+    for (const PeerPair& pair : pairs)
+      boxes_.emplace_back(box(pair.a, pair.pose_a), box(pair.b, pair.pose_b));
+  }
+
+  std::string name() const override { return "fringe"; }
+
+  std::size_t count_intersecting() const override {
+    std::size_t count = 0;
+    for (const auto& [a, b] : boxes_)
+      count += overlap(a, b) ? 1 : 0;
+    return count;
+  }
+
+ private:
+  std::vector<std::pair<OrientedBox, OrientedBox>> boxes_;
+};
+
 }  // namespace
+
+std::unique_ptr<Peer> fringe_box_peer(const PeerShapes& shapes, const PeerPairs& pairs) {
+  return std::make_unique<FringeBoxPeer>(shapes, pairs);
+}
 
 std::unique_ptr<Peer> fringe_peer(const PeerShapes& shapes, const PeerPairs& pairs) {
   return std::make_unique<FringePeer>(shapes, pairs);

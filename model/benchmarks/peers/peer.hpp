@@ -44,6 +44,10 @@ using PeerShapes = std::vector<PeerShape>;
 using PeerPairs = std::vector<PeerPair>;
 
 std::unique_ptr<Peer> fringe_peer(const PeerShapes& shapes, const PeerPairs& pairs);
+/// The separating axes of oriented boxes alone; all shapes must be cuboids.
+std::unique_ptr<Peer> fringe_box_peer(const PeerShapes& shapes, const PeerPairs& pairs);
+std::unique_ptr<Peer> fcl_box_peer(const PeerShapes& shapes, const PeerPairs& pairs);
+
 std::unique_ptr<Peer> fcl_peer(const PeerShapes& shapes, const PeerPairs& pairs);
 std::unique_ptr<Peer> libccd_gjk_peer(const PeerShapes& shapes, const PeerPairs& pairs);
 std::unique_ptr<Peer> libccd_mpr_peer(const PeerShapes& shapes, const PeerPairs& pairs);

@@ -71,6 +71,13 @@ struct QuickAnswer {
   int size;
 };
 
+/// An oriented box as plain numbers, laid out as OrientedBox is.
+struct BoxNumbers {
+  double centre[3];
+  double axes[9];  ///< the axes' x, their y, their z
+  double half_widths[3];
+};
+
 struct QuickSearch {
   std::string_view instruction_set;
 
@@ -81,6 +88,9 @@ struct QuickSearch {
 
   /// A point of a shape farthest along a direction, both in its own frame.
   void (*support)(const SupportShape& shape, const double* direction, double* point);
+
+  /// By how much two boxes are apart along one of the fifteen axes that tell them apart, at most.
+  double (*box_gap)(const BoxNumbers& a, const BoxNumbers& b);
 };
 
 /// The searches this machine can run, the slowest first.

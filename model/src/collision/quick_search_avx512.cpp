@@ -7,6 +7,7 @@
 namespace fringe::detail {
 
 const QuickSearch search_avx512{"AVX-512", &QuickSearchFor<LanesAvx512>::decide,
-                                &QuickSearchFor<LanesAvx512>::prove, &QuickSearchFor<LanesAvx512>::support};
+                                &QuickSearchFor<LanesAvx512>::prove, &QuickSearchFor<LanesAvx512>::support,
+                                &QuickSearchFor<LanesAvx512>::box_gap};
 
 }  // namespace fringe::detail

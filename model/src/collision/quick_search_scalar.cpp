@@ -4,6 +4,7 @@
 namespace fringe::detail {
 
 const QuickSearch search_scalar{"scalar", &QuickSearchFor<LanesScalar>::decide,
-                                &QuickSearchFor<LanesScalar>::prove, &QuickSearchFor<LanesScalar>::support};
+                                &QuickSearchFor<LanesScalar>::prove, &QuickSearchFor<LanesScalar>::support,
+                                &QuickSearchFor<LanesScalar>::box_gap};
 
 }  // namespace fringe::detail
