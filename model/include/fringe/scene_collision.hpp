@@ -50,10 +50,11 @@ std::vector<ObjectPair> all_pairs(const SceneCollision& answer, const Scene& sce
 /// changed are looked at, and of those only the ones whose boxes in a tree over all objects meet.
 ///
 /// Cylinders, cones, spheres and the outside of arcs are truly round here, whatever `segments` says; the
-/// inside of an arc is flat between its segments. A mesh is its surface: what is wholly inside of it does not
-/// touch it. Where all surfaces are flat the answer is exact for the poses in the world, rounded as they are
-/// (fringe/convex_shape.hpp says what holds for round ones). The bounding boxes are oriented ones, the
-/// smallest that are known; they meet when they are less than 1e-8 of their size and distance apart.
+/// inside of an arc is flat between its segments. Of a mesh whose triangles bound a volume
+/// the inside belongs to it; any other is its surface. Where all surfaces are flat the answer is exact for
+/// the poses in the world, rounded as they are (fringe/convex_shape.hpp says what holds for round ones). The
+/// bounding boxes are oriented ones, the smallest that are known; they meet when they are less than 1e-8 of
+/// their size and distance apart.
 class CollisionDetector {
  public:
   explicit CollisionDetector(const Scene& scene);

@@ -7,6 +7,7 @@
 #include "../link_motion.hpp"
 #include "box_overlap.hpp"
 #include "convex_pieces.hpp"
+#include "convex_shape_data.hpp"
 
 namespace fringe {
 namespace {
@@ -49,7 +50,10 @@ class NarrowPhase {
  public:
   NarrowPhase(const Body& a, const Body& b, CollisionTests& tests) : a_(a), b_(b), tests_(tests) {}
 
-  bool meet() { return !a_.pieces.tree.empty() && !b_.pieces.tree.empty() && meet_below_roots(); }
+  bool meet() {
+    return !a_.pieces.tree.empty() && !b_.pieces.tree.empty() &&
+           (meet_below_roots() || is_within(a_, b_) || is_within(b_, a_));
+  }
 
  private:
   bool meet_below_roots() {
@@ -57,6 +61,16 @@ class NarrowPhase {
     const BoxTree::Node& b = b_.pieces.tree.root();
     // The boxes of single pieces have been tried already.
     return a.is_leaf() && b.is_leaf() ? meet(a, b) : meet_within(a, b);
+  }
+
+  /// Whether a body whose surface the other does not meet is inside of it.
+  bool is_within(const Body& inner, const Body& outer) {
+    if (!outer.pieces.bounds_volume)
+      return false;
+    ++tests_.narrow;
+    const detail::ConvexPiece& piece = inner.pieces.pieces.front();
+    const Vector3d point = inner.pose * piece.pose * Vector3d(piece.shape.data().support.middle);
+    return detail::encloses(outer.pieces, outer.pose.inverse(Eigen::Isometry) * point);
   }
 
   bool meet(const BoxTree::Node& leaf_a, const BoxTree::Node& leaf_b) {

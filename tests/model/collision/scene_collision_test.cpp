@@ -74,6 +74,17 @@ TEST(Collide, LooksAtTheSurfaceOfMeshes) {
   EXPECT_EQ(status_of(mesh, mesh, moved_by(0, 0, 0.99)), PairStatus::collision);
 }
 
+TEST(Collide, FindsWhatIsInsideOfAClosedMesh) {
+  std::vector<Triangle> triangles = triangulate(cube);
+  const Shape closed = Mesh{"", 1, triangles};
+  triangles.pop_back();
+  const Shape open = Mesh{"", 1, triangles};
+  const Shape small = Mesh{"", 1, triangulate(Sphere{0.1, 8})};
+  EXPECT_EQ(status_of(closed, Sphere{0.1, 8}, moved_by(0.2, 0, 0)), PairStatus::collision);
+  EXPECT_EQ(status_of(small, closed, moved_by(0.2, 0, 0)), PairStatus::collision);
+  EXPECT_EQ(status_of(open, Sphere{0.1, 8}, moved_by(0.2, 0, 0)), PairStatus::bounds);
+}
+
 /// Two links and the world, a cube in the same place on each.
 Scene three_cubes() {
   Scene scene;
@@ -118,10 +129,10 @@ Shape any_flat_shape(Random& random) {
 }
 
 bool solid(const Shape& shape) {
-  return std::holds_alternative<Cuboid>(shape);
+  return !std::holds_alternative<Plate>(shape);
 }
 
-/// By all pairs of triangles, and by all vertices for cuboids, which are solid.
+/// By all pairs of triangles of plates and all vertices of the others, which are convex and solid.
 bool surfaces_meet(const Object& a, const Isometry3d& pose_a, const Object& b, const Isometry3d& pose_b) {
   std::array<std::vector<std::vector<Vector3d>>, 2> parts;
   std::size_t side = 0;
