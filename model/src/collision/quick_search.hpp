@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -17,7 +18,7 @@ struct VertexBlocks {
   std::uint32_t count;  ///< of vertices, repeated ones included
   std::uint32_t last;   ///< the index of the vertex that is repeated; ones above stand for it
 
-  static constexpr std::uint32_t size = 8;
+  static constexpr std::size_t size = 8;
 };
 
 /// For hulls of many vertices: the directions, by the face and square of a cube around the origin that they
@@ -43,7 +44,7 @@ struct SupportShape {
   DirectionCells cells;
 
   /// Hulls of no more vertices are moved as a whole when a search begins.
-  static constexpr std::uint32_t few_vertices = 32;
+  static constexpr std::size_t few_vertices = 32;
 };
 
 /// A shape with the 16 numbers, column by column, of the matrix of its pose: a rotation to 1e-9.

@@ -25,7 +25,7 @@ class QuickSearchFor {
   static double box_gap(const BoxNumbers& a, const BoxNumbers& b) {
     const auto loaded = [](const double* from, Four& four) { __builtin_memcpy(&four, from, sizeof(Four)); };
     BoxLanes lanes_a, lanes_b;
-    for (int k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < 3; ++k) {
       loaded(a.axes + 3 * k, lanes_a.axes[k]);
       loaded(b.axes + 3 * k, lanes_b.axes[k]);
     }
@@ -101,39 +101,39 @@ class QuickSearchFor {
   }
 
   using V = typename Lanes::Vector;
-  static constexpr std::uint32_t width = Lanes::width;
+  static constexpr std::size_t width = Lanes::width;
 
   /// The products of the vertices of a block, from a lane on.
-  static V products(const double* block, std::uint32_t lane, const V& x, const V& y, const V& z) {
-    constexpr std::uint32_t size = VertexBlocks::size;
+  static V products(const double* block, std::size_t lane, const V& x, const V& y, const V& z) {
+    constexpr std::size_t size = VertexBlocks::size;
     return fma(
         x, V::load_unaligned(block + lane),
         fma(y, V::load_unaligned(block + size + lane), z * V::load_unaligned(block + 2 * size + lane)));
   }
 
-  static Vec vertex(const VertexBlocks& vertices, std::uint32_t i) {
-    constexpr std::uint32_t size = VertexBlocks::size;
+  static Vec vertex(const VertexBlocks& vertices, std::size_t i) {
+    constexpr std::size_t size = VertexBlocks::size;
     const double* const block = vertices.coordinates + i / size * (3 * size) + i % size;
     return {block[0], block[size], block[2 * size]};
   }
 
   /// One of the vertices from `first` up to below `last` with the largest product.
-  static std::uint32_t farthest(const VertexBlocks& vertices, std::uint32_t first, std::uint32_t last,
-                                const Vec& d) {
-    constexpr std::uint32_t size = VertexBlocks::size;
+  static std::size_t farthest(const VertexBlocks& vertices, std::size_t first, std::size_t last,
+                              const Vec& d) {
+    constexpr std::size_t size = VertexBlocks::size;
     const V x(d.x), y(d.y), z(d.z);
     V best = products(vertices.coordinates + first * 3, 0, x, y, z), place(static_cast<double>(first));
-    for (std::uint32_t i = first; i < last; i += size)
-      for (std::uint32_t lane = 0; lane < size; lane += width) {
+    for (std::size_t i = first; i < last; i += size)
+      for (std::size_t lane = 0; lane < size; lane += width) {
         const V product = products(vertices.coordinates + i * 3, lane, x, y, z);
         place = select(product > best, V(static_cast<double>(i + lane)), place);
         best = max(best, product);
       }
     const unsigned which = Lanes::bits(best == V(Lanes::largest(best))) | (1U << (width - 1));
-    const auto lane = static_cast<std::uint32_t>(__builtin_ctz(which));
+    const auto lane = static_cast<std::size_t>(__builtin_ctz(which));
     double places[width];
     place.store_unaligned(places);
-    return static_cast<std::uint32_t>(places[lane]) + lane;
+    return static_cast<std::size_t>(places[lane]) + lane;
   }
 
   static int square(double along, double inverse_of_main, int resolution) {
@@ -164,11 +164,11 @@ class QuickSearchFor {
   static Local hull_support(const SupportShape& shape, const Vec& d) {
     const DirectionCells& cells = shape.cells;
     if (cells.resolution == 0) {
-      const std::uint32_t i = farthest(shape.vertices, 0, shape.vertices.count, d);
-      return {vertex(shape.vertices, i), i};
+      const std::size_t i = farthest(shape.vertices, 0, shape.vertices.count, d);
+      return {vertex(shape.vertices, i), static_cast<std::uint32_t>(i)};
     }
     const std::uint32_t c = cell(cells.resolution, d);
-    const std::uint32_t i = farthest(cells.vertices, cells.starts[c], cells.starts[c + 1], d);
+    const std::size_t i = farthest(cells.vertices, cells.starts[c], cells.starts[c + 1], d);
     return {vertex(cells.vertices, i), cells.indices[i]};
   }
 
@@ -268,11 +268,11 @@ class QuickSearchFor {
     double blocks[3 * SupportShape::few_vertices];
 
     Moved(const PlacedShape& placed, const Vec& to) : shape(*placed.shape) {
-      constexpr std::uint32_t size = VertexBlocks::size;
+      constexpr std::size_t size = VertexBlocks::size;
       const double* const pose = placed.pose;
-      const std::uint32_t end = shape.vertices.count * 3;
-      for (std::uint32_t block = 0; block < end; block += 3 * size)
-        for (std::uint32_t lane = 0; lane < size; lane += width) {
+      const std::size_t end = shape.vertices.count * 3;
+      for (std::size_t block = 0; block < end; block += 3 * size)
+        for (std::size_t lane = 0; lane < size; lane += width) {
           const double* const from = shape.vertices.coordinates + block + lane;
           const V x = V::load_unaligned(from), y = V::load_unaligned(from + size),
                   z = V::load_unaligned(from + 2 * size);
@@ -287,12 +287,13 @@ class QuickSearchFor {
 
     Found farthest(const Vec& d) const {
       // The last five bits of a product are replaced by the index of its vertex, so that the largest has it.
-      constexpr std::uint32_t size = VertexBlocks::size;
+      constexpr std::size_t size = VertexBlocks::size;
       const V x(d.x), y(d.y), z(d.z);
       V best = Lanes::tagged(products(blocks, 0, x, y, z), 0);
-      for (std::uint32_t first = 0; first < shape.vertices.count; first += size)
-        for (std::uint32_t lane = 0; lane < size; lane += width)
-          best = max(best, Lanes::tagged(products(blocks + first * 3, lane, x, y, z), first + lane));
+      for (std::size_t first = 0; first < shape.vertices.count; first += size)
+        for (std::size_t lane = 0; lane < size; lane += width)
+          best = max(best, Lanes::tagged(products(blocks + first * 3, lane, x, y, z),
+                                         static_cast<std::uint32_t>(first + lane)));
       const std::uint32_t i = Lanes::tag(Lanes::largest(best));
       const double* const found = blocks + i / size * (3 * size) + i % size;
       return {{found[0], found[size], found[2 * size]},
