@@ -270,7 +270,7 @@ class QuickSearchFor {
     Moved(const PlacedShape& placed, const Vec& to) : shape(*placed.shape) {
       constexpr std::size_t size = VertexBlocks::size;
       const double* const pose = placed.pose;
-      const std::size_t end = shape.vertices.count * 3;
+      const std::size_t end = std::size_t{3} * shape.vertices.count;
       for (std::size_t block = 0; block < end; block += 3 * size)
         for (std::size_t lane = 0; lane < size; lane += width) {
           const double* const from = shape.vertices.coordinates + block + lane;
