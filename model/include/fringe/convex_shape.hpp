@@ -52,7 +52,8 @@ class ConvexShape {
 ///
 /// Where both surfaces are flat the answer is exact for the numbers given, those of the poses' matrices
 /// included. With round ones it is proven unless the shapes' gap or overlap is so small (some 1e-14 of their
-/// size and distance) that rounding hides it; then it is "yes". The poses must be rotations to 1e-9.
+/// size and distance) that rounding hides it; then it is "yes". The poses must be rotations to 1e-9. Throws
+/// InputError for one that is not finite.
 bool intersect(const ConvexShape& a, const Eigen::Isometry3d& pose_a, const ConvexShape& b,
                const Eigen::Isometry3d& pose_b);
 

@@ -12,7 +12,9 @@ using Eigen::Vector3d;
 /// The root of the number of vertices over the squares along a side of the cube. More squares would spare a
 /// block of vertices here and there, and take more memory than is near the processor.
 constexpr double vertices_per_square_root = 4.5;
-constexpr int most_squares = 32;
+
+/// Squares times vertices, of all of the cube: as much as is looked at in a fraction of a second.
+constexpr double most_work = 2e7;
 
 /// What the borders of a square are moved outwards, so that rounding a direction's place does not matter.
 constexpr double border = 1e-9;
@@ -82,7 +84,8 @@ CellLists direction_cells(std::span<const Vector3d> vertices, double reach) {
     return cells;
   // A square then has, on a ball's hull, some fifteen vertices.
   const double wished = std::sqrt(static_cast<double>(vertices.size())) / vertices_per_square_root;
-  cells.resolution = std::clamp(static_cast<int>(std::lround(wished)), 2, most_squares);
+  const double affordable = std::sqrt(most_work / (6 * static_cast<double>(vertices.size())));
+  cells.resolution = std::max(2, static_cast<int>(std::lround(std::min(wished, affordable))));
   // Twice what products of a vertex with a corner, of components up to 1, can be off.
   const double margin = 0x1p-48 * reach;
   const double side = 2.0 / cells.resolution;

@@ -90,6 +90,11 @@ class QuickSearchFor {
     return __builtin_fabs(a.x) + __builtin_fabs(a.y) + __builtin_fabs(a.z);
   }
 
+  static double sum_of_rotation(const double* pose) {
+    return ((pose[0] + pose[1]) + (pose[2] + pose[4])) + ((pose[5] + pose[6]) + (pose[8] + pose[9])) +
+           pose[10];
+  }
+
   static Vec to_local(const double* pose, const Vec& d) {
     return {dot({pose[0], pose[1], pose[2]}, d), dot({pose[4], pose[5], pose[6]}, d),
             dot({pose[8], pose[9], pose[10]}, d)};
@@ -424,8 +429,9 @@ class QuickSearchFor {
     const double* pose_a = a.pose;
     const double* pose_b = b.pose;
     const Vec offset{pose_a[12] - pose_b[12], pose_a[13] - pose_b[13], pose_a[14] - pose_b[14]};
-    // A bound of the length of every point of the difference.
-    const double extent = sum_of_magnitudes(offset) + a.shape->reach + b.shape->reach;
+    // A bound of the length of every point of the difference; NaN where a rotation is not finite.
+    const double extent = sum_of_magnitudes(offset) + a.shape->reach + b.shape->reach +
+                          0 * (sum_of_rotation(pose_a) + sum_of_rotation(pose_b));
     answer.size = 0;
     if (!(extent < 0x1p170 && extent > 0x1p-170))
       return Verdict::undecided;

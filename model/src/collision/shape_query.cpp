@@ -6,6 +6,7 @@
 #include "convex_shape_data.hpp"
 #include "exact_search.hpp"
 #include "fringe/convex_shape.hpp"
+#include "fringe/error.hpp"
 #include "round_search.hpp"
 
 namespace fringe {
@@ -88,6 +89,8 @@ bool intersect(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape
 
 ShapeAnswer gjk_intersects(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b,
                            const Isometry3d& pose_b) {
+  if (!pose_a.matrix().allFinite() || !pose_b.matrix().allFinite())
+    throw InputError("a pose must be finite");
   QuickAnswer answer;
   detail::best_search().prove(placed(a, pose_a), placed(b, pose_b), answer);
   if (answer.verdict == Verdict::disjoint)

@@ -181,6 +181,35 @@ TEST(ConvexShapes, KeepTheirAnswerInAnyUnitOfLength) {
   }
 }
 
+TEST(ConvexShapes, OfManyVerticesHaveTheirFarthestOnesInEveryCell) {
+  // Points on a ball, in a flat disc, along a segment, each twice; directions anywhere and along cell
+  // borders.
+  Random random(17);
+  for (const Vector3d& extent : {Vector3d(1, 1, 1), Vector3d(1, 1, 0), Vector3d(0, 0, 1)}) {
+    Points points;
+    for (int i = 0; i < 600; ++i) {
+      points.emplace_back(random.in_box({-1, -1, -1}, {1, 1, 1}).normalized().cwiseProduct(extent));
+      points.push_back(points.back());
+    }
+    const ConvexShape hull = ConvexShape::hull(points);
+    ASSERT_GT(hull.data().cells.resolution, 1);
+    for (int i = 0; i < 20000; ++i) {
+      Vector3d direction = random.in_box({-1, -1, -1}, {1, 1, 1});
+      if (i % 2 == 0)
+        for (double& coordinate : direction)
+          coordinate = std::round(coordinate * 4) / 4;
+      if (direction.isZero())
+        continue;
+      Vector3d found;
+      detail::best_search().support(hull.data().support, direction.data(), found.data());
+      double highest = -std::numeric_limits<double>::infinity();
+      for (const Vector3d& point : points)
+        highest = std::max(highest, point.dot(direction));
+      ASSERT_GE(found.dot(direction), highest - 1e-15) << direction.transpose();
+    }
+  }
+}
+
 TEST(ConvexShapes, WithoutExtentAreFound) {
   const Isometry3d here = Isometry3d::Identity();
   const ConvexShape point = ConvexShape::hull(Points{{0, 0, 0}}), ball = ConvexShape::ball(1);
@@ -192,6 +221,7 @@ TEST(ConvexShapes, WithoutExtentAreFound) {
 }
 
 TEST(ConvexShapes, NameWhatIsWrong) {
+  Random random(16);
   const auto message = [](auto make) -> std::string {
     try {
       make();
@@ -205,6 +235,15 @@ TEST(ConvexShapes, NameWhatIsWrong) {
               return ConvexShape::hull(Points{{0, 0, 0}, {0, NAN, 0}});
             }),
             "vertex 1 is not finite");
+  for (const bool turned : {false, true}) {
+    Isometry3d nowhere = Isometry3d::Identity();
+    (turned ? nowhere.linear()(1, 2) : nowhere.translation().x()) = NAN;
+    const ConvexShape many = ConvexShape::hull(test::any_shape(random, 1000)),
+                      cube = ConvexShape::cuboid({1, 1, 1});
+    for (const ConvexShape& shape : {many, cube})
+      EXPECT_EQ(message([&] { return intersect(shape, nowhere, cube, Isometry3d::Identity()); }),
+                "a pose must be finite");
+  }
   EXPECT_EQ(message([] { return ConvexShape::ball(-1); }),
             "the radius of a ball must be finite and not negative, not -1");
   EXPECT_EQ(message([] { return ConvexShape::arc_piece(1, 2, 1, 180); }),
