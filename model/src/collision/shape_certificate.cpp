@@ -56,7 +56,7 @@ Rational root_from_above(const Rational& square) {
   // √(n/d) = √(n·d)/d.
   constexpr unsigned extra_bits = 200;
   const Integer root = sqrt(Integer((numerator * denominator) << (2 * extra_bits)));
-  return Rational(root + 1, denominator << extra_bits);
+  return {Integer(root + 1), Integer(denominator << extra_bits)};
 }
 
 /// A number not below the product of any point of a shape in its own frame with the direction, and above the
