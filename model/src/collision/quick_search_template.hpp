@@ -49,6 +49,9 @@ class QuickSearchFor {
   }
 
  private:
+  /// Three numbers and one without a meaning.
+  using Four = double __attribute__((vector_size(32)));
+
   struct Vec {
     double x, y, z;
   };
@@ -90,9 +93,16 @@ class QuickSearchFor {
     return __builtin_fabs(a.x) + __builtin_fabs(a.y) + __builtin_fabs(a.z);
   }
 
-  static double sum_of_rotation(const double* pose) {
-    return ((pose[0] + pose[1]) + (pose[2] + pose[4])) + ((pose[5] + pose[6]) + (pose[8] + pose[9])) +
-           pose[10];
+  /// Zero, but NaN where a number of a rotation is not finite.
+  static double zero_if_finite(const double* pose_a, const double* pose_b) {
+    Four sum{};
+    for (const double* pose : {pose_a, pose_b})
+      for (std::size_t column = 0; column < 3; ++column) {
+        Four numbers;
+        __builtin_memcpy(&numbers, pose + 4 * column, sizeof(Four));
+        sum += numbers;
+      }
+    return 0 * (sum[0] + sum[1] + sum[2]);
   }
 
   static Vec to_local(const double* pose, const Vec& d) {
@@ -306,9 +316,6 @@ class QuickSearchFor {
     }
   };
 
-  /// Three lanes of four: an axis each.
-  using Four = double __attribute__((vector_size(32)));
-
   struct BoxLanes {
     Four axes[3];  ///< the axes' x, their y, their z
     Four half;     ///< half the widths
@@ -430,8 +437,8 @@ class QuickSearchFor {
     const double* pose_b = b.pose;
     const Vec offset{pose_a[12] - pose_b[12], pose_a[13] - pose_b[13], pose_a[14] - pose_b[14]};
     // A bound of the length of every point of the difference; NaN where a rotation is not finite.
-    const double extent = sum_of_magnitudes(offset) + a.shape->reach + b.shape->reach +
-                          0 * (sum_of_rotation(pose_a) + sum_of_rotation(pose_b));
+    const double extent =
+        sum_of_magnitudes(offset) + a.shape->reach + b.shape->reach + zero_if_finite(pose_a, pose_b);
     answer.size = 0;
     if (!(extent < 0x1p170 && extent > 0x1p-170))
       return Verdict::undecided;

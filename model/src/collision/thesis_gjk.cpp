@@ -26,7 +26,7 @@ Vector3d double_cross(const Vector3d& u, const Vector3d& v) {
 
 /// The points the simplex has beside the newest, A; B was added last.
 struct ThesisSimplex {
-  Vector3d b, c, d;
+  Vector3d b = Vector3d::Zero(), c = Vector3d::Zero(), d = Vector3d::Zero();
   int size = 0;
 
   void keep(const Vector3d& new_b) {
@@ -45,8 +45,9 @@ struct ThesisSimplex {
   }
 };
 
-/// The regions 3 to 6 of the triangle ABC. By value, for the simplex may hold what is given.
-void update_triangle(Vector3d a, Vector3d b, Vector3d c, ThesisSimplex& simplex, Vector3d& v) {
+/// The regions 3 to 6 of the triangle ABC, which are not the simplex's own points but copies.
+void update_triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c, ThesisSimplex& simplex,
+                     Vector3d& v) {
   const Vector3d ab = b - a, ac = c - a, ao = -a, normal = ab.cross(ac);
   if (ab.cross(normal).dot(ao) > 0) {
     simplex.keep(a, b);
@@ -71,24 +72,25 @@ bool check_and_update(const Vector3d& a, ThesisSimplex& simplex, Vector3d& v) {
     v = ao;
     return false;
   }
-  const Vector3d ab = simplex.b - a;
-  if (simplex.size == 1) {
+  const auto [b, c, d, size] = simplex;
+  const Vector3d ab = b - a;
+  if (size == 1) {
     v = double_cross(ab, ao);
-    simplex.keep(a, Vector3d(simplex.b));
+    simplex.keep(a, b);
     return false;
   }
-  if (simplex.size == 2) {
-    update_triangle(a, simplex.b, simplex.c, simplex, v);
+  if (size == 2) {
+    update_triangle(a, b, c, simplex, v);
     return false;
   }
   // In front of a triangle is where region 5 is not: the printed sign of region 4 contradicts region 5.
-  const Vector3d ac = simplex.c - a, ad = simplex.d - a;
+  const Vector3d ac = c - a, ad = d - a;
   if (ac.cross(ad).dot(ao) > 0)
-    update_triangle(a, simplex.c, simplex.d, simplex, v);
+    update_triangle(a, c, d, simplex, v);
   else if (ad.cross(ab).dot(ao) > 0)
-    update_triangle(a, simplex.d, simplex.b, simplex, v);
+    update_triangle(a, d, b, simplex, v);
   else if (ab.cross(ac).dot(ao) > 0)
-    update_triangle(a, simplex.b, simplex.c, simplex, v);
+    update_triangle(a, b, c, simplex, v);
   else
     return true;
   return false;
