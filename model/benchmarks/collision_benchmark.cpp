@@ -57,6 +57,7 @@ std::vector<Row> rows() {
 PeerPairs pairs_within(double farthest) {
   Random random;
   PeerPairs pairs;
+  pairs.reserve(pairs_per_row);
   for (std::size_t i = 0; i < pairs_per_row; ++i) {
     PeerPair pair{2 * random.below(shapes_per_row / 2), 2 * random.below(shapes_per_row / 2) + 1,
                   random.turn(), random.turn()};
@@ -93,6 +94,7 @@ void measure(const std::string& name, const PeerShapes& shapes, const std::vecto
              int rounds) {
   const PeerPairs pairs = half_intersecting(shapes);
   std::vector<std::unique_ptr<Peer>> peers;
+  peers.reserve(makers.size());
   for (const MakePeer make : makers)
     peers.push_back(make(shapes, pairs));
   std::vector<std::vector<double>> times(peers.size());

@@ -39,7 +39,7 @@ FclShape made(const PeerShape& shape) {
 
 class FclPeer : public Peer {
  public:
-  FclPeer(const PeerShapes& shapes, const PeerPairs& pairs) : pairs_(pairs) {
+  FclPeer(const PeerShapes& shapes, PeerPairs pairs) : pairs_(std::move(pairs)) {
     for (const PeerShape& shape : shapes)
       shapes_.push_back(made(shape));
   }

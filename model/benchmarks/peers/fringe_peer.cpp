@@ -23,7 +23,7 @@ ConvexShape made(const PeerShape& shape) {
 
 class FringePeer : public Peer {
  public:
-  FringePeer(const PeerShapes& shapes, const PeerPairs& pairs) : pairs_(pairs) {
+  FringePeer(const PeerShapes& shapes, PeerPairs pairs) : pairs_(std::move(pairs)) {
     for (const PeerShape& shape : shapes)
       shapes_.push_back(made(shape));
   }

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <utility>
 
 #include <ccd/ccd.h>
 
@@ -61,8 +62,8 @@ void centre(const void* object, ccd_vec3_t* point) {
 
 class LibccdPeer : public Peer {
  public:
-  LibccdPeer(bool mpr, const PeerShapes& shapes, const PeerPairs& pairs)
-      : mpr_(mpr), shapes_(shapes), pairs_(pairs) {
+  LibccdPeer(bool mpr, PeerShapes shapes, PeerPairs pairs)
+      : mpr_(mpr), shapes_(std::move(shapes)), pairs_(std::move(pairs)) {
     // The library's documentation sets these four; a hundred iterations are its example.
     CCD_INIT(&settings_);
     settings_.support1 = settings_.support2 = support;
