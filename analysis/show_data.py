@@ -168,10 +168,8 @@ def _finite(number: float) -> float | None:
     return number if math.isfinite(number) else None
 
 
-def _collisions(live: Any) -> Document | None:
-    """The pairs that are not clear and what they cost; None when the model was built without its collision test."""
-    if not hasattr(live, "collide"):
-        return None
+def _collisions(live: Any) -> Document:
+    """The pairs that are not clear and what they cost."""
     answer = live.collide()
     pairs = answer["pairs"]
     return {

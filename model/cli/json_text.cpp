@@ -160,6 +160,29 @@ std::string readings_json(const std::vector<DistanceReading>& readings) {
   return buffer.GetString();
 }
 
+std::string collision_json(const SceneCollision& answer, const Scene& scene) {
+  rapidjson::StringBuffer buffer;
+  Writer writer(buffer);
+  writer.StartObject();
+  writer.Key("tests");
+  writer.StartObject();
+  write_count(writer, "broad", answer.tests.broad);
+  write_count(writer, "narrow", answer.tests.narrow);
+  writer.EndObject();
+  writer.Key("pairs");
+  writer.StartArray();
+  for (const ObjectPair& pair : all_pairs(answer, scene)) {
+    writer.StartObject();
+    write_text(writer, "a", scene.objects[pair.a].name);
+    write_text(writer, "b", scene.objects[pair.b].name);
+    write_text(writer, "status", std::string(to_string(pair.status)));
+    writer.EndObject();
+  }
+  writer.EndArray();
+  writer.EndObject();
+  return buffer.GetString();
+}
+
 std::string info_json(const SceneInfo& info) {
   rapidjson::StringBuffer buffer;
   Writer writer(buffer);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fringe/capacitance.hpp"
+#include "fringe/scene_collision.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_sensing.hpp"
 
@@ -15,6 +16,8 @@ std::string capacitance_json(const SceneCapacitance& answer, const CapacitanceOp
                              double seconds);
 
 std::string readings_json(const std::vector<DistanceReading>& readings);
+
+std::string collision_json(const SceneCollision& answer, const Scene& scene);
 
 std::string info_json(const SceneInfo& info);
 

@@ -10,6 +10,7 @@
 
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
+#include "fringe/scene_collision.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
 #include "fringe/scene_sensing.hpp"
@@ -54,6 +55,12 @@ std::string answer_capacitance(const Request& request) {
                       : cli::capacitance_table(answer, options, elapsed.count());
 }
 
+std::string answer_collide(const Request& request) {
+  const Scene scene = load_scene(request.scene);
+  const SceneCollision answer = collide(scene);
+  return request.json ? cli::collision_json(answer, scene) : cli::collision_table(answer, scene);
+}
+
 std::string answer_info(const Request& request) {
   const SceneInfo info = scene_info(load_scene(request.scene));
   return request.json ? cli::info_json(info) : cli::info_table(info);
@@ -93,6 +100,9 @@ int run(int argument_count, char** arguments) {
       ->add_option("--method", request.cone_method,
                    "field_of_view: by the angle to the cone's axis; cone_equation: in the cone's frame")
       ->capture_default_str();
+  const CLI::App* const collide_command =
+      add_command(program, request, "collide",
+                  "Which objects collide, and which have only their bounding boxes in common");
   add_command(program, request, "info", "Counts, areas, volumes and bounding boxes");
   try {
     program.parse(argument_count, arguments);
@@ -105,9 +115,10 @@ int run(int argument_count, char** arguments) {
     return program.exit(error, std::cout, std::cerr) == 0 ? answered : wrong_input;
   }
 
-  std::string answer = program.got_subcommand(capacitance_command) ? answer_capacitance(request)
-                       : program.got_subcommand(sense_command)     ? answer_sense(request)
-                                                                   : answer_info(request);
+  std::string answer = capacitance_command->parsed() ? answer_capacitance(request)
+                       : collide_command->parsed()   ? answer_collide(request)
+                       : sense_command->parsed()     ? answer_sense(request)
+                                                     : answer_info(request);
   if (answer.back() != '\n')
     answer += '\n';
   std::cout << answer << std::flush;

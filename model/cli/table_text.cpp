@@ -57,6 +57,17 @@ std::string readings_table(const std::vector<DistanceReading>& readings) {
   return text;
 }
 
+std::string collision_table(const SceneCollision& answer, const Scene& scene) {
+  const std::vector<ObjectPair> pairs = all_pairs(answer, scene);
+  std::string text =
+      fmt::format("{} pairs, {} of them clear; {} tests of bounding boxes, {} of convex shapes\n",
+                  pairs.size(), pairs.size() - answer.marked.size(), answer.tests.broad, answer.tests.narrow);
+  for (const ObjectPair& pair : answer.marked)
+    text += fmt::format("  {:<10} {} and {}\n", to_string(pair.status), scene.objects[pair.a].name,
+                        scene.objects[pair.b].name);
+  return text;
+}
+
 std::string info_table(const SceneInfo& info) {
   std::string text =
       fmt::format("{} links, {} sensors, {} distance sensors, {} objects, {} triangles\n", info.links,

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fringe/capacitance.hpp"
+#include "fringe/scene_collision.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_sensing.hpp"
 
@@ -14,6 +15,8 @@ std::string capacitance_table(const SceneCapacitance& answer, const CapacitanceO
                               double seconds);
 
 std::string readings_table(const std::vector<DistanceReading>& readings);
+
+std::string collision_table(const SceneCollision& answer, const Scene& scene);
 
 std::string info_table(const SceneInfo& info);
 

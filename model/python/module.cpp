@@ -25,6 +25,7 @@
 #include "fringe/gjk.hpp"
 #include "fringe/plate_integral.hpp"
 #include "fringe/pose.hpp"
+#include "fringe/scene_collision.hpp"
 #include "fringe/scene_evaluator.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
@@ -82,9 +83,13 @@ std::vector<Face> faces_of(const py::array_t<std::int64_t, py::array::c_style>& 
   return faces;
 }
 
-bool gjk_intersects_of(const Array& a, const Array& b) {
+std::optional<bool> gjk_intersects_of(const Array& a, const Array& b, const std::string& method) {
   const std::vector<Eigen::Vector3d> hull_a = vertices_of(a, "a"), hull_b = vertices_of(b, "b");
+  if (method != "exact" && method != "thesis")
+    throw InputError(fmt::format("method must be \"exact\" or \"thesis\", not \"{}\"", method));
   const py::gil_scoped_release unlocked;
+  if (method == "thesis")
+    return thesis_gjk_intersects(hull_a, hull_b);
   return gjk_intersects(hull_a, hull_b).intersects;
 }
 
@@ -195,6 +200,8 @@ class LiveScene {
       evaluator_->set_pose(link, pose);
     if (sensing_)
       sensing_->set_pose(link, pose);
+    if (detector_)
+      detector_->set_pose(link, pose);
   }
 
   std::vector<DistanceReading> sense(ConeMethod method) {
@@ -215,6 +222,13 @@ class LiveScene {
     return evaluator_->capacitance();
   }
 
+  SceneCollision collide() {
+    const std::lock_guard lock(mutex_);
+    if (!detector_)
+      detector_.emplace(scene_);
+    return detector_->collide();
+  }
+
  private:
   static bool same(const CapacitanceOptions& a, const CapacitanceOptions& b) {
     return to_string(a.method) == to_string(b.method) && a.plates == b.plates && a.faces == b.faces &&
@@ -226,6 +240,7 @@ class LiveScene {
   std::optional<SceneEvaluator> evaluator_;
   ConeMethod sensing_method_ = ConeMethod::field_of_view;
   std::optional<SceneSensing> sensing_;
+  std::optional<CollisionDetector> detector_;
   std::mutex mutex_;  ///< other Python threads run while an answer is made
 };
 
@@ -268,6 +283,23 @@ py::dict sense_of(LiveScene& scene, const std::string& method) {
   for (const DistanceReading& reading : readings)
     sensors.append(dictionary(reading));
   return py::dict("distance_sensors"_a = sensors);
+}
+
+py::dict collide_of(LiveScene& scene) {
+  SceneCollision answer;
+  std::vector<ObjectPair> pairs;
+  {
+    const py::gil_scoped_release unlocked;
+    answer = scene.collide();
+    pairs = all_pairs(answer, scene.scene());
+  }
+  py::list result;
+  for (const ObjectPair& pair : pairs)
+    result.append(py::dict("a"_a = scene.scene().objects[pair.a].name,
+                           "b"_a = scene.scene().objects[pair.b].name,
+                           "status"_a = std::string(to_string(pair.status))));
+  return py::dict("tests"_a = py::dict("broad"_a = answer.tests.broad, "narrow"_a = answer.tests.narrow),
+                  "pairs"_a = result);
 }
 
 py::dict conductors_of(const LiveScene& scene) {
@@ -342,11 +374,13 @@ integral diverges. Raises InputError (a ValueError) for values that are not fini
 rectangle and an unknown method.)");
 
   module.def(
-      "gjk_intersects", &gjk_intersects_of, "a"_a, "b"_a,
+      "gjk_intersects", &gjk_intersects_of, "a"_a, "b"_a, "method"_a = "exact",
       R"(Whether the convex hulls of two vertex arrays, (n, 3) and (m, 3), have a point in common; touching counts.
 
-Exact for the coordinates given. Raises InputError (a ValueError) for wrong shapes, no vertices and vertices that are
-not finite.)");
+method: "exact", right for the coordinates given, always; or "thesis", Algorithm 2.1 as printed, which is often wrong
+where hulls touch, and None when it has not ended after 1000 rounds.
+
+Raises InputError (a ValueError) for wrong shapes, no vertices, vertices that are not finite and an unknown method.)");
   module.def("gjk_distance", &gjk_distance_of, "a"_a, "b"_a,
              R"(The shortest distance between the convex hulls of two vertex arrays, (n, 3) and (m, 3).
 
@@ -405,6 +439,12 @@ Raises InputError (a ValueError) for unknown or inconsistent options and for obj
 For each sensor "distance" (m), "point" (world frame), "object" and "triangle", the index into conductors()[object]; all
 None when nothing is in its cone. Every object is seen, whatever it is made of and also on the sensor's own link.
 method: as for cone_closest.)")
+      .def("collide", &collide_of,
+           R"(Which objects collide, as the dictionary that `fringe collide --json` prints.
+
+Of each pair that can collide, "status" is "clear", "bounds" when only the bounding boxes meet, or "collision"; touching
+counts. Objects of the same link and those with collides = false are left out. Asked again, only what moved since is
+looked at; "tests" says how many bounding boxes ("broad") and convex shapes ("narrow") were tested.)")
       .def("conductors", &conductors_of,
            "Name to (n, 3, 3) triangles in the world frame, the sensors first, each in the file's order.")
       .def("set_pose", &set_link_pose, "link"_a, "translation"_a, "rotation"_a,

@@ -22,13 +22,17 @@ LinkMotion::LinkMotion(const std::vector<Link>& links)
   std::vector<std::pair<std::size_t, std::size_t>> by_depth;
   for (std::size_t link = 0; link < links.size(); ++link)
     by_depth.emplace_back(depth(links, link), link);
+  for (std::size_t link = 0; link < links.size(); ++link)
+    indices_.emplace(links[link].name, link);
   std::sort(by_depth.begin(), by_depth.end());
   for (const auto& [above, link] : by_depth)
     parents_first_.push_back(link);
 }
 
 void LinkMotion::set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
-  const std::size_t index = find_link(links_, link);
+  const auto known = indices_.find(std::string(link));
+  // Not to be found, it is found out again, for the message.
+  const std::size_t index = known == indices_.end() ? find_link(links_, link) : known->second;
   links_[index].pose = pose;
   moved_[index] = true;
 }

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -42,6 +44,7 @@ class LinkMotion {
   std::size_t mover(std::optional<std::size_t> link) const { return link ? movers_[*link] : nobody; }
 
   std::vector<Link> links_;
+  std::unordered_map<std::string, std::size_t> indices_;  ///< of the links, by their names
   std::vector<std::size_t> parents_first_;
   std::vector<Eigen::Isometry3d> world_poses_;
   std::vector<bool> moved_;

@@ -1,5 +1,7 @@
 """The collision functions of the Python module `fringe`: shapes of arrays, tuples, errors."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,12 @@ def test_gjk_intersects_counts_touching() -> None:
     assert fringe.gjk_intersects(CUBE, CUBE + STEP) is True
     assert fringe.gjk_intersects(CUBE, CUBE + np.nextafter(1, 2) * STEP) is False
     assert fringe.gjk_intersects(CUBE.tolist(), [[0, 0, 0]]) is True
+
+
+def test_gjk_intersects_by_the_thesis_misses_contacts() -> None:
+    assert fringe.gjk_intersects(CUBE, CUBE + 0.25, method="thesis") is True
+    assert fringe.gjk_intersects(CUBE, CUBE + 2, method="thesis") is False
+    assert fringe.gjk_intersects(CUBE, CUBE + STEP, method="thesis") is False
 
 
 def test_gjk_distance_has_witnesses() -> None:
@@ -54,11 +62,29 @@ def test_obb_takes_faces() -> None:
     assert half_widths == pytest.approx([2, 0.5, 0], abs=1e-14)
 
 
+def test_scene_collide_follows_its_links(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        'link = [ { name = "arm" } ]\n'
+        '[[object]]\nname = "a"\nlink = "arm"\nshape = { type = "sphere", radius = 1, segments = 12 }\n'
+        '[[object]]\nname = "b"\nshape = { type = "cube", size = 2 }\n'
+    )
+    scene = fringe.Scene.load(path)
+    for x, status in ((1.5, "collision"), (2.5, "clear"), (2.0, "collision")):
+        scene.set_pose("arm", [x, 0, 0], np.eye(3))
+        answer = scene.collide()
+        assert answer["pairs"] == [{"a": "a", "b": "b", "status": status}]
+    scene.set_pose("arm", [1.9, 1.9, 0], np.eye(3))
+    assert scene.collide()["pairs"][0]["status"] == "bounds"
+    assert scene.collide()["tests"] == {"broad": 0, "narrow": 0}
+
+
 @pytest.mark.parametrize(
     "call",
     [
         lambda: fringe.gjk_intersects(np.empty((0, 3)), CUBE),
         lambda: fringe.gjk_intersects(CUBE, CUBE[:, :2]),
+        lambda: fringe.gjk_intersects(CUBE, CUBE, method="guess"),
         lambda: fringe.gjk_distance(CUBE, [[np.nan, 0, 0]]),
         lambda: fringe.bounding_sphere(np.empty((0, 3))),
         lambda: fringe.aabb([[np.inf, 0, 0]]),

@@ -210,7 +210,46 @@ def test_info_knows_no_volume_of_an_open_surface(fringe_command: Command, scene:
     assert json.loads(fringe_command("info", scene, "--json").stdout)["objects"][0]["volume"] is None
 
 
-@pytest.mark.parametrize("command", [(), ("capacitance",), ("sense",), ("info",)])
+BODIES = """
+[[link]]
+name = "arm"
+[[object]]
+name = "ball"
+link = "arm"
+shape = { type = "sphere", radius = 0.1, segments = 16 }
+[[object]]
+name = "box"
+shape = { type = "cuboid", size = [0.1, 0.1, 0.1] }
+translation = [0.14, 0, 0]
+[[object]]
+name = "ring"
+shape = { type = "arc", inner_radius = 0.3, outer_radius = 0.4, height = 0.1, degrees = 300, segments = 30 }
+[[object]]
+name = "air"
+shape = { type = "cube", size = 1 }
+collides = false
+"""
+
+
+def test_collide(fringe_command: Command, tmp_path: Path) -> None:
+    path = tmp_path / "bodies.toml"
+    path.write_text(BODIES)
+    done = fringe_command("collide", path, "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    answer = json.loads(done.stdout)
+    assert answer["pairs"] == [
+        {"a": "ball", "b": "box", "status": "collision"},
+        {"a": "ball", "b": "ring", "status": "bounds"},
+        {"a": "box", "b": "ring", "status": "bounds"},
+    ]
+    assert set(answer["tests"]) == {"broad", "narrow"}
+    assert answer["tests"]["narrow"] >= 1
+    table = fringe_command("collide", path).stdout
+    assert "collision  ball and box" in table
+    assert "bounds     ball and ring" in table
+
+
+@pytest.mark.parametrize("command", [(), ("capacitance",), ("collide",), ("sense",), ("info",)])
 def test_help_and_version(fringe_command: Command, command: tuple[str, ...]) -> None:
     helped = fringe_command(*command, "--help")
     assert (helped.returncode, helped.stderr) == (0, "")
@@ -230,7 +269,7 @@ def test_help_and_version(fringe_command: Command, command: tuple[str, ...]) -> 
         ("capacitance", "SCENE", "SCENE"),
         ("capacitance", "SCENE", "--method"),
         ("info", "SCENE", "--method", "exact"),
-        ("collide", "SCENE"),
+        ("collide",),
         ("sense",),
         ("sense", "SCENE", "--tolerance", "0"),
     ],

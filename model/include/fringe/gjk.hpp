@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <variant>
 
@@ -51,6 +52,13 @@ struct GjkAnswer {
 /// Journal of Robotics and Automation 4, 1988, 193; thesis chapter 2; model/NUMERICS.md, section 13). Throws
 /// InputError for an empty set and for a vertex that is not finite.
 GjkAnswer gjk_intersects(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b);
+
+/// The answer of the thesis' Algorithm 2.1 with appendix C, in doubles and as printed, but that the regions
+/// in front of a tetrahedron's triangles are taken to be where the region inside is not. None when it has not
+/// ended after `most_rounds` support points; now and then it never does. It is often wrong where the hulls
+/// touch: use gjk_intersects. Throws InputError as that does.
+std::optional<bool> thesis_gjk_intersects(std::span<const Eigen::Vector3d> a,
+                                          std::span<const Eigen::Vector3d> b, int most_rounds = 1000);
 
 /// Whether the certificate proves the answer. Decided in rational arithmetic from the coordinates alone, with
 /// nothing of what found the answer. Indices out of range prove nothing.

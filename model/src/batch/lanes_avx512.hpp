@@ -36,6 +36,16 @@ struct LanesAvx512 {
   static Vector log(const Vector& x) { return Sleef_logd8_u10avx512f(x); }
   static Vector atan2(const Vector& y, const Vector& x) { return Sleef_atan2d8_u10avx512f(y, x); }
 
+  /// Replaces the last five bits of each lane by `first` (at most 31) plus the lane's number.
+  static Vector tagged(const Vector& x, std::uint32_t first) {
+    const __m512i tags =
+        _mm512_add_epi64(_mm512_set1_epi64(first), _mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7));
+    return _mm512_castsi512_pd(
+        _mm512_or_si512(_mm512_and_si512(_mm512_castpd_si512(x), _mm512_set1_epi64(~31)), tags));
+  }
+  static std::uint32_t tag(double x) { return __builtin_bit_cast(std::uint64_t, x) & 31U; }
+  static double largest(const Vector& x) { return _mm512_reduce_max_pd(x); }
+
   /// 1/√x to 2^−14.
   static Vector inverse_square_root_estimate(const Vector& x) { return _mm512_rsqrt14_pd(x); }
   static constexpr bool has_estimate = true;

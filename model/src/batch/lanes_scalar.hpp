@@ -1,6 +1,8 @@
 #pragma once
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 namespace fringe::detail {
 
@@ -95,6 +97,12 @@ struct LanesScalar {
   static unsigned bits(Mask mask) { return mask.value ? 1U : 0U; }
   static Vector log(Vector x) { return std::log(x.value); }
   static Vector atan2(Vector y, Vector x) { return std::atan2(y.value, x.value); }
+  /// Replaces the last five bits by the number, at most 31.
+  static Vector tagged(Vector x, std::uint32_t number) {
+    return std::bit_cast<double>((std::bit_cast<std::uint64_t>(x.value) & ~std::uint64_t{31}) | number);
+  }
+  static std::uint32_t tag(double x) { return std::bit_cast<std::uint64_t>(x) & 31U; }
+  static double largest(Vector x) { return x.value; }
   static constexpr bool has_estimate = false;
 };
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include <sleef.h>
 #include <xsimd/xsimd.hpp>
 
@@ -15,6 +17,13 @@ struct LanesSse2 {
   static unsigned bits(const Mask& mask) { return static_cast<unsigned>(_mm_movemask_pd(mask)); }
   static Vector log(const Vector& x) { return Sleef_logd2_u10sse2(x); }
   static Vector atan2(const Vector& y, const Vector& x) { return Sleef_atan2d2_u10sse2(y, x); }
+  /// Replaces the last five bits of each lane by `first` (at most 31) plus the lane's number.
+  static Vector tagged(const Vector& x, std::uint32_t first) {
+    const __m128i tags = _mm_set_epi64x(first + 1, first);
+    return _mm_castsi128_pd(_mm_or_si128(_mm_and_si128(_mm_castpd_si128(x), _mm_set1_epi64x(~31)), tags));
+  }
+  static std::uint32_t tag(double x) { return __builtin_bit_cast(std::uint64_t, x) & 31U; }
+  static double largest(const Vector& x) { return _mm_cvtsd_f64(_mm_max_sd(x, _mm_unpackhi_pd(x, x))); }
   static constexpr bool has_estimate = false;
 };
 

@@ -1,5 +1,7 @@
 #include "exact_search.hpp"
 
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -8,6 +10,8 @@
 namespace fringe::detail {
 namespace {
 
+using Eigen::Vector3d;
+
 /// A vertex with the largest product with the direction, and that product in units.
 struct ExactExtreme {
   std::size_t index = 0;
@@ -15,7 +19,7 @@ struct ExactExtreme {
 };
 
 ExactExtreme exactly_farthest_along(const ExactHulls& exact, Vertices vertices,
-                                    const ExactVector& direction) {
+                                    const ExactVertices& positions, const ExactVector& direction) {
   const HullPair& hulls = exact.hulls;
   const Eigen::Vector3d rounded = direction_of(direction);
   double threshold = -std::numeric_limits<double>::infinity();
@@ -27,7 +31,7 @@ ExactExtreme exactly_farthest_along(const ExactHulls& exact, Vertices vertices,
     // Written so that what is not a number is compared exactly.
     if ((vertices[i] - hulls.origin).dot(rounded) < threshold)
       continue;
-    Integer product = dot(in_units(vertices[i], exact.unit), direction);
+    Integer product = dot(positions.position(i, exact.unit), direction);
     if (!found || product > extreme.product)
       extreme = {i, std::move(product)};
     found = true;
@@ -36,7 +40,7 @@ ExactExtreme exactly_farthest_along(const ExactHulls& exact, Vertices vertices,
 }
 
 ExactVector point_of(const ExactHulls& exact, VertexPair pair) {
-  return difference(in_units(exact.hulls.a[pair.a], exact.unit), in_units(exact.hulls.b[pair.b], exact.unit));
+  return difference(exact.a.position(pair.a, exact.unit), exact.b.position(pair.b, exact.unit));
 }
 
 ExactNearest nearest_of(const ExactHulls& exact, const PairSimplex& simplex) {
@@ -65,7 +69,38 @@ ExactNearest nearest_of(const ExactHulls& exact, const PairSimplex& simplex) {
 }  // namespace
 
 ExactHulls exact_hulls(const HullPair& hulls) {
-  return {hulls, common_unit(hulls.a, common_unit(hulls.b, std::numeric_limits<int>::max()))};
+  return exact_hulls(hulls, ExactVertices(hulls.a), ExactVertices(hulls.b));
+}
+
+ExactHulls exact_hulls(const HullPair& hulls, const ExactVertices& a, const ExactVertices& b) {
+  return {hulls, a, b, std::min(a.unit(), b.unit())};
+}
+
+ExactVertices::ExactVertices(Vertices vertices)
+    : vertices_(vertices), own_unit_(common_unit(vertices, std::numeric_limits<int>::max())),
+      unit_(own_unit_) {}
+
+ExactVertices::ExactVertices(Vertices vertices, const Eigen::Isometry3d& pose)
+    : vertices_(vertices), pose_(&pose) {
+  // Where all is zero any unit will do.
+  own_unit_ = common_unit(vertices, 0);
+  const std::array<Vector3d, 3> columns{pose.linear().col(0), pose.linear().col(1), pose.linear().col(2)};
+  matrix_unit_ = common_unit(columns, 0);
+  const Vector3d translation = pose.translation();
+  unit_ = common_unit({&translation, 1}, own_unit_ + matrix_unit_);
+}
+
+ExactVector ExactVertices::position(std::size_t index, int unit) const {
+  if (pose_ == nullptr)
+    return in_units(vertices_[index], unit);
+  const ExactVector vertex = in_units(vertices_[index], own_unit_);
+  ExactVector moved = in_units(pose_->translation(), unit);
+  for (std::size_t column = 0; column < 3; ++column) {
+    const ExactVector axis = in_units(pose_->linear().col(static_cast<Eigen::Index>(column)), matrix_unit_);
+    for (std::size_t k = 0; k < 3; ++k)
+      moved[k] += Integer(axis[k] * vertex[column]) << static_cast<unsigned>(own_unit_ + matrix_unit_ - unit);
+  }
+  return moved;
 }
 
 ExactNearest exact_search(const ExactHulls& exact, const PairSimplex& start, Goal goal) {
@@ -78,8 +113,8 @@ ExactNearest exact_search(const ExactHulls& exact, const PairSimplex& start, Goa
     if (square.is_zero())
       return nearest;
     const ExactVector direction = negated(nearest.point);
-    const ExactExtreme a = exactly_farthest_along(exact, exact.hulls.a, direction);
-    const ExactExtreme b = exactly_farthest_along(exact, exact.hulls.b, nearest.point);
+    const ExactExtreme a = exactly_farthest_along(exact, exact.hulls.a, exact.a, direction);
+    const ExactExtreme b = exactly_farthest_along(exact, exact.hulls.b, exact.b, nearest.point);
     const Integer least = -(a.product + b.product);
     if (goal == Goal::decision ? least > 0 : nearest.total * least >= square)
       return nearest;
@@ -91,8 +126,8 @@ ExactNearest exact_search(const ExactHulls& exact, const PairSimplex& start, Goa
 bool separates(const ExactHulls& exact, const Eigen::Vector3d& direction) {
   const ExactVector scaled =
       in_units(direction, common_unit({&direction, 1}, std::numeric_limits<int>::max()));
-  const ExactExtreme a = exactly_farthest_along(exact, exact.hulls.a, scaled);
-  const ExactExtreme b = exactly_farthest_along(exact, exact.hulls.b, negated(scaled));
+  const ExactExtreme a = exactly_farthest_along(exact, exact.hulls.a, exact.a, scaled);
+  const ExactExtreme b = exactly_farthest_along(exact, exact.hulls.b, exact.b, negated(scaled));
   return a.product + b.product < 0;
 }
 

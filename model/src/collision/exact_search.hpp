@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include <Eigen/Geometry>
+
 #include "exact_vector.hpp"
 #include "float_search.hpp"
 #include "hull_pair.hpp"
@@ -9,13 +11,42 @@
 /// The search in integers, which decides whatever floating point cannot (model/NUMERICS.md, section 13).
 namespace fringe::detail {
 
+/// The exact positions of vertices.
+class ExactVertices {
+ public:
+  /// Vertices where they are.
+  explicit ExactVertices(Vertices vertices);
+
+  /// Vertices moved by the matrix of a pose, which must outlive this.
+  ExactVertices(Vertices vertices, const Eigen::Isometry3d& pose);
+
+  /// All coordinates of all positions are multiples of 2^unit().
+  int unit() const { return unit_; }
+
+  /// In units of 2^unit, which must not be above unit().
+  ExactVector position(std::size_t index, int unit) const;
+
+ private:
+  Vertices vertices_;
+  const Eigen::Isometry3d* pose_ = nullptr;
+  int own_unit_;         ///< of the coordinates before they are moved
+  int matrix_unit_ = 0;  ///< of the rotation's matrix
+  int unit_;
+};
+
 /// Two hulls in integers.
 struct ExactHulls {
-  const HullPair& hulls;
+  const HullPair& hulls;  ///< the vertices' positions, rounded
+  ExactVertices a;
+  ExactVertices b;
   int unit;  ///< coordinates count in units of 2^unit
 };
 
+/// Of hulls whose positions are given exactly.
 ExactHulls exact_hulls(const HullPair& hulls);
+
+/// Of moved hulls; `hulls` has the rounded positions.
+ExactHulls exact_hulls(const HullPair& hulls, const ExactVertices& a, const ExactVertices& b);
 
 /// A point of the Minkowski difference: Σ weightsᵢ (aᵢ − bᵢ)/total over the pairs of the simplex, all weights
 /// positive.

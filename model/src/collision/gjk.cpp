@@ -1,10 +1,14 @@
 #include "fringe/gjk.hpp"
 
-#include <utility>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
 
 #include "exact_search.hpp"
 #include "float_search.hpp"
 #include "hull_pair.hpp"
+#include "quick_search.hpp"
 
 namespace fringe {
 namespace {
@@ -38,10 +42,64 @@ Vector3d combination(const ExactHulls& exact, const ExactNearest& nearest, Verte
           detail::rounded_quotient(sum[2], nearest.total, exact.unit)};
 }
 
+/// A few vertices of a hull for one quick search, relative to an origin.
+class PassingHull {
+ public:
+  PassingHull(detail::Vertices vertices, const Vector3d& origin) {
+    constexpr std::size_t block = detail::VertexBlocks::size;
+    const std::size_t count = (vertices.size() + block - 1) / block * block;
+    double largest = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vector3d point = vertices[std::min(i, vertices.size() - 1)] - origin;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double coordinate = point[static_cast<Eigen::Index>(k)];
+        coordinates_[i / block * 3 * block + k * block + i % block] = coordinate;
+        largest = std::max(largest, std::abs(coordinate));
+      }
+    }
+    // Some point inside: the mean of two vertices that are not neighbours in most lists.
+    const Vector3d middle = (vertices.front() - origin) / 2 + (vertices[vertices.size() / 2] - origin) / 2;
+    std::copy(middle.begin(), middle.end(), support_.middle);
+    constexpr double root_of_3 = 1.7320508075688774;
+    support_.reach = root_of_3 * (1 + 0x1p-50) * largest;
+    support_.vertices = {coordinates_.data(), static_cast<std::uint32_t>(count),
+                         static_cast<std::uint32_t>(vertices.size() - 1)};
+  }
+  PassingHull(const PassingHull&) = delete;
+  PassingHull& operator=(const PassingHull&) = delete;
+
+  detail::PlacedShape placed() const { return {&support_, identity_.data()}; }
+
+ private:
+  std::array<double, 3 * detail::SupportShape::few_vertices> coordinates_;
+  detail::SupportShape support_{};
+  Eigen::Matrix4d identity_ = Eigen::Matrix4d::Identity();
+};
+
+/// By the quick search; none where it leaves the question open. Laying out more than a few vertices for it
+/// would take longer than it saves.
+std::optional<GjkAnswer> quick_answer(const detail::HullPair& hulls) {
+  if (std::max(hulls.a.size(), hulls.b.size()) > detail::SupportShape::few_vertices)
+    return std::nullopt;
+  const PassingHull a(hulls.a, hulls.origin), b(hulls.b, hulls.origin);
+  detail::QuickAnswer found;
+  detail::best_search().prove(a.placed(), b.placed(), found);
+  if (found.verdict == detail::Verdict::disjoint)
+    return GjkAnswer{false, SeparatingDirection{Vector3d(found.direction)}};
+  if (found.verdict == detail::Verdict::undecided)
+    return std::nullopt;
+  PairSimplex simplex;
+  for (int i = 0; i < found.size; ++i)
+    simplex.pairs[simplex.size++] = {found.pairs[i].a, found.pairs[i].b};
+  return GjkAnswer{true, SimplexAroundOrigin{simplex}};
+}
+
 }  // namespace
 
 GjkAnswer gjk_intersects(std::span<const Vector3d> a, std::span<const Vector3d> b) {
   const detail::HullPair hulls = detail::hull_pair(a, b);
+  if (const std::optional<GjkAnswer> answer = quick_answer(hulls))
+    return *answer;
   const auto [answer, reached] = detail::float_search(hulls, Goal::decision);
   if (answer)
     return *answer;

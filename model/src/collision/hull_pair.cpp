@@ -10,14 +10,6 @@
 namespace fringe::detail {
 namespace {
 
-void check(Vertices vertices, char name) {
-  if (vertices.empty())
-    throw InputError(fmt::format("{} has no vertices", name));
-  for (std::size_t i = 0; i < vertices.size(); ++i)
-    if (!vertices[i].allFinite())
-      throw InputError(fmt::format("vertex {} of {} is not finite", i, name));
-}
-
 double extent_from(Vertices vertices, const Eigen::Vector3d& origin) {
   double extent = 0;
   for (const Eigen::Vector3d& vertex : vertices)
@@ -27,9 +19,17 @@ double extent_from(Vertices vertices, const Eigen::Vector3d& origin) {
 
 }  // namespace
 
+void check_vertices(Vertices vertices, char name) {
+  if (vertices.empty())
+    throw InputError(fmt::format("{} has no vertices", name));
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    if (!vertices[i].allFinite())
+      throw InputError(fmt::format("vertex {} of {} is not finite", i, name));
+}
+
 HullPair hull_pair(Vertices a, Vertices b) {
-  check(a, 'A');
-  check(b, 'B');
+  check_vertices(a, 'A');
+  check_vertices(b, 'B');
   const Eigen::Vector3d& origin = a.front();
   return {a, b, origin, extent_from(a, origin) + extent_from(b, origin)};
 }

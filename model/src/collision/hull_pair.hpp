@@ -19,9 +19,16 @@ struct HullPair {
   Vertices b;
   Eigen::Vector3d origin;  ///< a vertex of A: what coordinates are taken relative to, wherever the hulls are
   double extent;  ///< the largest coordinate of A's vertices, relative to the origin, plus that of B's
+
+  /// What a coordinate given here may be off, in units of 2^−53 of the extent: 0 for those that are given
+  /// exactly.
+  double coordinate_error = 0;
 };
 
-/// Throws InputError for an empty set and for a vertex that is not finite.
+/// Throws InputError for an empty set and for a vertex that is not finite; the message has the set's name.
+void check_vertices(Vertices vertices, char name);
+
+/// Throws InputError as check_vertices does.
 HullPair hull_pair(Vertices a, Vertices b);
 
 /// Whether products of up to six lengths of the pair neither overflow nor, where they matter, underflow.
@@ -33,7 +40,7 @@ inline bool in_safe_range(const HullPair& hulls) {
 /// direction's components by 2⁻⁵² of their magnitude included: four roundings of half of that, and the one of
 /// the extent.
 inline double product_error(const HullPair& hulls, const Eigen::Vector3d& direction) {
-  return 0x1p-50 * direction.lpNorm<1>() * hulls.extent;
+  return (0x1p-50 + 0x1p-53 * hulls.coordinate_error) * direction.lpNorm<1>() * hulls.extent;
 }
 
 struct Extreme {

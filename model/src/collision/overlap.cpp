@@ -1,16 +1,26 @@
-#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <type_traits>
 
+#include "box_overlap.hpp"
 #include "fringe/bounding_volume.hpp"
+#include "quick_search.hpp"
 
 namespace fringe {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+/// A box as the plain numbers it is made of, without copying them.
+const detail::BoxNumbers& numbers_of(const OrientedBox& box) {
+  static_assert(std::is_standard_layout_v<OrientedBox> && sizeof(OrientedBox) == sizeof(detail::BoxNumbers) &&
+                offsetof(OrientedBox, axes) == offsetof(detail::BoxNumbers, axes) &&
+                offsetof(OrientedBox, half_widths) == offsetof(detail::BoxNumbers, half_widths));
+  return reinterpret_cast<const detail::BoxNumbers&>(box);
+}
 
 }  // namespace
 
@@ -26,32 +36,18 @@ bool overlap(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
 }
 
 bool overlap(const OrientedBox& a, const OrientedBox& b) {
-  // Everything compared below is a sum of products of an offset or a half-width with at most two components
-  // of axes, orthonormal to 1e-14: what is off is at most some ten times that, times all lengths together.
-  // The comparisons are written so that overflow means overlap.
-  const Vector3d between = b.centre - a.centre;
-  const double margin = 1e-13 * (between.lpNorm<1>() + a.half_widths.sum() + b.half_widths.sum()) +
-                        std::numeric_limits<double>::min();
-  const Vector3d offset = a.axes * between;
-  const Matrix3d turn = a.axes * b.axes.transpose(), cosines = turn.cwiseAbs();
-  const Vector3d reach = a.half_widths + cosines * b.half_widths;
-  for (Eigen::Index i = 0; i < 3; ++i)
-    if (std::abs(offset[i]) > reach[i] + margin)
-      return false;
-  for (Eigen::Index j = 0; j < 3; ++j)
-    if (std::abs(offset.dot(turn.col(j))) > b.half_widths[j] + cosines.col(j).dot(a.half_widths) + margin)
-      return false;
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const Eigen::Index i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-    for (Eigen::Index j = 0; j < 3; ++j) {
-      const Eigen::Index j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      const double reach_a = a.half_widths[i1] * cosines(i2, j) + a.half_widths[i2] * cosines(i1, j);
-      const double reach_b = b.half_widths[j1] * cosines(i, j2) + b.half_widths[j2] * cosines(i, j1);
-      if (std::abs(offset[i2] * turn(i1, j) - offset[i1] * turn(i2, j)) > reach_a + reach_b + margin)
-        return false;
-    }
-  }
-  return true;
+  // Ten times what the axes may be off.
+  constexpr double margin = 1e-13;
+  return detail::overlap_within(a, b, margin);
+}
+
+bool detail::overlap_within(const OrientedBox& a, const OrientedBox& b, double relative_margin) {
+  // Everything compared is a sum of products of an offset or a half-width with at most two components of
+  // axes: what is off is at most some ten times what they are, times all lengths together. The comparison is
+  // written so that overflow means overlap.
+  const double lengths = (b.centre - a.centre).lpNorm<1>() + a.half_widths.sum() + b.half_widths.sum();
+  const double gap = detail::best_search().box_gap(numbers_of(a), numbers_of(b));
+  return !(gap > relative_margin * lengths + std::numeric_limits<double>::min());
 }
 
 }  // namespace fringe

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -6,6 +7,7 @@
 #include <boost/multiprecision/cpp_int.hpp>
 #include <gtest/gtest.h>
 
+#include "collision/quick_search.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
@@ -264,6 +266,32 @@ TEST(Overlap, OfOrientedBoxesAgreesWithTheirHulls) {
   }
   EXPECT_GT(overlapping, repetitions / 10);
   EXPECT_LT(overlapping, repetitions * 9 / 10);
+}
+
+TEST(Overlap, OfOrientedBoxesIsTheSameForEveryInstructionSet) {
+  Random random(31);
+  const auto box = [&] {
+    const Eigen::Isometry3d motion = random.rigid_motion();
+    return OrientedBox{motion.translation(), motion.linear().transpose(),
+                       random.in_box({0, 0, 0}, {0.8, 0.8, 0.8})};
+  };
+  const auto numbers = [](const OrientedBox& from) {
+    detail::BoxNumbers result{};
+    std::copy(from.centre.begin(), from.centre.end(), result.centre);
+    std::copy(from.axes.data(), from.axes.data() + from.axes.size(), result.axes);
+    std::copy(from.half_widths.begin(), from.half_widths.end(), result.half_widths);
+    return result;
+  };
+  int overlapping = 0;
+  constexpr int pairs = 2000;
+  for (int i = 0; i < pairs; ++i) {
+    const OrientedBox a = box(), b = box();
+    overlapping += overlap(a, b);
+    for (const detail::QuickSearch* search : detail::available_searches())
+      ASSERT_EQ(search->box_gap(numbers(a), numbers(b)) <= 0, overlap(a, b)) << search->instruction_set;
+  }
+  EXPECT_GT(overlapping, pairs / 5);
+  EXPECT_LT(overlapping, pairs * 4 / 5);
 }
 
 TEST(Overlap, IsNeverDeniedWhenVerticesAreShared) {

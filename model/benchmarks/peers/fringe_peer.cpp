@@ -1,0 +1,78 @@
+#include <utility>
+
+#include "fringe/bounding_volume.hpp"
+#include "fringe/convex_shape.hpp"
+#include "peer.hpp"
+
+namespace fringe::benchmarks {
+namespace {
+
+ConvexShape made(const PeerShape& shape) {
+  switch (shape.kind) {
+  case PeerShape::Kind::cuboid:
+    return ConvexShape::cuboid(shape.size);
+  case PeerShape::Kind::cylinder:
+    return ConvexShape::cylinder(shape.size[0], shape.size[1]);
+  case PeerShape::Kind::cone:
+    return ConvexShape::cone(shape.size[0], shape.size[1]);
+  case PeerShape::Kind::hull:
+    break;
+  }
+  return ConvexShape::hull(shape.vertices);
+}
+
+class FringePeer : public Peer {
+ public:
+  FringePeer(const PeerShapes& shapes, PeerPairs pairs) : pairs_(std::move(pairs)) {
+    for (const PeerShape& shape : shapes)
+      shapes_.push_back(made(shape));
+  }
+
+  std::string name() const override { return "fringe"; }
+
+  std::size_t count_intersecting() const override {
+    std::size_t count = 0;
+    for (const PeerPair& pair : pairs_)
+      count += intersect(shapes_[pair.a], pair.pose_a, shapes_[pair.b], pair.pose_b) ? 1 : 0;
+    return count;
+  }
+
+ private:
+  std::vector<ConvexShape> shapes_;
+  PeerPairs pairs_;
+};
+
+class FringeBoxPeer : public Peer {
+ public:
+  FringeBoxPeer(const PeerShapes& shapes, const PeerPairs& pairs) {
+    const auto box = [&](std::size_t shape, const Eigen::Isometry3d& pose) {
+      return OrientedBox{pose.translation(), pose.linear().transpose(), shapes[shape].size / 2};
+    };
+    for (const PeerPair& pair : pairs)
+      boxes_.emplace_back(box(pair.a, pair.pose_a), box(pair.b, pair.pose_b));
+  }
+
+  std::string name() const override { return "fringe"; }
+
+  std::size_t count_intersecting() const override {
+    std::size_t count = 0;
+    for (const auto& [a, b] : boxes_)
+      count += overlap(a, b) ? 1 : 0;
+    return count;
+  }
+
+ private:
+  std::vector<std::pair<OrientedBox, OrientedBox>> boxes_;
+};
+
+}  // namespace
+
+std::unique_ptr<Peer> fringe_box_peer(const PeerShapes& shapes, const PeerPairs& pairs) {
+  return std::make_unique<FringeBoxPeer>(shapes, pairs);
+}
+
+std::unique_ptr<Peer> fringe_peer(const PeerShapes& shapes, const PeerPairs& pairs) {
+  return std::make_unique<FringePeer>(shapes, pairs);
+}
+
+}  // namespace fringe::benchmarks

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+/// The same queries answered by other libraries, each called as its documentation shows for two convex
+/// shapes, with everything prepared that it lets one prepare.
+namespace fringe::benchmarks {
+
+/// A shape that every library has.
+struct PeerShape {
+  enum class Kind { cuboid, cylinder, cone, hull } kind;
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< cuboid: its sides; cylinder and cone: radius, height
+  std::vector<Eigen::Vector3d> vertices{};         ///< of a hull
+};
+
+/// Two shapes by their indices, and where they are.
+struct PeerPair {
+  std::size_t a;
+  std::size_t b;
+  Eigen::Isometry3d pose_a;
+  Eigen::Isometry3d pose_b;
+};
+
+/// A library, or one method of it, with shapes and pairs of its own kind.
+class Peer {
+ public:
+  Peer() = default;
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+  virtual ~Peer() = default;
+
+  virtual std::string name() const = 0;
+
+  /// How many of the pairs intersect.
+  virtual std::size_t count_intersecting() const = 0;
+};
+
+using PeerShapes = std::vector<PeerShape>;
+using PeerPairs = std::vector<PeerPair>;
+
+std::unique_ptr<Peer> fringe_peer(const PeerShapes& shapes, const PeerPairs& pairs);
+/// The separating axes of oriented boxes alone; all shapes must be cuboids.
+std::unique_ptr<Peer> fringe_box_peer(const PeerShapes& shapes, const PeerPairs& pairs);
+std::unique_ptr<Peer> fcl_box_peer(const PeerShapes& shapes, const PeerPairs& pairs);
+
+std::unique_ptr<Peer> fcl_peer(const PeerShapes& shapes, const PeerPairs& pairs);
+std::unique_ptr<Peer> libccd_gjk_peer(const PeerShapes& shapes, const PeerPairs& pairs);
+std::unique_ptr<Peer> libccd_mpr_peer(const PeerShapes& shapes, const PeerPairs& pairs);
+std::unique_ptr<Peer> bullet_peer(const PeerShapes& shapes, const PeerPairs& pairs);
+
+}  // namespace fringe::benchmarks

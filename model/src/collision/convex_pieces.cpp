@@ -1,0 +1,132 @@
+#include "convex_pieces.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "convex_shape_data.hpp"
+#include "fringe/triangle.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+/// Covers the roundings of sizes, sines and cosines.
+constexpr double outwards = 0x1p-48;
+
+AlignedBox3d enlarged(const AlignedBox3d& box) {
+  const double margin = outwards * std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+  return {box.min() - Vector3d::Constant(margin), box.max() + Vector3d::Constant(margin)};
+}
+
+AlignedBox3d centred_box(double x, double y, double z) {
+  return enlarged({Vector3d(-x, -y, -z), Vector3d(x, y, z)});
+}
+
+OrientedBox oriented(const AlignedBox3d& box) {
+  return {box.center(), Eigen::Matrix3d::Identity(), enlarged(box).sizes() / 2};
+}
+
+ConvexPieces single(ConvexShape shape, const AlignedBox3d& box) {
+  return {{{std::move(shape)}}, BoxTree({&box, 1}), oriented(box)};
+}
+
+/// Around the sector of a ring from −half to +half (radians).
+AlignedBox3d sector_box(double inner, double outer, double height, double half) {
+  constexpr double quarter = std::numbers::pi / 2;
+  const double low_x = std::cos(half) * (half > quarter ? outer : inner);
+  const double y = half > quarter ? outer : outer * std::sin(half);
+  return enlarged({Vector3d(low_x, -y, -height / 2), Vector3d(outer, y, height / 2)});
+}
+
+ConvexPieces pieces_of(const Plate& plate) {
+  return single(ConvexShape::cuboid({plate.size_x, plate.size_y, 0}),
+                centred_box(plate.size_x / 2, plate.size_y / 2, 0));
+}
+
+ConvexPieces pieces_of(const Cuboid& cuboid) {
+  return single(ConvexShape::cuboid({cuboid.size_x, cuboid.size_y, cuboid.size_z}),
+                centred_box(cuboid.size_x / 2, cuboid.size_y / 2, cuboid.size_z / 2));
+}
+
+ConvexPieces pieces_of(const Cylinder& cylinder) {
+  return single(ConvexShape::cylinder(cylinder.radius, cylinder.height),
+                centred_box(cylinder.radius, cylinder.radius, cylinder.height / 2));
+}
+
+ConvexPieces pieces_of(const Cone& cone) {
+  return single(ConvexShape::cone(cone.radius, cone.height),
+                centred_box(cone.radius, cone.radius, cone.height / 2));
+}
+
+ConvexPieces pieces_of(const Sphere& sphere) {
+  return single(ConvexShape::ball(sphere.radius), centred_box(sphere.radius, sphere.radius, sphere.radius));
+}
+
+ConvexPieces pieces_of(const Arc& arc) {
+  // A piece must be less than half a turn.
+  constexpr double most_degrees = 120;
+  const int count = std::max(arc.segments, static_cast<int>(std::ceil(arc.degrees / most_degrees)));
+  const double degrees = arc.degrees / count;
+  const double radians = degrees * std::numbers::pi / 180;
+  const ConvexShape shape = ConvexShape::arc_piece(arc.inner_radius, arc.outer_radius, arc.height, degrees);
+  const AlignedBox3d own_box = sector_box(arc.inner_radius, arc.outer_radius, arc.height, radians / 2);
+  ConvexPieces pieces;
+  std::vector<AlignedBox3d> boxes;
+  for (int k = 0; k < count; ++k) {
+    const double angle = (k + 0.5 - count / 2.0) * radians;
+    const Isometry3d pose(Eigen::AngleAxisd(angle, Vector3d::UnitZ()));
+    pieces.pieces.push_back({shape, pose});
+    boxes.push_back(enlarged(own_box.transformed(pose)));
+  }
+  pieces.tree = BoxTree(boxes);
+  pieces.box = oriented(
+      sector_box(arc.inner_radius, arc.outer_radius, arc.height, arc.degrees / 2 * std::numbers::pi / 180));
+  return pieces;
+}
+
+ConvexPieces pieces_of(const Mesh& mesh) {
+  ConvexPieces pieces;
+  std::vector<AlignedBox3d> boxes;
+  std::vector<Vector3d> vertices;
+  std::vector<Face> faces;
+  for (const Triangle& triangle : mesh.triangles) {
+    pieces.pieces.push_back({ConvexShape::hull(triangle)});
+    boxes.push_back(axis_aligned_box(triangle));
+    faces.push_back({vertices.size(), vertices.size() + 1, vertices.size() + 2});
+    vertices.insert(vertices.end(), triangle.begin(), triangle.end());
+  }
+  pieces.tree = BoxTree(boxes);
+  pieces.box = oriented_box(vertices, faces, BoxMethod::tight);
+  pieces.bounds_volume = is_closed(mesh.triangles);
+  return pieces;
+}
+
+}  // namespace
+
+ConvexPieces convex_pieces(const Shape& shape) {
+  return std::visit([](const auto& form) { return pieces_of(form); }, shape);
+}
+
+bool encloses(const ConvexPieces& shape, const Vector3d& point) {
+  if (!shape.bounds_volume)
+    return false;
+  // The solid angles of the triangles, halved (A. Van Oosterom and J. Strackee, IEEE Transactions on
+  // Biomedical Engineering 30, 1983, 125), add up to 2π for each time the surface goes around the point.
+  double sum = 0;
+  for (const ConvexPiece& piece : shape.pieces) {
+    const std::vector<Vector3d>& corners = piece.shape.data().vertices;
+    const Vector3d a = corners[0] - point, b = corners[1] - point, c = corners[2] - point;
+    const double length_a = a.norm(), length_b = b.norm(), length_c = c.norm();
+    sum += std::atan2(a.dot(b.cross(c)), length_a * length_b * length_c + a.dot(b) * length_c +
+                                             b.dot(c) * length_a + c.dot(a) * length_b);
+  }
+  return std::abs(sum) > std::numbers::pi;
+}
+
+}  // namespace fringe::detail

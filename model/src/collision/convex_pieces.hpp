@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "box_tree.hpp"
+#include "fringe/bounding_volume.hpp"
+#include "fringe/convex_shape.hpp"
+#include "fringe/shape.hpp"
+
+namespace fringe::detail {
+
+/// A convex piece of a shape.
+struct ConvexPiece {
+  ConvexShape shape;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< from the piece's frame to the shape's
+};
+
+/// A shape as pieces whose union it is (or its surface, of a mesh), with what encloses it; all in the shape's
+/// frame.
+struct ConvexPieces {
+  std::vector<ConvexPiece> pieces;
+  BoxTree tree;     ///< over the pieces
+  OrientedBox box;  ///< around all
+
+  /// Whether the pieces are triangles that bound a volume, which then belongs to the shape.
+  bool bounds_volume = false;
+};
+
+/// An arc becomes a piece for each of its segments, a mesh one for each triangle.
+ConvexPieces convex_pieces(const Shape& shape);
+
+/// Whether the triangles of a shape that bound a volume go around a point off its surface. False for other
+/// shapes.
+bool encloses(const ConvexPieces& shape, const Eigen::Vector3d& point);
+
+}  // namespace fringe::detail

@@ -1,0 +1,135 @@
+#include "fringe/convex_shape.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "convex_shape_data.hpp"
+#include "fringe/error.hpp"
+
+namespace fringe {
+namespace {
+
+using detail::ConvexShapeData;
+using detail::Form;
+using Eigen::Vector3d;
+
+/// What rounding may have taken off a length computed from coordinates.
+constexpr double rounded_up = 1 + 0x1p-50;
+
+void check_length(double length, std::string_view name) {
+  if (!std::isfinite(length) || length < 0)
+    throw InputError(fmt::format("{} must be finite and not negative, not {}", name, length));
+}
+
+/// A shape of a form with no more to it than sizes.
+std::shared_ptr<ConvexShapeData> sized(Form form, const Vector3d& size, double reach) {
+  auto data = std::make_shared<ConvexShapeData>();
+  data->support = {};
+  data->support.form = form;
+  std::copy(size.begin(), size.end(), data->support.size);
+  data->support.reach = reach * rounded_up;
+  return data;
+}
+
+/// The mean of the vertices that are extreme along the axes.
+Vector3d middle_of(std::span<const Vector3d> vertices) {
+  Vector3d sum = Vector3d::Zero();
+  constexpr double extremes = 6;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const auto [low, high] =
+        std::minmax_element(vertices.begin(), vertices.end(),
+                            [=](const Vector3d& p, const Vector3d& q) { return p[axis] < q[axis]; });
+    sum += *low / extremes + *high / extremes;
+  }
+  return sum;
+}
+
+}  // namespace
+
+ConvexShape ConvexShape::hull(std::span<const Vector3d> vertices) {
+  if (vertices.empty())
+    throw InputError("a hull needs a vertex");
+  auto data = std::make_shared<ConvexShapeData>();
+  double reach = 0;
+  for (const Vector3d& vertex : vertices) {
+    if (!vertex.allFinite())
+      throw InputError(
+          fmt::format("vertex {} is not finite", static_cast<std::size_t>(&vertex - vertices.data())));
+    reach = std::max(reach, vertex.stableNorm());
+    data->coordinates.push_back(vertex);
+  }
+  data->coordinates.fill_block();
+  data->vertices.assign(vertices.begin(), vertices.end());
+  data->cells = detail::direction_cells(vertices, reach);
+  detail::SupportShape& support = data->support;
+  support = {};
+  support.form = Form::hull;
+  support.reach = reach * rounded_up;
+  const Vector3d middle = middle_of(vertices);
+  std::copy(middle.begin(), middle.end(), support.middle);
+  support.vertices = data->coordinates.blocks();
+  support.cells = {data->cells.resolution, data->cells.starts.data(), data->cells.coordinates.blocks(),
+                   data->cells.indices.data()};
+  return ConvexShape(std::move(data));
+}
+
+ConvexShape ConvexShape::cuboid(const Vector3d& sides) {
+  for (const double side : sides)
+    check_length(side, "a side of a cuboid");
+  const Vector3d half = sides / 2;
+  auto data = sized(Form::box, half, half.stableNorm());
+  for (unsigned corner = 0; corner < 8; ++corner)
+    data->vertices.emplace_back((corner & 1U) != 0 ? half.x() : -half.x(),
+                                (corner & 2U) != 0 ? half.y() : -half.y(),
+                                (corner & 4U) != 0 ? half.z() : -half.z());
+  return ConvexShape(std::move(data));
+}
+
+ConvexShape ConvexShape::ball(double radius) {
+  check_length(radius, "the radius of a ball");
+  return ConvexShape(sized(Form::ball, {radius, 0, 0}, radius));
+}
+
+ConvexShape ConvexShape::cylinder(double radius, double height) {
+  check_length(radius, "the radius of a cylinder");
+  check_length(height, "the height of a cylinder");
+  return ConvexShape(sized(Form::cylinder, {radius, height / 2, 0}, std::hypot(radius, height / 2)));
+}
+
+ConvexShape ConvexShape::cone(double radius, double height) {
+  check_length(radius, "the radius of a cone");
+  check_length(height, "the height of a cone");
+  return ConvexShape(sized(Form::cone, {radius, height / 2, 0}, std::hypot(radius, height / 2)));
+}
+
+ConvexShape ConvexShape::arc_piece(double inner_radius, double outer_radius, double height, double degrees) {
+  check_length(inner_radius, "the inner radius of an arc");
+  check_length(outer_radius, "the outer radius of an arc");
+  check_length(height, "the height of an arc");
+  if (inner_radius > outer_radius)
+    throw InputError("the inner radius of an arc must not be above the outer one");
+  constexpr double half_turn = 180;
+  if (!(degrees > 0 && degrees < half_turn))
+    throw InputError(fmt::format("a convex piece of an arc takes 0 < degrees < 180, not {}", degrees));
+  auto data =
+      sized(Form::sector, {outer_radius, height / 2, inner_radius}, std::hypot(outer_radius, height / 2));
+  const double angle = degrees / 2 * std::numbers::pi / half_turn;
+  const double x = std::cos(angle), y = std::sin(angle);
+  detail::SupportShape& support = data->support;
+  support.ends[0] = support.ends[2] = x;
+  support.ends[1] = -y;
+  support.ends[3] = y;
+  support.middle[0] = (inner_radius + outer_radius) / 2 * x;
+  return ConvexShape(std::move(data));
+}
+
+bool ConvexShape::is_round() const {
+  return data_->support.form != Form::hull && data_->support.form != Form::box;
+}
+
+}  // namespace fringe

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "fringe/convex_shape.hpp"
+#include "quick_search.hpp"
+
+namespace fringe::detail {
+
+/// Coordinates in blocks, as VertexBlocks describes them.
+class CoordinateBlocks {
+ public:
+  void push_back(const Eigen::Vector3d& point);
+
+  /// Repeats the last point until its block is full.
+  void fill_block();
+
+  std::size_t size() const { return size_; }
+  VertexBlocks blocks() const {
+    return {coordinates_.data(), static_cast<std::uint32_t>(size_), static_cast<std::uint32_t>(last_)};
+  }
+
+ private:
+  std::vector<double> coordinates_;
+  std::size_t size_ = 0;
+  std::size_t last_ = 0;
+};
+
+/// What a DirectionCells points to.
+struct CellLists {
+  int resolution = 0;
+  std::vector<std::uint32_t> starts;
+  CoordinateBlocks coordinates;
+  std::vector<std::uint32_t> indices;
+};
+
+/// The cells of a hull; none where looking at all vertices is as fast.
+CellLists direction_cells(std::span<const Eigen::Vector3d> vertices, double reach);
+
+struct ConvexShapeData {
+  SupportShape support;
+  std::vector<Eigen::Vector3d> vertices;  ///< of flat shapes; a box's in the order of SupportPair
+  CoordinateBlocks coordinates;
+  CellLists cells;
+};
+
+}  // namespace fringe::detail

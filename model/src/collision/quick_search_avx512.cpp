@@ -1,0 +1,13 @@
+// GCC takes the undefined register in its own headers' intrinsics for an error of ours.
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#include "../batch/lanes_avx512.hpp"
+#include "quick_search_template.hpp"
+
+namespace fringe::detail {
+
+const QuickSearch search_avx512{"AVX-512", &QuickSearchFor<LanesAvx512>::decide,
+                                &QuickSearchFor<LanesAvx512>::prove, &QuickSearchFor<LanesAvx512>::support,
+                                &QuickSearchFor<LanesAvx512>::box_gap};
+
+}  // namespace fringe::detail

@@ -1,0 +1,126 @@
+#include "round_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "convex_shape_data.hpp"
+#include "exact_search.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+/// The point that those of a round surface are drawn towards.
+Vector3d inner_point(const SupportShape& shape) {
+  if (shape.form != Form::sector)
+    return Vector3d::Zero();
+  return {(shape.size[0] + shape.size[2] * shape.ends[0]) / 2, 0, 0};
+}
+
+/// By what share of the way a rounded point of the surface is drawn inwards, so as to lie within for certain.
+double inward_share(const SupportShape& shape) {
+  constexpr double share = 0x1p-48;
+  if (shape.form != Form::sector || shape.size[0] == 0)
+    return share;
+  // The inner point of a thin piece is close to its flat sides.
+  const double thickness = (shape.size[0] - shape.size[2] * shape.ends[0]) / shape.size[0];
+  return std::min(1.0, share / std::min(thickness, shape.ends[3]));
+}
+
+/// The points of a shape that have been found, and the positions of all.
+struct FoundPoints {
+  const ConvexShape& shape;
+  const Isometry3d& pose;
+  Vector3d offset;  ///< from the rotated points to their positions relative to B's origin
+  std::vector<Vector3d> points;
+  std::vector<Vector3d> positions;
+
+  bool is_round() const { return shape.is_round(); }
+
+  std::size_t add(const Vector3d& point) {
+    const SupportShape& support = shape.data().support;
+    const Vector3d within =
+        is_round() ? Vector3d(point + inward_share(support) * (inner_point(support) - point)) : point;
+    points.push_back(within);
+    positions.emplace_back(pose.linear() * within + offset);
+    return points.size() - 1;
+  }
+
+  Vector3d farthest_along(const Vector3d& direction) const {
+    const Vector3d local = pose.linear().transpose() * direction;
+    Vector3d point;
+    best_search().support(shape.data().support, local.data(), point.data());
+    return point;
+  }
+};
+
+PointSimplex simplex_of(const PairSimplex& pairs, const FoundPoints& a, const FoundPoints& b) {
+  PointSimplex simplex;
+  for (std::size_t i = 0; i < pairs.size; ++i)
+    simplex.pairs[simplex.size++] = {a.points[pairs.pairs[i].a], b.points[pairs.pairs[i].b]};
+  return simplex;
+}
+
+ExactNearest nearest_of(const HullPair& hulls, const FoundPoints& a, const FoundPoints& b,
+                        const PairSimplex& start, double& distance) {
+  const ExactHulls exact =
+      exact_hulls(hulls, ExactVertices(a.points, a.pose), ExactVertices(b.points, b.pose));
+  ExactNearest nearest = exact_search(exact, start, Goal::distance);
+  distance = rounded_root_quotient(dot(nearest.point, nearest.point), nearest.total, exact.unit);
+  return nearest;
+}
+
+}  // namespace
+
+ShapeAnswer round_search(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b,
+                         const Isometry3d& pose_b, const PointSimplex& reached) {
+  const Vector3d offset = pose_a.translation() - pose_b.translation();
+  FoundPoints on_a{a, pose_a, offset, {}, {}}, on_b{b, pose_b, Vector3d::Zero(), {}, {}};
+  for (std::size_t i = 0; i < reached.size; ++i) {
+    on_a.add(reached.pairs[i].a);
+    on_b.add(reached.pairs[i].b);
+  }
+  if (reached.size == 0) {
+    on_a.add(on_a.farthest_along(-offset));
+    on_b.add(on_b.farthest_along(offset));
+  }
+  const double extent = offset.lpNorm<1>() + a.data().support.reach + b.data().support.reach;
+  // What a support value is off at most, as in the quick search, and what is drawn inwards.
+  const double error = 0x1p-45 * extent;
+  constexpr double coordinate_error = 8;
+  PairSimplex simplex;
+  ShapesUndecided undecided{};
+  undecided.overlap = std::numeric_limits<double>::infinity();
+  // Some twenty are needed where the shapes all but touch. What is left then is said, not guessed.
+  constexpr int most_rounds = 300;
+  for (int round = 0; round < most_rounds; ++round) {
+    const HullPair hulls{on_a.positions, on_b.positions, Vector3d::Zero(), extent, coordinate_error};
+    double distance = 0;
+    const ExactNearest nearest = nearest_of(hulls, on_a, on_b, simplex, distance);
+    simplex = nearest.simplex;
+    if (distance == 0)
+      return {true, ShapesMeet{simplex_of(simplex, on_a, on_b)}};
+    const Vector3d direction = direction_of(negated(nearest.point)).normalized();
+    const Vector3d far_a = on_a.farthest_along(direction), far_b = on_b.farthest_along(-direction);
+    const Vector3d difference = pose_a.linear() * far_a + offset - pose_b.linear() * far_b;
+    const double overlap = difference.dot(direction);
+    if (overlap < -error)
+      return {false, ShapesSeparated{direction}};
+    undecided.gap = distance * (1 + 0x1p-50);
+    undecided.simplex = simplex_of(simplex, on_a, on_b);
+    if (overlap + error < undecided.overlap) {
+      undecided.overlap = overlap + error;
+      undecided.direction = direction;
+    }
+    if (overlap <= error - distance)
+      break;
+    simplex.pairs[simplex.size++] = {on_a.add(far_a), on_b.add(far_b)};
+  }
+  return {true, undecided};
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,258 @@
+#include "fringe/scene_collision.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "../link_motion.hpp"
+#include "box_overlap.hpp"
+#include "convex_pieces.hpp"
+#include "convex_shape_data.hpp"
+
+namespace fringe {
+namespace {
+
+using detail::BoxTree;
+using detail::ConvexPieces;
+using Eigen::AlignedBox3d;
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+/// Poses may be rotations to 1e-9 only.
+constexpr double margin_of_boxes = 1e-8;
+
+OrientedBox moved(const OrientedBox& box, const Isometry3d& pose) {
+  return {pose * box.centre, box.axes * pose.linear().transpose(), box.half_widths};
+}
+
+OrientedBox moved(const AlignedBox3d& box, const Isometry3d& pose) {
+  return {pose * box.center(), pose.linear().transpose(), box.sizes() / 2};
+}
+
+AlignedBox3d enclosing(const OrientedBox& box) {
+  // Larger than the roundings of the centre and of the sum.
+  constexpr double rounding = 1e-14;
+  const Vector3d reach = box.axes.cwiseAbs().transpose() * box.half_widths;
+  const Vector3d margin = rounding * (box.centre.cwiseAbs() + reach);
+  return {box.centre - reach - margin, box.centre + reach + margin};
+}
+
+/// An object that can collide.
+struct Body {
+  std::size_t object;  ///< index in the scene
+  ConvexPieces pieces;
+  Isometry3d pose;  ///< in the world
+  OrientedBox box;  ///< in the world
+};
+
+/// Whether two bodies have a point in common, by the pieces whose boxes meet.
+class NarrowPhase {
+ public:
+  NarrowPhase(const Body& a, const Body& b, CollisionTests& tests) : a_(a), b_(b), tests_(tests) {}
+
+  bool meet() {
+    return !a_.pieces.tree.empty() && !b_.pieces.tree.empty() &&
+           (meet_below_roots() || is_within(a_, b_) || is_within(b_, a_));
+  }
+
+ private:
+  bool meet_below_roots() {
+    const BoxTree::Node& a = a_.pieces.tree.root();
+    const BoxTree::Node& b = b_.pieces.tree.root();
+    // The boxes of single pieces have been tried already.
+    return a.is_leaf() && b.is_leaf() ? meet(a, b) : meet_within(a, b);
+  }
+
+  /// Whether a body whose surface the other does not meet is inside of it.
+  bool is_within(const Body& inner, const Body& outer) {
+    if (!outer.pieces.bounds_volume)
+      return false;
+    ++tests_.narrow;
+    const detail::ConvexPiece& piece = inner.pieces.pieces.front();
+    const Vector3d point = inner.pose * piece.pose * Vector3d(piece.shape.data().support.middle);
+    return detail::encloses(outer.pieces, outer.pose.inverse(Eigen::Isometry) * point);
+  }
+
+  bool meet(const BoxTree::Node& leaf_a, const BoxTree::Node& leaf_b) {
+    ++tests_.narrow;
+    const detail::ConvexPiece& a = a_.pieces.pieces[leaf_a.item];
+    const detail::ConvexPiece& b = b_.pieces.pieces[leaf_b.item];
+    return intersect(a.shape, a_.pose * a.pose, b.shape, b_.pose * b.pose);
+  }
+
+  bool meet_within(const BoxTree::Node& a, const BoxTree::Node& b) {
+    ++tests_.broad;
+    if (!detail::overlap_within(moved(a.box, a_.pose), moved(b.box, b_.pose), margin_of_boxes))
+      return false;
+    if (a.is_leaf() && b.is_leaf())
+      return meet(a, b);
+    const bool open_a = b.is_leaf() || (!a.is_leaf() && a.box.diagonal().norm() >= b.box.diagonal().norm());
+    if (open_a)
+      return meet_within(a_.pieces.tree.left(a), b) || meet_within(a_.pieces.tree.right(a), b);
+    return meet_within(a, b_.pieces.tree.left(b)) || meet_within(a, b_.pieces.tree.right(b));
+  }
+
+  const Body& a_;
+  const Body& b_;
+  CollisionTests& tests_;
+};
+
+}  // namespace
+
+std::string_view to_string(PairStatus status) {
+  switch (status) {
+  case PairStatus::clear:
+    return "clear";
+  case PairStatus::bounds:
+    return "bounds";
+  case PairStatus::collision:
+    break;
+  }
+  return "collision";
+}
+
+bool can_collide(const Object& a, const Object& b) {
+  return a.collides && b.collides && (!a.link || a.link != b.link);
+}
+
+std::vector<ObjectPair> all_pairs(const SceneCollision& answer, const Scene& scene) {
+  std::vector<ObjectPair> pairs;
+  auto marked = answer.marked.begin();
+  for (std::size_t a = 0; a < scene.objects.size(); ++a)
+    for (std::size_t b = a + 1; b < scene.objects.size(); ++b) {
+      if (!can_collide(scene.objects[a], scene.objects[b]))
+        continue;
+      const bool is_marked = marked != answer.marked.end() && marked->a == a && marked->b == b;
+      pairs.push_back(is_marked ? *marked++ : ObjectPair{a, b, PairStatus::clear});
+    }
+  return pairs;
+}
+
+class CollisionDetector::Implementation {
+ public:
+  explicit Implementation(const Scene& scene) : objects_(scene.objects), motion_(scene.links) {
+    for (std::size_t i = 0; i < objects_.size(); ++i)
+      if (objects_[i].collides)
+        bodies_.push_back({i, detail::convex_pieces(objects_[i].shape), {}, {}});
+  }
+
+  void set_pose(std::string_view link, const Isometry3d& pose) { motion_.set_pose(link, pose); }
+
+  const SceneCollision& collide() {
+    answer_.tests = {};
+    motion_.update();
+    const std::vector<std::size_t> moved = move_bodies();
+    std::erase_if(marks_,
+                  [&](const auto& mark) { return can_have_changed(mark.first.first, mark.first.second); });
+    std::vector<bool> done(bodies_.size(), false);
+    for (const std::size_t body : moved) {
+      const AlignedBox3d box = tree_.leaf_of(body).box;
+      look_for_partners(body, box, tree_.root(), done);
+      done[body] = true;
+    }
+    motion_.settle();
+    is_first_ = false;
+    write_marks();
+    return answer_;
+  }
+
+ private:
+  std::optional<std::size_t> link_of(std::size_t body) const { return objects_[bodies_[body].object].link; }
+
+  bool can_have_changed(std::size_t a, std::size_t b) const {
+    return is_first_ || !motion_.rigid(link_of(a), link_of(b));
+  }
+
+  void place(Body& body) {
+    const Object& object = objects_[body.object];
+    body.pose = motion_.world_pose(object.link) * object.pose;
+    body.box = ::fringe::moved(body.pieces.box, body.pose);
+  }
+
+  /// The bodies that have moved; at first that is all of them.
+  std::vector<std::size_t> move_bodies() {
+    std::vector<std::size_t> moved;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      if (!is_first_ && motion_.rigid(link_of(i), std::nullopt))
+        continue;
+      place(bodies_[i]);
+      moved.push_back(i);
+      if (!is_first_)
+        tree_.move(i, enclosing(bodies_[i].box));
+    }
+    // What has moved apart makes for large nodes.
+    constexpr double worth_building_anew = 1.5;
+    if (is_first_ || tree_.cost() > worth_building_anew * cost_when_built_)
+      build_tree();
+    return moved;
+  }
+
+  void build_tree() {
+    std::vector<AlignedBox3d> boxes;
+    boxes.reserve(bodies_.size());
+    for (const Body& body : bodies_)
+      boxes.push_back(enclosing(body.box));
+    tree_ = BoxTree(boxes);
+    cost_when_built_ = tree_.cost();
+  }
+
+  /// Looks at the pairs of a body with those below a node that are not done.
+  void look_for_partners(std::size_t body, const AlignedBox3d& box, const BoxTree::Node& node,
+                         const std::vector<bool>& done) {
+    ++answer_.tests.broad;
+    if (!overlap(box, node.box))
+      return;
+    if (!node.is_leaf()) {
+      look_for_partners(body, box, tree_.left(node), done);
+      look_for_partners(body, box, tree_.right(node), done);
+      return;
+    }
+    const std::size_t other = node.item;
+    if (other != body && !done[other] && can_have_changed(body, other) &&
+        can_collide(objects_[bodies_[body].object], objects_[bodies_[other].object]))
+      look_at(std::min(body, other), std::max(body, other));
+  }
+
+  void look_at(std::size_t a, std::size_t b) {
+    ++answer_.tests.broad;
+    if (!detail::overlap_within(bodies_[a].box, bodies_[b].box, margin_of_boxes))
+      return;
+    const bool meet = NarrowPhase(bodies_[a], bodies_[b], answer_.tests).meet();
+    marks_[{a, b}] = meet ? PairStatus::collision : PairStatus::bounds;
+  }
+
+  void write_marks() {
+    answer_.marked.clear();
+    for (const auto& [pair, status] : marks_)
+      answer_.marked.push_back({bodies_[pair.first].object, bodies_[pair.second].object, status});
+  }
+
+  std::vector<Object> objects_;
+  detail::LinkMotion motion_;
+  std::vector<Body> bodies_;
+  BoxTree tree_;  ///< over the bodies' boxes in the world
+  double cost_when_built_ = 0;
+  std::map<std::pair<std::size_t, std::size_t>, PairStatus> marks_;  ///< by the indices of bodies
+  bool is_first_ = true;
+  SceneCollision answer_;
+};
+
+CollisionDetector::CollisionDetector(const Scene& scene)
+    : implementation_(std::make_unique<Implementation>(scene)) {}
+CollisionDetector::~CollisionDetector() = default;
+CollisionDetector::CollisionDetector(CollisionDetector&&) noexcept = default;
+CollisionDetector& CollisionDetector::operator=(CollisionDetector&&) noexcept = default;
+
+void CollisionDetector::set_pose(std::string_view link, const Isometry3d& pose) {
+  implementation_->set_pose(link, pose);
+}
+
+const SceneCollision& CollisionDetector::collide() {
+  return implementation_->collide();
+}
+
+SceneCollision collide(const Scene& scene) {
+  return CollisionDetector(scene).collide();
+}
+
+}  // namespace fringe

@@ -1,0 +1,106 @@
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "convex_shape_data.hpp"
+#include "exact_search.hpp"
+#include "fringe/convex_shape.hpp"
+#include "fringe/error.hpp"
+#include "round_search.hpp"
+
+namespace fringe {
+namespace {
+
+using detail::ConvexShapeData;
+using detail::PlacedShape;
+using detail::QuickAnswer;
+using detail::Verdict;
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+PlacedShape placed(const ConvexShape& shape, const Isometry3d& pose) {
+  return {&shape.data().support, pose.data()};
+}
+
+PointSimplex simplex_of(const QuickAnswer& answer) {
+  PointSimplex simplex;
+  for (int i = 0; i < answer.size; ++i)
+    simplex.pairs[simplex.size++] = {Vector3d(answer.pairs[i].on_a), Vector3d(answer.pairs[i].on_b)};
+  return simplex;
+}
+
+PointSimplex simplex_of(const PairSimplex& pairs, const ConvexShapeData& a, const ConvexShapeData& b) {
+  PointSimplex simplex;
+  for (std::size_t i = 0; i < pairs.size; ++i)
+    simplex.pairs[simplex.size++] = {a.vertices[pairs.pairs[i].a], b.vertices[pairs.pairs[i].b]};
+  return simplex;
+}
+
+PairSimplex pairs_of(const QuickAnswer& answer) {
+  PairSimplex simplex;
+  for (int i = 0; i < answer.size; ++i)
+    simplex.pairs[simplex.size++] = {answer.pairs[i].a, answer.pairs[i].b};
+  return simplex;
+}
+
+std::vector<Vector3d> moved(const std::vector<Vector3d>& vertices, const Isometry3d& pose,
+                            const Vector3d& offset) {
+  std::vector<Vector3d> result;
+  result.reserve(vertices.size());
+  for (const Vector3d& vertex : vertices)
+    result.emplace_back(pose.linear() * vertex + offset);
+  return result;
+}
+
+/// Two flat shapes, decided in integers.
+ShapeAnswer decide_exactly(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b,
+                           const Isometry3d& pose_b, const PairSimplex& start) {
+  const Vector3d offset = pose_a.translation() - pose_b.translation();
+  const std::vector<Vector3d> on_a = moved(a.data().vertices, pose_a, offset),
+                              on_b = moved(b.data().vertices, pose_b, Vector3d::Zero());
+  // Four roundings of what is at most the extent, and those of the sums.
+  constexpr double coordinate_error = 8;
+  const detail::HullPair rounded{on_a, on_b, Vector3d::Zero(),
+                                 offset.lpNorm<1>() + a.data().support.reach + b.data().support.reach,
+                                 coordinate_error};
+  const detail::ExactHulls exact =
+      detail::exact_hulls(rounded, detail::ExactVertices(a.data().vertices, pose_a),
+                          detail::ExactVertices(b.data().vertices, pose_b));
+  const detail::ExactNearest nearest = detail::exact_search(exact, start, detail::Goal::decision);
+  const PointSimplex simplex = simplex_of(nearest.simplex, a.data(), b.data());
+  if (detail::dot(nearest.point, nearest.point).is_zero())
+    return {true, ShapesMeet{simplex}};
+  const Vector3d direction = detail::direction_of(detail::negated(nearest.point));
+  if (detail::separates(exact, direction))
+    return {false, ShapesSeparated{direction}};
+  return {false, ShapesSeparatedBySimplex{simplex}};
+}
+
+}  // namespace
+
+bool intersect(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b,
+               const Isometry3d& pose_b) {
+  const Verdict verdict = detail::best_search().decide(placed(a, pose_a), placed(b, pose_b));
+  if (verdict != Verdict::undecided)
+    return verdict == Verdict::intersecting;
+  return gjk_intersects(a, pose_a, b, pose_b).intersects;
+}
+
+ShapeAnswer gjk_intersects(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b,
+                           const Isometry3d& pose_b) {
+  if (!pose_a.matrix().allFinite() || !pose_b.matrix().allFinite())
+    throw InputError("a pose must be finite");
+  QuickAnswer answer;
+  detail::best_search().prove(placed(a, pose_a), placed(b, pose_b), answer);
+  if (answer.verdict == Verdict::disjoint)
+    return {false, ShapesSeparated{Vector3d(answer.direction)}};
+  // A simplex of points that are rounded to the surface is no proof yet.
+  if (a.is_round() || b.is_round())
+    return detail::round_search(a, pose_a, b, pose_b, simplex_of(answer));
+  if (answer.verdict == Verdict::intersecting)
+    return {true, ShapesMeet{simplex_of(answer)}};
+  return decide_exactly(a, pose_a, b, pose_b, pairs_of(answer));
+}
+
+}  // namespace fringe

@@ -1,0 +1,256 @@
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "collision/convex_shape_data.hpp"
+#include "collision/quick_search.hpp"
+#include "fringe/convex_shape.hpp"
+#include "fringe/error.hpp"
+#include "fringe/gjk.hpp"
+#include "shape_pairs.hpp"
+
+namespace fringe {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using test::Points;
+using test::Random;
+
+Isometry3d moved_by(const Vector3d& translation) {
+  return Isometry3d(Eigen::Translation3d(translation));
+}
+
+/// A shape of any kind, its sizes from 0.2 to 1.
+ConvexShape any_primitive(Random& random) {
+  const auto length = [&] { return random.uniform(0.2, 1); };
+  switch (test::below(random, 7)) {
+  case 0:
+    return ConvexShape::cuboid({length(), length(), length()});
+  case 1:
+    return ConvexShape::cuboid({length(), length(), 0});
+  case 2:
+    return ConvexShape::ball(length());
+  case 3:
+    return ConvexShape::cylinder(length(), length());
+  case 4:
+    return ConvexShape::cone(length(), length());
+  case 5: {
+    const double inner = length();
+    return ConvexShape::arc_piece(inner, inner + length(), length(), random.uniform(1, 170));
+  }
+  default:
+    return ConvexShape::hull(test::any_shape(random, 60));
+  }
+}
+
+/// The answer, proven.
+bool meet(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b, const Isometry3d& pose_b) {
+  const ShapeAnswer answer = gjk_intersects(a, pose_a, b, pose_b);
+  EXPECT_TRUE(proves(answer, a, pose_a, b, pose_b)) << answer.certificate.index();
+  EXPECT_EQ(intersect(a, pose_a, b, pose_b), answer.intersects);
+  return answer.intersects;
+}
+
+bool undecided(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b,
+               const Isometry3d& pose_b) {
+  const ShapeAnswer answer = gjk_intersects(a, pose_a, b, pose_b);
+  EXPECT_TRUE(proves(answer, a, pose_a, b, pose_b));
+  return std::holds_alternative<ShapesUndecided>(answer.certificate);
+}
+
+class HullsOnClass : public testing::TestWithParam<test::PairClass> {};
+
+TEST_P(HullsOnClass, AnswerAsTheirVerticesDo) {
+  Random random(11);
+  for (int i = 0; i < 300; ++i) {
+    const auto [a, b] = GetParam().make(random);
+    const bool expected = gjk_intersects(a, b).intersects;
+    const ConvexShape hull_a = ConvexShape::hull(a), hull_b = ConvexShape::hull(b);
+    ASSERT_EQ(meet(hull_a, Isometry3d::Identity(), hull_b, Isometry3d::Identity()), expected) << "pair " << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Pairs, HullsOnClass,
+                         testing::ValuesIn(test::pair_classes().begin(), test::pair_classes().end()),
+                         [](const auto& instance) { return instance.param.name; });
+
+TEST(ConvexShapes, OfEveryKindProveTheirAnswersInAnyPose) {
+  Random random(12);
+  int meeting = 0;
+  constexpr int pairs = 4000;
+  for (int i = 0; i < pairs; ++i) {
+    const ConvexShape a = any_primitive(random), b = any_primitive(random);
+    const Isometry3d pose_a = random.rigid_motion();
+    const Isometry3d pose_b = random.rigid_motion();
+    const ShapeAnswer answer = gjk_intersects(a, pose_a, b, pose_b);
+    ASSERT_TRUE(proves(answer, a, pose_a, b, pose_b)) << "pair " << i;
+    ASSERT_FALSE(std::holds_alternative<ShapesUndecided>(answer.certificate)) << "pair " << i;
+    ASSERT_EQ(intersect(a, pose_a, b, pose_b), answer.intersects) << "pair " << i;
+    ASSERT_EQ(intersect(b, pose_b, a, pose_a), answer.intersects) << "pair " << i;
+    meeting += answer.intersects;
+  }
+  EXPECT_GT(meeting, pairs / 5);
+  EXPECT_LT(meeting, pairs * 4 / 5);
+}
+
+TEST(ConvexShapes, AreTheSameForEveryInstructionSet) {
+  Random random(13);
+  for (int i = 0; i < 4000; ++i) {
+    const ConvexShape a = any_primitive(random), b = any_primitive(random);
+    const Isometry3d pose_a = random.rigid_motion();
+    const Isometry3d pose_b = moved_by(random.in_box({-1, -1, -1}, {1, 1, 1})) * random.rigid_motion();
+    const bool expected = gjk_intersects(a, pose_a, b, pose_b).intersects;
+    for (const detail::QuickSearch* search : detail::available_searches()) {
+      const detail::Verdict verdict =
+          search->decide({&a.data().support, pose_a.data()}, {&b.data().support, pose_b.data()});
+      if (verdict == detail::Verdict::undecided)
+        continue;
+      ASSERT_EQ(verdict == detail::Verdict::intersecting, expected)
+          << "pair " << i << ", " << search->instruction_set;
+    }
+  }
+}
+
+/// Gaps and overlaps of known sizes along z, between shapes whose poles or faces meet there.
+TEST(ConvexShapes, WithRoundSurfacesDecideDownToRounding) {
+  const std::vector<ConvexShape> shapes{ConvexShape::ball(0.5), ConvexShape::cylinder(0.3, 1),
+                                        ConvexShape::cone(0.4, 1), ConvexShape::cuboid({1, 2, 1}),
+                                        ConvexShape::arc_piece(0, 0.6, 1, 80)};
+  Random random(14);
+  for (const ConvexShape& a : shapes)
+    for (const ConvexShape& b : shapes) {
+      const Isometry3d turn = random.rigid_motion();
+      for (const double share : {1e-3, 1e-6, 1e-9, 1e-12}) {
+        // Both reach half a metre along z; only the cone's apex is no more than a point.
+        EXPECT_FALSE(meet(a, turn, b, turn * moved_by({0, 0, 1 + share}))) << share;
+        EXPECT_TRUE(meet(a, turn, b, turn * moved_by({0, 0, 1 - share}))) << share;
+      }
+    }
+}
+
+TEST(ConvexShapes, SayWhenRoundingHidesTheAnswer) {
+  const ConvexShape ball = ConvexShape::ball(0.5), cylinder = ConvexShape::cylinder(0.25, 1);
+  const Isometry3d turn = Random(15).rigid_motion();
+  const Isometry3d beside =
+      turn * moved_by({0.6, 0.45, 0});  // exactly 0.75 away, but for the pose's rounding
+  EXPECT_TRUE(undecided(ball, turn, cylinder, beside));
+  EXPECT_TRUE(intersect(ball, turn, cylinder, beside));
+  const ShapeAnswer answer = gjk_intersects(ball, turn, cylinder, beside);
+  const auto& certificate = std::get<ShapesUndecided>(answer.certificate);
+  EXPECT_LT(certificate.gap, 1e-12);
+  EXPECT_LT(certificate.overlap, 1e-12);
+  // No better is claimed than what holds.
+  ShapeAnswer bolder = answer;
+  std::get<ShapesUndecided>(bolder.certificate).overlap = -1e-12;
+  EXPECT_FALSE(proves(bolder, ball, turn, cylinder, beside));
+  bolder = answer;
+  std::get<ShapesUndecided>(bolder.certificate).simplex.pairs[0].a.x() += 1;
+  EXPECT_FALSE(proves(bolder, ball, turn, cylinder, beside));
+}
+
+TEST(ConvexShapes, WithFlatSurfacesAreExactForTheNumbersOfTheirPoses) {
+  // Squares turned by 45 degrees whose corners meet: the rounded matrix decides, and it is decided.
+  const ConvexShape cube = ConvexShape::cuboid({1, 1, 1});
+  Isometry3d turned = Isometry3d::Identity();
+  turned.rotate(Eigen::AngleAxisd(std::acos(-1) / 4, Vector3d::UnitZ()));
+  const double corner = 0.5 + turned.linear()(0, 0) * 0.5 + std::abs(turned.linear()(0, 1)) * 0.5;
+  for (const double offset : {std::nextafter(corner, 0.0), corner, std::nextafter(corner, 2.0)}) {
+    turned.translation().x() = offset;
+    meet(cube, Isometry3d::Identity(), cube, turned);
+  }
+  EXPECT_TRUE(meet(cube, Isometry3d::Identity(), cube, moved_by({1, 0.5, 0})));
+  EXPECT_FALSE(meet(cube, Isometry3d::Identity(), cube, moved_by({std::nextafter(1.0, 2.0), 0.5, 0})));
+  EXPECT_TRUE(meet(cube, moved_by({1e6, 0, 0}), cube, moved_by({1e6 + 1, 0, 0})));
+  EXPECT_FALSE(meet(cube, moved_by({1e6, 0, 0}), cube, moved_by({1e6 + 1.0000001, 0, 0})));
+}
+
+TEST(ConvexShapes, KeepTheirAnswerInAnyUnitOfLength) {
+  for (const int exponent : {-500, -160, -20, 20, 160, 500}) {
+    const double unit = std::ldexp(1.0, exponent);
+    const ConvexShape ball = ConvexShape::ball(unit), cube = ConvexShape::cuboid({unit, unit, unit});
+    for (const double distance : {1.25, 1.75}) {
+      const Isometry3d away = moved_by({distance * unit, 0, 0});
+      EXPECT_EQ(intersect(ball, Isometry3d::Identity(), cube, away), distance < 1.5) << exponent;
+      EXPECT_EQ(intersect(cube, Isometry3d::Identity(), cube, away), distance < 1) << exponent;
+    }
+  }
+}
+
+TEST(ConvexShapes, OfManyVerticesHaveTheirFarthestOnesInEveryCell) {
+  // Points on a ball, in a flat disc, along a segment, each twice; directions anywhere and along cell
+  // borders.
+  Random random(17);
+  for (const Vector3d& extent : {Vector3d(1, 1, 1), Vector3d(1, 1, 0), Vector3d(0, 0, 1)}) {
+    Points points;
+    for (int i = 0; i < 600; ++i) {
+      points.emplace_back(random.in_box({-1, -1, -1}, {1, 1, 1}).normalized().cwiseProduct(extent));
+      points.push_back(points.back());
+    }
+    const ConvexShape hull = ConvexShape::hull(points);
+    ASSERT_GT(hull.data().cells.resolution, 1);
+    for (int i = 0; i < 20000; ++i) {
+      Vector3d direction = random.in_box({-1, -1, -1}, {1, 1, 1});
+      if (i % 2 == 0)
+        for (double& coordinate : direction)
+          coordinate = std::round(coordinate * 4) / 4;
+      if (direction.isZero())
+        continue;
+      Vector3d found;
+      detail::best_search().support(hull.data().support, direction.data(), found.data());
+      double highest = -std::numeric_limits<double>::infinity();
+      for (const Vector3d& point : points)
+        highest = std::max(highest, point.dot(direction));
+      ASSERT_GE(found.dot(direction), highest - 1e-15) << direction.transpose();
+    }
+  }
+}
+
+TEST(ConvexShapes, WithoutExtentAreFound) {
+  const Isometry3d here = Isometry3d::Identity();
+  const ConvexShape point = ConvexShape::hull(Points{{0, 0, 0}}), ball = ConvexShape::ball(1);
+  EXPECT_TRUE(meet(point, here, ball, here));
+  EXPECT_TRUE(meet(point, here, point, here));
+  EXPECT_TRUE(meet(ball, here, ball, here));
+  EXPECT_FALSE(meet(point, here, ball, moved_by({0, 1.5, 0})));
+  EXPECT_TRUE(meet(ConvexShape::ball(0), here, ConvexShape::cylinder(0, 1), moved_by({0, 0, 0.25})));
+}
+
+TEST(ConvexShapes, NameWhatIsWrong) {
+  Random random(16);
+  const auto message = [](auto make) -> std::string {
+    try {
+      make();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  EXPECT_EQ(message([] { return ConvexShape::hull({}); }), "a hull needs a vertex");
+  EXPECT_EQ(message([] {
+              return ConvexShape::hull(Points{{0, 0, 0}, {0, NAN, 0}});
+            }),
+            "vertex 1 is not finite");
+  for (const bool turned : {false, true}) {
+    Isometry3d nowhere = Isometry3d::Identity();
+    (turned ? nowhere.linear()(1, 2) : nowhere.translation().x()) = NAN;
+    const ConvexShape many = ConvexShape::hull(test::any_shape(random, 1000)),
+                      cube = ConvexShape::cuboid({1, 1, 1});
+    for (const ConvexShape& shape : {many, cube})
+      EXPECT_EQ(message([&] { return intersect(shape, nowhere, cube, Isometry3d::Identity()); }),
+                "a pose must be finite");
+  }
+  EXPECT_EQ(message([] { return ConvexShape::ball(-1); }),
+            "the radius of a ball must be finite and not negative, not -1");
+  EXPECT_EQ(message([] { return ConvexShape::arc_piece(1, 2, 1, 180); }),
+            "a convex piece of an arc takes 0 < degrees < 180, not 180");
+  EXPECT_EQ(message([] { return ConvexShape::arc_piece(2, 1, 1, 20); }),
+            "the inner radius of an arc must not be above the outer one");
+}
+
+}  // namespace
+}  // namespace fringe

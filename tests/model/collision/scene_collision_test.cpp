@@ -1,0 +1,204 @@
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fringe/error.hpp"
+#include "fringe/gjk.hpp"
+#include "fringe/pose.hpp"
+#include "fringe/scene_collision.hpp"
+#include "fringe/triangulation.hpp"
+#include "shape_pairs.hpp"
+
+namespace fringe {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using test::Random;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+Isometry3d moved_by(double x, double y, double z) {
+  return Isometry3d(Eigen::Translation3d(x, y, z));
+}
+
+const Shape cube = Cuboid{1, 1, 1};
+
+Object object(const std::string& name, const Shape& shape, const Isometry3d& pose = Isometry3d::Identity()) {
+  return {.name = name, .link = std::nullopt, .shape = shape, .pose = pose};
+}
+
+PairStatus status_of(const Shape& a, const Shape& b, const Isometry3d& pose_b) {
+  Scene scene;
+  scene.objects = {object("a", a), object("b", b, pose_b)};
+  return all_pairs(collide(scene), scene).at(0).status;
+}
+
+TEST(Collide, TellsClearBoundsAndCollisionApart) {
+  EXPECT_EQ(status_of(cube, cube, moved_by(2, 0, 0)), PairStatus::clear);
+  EXPECT_EQ(status_of(cube, cube, moved_by(0.9, 0, 0)), PairStatus::collision);
+  // A ball in the corner of the other's box.
+  EXPECT_EQ(status_of(Sphere{1, 12}, Sphere{1, 12}, moved_by(1.9, 1.9, 0)), PairStatus::bounds);
+}
+
+TEST(Collide, CountsTouching) {
+  EXPECT_EQ(status_of(cube, cube, moved_by(1, 0.25, 0)), PairStatus::collision);
+  EXPECT_EQ(status_of(cube, cube, moved_by(std::nextafter(1.0, 2.0), 0.25, 0)), PairStatus::bounds);
+  EXPECT_EQ(status_of(cube, Plate{1, 1}, moved_by(0, 0, 0.5)), PairStatus::collision);
+}
+
+TEST(Collide, TakesRoundShapesForRound) {
+  // Six segments reach 0.87 of the radius midway between them; the shape reaches all of it.
+  const Isometry3d half_a_segment = pose_from_axis({0, 0, 1}, 30, {1.98, 0, 0});
+  EXPECT_EQ(status_of(Cylinder{1, 1, 6}, Cylinder{1, 1, 6}, half_a_segment), PairStatus::collision);
+}
+
+TEST(Collide, LooksIntoConcaveShapes) {
+  const Shape arc = Arc{1, 1.2, 1, 270, 27};
+  EXPECT_EQ(status_of(arc, Sphere{0.9, 12}, Isometry3d::Identity()), PairStatus::bounds);
+  EXPECT_EQ(status_of(arc, Sphere{0.9, 12}, moved_by(0.15, 0, 0)), PairStatus::collision);
+  // Out through the gap.
+  EXPECT_EQ(status_of(arc, Sphere{0.6, 12}, moved_by(-1, 0, 0)), PairStatus::bounds);
+}
+
+TEST(Collide, LooksAtTheSurfaceOfMeshes) {
+  const Shape mesh = Mesh{"", 1, triangulate(Arc{1, 1.2, 1, 270, 27})};
+  EXPECT_EQ(status_of(mesh, Sphere{0.9, 12}, Isometry3d::Identity()), PairStatus::bounds);
+  EXPECT_EQ(status_of(mesh, Sphere{0.9, 12}, moved_by(0.15, 0, 0)), PairStatus::collision);
+  EXPECT_EQ(status_of(mesh, mesh, moved_by(0, 0, 1.01)), PairStatus::clear);
+  EXPECT_EQ(status_of(mesh, mesh, moved_by(0, 0, 0.99)), PairStatus::collision);
+}
+
+TEST(Collide, FindsWhatIsInsideOfAClosedMesh) {
+  std::vector<Triangle> triangles = triangulate(cube);
+  const Shape closed = Mesh{"", 1, triangles};
+  triangles.pop_back();
+  const Shape open = Mesh{"", 1, triangles};
+  const Shape small = Mesh{"", 1, triangulate(Sphere{0.1, 8})};
+  EXPECT_EQ(status_of(closed, Sphere{0.1, 8}, moved_by(0.2, 0, 0)), PairStatus::collision);
+  EXPECT_EQ(status_of(small, closed, moved_by(0.2, 0, 0)), PairStatus::collision);
+  EXPECT_EQ(status_of(open, Sphere{0.1, 8}, moved_by(0.2, 0, 0)), PairStatus::bounds);
+}
+
+/// Two links and the world, a cube in the same place on each.
+Scene three_cubes() {
+  Scene scene;
+  scene.links = {{"left", std::nullopt}, {"right", std::nullopt}};
+  scene.objects = {object("a", cube), object("b", cube), object("c", cube)};
+  scene.objects[0].link = 0;
+  scene.objects[1].link = 1;
+  return scene;
+}
+
+TEST(Collide, LeavesOutObjectsOfOneLinkAndThoseThatDoNotCollide) {
+  Scene scene = three_cubes();
+  EXPECT_THAT(collide(scene).marked, SizeIs(3));
+  scene.objects[1].link = 0;
+  EXPECT_THAT(collide(scene).marked, SizeIs(2));
+  scene.objects[2].collides = false;
+  EXPECT_THAT(all_pairs(collide(scene), scene), IsEmpty());
+}
+
+TEST(CollisionDetector, LooksOnlyAtWhatMoved) {
+  const Scene scene = three_cubes();
+  CollisionDetector detector(scene);
+  EXPECT_EQ(detector.collide().tests.narrow, 3U);
+  EXPECT_EQ(detector.collide().tests.broad, 0U);
+  detector.set_pose("left", moved_by(0.5, 0, 0));
+  EXPECT_EQ(detector.collide().tests.narrow, 2U);
+  EXPECT_THAT(detector.collide().marked, SizeIs(3));
+  detector.set_pose("left", moved_by(5, 0, 0));
+  EXPECT_EQ(detector.collide().tests.narrow, 0U);
+  EXPECT_THAT(detector.collide().marked, SizeIs(1));
+  EXPECT_THROW(detector.set_pose("middle", moved_by(0, 0, 0)), InputError);
+}
+
+/// Shapes without round surfaces, whose triangles tell by all pairs whether they meet.
+Shape any_flat_shape(Random& random) {
+  const auto size = [&] { return random.uniform(0.1, 0.6); };
+  if (test::below(random, 3) == 0)
+    return Plate{size(), size()};
+  if (test::below(random, 2) == 0)
+    return Cuboid{size(), size(), size()};
+  return Mesh{"", 1, triangulate(Cone{size(), size(), 5})};
+}
+
+bool solid(const Shape& shape) {
+  return !std::holds_alternative<Plate>(shape);
+}
+
+/// By all pairs of triangles of plates and all vertices of the others, which are convex and solid.
+bool surfaces_meet(const Object& a, const Isometry3d& pose_a, const Object& b, const Isometry3d& pose_b) {
+  std::array<std::vector<std::vector<Vector3d>>, 2> parts;
+  std::size_t side = 0;
+  for (const auto& [form, pose] : {std::pair(&a, pose_a), std::pair(&b, pose_b)}) {
+    std::vector<Vector3d> all;
+    for (const Triangle& triangle : triangulate(form->shape)) {
+      std::vector<Vector3d> corners;
+      for (const Vector3d& corner : triangle)
+        corners.emplace_back(pose * corner);
+      all.insert(all.end(), corners.begin(), corners.end());
+      if (!solid(form->shape))
+        parts[side].push_back(corners);
+    }
+    if (solid(form->shape))
+      parts[side].push_back(all);
+    ++side;
+  }
+  for (const auto& on_a : parts[0])
+    for (const auto& on_b : parts[1])
+      if (gjk_intersects(on_a, on_b).intersects)
+        return true;
+  return false;
+}
+
+TEST(CollisionDetector, FindsWhatAllPairsOfTrianglesShowWhileLinksMove) {
+  Random random(5);
+  constexpr std::size_t link_count = 30, objects_per_link = 2;
+  Scene scene;
+  for (std::size_t i = 0; i < link_count; ++i) {
+    std::optional<std::size_t> parent;
+    if (i > 0 && test::below(random, 3) == 0)
+      parent = test::below(random, i);
+    scene.links.push_back({"link " + std::to_string(i), parent, random.rigid_motion()});
+    for (std::size_t k = 0; k < objects_per_link; ++k) {
+      scene.objects.push_back(
+          object(std::to_string(i) + "," + std::to_string(k), any_flat_shape(random), random.rigid_motion()));
+      scene.objects.back().link = i;
+    }
+  }
+  CollisionDetector detector(scene);
+  int collisions = 0, bounds = 0;
+  for (int frame = 0; frame < 6; ++frame) {
+    const SceneCollision answer = detector.collide();
+    std::map<std::pair<std::size_t, std::size_t>, PairStatus> found;
+    for (const ObjectPair& pair : all_pairs(answer, scene))
+      found[{pair.a, pair.b}] = pair.status;
+    const std::vector<Isometry3d> links = world_poses(scene.links);
+    for (const auto& [pair, status] : found) {
+      const Object& a = scene.objects[pair.first];
+      const Object& b = scene.objects[pair.second];
+      const bool meet = surfaces_meet(a, attachment_pose(links, a.link) * a.pose, b,
+                                      attachment_pose(links, b.link) * b.pose);
+      ASSERT_EQ(status == PairStatus::collision, meet) << frame << ": " << a.name << " and " << b.name;
+      collisions += meet;
+      bounds += status == PairStatus::bounds;
+    }
+    for (int moves = 0; moves < 4; ++moves) {
+      const std::string& link = scene.links[test::below(random, link_count)].name;
+      const Isometry3d pose = random.rigid_motion();
+      set_pose(scene, link, pose);
+      detector.set_pose(link, pose);
+    }
+  }
+  EXPECT_GT(collisions, 100);
+  EXPECT_GT(bounds, 50);
+}
+
+}  // namespace
+}  // namespace fringe

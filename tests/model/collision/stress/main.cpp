@@ -1,0 +1,124 @@
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "collision/convex_shape_data.hpp"
+#include "collision/quick_search.hpp"
+#include "fringe/convex_shape.hpp"
+#include "fringe/gjk.hpp"
+#include "linear_programme.hpp"
+#include "shape_pairs.hpp"
+
+/// The stress program of collision queries: random pairs of every class, in units of length from 2^−150 to
+/// 2^150, against linear programming in integers. Every way to ask is asked, and every certificate is
+/// checked.
+namespace fringe::test {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+struct Tally {
+  std::size_t pairs = 0;
+  std::size_t intersecting = 0;
+  std::size_t wrong = 0;     ///< answers of any of the ways to ask
+  std::size_t unproven = 0;  ///< certificates that prove nothing
+  std::size_t close = 0;     ///< pairs that the quick search left to exact arithmetic
+  std::size_t thesis_wrong = 0;
+  std::size_t thesis_endless = 0;
+};
+
+/// A pair of a class in some unit of length.
+ShapePair in_some_unit(const PairClass& pair_class, Random& random) {
+  const ShapePair pair = pair_class.make(random);
+  constexpr std::size_t largest_exponent = 150;
+  const int exponent = below(random, 2) == 0 ? 0
+                                             : static_cast<int>(below(random, 2 * largest_exponent + 1)) -
+                                                   static_cast<int>(largest_exponent);
+  return placed(pair, std::ldexp(1.0, exponent), Vector3d::Zero());
+}
+
+void count_hulls(const ShapePair& pair, bool truth, Tally& tally) {
+  const ConvexShape a = ConvexShape::hull(pair.a), b = ConvexShape::hull(pair.b);
+  const Isometry3d here = Isometry3d::Identity();
+  const ShapeAnswer answer = gjk_intersects(a, here, b, here);
+  tally.wrong += answer.intersects != truth || intersect(a, here, b, here) != truth ? 1U : 0U;
+  tally.unproven += proves(answer, a, here, b, here) ? 0U : 1U;
+  for (const detail::QuickSearch* search : detail::available_searches()) {
+    const detail::Verdict verdict =
+        search->decide({&a.data().support, here.data()}, {&b.data().support, here.data()});
+    if (verdict == detail::Verdict::undecided)
+      tally.close += search == &detail::best_search() ? 1U : 0U;
+    else
+      tally.wrong += (verdict == detail::Verdict::intersecting) != truth ? 1U : 0U;
+  }
+}
+
+/// Moved hulls have no vertices in doubles for the oracle, but certificates that say whether they are right.
+void count_moved_hulls(const ShapePair& pair, Random& random, Tally& tally) {
+  const ConvexShape a = ConvexShape::hull(pair.a), b = ConvexShape::hull(pair.b);
+  const Isometry3d pose_a = random.rigid_motion(), pose_b = random.rigid_motion();
+  const ShapeAnswer answer = gjk_intersects(a, pose_a, b, pose_b);
+  tally.wrong += intersect(a, pose_a, b, pose_b) != answer.intersects ? 1U : 0U;
+  tally.unproven += proves(answer, a, pose_a, b, pose_b) ? 0U : 1U;
+}
+
+Tally run(const PairClass& pair_class, std::size_t pairs, std::uint64_t seed) {
+  Random random(seed);
+  Tally tally;
+  for (; tally.pairs < pairs; ++tally.pairs) {
+    const ShapePair pair = in_some_unit(pair_class, random);
+    const bool truth = hulls_intersect(pair.a, pair.b);
+    const GjkAnswer answer = gjk_intersects(pair.a, pair.b);
+    tally.intersecting += truth ? 1U : 0U;
+    tally.wrong += answer.intersects != truth ? 1U : 0U;
+    tally.unproven += proves(answer, pair.a, pair.b) ? 0U : 1U;
+    count_hulls(pair, truth, tally);
+    // One in ten: rational numbers with rotations take their time.
+    constexpr std::size_t share_of_moved = 10;
+    if (tally.pairs % share_of_moved == 0)
+      count_moved_hulls(pair, random, tally);
+    const std::optional<bool> thesis = thesis_gjk_intersects(pair.a, pair.b, 200);
+    tally.thesis_endless += thesis ? 0U : 1U;
+    tally.thesis_wrong += thesis && *thesis != truth ? 1U : 0U;
+  }
+  return tally;
+}
+
+int run_all(std::size_t count, std::uint64_t seed) {
+  fmt::print("{:<20} {:>9} {:>12} {:>6} {:>9} {:>9} {:>12} {:>14}\n", "class", "pairs", "intersecting",
+             "wrong", "unproven", "close", "thesis wrong", "thesis endless");
+  std::size_t failures = 0;
+  for (const PairClass& pair_class : pair_classes()) {
+    const Tally tally = run(pair_class, count / pair_classes().size(), seed++);
+    fmt::print("{:<20} {:>9} {:>12} {:>6} {:>9} {:>9} {:>12} {:>14}\n", pair_class.name, tally.pairs,
+               tally.intersecting, tally.wrong, tally.unproven, tally.close, tally.thesis_wrong,
+               tally.thesis_endless);
+    std::fflush(stdout);
+    failures += tally.wrong + tally.unproven;
+  }
+  return failures == 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace fringe::test
+
+int main(int argument_count, char** arguments) {
+  CLI::App program("Random pairs of convex shapes against exact arithmetic");
+  std::size_t count = 1'000'000;
+  std::uint64_t seed = 1;
+  program.add_option("--count", count, "How many pairs, all classes together")->capture_default_str();
+  program.add_option("--seed", seed)->capture_default_str();
+  CLI11_PARSE(program, argument_count, arguments);
+  try {
+    return fringe::test::run_all(count, seed);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "collision_stress: {}\n", error.what());
+    return 1;
+  }
+}
