@@ -86,7 +86,7 @@ std::vector<Face> faces_of(const py::array_t<std::int64_t, py::array::c_style>& 
 std::optional<bool> gjk_intersects_of(const Array& a, const Array& b, const std::string& method) {
   const std::vector<Eigen::Vector3d> hull_a = vertices_of(a, "a"), hull_b = vertices_of(b, "b");
   if (method != "exact" && method != "thesis")
-    throw InputError(fmt::format("method must be \"exact\" or \"thesis\", not \"{}\"", method));
+    throw InputError(fmt::format(R"(method must be "exact" or "thesis", not "{}")", method));
   const py::gil_scoped_release unlocked;
   if (method == "thesis")
     return thesis_gjk_intersects(hull_a, hull_b);
