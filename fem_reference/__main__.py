@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import io
 import logging
 import math
 import os
@@ -107,7 +108,7 @@ def main(arguments: list[str] | None = None) -> int:
 
     # Every process runs all of this, and comes to the same end; one of them says so.
     is_first = MPI.COMM_WORLD.rank == 0
-    told = sys.stderr if is_first else open(os.devnull, "w", encoding="utf-8")
+    told = sys.stderr if is_first else io.StringIO()
     try:
         alone = [
             ("--slice", options.slice),

@@ -28,7 +28,7 @@ ErrorKind = Literal["enclosure", "estimate"]
 
 LEVELS_BEFORE_CHECK = 3
 """The ratio of two differences takes three levels: with fewer no accuracy counts as reached."""
-MOST_LEVELS = 7
+MOST_LEVELS = 6
 GROWTH_OF_TIME = 3.2
 """Time of a level over that of the one before, somewhat above the largest ratio met in the default study (2.9)."""
 GROWTH_OF_UNKNOWNS = 2.4
