@@ -72,6 +72,14 @@ def test_zip_walks_through_the_lists_together() -> None:
     assert list(zip(values(cases, "gap"), values(cases, "height"))) == [(0.01, 0.3), (0.02, 0.4)]
 
 
+def test_errors_are_estimated_unless_enclosures_are_asked_for() -> None:
+    assert study.loads(HEAD + SWEEP).error == "estimate"
+    asked = HEAD.replace("max_seconds = 60", 'max_seconds = 60\nerror = "enclosure"')
+    assert study.loads(asked + SWEEP).error == "enclosure"
+    with pytest.raises(InputError, match="reference.error.*estimate, enclosure.*guess"):
+        study.loads(asked.replace("enclosure", "guess") + SWEEP)
+
+
 def test_ranges() -> None:
     linear = values(expand(SWEEP.replace("0.02", "{ linspace = [0.01, 0.03, 3] }")), "gap")
     assert linear == pytest.approx([0.01, 0.02, 0.03])
@@ -155,7 +163,7 @@ def test_a_study_is_found_by_name_or_by_path(tmp_path: Path) -> None:
     own = tmp_path / "own.toml"
     own.write_text(HEAD + SWEEP)
     assert study.find(str(own)) == own
-    with pytest.raises(InputError, match="one of the studies here: default, smoke"):
+    with pytest.raises(InputError, match="one of the studies here: default, nightly, smoke"):
         study.find("missing")
 
 
