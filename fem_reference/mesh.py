@@ -36,6 +36,10 @@ OUTER_RADIUS = 100.0
 100 costs few unknowns more than 10, and what the boundary condition neglects falls as its third power."""
 
 
+FLAT = 1e-9
+"""Six times the volume over the cube of the longest side of what counts as none; the flattest usable cells met have 1e-5."""
+
+
 @dataclass(frozen=True)
 class TaggedMesh:
     """A tetrahedral mesh with the conductors' tags, and the outer sphere it ends at."""
@@ -138,11 +142,22 @@ def tagged_mesh(
         error = comm.allreduce(shape_error(nodes, node_numbers[curved]), op=MPI.MAX)
         on_edge = vertices_on_edges(nodes, node_numbers, bodies)
         pull(nodes, node_numbers, on_edge)
+    _refuse_flat_cells(nodes[node_numbers[:, :4]])
     near = np.where(curved | is_pulled(on_edge), NEAR_EDGE, AWAY_FROM_EDGES).astype(np.int32)
     near_edge = dolfinx.mesh.meshtags(mesh, 3, np.arange(len(near), dtype=np.int32), near)
     return TaggedMesh(
         mesh, cells, facets, near_edge, on_edge, curved, error, centre, radius, 2 ** len(planes)
     )
+
+
+def _refuse_flat_cells(corners: NDArray[np.float64]) -> None:
+    """Raise RuntimeError when one of the cells (n, 4, 3) has no volume: the equations would make no sense."""
+    edges = corners[:, 1:] - corners[:, :1]
+    volume = np.abs(np.linalg.det(edges))
+    flat = volume < FLAT * np.linalg.norm(edges, axis=2).max(axis=1) ** 3
+    if MPI.COMM_WORLD.allreduce(bool(flat.any()), op=MPI.LOR):
+        places = np.round(corners[flat].mean(axis=1), 3).tolist()
+        raise RuntimeError(f"meshing failed: tetrahedra without volume at {places[:3]}")
 
 
 @contextmanager

@@ -42,12 +42,14 @@ class Plane:
 def mirror_planes(bodies: Sequence[Body], owner: Sequence[int]) -> tuple[Plane, ...]:
     """Up to three planes at right angles, in each of which every conductor and every dielectric body is its own image.
 
-    `owner[k]` is the conductor or dielectric body that body k belongs to. Lengths are over the scene's unit.
+    Planes in which a plate lies are left out: on the outline of a plate in the mesh's own boundary gmsh now and then makes a
+    tetrahedron without volume. `owner[k]` is the conductor or dielectric body that body k belongs to. Lengths are over
+    the scene's unit.
     """
     found: list[Plane] = []
     for plane in _candidates(bodies, owner):
         upright = all(abs(plane.normal @ other.normal) < TOLERANCE for other in found)
-        if upright and _is_mirror(plane, bodies, owner):
+        if upright and not _holds_a_plate(plane, bodies) and _is_mirror(plane, bodies, owner):
             found.append(plane)
     return tuple(found)
 
@@ -70,6 +72,11 @@ def _candidates(bodies: Sequence[Body], owner: Sequence[int]) -> Iterator[Plane]
         if own == owner[0] and length > TOLERANCE:
             normal = between / length
             yield Plane(normal, float(normal @ (centre + between / 2)))
+
+
+def _holds_a_plate(plane: Plane, bodies: Sequence[Body]) -> bool:
+    plates = [body for body in bodies if isinstance(body, Rectangle | Disc)]
+    return any(np.abs(plate.corners @ plane.normal - plane.offset).max() < TOLERANCE for plate in plates)
 
 
 def _is_mirror(plane: Plane, bodies: Sequence[Body], owner: Sequence[int]) -> bool:
