@@ -125,7 +125,7 @@ def main(arguments: list[str] | None = None) -> int:
         if options.output is not None:
             output.write_field(Path(options.scene), options.output)
         limits = Limits(options.max_seconds, options.max_unknowns, options.max_memory * 2**30)
-        return output.answer(Path(options.scene), options.rtol, limits, options.error, options.json)
+        return output.answer(Path(options.scene), options.json, options.rtol, options.error, limits)
     except InputError as wrong:
         print(f"fem_reference: {wrong}", file=told)
         return WRONG_INPUT

@@ -27,10 +27,10 @@ class Enclosure:
 def enclosure(below: Array, above: Array) -> Enclosure:
     """Intervals from VᵀLV ≤ VᵀMV ≤ VᵀUV for all voltages V, L = `below` and U = `above` (n, n).
 
-    With D = U − L positive semidefinite the
-    distance of M[i, j] from the middle is at most ½√(D[i, i]·D[j, j]) (Cauchy and Schwarz for the two semidefinite forms U − M and
-    M − L); U[i, j] and L[i, j] alone bound nothing. Off the diagonal M is never positive: the charge that a grounded
-    conductor takes has the other sign. Raises RuntimeError when L exceeds U, which no exact energies can.
+    With D = U − L positive semidefinite the distance of M[i, j] from the middle is at most ½√(D[i, i]·D[j, j]) (Cauchy and
+    Schwarz for the two semidefinite forms U − M and M − L); U[i, j] and L[i, j] alone bound nothing. Off the diagonal M is
+    never positive: the charge that a grounded conductor takes has the other sign. Raises RuntimeError when L exceeds U,
+    which no exact energies can.
     """
     gap = np.diag(above) - np.diag(below)
     if np.any(gap < 0):

@@ -10,10 +10,10 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
-from fem_reference.mesh import FIRST_BODY, TaggedMesh, tagged_mesh
+from fem_reference.driven_sensor import driven_sensor
+from fem_reference.mesh import FIRST_BODY, TaggedMesh
 from fem_reference.scene_bodies import Conductors, conductors
-from fem_reference.sizing import Sizing
-from fem_reference.solve import COMPILATION, FieldProblem, first_sensor_driven
+from fem_reference.solve import COMPILATION
 from geometries.files import whole_file
 from geometries.scene import Scene
 
@@ -31,12 +31,7 @@ def write_field_file(scene: Scene, target: Path, source: str = "scene") -> None:
     be written.
     """
     problem = conductors(scene, source)
-    tagged = tagged_mesh(
-        problem.bodies, problem.owner, Sizing(), straight=True, dielectrics=problem.permittivities
-    )
-    system = FieldProblem(tagged, problem.parts, problem.permittivities)
-    potential = fem.Function(system.space)
-    potential.x.array[:] = first_sensor_driven(system, len(problem.floating))
+    tagged, potential = driven_sensor(problem)
     cells = tagged.mesh.geometry.dofmap.array.reshape(-1, 4)
     plates, plate_bodies = _plates(tagged, problem)
     field = _field_in_cells(potential) / problem.unit

@@ -6,7 +6,6 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-import basix
 import dolfinx
 import gmsh
 import numpy as np
@@ -34,7 +33,6 @@ need a quadrature of higher degree."""
 OUTER_RADIUS = 100.0
 """Radius of the outer sphere over the radius of the conductors' bounding sphere. The mesh grows geometrically, so that
 100 costs few unknowns more than 10, and what the boundary condition neglects falls as its third power."""
-
 
 FLAT = 1e-9
 """Six times the volume over the cube of the longest side of what counts as none; the flattest usable cells met have 1e-5."""
@@ -105,12 +103,11 @@ def tagged_mesh(
 ) -> TaggedMesh:
     """Mesh the space around (and inside) the bodies out to a sphere of OUTER_RADIUS bounding radii.
 
-    Only the side that the normals of `planes`, planes of symmetry at right angles, point to is meshed.
-
-    `owner[k]` is the conductor that body k belongs to; `dielectrics` are the bodies whose inside has a field. With `straight` the tetrahedra are of first order and there are no
-    quarter-point elements: less exact, but a point finds its cell without an iteration.
-    Solids are meshed inside as well: the field without them is solved on the same mesh. Raises RuntimeError when gmsh
-    fails.
+    Of `planes`, planes of symmetry at right angles, only the side that their normals point to is meshed. `owner[k]` is the
+    conductor that body k belongs to; `dielectrics` are the bodies whose inside has a field. Solids are meshed inside as
+    well: the field without them is solved on the same mesh. With `straight` the tetrahedra are of first order and there
+    are no quarter-point elements: less exact, but a point finds its cell without an iteration. Raises RuntimeError when
+    gmsh fails.
     """
     centre = bounding_sphere(bodies)[0]
     for plane in planes:

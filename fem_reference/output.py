@@ -15,9 +15,9 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fem_reference.field_file import write_field_file
-from fem_reference.potential_slice import potential_slice
 from fem_reference.level import Level
 from fem_reference.limits import Limits
+from fem_reference.potential_slice import potential_slice
 from fem_reference.reference import ErrorKind, Reference, maxwell
 from geometries.files import whole_file
 from geometries.reader import load
@@ -37,12 +37,21 @@ INTERVAL: dict[ErrorKind, str] = {
 }
 
 
-def answer(path: Path, rtol: float, limits: Limits, error: ErrorKind, as_json: bool) -> int:
+def answer(path: Path, as_json: bool, rtol: float, error: ErrorKind, limits: Limits) -> int:
     """Solve a scene file and print the answer; returns the exit status."""
     scene = load(path)
     is_first = MPI.COMM_WORLD.rank == 0
     progress = _tell_level if is_first and not as_json else None
-    reference = maxwell(scene, rtol, limits, str(path), progress, error)
+    reference = maxwell(
+        scene,
+        rtol=rtol,
+        max_seconds=limits.seconds,
+        max_unknowns=limits.unknowns,
+        max_memory=limits.memory,
+        source=str(path),
+        progress=progress,
+        error=error,
+    )
     status = ANSWERED if reference.reached else NOT_REACHED
     if not is_first:
         return status

@@ -9,10 +9,8 @@ import numpy as np
 from dolfinx import fem
 from numpy.typing import NDArray
 
-from fem_reference.mesh import tagged_mesh
+from fem_reference.driven_sensor import driven_sensor
 from fem_reference.scene_bodies import Conductors, conductors
-from fem_reference.sizing import Sizing
-from fem_reference.solve import FieldProblem, first_sensor_driven
 from geometries.scene import Scene
 
 Array = NDArray[np.float64]
@@ -32,12 +30,7 @@ def potential_slice(scene: Scene, source: str = "scene") -> dict[str, Any]:
     follow z. The first sensor is at 1 V, every other conductor grounded or, if floating, without charge. Raises InputError as `conductors` does.
     """
     problem = conductors(scene, source)
-    mesh = tagged_mesh(
-        problem.bodies, problem.owner, Sizing(), straight=True, dielectrics=problem.permittivities
-    )
-    system = FieldProblem(mesh, problem.parts, problem.permittivities)
-    potential = fem.Function(system.space)
-    potential.x.array[:] = first_sensor_driven(system, len(problem.floating))
+    potential = driven_sensor(problem)[1]
     origin, direction = _vertical_plane(problem)
     offsets = np.linspace(-REACH, REACH, POINTS)
     along, z = np.meshgrid(offsets, offsets)

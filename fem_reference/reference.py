@@ -13,6 +13,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
+from fem_reference.best_value import best_value
 from fem_reference.convergence import Estimate, estimate, open_boundary_error, shared_error
 from fem_reference.enclosure import Enclosure, intersection
 from fem_reference.level import Level, solve_level
@@ -104,7 +105,9 @@ Progress = Callable[[Level, float], None]
 def maxwell(
     scene: Scene,
     rtol: float = 1e-3,
-    limits: Limits = Limits(),
+    max_seconds: float = math.inf,
+    max_unknowns: float = math.inf,
+    max_memory: float = math.inf,
     source: str = "scene",
     progress: Progress | None = None,
     error: ErrorKind = "enclosure",
@@ -112,10 +115,12 @@ def maxwell(
     """Solve the scene on finer and finer meshes until every entry's relative error is at most `rtol`.
 
     `error` says which: half the width of an interval that is proven to hold the truth, or an estimate from successive
-    levels, several times faster. Stops unfinished (`reached` False, the errors as they are) when the next level would go
-    beyond the limits. `progress` is told every level and the largest relative error so far. Raises InputError for
-    scenes that cannot be solved, RuntimeError when the mesher or the solver fails.
+    levels, several times faster. Stops unfinished (`reached` False, the errors as they are) when the next level would end
+    after `max_seconds`, have more than `max_unknowns` or take more than `max_memory` bytes. `progress` is told every level
+    and the largest relative error so far; `source` names the scene in errors. Raises InputError for scenes that cannot be
+    solved, RuntimeError when the mesher or the solver fails.
     """
+    limits = Limits(max_seconds, max_unknowns, max_memory)
     return solve_conductors(
         conductors(scene, source), scene.medium.relative_permittivity, rtol, limits, progress, error
     )
@@ -145,8 +150,9 @@ def solve_conductors(
             or (limits != Limits() and next_enclosed < MOST_LEVELS)
         )
         levels.append(solve_level(problem, relative_permittivity, sizing, enclosed, planes))
-        answer = _answer(problem, relative_permittivity, levels, rtol, growth, time.monotonic() - start)
-        answer = replace(answer, planes=tuple(problem.in_metres(plane) for plane in planes))
+        answer = _answer(
+            problem, relative_permittivity, levels, rtol, growth, time.monotonic() - start, planes
+        )
         if progress is not None:
             progress(levels[-1], answer.worst)
         # Every process takes the decision of the first, whose clock it is.
@@ -183,12 +189,13 @@ def _answer(
     rtol: float,
     growth: float,
     seconds: float,
+    planes: Sequence[Plane],
 ) -> Reference:
     """Extrapolate, and add what the levels share: the open boundary, and the elements away from the edges."""
     farads = epsilon_0 * relative_permittivity * problem.unit
     finest = levels[-1].maxwell
     boundary = problem.most_charge**2 * farads * open_boundary_error(finest / farads, 1.0, OUTER_RADIUS)
-    matrix = estimate([level.maxwell for level in levels])
+    matrix = best_value(levels)
     change = estimate([level.delta_self for level in levels])
     relative_boundary = (np.diag(boundary) / np.diag(finest))[: problem.sensors]
     matrix_error = matrix.error + boundary + shared_error(growth) * np.abs(matrix.value)
@@ -200,15 +207,16 @@ def _answer(
         value = np.clip(value, interval.lower, interval.upper)
         matrix_error = np.minimum(matrix_error, np.maximum(value - interval.lower, interval.upper - value))
     return Reference(
-        problem.names,
-        problem.sensors,
-        Estimate(value, matrix_error, matrix.extrapolated),
-        Estimate(change.value, change_error, change.extrapolated),
-        tuple(levels),
-        rtol,
-        seconds,
-        problem.floating,
-        problem.dielectrics,
-        problem.curved,
+        names=problem.names,
+        sensors=problem.sensors,
+        maxwell=Estimate(value, matrix_error, matrix.extrapolated),
+        delta_self=Estimate(change.value, change_error, change.extrapolated),
+        levels=tuple(levels),
+        rtol=rtol,
+        seconds=seconds,
+        floating=problem.floating,
+        dielectrics=problem.dielectrics,
+        curved=problem.curved,
+        planes=tuple(problem.in_metres(plane) for plane in planes),
         enclosure=interval,
     )

@@ -37,8 +37,8 @@ class Sphere:
 
 
 @dataclass(frozen=True)
-class Cylinder:
-    """A solid cylinder around axes[2], from −height/2 to height/2; metres."""
+class _Upright:
+    """What stands on a circle around axes[2], from −height/2 to height/2; metres."""
 
     name: str
     centre: Vector
@@ -56,32 +56,18 @@ class Cylinder:
 
     @property
     def corners(self) -> Vector:
-        """The corners (8, 3) of the box around the cylinder."""
+        """The corners (8, 3) of the box around the body."""
         return _box(self.centre, self.axes, (self.radius, self.radius, self.height / 2))
 
 
 @dataclass(frozen=True)
-class Cone:
+class Cylinder(_Upright):
+    """A solid cylinder around axes[2], from −height/2 to height/2; metres."""
+
+
+@dataclass(frozen=True)
+class Cone(_Upright):
     """A solid cone around axes[2], base at −height/2, apex at height/2; metres."""
-
-    name: str
-    centre: Vector
-    axes: Vector
-    radius: float
-    height: float
-
-    @property
-    def is_solid(self) -> bool:
-        return True
-
-    @property
-    def size(self) -> float:
-        return min(2 * self.radius, self.height)
-
-    @property
-    def corners(self) -> Vector:
-        """The corners (8, 3) of the box around the cone."""
-        return _box(self.centre, self.axes, (self.radius, self.radius, self.height / 2))
 
 
 @dataclass(frozen=True)
