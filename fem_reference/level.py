@@ -60,8 +60,9 @@ def solve_level(
         problem.bodies, problem.owner, sizing, dielectrics=problem.permittivities, planes=planes
     )
     system = FieldProblem(mesh, problem.parts, problem.permittivities)
-    floating = len(problem.floating)
-    found = charges(system, problem.sensors, floating)
+    found = charges(
+        system, problem.sensors, len(problem.floating), len(problem.grounded), problem.grounded_sensors
+    )
     farads = epsilon_0 * relative_permittivity * problem.unit * mesh.copies
     done = time.monotonic()
     interval = None
@@ -89,7 +90,7 @@ def _enclosure(
 ) -> Enclosure:
     """Where the matrix lies; eliminating floating conductors keeps the order of the two bounds (NUMERICS.md section 5)."""
     above = upper_energies(system, potentials)
-    flux = flux_energies(system.tagged, problem.parts, FLUX_DEGREE, problem.permittivities)
+    flux = flux_energies(system.tagged, problem.parts, problem.driven, FLUX_DEGREE, problem.permittivities)
     below = flux.lower - np.diag(flux.algebraic_error)
     floating = len(problem.floating)
     interval = enclosure(

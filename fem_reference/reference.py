@@ -42,6 +42,7 @@ class Reference:
 
     names: tuple[str, ...]
     sensors: int
+    """How many of them are sensors."""
     maxwell: Estimate
     """(n, n): Q = maxwell · V."""
     delta_self: Estimate
@@ -49,6 +50,9 @@ class Reference:
     levels: tuple[Level, ...]
     rtol: float
     seconds: float
+    grounded: tuple[str, ...] = ()
+    """Conductors that are present and not asked for: they have no row. Sensors first."""
+    grounded_sensors: int = 0
     floating: tuple[str, ...] = ()
     """Conductors without charge: eliminated from the matrix."""
     dielectrics: tuple[Dielectric, ...] = ()
@@ -64,7 +68,8 @@ class Reference:
     @property
     def has_objects(self) -> bool:
         """Whether there is anything that `delta_self` could be due to."""
-        return len(self.names) > self.sensors or bool(self.floating or self.dielectrics)
+        grounded_objects = len(self.grounded) - self.grounded_sensors
+        return len(self.names) > self.sensors or bool(grounded_objects or self.floating or self.dielectrics)
 
     @property
     def reached(self) -> bool:
@@ -83,7 +88,9 @@ class Reference:
         """
         if self.enclosure is not None:
             return float(np.max(self.enclosure.half_width / np.abs(self.maxwell.value)))
-        pairs = [self.maxwell, self.delta_self] if self.has_objects else [self.maxwell]
+        pairs = [self.maxwell]
+        if self.has_objects and self.sensors:
+            pairs.append(self.delta_self)
         return float(max(np.max(pair.error / np.abs(pair.value)) for pair in pairs))
 
     @property
@@ -111,18 +118,20 @@ def maxwell(
     source: str = "scene",
     progress: Progress | None = None,
     error: ErrorKind = "enclosure",
+    columns: Sequence[str] = (),
 ) -> Reference:
     """Solve the scene on finer and finer meshes until every entry's relative error is at most `rtol`.
 
     `error` says which: half the width of an interval that is proven to hold the truth, or an estimate from successive
     levels, several times faster. Stops unfinished (`reached` False, the errors as they are) when the next level would end
     after `max_seconds`, have more than `max_unknowns` or take more than `max_memory` bytes. `progress` is told every level
-    and the largest relative error so far; `source` names the scene in errors. Raises InputError for scenes that cannot be
+    and the largest relative error so far; `source` names the scene in errors. With
+    `columns`, names of conductors, only their rows and columns are solved and returned, the others grounded. Raises InputError for scenes that cannot be
     solved, RuntimeError when the mesher or the solver fails.
     """
     limits = Limits(max_seconds, max_unknowns, max_memory)
     return solve_conductors(
-        conductors(scene, source), scene.medium.relative_permittivity, rtol, limits, progress, error
+        conductors(scene, source, columns), scene.medium.relative_permittivity, rtol, limits, progress, error
     )
 
 
@@ -214,6 +223,8 @@ def _answer(
         levels=tuple(levels),
         rtol=rtol,
         seconds=seconds,
+        grounded=problem.grounded,
+        grounded_sensors=problem.grounded_sensors,
         floating=problem.floating,
         dielectrics=problem.dielectrics,
         curved=problem.curved,
