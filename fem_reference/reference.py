@@ -15,7 +15,8 @@ from scipy.constants import epsilon_0
 
 from fem_reference.best_value import best_value
 from fem_reference.convergence import Estimate, estimate, open_boundary_error, shared_error
-from fem_reference.enclosure import Enclosure, intersection
+from fem_reference.distant import LeftOut, is_negligible, without_distant
+from fem_reference.enclosure import Enclosure, intersection, with_left_out
 from fem_reference.level import Level, solve_level
 from fem_reference.limits import Limits
 from fem_reference.mesh import OUTER_RADIUS
@@ -62,6 +63,8 @@ class Reference:
     """Planes of symmetry, metres; the answer is that of one side of them, a half, a quarter or an eighth of space."""
     enclosure: Enclosure | None = None
     """Where the entries of the Maxwell matrix lie, when asked for."""
+    left_out: tuple[LeftOut, ...] = ()
+    """Distant bodies that were not solved for; the errors and the interval account for them."""
     stopped_by: str | None = None
     """The limit that ended the refinement."""
 
@@ -69,7 +72,8 @@ class Reference:
     def has_objects(self) -> bool:
         """Whether there is anything that `delta_self` could be due to."""
         grounded_objects = len(self.grounded) - self.grounded_sensors
-        return len(self.names) > self.sensors or bool(grounded_objects or self.floating or self.dielectrics)
+        others = grounded_objects or self.floating or self.dielectrics
+        return len(self.names) > self.sensors or bool(others)
 
     @property
     def reached(self) -> bool:
@@ -146,6 +150,8 @@ def solve_conductors(
     """As `maxwell`, for conductors given as bodies."""
     start = time.monotonic()
     growth = growth_for(rtol)
+    whole = problem
+    problem, left_out = without_distant(whole, epsilon_0 * relative_permittivity, rtol)
     planes = mirror_planes(problem.bodies, problem.owner)
     levels: list[Level] = []
     next_enclosed = 0
@@ -158,10 +164,17 @@ def solve_conductors(
             or number == MOST_LEVELS - 1
             or (limits != Limits() and next_enclosed < MOST_LEVELS)
         )
-        levels.append(solve_level(problem, relative_permittivity, sizing, enclosed, planes))
+        level = solve_level(problem, relative_permittivity, sizing, enclosed, planes)
+        bound = sum((body.bound for body in left_out), np.zeros(len(problem.names)))
+        if left_out and not is_negligible(bound, level.maxwell, level.delta_self, rtol):
+            # Only the first level tells how small the smallest entries are.
+            problem, left_out, planes = whole, (), mirror_planes(whole.bodies, whole.owner)
+            continue
+        levels.append(level)
         answer = _answer(
-            problem, relative_permittivity, levels, rtol, growth, time.monotonic() - start, planes
+            problem, relative_permittivity, levels, rtol, growth, time.monotonic() - start, planes, bound
         )
+        answer = replace(answer, left_out=left_out)
         if progress is not None:
             progress(levels[-1], answer.worst)
         # Every process takes the decision of the first, whose clock it is.
@@ -199,8 +212,12 @@ def _answer(
     growth: float,
     seconds: float,
     planes: Sequence[Plane],
+    left_out: Array,
 ) -> Reference:
-    """Extrapolate, and add what the levels share: the open boundary, and the elements away from the edges."""
+    """Extrapolate, and add what the levels share: the open boundary, the elements away from the edges, what is left out.
+
+    `left_out` (n,) is what bodies left out may add to the diagonal.
+    """
     farads = epsilon_0 * relative_permittivity * problem.unit
     finest = levels[-1].maxwell
     boundary = problem.most_charge**2 * farads * open_boundary_error(finest / farads, 1.0, OUTER_RADIUS)
@@ -208,10 +225,12 @@ def _answer(
     change = estimate([level.delta_self for level in levels])
     relative_boundary = (np.diag(boundary) / np.diag(finest))[: problem.sensors]
     matrix_error = matrix.error + boundary + shared_error(growth) * np.abs(matrix.value)
+    matrix_error += np.sqrt(np.outer(left_out, left_out))
     change_error = change.error + (relative_boundary + shared_error(growth)) * np.abs(change.value)
+    change_error += left_out[: problem.sensors]
     value = matrix.value
     proven = [level.enclosure for level in levels if level.enclosure is not None]
-    interval = intersection(proven) if proven else None
+    interval = with_left_out(intersection(proven), left_out) if proven else None
     if interval is not None:
         value = np.clip(value, interval.lower, interval.upper)
         matrix_error = np.minimum(matrix_error, np.maximum(value - interval.lower, interval.upper - value))

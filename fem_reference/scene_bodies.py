@@ -169,11 +169,11 @@ def normalised(
 ) -> Conductors:
     """Conductors from bodies in metres: `bodies[k]` is a part of number `owner[k]`, the first `sensors` are sensors."""
     centre, unit = bounding_sphere(bodies)
-    moved = tuple(_moved(body, centre, unit) for body in bodies)
+    scaled = tuple(moved(body, centre, unit) for body in bodies)
     return Conductors(
         tuple(names),
         sensors,
-        moved,
+        scaled,
         tuple(owner),
         centre,
         unit,
@@ -260,7 +260,8 @@ def _refuse_contact(first: Body, second: Body, dielectric: bool, source: str) ->
         )
 
 
-def _moved(body: Body, centre: Array, unit: float) -> Body:
+def moved(body: Body, centre: Array, unit: float) -> Body:
+    """The body after `centre` has become the origin, lengths over `unit`."""
     if isinstance(body, Polyhedron):
         return replace(body, vertices=(body.vertices - centre) / unit, size=body.size / unit)
     origin = (body.centre - centre) / unit
