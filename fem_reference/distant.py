@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_reference.bodies import Body
+from fem_reference.distances import gap_to_walls
 from fem_reference.mesh import bounding_sphere
 from fem_reference.round_bodies import Sphere
-from fem_reference.scene_bodies import Conductors, moved
+from fem_reference.scene_bodies import Conductors, moved, moved_cuboid
 
 Array = NDArray[np.float64]
 
@@ -64,7 +65,7 @@ def _bound(problem: Conductors, number: int, left_out: Collection[int]) -> Array
     """What body `number` may add to M[i, i] (n,), ε = 1, when those `left_out` are gone or grounded."""
     own = [problem.bodies[k] for k in problem.bodies_of(number)]
     centre, radius = _ball(own)
-    gap = np.inf
+    gap = np.inf if problem.room is None else gap_to_walls(Sphere("ball", centre, radius), problem.room)
     for k, body in enumerate(problem.bodies):
         if problem.owner[k] != number:
             other, reach = _ball([body])
@@ -117,6 +118,7 @@ def _without(problem: Conductors, numbers: Collection[int]) -> Conductors:
         owner=tuple(renumbered[problem.owner[k]] for k in kept),
         centre=problem.centre + problem.unit * centre,
         unit=problem.unit * unit,
+        room=None if problem.room is None else moved_cuboid(problem.room, centre, unit),
         floating=tuple(name for k, name in enumerate(problem.floating, floating) if k not in numbers),
         grounded=tuple(name for k, name in enumerate(problem.grounded, grounded) if k not in numbers),
         grounded_sensors=sum(k not in numbers for k in other_sensors),

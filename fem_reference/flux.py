@@ -80,8 +80,12 @@ def flux_energies(
     """
     cells = _outside(tagged, permittivities or {})
     # The outer surface's faces are cells of one face each.
-    parts = [(_eliminated(cells, degree), cells.faces), _outer(tagged, cells, degree)]
+    parts = [(_eliminated(cells, degree), cells.faces)]
     fixed = [_faces_of(tagged, cells, bodies) for bodies in conductors]
+    if tagged.in_room:
+        fixed.append(tagged.facets.find(OUTER_SURFACE))
+    else:
+        parts.append(_outer(tagged, cells, degree))
     face_vertices = np.sort(tagged.mesh.topology.connectivity(2, 0).array.reshape(-1, 3), axis=1)
     system = FaceSystem(parts, face_vertices, np.concatenate(fixed), degree)
     solutions = [system.solve(faces) for faces in fixed[:driven]]

@@ -57,7 +57,12 @@ def solve_level(
     """Mesh and solve once, on one side of planes of symmetry. Raises RuntimeError when the mesher or the solver fails."""
     start = time.monotonic()
     mesh = tagged_mesh(
-        problem.bodies, problem.owner, sizing, dielectrics=problem.permittivities, planes=planes
+        problem.bodies,
+        problem.owner,
+        sizing,
+        dielectrics=problem.permittivities,
+        planes=planes,
+        room=problem.room,
     )
     system = FieldProblem(mesh, problem.parts, problem.permittivities)
     found = charges(

@@ -94,6 +94,7 @@ def document(reference: Reference) -> dict[str, Any]:
     finest = reference.levels[-1]
     return result | {
         "not_asked": list(reference.grounded),
+        "ground": "room" if reference.in_room else "infinity",
         "left_out": [{"name": body.name, "bound": float(body.bound.max())} for body in reference.left_out],
         "floating": list(reference.floating),
         "dielectrics": [
@@ -153,6 +154,8 @@ def table(reference: Reference) -> str:
             lines.append(f"{name:<{width}}" + f"{change[0]:.6f} ± {change[1]:.6f}".rjust(24))
     if reference.grounded:
         lines.append(f"grounded, their columns not asked for: {', '.join(reference.grounded)}")
+    if reference.in_room:
+        lines.append("ground: the walls of the room")
     for left in reference.left_out:
         lines.append(
             f"left out: {left.name}, adds at most {left.bound.max() / PICOFARAD:.2g} pF to an own entry"

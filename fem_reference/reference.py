@@ -63,6 +63,8 @@ class Reference:
     """Planes of symmetry, metres; the answer is that of one side of them, a half, a quarter or an eighth of space."""
     enclosure: Enclosure | None = None
     """Where the entries of the Maxwell matrix lie, when asked for."""
+    in_room: bool = False
+    """Whether ground is the walls of a room; else it is infinity."""
     left_out: tuple[LeftOut, ...] = ()
     """Distant bodies that were not solved for; the errors and the interval account for them."""
     stopped_by: str | None = None
@@ -152,7 +154,7 @@ def solve_conductors(
     growth = growth_for(rtol)
     whole = problem
     problem, left_out = without_distant(whole, epsilon_0 * relative_permittivity, rtol)
-    planes = mirror_planes(problem.bodies, problem.owner)
+    planes = mirror_planes(problem.bodies, problem.owner, problem.room)
     levels: list[Level] = []
     next_enclosed = 0
     while True:
@@ -168,7 +170,7 @@ def solve_conductors(
         bound = sum((body.bound for body in left_out), np.zeros(len(problem.names)))
         if left_out and not is_negligible(bound, level.maxwell, level.delta_self, rtol):
             # Only the first level tells how small the smallest entries are.
-            problem, left_out, planes = whole, (), mirror_planes(whole.bodies, whole.owner)
+            problem, left_out, planes = whole, (), mirror_planes(whole.bodies, whole.owner, whole.room)
             continue
         levels.append(level)
         answer = _answer(
@@ -220,7 +222,13 @@ def _answer(
     """
     farads = epsilon_0 * relative_permittivity * problem.unit
     finest = levels[-1].maxwell
-    boundary = problem.most_charge**2 * farads * open_boundary_error(finest / farads, 1.0, OUTER_RADIUS)
+    open_boundary = 1.0 if problem.room is None else 0.0
+    boundary = (
+        open_boundary
+        * problem.most_charge**2
+        * farads
+        * open_boundary_error(finest / farads, 1.0, OUTER_RADIUS)
+    )
     matrix = best_value(levels)
     change = estimate([level.delta_self for level in levels])
     relative_boundary = (np.diag(boundary) / np.diag(finest))[: problem.sensors]
@@ -245,6 +253,7 @@ def _answer(
         grounded=problem.grounded,
         grounded_sensors=problem.grounded_sensors,
         floating=problem.floating,
+        in_room=problem.room is not None,
         dielectrics=problem.dielectrics,
         curved=problem.curved,
         planes=tuple(problem.in_metres(plane) for plane in planes),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_reference.bodies import Body, Cuboid, Rectangle
-from fem_reference.distances import TOUCHING, distance, holds, touch_with_faces
+from fem_reference.distances import TOUCHING, distance, gap_to_walls, holds, touch_with_faces
 from fem_reference.mesh import bounding_sphere
 from fem_reference.polyhedron import NotASolid, Polyhedron, polyhedron
 from fem_reference.round_bodies import Arc, Cone, Cylinder, Sphere
@@ -57,6 +57,8 @@ class Conductors:
     grounded: tuple[str, ...] = ()
     """Conductors that are present and never driven: nobody asked for their columns. Sensors first."""
     grounded_sensors: int = 0
+    room: Cuboid | None = None
+    """The grounded walls around everything; None in free space."""
 
     def bodies_of(self, conductor: int) -> list[int]:
         return [k for k, owner in enumerate(self.owner) if owner == conductor]
@@ -145,7 +147,23 @@ def conductors(scene: Scene, source: str = "scene", columns: Sequence[str] = ())
         [_dielectric(body, scene) for body in dielectric],
         others,
         sum(name in others for name in sensors),
+        _room(scene, bodies, source),
     )
+
+
+def _room(scene: Scene, bodies: Sequence[Body], source: str) -> Cuboid | None:
+    """The walls; InputError when a body is not inside, off them."""
+    if scene.room is None:
+        return None
+    pose = scene.room.pose.transform()
+    x, y, z = scene.room.size
+    room = Cuboid("room", pose.translation, pose.rotation.T, (x / 2, y / 2, z / 2))
+    for body in bodies:
+        if gap_to_walls(body, room) < SMALLEST_GAP * body.size:
+            raise InputError(
+                source, "room", f'"{body.name}" is not inside, {SMALLEST_GAP:g} of its size off the walls'
+            )
+    return room
 
 
 def _refuse_unknown(columns: Sequence[str], rows: Sequence[str], source: str) -> None:
@@ -166,6 +184,7 @@ def normalised(
     dielectrics: Sequence[Dielectric] = (),
     grounded: Sequence[str] = (),
     grounded_sensors: int = 0,
+    room: Cuboid | None = None,
 ) -> Conductors:
     """Conductors from bodies in metres: `bodies[k]` is a part of number `owner[k]`, the first `sensors` are sensors."""
     centre, unit = bounding_sphere(bodies)
@@ -181,6 +200,7 @@ def normalised(
         tuple(dielectrics),
         tuple(grounded),
         grounded_sensors,
+        None if room is None else moved_cuboid(room, centre, unit),
     )
 
 
@@ -269,8 +289,12 @@ def moved(body: Body, centre: Array, unit: float) -> Body:
         a, b = body.half_widths
         return replace(body, centre=origin, half_widths=(a / unit, b / unit))
     if isinstance(body, Cuboid):
-        a, b, c = body.half_widths
-        return replace(body, centre=origin, half_widths=(a / unit, b / unit, c / unit))
+        return moved_cuboid(body, centre, unit)
     lengths = ("radius", "height", "inner_radius", "outer_radius")
     scaled = {name: getattr(body, name) / unit for name in lengths if hasattr(body, name)}
     return replace(body, centre=origin, **scaled)
+
+
+def moved_cuboid(body: Cuboid, centre: Array, unit: float) -> Cuboid:
+    a, b, c = body.half_widths
+    return replace(body, centre=(body.centre - centre) / unit, half_widths=(a / unit, b / unit, c / unit))

@@ -74,6 +74,7 @@ class FieldProblem:
             self.space = fem.FunctionSpace(tagged.mesh, ("Lagrange", DEGREE), jit_params=COMPILATION)
             self.stiffness = _stiffness(tagged, self.space, self.permittivities)
         self.dofs = [_conductor_dofs(tagged, self.space, bodies) for bodies in conductors]
+        self.wall_dofs = _wall_dofs(tagged, self.space)
 
     def without_dielectrics(self) -> FieldProblem:
         """The same conductors on the same mesh, the medium in the place of every dielectric body."""
@@ -97,7 +98,7 @@ class FieldProblem:
             return self._potentials(present, driven)
 
     def _potentials(self, present: Sequence[int], count: int) -> list[NDArray[np.float64]]:
-        fixed = np.unique(np.concatenate([self.dofs[k] for k in present]))
+        fixed = np.unique(np.concatenate([*(self.dofs[k] for k in present), self.wall_dofs]))
         constrained = self.stiffness.copy()
         first = self.space.dofmap.index_map.local_range[0]
         constrained.zeroRowsColumns(np.asarray(fixed + first, dtype=PETSc.IntType), 1.0)
@@ -209,7 +210,8 @@ def _stiffness(
     if permittivities:
         energy *= permittivity(tagged, permittivities)
     form = energy * (near + away)
-    form += ufl.dot(x, normal) / ufl.dot(x, x) * u * v * outer
+    if not tagged.in_room:
+        form += ufl.dot(x, normal) / ufl.dot(x, x) * u * v * outer
     matrix = assemble_matrix(fem.form(form, jit_params=COMPILATION))
     matrix.assemble()
     return matrix
@@ -237,6 +239,13 @@ def _conductor_dofs(tagged: TaggedMesh, space: fem.FunctionSpace, bodies: Sequen
             # All processes ask, those without such entities too: the dofs of one may be on the facets of another.
             found.append(fem.locate_dofs_topological(space, dimension, tags.find(FIRST_BODY + k)))
     known = np.unique(np.concatenate(found))
+    return np.asarray(known[known < space.dofmap.index_map.size_local], dtype=PETSc.IntType)
+
+
+def _wall_dofs(tagged: TaggedMesh, space: fem.FunctionSpace) -> NDArray[np.int32]:
+    """The unknowns on the walls of a room; none in free space."""
+    walls = tagged.facets.find(OUTER_SURFACE) if tagged.in_room else np.empty(0, dtype=np.int32)
+    known = fem.locate_dofs_topological(space, 2, walls)
     return np.asarray(known[known < space.dofmap.index_map.size_local], dtype=PETSc.IntType)
 
 
