@@ -1,4 +1,4 @@
-"""Command line: python3 -m fem_reference SCENE [--rtol R] [--error KIND] [--max-…] [--json] [--output F.vtu] [--slice F]."""
+"""Command line: python3 -m fem_reference SCENE [--rtol R] [--error KIND] [--columns NAME,…] [--max-…] [--json] [--output F.vtu] [--slice F]."""
 
 from __future__ import annotations
 
@@ -30,6 +30,13 @@ def _field_file(text: str) -> Path:
     if not text.endswith(".vtu"):
         raise argparse.ArgumentTypeError(f"{text!r} does not end in .vtu")
     return Path(text)
+
+
+def _names(text: str) -> tuple[str, ...]:
+    names = tuple(text.split(","))
+    if not all(names):
+        raise argparse.ArgumentTypeError(f"{text!r} has an empty name")
+    return names
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -68,6 +75,13 @@ def _parser() -> argparse.ArgumentParser:
         default="enclosure",
         help="what rtol is asked of: half the width of intervals proven to hold the truth (default), or errors estimated from "
         "successive meshes, several times faster",
+    )
+    parser.add_argument(
+        "--columns",
+        metavar="NAME[,NAME…]",
+        type=_names,
+        default=(),
+        help="solve only these conductors' rows and columns, the other ones grounded (default: all)",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON document and nothing else")
     parser.add_argument(
@@ -125,7 +139,9 @@ def main(arguments: list[str] | None = None) -> int:
         if options.output is not None:
             output.write_field(Path(options.scene), options.output)
         limits = Limits(options.max_seconds, options.max_unknowns, options.max_memory * 2**30)
-        return output.answer(Path(options.scene), options.json, options.rtol, options.error, limits)
+        return output.answer(
+            Path(options.scene), options.json, options.rtol, options.error, limits, options.columns
+        )
     except InputError as wrong:
         print(f"fem_reference: {wrong}", file=told)
         return WRONG_INPUT

@@ -35,6 +35,11 @@ def surface_distance(body: TextBody) -> str:
     return "sqrt(" + "+".join(f"{_beyond(c, w)}^2" for c, w in zip((x, y, z), widths)) + ")"
 
 
+def wall_distance(room: Cuboid) -> str:
+    """Distance to the walls of a room, inside of it."""
+    return minimum([f"({half!r}-{c})" for c, half in zip(_folded(room), room.half_widths)])
+
+
 def edge_distance(body: TextBody) -> str | None:
     """Distance to the nearest edge or apex of the body; None when it has none."""
     if isinstance(body, Sphere):

@@ -154,6 +154,17 @@ def holds(outer: Body, inner: Body) -> bool:
     return all(any(_piece_distance(piece, point) == 0 for piece in solid) for point in points)
 
 
+def gap_to_walls(body: Body, room: Cuboid) -> float:
+    """The shortest distance (m) of a body from the walls of a room it is in; negative when it is not."""
+    gaps = [
+        half - (float((piece.extreme(side * axis) - room.centre) @ (side * axis)) + piece.radius)
+        for piece in pieces(body)
+        for axis, half in zip(room.axes, room.half_widths)
+        for side in (1.0, -1.0)
+    ]
+    return min(gaps)
+
+
 def pieces(body: Body) -> list[Piece]:
     """The convex pieces that a body consists of; a polyhedron's are the triangles of its surface."""
     if isinstance(body, Rectangle | Cuboid):

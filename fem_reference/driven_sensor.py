@@ -16,7 +16,12 @@ def driven_sensor(problem: Conductors) -> tuple[TaggedMesh, fem.Function]:
     Raises RuntimeError when the mesher or the solver fails.
     """
     tagged = tagged_mesh(
-        problem.bodies, problem.owner, Sizing(), straight=True, dielectrics=problem.permittivities
+        problem.bodies,
+        problem.owner,
+        Sizing(),
+        straight=True,
+        dielectrics=problem.permittivities,
+        room=problem.room,
     )
     system = FieldProblem(tagged, problem.parts, problem.permittivities)
     potential = fem.Function(system.space)

@@ -50,6 +50,20 @@ def widened(interval: Enclosure, relative: float) -> Enclosure:
     return Enclosure(interval.lower - change, interval.upper + change)
 
 
+def with_left_out(interval: Enclosure, bound: Array) -> Enclosure:
+    """The interval for the scene with bodies that were left out: they add a positive semidefinite matrix to M.
+
+    `bound` (n,) is more than they add to the diagonal; of the rest the matrix may add or take √(bound[i]·bound[j]).
+    """
+    change = np.sqrt(np.outer(bound, bound))
+    off_diagonal = ~np.eye(len(bound), dtype=bool)
+    upper = interval.upper + change
+    return Enclosure(
+        np.where(off_diagonal, interval.lower - change, interval.lower),
+        np.where(off_diagonal, np.minimum(upper, 0.0), upper),
+    )
+
+
 def intersection(enclosures: Sequence[Enclosure]) -> Enclosure:
     """What several enclosures of one matrix leave."""
     return reduce(

@@ -70,20 +70,25 @@ class _Cells:
 def flux_energies(
     tagged: TaggedMesh,
     conductors: Sequence[Sequence[int]],
+    driven: int,
     degree: int,
     permittivities: Mapping[int, float] | None = None,
 ) -> FluxEnergies:
     """The energies of the best fluxes of this degree; `conductors[k]` lists the bodies that make up conductor k.
 
-    `permittivities` has those of the dielectric bodies. Raises RuntimeError when the iteration does not converge.
+    One flux for each of the first `driven` conductors, the other ones are grounded. `permittivities` has those of the dielectric bodies. Raises RuntimeError when the iteration does not converge.
     """
     cells = _outside(tagged, permittivities or {})
     # The outer surface's faces are cells of one face each.
-    parts = [(_eliminated(cells, degree), cells.faces), _outer(tagged, cells, degree)]
+    parts = [(_eliminated(cells, degree), cells.faces)]
     fixed = [_faces_of(tagged, cells, bodies) for bodies in conductors]
+    if tagged.in_room:
+        fixed.append(tagged.facets.find(OUTER_SURFACE))
+    else:
+        parts.append(_outer(tagged, cells, degree))
     face_vertices = np.sort(tagged.mesh.topology.connectivity(2, 0).array.reshape(-1, 3), axis=1)
     system = FaceSystem(parts, face_vertices, np.concatenate(fixed), degree)
-    solutions = [system.solve(faces) for faces in fixed]
+    solutions = [system.solve(faces) for faces in fixed[:driven]]
     potentials = [solution.potentials for solution in solutions]
     left = np.array([solution.energy_left for solution in solutions])
     return FluxEnergies(system.energies(potentials), left, system.unknowns)

@@ -57,11 +57,17 @@ def solve_level(
     """Mesh and solve once, on one side of planes of symmetry. Raises RuntimeError when the mesher or the solver fails."""
     start = time.monotonic()
     mesh = tagged_mesh(
-        problem.bodies, problem.owner, sizing, dielectrics=problem.permittivities, planes=planes
+        problem.bodies,
+        problem.owner,
+        sizing,
+        dielectrics=problem.permittivities,
+        planes=planes,
+        room=problem.room,
     )
     system = FieldProblem(mesh, problem.parts, problem.permittivities)
-    floating = len(problem.floating)
-    found = charges(system, problem.sensors, floating)
+    found = charges(
+        system, problem.sensors, len(problem.floating), len(problem.grounded), problem.grounded_sensors
+    )
     farads = epsilon_0 * relative_permittivity * problem.unit * mesh.copies
     done = time.monotonic()
     interval = None
@@ -89,7 +95,7 @@ def _enclosure(
 ) -> Enclosure:
     """Where the matrix lies; eliminating floating conductors keeps the order of the two bounds (NUMERICS.md section 5)."""
     above = upper_energies(system, potentials)
-    flux = flux_energies(system.tagged, problem.parts, FLUX_DEGREE, problem.permittivities)
+    flux = flux_energies(system.tagged, problem.parts, problem.driven, FLUX_DEGREE, problem.permittivities)
     below = flux.lower - np.diag(flux.algebraic_error)
     floating = len(problem.floating)
     interval = enclosure(

@@ -13,7 +13,7 @@ from dolfinx.io import gmshio
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fem_reference.bodies import Body
+from fem_reference.bodies import Body, Cuboid
 from fem_reference.curved_cells import curved_cells, shape_error, straighten_inverted
 from fem_reference.occ_shapes import add_ball, add_body, cut_to
 from fem_reference.quarter_points import is_pulled, pull, straighten, vertices_on_edges
@@ -33,6 +33,12 @@ need a quadrature of higher degree."""
 OUTER_RADIUS = 100.0
 """Radius of the outer sphere over the radius of the conductors' bounding sphere. The mesh grows geometrically, so that
 100 costs few unknowns more than 10, and what the boundary condition neglects falls as its third power."""
+
+ROOM_REACH = 2.0
+"""Any factor above 1: what is farther than this from the middle is out of the room."""
+
+WALL = 1e-9
+"""Distance from a wall, over the room's half width, within which corners lie in it: rounding of OpenCASCADE."""
 
 FLAT = 1e-9
 """Six times the volume over the cube of the longest side of what counts as none; the flattest usable cells met have 1e-5."""
@@ -56,6 +62,8 @@ class TaggedMesh:
     radius: float
     copies: int
     """How many mirror images of the mesh make up the whole of space."""
+    in_room: bool = False
+    """Whether the outer surface is a room's walls, grounded; else it is the sphere."""
 
     @property
     def cell_count(self) -> int:
@@ -100,8 +108,9 @@ def tagged_mesh(
     straight: bool = False,
     dielectrics: Collection[int] = (),
     planes: Sequence[Plane] = (),
+    room: Cuboid | None = None,
 ) -> TaggedMesh:
-    """Mesh the space around (and inside) the bodies out to a sphere of OUTER_RADIUS bounding radii.
+    """Mesh the space around (and inside) the bodies out to a sphere of OUTER_RADIUS bounding radii, or to a room's walls.
 
     Of `planes`, planes of symmetry at right angles, only the side that their normals point to is meshed. `owner[k]` is the
     conductor that body k belongs to; `dielectrics` are the bodies whose inside has a field. Solids are meshed inside as
@@ -113,13 +122,16 @@ def tagged_mesh(
     for plane in planes:
         centre = (centre + plane.mirrored(centre)) / 2
     corners = np.concatenate([body.corners for body in bodies])
-    radius = OUTER_RADIUS * float(np.linalg.norm(corners - centre, axis=1).max())
+    if room is None:
+        radius = OUTER_RADIUS * float(np.linalg.norm(corners - centre, axis=1).max())
+    else:
+        radius = ROOM_REACH * float(np.linalg.norm(room.corners - centre, axis=1).max())
 
     def build() -> None:
         with stage("building the geometry"):
-            volumes = _build_geometry(bodies, centre, radius, planes)
+            volumes = _build_geometry(bodies, centre, radius, planes, room)
         with stage("meshing"):
-            set_size_field(bodies, owner, sizing, volumes, dielectrics)
+            set_size_field(bodies, owner, sizing, volumes, dielectrics, room)
             gmsh.model.mesh.generate(3)
             gmsh.model.mesh.setOrder(1 if straight else 2)
 
@@ -133,7 +145,7 @@ def tagged_mesh(
     curved = np.zeros(len(node_numbers), dtype=bool)
     error = 0.0
     if not straight:
-        curved = curved_cells(nodes, node_numbers, centre, radius)
+        curved = curved_cells(nodes, node_numbers, centre, radius if room is None else np.inf)
         straighten_inverted(nodes, node_numbers[curved])
         straighten(nodes, node_numbers[~curved])
         error = comm.allreduce(shape_error(nodes, node_numbers[curved]), op=MPI.MAX)
@@ -143,7 +155,17 @@ def tagged_mesh(
     near = np.where(curved | is_pulled(on_edge), NEAR_EDGE, AWAY_FROM_EDGES).astype(np.int32)
     near_edge = dolfinx.mesh.meshtags(mesh, 3, np.arange(len(near), dtype=np.int32), near)
     return TaggedMesh(
-        mesh, cells, facets, near_edge, on_edge, curved, error, centre, radius, 2 ** len(planes)
+        mesh,
+        cells,
+        facets,
+        near_edge,
+        on_edge,
+        curved,
+        error,
+        centre,
+        radius,
+        2 ** len(planes),
+        room is not None,
     )
 
 
@@ -172,15 +194,21 @@ def _gmsh_model() -> Iterator[None]:
 
 
 def _build_geometry(
-    bodies: Sequence[Body], centre: NDArray[np.float64], radius: float, planes: Sequence[Plane]
+    bodies: Sequence[Body],
+    centre: NDArray[np.float64],
+    radius: float,
+    planes: Sequence[Plane],
+    room: Cuboid | None,
 ) -> dict[int, list[int]]:
     """Build the current gmsh model; returns the tags of the volumes that each solid body consists of."""
     occ = gmsh.model.occ
-    sphere = add_ball(centre, radius, planes)
     shapes = [add_body(body) for body in bodies]
+    if room is not None:
+        shapes.append(add_body(room))
     if planes:
         shapes = cut_to(shapes, centre, radius, planes)
-    _, pieces = occ.fragment([sphere], [entity for shape in shapes for entity in shape])
+    (space,) = [add_ball(centre, radius, planes)] if room is None else shapes.pop()
+    _, pieces = occ.fragment([space], [entity for shape in shapes for entity in shape])
     occ.synchronize()
     rest = iter(pieces[1:])
     parts = [pieces[0], *([entity for _ in shape for entity in next(rest)] for shape in shapes)]
@@ -195,12 +223,22 @@ def _build_geometry(
         if own:
             gmsh.model.addPhysicalGroup(own[0][0], [tag for _, tag in own], FIRST_BODY + k)
     boundary = gmsh.model.getBoundary(gmsh.model.getEntities(3), combined=True, oriented=False)
-    outer = [tag for _, tag in boundary if _is_outer(tag, radius)]
+    outer = [tag for _, tag in boundary if _is_outer(tag, radius, room)]
     gmsh.model.addPhysicalGroup(2, outer, OUTER_SURFACE)
     solids = [k for k, body in enumerate(bodies) if body.is_solid]
     return {k: [tag for _, tag in parts[k + 1]] for k in solids}
 
 
-def _is_outer(face: int, radius: float) -> bool:
+def _is_outer(face: int, radius: float, room: Cuboid | None) -> bool:
+    if room is not None:
+        return _is_wall(face, room)
     far = np.max(np.abs(gmsh.model.getBoundingBox(2, face))) > 0.5 * radius
     return bool(far and gmsh.model.getType(2, face) == "Sphere")
+
+
+def _is_wall(face: int, room: Cuboid) -> bool:
+    """Whether all corners of a plane face lie in one wall."""
+    points = gmsh.model.getBoundary([(2, face)], combined=False, oriented=False, recursive=True)
+    corners = np.array([gmsh.model.getValue(0, tag, []) for _, tag in points])
+    inside = np.asarray(room.half_widths) - np.abs((corners - room.centre) @ room.axes.T)
+    return bool((inside < WALL * max(room.half_widths)).all(axis=0).any())

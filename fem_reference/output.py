@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +38,9 @@ INTERVAL: dict[ErrorKind, str] = {
 }
 
 
-def answer(path: Path, as_json: bool, rtol: float, error: ErrorKind, limits: Limits) -> int:
+def answer(
+    path: Path, as_json: bool, rtol: float, error: ErrorKind, limits: Limits, columns: Sequence[str] = ()
+) -> int:
     """Solve a scene file and print the answer; returns the exit status."""
     scene = load(path)
     is_first = MPI.COMM_WORLD.rank == 0
@@ -51,6 +54,7 @@ def answer(path: Path, as_json: bool, rtol: float, error: ErrorKind, limits: Lim
         source=str(path),
         progress=progress,
         error=error,
+        columns=columns,
     )
     status = ANSWERED if reference.reached else NOT_REACHED
     if not is_first:
@@ -89,6 +93,9 @@ def document(reference: Reference) -> dict[str, Any]:
         }
     finest = reference.levels[-1]
     return result | {
+        "not_asked": list(reference.grounded),
+        "ground": "room" if reference.in_room else "infinity",
+        "left_out": [{"name": body.name, "bound": float(body.bound.max())} for body in reference.left_out],
         "floating": list(reference.floating),
         "dielectrics": [
             {"name": body.name, "relative_permittivity": body.relative_permittivity}
@@ -145,6 +152,14 @@ def table(reference: Reference) -> str:
         for k, name in enumerate(reference.names[: reference.sensors]):
             change = reference.delta_self.value[k] / PICOFARAD, reference.delta_self.error[k] / PICOFARAD
             lines.append(f"{name:<{width}}" + f"{change[0]:.6f} ± {change[1]:.6f}".rjust(24))
+    if reference.grounded:
+        lines.append(f"grounded, their columns not asked for: {', '.join(reference.grounded)}")
+    if reference.in_room:
+        lines.append("ground: the walls of the room")
+    for left in reference.left_out:
+        lines.append(
+            f"left out: {left.name}, adds at most {left.bound.max() / PICOFARAD:.2g} pF to an own entry"
+        )
     if reference.floating:
         lines.append(f"floating, without charge and so without a row: {', '.join(reference.floating)}")
     for body in reference.dielectrics:

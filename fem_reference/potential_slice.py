@@ -59,10 +59,12 @@ def _vertical_plane(problem: Conductors) -> tuple[Array, Array]:
 
 
 def _evaluate(function: fem.Function, points: Array) -> Array:
-    """Values (n,) of a function at points (n, 3) of its mesh."""
+    """Values (n,) of a function at points (n, 3); 0 outside of its mesh, behind the walls of a room."""
     mesh = function.function_space.mesh
     tree = dolfinx.geometry.BoundingBoxTree(mesh, mesh.topology.dim)
     candidates = dolfinx.geometry.compute_collisions(tree, points)
     cells = dolfinx.geometry.compute_colliding_cells(mesh, candidates, points)
-    first = [cells.links(k)[0] for k in range(len(points))]
-    return np.asarray(function.eval(points, first)[:, 0])
+    found = [k for k in range(len(points)) if len(cells.links(k))]
+    values = np.zeros(len(points))
+    values[found] = function.eval(points[found], [cells.links(k)[0] for k in found])[:, 0]
+    return values

@@ -15,7 +15,8 @@ from scipy.constants import epsilon_0
 
 from fem_reference.best_value import best_value
 from fem_reference.convergence import Estimate, estimate, open_boundary_error, shared_error
-from fem_reference.enclosure import Enclosure, intersection
+from fem_reference.distant import LeftOut, is_negligible, without_distant
+from fem_reference.enclosure import Enclosure, intersection, with_left_out
 from fem_reference.level import Level, solve_level
 from fem_reference.limits import Limits
 from fem_reference.mesh import OUTER_RADIUS
@@ -42,6 +43,7 @@ class Reference:
 
     names: tuple[str, ...]
     sensors: int
+    """How many of them are sensors."""
     maxwell: Estimate
     """(n, n): Q = maxwell · V."""
     delta_self: Estimate
@@ -49,6 +51,9 @@ class Reference:
     levels: tuple[Level, ...]
     rtol: float
     seconds: float
+    grounded: tuple[str, ...] = ()
+    """Conductors that are present and not asked for: they have no row. Sensors first."""
+    grounded_sensors: int = 0
     floating: tuple[str, ...] = ()
     """Conductors without charge: eliminated from the matrix."""
     dielectrics: tuple[Dielectric, ...] = ()
@@ -58,13 +63,19 @@ class Reference:
     """Planes of symmetry, metres; the answer is that of one side of them, a half, a quarter or an eighth of space."""
     enclosure: Enclosure | None = None
     """Where the entries of the Maxwell matrix lie, when asked for."""
+    in_room: bool = False
+    """Whether ground is the walls of a room; else it is infinity."""
+    left_out: tuple[LeftOut, ...] = ()
+    """Distant bodies that were not solved for; the errors and the interval account for them."""
     stopped_by: str | None = None
     """The limit that ended the refinement."""
 
     @property
     def has_objects(self) -> bool:
         """Whether there is anything that `delta_self` could be due to."""
-        return len(self.names) > self.sensors or bool(self.floating or self.dielectrics)
+        grounded_objects = len(self.grounded) - self.grounded_sensors
+        others = grounded_objects or self.floating or self.dielectrics
+        return len(self.names) > self.sensors or bool(others)
 
     @property
     def reached(self) -> bool:
@@ -83,7 +94,9 @@ class Reference:
         """
         if self.enclosure is not None:
             return float(np.max(self.enclosure.half_width / np.abs(self.maxwell.value)))
-        pairs = [self.maxwell, self.delta_self] if self.has_objects else [self.maxwell]
+        pairs = [self.maxwell]
+        if self.has_objects and self.sensors:
+            pairs.append(self.delta_self)
         return float(max(np.max(pair.error / np.abs(pair.value)) for pair in pairs))
 
     @property
@@ -111,18 +124,20 @@ def maxwell(
     source: str = "scene",
     progress: Progress | None = None,
     error: ErrorKind = "enclosure",
+    columns: Sequence[str] = (),
 ) -> Reference:
     """Solve the scene on finer and finer meshes until every entry's relative error is at most `rtol`.
 
     `error` says which: half the width of an interval that is proven to hold the truth, or an estimate from successive
     levels, several times faster. Stops unfinished (`reached` False, the errors as they are) when the next level would end
     after `max_seconds`, have more than `max_unknowns` or take more than `max_memory` bytes. `progress` is told every level
-    and the largest relative error so far; `source` names the scene in errors. Raises InputError for scenes that cannot be
+    and the largest relative error so far; `source` names the scene in errors. With
+    `columns`, names of conductors, only their rows and columns are solved and returned, the others grounded. Raises InputError for scenes that cannot be
     solved, RuntimeError when the mesher or the solver fails.
     """
     limits = Limits(max_seconds, max_unknowns, max_memory)
     return solve_conductors(
-        conductors(scene, source), scene.medium.relative_permittivity, rtol, limits, progress, error
+        conductors(scene, source, columns), scene.medium.relative_permittivity, rtol, limits, progress, error
     )
 
 
@@ -137,7 +152,9 @@ def solve_conductors(
     """As `maxwell`, for conductors given as bodies."""
     start = time.monotonic()
     growth = growth_for(rtol)
-    planes = mirror_planes(problem.bodies, problem.owner)
+    whole = problem
+    problem, left_out = without_distant(whole, epsilon_0 * relative_permittivity, rtol)
+    planes = mirror_planes(problem.bodies, problem.owner, problem.room)
     levels: list[Level] = []
     next_enclosed = 0
     while True:
@@ -149,10 +166,17 @@ def solve_conductors(
             or number == MOST_LEVELS - 1
             or (limits != Limits() and next_enclosed < MOST_LEVELS)
         )
-        levels.append(solve_level(problem, relative_permittivity, sizing, enclosed, planes))
+        level = solve_level(problem, relative_permittivity, sizing, enclosed, planes)
+        bound = sum((body.bound for body in left_out), np.zeros(len(problem.names)))
+        if left_out and not is_negligible(bound, level.maxwell, level.delta_self, rtol):
+            # Only the first level tells how small the smallest entries are.
+            problem, left_out, planes = whole, (), mirror_planes(whole.bodies, whole.owner, whole.room)
+            continue
+        levels.append(level)
         answer = _answer(
-            problem, relative_permittivity, levels, rtol, growth, time.monotonic() - start, planes
+            problem, relative_permittivity, levels, rtol, growth, time.monotonic() - start, planes, bound
         )
+        answer = replace(answer, left_out=left_out)
         if progress is not None:
             progress(levels[-1], answer.worst)
         # Every process takes the decision of the first, whose clock it is.
@@ -190,19 +214,31 @@ def _answer(
     growth: float,
     seconds: float,
     planes: Sequence[Plane],
+    left_out: Array,
 ) -> Reference:
-    """Extrapolate, and add what the levels share: the open boundary, and the elements away from the edges."""
+    """Extrapolate, and add what the levels share: the open boundary, the elements away from the edges, what is left out.
+
+    `left_out` (n,) is what bodies left out may add to the diagonal.
+    """
     farads = epsilon_0 * relative_permittivity * problem.unit
     finest = levels[-1].maxwell
-    boundary = problem.most_charge**2 * farads * open_boundary_error(finest / farads, 1.0, OUTER_RADIUS)
+    open_boundary = 1.0 if problem.room is None else 0.0
+    boundary = (
+        open_boundary
+        * problem.most_charge**2
+        * farads
+        * open_boundary_error(finest / farads, 1.0, OUTER_RADIUS)
+    )
     matrix = best_value(levels)
     change = estimate([level.delta_self for level in levels])
     relative_boundary = (np.diag(boundary) / np.diag(finest))[: problem.sensors]
     matrix_error = matrix.error + boundary + shared_error(growth) * np.abs(matrix.value)
+    matrix_error += np.sqrt(np.outer(left_out, left_out))
     change_error = change.error + (relative_boundary + shared_error(growth)) * np.abs(change.value)
+    change_error += left_out[: problem.sensors]
     value = matrix.value
     proven = [level.enclosure for level in levels if level.enclosure is not None]
-    interval = intersection(proven) if proven else None
+    interval = with_left_out(intersection(proven), left_out) if proven else None
     if interval is not None:
         value = np.clip(value, interval.lower, interval.upper)
         matrix_error = np.minimum(matrix_error, np.maximum(value - interval.lower, interval.upper - value))
@@ -214,7 +250,10 @@ def _answer(
         levels=tuple(levels),
         rtol=rtol,
         seconds=seconds,
+        grounded=problem.grounded,
+        grounded_sensors=problem.grounded_sensors,
         floating=problem.floating,
+        in_room=problem.room is not None,
         dielectrics=problem.dielectrics,
         curved=problem.curved,
         planes=tuple(problem.in_metres(plane) for plane in planes),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_reference.bodies import Body, Cuboid, Rectangle
-from fem_reference.distances import TOUCHING, distance, holds, touch_with_faces
+from fem_reference.distances import TOUCHING, distance, gap_to_walls, holds, touch_with_faces
 from fem_reference.mesh import bounding_sphere
 from fem_reference.polyhedron import NotASolid, Polyhedron, polyhedron
 from fem_reference.round_bodies import Arc, Cone, Cylinder, Sphere
@@ -42,7 +42,7 @@ class Conductors:
     """What a scene is made of. Lengths over `unit`.
 
     `bodies[k]` is a part of number `owner[k]`: numbers go through the conductors of the Maxwell matrix, sensors first,
-    then through the floating conductors, then through the dielectric bodies.
+    then through the floating conductors, then through those that are only grounded, then through the dielectric bodies.
     """
 
     names: tuple[str, ...]
@@ -54,14 +54,24 @@ class Conductors:
     unit: float
     floating: tuple[str, ...] = ()
     dielectrics: tuple[Dielectric, ...] = ()
+    grounded: tuple[str, ...] = ()
+    """Conductors that are present and never driven: nobody asked for their columns. Sensors first."""
+    grounded_sensors: int = 0
+    room: Cuboid | None = None
+    """The grounded walls around everything; None in free space."""
 
     def bodies_of(self, conductor: int) -> list[int]:
         return [k for k, owner in enumerate(self.owner) if owner == conductor]
 
     @property
+    def driven(self) -> int:
+        """How many conductors are driven, floating ones too: the first ones."""
+        return len(self.names) + len(self.floating)
+
+    @property
     def parts(self) -> list[list[int]]:
-        """The bodies of every conductor, the floating ones last."""
-        return [self.bodies_of(k) for k in range(len(self.names) + len(self.floating))]
+        """The bodies of every conductor."""
+        return [self.bodies_of(k) for k in range(self.driven + len(self.grounded))]
 
     def in_metres(self, plane: Plane) -> Plane:
         """A plane of the scaled scene in the world frame."""
@@ -77,7 +87,7 @@ class Conductors:
     @property
     def permittivities(self) -> dict[int, float]:
         """Of the dielectric bodies, relative to the medium's."""
-        first = len(self.names) + len(self.floating)
+        first = self.driven + len(self.grounded)
         return {
             body: dielectric.contrast
             for k, dielectric in enumerate(self.dielectrics)
@@ -94,11 +104,12 @@ class Conductors:
         return 1 + len(self.floating) + sum(abs(1 - 1 / body.contrast) for body in self.dielectrics)
 
 
-def conductors(scene: Scene, source: str = "scene") -> Conductors:
+def conductors(scene: Scene, source: str = "scene", columns: Sequence[str] = ()) -> Conductors:
     """The conductors and dielectric bodies of a scene, moved to the origin and scaled by their bounding sphere's radius.
 
-    So the mesh, and every number but the unit, is the same for a scene of twice the size or elsewhere. Raises InputError
-    for what cannot be solved: no conductor, a shape or material the solver does not know, conductors that touch.
+    So the mesh, and every number but the unit, is the same for a scene of twice the size or elsewhere. With `columns` only
+    these conductors have a row, the other ones are grounded. Raises InputError for what cannot be solved: no conductor, a
+    column of none, a shape or material the solver does not know, conductors that touch.
     """
     if not scene.sensors:
         raise InputError(source, "sensor", "nothing to solve: the scene has no capacitive sensor")
@@ -106,14 +117,21 @@ def conductors(scene: Scene, source: str = "scene") -> Conductors:
     grounded = [body for body in solid if body.potential == "grounded"]
     floating = [body for body in solid if body.potential == "floating"]
     dielectric = [body for body in scene.objects if body.relative_permittivity is not None]
+    sensors = [sensor.name for sensor in scene.sensors]
+    rows = [*sensors, *(body.name for body in grounded)]
+    _refuse_unknown(columns, rows, source)
+    asked = [name for name in rows if not columns or name in columns]
+    others = [name for name in rows if name not in asked]
+    numbered = [*asked, *(body.name for body in floating), *others, *(body.name for body in dielectric)]
+    number = {name: k for k, name in enumerate(numbered)}
     bodies: list[Body] = []
     owner: list[int] = []
-    for k, sensor in enumerate(scene.sensors):
-        for corner, edge_u, edge_v in scene.sensor_rectangles(sensor.name):
-            owner.append(k)
-            bodies.append(rectangle(sensor.name, corner, edge_u, edge_v))
-    for k, body in enumerate([*grounded, *floating, *dielectric]):
-        owner.append(len(scene.sensors) + k)
+    for sensor in sensors:
+        for corner, edge_u, edge_v in scene.sensor_rectangles(sensor):
+            owner.append(number[sensor])
+            bodies.append(rectangle(sensor, corner, edge_u, edge_v))
+    for body in [*grounded, *floating, *dielectric]:
+        owner.append(number[body.name])
         bodies.append(_object_body(scene, body, source))
     for first, second in combinations(range(len(bodies)), 2):
         if owner[first] != owner[second]:
@@ -121,13 +139,40 @@ def conductors(scene: Scene, source: str = "scene") -> Conductors:
             any_dielectric = owner[second] >= len(scene.sensors) + len(solid)
             _refuse_contact(bodies[first], bodies[second], any_dielectric, source)
     return normalised(
-        [sensor.name for sensor in scene.sensors] + [body.name for body in grounded],
-        len(scene.sensors),
+        asked,
+        sum(name in asked for name in sensors),
         bodies,
         owner,
         [body.name for body in floating],
         [_dielectric(body, scene) for body in dielectric],
+        others,
+        sum(name in others for name in sensors),
+        _room(scene, bodies, source),
     )
+
+
+def _room(scene: Scene, bodies: Sequence[Body], source: str) -> Cuboid | None:
+    """The walls; InputError when a body is not inside, off them."""
+    if scene.room is None:
+        return None
+    pose = scene.room.pose.transform()
+    x, y, z = scene.room.size
+    room = Cuboid("room", pose.translation, pose.rotation.T, (x / 2, y / 2, z / 2))
+    for body in bodies:
+        if gap_to_walls(body, room) < SMALLEST_GAP * body.size:
+            raise InputError(
+                source, "room", f'"{body.name}" is not inside, {SMALLEST_GAP:g} of its size off the walls'
+            )
+    return room
+
+
+def _refuse_unknown(columns: Sequence[str], rows: Sequence[str], source: str) -> None:
+    unknown = [name for name in columns if name not in rows]
+    if unknown:
+        known = ", ".join(f'"{name}"' for name in rows)
+        raise InputError(
+            source, "columns", f'"{unknown[0]}" is not a conductor with a column: these are {known}'
+        )
 
 
 def normalised(
@@ -137,12 +182,25 @@ def normalised(
     owner: Sequence[int],
     floating: Sequence[str] = (),
     dielectrics: Sequence[Dielectric] = (),
+    grounded: Sequence[str] = (),
+    grounded_sensors: int = 0,
+    room: Cuboid | None = None,
 ) -> Conductors:
     """Conductors from bodies in metres: `bodies[k]` is a part of number `owner[k]`, the first `sensors` are sensors."""
     centre, unit = bounding_sphere(bodies)
-    moved = tuple(_moved(body, centre, unit) for body in bodies)
+    scaled = tuple(moved(body, centre, unit) for body in bodies)
     return Conductors(
-        tuple(names), sensors, moved, tuple(owner), centre, unit, tuple(floating), tuple(dielectrics)
+        tuple(names),
+        sensors,
+        scaled,
+        tuple(owner),
+        centre,
+        unit,
+        tuple(floating),
+        tuple(dielectrics),
+        tuple(grounded),
+        grounded_sensors,
+        None if room is None else moved_cuboid(room, centre, unit),
     )
 
 
@@ -222,7 +280,8 @@ def _refuse_contact(first: Body, second: Body, dielectric: bool, source: str) ->
         )
 
 
-def _moved(body: Body, centre: Array, unit: float) -> Body:
+def moved(body: Body, centre: Array, unit: float) -> Body:
+    """The body after `centre` has become the origin, lengths over `unit`."""
     if isinstance(body, Polyhedron):
         return replace(body, vertices=(body.vertices - centre) / unit, size=body.size / unit)
     origin = (body.centre - centre) / unit
@@ -230,8 +289,12 @@ def _moved(body: Body, centre: Array, unit: float) -> Body:
         a, b = body.half_widths
         return replace(body, centre=origin, half_widths=(a / unit, b / unit))
     if isinstance(body, Cuboid):
-        a, b, c = body.half_widths
-        return replace(body, centre=origin, half_widths=(a / unit, b / unit, c / unit))
+        return moved_cuboid(body, centre, unit)
     lengths = ("radius", "height", "inner_radius", "outer_radius")
     scaled = {name: getattr(body, name) / unit for name in lengths if hasattr(body, name)}
     return replace(body, centre=origin, **scaled)
+
+
+def moved_cuboid(body: Cuboid, centre: Array, unit: float) -> Cuboid:
+    a, b, c = body.half_widths
+    return replace(body, centre=(body.centre - centre) / unit, half_widths=(a / unit, b / unit, c / unit))

@@ -17,8 +17,15 @@ from itertools import combinations
 import gmsh
 
 from fem_reference import field_nodes
-from fem_reference.bodies import Body
-from fem_reference.distance_text import TextBody, curvature_radius, edge_distance, minimum, surface_distance
+from fem_reference.bodies import Body, Cuboid
+from fem_reference.distance_text import (
+    TextBody,
+    curvature_radius,
+    edge_distance,
+    minimum,
+    surface_distance,
+    wall_distance,
+)
 from fem_reference.distances import in_contact
 from fem_reference.polyhedra_fields import polyhedra_fields
 from fem_reference.polyhedron import Polyhedron
@@ -37,6 +44,7 @@ def set_size_field(
     sizing: Sizing,
     volumes: Mapping[int, Sequence[int]],
     dielectrics: Collection[int] = (),
+    room: Cuboid | None = None,
 ) -> None:
     """Make the size field of these bodies the background mesh of the current gmsh model.
 
@@ -53,6 +61,9 @@ def set_size_field(
     for i, body in enumerate(bodies):
         if not isinstance(body, Polyhedron):
             across = [f"({known[i]}+{known[k + j - i]})" for k, j in closed if i in (k, j)]
+            if room is not None:
+                across.append(f"({known[i]}+{wall_distance(room)})")
+                sizes.append(f"{sizing.gap}*{across[-1]}")
             edge = [repr(sizing.edge * body.size), *(f"{sizing.edge_in_gap}*{gap}" for gap in across)]
             for j in (k + j - i for k, j in contacts if i in (k, j)):
                 edge.append(f"({sizing.edge}*{bodies[j].size!r}+{sizing.edge_in_gap}*{known[j]})")

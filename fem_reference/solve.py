@@ -49,7 +49,7 @@ class Charges:
     maxwell: NDArray[np.float64]
     """(n, n): charge on conductor i with conductor j at 1 V and the others grounded; floating ones have no charge."""
     sensors_alone: NDArray[np.float64]
-    """(m, m): the same for the first m conductors with everything else absent."""
+    """(m, m): the same for the first m conductors with everything but sensors absent."""
     unknowns: int
     potentials: list[NDArray[np.float64]]
     """For each conductor: the potential (unknowns,) with it at 1 V and the others grounded."""
@@ -74,6 +74,7 @@ class FieldProblem:
             self.space = fem.FunctionSpace(tagged.mesh, ("Lagrange", DEGREE), jit_params=COMPILATION)
             self.stiffness = _stiffness(tagged, self.space, self.permittivities)
         self.dofs = [_conductor_dofs(tagged, self.space, bodies) for bodies in conductors]
+        self.wall_dofs = _wall_dofs(tagged, self.space)
 
     def without_dielectrics(self) -> FieldProblem:
         """The same conductors on the same mesh, the medium in the place of every dielectric body."""
@@ -88,16 +89,16 @@ class FieldProblem:
     def unknowns(self) -> int:
         return int(self.space.dofmap.index_map.size_global)
 
-    def potentials(self, present: Sequence[int]) -> list[NDArray[np.float64]]:
-        """For each present conductor: the potential (unknowns,) with it at 1 V, the other present ones at 0 V.
+    def potentials(self, present: Sequence[int], driven: int) -> list[NDArray[np.float64]]:
+        """For each of the first `driven` conductors: the potential (unknowns,) with it at 1 V, the other present ones at 0 V.
 
         Conductors that are not present are free space. Raises RuntimeError when the iteration does not converge.
         """
         with stage("solving the equations"):
-            return self._potentials(present)
+            return self._potentials(present, driven)
 
-    def _potentials(self, present: Sequence[int]) -> list[NDArray[np.float64]]:
-        fixed = np.unique(np.concatenate([self.dofs[k] for k in present]))
+    def _potentials(self, present: Sequence[int], count: int) -> list[NDArray[np.float64]]:
+        fixed = np.unique(np.concatenate([*(self.dofs[k] for k in present), self.wall_dofs]))
         constrained = self.stiffness.copy()
         first = self.space.dofmap.index_map.local_range[0]
         constrained.zeroRowsColumns(np.asarray(fixed + first, dtype=PETSc.IntType), 1.0)
@@ -106,7 +107,7 @@ class FieldProblem:
         set_options(solver, SOLVER_OPTIONS)
         solver.setUp()
         potentials = []
-        for k in present:
+        for k in present[:count]:
             driven = self.stiffness.createVecRight()
             driven.array[self.dofs[k]] = 1.0
             load = self.stiffness.createVecLeft()
@@ -146,19 +147,24 @@ def products(matrix: PETSc.Mat, vectors: Sequence[NDArray[np.float64]]) -> NDArr
     return np.asarray((found + found.T) / 2)
 
 
-def charges(problem: FieldProblem, sensors: int, floating: int = 0) -> Charges:
-    """The Maxwell matrix on one mesh; the first `sensors` conductors also with everything else absent.
+def charges(
+    problem: FieldProblem, sensors: int, floating: int = 0, grounded: int = 0, grounded_sensors: int = 0
+) -> Charges:
+    """The Maxwell matrix on one mesh; the first `sensors` conductors also with everything but sensors absent.
 
-    The last `floating` conductors carry no charge and have no row in the matrix.
+    The last `grounded` conductors are never driven, the first `grounded_sensors` of them are sensors. The `floating` ones
+    before carry no charge. Neither have a row in the matrix.
     """
     count = len(problem.dofs)
-    potentials = problem.potentials(range(count))
+    driven = count - grounded
+    potentials = problem.potentials(range(count), driven)
     maxwell = problem.energies(potentials)
     kept = without_floating(maxwell, floating)
-    if sensors == 0 or (sensors == count and not problem.permittivities):
+    all_sensors = [*range(sensors), *range(driven, driven + grounded_sensors)]
+    if sensors == 0 or (len(all_sensors) == count and not problem.permittivities):
         return Charges(kept, kept[:sensors, :sensors], problem.unknowns, potentials)
     bare = problem.without_dielectrics()
-    alone = bare.energies(bare.potentials(range(sensors)))
+    alone = bare.energies(bare.potentials(all_sensors, sensors))
     return Charges(kept, alone, problem.unknowns, potentials)
 
 
@@ -178,7 +184,8 @@ def without_floating(maxwell: NDArray[np.float64], floating: int) -> NDArray[np.
 
 def first_sensor_driven(problem: FieldProblem, floating: int) -> NDArray[np.float64]:
     """The potential (unknowns,) with the first conductor at 1 V, the last `floating` without charge, the others at 0 V."""
-    potentials = problem.potentials(range(len(problem.dofs)))
+    count = len(problem.dofs)
+    potentials = problem.potentials(range(count), count)
     if floating == 0:
         return potentials[0]
     maxwell = problem.energies(potentials)
@@ -203,7 +210,8 @@ def _stiffness(
     if permittivities:
         energy *= permittivity(tagged, permittivities)
     form = energy * (near + away)
-    form += ufl.dot(x, normal) / ufl.dot(x, x) * u * v * outer
+    if not tagged.in_room:
+        form += ufl.dot(x, normal) / ufl.dot(x, x) * u * v * outer
     matrix = assemble_matrix(fem.form(form, jit_params=COMPILATION))
     matrix.assemble()
     return matrix
@@ -231,6 +239,13 @@ def _conductor_dofs(tagged: TaggedMesh, space: fem.FunctionSpace, bodies: Sequen
             # All processes ask, those without such entities too: the dofs of one may be on the facets of another.
             found.append(fem.locate_dofs_topological(space, dimension, tags.find(FIRST_BODY + k)))
     known = np.unique(np.concatenate(found))
+    return np.asarray(known[known < space.dofmap.index_map.size_local], dtype=PETSc.IntType)
+
+
+def _wall_dofs(tagged: TaggedMesh, space: fem.FunctionSpace) -> NDArray[np.int32]:
+    """The unknowns on the walls of a room; none in free space."""
+    walls = tagged.facets.find(OUTER_SURFACE) if tagged.in_room else np.empty(0, dtype=np.int32)
+    known = fem.locate_dofs_topological(space, 2, walls)
     return np.asarray(known[known < space.dofmap.index_map.size_local], dtype=PETSc.IntType)
 
 

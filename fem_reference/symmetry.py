@@ -18,6 +18,9 @@ from fem_reference.round_bodies import Arc, Cone, Cylinder, Sphere
 
 Array = NDArray[np.float64]
 
+ROOM = -1
+"""What a room's walls belong to, beside the numbers of the conductors."""
+
 TOLERANCE = 1e-9
 """How far images may be off, over the unit of length (the scene's bounding sphere): rounding of poses, and far below the error
 of any answer."""
@@ -39,13 +42,19 @@ class Plane:
         return directions - 2 * (directions @ self.normal)[..., None] * self.normal
 
 
-def mirror_planes(bodies: Sequence[Body], owner: Sequence[int]) -> tuple[Plane, ...]:
+def mirror_planes(
+    bodies: Sequence[Body], owner: Sequence[int], room: Cuboid | None = None
+) -> tuple[Plane, ...]:
     """Up to three planes at right angles, in each of which every conductor and every dielectric body is its own image.
+
+    So is the room, when there is one.
 
     Planes in which a plate lies are left out: on the outline of a plate in the mesh's own boundary gmsh now and then makes a
     tetrahedron without volume. `owner[k]` is the conductor or dielectric body that body k belongs to. Lengths are over
     the scene's unit.
     """
+    if room is not None:
+        bodies, owner = [*bodies, room], [*owner, ROOM]
     found: list[Plane] = []
     for plane in _candidates(bodies, owner):
         upright = all(abs(plane.normal @ other.normal) < TOLERANCE for other in found)

@@ -68,8 +68,9 @@ def _away_from_edges(problem: FieldProblem) -> PETSc.Mat:
     if problem.permittivities:
         energy *= permittivity(tagged, problem.permittivities)
     form = energy * away
-    form += distance * ufl.dot(along(u), along(v)) * outer
-    form += (u + ufl.dot(x, along(u))) * (v + ufl.dot(x, along(v))) / distance * outer
+    if not tagged.in_room:
+        form += distance * ufl.dot(along(u), along(v)) * outer
+        form += (u + ufl.dot(x, along(u))) * (v + ufl.dot(x, along(v))) / distance * outer
     matrix = assemble_matrix(fem.form(form, jit_params=COMPILATION))
     matrix.assemble()
     return matrix

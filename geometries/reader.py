@@ -20,6 +20,7 @@ from geometries.scene import (
     Medium,
     Object,
     Plate,
+    Room,
     Scene,
     Sensor,
 )
@@ -50,12 +51,14 @@ def loads(text: str, source: str = "scene") -> Scene:
     """The scene in a text; `source` stands for it in errors, and mesh files are relative to its folder."""
     root = parse(text, source)
     medium = root.table("medium", required=False)
+    room = _room(root.table("room")) if root.has("room") else None
     scene = Scene(
         medium=Medium(medium.positive("relative_permittivity", 1.0)),
         links=tuple(_link(table) for table in root.tables("link")),
         sensors=tuple(_sensor(table) for table in root.tables("sensor")),
         distance_sensors=tuple(_distance_sensor(table) for table in root.tables("distance_sensor")),
         objects=tuple(_object(table) for table in root.tables("object")),
+        room=room,
     )
     medium.finish()
     root.finish()
@@ -64,6 +67,12 @@ def loads(text: str, source: str = "scene") -> Scene:
     if not scene.sensors and not scene.objects:
         raise InputError(source, "", "a scene needs at least one sensor or one object")
     return scene
+
+
+def _room(table: Table) -> Room:
+    room = Room(cast(Vector3, _size(table, 3)), _pose(table))
+    table.finish()
+    return room
 
 
 def _link(table: Table) -> Link:

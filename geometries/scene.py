@@ -25,6 +25,14 @@ class Medium:
 
 
 @dataclass(frozen=True)
+class Room:
+    """A grounded box around everything, centred at the origin of its frame; metres, its pose relative to the world."""
+
+    size: Vector3
+    pose: Pose = Pose()
+
+
+@dataclass(frozen=True)
 class Link:
     """A rigid frame; its pose is relative to its parent, or to the world without one."""
 
@@ -87,6 +95,7 @@ class Scene:
     sensors: tuple[Sensor, ...] = ()
     distance_sensors: tuple[DistanceSensor, ...] = ()
     objects: tuple[Object, ...] = ()
+    room: Room | None = None
 
     def transform_of_link(self, name: str | None) -> Transform:
         """From a link's frame to the world's; the identity for None, the world itself."""

@@ -31,6 +31,7 @@ def identity(scene: Scene) -> str:
 def _text(scene: Scene, mesh_source: MeshSource) -> str:
     document: dict[str, Any] = {
         "medium": {"relative_permittivity": scene.medium.relative_permittivity},
+        "room": {"size": scene.room.size, **_pose(scene.room.pose)} if scene.room else None,
         "link": [_link(link) for link in scene.links],
         "sensor": [_sensor(sensor) for sensor in scene.sensors],
         "distance_sensor": [_distance_sensor(sensor) for sensor in scene.distance_sensors],

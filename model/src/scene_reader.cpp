@@ -115,6 +115,16 @@ Medium read_medium(TableReader& root) {
   return medium;
 }
 
+/// What stands between surface and plate is all that the model looks at: a room is checked and not kept.
+void check_room(TableReader& root) {
+  if (!root.has("room"))
+    return;
+  TableReader table = root.table("room");
+  table.positive_numbers("size", 3);
+  read_pose(table);
+  table.finish();
+}
+
 Rectangle read_rectangle(TableReader& table) {
   Rectangle rectangle{table.vector("corner"), table.nonzero_vector("edge_u"), table.nonzero_vector("edge_v")};
   table.finish();
@@ -262,6 +272,7 @@ Scene load_scene(const std::filesystem::path& path) {
 
   Scene scene;
   scene.medium = read_medium(root);
+  check_room(root);
   LinkIndices links;
   scene.links = read_links(root, links);
   Names taken;

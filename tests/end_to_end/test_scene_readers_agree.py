@@ -127,6 +127,15 @@ def test_sensors_on_links(folder: Path) -> None:
     assert_same_conductors(folder / "scene.toml")
 
 
+def test_a_room_is_read_by_both_and_moves_nothing(folder: Path) -> None:
+    room = "[room]\nsize = [9, 8, 7]\ntranslation = [0, 0, 1]\nrotation = { axis = [0, 0, 1], degrees = 5 }\n"
+    (folder / "scene.toml").write_text(room + SENSOR + LINKS)
+    assert_same_conductors(folder / "scene.toml")
+    (folder / "canonical.toml").write_text(canonical(reader.load(folder / "scene.toml")))
+    assert reader.load(folder / "canonical.toml").room == reader.load(folder / "scene.toml").room
+    assert_same_conductors(folder / "canonical.toml")
+
+
 def test_the_canonical_text_of_every_default_case(folder: Path) -> None:
     for case in study.load(study.find("default")).cases():
         (folder / "scene.toml").write_text(canonical(case.scene))
@@ -161,6 +170,9 @@ def test_the_canonical_text_of_poses_and_links(folder: Path) -> None:
         + '[[object]]\nname = "o"\nshape = { type = "cube", size = 1 }\nquaternion = [1, 0, 0, 0]\n'
         + "rotation = { axis = [0, 0, 1], degrees = 1 }\n",
         "[medium]\nrelative_permittivity = 0\n" + SENSOR,
+        "[room]\nsize = [1, 2]\n" + SENSOR,
+        "[room]\nsize = [1, 2, 0]\n" + SENSOR,
+        '[room]\nsize = [1, 2, 3]\nlink = "hand"\n' + SENSOR + LINKS,
         "",
     ],
 )

@@ -75,6 +75,15 @@ def test_one_level_under_a_limit_still_encloses_the_truth(scene: Path, limit: tu
     assert 500 < found["memory_per_unknown"] < 50_000
 
 
+def test_columns_left_out_are_named_and_unknown_ones_refused(scene: Path) -> None:
+    done = command(scene, "--json", "--error", "estimate", "--max-seconds", "0.1", "--columns", "front")
+    found = json.loads(done.stdout)
+    assert found["conductors"] == ["front"] and found["not_asked"] == ["target"]
+    assert list(found["delta_self"]) == ["front"] and found["delta_self"]["front"]["value"] > 0
+    wrong = command(scene, "--json", "--columns", "front,nobody")
+    assert wrong.returncode == 2 and wrong.stdout == "" and '"nobody"' in wrong.stderr
+
+
 def test_people_get_a_table_with_errors_and_a_line_per_level(scene: Path) -> None:
     done = command(scene, "--max-seconds", "0.1")
     assert "delta_self, pF" in done.stdout and "±" in done.stdout and "proven to lie in" in done.stdout

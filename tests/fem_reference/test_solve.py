@@ -63,7 +63,7 @@ def test_the_maxwell_matrix_is_that_of_conductors_in_free_space() -> None:
 
 def test_energies_are_the_charges_by_reaction() -> None:
     _, _, system = above_box()
-    potentials = system.potentials(range(3))
+    potentials = system.potentials(range(3), 3)
     energies = system.energies(potentials)
     for j, potential in enumerate(potentials):
         source, image = system.stiffness.createVecRight(), system.stiffness.createVecLeft()
@@ -103,7 +103,7 @@ def test_a_floating_conductor_is_between_grounded_and_absent() -> None:
     _, _, system = above_box()
     grounded = charges(system, 3).maxwell
     floating = without_floating(grounded, 1)
-    absent = system.energies(system.potentials([0, 1]))
+    absent = system.energies(system.potentials([0, 1], 2))
     assert np.linalg.eigvalsh(grounded[:2, :2] - floating).min() > 0
     assert np.linalg.eigvalsh(floating - absent).min() > 0
 

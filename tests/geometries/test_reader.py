@@ -9,7 +9,7 @@ import pytest
 from geometries import reader
 from geometries.errors import InputError
 from geometries.poses import AxisRotation, Pose, QuaternionRotation
-from geometries.scene import DistanceSensor, Link, Medium, Object, Plate, Sensor
+from geometries.scene import DistanceSensor, Link, Medium, Object, Plate, Room, Sensor
 from geometries.shapes import Arc, Cone, Cuboid, Cylinder, PlateShape, Shape, Sphere
 
 PLATE = "{ corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] }"
@@ -25,6 +25,9 @@ def test_everything_that_a_scene_may_hold_is_read() -> None:
         f"""
         [medium]
         relative_permittivity = 2
+        [room]
+        size = [4, 3, 2.5]
+        translation = [0, 0, 1.25]
         [[link]]
         name = "room"
         [[link]]
@@ -58,6 +61,7 @@ def test_everything_that_a_scene_may_hold_is_read() -> None:
         """
     )
     assert scene.medium == Medium(2.0)
+    assert scene.room == Room((4.0, 3.0, 2.5), Pose((0.0, 0.0, 1.25)))
     turned = Pose((0.0, 0.0, 0.5), AxisRotation((0.0, 0.0, 1.0), 30.0))
     assert scene.links == (Link("room"), Link("arm", "room", turned))
     plate = Plate((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0))

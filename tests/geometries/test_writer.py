@@ -36,6 +36,9 @@ apex = [0, 0, 0]
 direction = [0, 0, 1]
 full_angle_degrees = 40
 range = 0.8
+[room]
+size = [4, 3, 2]
+rotation = {{ axis = [0, 0, 1], degrees = 5 }}
 [[sensor]]
 plates = [{PLATE}, {PLATE}]
 name = "s"

@@ -34,6 +34,10 @@ class SceneReader : public test::TemporaryFolder {
 constexpr auto complete = R"([medium]
 relative_permittivity = 3
 
+[room]
+size = [9, 8, 7]
+translation = [0, 0, 1]
+
 [[link]]
 name = "hand"
 parent = "arm"
@@ -208,6 +212,8 @@ const std::vector<BadScene> bad_scenes{
     {"only links", "[[link]]\nname = \"l\"\n", "", "at least one sensor or object"},
     {"unknown table", "[mediun]\n", "mediun", "not a known key"},
     {"unknown key of the medium", "[medium]\npermittivity = 1\n", "medium.permittivity", "not a known key"},
+    {"room without a height", "[room]\nsize = [1, 2]\n", "room.size", "3"},
+    {"room on a link", "[room]\nsize = [1, 2, 3]\nlink = \"hand\"\n", "room.link", "not a known key"},
     {"permittivity of zero", "[medium]\nrelative_permittivity = 0\n", "medium.relative_permittivity",
      "greater than zero"},
     {"medium that is no table", "medium = 1\n", "medium", "must be a table"},

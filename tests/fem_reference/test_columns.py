@@ -1,0 +1,66 @@
+"""Only some columns asked for: what comes back is that part of the whole matrix, bounds too."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from fem_reference import maxwell
+from fem_reference.reference import Reference
+from geometries.errors import InputError
+from geometries.reader import loads
+
+SCENE = """
+[[sensor]]
+name = "left"
+plates = [ { corner = [-0.11, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+
+[[sensor]]
+name = "right"
+plates = [ { corner = [0.01, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+
+[[object]]
+name = "grounded"
+shape = { type = "plate", size = [0.08, 0.08] }
+translation = [0.02, 0, 0.05]
+
+[[object]]
+name = "floating"
+shape = { type = "plate", size = [0.05, 0.1] }
+translation = [-0.06, 0, 0.06]
+potential = "floating"
+"""
+
+
+@cache
+def solved(*columns: str) -> Reference:
+    return maxwell(loads(SCENE), max_seconds=1e-3, columns=columns)
+
+
+def test_what_was_asked_for_is_a_part_of_the_whole() -> None:
+    whole, part = solved(), solved("grounded", "right")
+    assert part.names == ("right", "grounded") and part.grounded == ("left",) and whole.grounded == ()
+    kept = [whole.names.index(name) for name in part.names]
+    for name in ("lower", "upper"):
+        expected = getattr(whole, name)[np.ix_(kept, kept)]
+        np.testing.assert_allclose(getattr(part, name), expected, rtol=1e-7)
+    np.testing.assert_allclose(part.maxwell.value, whole.maxwell.value[np.ix_(kept, kept)], rtol=1e-7)
+
+
+def test_the_change_of_a_sensor_is_the_same_beside_a_sensor_nobody_asked_for() -> None:
+    whole, part = solved(), solved("grounded", "right")
+    assert part.delta_self.value.shape == (1,)
+    np.testing.assert_allclose(part.delta_self.value[0], whole.delta_self.value[1], rtol=1e-6)
+
+
+def test_an_object_alone_has_no_change_of_a_sensor() -> None:
+    found = maxwell(loads(SCENE), max_seconds=1e-3, columns=["grounded"], error="estimate")
+    assert found.names == ("grounded",) and found.delta_self.value.shape == (0,) and found.worst >= 1
+
+
+@pytest.mark.parametrize("name", ["nobody", "floating"])
+def test_a_column_that_is_none_is_refused_by_name(name: str) -> None:
+    with pytest.raises(InputError, match=f'columns: "{name}" is not a conductor with a column'):
+        maxwell(loads(SCENE), columns=["left", name])

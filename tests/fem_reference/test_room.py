@@ -1,0 +1,107 @@
+"""A grounded box around everything: ground is its walls, no longer infinity."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.constants import epsilon_0
+
+from fem_reference import maxwell
+from fem_reference.bodies import Body, Cuboid, Rectangle
+from fem_reference.enclosure import Enclosure
+from fem_reference.level import solve_level
+from fem_reference.round_bodies import Sphere
+from fem_reference.scene_bodies import normalised
+from fem_reference.size_rules import Sizing
+from fem_reference.symmetry import mirror_planes
+from geometries.errors import InputError
+from geometries.reader import loads
+
+Vector = NDArray[np.float64]
+
+UNIT_CUBE = 0.66067815409957
+"""C / 4πε0·side in free space; Helsing & Perfekt 2013."""
+PLATE = Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))
+
+
+def box(*size: float, axes: Vector = np.eye(3), centre: tuple[float, ...] = (0, 0, 0)) -> Cuboid:
+    return Cuboid("room", np.array(centre, dtype=float), axes, (size[0] / 2, size[1] / 2, size[2] / 2))
+
+
+def enclosed(bodies: list[Body], room: Cuboid | None, refinement: float = 1.0) -> Enclosure:
+    """Each body a conductor."""
+    problem = normalised([body.name for body in bodies], 1, bodies, range(len(bodies)), room=room)
+    planes = mirror_planes(problem.bodies, problem.owner, problem.room)
+    found = solve_level(problem, 1.0, Sizing(refinement=refinement), True, planes).enclosure
+    assert found is not None
+    return found
+
+
+def own(found: Enclosure) -> tuple[float, float]:
+    """The interval of the first own entry over ε0, metres."""
+    return found.lower[0, 0] / epsilon_0, found.upper[0, 0] / epsilon_0
+
+
+@cache
+def cube_in(side: float) -> tuple[float, float]:
+    return own(enclosed([Cuboid("cube", np.zeros(3), np.eye(3), (0.5, 0.5, 0.5))], box(side, side, side)))
+
+
+def test_the_smaller_the_room_the_larger_the_capacitance_and_a_large_one_is_free_space() -> None:
+    """A room of radius R adds about C/4πε0R of C, a cube of half width R less than that of its inscribed ball."""
+    free = 4 * np.pi * UNIT_CUBE
+    small, large = cube_in(3.0), cube_in(60.0)
+    assert small[0] > large[1] and large[1] > free
+    assert large[0] <= free / (1 - UNIT_CUBE / 30) and large[1] - large[0] <= 5e-3 * free
+    assert large[1] >= free / (1 - UNIT_CUBE / (30 * np.sqrt(3)))
+
+
+def test_a_ball_in_a_box_lies_between_the_two_concentric_balls() -> None:
+    """Spherical condensers with the balls inside and around the room, which has no middle plane in common with the axes."""
+    turned = np.linalg.qr(np.array([[1.0, 2, 3], [0, 1, 4], [5, 6, 0]]))[0]
+    lower, upper = own(enclosed([Sphere("ball", np.zeros(3), 0.5)], box(4, 4, 4, axes=turned)))
+    between = [4 * np.pi / (1 / 0.5 - 1 / radius) for radius in (2 * np.sqrt(3), 2.0)]
+    assert between[0] < lower <= upper < between[1] and upper - lower <= 1e-2 * upper
+
+
+def test_a_plate_near_a_wall_is_a_plate_and_its_image() -> None:
+    """The wall below is a mirror: in half of space, M[0, 0] is that of two plates at opposite voltages. The other walls are far."""
+    gap, far = 0.3, 40.0
+    lower, upper = own(enclosed([PLATE], box(far, far, far, centre=(0, 0, far / 2 - gap))))
+    image = Rectangle("image", np.array([0, 0, -2 * gap]), np.eye(3), (0.5, 0.5))
+    pair = enclosed([PLATE, image], None)
+    below = (pair.lower[0, 0] - pair.upper[0, 1]) / epsilon_0
+    above = (pair.upper[0, 0] - pair.lower[0, 1]) / epsilon_0
+    assert lower <= above * 1.001 and below <= upper and upper - lower <= 2e-2 * upper
+
+
+def test_planes_of_the_bodies_that_are_none_of_the_room_are_not_used() -> None:
+    centred = mirror_planes([PLATE], [0], box(4, 4, 4))
+    aside = mirror_planes([PLATE], [0], box(4, 4, 4, centre=(0.5, 0, 0)))
+    assert len(centred) == 2 and len(aside) == 1 and abs(aside[0].normal[1]) == pytest.approx(1)
+
+
+SCENE = """
+[room]
+size = [1, 1, {height}]
+translation = [0, 0, 0.3]
+[[sensor]]
+name = "front"
+plates = [ {{ corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] }} ]
+"""
+
+
+def test_a_body_that_is_not_in_the_room_is_refused_by_name() -> None:
+    with pytest.raises(InputError, match='room: "front" is not inside'):
+        maxwell(loads(SCENE.format(height=0.6)))
+
+
+def test_a_scene_in_a_room_needs_no_open_boundary() -> None:
+    found = maxwell(loads(SCENE.format(height=0.8)), max_seconds=1e-3)
+    assert found.names == ("front",) and len(found.planes) == 2
+    assert np.all(found.lower <= found.maxwell.value) and np.all(found.maxwell.value <= found.upper)
+    free = 4 * np.pi * epsilon_0 * 0.366788 * 0.1
+    assert found.lower[0, 0] > free
