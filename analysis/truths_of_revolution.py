@@ -1,4 +1,4 @@
-"""Truths for round bodies that owe nothing to finite elements: multipoles of two balls, and rings of charge."""
+"""Capacitances of round bodies that owe nothing to finite elements: multipoles of two balls, and rings of charge."""
 
 from __future__ import annotations
 
