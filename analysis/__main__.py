@@ -1,4 +1,4 @@
-"""`python3 -m analysis`: run a study, report on its results, show a scene."""
+"""`python3 -m analysis`: run a study, report on its results, verify the reference, show a scene."""
 
 from __future__ import annotations
 
@@ -26,6 +26,8 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if options.command == "run":
             return _run(options.study, options.results, options.jobs, options.measure_model)
+        if options.command == "verify":
+            return _verify(options.output, options.jobs)
         if options.command == "show":
             return _show(options.scene, options.motion, options.output)
         return _report(options.results)
@@ -68,6 +70,16 @@ def _parser() -> argparse.ArgumentParser:
     )
     report = commands.add_parser("report", help="write table.csv and report.html from stored answers")
     report.add_argument("results", type=Path, metavar="RESULTS", help="a folder that `run` has filled")
+    verify = commands.add_parser(
+        "verify",
+        help="hold the reference against known capacitances, and its run time against error (minutes; finished rows are kept)",
+    )
+    verify.add_argument(
+        "--output", type=Path, metavar="DIR", help="where to keep the rows (default: results/verification)"
+    )
+    verify.add_argument(
+        "--jobs", type=_count, metavar="N", help="rows at a time (default: by cores and memory)"
+    )
     show = commands.add_parser(
         "show", help="write one page with a scene, its sensors' readings and its motion"
     )
@@ -122,6 +134,20 @@ def _report(folder: Path) -> int:
         )
     print(f"report: {made.path}")
     return NOT_REACHED if made.not_reached else ANSWERED
+
+
+def _verify(folder: Path | None, jobs: int | None) -> int:
+    from analysis import verification_page, verification_stage
+    from analysis.keys import REPOSITORY
+
+    target = folder or REPOSITORY / "results" / verification_stage.FOLDER
+    failures = verification_stage.run(target, verification_stage.row_names(), jobs)
+    for failure in failures:
+        print(f"analysis: {failure.stage}: {failure.reason}", file=sys.stderr)
+    made = verification_page.make(target)
+    print(made.headline)
+    print(f"report: {made.path}")
+    return FAILED if failures else ANSWERED
 
 
 def _show(scene: str, motion: Path | None, target: Path | None) -> int:

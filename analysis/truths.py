@@ -44,7 +44,7 @@ def love(separation: float) -> float:
     f(x) + (κ/π) ∫ f(y)/(κ² + (x − y)²) dy = 1 on [−1, 1]; C = (1/2π) ∫ f for discs at opposite potentials. The kernel is
     analytic, so Gauss–Legendre collocation converges geometrically.
     """
-    x, weights = np.polynomial.legendre.leggauss(200)
+    x, weights = np.polynomial.legendre.leggauss(200)  # type: ignore[no-untyped-call]
     kernel = separation / np.pi / (separation**2 + (x[:, None] - x) ** 2)
     return float(weights @ np.linalg.solve(np.eye(200) - kernel * weights, np.ones(200)) / (2 * np.pi))
 
