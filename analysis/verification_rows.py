@@ -56,10 +56,8 @@ def solve_row(name: str) -> Document:
 
 
 def _truth(case: TrueCase) -> Document:
-    # Intervals of several answers would only add up.
-    kind: ErrorKind = "estimate" if case.longer else "enclosure"
     found = [
-        solve_conductors(set_up.conductors(), rtol=TRUTH_RTOL, error=kind)
+        solve_conductors(set_up.conductors(), rtol=TRUTH_RTOL, error=case.error)
         for set_up in (case.set_up, *case.longer)
     ]
     quantities = [
@@ -67,7 +65,7 @@ def _truth(case: TrueCase) -> Document:
         for quantity in case.quantities
     ]
     return {
-        "kind": kind,
+        "kind": case.error,
         "source": case.source,
         "seconds": sum(answer.seconds for answer in found),
         "unknowns": max(level.unknowns for answer in found for level in answer.levels),

@@ -13,6 +13,7 @@ from scipy.constants import epsilon_0
 
 from analysis import truths, truths_of_revolution
 from fem_reference.bodies import Body, Cuboid, Disc, Rectangle
+from fem_reference.reference import ErrorKind
 from fem_reference.round_bodies import Cone, Cylinder, Sphere
 from fem_reference.scene_bodies import Conductors, Dielectric, normalised, rectangle
 from geometries.poses import AxisRotation
@@ -58,6 +59,7 @@ class TrueCase:
     source: str
     set_up: SetUp
     quantities: tuple[Quantity, ...]
+    error: ErrorKind = "enclosure"
     length: float = 0.0
     longer: tuple[SetUp, ...] = ()
 
@@ -147,9 +149,14 @@ def _single_bodies() -> list[TrueCase]:
         ("cone", rings, Cone("cone", np.zeros(3), turned, 1.0, 1.0), cone, 1e-6),
     ]  # fmt: skip
     return [
-        TrueCase(name, source, alone(body), (Quantity("C11", own, UNIT * truth, error),))
+        TrueCase(name, source, alone(body), (Quantity("C11", own, UNIT * truth, error),), _kind(body))
         for name, source, body, truth, error in found
     ]
+
+
+def _kind(body: Body) -> ErrorKind:
+    """The enclosure of a cone takes minutes: its apex has as many curved cells as one likes."""
+    return "estimate" if isinstance(body, Cone) else "enclosure"
 
 
 def _discs() -> list[TrueCase]:
@@ -202,7 +209,9 @@ def _strips() -> list[TrueCase]:
         known = Quantity("C per length", truths.two_terminal, epsilon_0 * truths.strips(ratio), 1e-9)
         name = f"facing strips, width/gap {ratio:g}"
         cases.append(
-            TrueCase(name, "elliptic integrals", lengths[0], (known,), STRIP_LENGTH, tuple(lengths[1:]))
+            TrueCase(
+                name, "elliptic integrals", lengths[0], (known,), "estimate", STRIP_LENGTH, tuple(lengths[1:])
+            )
         )
     return cases
 

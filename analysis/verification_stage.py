@@ -77,7 +77,9 @@ def run(folder: Path, names: list[str], workers: int | None = None) -> list[Fail
     except BaseException:
         forget_unfinished_forms()
         raise
-    write_json(folder / FAILURES, {"failures": [f"{failure.stage}: {failure.reason}" for failure in failures]})
+    write_json(
+        folder / FAILURES, {"failures": [f"{failure.stage}: {failure.reason}" for failure in failures]}
+    )
     return failures
 
 
@@ -91,8 +93,14 @@ def load(folder: Path) -> dict[str, Document]:
 def solve(name: str, target: Path, key: str, processes: Processes) -> Failure | None:
     """Solve one row and store it with its key; returns why, when there is none."""
     cache = REPOSITORY / "build" / "cache"
-    environment = os.environ | {"OMP_NUM_THREADS": "1", "XDG_CACHE_HOME": str(cache), "PYTHONPATH": str(REPOSITORY)}
-    finished = processes.run([sys.executable, "-m", "analysis.verification_rows", name], REPOSITORY, environment)
+    environment = os.environ | {
+        "OMP_NUM_THREADS": "1",
+        "XDG_CACHE_HOME": str(cache),
+        "PYTHONPATH": str(REPOSITORY),
+    }
+    finished = processes.run(
+        [sys.executable, "-m", "analysis.verification_rows", name], REPOSITORY, environment
+    )
     if finished.exit_code != 0:
         told = (finished.errors.strip() or "no message").splitlines()[-1][:_SAID_AT_MOST]
         return Failure("", name, f"exit code {finished.exit_code}: {told}")
