@@ -25,7 +25,7 @@ def main(arguments: list[str] | None = None) -> int:
     signal.signal(signal.SIGTERM, _interrupt)
     try:
         if options.command == "run":
-            return _run(options.study, options.results, options.jobs, options.measure_model)
+            return _run(options.study, options.results, options.jobs, options.measure_model, options.verify)
         if options.command == "verify":
             return _verify(options.output, options.jobs)
         if options.command == "show":
@@ -68,6 +68,11 @@ def _parser() -> argparse.ArgumentParser:
         action="store_true",
         help="measure the model by itself, too: run time against error, stability (two minutes, kept with the results)",
     )
+    run.add_argument(
+        "--verify",
+        action="store_true",
+        help="verify the reference, too, as the command verify does, in the folder verification beside the results",
+    )
     report = commands.add_parser("report", help="write table.csv and report.html from stored answers")
     report.add_argument("results", type=Path, metavar="RESULTS", help="a folder that `run` has filled")
     verify = commands.add_parser(
@@ -106,14 +111,18 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
-def _run(name: str, folder: Path | None, jobs: int | None, measure_model: bool) -> int:
-    from analysis import reference_stage, workflow
+def _run(name: str, folder: Path | None, jobs: int | None, measure_model: bool, verify: bool) -> int:
+    from analysis import reference_stage, verification_page, verification_stage, workflow
     from analysis.keys import REPOSITORY
     from geometries import study
 
     chosen = study.load(study.find(name))
     target = folder or REPOSITORY / "results" / chosen.name
     failures = workflow.run(chosen, target, jobs, measure_model)
+    if verify:
+        failures += verification_stage.run(
+            verification_page.beside(target), verification_stage.row_names(), jobs
+        )
     for failure in failures:
         place = f"case {failure.case}: " if failure.case else ""
         print(f"analysis: {place}{failure.stage}: {failure.reason}", file=sys.stderr)

@@ -72,7 +72,7 @@ class Compared:
 class Held:
     """A property with its measured figure and what it may be at most."""
 
-    property: str
+    group: str
     words: str
     measured: float
     allowed: float

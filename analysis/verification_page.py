@@ -32,7 +32,7 @@ def sections(rows: dict[str, Document]) -> list[str]:
     from analysis import cost_section, verification_section
 
     if not rows:
-        return [verification_section.chapter([], [], 0, 0)]
+        return [verification_section.chapter([], [], [])]
     from analysis.verification_set_ups import cost_cases
 
     names = verification_stage.row_names()
@@ -42,8 +42,9 @@ def sections(rows: dict[str, Document]) -> list[str]:
         for case in cost_cases().values()
     ]
     costs = [cost for cost in (verification.cost(ordered, case) for case in asked) if cost is not None]
+    missing = [name for name in names if name not in rows]
     chapter = verification_section.chapter(
-        verification.compared(ordered), verification.held(ordered), len(ordered), len(names)
+        verification.compared(ordered), verification.held(ordered), missing
     )
     return [chapter, cost_section.section(costs)]
 

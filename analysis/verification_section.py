@@ -30,17 +30,14 @@ _ORDER = (
 _SMALLEST = 1e-7
 
 
-def chapter(found: list[Compared], properties: list[Held], rows: int, expected: int) -> str:
+def chapter(found: list[Compared], properties: list[Held], missing: list[str]) -> str:
     """Everything but run times; one sentence when there is nothing."""
     if not found and not properties:
         return page.section(TITLE, page.paragraph(ABSENT))
     parts = []
-    if rows < expected:
-        parts.append(
-            page.paragraph(
-                f"{rows} of {expected} rows are there; python3 -m analysis verify solves the others."
-            )
-        )
+    if missing:
+        words = f"{len(missing)} rows failed or are not solved yet; they count nowhere: {'; '.join(missing)}."
+        parts.append(page.paragraph(words))
     if found:
         parts += _truths(found)
         parts += _orders(found)
@@ -216,7 +213,7 @@ def _error_over_size(shown: list[Compared]) -> go.Figure:
 def _properties(properties: list[Held]) -> list[str]:
     rows = [
         [
-            escape(entry.property),
+            escape(entry.group),
             escape(entry.words),
             f"{entry.measured:.2g}",
             f"{entry.allowed:.2g}",

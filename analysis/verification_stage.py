@@ -16,7 +16,6 @@ from analysis.reference_stage import forget_unfinished_forms
 
 FOLDER = "verification"
 """Of the rows, beside the folders of the studies' results."""
-FAILURES = "failures.json"
 _SOURCES = (
     "truths.py",
     "truths_of_revolution.py",
@@ -77,9 +76,6 @@ def run(folder: Path, names: list[str], workers: int | None = None) -> list[Fail
     except BaseException:
         forget_unfinished_forms()
         raise
-    write_json(
-        folder / FAILURES, {"failures": [f"{failure.stage}: {failure.reason}" for failure in failures]}
-    )
     return failures
 
 
