@@ -93,7 +93,7 @@ def _truths(found: list[Compared]) -> list[str]:
         ),
         page.paragraph("Of each set-up the quantity whose true error is the largest part of the stated one."),
         _table(worst_of_each_case(found)),
-        page.folded(f"All {len(found)} quantities", _table(found)),
+        page.folded(f"All {len(found)} quantities", _full_table(found)),
         page.soft(_WHAT),
     ]
 
@@ -122,20 +122,28 @@ def _marks(name: str, rows: list[tuple[Compared, float | None]], index: int, sym
     )
 
 
+_HEADER = (
+    "set-up",
+    "quantity",
+    "known to",
+    "off by",
+    "stated",
+    "effectivity",
+    "within",
+    "half width",
+    "effectivity",
+)
+_MORE = ("truth inside", "order")
+
+
 def _table(rows: list[Compared]) -> str:
-    header = [
-        "set-up",
-        "quantity",
-        "truth",
-        "known to",
-        "off by",
-        "stated",
-        "effectivity",
-        "within",
-        "half width",
-    ]
-    header += ["effectivity", "truth inside", "order", "seconds"]
-    return page.table(header, [_cells(row) for row in rows], text_columns=3)
+    return page.table([*_HEADER, *_MORE], [_cells(row) for row in rows], text_columns=2)
+
+
+def _full_table(rows: list[Compared]) -> str:
+    """With the source of every truth, and what the answer took."""
+    more = [[*_cells(row), f"{row.seconds:.1f}", escape(row.source)] for row in rows]
+    return page.table([*_HEADER, *_MORE, "seconds", "truth from"], more, text_columns=2)
 
 
 def _cells(row: Compared) -> list[str]:
@@ -143,7 +151,6 @@ def _cells(row: Compared) -> list[str]:
     return [
         escape(row.case),
         escape(row.quantity),
-        escape(row.source),
         f"{row.truth_error:.0e}" if row.truth_error else "exact",
         f"{row.off:.1e}",
         f"{row.stated:.1e}",
@@ -153,7 +160,6 @@ def _cells(row: Compared) -> list[str]:
         "" if ratio is None else f"{ratio:.2g}",
         "" if row.enclosed is None else "yes" if row.enclosed else "<strong>no</strong>",
         "" if order is None else f"{order:.2f}",
-        f"{row.seconds:.1f}",
     ]
 
 
@@ -199,7 +205,7 @@ def _error_over_size(shown: list[Compared]) -> go.Figure:
             )
         )
     middle = math.exp(float(np.mean([math.log(row.clear_levels[0][1]) for row in shown])))
-    sizes = [1.0, 0.125]
+    sizes = [1.0, 0.25]
     traces.append(
         go.Scatter(
             x=sizes, y=[middle * size for size in sizes], mode="lines", name="order 1", hoverinfo="skip",
@@ -225,9 +231,7 @@ def _properties(properties: list[Held]) -> list[str]:
     return [
         "<h3>What has to hold whatever the numbers are</h3>",
         page.finding(property_finding(properties)),
-        page.table(
-            ["property", "what", "measured", "at most", "holds", "the limit is"], rows, text_columns=2
-        ),
+        page.table(["property", "what", "measured", "at most", "holds", "limit"], rows, text_columns=2),
     ]
 
 
