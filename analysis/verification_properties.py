@@ -77,7 +77,7 @@ def reciprocity() -> list[Statement]:
         charges.append([float(reaction.array[own].sum()) for own in field.dofs])
     exchanged = SetUp(set_up.bodies[::-1], set_up.names[::-1])
     asymmetry = abs(charges[0][1] / charges[1][0] - 1)
-    words = "charge on the second per volt on the first, and the other way round, as sums of reactions on one mesh"
+    words = "charges of one by the other and back, as reactions on one mesh"
     return [
         Statement(words, asymmetry, SOLVER, "twice the linear solver's residual"),
         _same("sensor and target exchanged", exchanged, set_up, turned=True),

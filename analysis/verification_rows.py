@@ -29,7 +29,7 @@ TRUTH_RTOL = 1e-3
 """What a user gets who asks for nothing else."""
 ESTIMATE, TIGHT, ENCLOSURE, LINEAR, QUADRATIC = "estimate", "tight", "enclosure", "linear", "quadratic"
 METHODS = (ESTIMATE, TIGHT, ENCLOSURE, LINEAR, QUADRATIC)
-MAX_SECONDS = {ESTIMATE: 60.0, TIGHT: 60.0, ENCLOSURE: 40.0, LINEAR: 10.0, QUADRATIC: 10.0}
+MAX_SECONDS = {ESTIMATE: 60.0, TIGHT: 60.0, ENCLOSURE: 20.0, LINEAR: 6.0, QUADRATIC: 6.0}
 """What a row may take; the targets go up to 60 s."""
 ENCLOSURE_RTOL = 5e-4
 

@@ -86,7 +86,7 @@ def _truths(found: list[Compared]) -> list[str]:
         page.figures(
             [
                 Panel(
-                    "stated against true error; on or below the line it would be wrong",
+                    "stated against true error: below the line a stated error would be wrong",
                     _stated_against_true(found),
                 )
             ]
@@ -222,16 +222,15 @@ def _properties(properties: list[Held]) -> list[str]:
             escape(entry.group),
             escape(entry.words),
             f"{entry.measured:.2g}",
-            f"{entry.allowed:.2g}",
+            f"{entry.allowed:.2g}, {escape(entry.because)}",
             "yes" if entry.holds else "<strong>no</strong>",
-            escape(entry.because),
         ]
         for entry in properties
     ]
     return [
         "<h3>What has to hold whatever the numbers are</h3>",
         page.finding(property_finding(properties)),
-        page.table(["property", "what", "measured", "at most", "holds", "limit"], rows, text_columns=2),
+        page.table(["property", "what", "measured", "at most", "holds"], rows, text_columns=2),
     ]
 
 
