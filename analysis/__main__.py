@@ -1,4 +1,4 @@
-"""`python3 -m analysis`: run a study, report on its results, show a scene."""
+"""`python3 -m analysis`: run a study, report on its results, verify the reference, show a scene."""
 
 from __future__ import annotations
 
@@ -25,7 +25,9 @@ def main(arguments: list[str] | None = None) -> int:
     signal.signal(signal.SIGTERM, _interrupt)
     try:
         if options.command == "run":
-            return _run(options.study, options.results, options.jobs, options.measure_model)
+            return _run(options.study, options.results, options.jobs, options.measure_model, options.verify)
+        if options.command == "verify":
+            return _verify(options.output, options.jobs)
         if options.command == "show":
             return _show(options.scene, options.motion, options.output)
         return _report(options.results)
@@ -66,8 +68,23 @@ def _parser() -> argparse.ArgumentParser:
         action="store_true",
         help="measure the model by itself, too: run time against error, stability (two minutes, kept with the results)",
     )
+    run.add_argument(
+        "--verify",
+        action="store_true",
+        help="verify the reference, too, as the command verify does, in the folder verification beside the results",
+    )
     report = commands.add_parser("report", help="write table.csv and report.html from stored answers")
     report.add_argument("results", type=Path, metavar="RESULTS", help="a folder that `run` has filled")
+    verify = commands.add_parser(
+        "verify",
+        help="hold the reference against known capacitances, and its run time against error (minutes; finished rows are kept)",
+    )
+    verify.add_argument(
+        "--output", type=Path, metavar="DIR", help="where to keep the rows (default: results/verification)"
+    )
+    verify.add_argument(
+        "--jobs", type=_count, metavar="N", help="rows at a time (default: by cores and memory)"
+    )
     show = commands.add_parser(
         "show", help="write one page with a scene, its sensors' readings and its motion"
     )
@@ -94,14 +111,18 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
-def _run(name: str, folder: Path | None, jobs: int | None, measure_model: bool) -> int:
-    from analysis import reference_stage, workflow
+def _run(name: str, folder: Path | None, jobs: int | None, measure_model: bool, verify: bool) -> int:
+    from analysis import reference_stage, verification_page, verification_stage, workflow
     from analysis.keys import REPOSITORY
     from geometries import study
 
     chosen = study.load(study.find(name))
     target = folder or REPOSITORY / "results" / chosen.name
     failures = workflow.run(chosen, target, jobs, measure_model)
+    if verify:
+        failures += verification_stage.run(
+            verification_page.beside(target), verification_stage.row_names(), jobs
+        )
     for failure in failures:
         place = f"case {failure.case}: " if failure.case else ""
         print(f"analysis: {place}{failure.stage}: {failure.reason}", file=sys.stderr)
@@ -122,6 +143,20 @@ def _report(folder: Path) -> int:
         )
     print(f"report: {made.path}")
     return NOT_REACHED if made.not_reached else ANSWERED
+
+
+def _verify(folder: Path | None, jobs: int | None) -> int:
+    from analysis import verification_page, verification_stage
+    from analysis.keys import REPOSITORY
+
+    target = folder or REPOSITORY / "results" / verification_stage.FOLDER
+    failures = verification_stage.run(target, verification_stage.row_names(), jobs)
+    for failure in failures:
+        print(f"analysis: {failure.stage}: {failure.reason}", file=sys.stderr)
+    made = verification_page.make(target)
+    print(made.headline)
+    print(f"report: {made.path}")
+    return FAILED if failures else ANSWERED
 
 
 def _show(scene: str, motion: Path | None, target: Path | None) -> int:

@@ -6,8 +6,8 @@ import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis import keys, results, statistics, table
-from analysis.store import write_text
+from analysis import keys, results, statistics, table, verification_page, verification_stage
+from analysis.store import Document, write_text
 
 REPORT, TABLE = "report.html", "table.csv"
 # The mark of the inputs stands in the first lines of a page whose script takes megabytes.
@@ -28,21 +28,22 @@ def make(folder: Path) -> Report:
     found = results.load(folder)
     rows = table.rows(found)
     summaries = statistics.summaries(rows)
-    inputs = _inputs(folder, found)
+    verified = verification_stage.load(verification_page.beside(folder))
+    inputs = _inputs(folder, found, verified)
     if not _is_current(folder, inputs):
         write_text(folder / TABLE, table.to_csv(rows, found.methods))
-        write_text(folder / REPORT, _page(found, rows, summaries, inputs))
+        write_text(folder / REPORT, _page(found, rows, summaries, verified, inputs))
     solved = [case.reference for case in found.cases.values() if case.reference is not None]
     return Report(folder / REPORT, summaries, sum(not answer.reached for answer in solved))
 
 
-def _inputs(folder: Path, found: results.Results) -> str:
+def _inputs(folder: Path, found: results.Results, verified: dict[str, Document]) -> str:
     """A hash of everything the report is made from: the answers, what was asked, and the code of this package."""
     files = [folder / name for name in (results.MANIFEST, results.RUN_TIMES, results.STABILITY)]
     for case in found.cases.values():
         files += [case.folder / name for name in (results.REFERENCE, results.MODEL, results.SLICE)]
     answers = keys.hash_of_files((path for path in files if path.is_file()), folder)
-    return hashlib.sha256(f"{answers} {keys.report_code()}".encode()).hexdigest()
+    return hashlib.sha256(f"{answers} {verification_page.inputs(verified)}".encode()).hexdigest()
 
 
 def _is_current(folder: Path, inputs: str) -> bool:
@@ -55,7 +56,11 @@ def _is_current(folder: Path, inputs: str) -> bool:
 
 
 def _page(
-    found: results.Results, rows: list[table.Row], summaries: list[statistics.Summary], inputs: str
+    found: results.Results,
+    rows: list[table.Row],
+    summaries: list[statistics.Summary],
+    verified: dict[str, Document],
+    inputs: str,
 ) -> str:
     # Imported here: plotly takes a second, and a report that is up to date needs none.
     from analysis import (
@@ -85,6 +90,7 @@ def _page(
         run_times_section.section(found.run_times),
         stability_section.section(found.stability),
         sections.trust(found, rows, symmetry.pairs(found.compared())),
+        *verification_page.sections(verified),
         sections.all_rows(found, rows),
         sections.reproduce(found, rows),
     ]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
+from analysis.truths import UNIT_CUBE, UNIT_SQUARE_PLATE, boundary_elements
 from fem_reference.bodies import Body, Cuboid, Rectangle
 from fem_reference.enclosure import Enclosure, enclosure, intersection
 from fem_reference.level import Level, solve_level
@@ -23,11 +22,7 @@ from tests.fem_reference.random_set_ups import enclosed, set_ups
 
 Array = NDArray[np.float64]
 
-UNIT_SQUARE_PLATE = 0.366788
-"""C / 4πε0·side; two independent boundary-element computations, 1e-6."""
-UNIT_CUBE = 0.66067815409957
-"""C / 4πε0·side; Helsing & Perfekt 2013."""
-CASES = json.loads(Path(__file__).with_name("boundary_elements.json").read_text())["cases"]
+CASES = boundary_elements()
 
 
 def random_semidefinite(seed: int) -> Array:

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 
+from analysis.truths import boundary_elements
 from tests.fem_reference.panel_method import Plate, maxwell
 
-CASES = {
-    case["name"]: case
-    for case in json.loads(Path(__file__).with_name("boundary_elements.json").read_text())["cases"]
-}
+CASES = {case["name"]: case for case in boundary_elements()}
 
 
 @pytest.mark.parametrize(

@@ -12,23 +12,22 @@ import numpy as np
 import pytest
 from scipy.constants import epsilon_0
 
-from fem_reference.bodies import Body
-from fem_reference.reference import solve_conductors
-from fem_reference.round_bodies import Cone, Cylinder, Sphere
-from fem_reference.scene_bodies import Dielectric, normalised
-from geometries.poses import AxisRotation
-from tests.fem_reference.bodies_of_revolution import (
+from analysis.truths import LEKNER
+from analysis.truths_of_revolution import (
     body_of_revolution,
     dielectric,
     floating,
     grounded,
     two_balls,
 )
+from fem_reference.bodies import Body
+from fem_reference.reference import solve_conductors
+from fem_reference.round_bodies import Cone, Cylinder, Sphere
+from fem_reference.scene_bodies import Dielectric, normalised
+from geometries.poses import AxisRotation
 
 TURNED = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T
 UNIT = 4 * np.pi * epsilon_0
-LEKNER = (1.2305175015e-12, 2.4315431141e-12, -0.4945667562e-12)
-"""Maxwell matrix of balls of 1 and 2 cm, centres 5 cm apart, F: C11, C22, C12; Lekner 2011."""
 
 
 def check(name: str, value: float, error: float, truth: float, widest: float) -> None:

@@ -1,4 +1,4 @@
-"""Truths for round bodies that owe nothing to finite elements: multipoles of two balls, and rings of charge."""
+"""Capacitances of round bodies that owe nothing to finite elements: multipoles of two balls, and rings of charge."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def _rings(outline: Sequence[tuple[float, float]], panels: int) -> float:
     starts, ends = (np.concatenate([side[cut] for side in sides]) for cut in (slice(0, -1), slice(1, None)))
     lengths = np.linalg.norm(ends - starts, axis=1)
     along, middles = (ends - starts) / lengths[:, None], (starts + ends) / 2
-    nodes, weights = np.polynomial.legendre.leggauss(12)
+    nodes, weights = np.polynomial.legendre.leggauss(12)  # type: ignore[no-untyped-call]
     # From the point of the panel nearest to the middle both ways, cubed: the potential is logarithmic there.
     shares, weights = ((nodes + 1) / 2) ** 3, 1.5 * ((nodes + 1) / 2) ** 2 * weights
     foot = np.clip(np.einsum("ijk,jk->ij", middles[:, None] - starts, along), 0, lengths)

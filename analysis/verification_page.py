@@ -1,0 +1,68 @@
+"""The verification as sections of a report, and as a page of its own."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis import keys, verification, verification_stage
+from analysis.store import Document, write_text
+
+PAGE = "verification.html"
+_INTRODUCTION = "Is the field reference right, does it know how wrong it is, and what does it cost? Every figure here is made anew by one command."
+
+
+@dataclass(frozen=True)
+class Made:
+    """Where the page is, and what it says in a sentence."""
+
+    path: Path
+    headline: str
+
+
+def beside(results: Path) -> Path:
+    """The folder of the verification that belongs to a study's results."""
+    return results.resolve().parent / verification_stage.FOLDER
+
+
+def sections(rows: dict[str, Document]) -> list[str]:
+    """The chapter and the section on run times; one sentence without rows."""
+    from analysis import cost_section, verification_section
+
+    if not rows:
+        return [verification_section.chapter([], [], [])]
+    from analysis.verification_set_ups import cost_cases
+
+    names = verification_stage.row_names()
+    ordered = {name: rows[name] for name in names if name in rows}
+    asked = [
+        verification.Asked(case.name, case.caption, case.targets, case.truth, case.truth_error)
+        for case in cost_cases().values()
+    ]
+    costs = [cost for cost in (verification.cost(ordered, case) for case in asked) if cost is not None]
+    missing = [name for name in names if name not in rows]
+    chapter = verification_section.chapter(
+        verification.compared(ordered), verification.held(ordered), missing
+    )
+    return [chapter, cost_section.section(costs)]
+
+
+def make(folder: Path) -> Made:
+    """Write the page of the rows in a folder."""
+    from analysis import page, verification_section
+
+    rows = verification_stage.load(folder)
+    title = "Verification of the field reference"
+    body = [f"<header>\n<h1>{title}</h1>", page.paragraph(_INTRODUCTION), "</header>", *sections(rows)]
+    write_text(folder / PAGE, page.document(title, inputs(rows), body))
+    found = verification.compared(rows)
+    told = verification_section.finding(found) if found else verification_section.ABSENT
+    return Made(folder / PAGE, told)
+
+
+def inputs(rows: dict[str, Document]) -> str:
+    """A hash of what the sections are made from."""
+    answers = json.dumps(rows, sort_keys=True)
+    return hashlib.sha256(f"{answers} {keys.report_code()}".encode()).hexdigest()
