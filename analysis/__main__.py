@@ -64,7 +64,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--measure-model",
         action="store_true",
-        help="measure the model by itself, too: run time against error, stability (two minutes, kept with the results)",
+        help="measure the model by itself, too: run time against error, stability, collisions (three minutes, kept with the results)",
     )
     report = commands.add_parser("report", help="write table.csv and report.html from stored answers")
     report.add_argument("results", type=Path, metavar="RESULTS", help="a folder that `run` has filled")

@@ -68,8 +68,10 @@ class NearestSimplex {
       return points_[i].dot(points_[j] - points_[k]);
     };
     const auto face = detail::nearest_face<double>(product, simplex_.size);
-    if (!face)
+    if (!face) {
+      --simplex_.size;
       return false;
+    }
     keep(*face);
     return true;
   }
@@ -169,15 +171,15 @@ ShapeDistance solve_in_integers(const Posed& a, const Posed& b, const PointSimpl
       solved.distance, solved.distance * rounded_down, direction, solved.witness_a, solved.witness_b, true};
 }
 
-/// A point that round shapes share, to rounding.
+/// The point that the certificate says they share, as one of either.
 ShapeDistance meeting(const ShapeAnswer& answer, const Posed& a, const Posed& b) {
   const auto* meet = std::get_if<ShapesMeet>(&answer.certificate);
   const PointSimplex& shared = meet ? meet->simplex : std::get<ShapesUndecided>(answer.certificate).simplex;
   NearestSimplex simplex(a, b);
   for (std::size_t i = 0; i < shared.size; ++i)
     simplex.add(shared.pairs[i]);
-  const Vector3d point = simplex.witnesses().a;
-  return {0, 0, Vector3d::Zero(), point, point, false};
+  const auto [on_a, on_b] = simplex.witnesses();
+  return {0, 0, Vector3d::Zero(), on_a, on_b, false};
 }
 
 }  // namespace
@@ -198,10 +200,14 @@ ShapeDistance gjk_distance(const ConvexShape& a, const Isometry3d& pose_a, const
   const FloatDistance reached = search_in_floating_point(posed_a, posed_b, extent);
   if (reached.is_closed)
     return reached.found;
-  if (is_flat)
-    return solve_in_integers(posed_a, posed_b, reached.simplex);
   const ShapeAnswer answer = gjk_intersects(a, pose_a, b, pose_b);
-  return answer.intersects ? meeting(answer, posed_a, posed_b) : reached.found;
+  if (answer.intersects) {
+    const ShapeDistance shared = meeting(answer, posed_a, posed_b);
+    // Where faces touch, rounding may have lost the simplex.
+    if (!is_flat || (shared.witness_a - shared.witness_b).norm() <= relative_error * extent)
+      return shared;
+  }
+  return is_flat ? solve_in_integers(posed_a, posed_b, reached.simplex) : reached.found;
 }
 
 }  // namespace fringe
