@@ -76,8 +76,8 @@ def finding_on_queries(queries: Sequence[QueryTimes]) -> str:
     least, most = min(ratios, key=lambda name: ratios[name]), max(ratios, key=lambda name: ratios[name])
     told = f"slower in: {', '.join(slower)}" if slower else "in no row slower"
     return (
-        f"Beside the fastest other library of each row fringe is {told}; it takes from 1/{ratios[most]:.2g} of that time "
-        f"({most}) to 1/{ratios[least]:.2g} ({least})."
+        f"Beside the fastest other library of each row fringe is {told}; that library takes from {ratios[least]:.2g} "
+        f"({least}) to {ratios[most]:.2g} times as long ({most})."
     )
 
 
