@@ -88,7 +88,8 @@ TEST(ConeShape, NeverMissesWhatIsOnTheBoundary) {
   EXPECT_GT(checked, cases / 20);
 }
 
-/// What it spares: of the boxes that are not seen, many more than the planes and the distance alone.
+/// What it spares: a third at least of the unseen boxes that the planes and the distance leave. Others are
+/// beyond the spherical cap and before the flat end.
 TEST(ConeShape, SparesMoreThanThePlanesDo) {
   Random random(3);
   int unseen = 0, by_planes = 0, by_either = 0;
@@ -105,7 +106,7 @@ TEST(ConeShape, SparesMoreThanThePlanesDo) {
   RecordProperty("unseen", unseen);
   RecordProperty("by_planes", by_planes);
   RecordProperty("by_either", by_either);
-  EXPECT_LT(2 * (unseen - by_either), unseen - by_planes);
+  EXPECT_GT(3 * (by_either - by_planes), unseen - by_planes);
 }
 
 }  // namespace
