@@ -66,7 +66,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--measure-model",
         action="store_true",
-        help="measure the model by itself, too: run time against error, stability (two minutes, kept with the results)",
+        help="measure the model by itself, too: run time against error, stability, collisions (three minutes, kept with the results)",
     )
     run.add_argument(
         "--verify",

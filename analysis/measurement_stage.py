@@ -12,7 +12,7 @@ from analysis import keys, machine
 from analysis.jobs import Failure
 from analysis.keys import REPOSITORY
 from analysis.processes import Processes
-from analysis.results import RUN_TIMES, STABILITY
+from analysis.results import COLLISION, RUN_TIMES, STABILITY
 from analysis.store import write_json
 
 _BIN = Path("build", "bin")
@@ -63,6 +63,30 @@ MEASUREMENTS = (
         ("--count", "100000", "--json", _ANSWER),
         60,
         ("model", "tests/model/stress", *_BUILD),
+    ),
+    Measurement(
+        "answers of collision queries",
+        COLLISION[0],
+        "collision_stress",
+        ("--count", "50000", "--json", _ANSWER),
+        20,
+        ("model", "tests/model/collision", *_BUILD),
+    ),
+    Measurement(
+        "times of collision queries",
+        COLLISION[1],
+        "collision_benchmark",
+        ("21", _ANSWER),
+        20,
+        ("model", *_BUILD),
+    ),
+    Measurement(
+        "collisions of scenes",
+        COLLISION[2],
+        "scene_collision_benchmark",
+        ("5", _ANSWER),
+        10,
+        ("model", *_BUILD),
     ),
 )
 

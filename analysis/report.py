@@ -39,7 +39,9 @@ def make(folder: Path) -> Report:
 
 def _inputs(folder: Path, found: results.Results, verified: dict[str, Document]) -> str:
     """A hash of everything the report is made from: the answers, what was asked, and the code of this package."""
-    files = [folder / name for name in (results.MANIFEST, results.RUN_TIMES, results.STABILITY)]
+    files = [
+        folder / name for name in (results.MANIFEST, results.RUN_TIMES, results.STABILITY, *results.COLLISION)
+    ]
     for case in found.cases.values():
         files += [case.folder / name for name in (results.REFERENCE, results.MODEL, results.SLICE)]
     answers = keys.hash_of_files((path for path in files if path.is_file()), folder)
@@ -64,6 +66,7 @@ def _page(
 ) -> str:
     # Imported here: plotly takes a second, and a report that is up to date needs none.
     from analysis import (
+        collision_section,
         page,
         plot_of_time,
         plots_in_space,
@@ -89,6 +92,7 @@ def _page(
     body += [
         run_times_section.section(found.run_times),
         stability_section.section(found.stability),
+        collision_section.section(found.collision),
         sections.trust(found, rows, symmetry.pairs(found.compared())),
         *verification_page.sections(verified),
         sections.all_rows(found, rows),

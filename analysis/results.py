@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from analysis import machine, measurements
+from analysis import collision_measurements, machine, measurements
 from analysis.answers import ModelAnswer, ReferenceAnswer
 from analysis.jobs import Failure
 from analysis.store import Document, read_json, write_json
@@ -18,6 +18,7 @@ from geometries.study import EMPTY, Case, Parameter, Study, empty_case
 MANIFEST = "study.json"
 SCENE, REFERENCE, MODEL, SLICE = "scene.toml", "fem.json", "model.json", "slice.json"
 RUN_TIMES, STABILITY = "run_times.json", "stability.json"
+COLLISION = ("collision_answers.json", "collision_times.json", "collision_scenes.json")
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +38,7 @@ class CaseResult:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """All of a study's results. `run_times` and `stability` are of the model itself; None where they were not measured."""
+    """All of a study's results. The last three are of the model itself; None where they were not measured."""
 
     folder: Path
     title: str
@@ -50,6 +51,7 @@ class Results:
     cases: dict[str, CaseResult]
     run_times: measurements.RunTimes | None
     stability: measurements.Stability | None
+    collision: collision_measurements.Collision | None
 
     def compared(self) -> list[CaseResult]:
         """The cases with objects, in the study's order."""
@@ -94,6 +96,7 @@ def load(folder: Path) -> Results:
         cases={document["id"]: _case_result(folder, document) for document in manifest["cases"]},
         run_times=measurements.run_times(read_json(folder / RUN_TIMES)),
         stability=measurements.stability(read_json(folder / STABILITY)),
+        collision=collision_measurements.collision(*(read_json(folder / name) for name in COLLISION)),
     )
 
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,7 +15,9 @@
 /// rounds in which everybody takes turns. No query knows of an earlier one. Half of the pairs intersect, by
 /// the distance of their centres; the last columns are how many answers differ from fringe's.
 ///
-///     collision_benchmark [ROUNDS]
+/// Pairs of cuboids whose faces touch are rows of their own, so is the shortest distance.
+///
+///     collision_benchmark [ROUNDS [FILE.json]]
 namespace {
 
 using namespace fringe::benchmarks;
@@ -90,27 +93,82 @@ double nanoseconds_per_query(const Peer& peer, std::size_t& count) {
 
 using MakePeer = std::unique_ptr<Peer> (*)(const PeerShapes&, const PeerPairs&);
 
-void measure(const std::string& name, const PeerShapes& shapes, const std::vector<MakePeer>& makers,
-             int rounds) {
-  const PeerPairs pairs = half_intersecting(shapes);
+struct RowTimes {
+  std::string name;
+  std::vector<std::string> peers;
+  std::vector<double> nanoseconds;  ///< medians
+  std::vector<std::size_t> intersecting;
+};
+
+RowTimes measure(const std::string& name, const PeerShapes& shapes, const PeerPairs& pairs,
+                 const std::vector<MakePeer>& makers, int rounds) {
   std::vector<std::unique_ptr<Peer>> peers;
   peers.reserve(makers.size());
   for (const MakePeer make : makers)
     peers.push_back(make(shapes, pairs));
   std::vector<std::vector<double>> times(peers.size());
-  std::vector<std::size_t> counts(peers.size());
+  RowTimes row{name, {}, {}, std::vector<std::size_t>(peers.size())};
   for (int round = 0; round < rounds; ++round)
     for (std::size_t i = 0; i < peers.size(); ++i)
-      times[i].push_back(nanoseconds_per_query(*peers[i], counts[i]));
-  fmt::print("{:<14}", name);
-  for (std::vector<double>& own : times) {
+      times[i].push_back(nanoseconds_per_query(*peers[i], row.intersecting[i]));
+  fmt::print("{:<18}", name);
+  for (std::size_t i = 0; i < peers.size(); ++i) {
+    std::vector<double>& own = times[i];
     std::nth_element(own.begin(), own.begin() + rounds / 2, own.end());
-    fmt::print(" {:>11.1f}", own[static_cast<std::size_t>(rounds) / 2]);
+    row.peers.push_back(peers[i]->name());
+    row.nanoseconds.push_back(own[static_cast<std::size_t>(rounds) / 2]);
+    fmt::print(" {:>11.1f}", row.nanoseconds.back());
   }
-  fmt::print("   {:>4.1f} %", 100.0 * static_cast<double>(counts[0]) / static_cast<double>(pairs_per_row));
+  const std::vector<std::size_t>& counts = row.intersecting;
+  fmt::print("   {:>5.1f} %", 100.0 * static_cast<double>(counts[0]) / static_cast<double>(pairs_per_row));
   for (std::size_t i = 1; i < peers.size(); ++i)
-    fmt::print(" {:>+4}", static_cast<long>(counts[i]) - static_cast<long>(counts[0]));
+    fmt::print(" {:>+5}", static_cast<long>(counts[i]) - static_cast<long>(counts[0]));
   fmt::print("\n");
+  return row;
+}
+
+/// Cuboids with sides that are multiples of 1/8, and pairs of them whose faces touch: exactly, or turned
+/// together, and then but for the rounding of their poses.
+PeerShapes touching_cuboids() {
+  Random random;
+  PeerShapes shapes;
+  const auto side = [&] { return static_cast<double>(4 + random.below(13)) / 8; };
+  for (std::size_t i = 0; i < shapes_per_row; ++i) {
+    const double x = side(), y = side();
+    shapes.push_back({PeerShape::Kind::cuboid, {x, y, side()}});
+  }
+  return shapes;
+}
+
+PeerPairs touching_pairs(const PeerShapes& shapes, bool turned) {
+  Random random;
+  PeerPairs pairs;
+  for (std::size_t i = 0; i < pairs_per_row; ++i) {
+    PeerPair pair{2 * random.below(shapes_per_row / 2), 2 * random.below(shapes_per_row / 2) + 1,
+                  Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity()};
+    pair.pose_b.translation() = Vector3d((shapes[pair.a].size.x() + shapes[pair.b].size.x()) / 2, 0.125, 0);
+    if (turned) {
+      pair.pose_a = random.turn();
+      pair.pose_b = pair.pose_a * pair.pose_b;
+    }
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+/// For the report: rows by name, their peers by name.
+std::string json_of(const std::vector<RowTimes>& rows) {
+  std::string text = "{\"rows\": [";
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const RowTimes& row = rows[i];
+    text += fmt::format("{}\n  {{\"name\": \"{}\", \"pairs\": {}, \"peers\": [", i == 0 ? "" : ",", row.name,
+                        pairs_per_row);
+    for (std::size_t k = 0; k < row.peers.size(); ++k)
+      text += fmt::format("{}{{\"name\": \"{}\", \"nanoseconds\": {}, \"intersecting\": {}}}",
+                          k == 0 ? "" : ", ", row.peers[k], row.nanoseconds[k], row.intersecting[k]);
+    text += "]}";
+  }
+  return text + "\n]}\n";
 }
 
 }  // namespace
@@ -118,12 +176,27 @@ void measure(const std::string& name, const PeerShapes& shapes, const std::vecto
 int main(int argument_count, char** arguments) {
   constexpr int usual_rounds = 51;
   const int rounds = argument_count > 1 ? std::stoi(arguments[1]) : usual_rounds;
-  fmt::print("{:<14} {:>11} {:>11} {:>11} {:>11} {:>11}   intersecting, difference of the others\n", "ns",
+  const std::vector<MakePeer> everybody{fringe_peer, libccd_mpr_peer, libccd_gjk_peer, bullet_peer, fcl_peer};
+  fmt::print("{:<18} {:>11} {:>11} {:>11} {:>11} {:>11}   intersecting, difference of the others\n", "ns",
              "fringe", "libccd MPR", "libccd GJK", "Bullet", "FCL");
+  std::vector<RowTimes> measured;
   const std::vector<Row> all = rows();
   for (const Row& row : all)
-    measure(row.name, row.shapes, {fringe_peer, libccd_mpr_peer, libccd_gjk_peer, bullet_peer, fcl_peer},
-            rounds);
-  fmt::print("\n{:<14} {:>11} {:>11}   boxes by their separating axes alone\n", "ns", "fringe", "FCL");
-  measure("boxes", all.front().shapes, {fringe_box_peer, fcl_box_peer}, rounds);
+    measured.push_back(measure(row.name, row.shapes, half_intersecting(row.shapes), everybody, rounds));
+  const PeerShapes cuboids = touching_cuboids();
+  // What floating point leaves open takes integers, and a thousand times as long.
+  const int few_rounds = 1 + rounds / 10;
+  measured.push_back(measure("faces touch", cuboids, touching_pairs(cuboids, false), everybody, few_rounds));
+  measured.push_back(
+      measure("faces touch, turned", cuboids, touching_pairs(cuboids, true), everybody, few_rounds));
+  fmt::print("\n{:<18} {:>11} {:>11}   boxes by their separating axes alone\n", "ns", "fringe", "FCL");
+  const PeerShapes& boxes = all.front().shapes;
+  measured.push_back(
+      measure("boxes", boxes, half_intersecting(boxes), {fringe_box_peer, fcl_box_peer}, rounds));
+  fmt::print("\n{:<18} {:>11}   distances, fringe alone\n", "ns", "fringe");
+  for (const Row& row : all)
+    measured.push_back(measure("distance, " + row.name, row.shapes, half_intersecting(row.shapes),
+                               {fringe_distance_peer}, few_rounds));
+  if (argument_count > 2)
+    std::ofstream(arguments[2]) << json_of(measured);
 }

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <string>
 #include <vector>
@@ -16,7 +18,7 @@
 /// test of two shapes, and FCL's dynamic tree; the median of rounds in which they take turns. As many objects
 /// per volume in every row, so that contacts grow with their number and pairs with its square.
 ///
-///     scene_collision_benchmark [ROUNDS]
+///     scene_collision_benchmark [ROUNDS [FILE.json]]
 namespace {
 
 using namespace fringe;
@@ -105,7 +107,8 @@ std::size_t collide_all_pairs(const std::vector<ConvexShape>& shapes, const std:
   return count;
 }
 
-void measure(std::size_t object_count, int rounds) {
+/// Returns a JSON object for the report.
+std::string measure(std::size_t object_count, int rounds) {
   MovingObjects objects(object_count);
   const Scene scene = scene_of(objects);
   CollisionDetector detector(scene);
@@ -128,14 +131,21 @@ void measure(std::size_t object_count, int rounds) {
       times[i].push_back(elapsed.count());
     }
   }
+  std::string json = fmt::format("{{\"objects\": {}, \"ways\": [", object_count);
+  const std::array<const char*, 3> names{"fringe", "all pairs", "FCL"};
   fmt::print("{:>7} {:>9}", object_count, object_count * (object_count - 1) / 2);
   for (const std::size_t count : collisions)
     fmt::print(" {:>6}", count);
-  for (std::vector<double>& own : times) {
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    std::vector<double>& own = times[i];
     std::nth_element(own.begin(), own.begin() + rounds / 2, own.end());
-    fmt::print(" {:>10.3f}", own[static_cast<std::size_t>(rounds) / 2]);
+    const double median = own[static_cast<std::size_t>(rounds) / 2];
+    fmt::print(" {:>10.3f}", median);
+    json += fmt::format("{}{{\"name\": \"{}\", \"milliseconds\": {}, \"collisions\": {}}}",
+                        i == 0 ? "" : ", ", names[i], median, collisions[i]);
   }
   fmt::print("\n");
+  return json + "]}";
 }
 
 }  // namespace
@@ -145,6 +155,9 @@ int main(int argument_count, char** arguments) {
   const int rounds = argument_count > 1 ? std::stoi(arguments[1]) : usual_rounds;
   fmt::print("                  collisions found by  milliseconds per frame\n");
   fmt::print("objects     pairs fringe    all    FCL     fringe  all pairs        FCL\n");
+  std::string json;
   for (const std::size_t objects : {250, 1000, 4000})
-    measure(objects, rounds);
+    json += (json.empty() ? "" : ",\n  ") + measure(objects, rounds);
+  if (argument_count > 2)
+    std::ofstream(arguments[2]) << "{\"scenes\": [\n  " << json << "\n]}\n";
 }

@@ -21,6 +21,7 @@ ConvexShape made(const PeerShape& shape) {
   return ConvexShape::hull(shape.vertices);
 }
 
+template <auto Meet>
 class FringePeer : public Peer {
  public:
   FringePeer(const PeerShapes& shapes, PeerPairs pairs) : pairs_(std::move(pairs)) {
@@ -33,7 +34,7 @@ class FringePeer : public Peer {
   std::size_t count_intersecting() const override {
     std::size_t count = 0;
     for (const PeerPair& pair : pairs_)
-      count += intersect(shapes_[pair.a], pair.pose_a, shapes_[pair.b], pair.pose_b) ? 1 : 0;
+      count += Meet(shapes_[pair.a], pair.pose_a, shapes_[pair.b], pair.pose_b) ? 1 : 0;
     return count;
   }
 
@@ -41,6 +42,11 @@ class FringePeer : public Peer {
   std::vector<ConvexShape> shapes_;
   PeerPairs pairs_;
 };
+
+bool at_no_distance(const ConvexShape& a, const Eigen::Isometry3d& pose_a, const ConvexShape& b,
+                    const Eigen::Isometry3d& pose_b) {
+  return gjk_distance(a, pose_a, b, pose_b).distance == 0;
+}
 
 class FringeBoxPeer : public Peer {
  public:
@@ -72,7 +78,11 @@ std::unique_ptr<Peer> fringe_box_peer(const PeerShapes& shapes, const PeerPairs&
 }
 
 std::unique_ptr<Peer> fringe_peer(const PeerShapes& shapes, const PeerPairs& pairs) {
-  return std::make_unique<FringePeer>(shapes, pairs);
+  return std::make_unique<FringePeer<intersect>>(shapes, pairs);
+}
+
+std::unique_ptr<Peer> fringe_distance_peer(const PeerShapes& shapes, const PeerPairs& pairs) {
+  return std::make_unique<FringePeer<at_no_distance>>(shapes, pairs);
 }
 
 }  // namespace fringe::benchmarks

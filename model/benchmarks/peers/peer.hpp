@@ -44,6 +44,8 @@ using PeerShapes = std::vector<PeerShape>;
 using PeerPairs = std::vector<PeerPair>;
 
 std::unique_ptr<Peer> fringe_peer(const PeerShapes& shapes, const PeerPairs& pairs);
+/// The shortest distance; those that intersect are at none.
+std::unique_ptr<Peer> fringe_distance_peer(const PeerShapes& shapes, const PeerPairs& pairs);
 /// The separating axes of oriented boxes alone; all shapes must be cuboids.
 std::unique_ptr<Peer> fringe_box_peer(const PeerShapes& shapes, const PeerPairs& pairs);
 std::unique_ptr<Peer> fcl_box_peer(const PeerShapes& shapes, const PeerPairs& pairs);

@@ -59,4 +59,9 @@ bool overlap(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b);
 /// the boxes must be orthonormal to 1e-14.
 bool overlap(const OrientedBox& a, const OrientedBox& b);
 
+/// Volumes of two kinds.
+bool overlap(const BoundingSphere& sphere, const Eigen::AlignedBox3d& box);
+bool overlap(const BoundingSphere& sphere, const OrientedBox& box);
+bool overlap(const Eigen::AlignedBox3d& a, const OrientedBox& b);
+
 }  // namespace fringe

@@ -107,6 +107,27 @@ struct ShapeAnswer {
 ShapeAnswer gjk_intersects(const ConvexShape& a, const Eigen::Isometry3d& pose_a, const ConvexShape& b,
                            const Eigen::Isometry3d& pose_b);
 
+/// The shortest distance of two convex shapes, and what proves it.
+struct ShapeDistance {
+  double distance;            ///< that of the witnesses; 0 where the shapes have a point in common
+  double lower_bound;         ///< the shapes are not nearer
+  Eigen::Vector3d direction;  ///< of length 1 to rounding, from A to B; may be zero where lower_bound is
+  Eigen::Vector3d witness_a;  ///< a point of A in the world, to rounding
+  Eigen::Vector3d witness_b;  ///< of B; where the shapes meet, the same to rounding
+  bool exact;  ///< solved in integers; otherwise direction·a + lower_bound ≤ direction·b for all points
+};
+
+/// The shortest distance of two convex shapes, each moved by a pose, with the points where it is.
+///
+/// Found in floating point, with bounds of every rounding that leave at most 1e-12 of it between `distance`
+/// and `lower_bound`. Where they would leave more, shapes with flat surfaces are solved in integers: the
+/// distance is then right to three units in its last place. With round ones the two bounds say how much is
+/// left; it is some 1e-14 of the shapes' size and distance. Whether the shapes meet is what intersect() says.
+/// The poses are as there. Throws InputError for one that is not finite, and for round shapes whose size and
+/// distance are not within 2^±170.
+ShapeDistance gjk_distance(const ConvexShape& a, const Eigen::Isometry3d& pose_a, const ConvexShape& b,
+                           const Eigen::Isometry3d& pose_b);
+
 /// Whether the certificate proves the answer. Decided in rational arithmetic (roots between rational bounds)
 /// from the numbers given alone, with nothing of what found the answer.
 bool proves(const ShapeAnswer& answer, const ConvexShape& a, const Eigen::Isometry3d& pose_a,

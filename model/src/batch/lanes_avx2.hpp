@@ -14,6 +14,11 @@ struct LanesAvx2 {
   static constexpr int width = 4;
   static constexpr bool fused = true;
 
+  /// a·b + c of four doubles, rounded once.
+  static __m256d fused_four(const __m256d& a, const __m256d& b, const __m256d& c) {
+    return _mm256_fmadd_pd(a, b, c);
+  }
+
   static unsigned bits(const Mask& mask) { return static_cast<unsigned>(_mm256_movemask_pd(mask)); }
   static Vector log(const Vector& x) { return Sleef_logd4_u10avx2(x); }
   static Vector atan2(const Vector& y, const Vector& x) { return Sleef_atan2d4_u10avx2(y, x); }

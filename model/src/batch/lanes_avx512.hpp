@@ -32,6 +32,11 @@ struct LanesAvx512 {
   static constexpr int width = 8;
   static constexpr bool fused = true;
 
+  /// a·b + c of four doubles, rounded once.
+  static __m256d fused_four(const __m256d& a, const __m256d& b, const __m256d& c) {
+    return _mm256_fmadd_pd(a, b, c);
+  }
+
   static unsigned bits(const Mask& mask) { return mask.data; }
   static Vector log(const Vector& x) { return Sleef_logd8_u10avx512f(x); }
   static Vector atan2(const Vector& y, const Vector& x) { return Sleef_atan2d8_u10avx512f(y, x); }

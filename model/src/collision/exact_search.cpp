@@ -47,11 +47,14 @@ ExactNearest nearest_of(const ExactHulls& exact, const PairSimplex& simplex) {
   std::array<ExactVector, 4> points;
   for (std::size_t i = 0; i < simplex.size; ++i)
     points[i] = point_of(exact, simplex.pairs[i]);
-  Gram<Integer> gram;
+  std::array<std::array<Integer, 4>, 4> gram;
   for (std::size_t i = 0; i < simplex.size; ++i)
     for (std::size_t j = 0; j <= i; ++j)
       gram[i][j] = gram[j][i] = dot(points[i], points[j]);
-  const NearestFace<Integer> face = nearest_face(gram, simplex.size).value();
+  const auto product = [&](std::size_t i, std::size_t j, std::size_t k) -> Integer {
+    return gram[i][j] - gram[i][k];
+  };
+  const NearestFace<Integer> face = nearest_face<Integer>(product, simplex.size).value();
   ExactNearest nearest;
   for (std::size_t i = 0; i < simplex.size; ++i) {
     if (!holds(face.members, i))
@@ -66,7 +69,27 @@ ExactNearest nearest_of(const ExactHulls& exact, const PairSimplex& simplex) {
   return nearest;
 }
 
+/// Σ weightsᵢ positionᵢ/total, rounded.
+template <class PositionOf>
+Vector3d combination(const ExactHulls& exact, const ExactNearest& nearest, const PositionOf& position_of) {
+  ExactVector sum;
+  for (std::size_t i = 0; i < nearest.simplex.size; ++i) {
+    const ExactVector position = position_of(nearest.simplex.pairs[i]);
+    for (std::size_t k = 0; k < 3; ++k)
+      sum[k] += nearest.weights[i] * position[k];
+  }
+  return {rounded_quotient(sum[0], nearest.total, exact.unit),
+          rounded_quotient(sum[1], nearest.total, exact.unit),
+          rounded_quotient(sum[2], nearest.total, exact.unit)};
+}
+
 }  // namespace
+
+HullDistance rounded_distance(const ExactHulls& exact, const ExactNearest& nearest) {
+  return {rounded_root_quotient(dot(nearest.point, nearest.point), nearest.total, exact.unit),
+          combination(exact, nearest, [&](VertexPair pair) { return exact.a.position(pair.a, exact.unit); }),
+          combination(exact, nearest, [&](VertexPair pair) { return exact.b.position(pair.b, exact.unit); })};
+}
 
 ExactHulls exact_hulls(const HullPair& hulls) {
   return exact_hulls(hulls, ExactVertices(hulls.a), ExactVertices(hulls.b));

@@ -62,6 +62,10 @@ struct ExactNearest {
 /// difference.
 ExactNearest exact_search(const ExactHulls& exact, const PairSimplex& start, Goal goal);
 
+/// The point's distance from the origin and the points of the hulls that it is the difference of: right to
+/// three units in the last place, each coordinate to one.
+HullDistance rounded_distance(const ExactHulls& exact, const ExactNearest& nearest);
+
 /// Whether direction·a < direction·b for all vertices.
 bool separates(const ExactHulls& exact, const Eigen::Vector3d& direction);
 

@@ -77,14 +77,6 @@ Vector3d nearest_point(const FloatSimplex& simplex, const NearestFace<double>& f
   return sum / total;
 }
 
-Gram<double> gram_of(const FloatSimplex& simplex) {
-  Gram<double> gram;
-  for (std::size_t i = 0; i < simplex.simplex.size; ++i)
-    for (std::size_t j = 0; j <= i; ++j)
-      gram[i][j] = gram[j][i] = simplex.points[i].dot(simplex.points[j]);
-  return gram;
-}
-
 }  // namespace
 
 FloatSearch float_search(const HullPair& hulls, Goal goal) {
@@ -113,7 +105,10 @@ FloatSearch float_search(const HullPair& hulls, Goal goal) {
     if (simplex.holds(pair) || square + a.product + b.product <= no_gain * square)
       break;
     simplex.add(hulls, pair);
-    const auto face = nearest_face(gram_of(simplex), simplex.simplex.size);
+    const auto product = [&](std::size_t i, std::size_t j, std::size_t k) {
+      return simplex.points[i].dot(simplex.points[j] - simplex.points[k]);
+    };
+    const auto face = nearest_face<double>(product, simplex.simplex.size);
     if (!face)
       break;
     nearest = nearest_point(simplex, *face);

@@ -16,7 +16,6 @@ namespace {
 using detail::ExactHulls;
 using detail::ExactNearest;
 using detail::Goal;
-using detail::Integer;
 using Eigen::Vector3d;
 
 GjkAnswer answer_of(const ExactHulls& exact, const ExactNearest& nearest) {
@@ -26,20 +25,6 @@ GjkAnswer answer_of(const ExactHulls& exact, const ExactNearest& nearest) {
   if (detail::separates(exact, direction))
     return {false, SeparatingDirection{direction}};
   return {false, SeparatingSimplex{nearest.simplex}};
-}
-
-/// Σ weightsᵢ vertexᵢ/total, rounded.
-template <class VertexOf>
-Vector3d combination(const ExactHulls& exact, const ExactNearest& nearest, VertexOf vertex_of) {
-  detail::ExactVector sum;
-  for (std::size_t i = 0; i < nearest.simplex.size; ++i) {
-    const detail::ExactVector vertex = detail::in_units(vertex_of(nearest.simplex.pairs[i]), exact.unit);
-    for (std::size_t k = 0; k < 3; ++k)
-      sum[k] += nearest.weights[i] * vertex[k];
-  }
-  return {detail::rounded_quotient(sum[0], nearest.total, exact.unit),
-          detail::rounded_quotient(sum[1], nearest.total, exact.unit),
-          detail::rounded_quotient(sum[2], nearest.total, exact.unit)};
 }
 
 /// A few vertices of a hull for one quick search, relative to an origin.
@@ -112,10 +97,7 @@ HullDistance gjk_distance(std::span<const Vector3d> a, std::span<const Vector3d>
   const ExactHulls exact = detail::exact_hulls(hulls);
   const ExactNearest nearest =
       detail::exact_search(exact, detail::float_search(hulls, Goal::distance).reached, Goal::distance);
-  const Integer square = detail::dot(nearest.point, nearest.point);
-  return {detail::rounded_root_quotient(square, nearest.total, exact.unit),
-          combination(exact, nearest, [=](VertexPair pair) { return a[pair.a]; }),
-          combination(exact, nearest, [=](VertexPair pair) { return b[pair.b]; })};
+  return detail::rounded_distance(exact, nearest);
 }
 
 }  // namespace fringe

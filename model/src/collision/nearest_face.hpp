@@ -7,10 +7,6 @@
 /// The point of a simplex that is nearest to the origin (model/NUMERICS.md, section 13).
 namespace fringe::detail {
 
-/// The inner products of up to four points.
-template <class Number>
-using Gram = std::array<std::array<Number, 4>, 4>;
-
 /// A face of a simplex, and the point of it that is nearest to the origin: Σ weightsᵢ pᵢ / Σ weightsᵢ over
 /// the points of the face, all weights positive. Weights of other points are not set.
 template <class Number>
@@ -28,9 +24,9 @@ constexpr bool holds(unsigned subset, std::size_t point) {
 
 /// The smallest face that holds the point of the hull of `size` points nearest to the origin, by Johnson's
 /// determinants. In exact arithmetic there always is one, also when the points are affinely dependent; in
-/// floating point none of them may pass.
-template <class Number>
-std::optional<NearestFace<Number>> nearest_face(const Gram<Number>& gram, std::size_t size) {
+/// floating point none of them may pass. product(i, j, k) is pᵢ·(pⱼ − pₖ).
+template <class Number, class Product>
+std::optional<NearestFace<Number>> nearest_face(const Product& product, std::size_t size) {
   std::array<std::array<Number, 4>, 16> determinants;
   for (std::size_t i = 0; i < size; ++i)
     determinants[1U << i][i] = Number(1);
@@ -49,7 +45,7 @@ std::optional<NearestFace<Number>> nearest_face(const Gram<Number>& gram, std::s
       Number next(0);
       for (std::size_t i = first; i < size; ++i)
         if (holds(subset, i))
-          next += determinants[subset][i] * (gram[i][first] - gram[i][j]);
+          next += determinants[subset][i] * product(i, first, j);
       nearest = nearest && next <= 0;
       determinants[subset | (1U << j)][j] = next;
     }

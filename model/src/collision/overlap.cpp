@@ -22,13 +22,40 @@ const detail::BoxNumbers& numbers_of(const OrientedBox& box) {
   return reinterpret_cast<const detail::BoxNumbers&>(box);
 }
 
+/// A length has at most two roundings of its own and those of the differences it is made of; a sum of radii
+/// has one.
+constexpr double certain = 1 - 8 * epsilon;
+
+/// Ten times what an oriented box's axes may be off.
+constexpr double axes_margin = 1e-13;
+
+double length(const Vector3d& vector) {
+  return std::hypot(vector.x(), vector.y(), vector.z());
+}
+
+/// The same box, or a little more than it.
+OrientedBox oriented(const Eigen::AlignedBox3d& box) {
+  const Vector3d rounding = 2 * epsilon * box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs());
+  return {box.min() / 2 + box.max() / 2, Eigen::Matrix3d::Identity(),
+          box.max() / 2 - box.min() / 2 + rounding};
+}
+
 }  // namespace
 
 bool overlap(const BoundingSphere& a, const BoundingSphere& b) {
-  // The distance has at most two roundings of its own and those of the differences; the sum has one.
-  constexpr double certain = 1 - 8 * epsilon;
-  const Vector3d offset = b.centre - a.centre;
-  return !(std::hypot(offset.x(), offset.y(), offset.z()) * certain > a.radius + b.radius);
+  return !(length(b.centre - a.centre) * certain > a.radius + b.radius);
+}
+
+bool overlap(const BoundingSphere& sphere, const Eigen::AlignedBox3d& box) {
+  const Vector3d beside = (box.min() - sphere.centre).cwiseMax(sphere.centre - box.max()).cwiseMax(0);
+  return !(length(beside) * certain > sphere.radius);
+}
+
+bool overlap(const BoundingSphere& sphere, const OrientedBox& box) {
+  const Vector3d offset = sphere.centre - box.centre;
+  const Vector3d beside = ((box.axes * offset).cwiseAbs() - box.half_widths).cwiseMax(0);
+  const double margin = axes_margin * (offset.lpNorm<1>() + box.half_widths.sum());
+  return !(length(beside) * certain > sphere.radius + margin + std::numeric_limits<double>::min());
 }
 
 bool overlap(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
@@ -36,9 +63,11 @@ bool overlap(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
 }
 
 bool overlap(const OrientedBox& a, const OrientedBox& b) {
-  // Ten times what the axes may be off.
-  constexpr double margin = 1e-13;
-  return detail::overlap_within(a, b, margin);
+  return detail::overlap_within(a, b, axes_margin);
+}
+
+bool overlap(const Eigen::AlignedBox3d& a, const OrientedBox& b) {
+  return !a.isEmpty() && overlap(oriented(a), b);
 }
 
 bool detail::overlap_within(const OrientedBox& a, const OrientedBox& b, double relative_margin) {

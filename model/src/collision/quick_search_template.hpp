@@ -277,15 +277,21 @@ class QuickSearchFor {
     }
   };
 
-  /// A moved hull of few vertices, all of which are moved beforehand.
+  /// A moved hull of at most so many vertices, all of which are moved beforehand. Where that is one block its
+  /// loops are none.
+  template <std::uint32_t most_vertices>
   struct Moved {
     const SupportShape& shape;
-    double blocks[3 * SupportShape::few_vertices];
+    double blocks[3 * most_vertices];
+
+    std::uint32_t count() const {
+      return most_vertices == VertexBlocks::size ? most_vertices : shape.vertices.count;
+    }
 
     Moved(const PlacedShape& placed, const Vec& to) : shape(*placed.shape) {
       constexpr std::size_t size = VertexBlocks::size;
       const double* const pose = placed.pose;
-      const std::size_t end = std::size_t{3} * shape.vertices.count;
+      const std::size_t end = std::size_t{3} * count();
       for (std::size_t block = 0; block < end; block += 3 * size)
         for (std::size_t lane = 0; lane < size; lane += width) {
           const double* const from = shape.vertices.coordinates + block + lane;
@@ -305,11 +311,11 @@ class QuickSearchFor {
       constexpr std::size_t size = VertexBlocks::size;
       const V x(d.x), y(d.y), z(d.z);
       V best = Lanes::tagged(products(blocks, 0, x, y, z), 0);
-      for (std::size_t first = 0; first < shape.vertices.count; first += size)
+      for (std::size_t first = 0; first < count(); first += size)
         for (std::size_t lane = 0; lane < size; lane += width)
           best = max(best, Lanes::tagged(products(blocks + first * 3, lane, x, y, z),
                                          static_cast<std::uint32_t>(first + lane)));
-      const std::uint32_t i = Lanes::tag(Lanes::largest(best));
+      const std::uint32_t i = Lanes::tag(Lanes::largest(best)) % most_vertices;
       const double* const found = blocks + i / size * (3 * size) + i % size;
       return {{found[0], found[size], found[2 * size]},
               {vertex(shape.vertices, i), i < shape.vertices.last ? i : shape.vertices.last}};
@@ -321,26 +327,43 @@ class QuickSearchFor {
     Four half;     ///< half the widths
   };
 
+  static void add_product(const Four& a, const Four& b, Four& sum) {
+    if constexpr (Lanes::fused)
+      sum = Lanes::fused_four(a, b, sum);
+    else
+      sum += a * b;
+  }
+  static void add_product(double a, const Four& b, Four& sum) { add_product(Four{a, a, a, a}, b, sum); }
+
   /// By S. Gottschalk, M. C. Lin and D. Manocha, SIGGRAPH 1996, 171.
   static double gap(const BoxLanes& a, const BoxLanes& b, const Vec& between) {
     const Four* const axes_a = a.axes;
     const Four* const axes_b = b.axes;
     const Four half_a = a.half, half_b = b.half;
     const auto magnitude = [](const Four& value, Four& result) { result = value < 0 ? -value : value; };
-    const Four along_a = between.x * axes_a[0] + between.y * axes_a[1] + between.z * axes_a[2];
-    const Four along_b = between.x * axes_b[0] + between.y * axes_b[1] + between.z * axes_b[2];
+    // Each a sum of three products.
+    const auto combined = [](double x, const Four& a, double y, const Four& b, double z, const Four& c,
+                             Four& result) {
+      result = x * a;
+      add_product(y, b, result);
+      add_product(z, c, result);
+    };
+    Four along_a, along_b;
+    combined(between.x, axes_a[0], between.y, axes_a[1], between.z, axes_a[2], along_a);
+    combined(between.x, axes_b[0], between.y, axes_b[1], between.z, axes_b[2], along_b);
     Four cosines[3], sizes[3];  // of each axis of A with those of B
     for (int i = 0; i < 3; ++i) {
-      cosines[i] = axes_a[0][i] * axes_b[0] + axes_a[1][i] * axes_b[1] + axes_a[2][i] * axes_b[2];
+      combined(axes_a[0][i], axes_b[0], axes_a[1][i], axes_b[1], axes_a[2][i], axes_b[2], cosines[i]);
       magnitude(cosines[i], sizes[i]);
     }
-    Four reach_on_a = half_a;
+    Four reach_on_a = half_a, reach_on_b = half_b;
     for (int j = 0; j < 3; ++j) {
       Four size;
-      magnitude(axes_b[0][j] * axes_a[0] + axes_b[1][j] * axes_a[1] + axes_b[2][j] * axes_a[2], size);
-      reach_on_a += half_b[j] * size;
+      combined(axes_b[0][j], axes_a[0], axes_b[1][j], axes_a[1], axes_b[2][j], axes_a[2], size);
+      magnitude(size, size);
+      add_product(half_b[j], size, reach_on_a);
+      add_product(half_a[j], sizes[j], reach_on_b);
     }
-    const Four reach_on_b = half_b + half_a[0] * sizes[0] + half_a[1] * sizes[1] + half_a[2] * sizes[2];
     Four distance;
     magnitude(along_a, distance);
     Four gaps = distance - reach_on_a;
@@ -355,10 +378,12 @@ class QuickSearchFor {
     const Four half_b2 = __builtin_shufflevector(half_b, half_b, 2, 0, 1, 3);
     for (int i = 0; i < 3; ++i) {
       const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-      take(along_a[i2] * cosines[i1] - along_a[i1] * cosines[i2],
-           half_a[i1] * sizes[i2] + half_a[i2] * sizes[i1] +
-               half_b1 * __builtin_shufflevector(sizes[i], sizes[i], 2, 0, 1, 3) +
-               half_b2 * __builtin_shufflevector(sizes[i], sizes[i], 1, 2, 0, 3));
+      Four along = along_a[i2] * cosines[i1], reach = half_a[i1] * sizes[i2];
+      add_product(-along_a[i1], cosines[i2], along);
+      add_product(half_a[i2], sizes[i1], reach);
+      add_product(half_b1, __builtin_shufflevector(sizes[i], sizes[i], 2, 0, 1, 3), reach);
+      add_product(half_b2, __builtin_shufflevector(sizes[i], sizes[i], 1, 2, 0, 3), reach);
+      take(along, reach);
     }
     const double largest = gaps[0] > gaps[1] ? gaps[0] : gaps[1];
     return largest > gaps[2] ? largest : gaps[2];
@@ -390,8 +415,10 @@ class QuickSearchFor {
   static Verdict dispatched(const PlacedShape& a, const PlacedShape& b, QuickAnswer& answer) {
     switch (a.shape->form) {
     case Form::hull:
+      if (a.shape->vertices.count == VertexBlocks::size)
+        return dispatched<with_proof, Moved<VertexBlocks::size>>(a, b, answer);
       if (a.shape->vertices.count <= SupportShape::few_vertices)
-        return dispatched<with_proof, Moved>(a, b, answer);
+        return dispatched<with_proof, Moved<SupportShape::few_vertices>>(a, b, answer);
       return dispatched<with_proof, Turned<Hull>>(a, b, answer);
     case Form::box:
       return dispatched<with_proof, Turned<Box>>(a, b, answer);
@@ -404,8 +431,10 @@ class QuickSearchFor {
   static Verdict dispatched(const PlacedShape& a, const PlacedShape& b, QuickAnswer& answer) {
     switch (b.shape->form) {
     case Form::hull:
+      if (b.shape->vertices.count == VertexBlocks::size)
+        return search<with_proof, A, Moved<VertexBlocks::size>>(a, b, answer);
       if (b.shape->vertices.count <= SupportShape::few_vertices)
-        return search<with_proof, A, Moved>(a, b, answer);
+        return search<with_proof, A, Moved<SupportShape::few_vertices>>(a, b, answer);
       return search<with_proof, A, Turned<Hull>>(a, b, answer);
     case Form::box:
       if constexpr (!with_proof && __is_same(A, Turned<Box>)) {
@@ -431,8 +460,10 @@ class QuickSearchFor {
 
   /// Without a proof to give, a point inside the difference that is none of the shapes' farthest points is
   /// the first of the simplex, which spares one round.
+  ///
+  /// Flattened: left to itself the compiler calls even the products of vectors, there being so many searches.
   template <bool with_proof, class A, class B>
-  static Verdict search(const PlacedShape& a, const PlacedShape& b, QuickAnswer& answer) {
+  [[gnu::flatten]] static Verdict search(const PlacedShape& a, const PlacedShape& b, QuickAnswer& answer) {
     const double* pose_a = a.pose;
     const double* pose_b = b.pose;
     const Vec offset{pose_a[12] - pose_b[12], pose_a[13] - pose_b[13], pose_a[14] - pose_b[14]};
@@ -452,7 +483,7 @@ class QuickSearchFor {
     Vec direction = negated(inside);
     const A moved_a(a, offset);
     const B moved_b(b, {0, 0, 0});
-    Simplex simplex;
+    Simplex simplex{};
     simplex.points[0] = {inside, 0};
     simplex.size = with_proof ? 0 : 1;
     Verdict verdict = Verdict::undecided;

@@ -1,12 +1,11 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <vector>
 
 #include "convex_shape_data.hpp"
-#include "exact_search.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/error.hpp"
+#include "posed_hulls.hpp"
 #include "round_search.hpp"
 
 namespace fringe {
@@ -44,35 +43,16 @@ PairSimplex pairs_of(const QuickAnswer& answer) {
   return simplex;
 }
 
-std::vector<Vector3d> moved(const std::vector<Vector3d>& vertices, const Isometry3d& pose,
-                            const Vector3d& offset) {
-  std::vector<Vector3d> result;
-  result.reserve(vertices.size());
-  for (const Vector3d& vertex : vertices)
-    result.emplace_back(pose.linear() * vertex + offset);
-  return result;
-}
-
 /// Two flat shapes, decided in integers.
 ShapeAnswer decide_exactly(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b,
                            const Isometry3d& pose_b, const PairSimplex& start) {
-  const Vector3d offset = pose_a.translation() - pose_b.translation();
-  const std::vector<Vector3d> on_a = moved(a.data().vertices, pose_a, offset),
-                              on_b = moved(b.data().vertices, pose_b, Vector3d::Zero());
-  // Four roundings of what is at most the extent, and those of the sums.
-  constexpr double coordinate_error = 8;
-  const detail::HullPair rounded{on_a, on_b, Vector3d::Zero(),
-                                 offset.lpNorm<1>() + a.data().support.reach + b.data().support.reach,
-                                 coordinate_error};
-  const detail::ExactHulls exact =
-      detail::exact_hulls(rounded, detail::ExactVertices(a.data().vertices, pose_a),
-                          detail::ExactVertices(b.data().vertices, pose_b));
-  const detail::ExactNearest nearest = detail::exact_search(exact, start, detail::Goal::decision);
+  const detail::PosedHulls hulls(a, pose_a, b, pose_b);
+  const detail::ExactNearest nearest = detail::exact_search(hulls.exact(), start, detail::Goal::decision);
   const PointSimplex simplex = simplex_of(nearest.simplex, a.data(), b.data());
   if (detail::dot(nearest.point, nearest.point).is_zero())
     return {true, ShapesMeet{simplex}};
   const Vector3d direction = detail::direction_of(detail::negated(nearest.point));
-  if (detail::separates(exact, direction))
+  if (detail::separates(hulls.exact(), direction))
     return {false, ShapesSeparated{direction}};
   return {false, ShapesSeparatedBySimplex{simplex}};
 }

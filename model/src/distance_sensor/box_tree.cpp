@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "cone_bounds.hpp"
+#include "cone_shape.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 
@@ -86,6 +87,10 @@ void BoxTree::search(ConeQuery& query, const Eigen::Isometry3d& pose, std::size_
     std::uint32_t node;
   };
   const ConeBounds bounds(query.cone(), pose);
+  // Whole objects are worth the sharpest test.
+  if (bounds.least_distance(nodes_[0].box) > query.reach() || bounds.misses(nodes_[0].box) ||
+      ConeShape(query.cone(), query.reach()).misses(nodes_[0].box, pose))
+    return;
   const auto visit = [&](std::uint32_t node) { return Visit{bounds.least_distance(nodes_[node].box), node}; };
   std::vector<Visit> waiting{visit(0)};
   while (!waiting.empty()) {

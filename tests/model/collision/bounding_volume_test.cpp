@@ -237,8 +237,8 @@ TEST(Overlap, OfTouchingSpheresAndBoxesIsTrue) {
   EXPECT_TRUE(overlap(BoundingSphere{{0, 0, 0}, 1}, BoundingSphere{{3, 0, 0}, 2}));
   EXPECT_FALSE(overlap(BoundingSphere{{0, 0, 0}, 1}, BoundingSphere{{3.001, 0, 0}, 2}));
   const Eigen::AlignedBox3d unit(Vector3d(0, 0, 0), Vector3d(1, 1, 1));
-  EXPECT_TRUE(overlap(unit, {Vector3d(1, 1, 1), Vector3d(2, 2, 2)}));
-  EXPECT_FALSE(overlap(unit, {Vector3d(1 + epsilon, 0, 0), Vector3d(2, 2, 2)}));
+  EXPECT_TRUE(overlap(unit, Eigen::AlignedBox3d{Vector3d(1, 1, 1), Vector3d(2, 2, 2)}));
+  EXPECT_FALSE(overlap(unit, Eigen::AlignedBox3d{Vector3d(1 + epsilon, 0, 0), Vector3d(2, 2, 2)}));
 }
 
 Points corners_of(const OrientedBox& box) {

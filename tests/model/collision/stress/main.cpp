@@ -1,11 +1,17 @@
+#include <array>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <fstream>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <rapidjson/prettywriter.h>
+#include <rapidjson/stringbuffer.h>
 
 #include "collision/convex_shape_data.hpp"
 #include "collision/quick_search.hpp"
@@ -90,7 +96,32 @@ Tally run(const PairClass& pair_class, std::size_t pairs, std::uint64_t seed) {
   return tally;
 }
 
-int run_all(std::size_t count, std::uint64_t seed) {
+using Writer = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
+
+void write(Writer& writer, std::string_view name, const Tally& tally) {
+  writer.StartObject();
+  writer.Key("name");
+  writer.String(name.data(), static_cast<rapidjson::SizeType>(name.size()));
+  const std::array<std::pair<const char*, std::size_t>, 7> counts{{{"pairs", tally.pairs},
+                                                                   {"intersecting", tally.intersecting},
+                                                                   {"wrong", tally.wrong},
+                                                                   {"unproven", tally.unproven},
+                                                                   {"exact", tally.close},
+                                                                   {"thesis_wrong", tally.thesis_wrong},
+                                                                   {"thesis_endless", tally.thesis_endless}}};
+  for (const auto& [key, value] : counts) {
+    writer.Key(key);
+    writer.Uint64(value);
+  }
+  writer.EndObject();
+}
+
+int run_all(std::size_t count, std::uint64_t seed, const std::string& json) {
+  rapidjson::StringBuffer buffer;
+  Writer writer(buffer);
+  writer.StartObject();
+  writer.Key("classes");
+  writer.StartArray();
   fmt::print("{:<20} {:>9} {:>12} {:>6} {:>9} {:>9} {:>12} {:>14}\n", "class", "pairs", "intersecting",
              "wrong", "unproven", "close", "thesis wrong", "thesis endless");
   std::size_t failures = 0;
@@ -100,8 +131,13 @@ int run_all(std::size_t count, std::uint64_t seed) {
                tally.intersecting, tally.wrong, tally.unproven, tally.close, tally.thesis_wrong,
                tally.thesis_endless);
     std::fflush(stdout);
+    write(writer, pair_class.name, tally);
     failures += tally.wrong + tally.unproven;
   }
+  writer.EndArray();
+  writer.EndObject();
+  if (!json.empty())
+    std::ofstream(json) << buffer.GetString() << '\n';
   return failures == 0 ? 0 : 1;
 }
 
@@ -112,11 +148,13 @@ int main(int argument_count, char** arguments) {
   CLI::App program("Random pairs of convex shapes against exact arithmetic");
   std::size_t count = 1'000'000;
   std::uint64_t seed = 1;
+  std::string json;
   program.add_option("--count", count, "How many pairs, all classes together")->capture_default_str();
   program.add_option("--seed", seed)->capture_default_str();
+  program.add_option("--json", json, "A file for the counts");
   CLI11_PARSE(program, argument_count, arguments);
   try {
-    return fringe::test::run_all(count, seed);
+    return fringe::test::run_all(count, seed, json);
   } catch (const std::exception& error) {
     fmt::print(stderr, "collision_stress: {}\n", error.what());
     return 1;

@@ -1,0 +1,203 @@
+#include <cmath>
+#include <limits>
+
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <gtest/gtest.h>
+
+#include "fringe/convex_shape.hpp"
+#include "fringe/error.hpp"
+#include "fringe/gjk.hpp"
+#include "shape_pairs.hpp"
+
+/// Distances of shapes in poses. Those of hulls of vertices, which are solved exactly, stand as the truth.
+namespace fringe {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using test::Points;
+using test::Random;
+using Real = boost::multiprecision::cpp_bin_float_100;
+
+constexpr double promised = 1e-12;
+
+/// A quarter turn and a shift by multiples of 1/4: small dyadic coordinates are moved without rounding.
+Isometry3d exact_pose(Random& random) {
+  const auto coordinate = [&] { return static_cast<double>(test::below(random, 33)) / 4 - 4; };
+  Isometry3d pose = Isometry3d::Identity();
+  const auto axis = static_cast<Eigen::Index>(test::below(random, 3));
+  pose.linear().setZero();
+  for (Eigen::Index k = 0; k < 3; ++k)
+    pose.linear()((k + axis) % 3, k) = 1;
+  const double x = coordinate(), y = coordinate();
+  pose.translation() = Vector3d(x, y, coordinate());
+  return pose;
+}
+
+Points moved(const Points& points, const Isometry3d& pose) {
+  Points result;
+  for (const Vector3d& point : points)
+    result.push_back(pose * point);
+  return result;
+}
+
+/// To 2^−20, so that sums with a shift are exact.
+Points rounded(Points points) {
+  for (Vector3d& point : points)
+    for (double& coordinate : point)
+      coordinate = std::round(coordinate * 0x1p20) * 0x1p-20;
+  return points;
+}
+
+/// The least of (direction·b − direction·a)/|direction| over all vertices in their poses, as they are.
+Real separation(const Vector3d& direction, const Points& a, const Isometry3d& pose_a, const Points& b,
+                const Isometry3d& pose_b) {
+  const auto along = [&](const Vector3d& point, const Isometry3d& pose) {
+    Real sum = 0;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      Real coordinate = pose.translation()[i];
+      for (Eigen::Index k = 0; k < 3; ++k)
+        coordinate += Real(pose.linear()(i, k)) * point[k];
+      sum += coordinate * direction[i];
+    }
+    return sum;
+  };
+  Real length = 0;
+  for (const double component : direction)
+    length += Real(component) * component;
+  Real least = std::numeric_limits<double>::infinity();
+  for (const Vector3d& on_b : b)
+    for (const Vector3d& on_a : a)
+      least = std::min<Real>(least, along(on_b, pose_b) - along(on_a, pose_a));
+  return least / sqrt(length);
+}
+
+TEST(GjkDistance, OfPosedHullsIsThatOfTheirMovedVertices) {
+  Random random(1);
+  int disjoint = 0, in_floating_point = 0;
+  constexpr int pairs = 3000;
+  for (int i = 0; i < pairs; ++i) {
+    const Points a = rounded(test::any_shape(random, 12)), b = rounded(test::any_shape(random, 12));
+    const Isometry3d pose_a = exact_pose(random), pose_b = exact_pose(random);
+    const double truth = gjk_distance(moved(a, pose_a), moved(b, pose_b)).distance;
+    const ShapeDistance found = gjk_distance(ConvexShape::hull(a), pose_a, ConvexShape::hull(b), pose_b);
+    ASSERT_NEAR(found.distance, truth, promised * truth) << i;
+    ASSERT_LE(found.lower_bound, truth) << i;
+    ASSERT_LE(found.distance - found.lower_bound, promised * truth) << i;
+    disjoint += truth > 0 ? 1 : 0;
+    in_floating_point += found.exact ? 0 : 1;
+  }
+  EXPECT_GT(disjoint, pairs / 2);
+  EXPECT_GT(in_floating_point, disjoint * 9 / 10);
+}
+
+/// Every class of the stress program, gaps of 1e-15 among them.
+TEST(GjkDistance, OfClosePairsIsThatOfTheirVertices) {
+  Random random(2);
+  const Isometry3d here = Isometry3d::Identity();
+  for (const test::PairClass& pair_class : test::pair_classes())
+    for (int i = 0; i < 60; ++i) {
+      const test::ShapePair pair = pair_class.make(random);
+      const double truth = gjk_distance(pair.a, pair.b).distance;
+      const ShapeDistance found =
+          gjk_distance(ConvexShape::hull(pair.a), here, ConvexShape::hull(pair.b), here);
+      ASSERT_NEAR(found.distance, truth, promised * truth) << pair_class.name << ' ' << i;
+      ASSERT_LE(found.lower_bound, truth) << pair_class.name << ' ' << i;
+    }
+}
+
+TEST(GjkDistance, IsProvenByItsDirectionAndItsWitnesses) {
+  Random random(3);
+  int proven = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Points a = test::any_shape(random, 12), b = test::any_shape(random, 12);
+    const Isometry3d pose_a = random.rigid_motion(), pose_b = random.rigid_motion();
+    const ShapeDistance found = gjk_distance(ConvexShape::hull(a), pose_a, ConvexShape::hull(b), pose_b);
+    if (found.exact || found.distance == 0)
+      continue;
+    ++proven;
+    ASSERT_GE(separation(found.direction, a, pose_a, b, pose_b), found.lower_bound) << i;
+    const double tolerance = 1e-14 * (1 + pose_a.translation().norm() + pose_b.translation().norm());
+    ASSERT_LE(gjk_distance(Points{found.witness_a}, moved(a, pose_a)).distance, tolerance) << i;
+    ASSERT_LE(gjk_distance(Points{found.witness_b}, moved(b, pose_b)).distance, tolerance) << i;
+    ASSERT_NEAR((found.witness_b - found.witness_a).norm(), found.distance, tolerance) << i;
+  }
+  EXPECT_GT(proven, 250);
+}
+
+TEST(GjkDistance, OfCuboidsIsThatOfTheirCorners) {
+  Random random(4);
+  for (int i = 0; i < 300; ++i) {
+    const Vector3d half_a = rounded({random.in_box({0, 0, 0}, {1, 1, 1})}).front(),
+                   half_b = rounded({random.in_box({0, 0, 0}, {1, 1, 1})}).front();
+    const auto corners = [](const Vector3d& half) {
+      Points points;
+      for (const double x : {-1, 1})
+        for (const double y : {-1, 1})
+          for (const double z : {-1, 1})
+            points.emplace_back(half.cwiseProduct(Vector3d(x, y, z)));
+      return points;
+    };
+    const Isometry3d pose_a = exact_pose(random), pose_b = exact_pose(random);
+    const double truth =
+        gjk_distance(moved(corners(half_a), pose_a), moved(corners(half_b), pose_b)).distance;
+    const ShapeDistance found =
+        gjk_distance(ConvexShape::cuboid(2 * half_a), pose_a, ConvexShape::cuboid(2 * half_b), pose_b);
+    ASSERT_NEAR(found.distance, truth, promised * truth) << i;
+  }
+}
+
+/// Closed forms: balls, and a ball beside a cylinder, above a cone's apex and above its side.
+TEST(GjkDistance, OfRoundShapes) {
+  Random random(5);
+  const auto at = [](double x, double y, double z) { return Isometry3d(Eigen::Translation3d(x, y, z)); };
+  for (int i = 0; i < 300; ++i) {
+    const Isometry3d motion = random.rigid_motion();
+    const double r = random.uniform(0.1, 1), gap = random.uniform(0.2, 2);
+    const auto expect = [&](const ConvexShape& a, const ConvexShape& b, const Isometry3d& place) {
+      const ShapeDistance found = gjk_distance(a, motion, b, motion * place);
+      // The place itself is rounded.
+      EXPECT_NEAR(found.distance, gap, 4e-15 * (1 + motion.translation().norm()) + promised * gap) << i;
+      EXPECT_LE(found.distance - found.lower_bound, 1e-11 * gap) << i;
+    };
+    const ConvexShape ball = ConvexShape::ball(r);
+    expect(ConvexShape::ball(1), ball, at(0, 1 + r + gap, 0));
+    expect(ConvexShape::cylinder(0.5, 2), ball, at(0.5 + r + gap, 0, 0.7));
+    expect(ConvexShape::cylinder(0.5, 2), ball, at(0.1, 0.2, 1 + r + gap));
+    expect(ConvexShape::cone(1, 2), ball, at(0, 0, 1 + r + gap));
+    // The side of a cone as high as it is wide rises by 45°.
+    const double along = std::sqrt(0.5) * (r + gap);
+    expect(ConvexShape::cone(1, 1), ball, at(0.5 + along, 0, along));
+  }
+}
+
+TEST(GjkDistance, OfShapesThatMeetIsNothing) {
+  const ConvexShape cone = ConvexShape::cone(1, 2), cuboid = ConvexShape::cuboid({1, 1, 1});
+  Isometry3d beside = Isometry3d::Identity();
+  beside.translation().x() = 0.9;
+  for (const auto* shape : {&cone, &cuboid}) {
+    const ShapeDistance found = gjk_distance(*shape, beside, cuboid, Isometry3d::Identity());
+    EXPECT_EQ(found.distance, 0);
+    EXPECT_EQ(found.lower_bound, 0);
+    EXPECT_LT((found.witness_a - found.witness_b).norm(), 1e-14);
+  }
+  beside.translation().x() = 1;
+  EXPECT_EQ(gjk_distance(cuboid, beside, cuboid, Isometry3d::Identity()).distance, 0);
+}
+
+TEST(GjkDistance, OfHugeAndTinyShapes) {
+  const Isometry3d here = Isometry3d::Identity();
+  for (const double unit : {0x1p-600, 0x1p-160, 0x1p160, 0x1p600}) {
+    Isometry3d there = here;
+    there.translation().x() = 3 * unit;
+    const ConvexShape cuboid = ConvexShape::cuboid(Vector3d::Constant(unit));
+    EXPECT_NEAR(gjk_distance(cuboid, here, cuboid, there).distance / unit, 2, 2e-12);
+  }
+  EXPECT_THROW(gjk_distance(ConvexShape::ball(0x1p300), here, ConvexShape::ball(1), here), InputError);
+  Isometry3d nowhere = here;
+  nowhere.translation().x() = NAN;
+  EXPECT_THROW(gjk_distance(ConvexShape::ball(1), here, ConvexShape::ball(1), nowhere), InputError);
+}
+
+}  // namespace
+}  // namespace fringe
