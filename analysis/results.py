@@ -97,6 +97,11 @@ def load(folder: Path) -> Results:
     )
 
 
+def title(folder: Path) -> str:
+    """The title of the study whose results are in a folder."""
+    return str((read_json(folder / MANIFEST) or {})["title"])
+
+
 def _case_document(case: Case) -> Document:
     parameters: dict[str, Any] = {
         name: list(value) if isinstance(value, tuple) else value for name, value in case.parameters.items()

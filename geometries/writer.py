@@ -28,6 +28,14 @@ def identity(scene: Scene) -> str:
     return hashlib.sha256(_text(scene, lambda mesh: {"sha256": mesh.digest}).encode()).hexdigest()
 
 
+def canonical_and_identity(scene: Scene) -> tuple[str, str]:
+    """Both of the above; where no mesh is in the scene, one text makes both."""
+    text = canonical(scene)
+    if any(isinstance(body.shape, MeshShape) for body in scene.objects):
+        return text, identity(scene)
+    return text, hashlib.sha256(text.encode()).hexdigest()
+
+
 def _text(scene: Scene, mesh_source: MeshSource) -> str:
     document: dict[str, Any] = {
         "medium": {"relative_permittivity": scene.medium.relative_permittivity},
