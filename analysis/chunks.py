@@ -57,7 +57,7 @@ def write(chunks: list[Chunk], study: Study, results: Path) -> None:
         "methods": list(study.methods),
     }
     for chunk in chunks:
-        document: Document = {"asked": asked, "works": [asdict(work) for work in chunk.works]}
+        document: Document = {"asked": asked, "works": [vars(work) for work in chunk.works]}
         write_json(results / FOLDER / f"{chunk.name}.json", document)
 
 
@@ -94,7 +94,8 @@ def failures(chunks: list[Chunk], results: Path) -> list[Failure]:
         else:
             lost = [work.case for work in chunk.works if _left(work, results).keys]
             found += [
-                Failure(case, reference_stage.SOLVE, "its job ended without an answer; see snakemake.log") for case in lost
+                Failure(case, reference_stage.SOLVE, "its job ended without an answer; see snakemake.log")
+                for case in lost
             ]
     return found
 

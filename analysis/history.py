@@ -32,7 +32,11 @@ def add(folder: Path, night: Night) -> Difference | None:
     if (place / _LAST_TABLE).is_file():
         found = difference.between(difference.read(place / _LAST_TABLE), lines)
     time = datetime.now(timezone.utc)
-    entry: Document = {"time": time.isoformat(timespec="seconds"), "table": _hash(now), **_figures(lines, night)}
+    entry: Document = {
+        "time": time.isoformat(timespec="seconds"),
+        "table": _hash(now),
+        **_figures(lines, night),
+    }
     if found is not None:
         compared = difference.to_document(found)
         counts = {kind: len(compared[kind]) for kind in ("moved", "slower", "new", "gone")}

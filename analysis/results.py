@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from analysis import machine, measurements
 from analysis.answers import ModelAnswer, ReferenceAnswer
 from analysis.jobs import Failure
+from analysis.set_up import SetUp, describe
 from analysis.store import Document, read_json, write_json
 from geometries import reader
 from geometries.errors import InputError
@@ -33,6 +35,10 @@ class CaseResult:
     reference: ReferenceAnswer | None
     model: ModelAnswer | None
     slice: Document | None
+
+    @cached_property
+    def set_up(self) -> SetUp | None:
+        return describe(self.scene)
 
 
 @dataclass(frozen=True, eq=False)
