@@ -13,7 +13,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from analysis import night, plan, results
@@ -48,14 +48,13 @@ def main() -> int:
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        fresh, stored = _planning(folder, options.planned)
-        print(f"planning {options.planned} cases, nothing stored: {fresh}")
-        print(f"planning {options.planned} cases, everything stored: {stored}")
+        for what, seconds in _planning(folder, options.planned):
+            print(f"planning {options.planned} cases, {what} stored: {seconds}", flush=True)
         print(f"a night on {options.idle} cases without work: {_idle(folder, options.idle)}")
     return 0
 
 
-def _planning(folder: Path, count: int) -> tuple[str, str]:
+def _planning(folder: Path, count: int) -> Iterator[tuple[str, str]]:
     text, place = _text(count), folder / "planned"
 
     def fresh() -> None:
@@ -68,9 +67,9 @@ def _planning(folder: Path, count: int) -> tuple[str, str]:
         chosen = study.loads(text)
         assert not plan.missing(chosen, chosen.cases(), place)
 
-    first = _timed(fresh)
+    yield "nothing", _timed(fresh)
     _answer(text, place)
-    return first, _timed(stored)
+    yield "everything", _timed(stored)
 
 
 def _plan_of_snakemake(place: Path, jobs: list[Chunk]) -> None:
