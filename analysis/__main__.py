@@ -1,4 +1,4 @@
-"""`python3 -m analysis`: run a study, report on its results, verify the reference, show a scene."""
+"""`python3 -m analysis`: run a study, also night by night, compare two of them, verify the reference, show a scene."""
 
 from __future__ import annotations
 
@@ -7,8 +7,13 @@ import signal
 import sys
 from pathlib import Path
 from types import FrameType
+from typing import TYPE_CHECKING
 
 from geometries.interpreter import continue_with
+
+if TYPE_CHECKING:
+    from analysis.jobs import Failure
+    from geometries.study import Study
 
 # As everywhere in the project.
 ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
@@ -22,18 +27,29 @@ def main(arguments: list[str] | None = None) -> int:
     continue_with("plotly" if options.command == "show" else "dolfinx")
     from geometries.errors import InputError
 
+    from analysis.store import InUse
+
     signal.signal(signal.SIGTERM, _interrupt)
     try:
         if options.command == "run":
-            return _run(options.study, options.results, options.jobs, options.measure_model, options.verify)
+            return _run(options)
         if options.command == "verify":
             return _verify(options.output, options.jobs)
+        if options.command == "nightly":
+            return _nightly(options)
+        if options.command == "job":
+            return _job(options.file)
+        if options.command == "diff":
+            return _diff(options.old, options.new, options.output)
         if options.command == "show":
             return _show(options.scene, options.motion, options.output)
         return _report(options.results)
     except InputError as error:
         print(f"analysis: {error}", file=sys.stderr)
         return WRONG_INPUT
+    except InUse as error:
+        print(f"analysis: {error}", file=sys.stderr)
+        return FAILED
     except ModuleNotFoundError as error:
         if error.name != "fringe":
             raise
@@ -52,7 +68,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="python3 -m analysis",
         description=__doc__,
         epilog="Exit status: 0 answered; 2 wrong input; 3 a case is short of the asked accuracy, its wider errors are "
-        "reported; 1 a case failed, or anything else.",
+        "reported; 1 a case failed, a value moved, or anything else.",
     )
     commands = parser.add_subparsers(dest="command", required=True)
     run = commands.add_parser("run", help="solve what is not solved yet, then report")
@@ -68,11 +84,8 @@ def _parser() -> argparse.ArgumentParser:
         action="store_true",
         help="measure the model by itself, too: run time against error, stability, collisions (three minutes, kept with the results)",
     )
-    run.add_argument(
-        "--verify",
-        action="store_true",
-        help="verify the reference, too, as the command verify does, in the folder verification beside the results",
-    )
+    _add_verify(run)
+    _add_nightly(commands)
     report = commands.add_parser("report", help="write table.csv and report.html from stored answers")
     report.add_argument("results", type=Path, metavar="RESULTS", help="a folder that `run` has filled")
     verify = commands.add_parser(
@@ -101,6 +114,43 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _add_nightly(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    nightly = commands.add_parser(
+        "nightly", help="run a study by Snakemake, compare with the night before, report the nights"
+    )
+    nightly.add_argument("study", metavar="STUDY", nargs="?", default="nightly", help="default: nightly")
+    nightly.add_argument("--results", type=Path, metavar="DIR", help="default: results/<study>")
+    nightly.add_argument("--jobs", type=_count, metavar="N", help="jobs at a time on this machine")
+    nightly.add_argument(
+        "--profile",
+        metavar="PROFILE",
+        help="run on a cluster: slurm, or the folder of another profile of Snakemake",
+    )
+    nightly.add_argument(
+        "--job-seconds",
+        type=_count,
+        metavar="S",
+        help="expected length of a job (default: 60 here, 600 on a cluster)",
+    )
+    _add_verify(nightly)
+    job = commands.add_parser("job", help="solve the cases of one job's file; Snakemake calls this")
+    job.add_argument("file", type=Path, metavar="FILE")
+    difference = commands.add_parser(
+        "diff", help="what has moved between two results; status 1 if anything has"
+    )
+    difference.add_argument("old", type=Path, metavar="OLD", help="a folder of results, or a table.csv")
+    difference.add_argument("new", type=Path, metavar="NEW", help="likewise")
+    difference.add_argument("--output", type=Path, metavar="JSON", help="also write all of it to this file")
+
+
+def _add_verify(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--verify",
+        action="store_true",
+        help="verify the reference, too, as the command verify does, in the folder verification beside the results",
+    )
+
+
 def _count(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r} is not a whole number greater than 0")
@@ -111,24 +161,86 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
-def _run(name: str, folder: Path | None, jobs: int | None, measure_model: bool, verify: bool) -> int:
-    from analysis import reference_stage, verification_page, verification_stage, workflow
+def _run(options: argparse.Namespace) -> int:
+    from analysis import workflow
+    from analysis.store import exclusive
+
+    chosen, target = _study(options.study, options.results)
+    with exclusive(target):
+        failures = workflow.run(chosen, target, options.jobs, options.measure_model)
+        failures += _verified(options, target)
+        _tell(failures)
+        code = _report(target)
+    return FAILED if _any_failed(failures) else code
+
+
+def _nightly(options: argparse.Namespace) -> int:
+    from analysis import history, history_page, night
+    from analysis.difference import to_text
+    from analysis.store import exclusive
+
+    if options.profile:
+        night.find_profile(options.profile)
+    chosen, target = _study(options.study, options.results)
+    with exclusive(target):
+        done = night.run(chosen, target, night.Options(options.profile, options.jobs, options.job_seconds))
+        failures = done.failures + _verified(options, target)
+        _tell(failures)
+        code = _report(target)
+        moved = history.add(target, done)
+        print(f"nights: {history_page.make(target)}")
+    if moved is not None:
+        print(to_text(moved), end="")
+    return FAILED if _any_failed(failures) or (moved is not None and moved.drifted) else code
+
+
+def _job(file: Path) -> int:
+    from analysis import chunks
+
+    chunks.solve(file)
+    return ANSWERED
+
+
+def _diff(old: Path, new: Path, output: Path | None) -> int:
+    from analysis import difference, store
+
+    found = difference.between(difference.read(old), difference.read(new))
+    if output is not None:
+        store.write_json(output, difference.to_document(found))
+    print(difference.to_text(found), end="")
+    return FAILED if found.drifted else ANSWERED
+
+
+def _study(name: str, folder: Path | None) -> tuple[Study, Path]:
     from analysis.keys import REPOSITORY
     from geometries import study
 
     chosen = study.load(study.find(name))
-    target = folder or REPOSITORY / "results" / chosen.name
-    failures = workflow.run(chosen, target, jobs, measure_model)
-    if verify:
-        failures += verification_stage.run(
-            verification_page.beside(target), verification_stage.row_names(), jobs
-        )
+    return chosen, folder or REPOSITORY / "results" / chosen.name
+
+
+def _verified(options: argparse.Namespace, target: Path) -> list[Failure]:
+    """What failed while the reference was verified, if it was to be, in the folder beside a study's results."""
+    from analysis import verification_page, verification_stage
+
+    if not options.verify:
+        return []
+    return verification_stage.run(
+        verification_page.beside(target), verification_stage.row_names(), options.jobs
+    )
+
+
+def _tell(failures: list[Failure]) -> None:
     for failure in failures:
         place = f"case {failure.case}: " if failure.case else ""
         print(f"analysis: {place}{failure.stage}: {failure.reason}", file=sys.stderr)
-    code = _report(target)
-    # A missing picture is told, but takes nothing from the comparison.
-    return FAILED if any(failure.stage != reference_stage.SLICE for failure in failures) else code
+
+
+def _any_failed(failures: list[Failure]) -> bool:
+    """A missing picture is told, but takes nothing from the comparison."""
+    from analysis import reference_stage
+
+    return any(failure.stage != reference_stage.SLICE for failure in failures)
 
 
 def _report(folder: Path) -> int:
@@ -151,8 +263,7 @@ def _verify(folder: Path | None, jobs: int | None) -> int:
 
     target = folder or REPOSITORY / "results" / verification_stage.FOLDER
     failures = verification_stage.run(target, verification_stage.row_names(), jobs)
-    for failure in failures:
-        print(f"analysis: {failure.stage}: {failure.reason}", file=sys.stderr)
+    _tell(failures)
     made = verification_page.make(target)
     print(made.headline)
     print(f"report: {made.path}")

@@ -41,10 +41,10 @@ def parallel_jobs() -> int:
     return max(1, min(cores, int(psutil.virtual_memory().available) // _MEMORY_PER_JOB))
 
 
-def run_all(jobs: list[Job], workers: int, done: str = "solved") -> list[Failure]:
+def run_all(jobs: list[Job], workers: int, done: str = "solved", shown: bool = True) -> list[Failure]:
     """Run the jobs, the costly ones first so that none is left over at the end; returns the failures.
 
-    `done` is what the progress bar says of those that have ended.
+    `done` is what the progress bar says of those that have ended; without `shown` there is none.
 
     KeyboardInterrupt ends the running jobs' processes, starts no more, and is raised again.
     """
@@ -53,7 +53,7 @@ def run_all(jobs: list[Job], workers: int, done: str = "solved") -> list[Failure
     with ThreadPoolExecutor(workers) as pool:
         try:
             futures = {pool.submit(_run, job, processes): job for job in ordered}
-            return [failure for failure in _watch(futures, workers, done) if failure is not None]
+            return [failure for failure in _watch(futures, workers, done, shown) if failure is not None]
         except BaseException:
             processes.stop()
             pool.shutdown(cancel_futures=True)
@@ -67,28 +67,53 @@ def remaining_seconds(total: float, done: float, elapsed: float, workers: int) -
     return elapsed * (total - done) / done
 
 
-def _watch(futures: dict[Future[Failure | None], Job], workers: int, done: str) -> Iterator[Failure | None]:
-    """The jobs' outcomes as they come, with a progress bar that counts expected cost rather than jobs."""
-    from tqdm import tqdm
+class Progress:
+    """A bar that counts expected cost rather than jobs, with the time that is left; a context manager."""
 
+    def __init__(
+        self, total: float, count: int, workers: int, done: str = "solved", shown: bool = True
+    ) -> None:
+        from tqdm import tqdm
+
+        layout = "{desc} {bar} {percentage:3.0f} %, {elapsed} gone{postfix}"
+        self._bar: Any = tqdm(total=total, bar_format=layout, ncols=100, disable=not shown)
+        self._count, self._workers, self._done, self._shown = count, workers, done, shown
+        self.tell(0)
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.close()
+
+    def advance(self, cost: float) -> None:
+        # Sums of costs differ by rounding from their total.
+        self._bar.update(min(cost, self._bar.total - self._bar.n))
+
+    def tell(self, ended: int) -> None:
+        """Say how many jobs have ended."""
+        if not self._shown:
+            return
+        bar = self._bar
+        seconds = remaining_seconds(bar.total, bar.n, bar.format_dict["elapsed"], self._workers)
+        bar.set_description_str(f"{ended} of {self._count} {self._done}", refresh=False)
+        bar.set_postfix_str(f"about {bar.format_interval(seconds)} to go")
+
+
+def _watch(
+    futures: dict[Future[Failure | None], Job], workers: int, done: str, shown: bool
+) -> Iterator[Failure | None]:
+    """The jobs' outcomes as they come, with a progress bar."""
     total, pending = sum(job.cost for job in futures.values()), set(futures)
-    layout = "{desc} {bar} {percentage:3.0f} %, {elapsed} gone{postfix}"
     # A terminal shows the time running; a log gets a line for each finished job only.
     patience = _REFRESH_SECONDS if sys.stderr.isatty() else None
-    with tqdm(total=total, bar_format=layout, ncols=100) as bar:
-        _show(bar, f"0 of {len(futures)} {done}", workers)
+    with Progress(total, len(futures), workers, done, shown) as progress:
         while pending:
             finished, pending = wait(pending, patience, FIRST_COMPLETED)
             for future in finished:
-                bar.update(futures[future].cost)
+                progress.advance(futures[future].cost)
                 yield future.result()
-            _show(bar, f"{len(futures) - len(pending)} of {len(futures)} {done}", workers)
-
-
-def _show(bar: Any, told: str, workers: int) -> None:
-    seconds = remaining_seconds(bar.total, bar.n, bar.format_dict["elapsed"], workers)
-    bar.set_description_str(told, refresh=False)
-    bar.set_postfix_str(f"about {bar.format_interval(seconds)} to go")
+            progress.tell(len(futures) - len(pending))
 
 
 def _run(job: Job, processes: Processes) -> Failure | None:

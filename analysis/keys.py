@@ -14,9 +14,7 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
 
-from geometries.scene import Scene
 from geometries.study import Study
-from geometries.writer import identity
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 
@@ -27,20 +25,20 @@ _REFERENCE_PACKAGES = ("fenics-dolfinx", "fenics-basix", "petsc4py", "numpy")
 _GMSH_VERSION = re.compile(r'^GMSH_API_VERSION *= *"([^"]+)"', re.MULTILINE)
 
 
-def model_key(scene: Scene, study: Study, code: str) -> str:
-    """The key of a model answer; `code` is `model_code`."""
-    return _hash({"scene": identity(scene), "methods": study.methods, "code": code})
+def model_key(scene: str, study: Study, code: str) -> str:
+    """The key of a model answer; `scene` is its identity, `code` is `model_code`."""
+    return _hash({"scene": scene, "methods": study.methods, "code": code})
 
 
-def reference_key(scene: Scene, study: Study, code: str) -> str:
-    """The key of a reference answer; `code` is `reference_code`."""
+def reference_key(scene: str, study: Study, code: str) -> str:
+    """The key of a reference answer; `scene` is its identity, `code` is `reference_code`."""
     options = {"rtol": study.rtol, "max_seconds": study.max_seconds, "error": study.error}
-    return _hash({"scene": identity(scene), "options": options, "code": code})
+    return _hash({"scene": scene, "options": options, "code": code})
 
 
-def slice_key(scene: Scene, code: str) -> str:
-    """The key of a slice of the potential; `code` is `reference_code`."""
-    return _hash({"scene": identity(scene), "slice": True, "code": code})
+def slice_key(scene: str, code: str) -> str:
+    """The key of a slice of the potential; `scene` is its identity, `code` is `reference_code`."""
+    return _hash({"scene": scene, "slice": True, "code": code})
 
 
 def measurement_key(command: str, code: str, machine: dict[str, str]) -> str:

@@ -9,6 +9,9 @@ import threading
 from dataclasses import dataclass
 from pathlib import Path
 
+# Before a command: however the process that starts it ends, the command does not outlive it.
+ENDS_WITH_US = ("setpriv", "--pdeathsig", "KILL")
+
 
 @dataclass(frozen=True)
 class Finished:
@@ -38,7 +41,7 @@ class Processes:
                 raise Stopped
             # A session of its own: a Ctrl-C at the terminal reaches this process alone, which then stops its children.
             process = subprocess.Popen(
-                command,
+                [*ENDS_WITH_US, *command],
                 cwd=folder,
                 env=environment,
                 stdin=subprocess.DEVNULL,

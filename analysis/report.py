@@ -30,7 +30,7 @@ def make(folder: Path) -> Report:
     summaries = statistics.summaries(rows)
     verified = verification_stage.load(verification_page.beside(folder))
     inputs = _inputs(folder, found, verified)
-    if not _is_current(folder, inputs):
+    if not ((folder / TABLE).is_file() and is_current(folder / REPORT, inputs)):
         write_text(folder / TABLE, table.to_csv(rows, found.methods))
         write_text(folder / REPORT, _page(found, rows, summaries, verified, inputs))
     solved = [case.reference for case in found.cases.values() if case.reference is not None]
@@ -48,12 +48,13 @@ def _inputs(folder: Path, found: results.Results, verified: dict[str, Document])
     return hashlib.sha256(f"{answers} {verification_page.inputs(verified)}".encode()).hexdigest()
 
 
-def _is_current(folder: Path, inputs: str) -> bool:
+def is_current(page: Path, inputs: str) -> bool:
+    """Whether a page was made from just these inputs."""
     from analysis.page import inputs_mark
 
-    if not (folder / TABLE).is_file() or not (folder / REPORT).is_file():
+    if not page.is_file():
         return False
-    with (folder / REPORT).open(encoding="utf-8") as file:
+    with page.open(encoding="utf-8") as file:
         return inputs_mark(inputs) in file.read(_MARK_WITHIN)
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from analysis import collision_measurements, machine, measurements
 from analysis.answers import ModelAnswer, ReferenceAnswer
 from analysis.jobs import Failure
+from analysis.set_up import SetUp, describe
 from analysis.store import Document, read_json, write_json
 from geometries import reader
 from geometries.errors import InputError
@@ -34,6 +36,10 @@ class CaseResult:
     reference: ReferenceAnswer | None
     model: ModelAnswer | None
     slice: Document | None
+
+    @cached_property
+    def set_up(self) -> SetUp | None:
+        return describe(self.scene)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +104,11 @@ def load(folder: Path) -> Results:
         stability=measurements.stability(read_json(folder / STABILITY)),
         collision=collision_measurements.collision(*(read_json(folder / name) for name in COLLISION)),
     )
+
+
+def title(folder: Path) -> str:
+    """The title of the study whose results are in a folder."""
+    return str((read_json(folder / MANIFEST) or {})["title"])
 
 
 def _case_document(case: Case) -> Document:

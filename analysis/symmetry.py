@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 
 # Lengths count as equal within this part of the set-up's size: more than rounding, less than any intended difference.
 _TOLERANCE = 1e-9
+# Of both rectangles.
+_CORNERS = 8
 # The ways to walk around a rectangle, from any corner in either direction.
 _WALKS = [np.roll(order, shift) for order in ([0, 1, 2, 3], [3, 2, 1, 0]) for shift in range(4)]
 
@@ -46,12 +48,30 @@ def pairs(cases: list[CaseResult]) -> list[Pair]:
     """Every pair of cases with answers that must agree: congruent set-ups in both quantities, exchanged ones in `mutual`."""
     solved = [(case, plates) for case in cases if case.reference and (plates := rectangles(case.scene))]
     found = []
-    for (first, here), (second, there) in itertools.combinations(solved, 2):
+    for one, other in _alike([plates for _, plates in solved]):
+        (first, here), (second, there) = solved[one], solved[other]
         if _congruent(here, there):
             found += [_pair(first, second, "mirrored or moved", name) for name in ("mutual", "delta_self")]
         elif _congruent(here, (there[1], there[0])):
             found.append(_pair(first, second, "sensor and target exchanged", "mutual"))
     return found
+
+
+def _alike(set_ups: list[tuple[Rectangle, Rectangle]]) -> list[tuple[int, int]]:
+    """The pairs, by number and in order, that can be congruent or exchanged at all: of few set-ups the distances between all
+    corners have the same sum, and only those need a closer look."""
+    sums = [float(_distances(sensor.vertices, target.vertices).sum()) for sensor, target in set_ups]
+    order = sorted(range(len(sums)), key=lambda number: sums[number])
+    found = []
+    for place, number in enumerate(order):
+        # A distance is a part of the sum, so what it may be off is less than this.
+        highest = sums[number] * (1 + _CORNERS**2 * _TOLERANCE)
+        for later in range(place + 1, len(order)):
+            other = order[later]
+            if sums[other] > highest:
+                break
+            found.append((min(number, other), max(number, other)))
+    return sorted(found)
 
 
 def _congruent(first: tuple[Rectangle, Rectangle], second: tuple[Rectangle, Rectangle]) -> bool:

@@ -32,7 +32,7 @@ from pathlib import Path
 from analysis.answers import Estimate, ModelValue, ReferenceAnswer
 from analysis.keys import REPOSITORY
 from analysis.results import SCENE, CaseResult, Results
-from analysis.set_up import SetUp, describe
+from analysis.set_up import SetUp
 
 MUTUAL, DELTA_SELF = "mutual", "delta_self"
 QUANTITIES = (MUTUAL, DELTA_SELF)
@@ -137,7 +137,7 @@ def _row(
         sensor=sensor,
         object=body,
         quantity=quantity,
-        set_up=describe(case.scene),
+        set_up=case.set_up,
         reference=value,
         check=check,
         reached=reference.reached,

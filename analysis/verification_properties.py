@@ -70,7 +70,7 @@ def reciprocity() -> list[Statement]:
     problem = set_up.conductors()
     field = FieldProblem(tagged_mesh(problem.bodies, problem.owner, Sizing()), problem.parts)
     charges = []
-    for potential in field.potentials(range(2)):
+    for potential in field.potentials(range(2), 2):
         source, reaction = field.stiffness.createVecRight(), field.stiffness.createVecLeft()
         source.array[:] = potential
         field.stiffness.mult(source, reaction)

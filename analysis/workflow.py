@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from analysis import keys, measurement_stage, model_stage, reference_stage, set_up
+from analysis import measurement_stage, model_stage, plan, reference_stage
 from analysis.jobs import Failure, Job, parallel_jobs, run_all
+from analysis.plan import Work
 from analysis.results import MODEL, REFERENCE, SCENE, SLICE, case_folder, write_manifest
-from analysis.store import read_current, write_text
-from geometries.study import EMPTY, Case, Study
-from geometries.writer import canonical
-
-# Seconds that a case takes on one core of 2020, roughly: only their ratios count, for the order and the progress bar.
-_SECONDS_EMPTY, _SECONDS_PAIR, _SECONDS_PER_SIZE_OVER_GAP, _SECONDS_SLICE = 4.0, 12.0, 1.0, 4.0
+from analysis.store import is_current, read_current, write_text
+from geometries.study import Study
 
 
 def run(study: Study, folder: Path, workers: int | None, measure_model: bool = False) -> list[Failure]:
@@ -23,38 +20,66 @@ def run(study: Study, folder: Path, workers: int | None, measure_model: bool = F
     KeyboardInterrupt ends it at once; what was finished stays.
     """
     cases = study.cases()
-    for case in cases:
-        path = case_folder(folder, case.id) / SCENE
-        if not path.is_file():
-            write_text(path, canonical(case.scene))
-    failures = _evaluate_model(study, cases, folder) + _measure_model(folder, measure_model)
-    jobs = _reference_jobs(study, cases, folder)
-    if jobs:
-        try:
-            failures += run_all(jobs, workers or parallel_jobs())
-        except BaseException:
-            reference_stage.forget_unfinished_forms()
-            raise
+    works = plan.missing(study, cases, folder)
+    forget(works, folder)
+    failures = evaluate_model(works, study.methods, folder) + measure(folder, measure_model)
+    failures += solve(works, study, folder, workers or parallel_jobs())
     write_manifest(folder, study, failures)
     return failures
 
 
-def _evaluate_model(study: Study, cases: list[Case], folder: Path) -> list[Failure]:
-    code = keys.model_code()
-    failures = []
-    for case in cases:
-        target = case_folder(folder, case.id) / MODEL
-        key = keys.model_key(case.scene, study, code)
-        if case.family == EMPTY or read_current(target, key) is not None:
+def forget(works: list[Work], folder: Path) -> None:
+    """Remove the outdated answers of what is to do, so that no report shows them, and what killed writers left there."""
+    for work in works:
+        place = case_folder(folder, work.case)
+        if not place.is_dir():
             continue
-        target.unlink(missing_ok=True)
-        module = model_stage.model_module()
-        failure = model_stage.evaluate(target.with_name(SCENE), target, key, study.methods, module)
-        failures += [failure] if failure else []
+        for file in work.keys:
+            (place / file).unlink(missing_ok=True)
+        for unfinished in place.glob(".*"):
+            unfinished.unlink(missing_ok=True)
+
+
+def write_scenes(works: list[Work], folder: Path) -> None:
+    """Write down the scenes that are not there."""
+    for work in works:
+        scene = case_folder(folder, work.case) / SCENE
+        if not scene.is_file():
+            write_text(scene, work.scene)
+
+
+def evaluate_model(works: list[Work], methods: tuple[str, ...], folder: Path) -> list[Failure]:
+    """Write down the scenes and the model's answers that are to do, one after the other, since their times are measured."""
+    write_scenes(works, folder)
+    failures = []
+    for work in works:
+        scene = case_folder(folder, work.case) / SCENE
+        target = scene.with_name(MODEL)
+        if MODEL in work.keys and not is_current(target, work.keys[MODEL]):
+            module = model_stage.model_module()
+            failure = model_stage.evaluate(scene, target, work.keys[MODEL], methods, module)
+            failures += [failure] if failure else []
     return failures
 
 
-def _measure_model(folder: Path, wanted: bool) -> list[Failure]:
+def solve(works: list[Work], study: Study, folder: Path, workers: int, shown: bool = True) -> list[Failure]:
+    """Make the reference's answers and slices that are to do, so many at a time, with a progress bar if `shown`."""
+    jobs = [
+        _reference_job(file, work, study, case_folder(folder, work.case))
+        for work in works
+        for file in (REFERENCE, SLICE)
+        if file in work.keys
+    ]
+    if not jobs:
+        return []
+    try:
+        return run_all(jobs, workers, shown=shown)
+    except BaseException:
+        reference_stage.forget_unfinished_forms()
+        raise
+
+
+def measure(folder: Path, wanted: bool) -> list[Failure]:
     """One measurement after the other, and nothing beside them: what runs at the same time would spoil the times."""
     jobs = []
     for measurement in measurement_stage.MEASUREMENTS:
@@ -72,52 +97,11 @@ def _measurement_job(measurement: measurement_stage.Measurement, target: Path, k
     )
 
 
-def _reference_jobs(study: Study, cases: list[Case], folder: Path) -> list[Job]:
-    """A job for every answer and every slice that is missing or out of date; the outdated files are removed."""
-    code = keys.reference_code()
-    jobs = []
-    for case in cases:
-        target = case_folder(folder, case.id) / REFERENCE
-        key = keys.reference_key(case.scene, study, code)
-        if read_current(target, key) is None:
-            target.unlink(missing_ok=True)
-            jobs.append(_solve_job(case, study, target, key))
-    for case in _pictured(cases):
-        target = case_folder(folder, case.id) / SLICE
-        key = keys.slice_key(case.scene, code)
-        if read_current(target, key) is None:
-            target.unlink(missing_ok=True)
-            jobs.append(_slice_job(target, key))
-    return jobs
-
-
-def _pictured(cases: list[Case]) -> list[Case]:
-    """One case for each family, the second of its list where it can be: the first of a sweep is its extreme."""
-    families = dict.fromkeys(case.family for case in cases if case.family != EMPTY)
-    of_family = ([case for case in cases if case.family == family] for family in families)
-    return [members[min(1, len(members) - 1)] for members in of_family]
-
-
-def _solve_job(case: Case, study: Study, target: Path, key: str) -> Job:
-    scene = target.with_name(SCENE)
+def _reference_job(file: str, work: Work, study: Study, place: Path) -> Job:
+    scene, target, key = place / SCENE, place / file, work.keys[file]
+    if file == SLICE:
+        return Job(work.seconds[file], lambda processes: reference_stage.cut(scene, target, key, processes))
     return Job(
-        _expected_seconds(case),
+        work.seconds[file],
         lambda processes: reference_stage.solve(scene, target, key, study, processes),
     )
-
-
-def _slice_job(target: Path, key: str) -> Job:
-    scene = target.with_name(SCENE)
-    return Job(
-        _SECONDS_SLICE,
-        lambda processes: reference_stage.cut(scene, target, key, processes),
-    )
-
-
-def _expected_seconds(case: Case) -> float:
-    if case.family == EMPTY:
-        return _SECONDS_EMPTY
-    described = set_up.describe(case.scene)
-    if described is None or described.gap == 0:
-        return _SECONDS_PAIR
-    return _SECONDS_PAIR + _SECONDS_PER_SIZE_OVER_GAP * described.largest_size / described.gap

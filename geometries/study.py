@@ -21,6 +21,7 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 import itertools
 from collections.abc import Iterator
@@ -34,7 +35,7 @@ from geometries.errors import InputError
 from geometries.families import FAMILIES, Vector2
 from geometries.scene import Scene
 from geometries.tables import Table, parse, read_text
-from geometries.writer import identity
+from geometries.writer import canonical_and_identity
 
 Parameter = float | Vector2
 
@@ -48,12 +49,18 @@ _PLANNED_FAMILIES = ("box", "sensors", "scene")
 
 @dataclass(frozen=True)
 class Case:
-    """One scene of a study. `parameters` holds the family's parameters, defaults included; `id` hashes the scene."""
+    """One scene of a study. `parameters` holds the family's parameters, defaults included; `text` is the canonical scene and
+    `identity` its hash, of which `id` is the beginning."""
 
-    id: str
+    identity: str
     family: str
     parameters: dict[str, Parameter]
     scene: Scene
+    text: str
+
+    @property
+    def id(self) -> str:
+        return self.identity[:_IDENTITY_DIGITS]
 
 
 @dataclass(frozen=True)
@@ -78,8 +85,13 @@ class Study:
 
 def empty_case(case: Case) -> Case:
     """The case without its objects, which `delta_self` is measured against."""
-    parameters = {name: value for name, value in case.parameters.items() if name == "sensor_size"}
-    return _case(EMPTY, parameters, replace(case.scene, objects=()))
+    return _empty_case(case.parameters.get("sensor_size"), replace(case.scene, objects=()))
+
+
+# Sweeps have few sensors and many cases.
+@functools.cache
+def _empty_case(sensor_size: Parameter | None, scene: Scene) -> Case:
+    return _case(EMPTY, {} if sensor_size is None else {"sensor_size": sensor_size}, scene)
 
 
 def find(study: str) -> Path:
@@ -220,7 +232,8 @@ def _combinations(
 
 
 def _case(family: str, parameters: dict[str, Parameter], scene: Scene) -> Case:
-    return Case(identity(scene)[:_IDENTITY_DIGITS], family, parameters, scene)
+    text, hashed = canonical_and_identity(scene)
+    return Case(hashed, family, parameters, scene, text)
 
 
 def _told(parameters: dict[str, Any]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 from collections.abc import Callable
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import tomli_w
 
 from geometries.poses import AxisRotation, Pose
-from geometries.scene import DistanceSensor, Link, Object, Scene, Sensor
+from geometries.scene import DistanceSensor, Link, Medium, Object, Room, Scene, Sensor
 from geometries.shapes import Arc, Cone, Cuboid, Cylinder, MeshShape, PlateShape, Shape
 
 MeshSource = Callable[[MeshShape], dict[str, str]]
@@ -28,16 +29,42 @@ def identity(scene: Scene) -> str:
     return hashlib.sha256(_text(scene, lambda mesh: {"sha256": mesh.digest}).encode()).hexdigest()
 
 
+def canonical_and_identity(scene: Scene) -> tuple[str, str]:
+    """Both of the above; where no mesh is in the scene, one text makes both."""
+    text = canonical(scene)
+    if any(isinstance(body.shape, MeshShape) for body in scene.objects):
+        return text, identity(scene)
+    return text, hashlib.sha256(text.encode()).hexdigest()
+
+
 def _text(scene: Scene, mesh_source: MeshSource) -> str:
-    document: dict[str, Any] = {
-        "medium": {"relative_permittivity": scene.medium.relative_permittivity},
-        "room": {"size": scene.room.size, **_pose(scene.room.pose)} if scene.room else None,
-        "link": [_link(link) for link in scene.links],
-        "sensor": [_sensor(sensor) for sensor in scene.sensors],
-        "distance_sensor": [_distance_sensor(sensor) for sensor in scene.distance_sensors],
-        "object": [_object(body, mesh_source) for body in scene.objects],
-    }
-    text: str = tomli_w.dumps({key: _plain(value) for key, value in document.items() if value})
+    around = (scene.medium, scene.room, scene.links, scene.sensors, scene.distance_sensors)
+    objects = [_object(body, mesh_source) for body in scene.objects]
+    return "\n".join(filter(None, [_text_around(*around, repr(around)), _dumps("object", objects)]))
+
+
+# In a sweep nothing differs but the objects. 1 and 1.0 are equal, their texts are not: `exactly` tells them apart.
+@functools.lru_cache(maxsize=64)
+def _text_around(
+    medium: Medium,
+    room: Room | None,
+    links: tuple[Link, ...],
+    sensors: tuple[Sensor, ...],
+    distance_sensors: tuple[DistanceSensor, ...],
+    exactly: str,
+) -> str:
+    parts = [
+        _dumps("medium", {"relative_permittivity": medium.relative_permittivity}),
+        _dumps("room", {"size": room.size, **_pose(room.pose)} if room else None),
+        _dumps("link", [_link(link) for link in links]),
+        _dumps("sensor", [_sensor(sensor) for sensor in sensors]),
+        _dumps("distance_sensor", [_distance_sensor(sensor) for sensor in distance_sensors]),
+    ]
+    return "\n".join(filter(None, parts))
+
+
+def _dumps(key: str, value: Any) -> str:
+    text: str = tomli_w.dumps({key: _plain(value)}) if value else ""
     return text
 
 

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from analysis import keys, store
-from geometries import families, study
+from geometries import families, study, writer
 
 STUDY = study.Study("n", "t", 1e-3, 60.0, "estimate", ("exact",), ())
-SCENE = families.parallel((0.1, 0.1), (0.1, 0.1), 0.02)
+SCENE = writer.identity(families.parallel((0.1, 0.1), (0.1, 0.1), 0.02))
 
 
 def test_a_document_is_read_as_it_was_written(tmp_path: Path) -> None:
@@ -50,7 +50,7 @@ def test_a_stored_answer_counts_under_its_own_key_only(tmp_path: Path) -> None:
 
 
 def test_the_reference_key_changes_with_scene_options_and_code() -> None:
-    other = families.parallel((0.1, 0.1), (0.1, 0.1), 0.03)
+    other = writer.identity(families.parallel((0.1, 0.1), (0.1, 0.1), 0.03))
     found = {
         keys.reference_key(SCENE, STUDY, "a"),
         keys.reference_key(other, STUDY, "a"),

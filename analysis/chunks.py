@@ -1,0 +1,107 @@
+"""The jobs of a night: files that name the cases a job solves, and what the job says of them when it has ended."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+from analysis import reference_stage, workflow
+from analysis.jobs import Failure
+from analysis.plan import Work
+from analysis.store import Document, is_current, read_json, write_json
+from analysis.results import case_folder
+from geometries.errors import InputError
+from geometries.study import Study
+
+# The folder of a night's jobs, in that of the results; a new night begins with a new one.
+FOLDER = "jobs"
+_ENDED = ".ended.json"
+# Snakemake looks at all of its jobs again and again: a thousand take it two seconds.
+_MOST = 1000
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Cases that one job solves, one after the other."""
+
+    name: str
+    works: list[Work]
+
+
+def group(works: list[Work], seconds: float, workers: int) -> list[Chunk]:
+    """Jobs of about `seconds` each, shorter where not every worker would have one, and never more than a thousand.
+
+    The costly cases come first, and each goes to the job that has least to do.
+    """
+    total = sum(work.cost for work in works)
+    count = min(len(works), _MOST, max(workers, round(total / seconds)))
+    if count == 0:
+        return []
+    # Dealt out like cards, to and fro: equal within a case, and as quick for a hundred thousand.
+    hands: list[list[Work]] = [[] for _ in range(count)]
+    for number, work in enumerate(sorted(works, key=lambda work: -work.cost)):
+        turn, place = divmod(number, count)
+        hands[count - 1 - place if turn % 2 else place].append(work)
+    # A job that was left over by an earlier night finds its own file gone, not another of the same name.
+    night = f"{time.time_ns():x}"
+    return [Chunk(f"{night}-{number:04}", hand) for number, hand in enumerate(hands)]
+
+
+def write(chunks: list[Chunk], study: Study, results: Path) -> None:
+    """Write a file for each job into the results' folder of jobs."""
+    asked = {
+        "rtol": study.rtol,
+        "max_seconds": study.max_seconds,
+        "error": study.error,
+        "methods": list(study.methods),
+    }
+    for chunk in chunks:
+        document: Document = {"asked": asked, "works": [vars(work) for work in chunk.works]}
+        write_json(results / FOLDER / f"{chunk.name}.json", document)
+
+
+def solve(file: Path) -> None:
+    """Solve what a job's file names and is not answered yet, then say how it went; InputError when there is no such file.
+
+    Ends without a word when the file is removed meanwhile: another night has begun, and has taken over what is left.
+    """
+    document = read_json(file)
+    if document is None:
+        raise InputError(str(file), "", "is no file of a job")
+    asked = document["asked"]
+    study = Study(
+        "", "", asked["rtol"], asked["max_seconds"], asked["error"], tuple(asked["methods"]), sweeps=()
+    )
+    results = file.resolve().parent.parent
+    failures: list[Failure] = []
+    for entry in document["works"]:
+        if not file.is_file():
+            return
+        work = _left(Work(**entry), results)
+        failures += workflow.evaluate_model([work], study.methods, results)
+        failures += workflow.solve([work], study, results, workers=1, shown=False)
+    write_json(file.with_name(file.stem + _ENDED), {"failures": [asdict(failure) for failure in failures]})
+
+
+def failures(chunks: list[Chunk], results: Path) -> list[Failure]:
+    """What the jobs say has failed, and the answers that are missing without a word."""
+    found: list[Failure] = []
+    for chunk in chunks:
+        told = read_json(results / FOLDER / (chunk.name + _ENDED))
+        if told is not None:
+            found += [Failure(**failure) for failure in told["failures"]]
+        else:
+            lost = [work.case for work in chunk.works if _left(work, results).keys]
+            found += [
+                Failure(case, reference_stage.SOLVE, "its job ended without an answer; see snakemake.log")
+                for case in lost
+            ]
+    return found
+
+
+def _left(work: Work, results: Path) -> Work:
+    """What is still to do: a job that was killed before may have done some of it."""
+    place = case_folder(results, work.case)
+    keys = {file: key for file, key in work.keys.items() if not is_current(place / file, key)}
+    return replace(work, keys=keys)

@@ -1,0 +1,164 @@
+"""A night: Snakemake carries what is to do of a study to this machine's cores or, with a profile, to a cluster.
+
+What is to do is found before, by the keys of the stored answers. Snakemake gets jobs of several cases each, in a folder that
+every night makes anew, so nothing that an earlier night left there, however it ended, has to be unlocked or repaired.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import shlex
+import sys
+import threading
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis import chunks, plan, reference_stage, workflow
+from analysis.jobs import Failure, Progress, parallel_jobs
+from analysis.keys import REPOSITORY
+from analysis.plan import Work
+from analysis.processes import ENDS_WITH_US, Processes
+from analysis.results import case_folder, write_manifest
+from analysis.store import write_text
+from geometries.errors import InputError
+from geometries.study import Study
+
+LOG = "snakemake.log"
+_PROFILES = Path(__file__).parent / "profiles"
+_SNAKEFILE = Path(__file__).parent / "Snakefile"
+# How often the stored answers are looked at for the progress bar.
+_LOOK_SECONDS = 1.0
+# A job lasts minutes on a cluster, where starting one takes seconds, and less here, where a night may be ended any time.
+_SECONDS_HERE, _SECONDS_ON_A_CLUSTER = 60.0, 600.0
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a night is carried: Snakemake's profile (None: this machine), jobs at a time and expected seconds of a job, where
+    None stands for what suits."""
+
+    profile: str | None = None
+    workers: int | None = None
+    job_seconds: float | None = None
+
+
+@dataclass(frozen=True)
+class Night:
+    """What a night did: cases that were to do, what failed, and how long it took."""
+
+    to_do: int
+    failures: list[Failure]
+    seconds: float
+
+
+def run(study: Study, folder: Path, options: Options) -> Night:
+    """Bring every case of the study up to date in `folder`. KeyboardInterrupt ends it at once; what was finished stays."""
+    start = time.monotonic()
+    workers = options.workers or parallel_jobs()
+    seconds = options.job_seconds or (_SECONDS_ON_A_CLUSTER if options.profile else _SECONDS_HERE)
+    cases = study.cases()
+    works = plan.missing(study, cases, folder)
+    prepared = prepare(works, study, folder, seconds, workers)
+    workflow.measure(folder, wanted=False)
+    failures: list[Failure] = []
+    if prepared:
+        _carry(prepared, folder, command(folder, options.profile, workers), workers)
+        failures = chunks.failures(prepared, folder)
+        # A job that never began has left none, and the report tells what it was to solve.
+        workflow.write_scenes(works, folder)
+    shutil.rmtree(folder / chunks.FOLDER, ignore_errors=True)
+    write_manifest(folder, study, failures)
+    return Night(len(works), failures, time.monotonic() - start)
+
+
+def prepare(
+    works: list[Work], study: Study, folder: Path, seconds: float, workers: int
+) -> list[chunks.Chunk]:
+    """Remove the jobs of an earlier night and outdated answers, and write the files of the jobs for what is to do."""
+    if (folder / chunks.FOLDER).exists():
+        shutil.rmtree(folder / chunks.FOLDER)
+    workflow.forget(works, folder)
+    reference_stage.forget_unfinished_forms()
+    grouped = chunks.group(works, seconds, workers)
+    chunks.write(grouped, study, folder)
+    return grouped
+
+
+def command(folder: Path, profile: str | None, workers: int) -> list[str]:
+    """Snakemake's command line for the jobs in a folder."""
+    job = [*ENDS_WITH_US, sys.executable, "-P", "-m", "analysis", "job"]
+    where = ["--cores", str(workers)] if profile is None else ["--profile", str(find_profile(profile))]
+    return [
+        *(sys.executable, "-m", "snakemake", "--snakefile", str(_SNAKEFILE)),
+        *("--directory", str((folder / chunks.FOLDER).resolve())),
+        *("--config", f"command={shlex.join(job)}"),
+        # Nobody else is in the folder, and it is gone afterwards.
+        *("--nolock", "--drop-metadata", "--rerun-incomplete", "--rerun-triggers", "mtime"),
+        # A job ends well even when cases fail; one that does not was killed, perhaps for want of memory.
+        *("--keep-going", "--retries", "1"),
+        *("--scheduler", "greedy", "--nocolor"),
+        *where,
+    ]
+
+
+def find_profile(profile: str) -> Path:
+    """The folder of a profile given by its name in `analysis/profiles` or by its path; InputError when there is none."""
+    for place in (_PROFILES / profile, Path(profile)):
+        if (place / "config.yaml").is_file():
+            return place.resolve()
+    known = ", ".join(sorted(path.name for path in _PROFILES.iterdir()))
+    raise InputError(
+        profile, "", f"is neither a folder with a config.yaml nor one of the profiles here: {known}"
+    )
+
+
+def _carry(jobs: list[chunks.Chunk], folder: Path, command: list[str], workers: int) -> None:
+    """Run Snakemake to its end, with a progress bar; its own words go to a file."""
+    processes, ended = Processes(), threading.Event()
+    told: list[str] = []
+
+    def snakemake() -> None:
+        try:
+            finished = processes.run(command, REPOSITORY, _environment())
+            told.extend([finished.output, finished.errors])
+        finally:
+            ended.set()
+
+    thread = threading.Thread(target=snakemake)
+    thread.start()
+    try:
+        _show(jobs, folder, workers, ended)
+    except BaseException:
+        processes.stop()
+        raise
+    finally:
+        thread.join()
+    write_text(folder / LOG, "\n".join([shlex.join(command), *told]))
+
+
+def _environment() -> dict[str, str]:
+    path = os.pathsep.join(filter(None, [str(REPOSITORY), os.environ.get("PYTHONPATH", "")]))
+    return os.environ | {"PYTHONPATH": path}
+
+
+def _show(jobs: list[chunks.Chunk], folder: Path, workers: int, ended: threading.Event) -> None:
+    """The progress bar, by the files that have come to be, until Snakemake has ended."""
+    left = {
+        case_folder(folder, work.case) / file: cost
+        for job in jobs
+        for work in job.works
+        for file, cost in work.seconds.items()
+    }
+    count = len(left)
+    with Progress(sum(left.values()), count, workers) as progress:
+        while True:
+            over = ended.wait(_LOOK_SECONDS)
+            done = [path for path in left if path.is_file()]
+            if done:
+                progress.advance(sum(left.pop(path) for path in done))
+            if done or sys.stderr.isatty():
+                progress.tell(count - len(left))
+            if over:
+                return

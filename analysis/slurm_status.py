@@ -1,0 +1,37 @@
+"""`python3 -m analysis.slurm_status JOB`: what Snakemake asks of a job of SLURM: success, failed or running.
+
+SLURM's controller is asked; no accounting database is needed. A job that it knows nothing of has failed.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+
+_ON_ITS_WAY = {
+    "PENDING",
+    "CONFIGURING",
+    "RUNNING",
+    "COMPLETING",
+    "SUSPENDED",
+    "REQUEUED",
+    "REQUEUE_HOLD",
+    "RESIZING",
+    "SIGNALING",
+    "STAGE_OUT",
+    "STOPPED",
+}
+
+
+def word(told: str) -> str:
+    """Snakemake's word for what `scontrol --oneliner show job` tells."""
+    state = re.search(r"\bJobState=(\w+)", told)
+    if state is None:
+        return "failed"
+    return "success" if state[1] == "COMPLETED" else "running" if state[1] in _ON_ITS_WAY else "failed"
+
+
+if __name__ == "__main__":
+    command = ["scontrol", "--oneliner", "show", "job", sys.argv[1]]
+    print(word(subprocess.run(command, capture_output=True, text=True, check=False).stdout))

@@ -1,0 +1,101 @@
+"""A night: what is solved, kept and told when Snakemake carries a study, and what happens when it is killed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from analysis import chunks, history_page, results, slurm_status
+from analysis.plan import Work
+from geometries.errors import InputError
+from tests.analysis.kill_nights import kill_nights
+from tests.analysis.toy_repository import ToyRepository
+
+
+@pytest.fixture(scope="module")
+def toy(tmp_path_factory: pytest.TempPathFactory) -> ToyRepository:
+    """After a first night, with one case failing, in a folder with a space."""
+    made = ToyRepository(tmp_path_factory.mktemp("a night") / "toy", count=3)
+    first = made.run("nightly", TOY_FAILS_AT="0.08")
+    assert first.returncode == 1
+    assert "reference: exit code 1: cannot mesh this" in first.stderr
+    return made
+
+
+def nights(toy: ToyRepository) -> list[dict[str, object]]:
+    return [json.loads(path.read_text()) for path in sorted(toy.results.glob("history/*.json"))]
+
+
+def test_a_failed_case_fails_the_night_and_the_others_go_on(toy: ToyRepository) -> None:
+    assert len(toy.answers()) == 3
+    assert nights(toy)[0]["failed"] == 1 and nights(toy)[0]["rows"] == 4
+
+
+def test_the_next_night_solves_only_what_is_missing_and_tells_what_is_new(toy: ToyRepository) -> None:
+    before = toy.solved()
+    second = toy.run("nightly")
+    assert second.returncode == 0, second.stderr
+    assert sum((toy.solved() - before).values()) == 1 and max(toy.solved().values()) == 1
+    assert "0 values moved by more than their errors" in second.stdout
+    last = nights(toy)[-1]
+    assert (last["to_do"], last["new"], last["moved"], last["failed"]) == (1, 2, 0, 0)
+    assert {path.name for path in toy.results.iterdir()} >= {"report.html", "history.html", "snakemake.log"}
+
+
+def test_a_study_run_by_snakemake_has_the_table_of_one_run_without(
+    toy: ToyRepository, tmp_path: Path
+) -> None:
+    plain = ToyRepository(tmp_path / "plain", count=3)
+    assert plain.run("run").returncode == 0
+    assert plain.table() == toy.table()
+
+
+def test_a_value_that_moved_fails_the_night_and_is_told(toy: ToyRepository) -> None:
+    with (toy.folder / "fem_reference" / "__main__.py").open("a") as source:
+        source.write("# another version\n")
+    third = toy.run("nightly", TOY_SHIFT="0.5")
+    assert third.returncode == 1
+    assert "6 values moved by more than their errors" in third.stdout
+    assert "the last time on" in history_page.finding(nights(toy))
+
+
+def test_nights_that_are_killed_lose_nothing_and_leave_nothing_in_the_way(tmp_path: Path) -> None:
+    tally = kill_nights(tmp_path, kills=2, seed=7)
+    assert tally.kills == 2 and tally.studies >= 1
+
+
+def works(count: int) -> list[Work]:
+    return [
+        Work(f"case{n}", "", {results.REFERENCE: "key"}, {results.REFERENCE: 10.0 + n}) for n in range(count)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("count", "seconds", "jobs"), [(0, 60, 0), (1, 60, 1), (2, 600, 2), (100, 60, 99), (5000, 1, 1000)]
+)
+def test_jobs_last_as_long_as_asked_and_each_worker_has_one(count: int, seconds: float, jobs: int) -> None:
+    grouped = chunks.group(works(count), seconds, workers=4)
+    assert len(grouped) == jobs
+    assert sorted(work.case for job in grouped for work in job.works) == sorted(w.case for w in works(count))
+    costs = [sum(work.cost for work in job.works) for job in grouped]
+    assert not costs or max(costs) - min(costs) <= 10.0 + count
+
+
+def test_a_job_whose_file_is_gone_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="is no file of a job"):
+        chunks.solve(tmp_path / "1-0.json")
+
+
+@pytest.mark.parametrize(
+    ("told", "word"),
+    [
+        ("JobId=1 JobState=COMPLETED Reason=None", "success"),
+        ("JobId=1 JobState=PENDING Reason=None", "running"),
+        ("JobId=1 JobState=OUT_OF_MEMORY Reason=None", "failed"),
+        ("", "failed"),
+    ],
+)
+def test_a_job_of_slurm_is_in_one_of_three_states(told: str, word: str) -> None:
+    assert slurm_status.word(told) == word

@@ -1,0 +1,104 @@
+"""A copy of the project in which the reference and the model answer at once: the commands are the real ones, in processes of
+their own, and every solve is written down."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+from tests.analysis.synthetic import HEAD
+
+ROOT = Path(__file__).resolve().parents[2]
+_REFERENCE = """
+import json, os, sys, time, tomllib
+from pathlib import Path
+from tests.analysis.synthetic import empty_document, reference_document
+time.sleep(float(os.environ.get("TOY_SECONDS", "0")))
+scene = tomllib.loads(Path(sys.argv[1]).read_text())
+height = scene["object"][0]["translation"][2] if "object" in scene else None
+if "--slice" in sys.argv:
+    plane = {"origin": [0, 0], "direction": [1, 0], "along": [-0.1, 0.1], "z": [-0.1, 0.1], "potential": [[0, 1], [1, 0]]}
+    Path(sys.argv[sys.argv.index("--slice") + 1]).write_text(json.dumps(plane))
+    sys.exit(0)
+if height == float(os.environ.get("TOY_FAILS_AT", "nan")):
+    sys.exit("cannot mesh this")
+mutual = 2 if height is None else 1e-2 / height + float(os.environ.get("TOY_SHIFT", "0"))
+document = empty_document() if height is None else reference_document(mutual, mutual / 2)
+with open("solved.txt", "a") as log:
+    log.write(Path(sys.argv[1]).parent.name + "\\n")
+print(json.dumps(document))
+"""
+_MODEL = """
+from tests.analysis.synthetic import model_document
+__version__ = "toy"
+class Scene:
+    @staticmethod
+    def load(path):
+        return Scene()
+    def capacitance(self, method):
+        return model_document(1.8)["methods"][method]
+"""
+# The families differ in nothing but the scene's identity here.
+SWEEP = """
+[[sweep]]
+family = "parallel"
+sensor_size = [0.1, 0.1]
+target_size = [0.1, 0.1]
+gap = {{ linspace = [0.01, 0.08, {count}] }}
+"""
+
+
+class ToyRepository:
+    """`folder` may hold spaces; `count` cases of parallel plates."""
+
+    def __init__(self, folder: Path, count: int) -> None:
+        self.folder = folder
+        self.results = folder / "results" / "synthetic"
+        for name in ("analysis", "geometries"):
+            shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__", "*.png"))
+        for name, text in {
+            "fem_reference/__init__.py": "",
+            "fem_reference/__main__.py": _REFERENCE,
+            "build/python/fringe.py": _MODEL,
+            "tests/analysis/synthetic.py": (ROOT / "tests/analysis/synthetic.py").read_text(),
+        }.items():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_text(text)
+        self.ask(count)
+
+    def ask(self, count: int) -> None:
+        """Have so many cases in the study."""
+        (self.folder / "study.toml").write_text(HEAD + SWEEP.format(count=count))
+
+    def start(self, command: str, *options: str, **variables: str) -> subprocess.Popen[str]:
+        """`python3 -m analysis COMMAND` with the study, in a session of its own."""
+        return subprocess.Popen(
+            [sys.executable, "-m", "analysis", command, "study.toml", *options],
+            cwd=self.folder,
+            env=os.environ | {"CI": "true"} | variables,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+
+    def run(self, command: str, *options: str, **variables: str) -> subprocess.CompletedProcess[str]:
+        process = self.start(command, *options, **variables)
+        output, errors = process.communicate(timeout=300)
+        return subprocess.CompletedProcess(process.args, process.returncode, output, errors)
+
+    def table(self) -> str:
+        return (self.results / "table.csv").read_text()
+
+    def answers(self) -> set[str]:
+        """The cases that have an answer of the reference."""
+        return {path.parent.name for path in self.results.glob("cases/*/fem.json")}
+
+    def solved(self) -> Counter[str]:
+        """How often each case was solved to its end."""
+        log = self.folder / "solved.txt"
+        return Counter(log.read_text().split()) if log.is_file() else Counter()
