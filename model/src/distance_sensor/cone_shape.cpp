@@ -12,7 +12,7 @@ constexpr double widened = 1 + 0x1p-40;
 
 /// What rounding moves an apex or a vertex by, relative to its coordinates and the pose's, with room to
 /// spare.
-constexpr double coordinate_rounding = 0x1p-46;
+constexpr double placing_rounding = 0x1p-46;
 
 /// Half of the angle from which on a cone's base would be far wider than what the sensor sees.
 constexpr double widest = 1.0;
@@ -38,7 +38,7 @@ bool ConeShape::misses(const Eigen::AlignedBox3d& box, const Eigen::Isometry3d& 
   const Vector3d centre = box.min() / 2 + box.max() / 2;
   const double farthest = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
   const double rounding =
-      coordinate_rounding * (farthest + coordinates_ + pose.translation().cwiseAbs().maxCoeff()) +
+      placing_rounding * (farthest + coordinates_ + pose.translation().cwiseAbs().maxCoeff()) +
       (widened - 1) * shape_.reach;
   const Vector3d half = ((box.max() / 2 - box.min() / 2).array() + rounding).matrix();
   SupportShape moved{};

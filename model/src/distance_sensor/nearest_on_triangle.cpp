@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 constexpr double thinnest = 0x1p-60;
 
 /// How far off its coordinates may be, relative to each, for an apex to be taken as on the triangle.
-constexpr double coordinate_rounding = 0x1p-51;
+constexpr double apex_rounding = 0x1p-51;
 
 double largest_component(const Vector3d& a) {
   return a.cwiseAbs().maxCoeff();
@@ -177,7 +177,7 @@ std::optional<NearestPoint> nearest_of_scaled(const Triangle& triangle, const Ve
     seen.vertices[i] = cone.to_frame(times_power_of_two(offsets[i], -exponent));
     largest = largest.cwiseMax(triangle[i].cwiseAbs() + apex.cwiseAbs());
   }
-  seen.rounding = coordinate_rounding * times_power_of_two(largest, -exponent);
+  seen.rounding = apex_rounding * times_power_of_two(largest, -exponent);
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t next = (i + 1) % 3;
     const PreciseVector difference =
