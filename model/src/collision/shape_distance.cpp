@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <span>
 #include <variant>
 
 #include "convex_shape_data.hpp"
@@ -58,9 +59,8 @@ class NearestSimplex {
 
   /// False where rounding hides which face is nearest, or where there is nothing new.
   bool add(const PointPair& pair) {
-    const auto end = simplex_.pairs.begin() + static_cast<std::ptrdiff_t>(simplex_.size);
-    if (std::any_of(simplex_.pairs.begin(), end,
-                    [&](const PointPair& own) { return own.a == pair.a && own.b == pair.b; }))
+    const auto known = std::span(simplex_.pairs).first(simplex_.size);
+    if (std::ranges::any_of(known, [&](const PointPair& own) { return own.a == pair.a && own.b == pair.b; }))
       return false;
     points_[simplex_.size] = difference(pair);
     simplex_.pairs[simplex_.size++] = pair;
@@ -202,7 +202,7 @@ ShapeDistance gjk_distance(const ConvexShape& a, const Isometry3d& pose_a, const
     return reached.found;
   const ShapeAnswer answer = gjk_intersects(a, pose_a, b, pose_b);
   if (answer.intersects) {
-    const ShapeDistance shared = meeting(answer, posed_a, posed_b);
+    ShapeDistance shared = meeting(answer, posed_a, posed_b);
     // Where faces touch, rounding may have lost the simplex.
     if (!is_flat || (shared.witness_a - shared.witness_b).norm() <= relative_error * extent)
       return shared;
