@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "fringe/capacitance.hpp"
 #include "fringe/scene.hpp"
 
 namespace fringe {
@@ -45,5 +46,10 @@ struct MaxwellMatrix {
 /// floating objects. Throws InputError for other shapes, dielectric objects, plates that are no rectangles,
 /// conductors that touch or cross, a scene without sensors and objects, and options out of range.
 MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options = {});
+
+/// What every sensor of the scene feels by its Maxwell matrix: an object's capacitance is `mutual`, a
+/// floating object, which takes no charge, is left out, and the voltage is that of the sum, as in the
+/// triangle-integral model.
+SceneCapacitance capacitance(const Scene& scene, const MaxwellMatrix& matrix);
 
 }  // namespace fringe

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -16,8 +15,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::Vector3d;
-
-constexpr double pi = std::numbers::pi;
 
 /// A rule on the whole face with more points than this is cut into panels: from here on they need fewer.
 constexpr int most_whole_points = 26;
@@ -37,9 +34,11 @@ double points_for_singularity(double x, double y, double digits) {
   return digits / (2 * std::log(std::max(parameter, 1 + 1e-12)));
 }
 
-/// The points that polynomials of a degree take on a part of [−1, 1].
+/// The points that polynomials of a degree take on a part of [−1, 1]. Over an angle they oscillate like
+/// cosines of degree·angle, which take half as high a degree, but they take no more than their own.
 double points_for_degree(double degree, double from, double to) {
-  return degree / 2 * (std::acos(std::clamp(from, -1.0, 1.0)) - std::acos(std::clamp(to, -1.0, 1.0))) / pi;
+  const double angle = std::acos(std::clamp(from, -1.0, 1.0)) - std::acos(std::clamp(to, -1.0, 1.0));
+  return degree / 2 * std::min(1.0, angle / 2);
 }
 
 /// The points that the weight takes on a part of [−1, 1], for its singularities at the ends that the part
@@ -106,7 +105,7 @@ class OuterDirection {
     const Index axis = along_u_ ? 0 : 1;
     low[axis] = from * half();
     high[axis] = to * half();
-    return edge_distance(low, high, other_) / half();
+    return edge_distance(low, high, axis, other_) / half();
   }
 
   int whole_points() const {
@@ -115,10 +114,11 @@ class OuterDirection {
     double most = 0;
     for (std::size_t k = 0; k + 1 < cuts.size(); ++k)
       for (const double side : {-1.0, 1.0}) {
-        const auto [from, to] = std::minmax(side * cuts[k], side * cuts[k + 1]);
-        most = std::max(most, points_for_singularity(cuts[k], distance(from, to), digits_));
+        const double near = side * cuts[k], far = side * cuts[k + 1];
+        const double away = distance(std::min(near, far), std::max(near, far));
+        most = std::max(most, points_for_singularity(cuts[k], away, digits_));
       }
-    return rounded_up(1 + functions_ / 2.0 + most + std::min(most, other_functions_ / 2.0));
+    return rounded_up(1 + functions_ / 2.0 + most + std::min(2 * most, other_functions_ / 2.0));
   }
 
   void halve(double from, double to, int halvings, std::vector<Panel>& panels) const {
@@ -132,10 +132,10 @@ class OuterDirection {
       return;
     }
     const double own = points_for_degree(functions_, from, to);
-    const double others = other_functions_ * std::max(0.25, points_for_degree(1, from, to));
+    const double others = std::max(0.2 * other_functions_, points_for_degree(other_functions_, from, to));
     const double singular = std::max(points_for_singularity(0, away / half_length, digits_),
                                      points_for_weight(from, to, digits_));
-    panels.push_back({from, to, rounded_up(1 + own + singular + std::min(singular, others / 2))});
+    panels.push_back({from, to, rounded_up(1 + own + singular + others)});
   }
 
   const Face& face_;
@@ -274,7 +274,9 @@ Eigen::MatrixXd integral(const Face& outer, FaceFunctions outer_functions, const
 
 Eigen::MatrixXd mutual_matrix(const Face& first, FaceFunctions first_functions, const Face& second,
                               FaceFunctions second_functions, double tolerance) {
-  const double digits = -std::log(tolerance);
+  // The ellipses tell how fast an error falls, not where from: near an edge, from three times the elements.
+  constexpr double start = 10;
+  const double digits = std::log(start / tolerance);
   const OuterRule over_first = outer_rule(first, first_functions, second, second_functions, digits);
   const OuterRule over_second = outer_rule(second, second_functions, first, first_functions, digits);
   if (over_first.nodes() < over_second.nodes())
