@@ -265,7 +265,7 @@ Eigen::MatrixXd integral(const Face& outer, FaceFunctions outer_functions, const
       potential.at(line + outer.half_v * rule.v.nodes[j] * outer.axis_v, along_v.col(j));
     const Eigen::MatrixXd row = along_v * rule.v.weights.transpose();
     for (int m = 0; m < outer_functions.u; ++m)
-      result.middleCols(m * outer_functions.v, outer_functions.v) += rule.u.weights(m, i) * row;
+      result.middleCols(Index{m} * outer_functions.v, outer_functions.v) += rule.u.weights(m, i) * row;
   }
   return result;
 }
