@@ -71,6 +71,7 @@ std::vector<Vector3d> vertices(const ChargedBody& body) {
 
 void refuse_contact(const std::vector<ChargedBody>& bodies) {
   std::vector<std::vector<Vector3d>> hulls;
+  hulls.reserve(bodies.size());
   for (const ChargedBody& body : bodies)
     hulls.push_back(vertices(body));
   for (std::size_t a = 0; a < bodies.size(); ++a)

@@ -110,7 +110,8 @@ Eigen::MatrixXd SelfTable::matrix(int functions_u, int functions_v, double a, do
     sums += moments_[t].topLeftCorner(count_u, count_v) / std::hypot(a, b * slopes_[t]);
     sums += moments_[t].topLeftCorner(count_v, count_u).transpose() / std::hypot(a * slopes_[t], b);
   }
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(functions_u * functions_v, functions_u * functions_v);
+  const Eigen::Index count = Eigen::Index{functions_u} * functions_v;
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(count, count);
   for (int i = 0; i < functions_u; ++i)
     for (int k = i % 2; k < functions_u; k += 2)
       for (int j = 0; j < functions_v; ++j)
