@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "fringe/boundary_elements.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
 #include "fringe/scene_collision.hpp"
@@ -16,13 +17,14 @@
 #include "fringe/scene_sensing.hpp"
 #include "fringe/version.hpp"
 #include "json_text.hpp"
+#include "maxwell_text.hpp"
 #include "table_text.hpp"
 
 namespace {
 
 using namespace fringe;
 
-enum ExitCode { answered = 0, failed = 1, wrong_input = 2 };
+enum ExitCode { answered = 0, failed = 1, wrong_input = 2, not_reached = 3 };
 
 /// What the command line asks for.
 struct Request {
@@ -32,6 +34,7 @@ struct Request {
   std::string plates = "sum";
   std::string faces = "all";
   double tolerance = 0;
+  double rtol = BoundaryElementOptions{}.rtol;
   bool json = false;
 };
 
@@ -55,6 +58,33 @@ std::string answer_capacitance(const Request& request) {
                       : cli::capacitance_table(answer, options, elapsed.count());
 }
 
+/// The answer, and whether the error asked for was reached.
+struct MaxwellAnswer {
+  std::string text;
+  bool reached;
+};
+
+MaxwellAnswer answer_maxwell(const Request& request) {
+  const BoundaryElementOptions options{.rtol = request.rtol};
+  const Scene scene = load_scene(request.scene);
+  const auto start = std::chrono::steady_clock::now();
+  const MaxwellMatrix matrix = maxwell(scene, options);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  return {request.json ? cli::maxwell_json(scene, matrix, options, elapsed.count())
+                       : cli::maxwell_table(matrix, options, elapsed.count()),
+          matrix.reached};
+}
+
+/// Every method has options of its own; one that would change nothing is refused.
+void refuse_options_of_other_methods(const CLI::App& command, bool boundary_elements) {
+  for (const char* option : {"--plates", "--faces", "--tolerance"})
+    if (boundary_elements && command.count(option) > 0)
+      throw InputError(
+          fmt::format("{} is an option of the triangle-integral methods, not of boundary-elements", option));
+  if (!boundary_elements && command.count("--rtol") > 0)
+    throw InputError("--rtol is an option of the method boundary-elements");
+}
+
 std::string answer_collide(const Request& request) {
   const Scene scene = load_scene(request.scene);
   const SceneCollision answer = collide(scene);
@@ -72,15 +102,26 @@ std::string answer_sense(const Request& request) {
   return request.json ? cli::readings_json(readings) : cli::readings_table(readings);
 }
 
+void print(std::string answer) {
+  if (answer.back() != '\n')
+    answer += '\n';
+  std::cout << answer << std::flush;
+  if (!std::cout)
+    throw std::runtime_error("the answer could not be written");
+}
+
 int run(int argument_count, char** arguments) {
   CLI::App program("fringe: what a capacitive proximity sensor feels of the objects around it");
   program.set_version_flag("--version", version());
   program.require_subcommand(1);
   Request request;
-  CLI::App* capacitance_command =
-      add_command(program, request, "capacitance",
-                  "Capacitance and output voltage of every sensor by the triangle-integral model");
-  capacitance_command->add_option("--method", request.method, "exact, split:N or gauss:K")
+  CLI::App* capacitance_command = add_command(
+      program, request, "capacitance",
+      "Capacitance and output voltage of every sensor by the triangle-integral model, or the Maxwell "
+      "matrix by boundary elements");
+  capacitance_command
+      ->add_option("--method", request.method,
+                   "exact, split:N or gauss:K; or boundary-elements, for plates and cuboids")
       ->capture_default_str();
   capacitance_command
       ->add_option("--plates", request.plates,
@@ -93,6 +134,10 @@ int run(int argument_count, char** arguments) {
   capacitance_command
       ->add_option("--tolerance", request.tolerance,
                    "What may be left out of a sensor's total, relative to it; only with exact")
+      ->capture_default_str();
+  capacitance_command
+      ->add_option("--rtol", request.rtol,
+                   "The relative error to be reached in every entry; only with boundary-elements")
       ->capture_default_str();
   CLI::App* sense_command =
       add_command(program, request, "sense", "The closest point that every distance sensor sees");
@@ -115,15 +160,20 @@ int run(int argument_count, char** arguments) {
     return program.exit(error, std::cout, std::cerr) == 0 ? answered : wrong_input;
   }
 
-  std::string answer = capacitance_command->parsed() ? answer_capacitance(request)
-                       : collide_command->parsed()   ? answer_collide(request)
-                       : sense_command->parsed()     ? answer_sense(request)
-                                                     : answer_info(request);
-  if (answer.back() != '\n')
-    answer += '\n';
-  std::cout << answer << std::flush;
-  if (!std::cout)
-    throw std::runtime_error("the answer could not be written");
+  const bool boundary_elements = capacitance_command->parsed() && request.method == "boundary-elements";
+  if (capacitance_command->parsed())
+    refuse_options_of_other_methods(*capacitance_command, boundary_elements);
+  if (boundary_elements) {
+    const auto [text, reached] = answer_maxwell(request);
+    print(text);
+    if (!reached)
+      fmt::print(stderr, "fringe: {}: an error of {} was not reached\n", request.scene, request.rtol);
+    return reached ? answered : not_reached;
+  }
+  print(capacitance_command->parsed() ? answer_capacitance(request)
+        : collide_command->parsed()   ? answer_collide(request)
+        : sense_command->parsed()     ? answer_sense(request)
+                                      : answer_info(request));
   return answered;
 }
 

@@ -17,6 +17,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include "fringe/boundary_elements.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/conductors.hpp"
@@ -31,6 +32,7 @@
 #include "fringe/scene_reader.hpp"
 #include "fringe/scene_sensing.hpp"
 #include "fringe/version.hpp"
+#include "maxwell_dictionary.hpp"
 
 namespace py = pybind11;
 
@@ -222,6 +224,12 @@ class LiveScene {
     return evaluator_->capacitance();
   }
 
+  /// The scene as it stands.
+  Scene snapshot() {
+    const std::lock_guard lock(mutex_);
+    return scene_;
+  }
+
   SceneCollision collide() {
     const std::lock_guard lock(mutex_);
     if (!detector_)
@@ -244,8 +252,45 @@ class LiveScene {
   std::mutex mutex_;  ///< other Python threads run while an answer is made
 };
 
+/// A Maxwell matrix, the scene it belongs to and how long it took.
+struct TimedMaxwell {
+  Scene scene;
+  MaxwellMatrix matrix;
+  double seconds;
+};
+
+TimedMaxwell timed_maxwell(LiveScene& live, const BoundaryElementOptions& options) {
+  const py::gil_scoped_release unlocked;
+  Scene scene = live.snapshot();
+  const auto start = std::chrono::steady_clock::now();
+  MaxwellMatrix matrix = maxwell(scene, options);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  return {std::move(scene), std::move(matrix), elapsed.count()};
+}
+
+py::dict maxwell_of(LiveScene& live, double rtol) {
+  const BoundaryElementOptions options{.rtol = rtol};
+  const TimedMaxwell found = timed_maxwell(live, options);
+  return python::maxwell_dictionary(found.matrix, options, found.seconds);
+}
+
+py::dict boundary_elements_of(LiveScene& live, const std::string& plates, const std::string& faces,
+                              double tolerance, std::optional<double> rtol) {
+  if (plates != "sum" || faces != "all" || tolerance != 0)
+    throw InputError(
+        "plates, faces and tolerance are options of the triangle-integral methods, not of boundary-elements");
+  BoundaryElementOptions options;
+  options.rtol = rtol.value_or(options.rtol);
+  const TimedMaxwell found = timed_maxwell(live, options);
+  return python::capacitance_dictionary(found.scene, found.matrix, options, found.seconds);
+}
+
 py::dict capacitance_of(LiveScene& scene, const std::string& method, const std::string& plates,
-                        const std::string& faces, double tolerance) {
+                        const std::string& faces, double tolerance, std::optional<double> rtol) {
+  if (method == "boundary-elements")
+    return boundary_elements_of(scene, plates, faces, tolerance, rtol);
+  if (rtol)
+    throw InputError("rtol is an option of the method boundary-elements");
   const CapacitanceOptions options{parse_method(method), parse_plate_rule(plates), parse_face_rule(faces),
                                    tolerance};
   SceneCapacitance answer;
@@ -420,18 +465,31 @@ method.)");
           "path"_a, py::call_guard<py::gil_scoped_release>(),
           "Reads a scene file and the mesh files it names. Raises InputError for a wrong one.")
       .def("capacitance", &capacitance_of, "method"_a = "exact", py::kw_only(), "plates"_a = "sum",
-           "faces"_a = "all", "tolerance"_a = 0.0,
+           "faces"_a = "all", "tolerance"_a = 0.0, "rtol"_a = py::none(),
            R"(What every sensor feels, as the dictionary that `fringe capacitance --json` prints; F and V.
 
-method: "exact", "split:N" or "gauss:K", as for plate_integral.
+method: "exact", "split:N" or "gauss:K", as for plate_integral; or "boundary-elements", for plates and cuboids.
 plates: "sum", every plate of a sensor counts every point of a surface; "nearest", only the plate nearest to it does.
 faces: "all", or "facing": only triangles whose outward side sees the plate, and those in contact with it.
 tolerance: what may be left out of a sensor's total, relative to it; each object's "bound" says how much of it was left
 out at most. 0: nothing is left out but by "nearest", 1e-12. Only with the method "exact".
+rtol: the error of every entry of the Maxwell matrix to be reached, 1e-3 if not given. Only with "boundary-elements".
 
 Asked again with the same options, only what moved since is evaluated; "counts" says what that was.
 
 Raises InputError (a ValueError) for unknown or inconsistent options and for objects that are not grounded.)")
+      .def("maxwell", &maxwell_of, py::kw_only(), "rtol"_a = BoundaryElementOptions{}.rtol,
+           R"(The Maxwell matrix of the sensors and objects in free space, by boundary elements. F.
+
+rtol: the error to be reached in every entry, relative to it; from 1e-6 to 0.5.
+
+Returns "conductors" (names, the sensors first), "maxwell" and "error" (n, n): charge on the row's conductor per volt on
+the column's, and an estimate of its error; "delta_self" by sensor, its own entry less what it is without the objects;
+"lower_bounds", which entries of the diagonal are not above the truth; "floating", objects without charge and so without
+a row; "reached", whether the errors are within rtol; "unknowns", "seconds".
+
+Knows plates and cuboids. Raises InputError (a ValueError) for other shapes, dielectric objects and conductors that touch
+or cross.)")
       .def(
           "sense", &sense_of, "method"_a = "field_of_view",
           R"(The closest point that every distance sensor sees, as the dictionary that `fringe sense --json` prints.

@@ -1,0 +1,164 @@
+/// Boundary elements by rtol: time, true error and estimated error over set-ups whose Maxwell matrix is known
+/// from another boundary-element method, and time over boxes. Times are of this thread's processor time, the
+/// least of five; what is made once per process is made before.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <ctime>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <rapidjson/document.h>
+
+#include "fringe/boundary_elements.hpp"
+
+namespace {
+
+using namespace fringe;
+
+constexpr std::array rtols{1e-2, 1e-3, 1e-4, 1e-5};
+
+double processor_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+struct SetUp {
+  std::string name;
+  Scene scene;
+  Eigen::MatrixXd truth;      ///< F; empty when not known
+  double relative_error = 0;  ///< of the truth
+};
+
+Eigen::Vector3d vector(const rapidjson::Value& value) {
+  return {value[0].GetDouble(), value[1].GetDouble(), value[2].GetDouble()};
+}
+
+/// Every conductor is a sensor: so may each consist of several rectangles.
+std::vector<SetUp> known_set_ups() {
+  std::ifstream file(FRINGE_SET_UPS);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  rapidjson::Document document;
+  document.Parse(text.c_str());
+  std::vector<SetUp> set_ups;
+  for (const auto& known : document["cases"].GetArray()) {
+    SetUp& set_up = set_ups.emplace_back();
+    set_up.name = known["name"].GetString();
+    for (const auto& name : known["conductors"].GetArray())
+      set_up.scene.sensors.push_back({name.GetString(), {}, 2.5, 5e-12, {}});
+    for (const auto& plate : known["rectangles"].GetArray())
+      set_up.scene.sensors[plate["conductor"].GetUint()].plates.push_back(
+          {vector(plate["corner"]), vector(plate["edge_u"]), vector(plate["edge_v"])});
+    const auto& rows = known["maxwell_pF"];
+    set_up.truth.resize(rows.Size(), rows.Size());
+    for (rapidjson::SizeType i = 0; i < rows.Size(); ++i)
+      for (rapidjson::SizeType j = 0; j < rows.Size(); ++j)
+        set_up.truth(i, j) = 1e-12 * rows[i][j].GetDouble();
+    set_up.relative_error = known["relative_error"].GetDouble();
+  }
+  return set_ups;
+}
+
+/// A plate of 10 cm and boxes in front of it.
+std::vector<SetUp> box_set_ups() {
+  std::vector<SetUp> set_ups;
+  const auto add = [&](const std::string& name, const Cuboid& box, const Eigen::Vector3d& centre,
+                       double degrees) {
+    SetUp& set_up = set_ups.emplace_back();
+    set_up.name = name;
+    set_up.scene.sensors.push_back(
+        {"sensor", {}, 2.5, 5e-12, {{{-0.05, -0.05, 0}, {0.1, 0, 0}, {0, 0.1, 0}}}});
+    Object object{"box", {}, box, Eigen::Isometry3d::Identity(), Grounded{}, true};
+    object.pose.translate(centre);
+    object.pose.rotate(
+        Eigen::AngleAxisd(degrees * EIGEN_PI / 180, Eigen::Vector3d(1, 0.5, 0.2).normalized()));
+    set_up.scene.objects.push_back(object);
+  };
+  add("cube 5 cm, 2 cm above", {0.05, 0.05, 0.05}, {0, 0, 0.045}, 0);
+  add("cube 10 cm, 1 cm above", {0.1, 0.1, 0.1}, {0, 0, 0.06}, 0);
+  add("box 4 x 8 x 2 cm, turned", {0.04, 0.08, 0.02}, {0.03, 0.02, 0.06}, 35);
+  add("box 20 x 20 x 1 cm, beside", {0.2, 0.2, 0.01}, {0.17, 0, 0.03}, 0);
+  return set_ups;
+}
+
+/// The answer at the strictest rtol that is quickly reached stands for what is not known.
+void solve_unknown(std::vector<SetUp>& set_ups) {
+  for (SetUp& set_up : set_ups)
+    if (set_up.truth.size() == 0) {
+      const MaxwellMatrix best = maxwell(set_up.scene, {.rtol = 1e-5});
+      set_up.truth = best.values;
+      set_up.relative_error = (best.errors.array() / best.values.array().abs()).maxCoeff();
+    }
+}
+
+/// What was measured of one set-up at one rtol; errors relative to the entries.
+struct Measurement {
+  double rtol;
+  double milliseconds;
+  double error;
+  bool covered;  ///< whether the estimate and what the truth is known to cover the error
+};
+
+Measurement measure(const SetUp& set_up, double rtol) {
+  const BoundaryElementOptions options{.rtol = rtol};
+  MaxwellMatrix answer = maxwell(set_up.scene, options);
+  double seconds = 1e9;
+  for (int repeat = 0; repeat < 5; ++repeat) {
+    const double start = processor_seconds();
+    answer = maxwell(set_up.scene, options);
+    seconds = std::min(seconds, processor_seconds() - start);
+  }
+  const Eigen::ArrayXXd error = (answer.values - set_up.truth).array() / set_up.truth.array();
+  const double estimate = (answer.errors.array() / answer.values.array().abs()).maxCoeff();
+  fmt::print("{:<40} {:>8.0e} {:>9} {:>8} {:>10.2f} {:>12.5f} {:>12.5f} {:>12.5f}\n", set_up.name, rtol,
+             answer.unknowns, answer.reached ? "yes" : "no", 1e3 * seconds, 100 * error.abs().maxCoeff(),
+             100 * set_up.relative_error, 100 * estimate);
+  const bool covered = ((answer.values - set_up.truth).array().abs() <=
+                        answer.errors.array() + set_up.relative_error * set_up.truth.array().abs())
+                           .all();
+  return {rtol, 1e3 * seconds, error.abs().maxCoeff(), covered};
+}
+
+void summarise(const std::string& what, const std::vector<Measurement>& measured) {
+  for (const double rtol : rtols) {
+    std::vector<double> times, errors;
+    std::ptrdiff_t covered = 0;
+    for (const Measurement& one : measured)
+      if (one.rtol == rtol) {
+        times.push_back(one.milliseconds);
+        errors.push_back(100 * one.error);
+        covered += one.covered;
+      }
+    std::sort(times.begin(), times.end());
+    std::sort(errors.begin(), errors.end());
+    fmt::print(
+        "{:<8} rtol {:.0e}: error % median {:.4f}, worst {:.4f}; ms median {:.2f}, worst {:.1f}; {} of {} "
+        "within their estimate\n",
+        what, rtol, errors[errors.size() / 2], errors.back(), times[times.size() / 2], times.back(), covered,
+        times.size());
+  }
+}
+
+}  // namespace
+
+int main() {
+  const std::vector<SetUp> plates = known_set_ups();
+  std::vector<SetUp> boxes = box_set_ups();
+  solve_unknown(boxes);
+  fmt::print("{:<40} {:>8} {:>9} {:>8} {:>10} {:>12} {:>12} {:>12}\n", "set-up", "rtol", "unknowns",
+             "reached", "ms", "error %", "known to %", "estimate %");
+  std::vector<Measurement> of_plates, of_boxes;
+  for (const double rtol : rtols) {
+    for (const SetUp& set_up : plates)
+      of_plates.push_back(measure(set_up, rtol));
+    for (const SetUp& set_up : boxes)
+      of_boxes.push_back(measure(set_up, rtol));
+  }
+  summarise("plates", of_plates);
+  summarise("boxes", of_boxes);
+}

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include "fringe/boundary_elements.hpp"
+
+/// What boundary elements find, as Python dictionaries.
+namespace fringe::python {
+
+/// As the reference's document: conductors, maxwell, error, delta_self by sensor.
+pybind11::dict maxwell_dictionary(const MaxwellMatrix& matrix, const BoundaryElementOptions& options,
+                                  double seconds);
+
+/// As `fringe capacitance --method boundary-elements --json` prints it.
+pybind11::dict capacitance_dictionary(const Scene& scene, const MaxwellMatrix& matrix,
+                                      const BoundaryElementOptions& options, double seconds);
+
+}  // namespace fringe::python

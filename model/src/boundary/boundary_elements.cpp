@@ -1,0 +1,214 @@
+#include "fringe/boundary_elements.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include <Eigen/Cholesky>
+#include <fmt/format.h>
+
+#include "charged_bodies.hpp"
+#include "fringe/error.hpp"
+#include "galerkin_system.hpp"
+
+namespace fringe {
+namespace {
+
+using detail::ChargedBodies;
+using detail::FaceFunctions;
+using detail::GalerkinSolution;
+using detail::GalerkinSystem;
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+constexpr double strictest_rtol = 1e-6;
+constexpr double loosest_rtol = 0.5;
+
+/// What the change from the smaller space to the larger says of the error that is left. An error that falls
+/// like the third power of the number of functions is 0.57 of the change when there are 1.4 times as many,
+/// and plates on their own show the power 3.3 or more. Narrow features that are only just seen do worse: in
+/// random poses (BOUNDARY_ELEMENTS.md, section 7) 1.2 times the change was met.
+constexpr double error_per_change = 1.5;
+
+/// How much of what the quadratures may do to the answer at most they do: where it was looked at, 0.001 or
+/// less.
+constexpr double quadrature_caution = 0.01;
+
+/// Below this, rounding decides over the elements of the matrix.
+constexpr double finest_tolerance = 1e-13;
+
+/// The part of rtol that the quadratures may take.
+constexpr double quadrature_share = 0.05;
+
+/// With how many functions along each direction to begin.
+int first_functions(double rtol) {
+  return rtol >= 0.01 ? 5 : 7;
+}
+
+void validate(const BoundaryElementOptions& options) {
+  if (!(options.rtol >= strictest_rtol && options.rtol <= loosest_rtol))
+    throw InputError(
+        fmt::format("rtol {} must be from {} to {}", options.rtol, strictest_rtol, loosest_rtol));
+}
+
+/// The matrix of the others when the last `floating` conductors carry no charge.
+MatrixXd without_floating(const MatrixXd& matrix, std::size_t floating) {
+  const auto insulated = static_cast<Index>(floating);
+  const Index kept = matrix.rows() - insulated;
+  if (insulated == 0)
+    return matrix;
+  return matrix.topLeftCorner(kept, kept) -
+         matrix.topRightCorner(kept, insulated) * matrix.bottomRightCorner(insulated, insulated)
+                                                      .llt()
+                                                      .solve(matrix.bottomLeftCorner(insulated, kept));
+}
+
+/// The change of every entry from the smaller space to the larger, but relative to the entry not less than
+/// those of its row's and column's own: two errors of an entry off the diagonal may cancel by chance.
+MatrixXd changes(const MatrixXd& fine, const MatrixXd& coarse) {
+  const MatrixXd change = fine - coarse;
+  const Eigen::VectorXd relative = (change.diagonal().array() / fine.diagonal().array()).cwiseMax(0).sqrt();
+  return change.cwiseAbs().cwiseMax((relative * relative.transpose()).cwiseProduct(fine.cwiseAbs()));
+}
+
+/// The answer in metres, to be multiplied by 4πε.
+void tell(const GalerkinSolution& solution, const ChargedBodies& bodies, double quadrature_tolerance,
+          MaxwellMatrix& answer) {
+  const MatrixXd fine = without_floating(solution.all.fine, bodies.floating);
+  const MatrixXd coarse = without_floating(solution.all.coarse, bodies.floating);
+  const Index conductors = fine.rows(), sensors = solution.sensors.fine.rows();
+  const MatrixXd quadrature = quadrature_caution * quadrature_tolerance *
+                              solution.quadrature_effect.topLeftCorner(conductors, conductors);
+  answer.values = fine;
+  answer.errors = error_per_change * changes(fine, coarse) + quadrature;
+  answer.delta_self = fine.diagonal().head(sensors) - solution.sensors.fine.diagonal();
+  const Eigen::VectorXd coarse_delta = coarse.diagonal().head(sensors) - solution.sensors.coarse.diagonal();
+  const Eigen::VectorXd relative =
+      1 - coarse.diagonal().head(sensors).array() / fine.diagonal().head(sensors).array();
+  answer.delta_self_errors =
+      error_per_change * (answer.delta_self - coarse_delta)
+                             .cwiseAbs()
+                             .cwiseMax(relative.cwiseProduct(answer.delta_self).cwiseAbs()) +
+      quadrature.diagonal().head(sensors);
+  answer.lower_bounds.resize(static_cast<std::size_t>(conductors));
+  for (Index i = 0; i < conductors; ++i)
+    answer.lower_bounds[static_cast<std::size_t>(i)] =
+        quadrature(i, i) <= quadrature_share * answer.errors(i, i);
+}
+
+/// The largest error of an entry, relative to it; of delta_self relative to the sensor's own entry, as a far
+/// object's vanishes.
+double largest_error(const MaxwellMatrix& answer) {
+  return (answer.errors.array() / answer.values.array().abs()).maxCoeff();
+}
+
+/// More functions where the highest ones hold more than their part of the energy that may still be missing.
+/// False when none may be added.
+bool add_functions(const GalerkinSolution& solution, double excess, std::vector<FaceFunctions>& functions) {
+  /// The missing energy falls like this power of the number of functions.
+  constexpr double power = 4;
+  /// More than is asked, not to come back for a little.
+  constexpr double margin = 2;
+  constexpr double most_growth = 2;
+  double total = 0;
+  for (const Eigen::Vector2d& highest : solution.highest)
+    total += highest.sum();
+  const double allowed = total / (margin * excess * 2 * static_cast<double>(functions.size()));
+  bool added = false;
+  const auto grow = [&](int& count, double energy) {
+    if (!(energy > allowed) || count == detail::most_functions)
+      return;
+    const double growth = std::min(std::pow(energy / allowed, 1 / power), most_growth);
+    const int wanted = static_cast<int>(std::ceil(growth * count)) | 1;
+    count = std::min(std::max(wanted, count + 2), detail::most_functions);
+    added = true;
+  };
+  for (std::size_t face = 0; face < functions.size(); ++face) {
+    grow(functions[face].u, solution.highest[face][0]);
+    grow(functions[face].v, solution.highest[face][1]);
+  }
+  return added;
+}
+
+std::size_t count_unknowns(const std::vector<FaceFunctions>& functions) {
+  std::size_t unknowns = 0;
+  for (const FaceFunctions& face : functions)
+    unknowns += static_cast<std::size_t>(face.count());
+  return unknowns;
+}
+
+}  // namespace
+
+MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options) {
+  validate(options);
+  const ChargedBodies bodies = detail::charged_bodies(scene);
+  const std::size_t rows = bodies.names.size() - bodies.floating;
+  if (rows == 0)
+    throw InputError("the scene has neither a sensor nor a grounded object");
+  GalerkinSystem system(bodies);
+  std::vector<FaceFunctions> functions(system.faces(),
+                                       {first_functions(options.rtol), first_functions(options.rtol)});
+  if (count_unknowns(functions) > options.most_unknowns)
+    throw InputError(fmt::format("the scene takes {} unknowns or more: boundary elements end at {}",
+                                 count_unknowns(functions), options.most_unknowns));
+
+  MaxwellMatrix answer;
+  answer.conductors.assign(bodies.names.begin(), bodies.names.begin() + static_cast<std::ptrdiff_t>(rows));
+  answer.floating.assign(bodies.names.begin() + static_cast<std::ptrdiff_t>(rows), bodies.names.end());
+  answer.sensors = bodies.sensors;
+  double tolerance = options.rtol / 10;
+  while (true) {
+    system.refine(functions, tolerance);
+    const GalerkinSolution solution = system.solve();
+    if (!solution.positive_definite) {
+      if (tolerance < finest_tolerance)
+        throw std::runtime_error("the matrix of the boundary elements is not positive definite");
+      tolerance /= 100;
+      continue;
+    }
+    tell(solution, bodies, tolerance, answer);
+    answer.unknowns = count_unknowns(functions);
+    const double excess = largest_error(answer) / options.rtol;
+    answer.reached = excess <= 1;
+    if (answer.reached)
+      break;
+    // What the quadratures may do grows with the charges, near contact without limit.
+    const double quadrature =
+        quadrature_caution * tolerance *
+        (solution.quadrature_effect.topLeftCorner(answer.values.rows(), answer.values.cols()).array() /
+         answer.values.array().abs())
+            .maxCoeff();
+    const bool tightened = quadrature > quadrature_share * options.rtol;
+    if (tightened)
+      tolerance *= quadrature_share * options.rtol / quadrature / 2;
+    std::vector<FaceFunctions> more = functions;
+    const bool added = add_functions(solution, excess, more);
+    if ((!added && !tightened) || count_unknowns(more) > options.most_unknowns)
+      break;
+    functions = more;
+  }
+  const double factor = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
+  answer.values *= factor;
+  answer.errors *= factor;
+  answer.delta_self *= factor;
+  answer.delta_self_errors *= factor;
+  return answer;
+}
+
+SceneCapacitance capacitance(const Scene& scene, const MaxwellMatrix& matrix) {
+  SceneCapacitance answer;
+  for (std::size_t s = 0; s < matrix.sensors; ++s) {
+    SensorCapacitance felt{matrix.conductors[s], 0, 0, 0, false, {}};
+    for (std::size_t k = matrix.sensors; k < matrix.conductors.size(); ++k) {
+      felt.objects.push_back({matrix.conductors[k], matrix.mutual(s, k), 0, false});
+      felt.total += felt.objects.back().capacitance;
+    }
+    felt.voltage = divider_voltage(scene.sensors[s], felt.total);
+    felt.delta_voltage = scene.sensors[s].input_voltage - felt.voltage;
+    answer.sensors.push_back(std::move(felt));
+  }
+  return answer;
+}
+
+}  // namespace fringe

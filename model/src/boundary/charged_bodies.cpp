@@ -1,0 +1,120 @@
+#include "charged_bodies.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "fringe/error.hpp"
+#include "fringe/gjk.hpp"
+#include "fringe/pose.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Vector3d;
+
+Face face_of(const Rectangle& rectangle) {
+  const double length_u = rectangle.edge_u.norm(), length_v = rectangle.edge_v.norm();
+  const Vector3d axis_u = rectangle.edge_u / length_u;
+  // What is left of a right angle's error must not make the faces' frames oblique.
+  const Vector3d axis_v = (rectangle.edge_v - rectangle.edge_v.dot(axis_u) * axis_u).normalized();
+  return {rectangle.corner + (rectangle.edge_u + rectangle.edge_v) / 2,
+          axis_u,
+          axis_v,
+          length_u / 2,
+          length_v / 2,
+          EdgeKind::thin};
+}
+
+Face moved(const Face& face, const Eigen::Isometry3d& pose) {
+  return {
+      pose * face.centre, pose.linear() * face.axis_u, pose.linear() * face.axis_v, face.half_u, face.half_v,
+      face.edge};
+}
+
+void validate_sizes(const Object& object, std::initializer_list<double> sizes) {
+  for (const double size : sizes)
+    if (!std::isfinite(size) || size <= 0)
+      throw InputError(fmt::format("object \"{}\": a size of {} is not positive", object.name, size));
+}
+
+ChargedBody body_of(const Object& object, const Eigen::Isometry3d& pose, std::size_t conductor) {
+  ChargedBody body{conductor, {}, Vector3d::Zero(), fmt::format("object \"{}\"", object.name)};
+  if (const auto* plate = std::get_if<Plate>(&object.shape)) {
+    validate_sizes(object, {plate->size_x, plate->size_y});
+    body.faces.push_back(moved({Vector3d::Zero(), Vector3d::UnitX(), Vector3d::UnitY(), plate->size_x / 2,
+                                plate->size_y / 2, EdgeKind::thin},
+                               pose));
+  } else if (const auto* cuboid = std::get_if<Cuboid>(&object.shape)) {
+    validate_sizes(object, {cuboid->size_x, cuboid->size_y, cuboid->size_z});
+    body.half_sides = Vector3d(cuboid->size_x, cuboid->size_y, cuboid->size_z) / 2;
+    for (const Face& face : faces_of_box(body.half_sides))
+      body.faces.push_back(moved(face, pose));
+  } else {
+    throw InputError(
+        fmt::format("{} is neither a plate nor a cuboid: boundary elements know no other shape", body.name));
+  }
+  if (!pose.matrix().allFinite())
+    throw InputError(fmt::format("{}: its pose is not finite", body.name));
+  return body;
+}
+
+/// The vertices of all faces; their convex hull is the body.
+std::vector<Vector3d> vertices(const ChargedBody& body) {
+  std::vector<Vector3d> result;
+  for (const Face& face : body.faces)
+    for (const double u : {-face.half_u, face.half_u})
+      for (const double v : {-face.half_v, face.half_v})
+        result.emplace_back(face.centre + u * face.axis_u + v * face.axis_v);
+  return result;
+}
+
+void refuse_contact(const std::vector<ChargedBody>& bodies) {
+  std::vector<std::vector<Vector3d>> hulls;
+  hulls.reserve(bodies.size());
+  for (const ChargedBody& body : bodies)
+    hulls.push_back(vertices(body));
+  for (std::size_t a = 0; a < bodies.size(); ++a)
+    for (std::size_t b = a + 1; b < bodies.size(); ++b)
+      if (gjk_intersects(hulls[a], hulls[b]).intersects)
+        throw InputError(fmt::format("{} and {} touch or cross: boundary elements need conductors apart",
+                                     bodies[a].name, bodies[b].name));
+}
+
+}  // namespace
+
+ChargedBodies charged_bodies(const Scene& scene) {
+  const std::vector<Eigen::Isometry3d> link_poses = world_poses(scene.links);
+  ChargedBodies result;
+  for (const Sensor& sensor : scene.sensors) {
+    const Eigen::Isometry3d pose = attachment_pose(link_poses, sensor.link);
+    for (std::size_t k = 0; k < sensor.plates.size(); ++k) {
+      const std::string name = fmt::format("sensor \"{}\" plates[{}]", sensor.name, k);
+      const Rectangle plate = transformed(sensor.plates[k], pose);
+      try {
+        validate(plate);
+      } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", name, error.what()));
+      }
+      result.bodies.push_back({result.names.size(), {face_of(plate)}, Vector3d::Zero(), name});
+    }
+    result.names.push_back(sensor.name);
+  }
+  result.sensors = result.names.size();
+  for (const bool floating : {false, true})
+    for (const Object& object : scene.objects) {
+      if (std::holds_alternative<Dielectric>(object.role))
+        throw InputError(
+            fmt::format("object \"{}\" is dielectric: boundary elements know only conductors", object.name));
+      if (std::holds_alternative<Floating>(object.role) != floating)
+        continue;
+      const Eigen::Isometry3d pose = attachment_pose(link_poses, object.link) * object.pose;
+      result.bodies.push_back(body_of(object, pose, result.names.size()));
+      result.names.push_back(object.name);
+      result.floating += floating;
+    }
+  refuse_contact(result.bodies);
+  return result;
+}
+
+}  // namespace fringe::detail

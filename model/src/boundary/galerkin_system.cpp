@@ -1,0 +1,190 @@
+#include "galerkin_system.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "mutual_matrix.hpp"
+#include "self_table.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+/// Where a face's functions lie in a system: those of the smaller space first, over all faces.
+struct Numbering {
+  std::vector<std::vector<Index>> places;  ///< of each face's functions
+  Index coarse = 0;
+  Index total = 0;
+};
+
+bool is_coarse(FaceFunctions functions, int function) {
+  return function / functions.v < coarse_functions(functions.u) &&
+         function % functions.v < coarse_functions(functions.v);
+}
+
+Numbering number(const std::vector<FaceFunctions>& functions, std::size_t faces) {
+  Numbering numbering;
+  numbering.places.resize(faces);
+  for (std::size_t face = 0; face < faces; ++face)
+    numbering.places[face].resize(static_cast<std::size_t>(functions[face].count()));
+  for (const bool coarse : {true, false}) {
+    for (std::size_t face = 0; face < faces; ++face)
+      for (int k = 0; k < functions[face].count(); ++k)
+        if (is_coarse(functions[face], k) == coarse)
+          numbering.places[face][static_cast<std::size_t>(k)] = numbering.total++;
+    if (coarse)
+      numbering.coarse = numbering.total;
+  }
+  return numbering;
+}
+
+}  // namespace
+
+int coarse_functions(int functions) {
+  // Odd, as the number of functions is: what is symmetric loses and gains as much as the rest.
+  const int part = 18 * functions / 25;
+  return part % 2 == 0 ? part - 1 : part;
+}
+
+GalerkinSystem::GalerkinSystem(const ChargedBodies& bodies) : bodies_(bodies) {
+  for (std::size_t body = 0; body < bodies.bodies.size(); ++body) {
+    first_face_.push_back(faces_.size());
+    for (const Face& face : bodies.bodies[body].faces) {
+      faces_.push_back(face);
+      body_of_.push_back(body);
+    }
+  }
+  functions_.assign(faces_.size(), {0, 0});
+  blocks_.resize(faces_.size() * faces_.size());
+}
+
+void GalerkinSystem::refine(const std::vector<FaceFunctions>& functions, double tolerance) {
+  functions_ = functions;
+  for (std::size_t body = 0; body < bodies_.bodies.size(); ++body)
+    refine_body(body);
+  for (std::size_t a = 0; a < faces_.size(); ++a)
+    for (std::size_t b = a + 1; b < faces_.size(); ++b)
+      if (body_of_[a] != body_of_[b])
+        refine_pair(a, b, tolerance);
+}
+
+void GalerkinSystem::refine_body(std::size_t body) {
+  const std::size_t first = first_face_[body], count = bodies_.bodies[body].faces.size();
+  const auto unchanged = [&](std::size_t face) {
+    return blocks_[pair(face, face)].first == functions_[face];
+  };
+  bool known = true;
+  for (std::size_t face = first; face < first + count; ++face)
+    known = known && unchanged(face);
+  if (known)
+    return;
+  if (count == 1) {
+    const auto [u, v] = functions_[first];
+    const Face& face = faces_[first];
+    blocks_[pair(first, first)] = {
+        functions_[first], functions_[first], 0,
+        self_table(face.edge, std::max(u, v)).matrix(u, v, face.half_u, face.half_v)};
+    return;
+  }
+  std::array<FaceFunctions, box_faces> functions{};
+  std::copy_n(functions_.begin() + static_cast<std::ptrdiff_t>(first), box_faces, functions.begin());
+  const MatrixXd matrix = box_matrix(bodies_.bodies[body].half_sides, functions);
+  Index row = 0;
+  for (std::size_t a = first; a < first + count; ++a) {
+    Index column = row;
+    for (std::size_t b = a; b < first + count; ++b) {
+      blocks_[pair(a, b)] = {functions_[a], functions_[b], 0,
+                             matrix.block(row, column, functions_[a].count(), functions_[b].count())};
+      column += functions_[b].count();
+    }
+    row += functions_[a].count();
+  }
+}
+
+void GalerkinSystem::refine_pair(std::size_t a, std::size_t b, double tolerance) {
+  Block& block = blocks_[pair(a, b)];
+  if (block.first == functions_[a] && block.second == functions_[b] && block.tolerance <= tolerance)
+    return;
+  block = {functions_[a], functions_[b], tolerance,
+           mutual_matrix(faces_[a], functions_[a], faces_[b], functions_[b], tolerance)};
+}
+
+GalerkinSolution GalerkinSystem::solve() const {
+  GalerkinSolution solution;
+  const auto conductors = static_cast<Index>(bodies_.names.size());
+  const auto sensors = static_cast<Index>(bodies_.sensors);
+  std::size_t sensor_faces = 0;
+  while (sensor_faces < faces_.size() && bodies_.bodies[body_of_[sensor_faces]].conductor < bodies_.sensors)
+    ++sensor_faces;
+
+  const auto solve_of = [&](std::size_t faces, Index columns, NestedMatrix& result) {
+    const Numbering numbering = number(functions_, faces);
+    MatrixXd matrix(numbering.total, numbering.total);
+    MatrixXd charges = MatrixXd::Zero(numbering.total, columns);
+    for (std::size_t a = 0; a < faces; ++a) {
+      const double net = weighted_polynomials(faces_[a].edge).net_charge();
+      charges(numbering.places[a][0], static_cast<Index>(bodies_.bodies[body_of_[a]].conductor)) = net * net;
+      for (std::size_t b = a; b < faces; ++b) {
+        const MatrixXd& values = blocks_[pair(a, b)].values;
+        for (Index k = 0; k < values.cols(); ++k)
+          for (Index i = 0; i < values.rows(); ++i) {
+            const Index row = numbering.places[a][static_cast<std::size_t>(i)];
+            const Index column = numbering.places[b][static_cast<std::size_t>(k)];
+            matrix(std::max(row, column), std::min(row, column)) = values(i, k);
+          }
+      }
+    }
+    const Eigen::LLT<Eigen::Ref<MatrixXd>> factor(matrix);
+    if (factor.info() != Eigen::Success) {
+      solution.positive_definite = false;
+      return std::pair(numbering, charges);
+    }
+    factor.matrixL().solveInPlace(charges);
+    const auto coarse = charges.topRows(numbering.coarse);
+    result.coarse = coarse.transpose() * coarse;
+    result.fine = charges.transpose() * charges;
+    factor.matrixU().solveInPlace(charges);
+    return std::pair(numbering, charges);
+  };
+
+  solve_of(sensor_faces, sensors, solution.sensors);
+  const auto [numbering, charges] = solve_of(faces_.size(), conductors, solution.all);
+
+  if (!solution.positive_definite)
+    return solution;
+  solution.highest.assign(faces_.size(), Eigen::Vector2d::Zero());
+  MatrixXd norms = MatrixXd::Zero(static_cast<Index>(faces_.size()), conductors);
+  for (std::size_t face = 0; face < faces_.size(); ++face) {
+    const FaceFunctions functions = functions_[face];
+    for (int k = 0; k < functions.count(); ++k) {
+      const auto row = charges.row(numbering.places[face][static_cast<std::size_t>(k)]);
+      norms.row(static_cast<Index>(face)) += row.cwiseAbs2();
+      const double energy =
+          (row.cwiseAbs2().array() / solution.all.fine.diagonal().transpose().array()).maxCoeff() *
+          blocks_[pair(face, face)].values(k, k);
+      if (k / functions.v >= coarse_functions(functions.u))
+        solution.highest[face][0] += energy;
+      if (k % functions.v >= coarse_functions(functions.v))
+        solution.highest[face][1] += energy;
+    }
+  }
+  norms = norms.cwiseSqrt();
+  solution.quadrature_effect = MatrixXd::Zero(conductors, conductors);
+  for (std::size_t a = 0; a < faces_.size(); ++a)
+    for (std::size_t b = a + 1; b < faces_.size(); ++b) {
+      if (body_of_[a] == body_of_[b])
+        continue;
+      const MatrixXd product = norms.row(static_cast<Index>(a)).transpose() *
+                               norms.row(static_cast<Index>(b)) *
+                               blocks_[pair(a, b)].values.cwiseAbs().maxCoeff();
+      solution.quadrature_effect += product + product.transpose();
+    }
+  return solution;
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,287 @@
+#include "mutual_matrix.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "patch_distance.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+/// A rule on the whole face with more points than this is cut into panels: from here on they need fewer.
+constexpr int most_whole_points = 26;
+
+/// How many times a panel may be halved. A distance of 2^−40 of a side is below what poses in double
+/// precision say.
+constexpr int most_halvings = 40;
+
+/// Panels of the inner rule grow by this factor from the point where the potential is wanted.
+constexpr double panel_growth = 3.5;
+
+/// The points of a Gauss rule on [−1, 1] whose integrand is singular at the complex x + iy: its error falls
+/// by the square of the ellipse's parameter with every point.
+double points_for_singularity(double x, double y, double digits) {
+  const double sum = std::hypot(x - 1, y) + std::hypot(x + 1, y);
+  const double parameter = (sum + std::sqrt(std::max(sum * sum - 4, 0.0))) / 2;
+  return digits / (2 * std::log(std::max(parameter, 1 + 1e-12)));
+}
+
+/// The points that polynomials of a degree take on a part of [−1, 1]. Over an angle they oscillate like
+/// cosines of degree·angle, which take half as high a degree, but they take no more than their own.
+double points_for_degree(double degree, double from, double to) {
+  const double angle = std::acos(std::clamp(from, -1.0, 1.0)) - std::acos(std::clamp(to, -1.0, 1.0));
+  return degree / 2 * std::min(1.0, angle / 2);
+}
+
+/// The points that the weight takes on a part of [−1, 1], for its singularities at the ends that the part
+/// does not reach.
+double points_for_weight(double from, double to, double digits) {
+  const double middle = (from + to) / 2, half_length = (to - from) / 2;
+  double points = 0;
+  if (from > -1)
+    points = points_for_singularity((-1 - middle) / half_length, 0, digits);
+  if (to < 1)
+    points = std::max(points, points_for_singularity((1 - middle) / half_length, 0, digits));
+  return points;
+}
+
+int rounded_up(double points) {
+  return std::min(static_cast<int>(std::ceil(std::min(points, 1e6))), most_points);
+}
+
+struct Panel {
+  double from;
+  double to;
+  int points;
+};
+
+DirectionRule rule_of_panels(const std::vector<Panel>& panels, EdgeKind edge, int functions) {
+  Index total = 0;
+  for (const Panel& panel : panels)
+    total += panel.points;
+  DirectionRule rule{Eigen::VectorXd(total), Eigen::MatrixXd(functions, total)};
+  Index offset = 0;
+  for (const auto& [from, to, points] : panels) {
+    add_panel(rule, offset, edge, functions, from, to, points);
+    offset += points;
+  }
+  return rule;
+}
+
+/// One direction of the face over which is integrated last. The potential of the other face's charge is
+/// smooth there but near the other face's edges.
+class OuterDirection {
+ public:
+  OuterDirection(const Face& face, bool along_u, int functions, int other_functions, const Corners& other,
+                 double digits)
+      : face_(face), along_u_(along_u), functions_(functions), other_functions_(other_functions),
+        other_(other), digits_(digits) {}
+
+  DirectionRule rule() const {
+    const int whole = whole_points();
+    if (whole <= most_whole_points) {
+      const DirectionRule& known = whole_rule(face_.edge, whole);
+      return {known.nodes, known.weights.topRows(functions_)};
+    }
+    std::vector<Panel> panels;
+    halve(-1, 1, 0, panels);
+    return rule_of_panels(panels, face_.edge, functions_);
+  }
+
+ private:
+  double half() const { return along_u_ ? face_.half_u : face_.half_v; }
+
+  /// From the part of the face between two values of the coordinate to the other's edges, in half sides.
+  double distance(double from, double to) const {
+    Eigen::Vector2d low(-face_.half_u, -face_.half_v), high(face_.half_u, face_.half_v);
+    const Index axis = along_u_ ? 0 : 1;
+    low[axis] = from * half();
+    high[axis] = to * half();
+    return edge_distance(low, high, axis, other_) / half();
+  }
+
+  int whole_points() const {
+    /// Narrow towards the ends, where an ellipse is narrow, too.
+    constexpr std::array<double, 6> cuts{0, 0.5, 0.8, 0.93, 0.98, 1};
+    double most = 0;
+    for (std::size_t k = 0; k + 1 < cuts.size(); ++k)
+      for (const double side : {-1.0, 1.0}) {
+        const double near = side * cuts[k], far = side * cuts[k + 1];
+        const double away = distance(std::min(near, far), std::max(near, far));
+        most = std::max(most, points_for_singularity(cuts[k], away, digits_));
+      }
+    return rounded_up(1 + functions_ / 2.0 + most + std::min(2 * most, other_functions_ / 2.0));
+  }
+
+  void halve(double from, double to, int halvings, std::vector<Panel>& panels) const {
+    const double half_length = (to - from) / 2, away = distance(from, to);
+    /// Where two halves need no more points together than the whole.
+    constexpr double close = 0.45;
+    // A panel ends where the weight has one singularity at most.
+    if (halvings == 0 || (away < close * half_length && halvings < most_halvings)) {
+      halve(from, from + half_length, halvings + 1, panels);
+      halve(from + half_length, to, halvings + 1, panels);
+      return;
+    }
+    const double own = points_for_degree(functions_, from, to);
+    const double others = std::max(0.2 * other_functions_, points_for_degree(other_functions_, from, to));
+    const double singular = std::max(points_for_singularity(0, away / half_length, digits_),
+                                     points_for_weight(from, to, digits_));
+    panels.push_back({from, to, rounded_up(1 + own + singular + others)});
+  }
+
+  const Face& face_;
+  bool along_u_;
+  int functions_;
+  int other_functions_;
+  const Corners& other_;
+  double digits_;
+};
+
+/// One direction of the face over which is integrated first, seen from one point: the kernel is singular at
+/// at ± i·height in the complex plane of the coordinate.
+void inner_rule(EdgeKind edge, int functions, double at, double height, double digits,
+                std::vector<Panel>& panels, DirectionRule& rule) {
+  const int whole = rounded_up(1 + functions / 2.0 + points_for_singularity(at, height, digits));
+  if (whole <= most_whole_points) {
+    const DirectionRule& known = whole_rule(edge, whole);
+    rule.nodes = known.nodes;
+    rule.weights = known.weights.topRows(functions);
+    return;
+  }
+  panels.clear();
+  // One panel must not reach from end to end: the weight is singular at both.
+  const double first = std::clamp(2 * height, std::ldexp(1.0, -most_halvings), 1.0);
+  // A panel that ends close to an end would meet the weight's singularity there.
+  double centre = std::clamp(at, -1.0, 1.0);
+  if (1 - std::abs(centre) < first / 2)
+    centre = std::copysign(1.0, centre);
+  for (const double side : {-1.0, 1.0}) {
+    const double length = 1 - side * centre;
+    if (length == 0)
+      continue;
+    // Equal ratios from the first panel's end to the end of the face.
+    const int more = length <= 1.5 * first
+                         ? 0
+                         : static_cast<int>(std::ceil(std::log(length / first) / std::log(panel_growth)));
+    const double growth = more == 0 ? 1 : std::pow(length / first, 1.0 / more);
+    double near = centre;
+    for (int k = 0; k <= more; ++k) {
+      // The end itself, for add_panel to know it.
+      const double far = k == more ? side : centre + side * first * std::pow(growth, k);
+      const auto [from, to] = std::minmax(near, far);
+      const double middle = (from + to) / 2, half_length = (to - from) / 2;
+      const double singular =
+          std::max(points_for_singularity((at - middle) / half_length, height / half_length, digits),
+                   points_for_weight(from, to, digits));
+      panels.push_back({from, to, rounded_up(1 + points_for_degree(functions, from, to) + singular)});
+      near = far;
+    }
+  }
+  rule = rule_of_panels(panels, edge, functions);
+}
+
+Corners corners_seen_from(const Face& face, const Face& other) {
+  const Vector3d normal = face.axis_u.cross(face.axis_v);
+  const auto seen = [&](double u, double v) {
+    const Vector3d point =
+        other.centre + u * other.half_u * other.axis_u + v * other.half_v * other.axis_v - face.centre;
+    return Vector3d(point.dot(face.axis_u), point.dot(face.axis_v), point.dot(normal));
+  };
+  return {seen(-1, -1), seen(1, -1), seen(1, 1), seen(-1, 1)};
+}
+
+struct OuterRule {
+  DirectionRule u;
+  DirectionRule v;
+  Index nodes() const { return u.nodes.size() * v.nodes.size(); }
+};
+
+OuterRule outer_rule(const Face& face, FaceFunctions functions, const Face& other,
+                     FaceFunctions other_functions, double digits) {
+  const Corners corners = corners_seen_from(face, other);
+  const int degree = std::max(other_functions.u, other_functions.v);
+  return {OuterDirection(face, true, functions.u, degree, corners, digits).rule(),
+          OuterDirection(face, false, functions.v, degree, corners, digits).rule()};
+}
+
+/// The potential of every function of a face at points.
+class InnerPotential {
+ public:
+  InnerPotential(const Face& face, FaceFunctions functions, double digits)
+      : face_(face), normal_(face.axis_u.cross(face.axis_v)), functions_(functions), digits_(digits) {}
+
+  /// Element l + k·functions.v is the potential of f_k(x)·f_l(y).
+  void at(const Vector3d& point, Eigen::Ref<Eigen::VectorXd> potentials) {
+    const Vector3d offset = point - face_.centre;
+    const double x = offset.dot(face_.axis_u), y = offset.dot(face_.axis_v), z = offset.dot(normal_);
+    const double beside_u = std::max(std::abs(x) - face_.half_u, 0.0);
+    const double beside_v = std::max(std::abs(y) - face_.half_v, 0.0);
+    inner_rule(face_.edge, functions_.u, x / face_.half_u, std::hypot(z, beside_v) / face_.half_u, digits_,
+               panels_, u_);
+    inner_rule(face_.edge, functions_.v, y / face_.half_v, std::hypot(z, beside_u) / face_.half_v, digits_,
+               panels_, v_);
+    across_ = (face_.half_v * v_.nodes.array() - y).square() + z * z;
+    kernel_.resize(v_.nodes.size(), u_.nodes.size());
+    for (Index q = 0; q < u_.nodes.size(); ++q) {
+      const double along = face_.half_u * u_.nodes[q] - x;
+      kernel_.col(q) = (across_ + along * along).sqrt().inverse();
+    }
+    half_way_.noalias() = v_.weights * kernel_;
+    Eigen::Map<Eigen::MatrixXd>(potentials.data(), functions_.v, functions_.u).noalias() =
+        half_way_ * u_.weights.transpose();
+  }
+
+ private:
+  const Face& face_;
+  Vector3d normal_;
+  FaceFunctions functions_;
+  double digits_;
+  std::vector<Panel> panels_;
+  DirectionRule u_;
+  DirectionRule v_;
+  Eigen::ArrayXd across_;
+  Eigen::MatrixXd kernel_;
+  Eigen::MatrixXd half_way_;
+};
+
+/// Rows are the inner face's functions, columns the outer's.
+Eigen::MatrixXd integral(const Face& outer, FaceFunctions outer_functions, const OuterRule& rule,
+                         const Face& inner, FaceFunctions inner_functions, double digits) {
+  InnerPotential potential(inner, inner_functions, digits);
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(inner_functions.count(), outer_functions.count());
+  Eigen::MatrixXd along_v(inner_functions.count(), rule.v.nodes.size());
+  for (Index i = 0; i < rule.u.nodes.size(); ++i) {
+    const Vector3d line = outer.centre + outer.half_u * rule.u.nodes[i] * outer.axis_u;
+    for (Index j = 0; j < rule.v.nodes.size(); ++j)
+      potential.at(line + outer.half_v * rule.v.nodes[j] * outer.axis_v, along_v.col(j));
+    const Eigen::MatrixXd row = along_v * rule.v.weights.transpose();
+    for (int m = 0; m < outer_functions.u; ++m)
+      result.middleCols(Index{m} * outer_functions.v, outer_functions.v) += rule.u.weights(m, i) * row;
+  }
+  return result;
+}
+
+}  // namespace
+
+Eigen::MatrixXd mutual_matrix(const Face& first, FaceFunctions first_functions, const Face& second,
+                              FaceFunctions second_functions, double tolerance) {
+  // The ellipses tell how fast an error falls, not where from: near an edge, from three times the elements.
+  constexpr double start = 10;
+  const double digits = std::log(start / tolerance);
+  const OuterRule over_first = outer_rule(first, first_functions, second, second_functions, digits);
+  const OuterRule over_second = outer_rule(second, second_functions, first, first_functions, digits);
+  if (over_first.nodes() < over_second.nodes())
+    return integral(first, first_functions, over_first, second, second_functions, digits).transpose();
+  return integral(second, second_functions, over_second, first, first_functions, digits);
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "face.hpp"
+
+namespace fringe::detail {
+
+/// The interaction ∫∫∫∫ f_i(x)f_j(y)·f_k(x')f_l(y')/r of two faces that do not touch, rows (i, j) of the
+/// first and columns (k, l) of the second, j and l running fastest. `tolerance` is the error aimed at,
+/// relative to the largest elements (model/BOUNDARY_ELEMENTS.md, section 5).
+Eigen::MatrixXd mutual_matrix(const Face& first, FaceFunctions first_functions, const Face& second,
+                              FaceFunctions second_functions, double tolerance);
+
+}  // namespace fringe::detail

@@ -1,0 +1,103 @@
+/// What boundary elements refuse, and that the message says which element and why.
+
+#include <functional>
+#include <limits>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fringe/boundary_elements.hpp"
+#include "fringe/error.hpp"
+#include "scenes.hpp"
+
+namespace fringe {
+namespace {
+
+using test::at;
+using test::object;
+using test::sensor;
+using test::square;
+using testing::HasSubstr;
+
+Scene plate_above_sensor() {
+  Scene scene;
+  scene.sensors = {sensor("front", {square(0.1, 0)})};
+  scene.objects = {object("target", Plate{0.1, 0.1}, at(0, 0, 0.02))};
+  return scene;
+}
+
+std::string refusal(const std::function<void(Scene&)>& change, const BoundaryElementOptions& options = {}) {
+  Scene scene = plate_above_sensor();
+  change(scene);
+  try {
+    maxwell(scene, options);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(BoundaryElementRefusals, OtherShapes) {
+  EXPECT_THAT(refusal([](Scene& scene) {
+                scene.objects[0].shape = Sphere{0.01, 16};
+              }),
+              HasSubstr("object \"target\" is neither a plate nor a cuboid"));
+}
+
+TEST(BoundaryElementRefusals, Dielectrics) {
+  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].role = Dielectric{3}; }),
+              HasSubstr("object \"target\" is dielectric"));
+}
+
+TEST(BoundaryElementRefusals, ConductorsThatTouchOrCrossByName) {
+  const auto named = HasSubstr("sensor \"front\" plates[0] and object \"target\" touch or cross");
+  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].pose = at(0.02, 0, 0); }), named);
+  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].pose = at(0.1, 0, 0); }), named);
+  EXPECT_THAT(
+      refusal([](Scene& scene) { scene.objects[0].pose = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()); }),
+      named);
+  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].shape = Cuboid{0.3, 0.3, 0.1}; }), named);
+}
+
+TEST(BoundaryElementRefusals, PlatesOfOneSensorThatTouch) {
+  EXPECT_THAT(refusal([](Scene& scene) {
+                scene.sensors[0].plates.push_back({{0.05, -0.05, 0}, {0.1, 0, 0}, {0, 0.1, 0}});
+              }),
+              HasSubstr("sensor \"front\" plates[0] and sensor \"front\" plates[1] touch"));
+}
+
+TEST(BoundaryElementRefusals, RectanglesThatAreNone) {
+  EXPECT_THAT(refusal([](Scene& scene) {
+                scene.sensors[0].plates[0].edge_v = {0.05, 0.1, 0};
+              }),
+              HasSubstr("sensor \"front\" plates[0]: edge_u and edge_v are not at right angles"));
+  EXPECT_THAT(refusal([](Scene& scene) {
+                scene.objects[0].shape = Plate{0.1, 0};
+              }),
+              HasSubstr("object \"target\": a size of 0 is not positive"));
+  EXPECT_THAT(refusal([](Scene& scene) {
+                scene.objects[0].pose = at(0, 0, std::numeric_limits<double>::quiet_NaN());
+              }),
+              HasSubstr("object \"target\": its pose is not finite"));
+}
+
+TEST(BoundaryElementRefusals, OptionsOutOfRange) {
+  const auto nothing = [](Scene&) {};
+  for (const double rtol : {0.0, -1e-3, 1e-7, 0.6, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_THAT(refusal(nothing, {.rtol = rtol}), HasSubstr("must be from 1e-06 to 0.5"));
+  EXPECT_THAT(refusal(nothing, {.most_unknowns = 90}), HasSubstr("takes 98 unknowns or more"));
+}
+
+TEST(BoundaryElementRefusals, AnEmptyScene) {
+  EXPECT_THROW(maxwell(Scene{}), InputError);
+}
+
+TEST(BoundaryElements, SayWhenTheErrorWasNotReached) {
+  const MaxwellMatrix answer = maxwell(plate_above_sensor(), {.rtol = 1e-5, .most_unknowns = 98});
+  EXPECT_FALSE(answer.reached);
+  EXPECT_GT(answer.errors(0, 0), 1e-5 * answer.values(0, 0));
+}
+
+}  // namespace
+}  // namespace fringe

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+
+#include <Eigen/Geometry>
+
+#include "fringe/capacitance.hpp"
+#include "fringe/scene.hpp"
+
+/// What the tests of boundary elements build their scenes with.
+namespace fringe::test {
+
+inline Sensor sensor(const std::string& name, const std::vector<Rectangle>& plates) {
+  return {name, {}, 2.5, 5e-12, plates};
+}
+
+/// A square plate of a side in z = height.
+inline Rectangle square(double side, double height) {
+  return {{-side / 2, -side / 2, height}, {side, 0, 0}, {0, side, 0}};
+}
+
+inline Object object(const std::string& name, const Shape& shape, const Eigen::Isometry3d& pose,
+                     const ElectricalRole& role = Grounded{}) {
+  return {name, {}, shape, pose, role, true};
+}
+
+inline Eigen::Isometry3d at(double x, double y, double z) {
+  return Eigen::Isometry3d(Eigen::Translation3d(x, y, z));
+}
+
+/// C/(4πε₀·length).
+inline double per_length(double capacitance, double length) {
+  return capacitance / (4 * EIGEN_PI * vacuum_permittivity * length);
+}
+
+}  // namespace fringe::test

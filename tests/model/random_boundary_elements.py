@@ -1,0 +1,101 @@
+"""Random poses: are the errors that boundary elements state errors? `python3 -m tests.model.random_boundary_elements`.
+
+A sensor of 10 cm, and plates and boxes of 1 to 30 cm; a third of the poses parallel, a third at right angles; centres 1 to 150 mm
+above or below the sensor's plane. The answer at rtol = 1e-3 is held against that at 3e-5, as far as that was reached.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "build" / "python"))
+
+import fringe  # noqa: E402
+
+ASKED, STRICT = 1e-3, 3e-5
+
+SCENE = """
+[[sensor]]
+name = "sensor"
+plates = [ {{ corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] }} ]
+
+[[object]]
+name = "object"
+shape = {{ type = "{type}", size = {size} }}
+translation = {centre}
+rotation = {{ axis = {axis}, degrees = {degrees} }}
+"""
+
+
+def random_scene(random: np.random.Generator) -> str:
+    size = np.exp(random.uniform(np.log(0.01), np.log(0.3), 3))
+    box = random.random() < 0.35
+    axis = random.normal(size=3) if random.random() < 0.6 else np.eye(3)[random.integers(1, 3)]
+    centre = random.uniform(-0.12, 0.12, 3)
+    centre[2] = np.exp(random.uniform(np.log(0.001), np.log(0.15))) * random.choice([1, -1])
+    degrees = random.choice([0.0, 90.0, random.uniform(0, 180)])
+    if box and degrees == 0:
+        centre[2] += np.copysign(size[2] / 2, centre[2])
+    return SCENE.format(
+        type="cuboid" if box else "plate",
+        size=size[: 3 if box else 2].tolist(),
+        centre=centre.tolist(),
+        axis=axis.tolist(),
+        degrees=float(degrees),
+    )
+
+
+def covered(asked: dict[str, Any], strict: dict[str, Any]) -> bool:
+    matrix = np.abs(asked["maxwell"] - strict["maxwell"]) <= asked["error"] + strict["error"]
+    one, other = asked["delta_self"]["sensor"], strict["delta_self"]["sensor"]
+    return bool(np.all(matrix)) and abs(one["value"] - other["value"]) <= one["error"] + other["error"]
+
+
+def above(asked: dict[str, Any], strict: dict[str, Any]) -> bool:
+    """Whether an entry that is called a lower bound is above the truth."""
+    excess = np.diag(asked["maxwell"]) - np.diag(strict["maxwell"]) - np.diag(strict["error"])
+    return bool(np.any(excess[np.array(asked["lower_bounds"])] > 0))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    random = np.random.default_rng(arguments.seed)
+    touching = uncovered = unbounded = 0
+    times, errors, reached = [], [], []
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "scene.toml"
+        for _ in range(arguments.count):
+            path.write_text(random_scene(random))
+            scene = fringe.Scene.load(path)
+            try:
+                asked = scene.maxwell(rtol=ASKED)
+            except fringe.InputError:
+                touching += 1
+                continue
+            strict = scene.maxwell(rtol=STRICT)
+            times.append(1e3 * asked["seconds"])
+            reached.append(asked["reached"])
+            errors.append(np.max(np.abs(asked["maxwell"] / strict["maxwell"] - 1)))
+            if not covered(asked, strict) or above(asked, strict):
+                uncovered += not covered(asked, strict)
+                unbounded += above(asked, strict)
+                print(path.read_text())
+    print(f"{len(times)} poses and {touching} that touch; {reached.count(False)} said not to be reached")
+    print(
+        f"outside their stated error: {uncovered}; above the truth though called a lower bound: {unbounded}"
+    )
+    print(f"difference where said to be reached: worst {max(np.array(errors)[reached]):.1e}")
+    print("ms: median {:.2f}, nine of ten {:.1f}, longest {:.0f}".format(*np.quantile(times, [0.5, 0.9, 1])))
+
+
+if __name__ == "__main__":
+    main()

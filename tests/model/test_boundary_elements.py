@@ -1,0 +1,169 @@
+"""Boundary elements from outside: set-ups known from another boundary-element method, the command, the Python module."""
+
+import json
+import math
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+fringe = pytest.importorskip("fringe")
+
+Command = Callable[..., "subprocess.CompletedProcess[str]"]
+
+SET_UPS = json.loads((Path(__file__).parents[1] / "fem_reference" / "boundary_elements.json").read_text())[
+    "cases"
+]
+
+SCENE = """
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+
+[[link]]
+name = "hand"
+
+[[object]]
+name = "palm"
+link = "hand"
+shape = { type = "cuboid", size = [0.08, 0.1, 0.03] }
+translation = [0, 0, 0.05]
+
+[[object]]
+name = "foil"
+shape = { type = "plate", size = [0.05, 0.05] }
+translation = [0, 0, -0.02]
+potential = "floating"
+"""
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    return path
+
+
+def scene_of(case: dict[str, Any]) -> str:
+    """Every conductor as a sensor, which may have several plates."""
+    text = ""
+    for k, name in enumerate(case["conductors"]):
+        plates = [
+            "{ corner = %s, edge_u = %s, edge_v = %s }" % (plate["corner"], plate["edge_u"], plate["edge_v"])
+            for plate in case["rectangles"]
+            if plate["conductor"] == k
+        ]
+        text += f'[[sensor]]\nname = "{name}"\nplates = [ {", ".join(plates)} ]\n'
+    return text
+
+
+@pytest.mark.parametrize("case", SET_UPS, ids=lambda case: case["name"])
+def test_plates_against_another_boundary_element_method(case: dict[str, Any], tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(scene_of(case))
+    truth = 1e-12 * np.array(case["maxwell_pF"])
+    unsure = case["relative_error"] * np.abs(truth)
+    for rtol in (1e-2, 1e-3, 1e-4):
+        answer = fringe.Scene.load(path).maxwell(rtol=rtol)
+        assert answer["reached"] and np.all(answer["error"] <= rtol * np.abs(answer["maxwell"]))
+        assert np.all(np.abs(answer["maxwell"] - truth) <= answer["error"] + unsure)
+        # Galerkin's diagonal is a lower bound.
+        assert all(answer["lower_bounds"])
+        assert np.all(np.diag(answer["maxwell"]) <= np.diag(truth) + np.diag(unsure))
+
+
+def test_the_module_answers_like_the_command(fringe_command: Command, scene: Path) -> None:
+    done = fringe_command("capacitance", scene, "--method", "boundary-elements", "--rtol", "2e-3", "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    answer = json.loads(done.stdout)
+    assert answer["options"] == {"method": "boundary-elements", "rtol": 2e-3}
+    assert answer["conductors"] == ["front", "palm"] and answer["floating"] == ["foil"]
+    (sensor,) = answer["sensors"]
+    (palm,) = sensor["objects"]
+    assert palm["capacitance"] == -answer["maxwell"][0][1] and palm["error"] == answer["error"][0][1]
+    assert sensor["self"] == answer["maxwell"][0][0] and 0 < sensor["delta_self"] < sensor["self"]
+    assert math.isclose(sensor["voltage"], 5e-12 / (5e-12 + sensor["total"]) * 2.5)
+
+    same = fringe.Scene.load(scene).capacitance(method="boundary-elements", rtol=2e-3)
+    for key in ("options", "conductors", "floating", "lower_bounds", "reached", "sensors", "unknowns"):
+        assert same[key] == answer[key]
+    for key in ("maxwell", "error"):
+        assert np.array_equal(same[key], answer[key])
+    matrix = fringe.Scene.load(scene).maxwell(rtol=2e-3)
+    assert np.array_equal(matrix["maxwell"], answer["maxwell"])
+    assert matrix["delta_self"] == {
+        "front": {"value": sensor["delta_self"], "error": sensor["delta_self_error"]}
+    }
+
+
+def test_a_link_that_moves_takes_its_objects_along(scene: Path) -> None:
+    moving = fringe.Scene.load(scene)
+    near = moving.maxwell()["maxwell"]
+    moving.set_pose("hand", [0, 0, 0.1], [1, 0, 0, 0])
+    far = moving.maxwell()["maxwell"]
+    assert 0 < -far[0][1] < -near[0][1]
+
+
+def test_the_table_for_people(fringe_command: Command, scene: Path) -> None:
+    done = fringe_command("capacitance", scene, "--method", "boundary-elements")
+    assert done.returncode == 0
+    for text in ("pF", "±", "rtol 0.001 reached", "delta_self", "floating, without charge", "foil"):
+        assert text in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (("--method", "boundary-elements", "--plates", "nearest"), "--plates is an option of the triangle"),
+        (("--method", "boundary-elements", "--tolerance", "0"), "--tolerance is an option of the triangle"),
+        (("--method", "boundary-elements", "--rtol", "0"), "rtol 0 must be from"),
+        (("--rtol", "1e-3"), "--rtol is an option of the method boundary-elements"),
+    ],
+)
+def test_options_that_would_change_nothing_are_refused(
+    fringe_command: Command, scene: Path, arguments: tuple[str, ...], reason: str
+) -> None:
+    done = fringe_command("capacitance", scene, *arguments)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert reason in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        ({"method": "boundary-elements", "plates": "nearest"}, "triangle-integral"),
+        ({"method": "boundary-elements", "rtol": 0.9}, "must be from"),
+        ({"rtol": 1e-3}, "rtol is an option of the method boundary-elements"),
+    ],
+)
+def test_the_module_refuses_as_the_command_does(scene: Path, options: dict[str, Any], reason: str) -> None:
+    with pytest.raises(fringe.InputError, match=reason):
+        fringe.Scene.load(scene).capacitance(**options)
+
+
+def test_other_shapes_are_refused_by_name(fringe_command: Command, tmp_path: Path) -> None:
+    path = tmp_path / "ball.toml"
+    path.write_text(SCENE.replace('"cuboid", size = [0.08, 0.1, 0.03]', '"sphere", radius = 0.02'))
+    done = fringe_command("capacitance", path, "--method", "boundary-elements")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert 'object "palm" is neither a plate nor a cuboid' in done.stderr
+
+
+def test_an_error_that_is_not_reached_is_status_3_and_answered(
+    fringe_command: Command, tmp_path: Path
+) -> None:
+    # The edges of a small plate stand half a millimetre above the middle of the sensor.
+    path = tmp_path / "narrow.toml"
+    path.write_text(
+        SCENE.replace('"cuboid", size = [0.08, 0.1, 0.03]', '"plate", size = [0.02, 0.02]').replace(
+            "translation = [0, 0, 0.05]", "translation = [0, 0, 0.0005]"
+        )
+    )
+    done = fringe_command("capacitance", path, "--method", "boundary-elements", "--json")
+    assert done.returncode == 3 and "was not reached" in done.stderr
+    answer = json.loads(done.stdout)
+    assert not answer["reached"]
+    assert answer["error"][0][0] > 1e-3 * answer["maxwell"][0][0] > 0
