@@ -1,49 +1,9 @@
 #include "json_text.hpp"
 
-#include <cmath>
-
-#include <rapidjson/prettywriter.h>
-#include <rapidjson/stringbuffer.h>
+#include "json_writer.hpp"
 
 namespace fringe::cli {
 namespace {
-
-using Writer = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
-
-void write_text(Writer& writer, const char* key, const std::string& text) {
-  writer.Key(key);
-  writer.String(text.data(), static_cast<rapidjson::SizeType>(text.size()));
-}
-
-void write_number(Writer& writer, double number) {
-  if (std::isinf(number))
-    writer.RawValue("1e999", 5, rapidjson::kNumberType);
-  else
-    writer.Double(number);
-}
-
-void write_number(Writer& writer, const char* key, double number) {
-  writer.Key(key);
-  write_number(writer, number);
-}
-
-void write_count(Writer& writer, const char* key, std::size_t count) {
-  writer.Key(key);
-  writer.Uint64(count);
-}
-
-void write_flag(Writer& writer, const char* key, bool flag) {
-  writer.Key(key);
-  writer.Bool(flag);
-}
-
-void write_vector(Writer& writer, const char* key, const Eigen::Vector3d& vector) {
-  writer.Key(key);
-  writer.StartArray();
-  for (const double component : vector)
-    write_number(writer, component);
-  writer.EndArray();
-}
 
 void write_object(Writer& writer, const ObjectCapacitance& object) {
   writer.StartObject();

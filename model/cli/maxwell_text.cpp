@@ -1,19 +1,12 @@
 #include "maxwell_text.hpp"
 
 #include <fmt/format.h>
-#include <rapidjson/prettywriter.h>
-#include <rapidjson/stringbuffer.h>
+
+#include "json_writer.hpp"
+#include "units.hpp"
 
 namespace fringe::cli {
 namespace {
-
-using Writer = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
-
-constexpr double picofarads_per_farad = 1e12;
-
-void write_text(Writer& writer, const std::string& text) {
-  writer.String(text.data(), static_cast<rapidjson::SizeType>(text.size()));
-}
 
 void write_texts(Writer& writer, const char* key, const std::vector<std::string>& texts) {
   writer.Key(key);
@@ -21,11 +14,6 @@ void write_texts(Writer& writer, const char* key, const std::vector<std::string>
   for (const std::string& text : texts)
     write_text(writer, text);
   writer.EndArray();
-}
-
-void write_number(Writer& writer, const char* key, double number) {
-  writer.Key(key);
-  writer.Double(number);
 }
 
 void write_matrix(Writer& writer, const char* key, const Eigen::MatrixXd& matrix) {

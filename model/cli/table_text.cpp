@@ -4,10 +4,11 @@
 
 #include <fmt/format.h>
 
+#include "units.hpp"
+
 namespace fringe::cli {
 namespace {
 
-constexpr double picofarads_per_farad = 1e12;
 constexpr double millimetres_per_metre = 1e3;
 
 /// What there is to say about an object's capacitance beside its value.

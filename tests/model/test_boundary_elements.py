@@ -14,7 +14,7 @@ fringe = pytest.importorskip("fringe")
 
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
-SET_UPS = json.loads((Path(__file__).parents[1] / "fem_reference" / "boundary_elements.json").read_text())[
+SET_UPS = json.loads((Path(__file__).parents[2] / "analysis" / "verification" / "boundary_elements.json").read_text())[
     "cases"
 ]
 
