@@ -70,7 +70,7 @@ def reference_code(repository: Path = REPOSITORY) -> str:
 
 def report_code(repository: Path = REPOSITORY) -> str:
     """The version of the report: a hash of this package."""
-    return hash_of_files((repository / "analysis").glob("*.py"), repository)
+    return hash_of_files((repository / "analysis").rglob("*.py"), repository)
 
 
 def hash_of_files(paths: Iterable[Path], root: Path) -> str:
