@@ -71,7 +71,14 @@ class Curve:
 
     @property
     def target_size(self) -> tuple[float, float]:
-        size = self.parameters["target_size"]
+        return self._size("target_size")
+
+    @property
+    def sensor_size(self) -> tuple[float, float]:
+        return self._size("sensor_size")
+
+    def _size(self, name: str) -> tuple[float, float]:
+        size = self.parameters[name]
         assert isinstance(size, tuple)
         return size
 

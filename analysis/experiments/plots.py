@@ -15,7 +15,7 @@ from analysis.plot import Panel, axis, figure, log_axis, power_axis, series_colo
 
 Array = NDArray[np.float64]
 
-CENTIMETRE, PERCENT = 0.01, 100.0
+CENTIMETRE, PERCENT, PER_MILLE = 0.01, 100.0, 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,30 +59,26 @@ def delta_output(caption: str, series: list[Series], swept: str) -> Panel:
 def deviations(caption: str, series: list[Series], swept: str) -> Panel:
     """(prediction − reference)/reference with the reference's error bars."""
     traces: list[object] = []
-    for index, each in enumerate(series):
-        for number, line in enumerate(each.lines):
-            found = deviation(each.curve, line.prediction)
-            colour = _line_colour(series, index, number)
-            traces.append(
-                go.Scatter(
-                    x=_across(each.curve, swept),
-                    y=PERCENT * found.value,
-                    error_y={
-                        "type": "data",
-                        "symmetric": False,
-                        "array": PERCENT * (found.high - found.value),
-                        "arrayminus": PERCENT * (found.value - found.low),
-                        "thickness": 1.5,
-                    },
-                    mode="lines+markers",
-                    line={"color": colour, "dash": line.dash, "width": 2},
-                    marker={"color": colour, "size": 6},
-                    name=line.name,
-                    text=[point.case for point in each.curve.points],
-                    hovertemplate=line.name + ": %{y:+.2f} %<br>%{text}<extra></extra>",
-                )
-            )
+    for line, colour, curve in _lines(series):
+        found = deviation(curve, line.prediction)
+        values = np.asarray(PERCENT * found.value)
+        bars: dict[str, object] = {
+            "symmetric": False,
+            "array": PERCENT * (found.high - found.value),
+            "arrayminus": PERCENT * (found.value - found.low),
+        }
+        traces.append(_differences(line, colour, curve, swept, (values, bars, "%")))
     return Panel(caption, figure(traces, _axis(swept), axis("model less reference (%)"), 440))
+
+
+def residuals(caption: str, series: list[Series], swept: str) -> Panel:
+    """prediction − reference with the reference's error bars."""
+    traces: list[object] = []
+    for line, colour, curve in _lines(series):
+        values = np.asarray(PER_MILLE * (line.prediction - curve.reference))
+        bars: dict[str, object] = {"array": PER_MILLE * curve.error}
+        traces.append(_differences(line, colour, curve, swept, (values, bars, "mV")))
+    return Panel(caption, figure(traces, _axis(swept), axis("model less reference (mV)"), 440))
 
 
 def splitting(found: list[Accuracy]) -> Panel:
@@ -90,6 +86,8 @@ def splitting(found: list[Accuracy]) -> Panel:
     traces: list[object] = []
     for index, region in enumerate(REGIONS):
         members = [each for each in found if each.region == region]
+        if not members:
+            continue
         for name, values, dash in (
             ("median", [each.median for each in members], "solid"),
             ("worst", [each.worst for each in members], "dot"),
@@ -119,6 +117,31 @@ def _reference(series: Series, swept: str, colour: str) -> go.Scatter:
         name=series.name,
         text=[point.case for point in curve.points],
         hovertemplate=series.name + ": %{y:.4g} V<br>%{text}<extra></extra>",
+    )
+
+
+def _lines(series: list[Series]) -> list[tuple[Line, str, Curve]]:
+    return [
+        (line, _line_colour(series, index, number), each.curve)
+        for index, each in enumerate(series)
+        for number, line in enumerate(each.lines)
+    ]
+
+
+def _differences(
+    line: Line, colour: str, curve: Curve, swept: str, what: tuple[Array, dict[str, object], str]
+) -> go.Scatter:
+    values, bars, unit = what
+    return go.Scatter(
+        x=_across(curve, swept),
+        y=values,
+        error_y={"type": "data", "thickness": 1.5, **bars},
+        mode="lines+markers",
+        line={"color": colour, "dash": line.dash, "width": 2},
+        marker={"color": colour, "size": 6},
+        name=line.name,
+        text=[point.case for point in curve.points],
+        hovertemplate=line.name + ": %{y:+.3g} " + unit + "<br>%{text}<extra></extra>",
     )
 
 

@@ -64,7 +64,10 @@ def figures(found: Summary, swept: str) -> list[str]:
 
 def percent(value: float) -> str:
     """With its sign, and as many digits as mean something."""
-    return f"{100 * value:+.1f} %" if abs(value) < 0.1 else f"{100 * value:+.0f} %"
+    if abs(value) >= 0.1:
+        return f"{100 * value:+.0f} %"
+    # The sum turns -0.0 into 0.0.
+    return f"{round(100 * value, 1) + 0.0:+.1f} %"
 
 
 def place(at: float, swept: str) -> str:
@@ -74,7 +77,12 @@ def place(at: float, swept: str) -> str:
 
 def plate(curve: Curve) -> str:
     """The target's size."""
-    x, y = curve.target_size
+    return size(curve.target_size)
+
+
+def size(lengths: tuple[float, float]) -> str:
+    """Lengths in metres, written in cm."""
+    x, y = lengths
     return f"{x / CENTIMETRE:.3g} cm × {y / CENTIMETRE:.3g} cm"
 
 
