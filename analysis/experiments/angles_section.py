@@ -49,7 +49,8 @@ def finding(flat: Curve, pivoted: list[Curve], own: Calibration) -> str:
         f"{tables.percent(seen[worst].observable)}, at {tables.place(seen[worst].observable_at, ANGLE)} with the hinge at "
         f"{tables.place(worst, DISTANCE)}; in volts most, {1000 * seen[largest].rms:.3g} mV rms, with the hinge at "
         f"{tables.place(largest, DISTANCE)}, {nearest}. From the least to the greatest angle the deviation changes by "
-        f"{tables.percent(turned[0])} to {tables.percent(turned[-1])}: what the inclination adds, to which the thesis gave no part."
+        f"{tables.percent(turned[0])} to {tables.percent(turned[-1])}; in the "
+        "thesis orientation has probably no part in it."
     )
 
 

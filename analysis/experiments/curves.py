@@ -103,8 +103,11 @@ def curves(results: Results) -> list[Curve]:
 
 
 def with_flat_start(curve: Curve, flat: Curve) -> Curve:
-    """A curve over angle with the parallel plate of the same size at the hinge's height as its angle 0, where there is one."""
-    if flat.target_size != curve.target_size:
+    """A curve over angle with the parallel plate of the same size at the hinge's height as its angle 0, where there is one.
+
+    Hinged to the sensor's edge, a plate is centred before the sensor only if they are equally wide.
+    """
+    if flat.target_size != curve.target_size or curve.target_size[0] != curve.sensor_size[0]:
         return curve
     start = tuple(
         Point(point.case, 0.0, point.model, point.reference)

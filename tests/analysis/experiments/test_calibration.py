@@ -68,6 +68,8 @@ def test_standard_errors_are_the_scatter_over_noisy_curves() -> None:
         calibrate(made(exact + noise * random.standard_normal(9), error=noise), OWN_BY_BARS)
         for _ in range(200)
     ]
+    # Per degree of freedom, of which there are seven: the mean square of 200 draws is sure to 0.04.
+    assert np.mean([each.misfit**2 for each in found]) == pytest.approx(1, abs=0.12)
     # 200 draws know a scatter to 5 %; Birge's ratio, of at least one, adds to the errors.
     for name in ("coupling", "permittivity"):
         constants = [getattr(each, name) for each in found]

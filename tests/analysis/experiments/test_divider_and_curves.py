@@ -83,3 +83,10 @@ def test_the_parallel_plate_at_the_height_of_the_hinge_is_the_angle_0(tmp_path: 
     assert with_flat_start(pivoted, small).at.tolist() == [30, 60]
     elsewhere = replace(flat, points=flat.points[1:])
     assert with_flat_start(pivoted, elsewhere).at.tolist() == [30, 60]
+
+
+def test_a_plate_hinged_to_the_edge_of_a_wider_sensor_is_not_the_centred_one(tmp_path: Path) -> None:
+    wide = (PARALLEL + INCLINED).replace("sensor_size = [0.1, 0.1]", "sensor_size = [0.2, 0.1]")
+    flat, _, pivoted = curves(results.load(make_results(tmp_path, wide)))
+    assert flat.target_size == pivoted.target_size
+    assert with_flat_start(pivoted, flat).at.tolist() == [30, 60]
