@@ -33,8 +33,7 @@ def parts(flat: Curve, pivoted: list[Curve], tunings: list[Calibration]) -> list
 def finding(flat: Curve, pivoted: list[Curve], own: Calibration) -> str:
     """The greatest deviation over angle, whether the nearest hinge has it, and what the angle itself adds."""
     found = {curve.hinge_gap: summary(curve, own.predict(curve), flat) for curve in pivoted}
-    # The comparison leaves out the NaN of a plate that is observable nowhere.
-    seen = {gap: each for gap, each in found.items() if each.observable == each.observable}
+    seen = {gap: each for gap, each in found.items() if each.is_observable}
     if not seen:
         return "No pivoted plate is observable."
     worst = max(seen, key=lambda gap: abs(seen[gap].observable))
@@ -49,8 +48,8 @@ def finding(flat: Curve, pivoted: list[Curve], own: Calibration) -> str:
         f"{tables.percent(seen[worst].observable)}, at {tables.place(seen[worst].observable_at, ANGLE)} with the hinge at "
         f"{tables.place(worst, DISTANCE)}; in volts most, {1000 * seen[largest].rms:.3g} mV rms, with the hinge at "
         f"{tables.place(largest, DISTANCE)}, {nearest}. From the least to the greatest angle the deviation changes by "
-        f"{tables.percent(turned[0])} to {tables.percent(turned[-1])}; in the "
-        "thesis orientation has probably no part in it."
+        f"{tables.percent(turned[0])} to {tables.percent(turned[-1])}; the thesis "
+        "thought that orientation has probably no part in it."
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -159,6 +160,11 @@ class Summary:
     observable_at: float
     observable_until: float
 
+    @property
+    def is_observable(self) -> bool:
+        """Whether any point is."""
+        return not math.isnan(self.observable)
+
 
 def summary(curve: Curve, prediction: Array, calibrated_on: Curve) -> Summary:
     """The figures of a prediction (V); those of observable points are NaN without any."""
@@ -166,7 +172,7 @@ def summary(curve: Curve, prediction: Array, calibrated_on: Curve) -> Summary:
     seen = np.flatnonzero(curve.reference >= OBSERVABLE * calibrated_on.reference.max())
     residuals = prediction - curve.reference
     if len(seen) == 0:
-        observable = observable_at = until = float("nan")
+        observable = observable_at = until = math.nan
     else:
         place = seen[np.argmax(np.abs(found.value[seen]))]
         observable, observable_at = float(found.value[place]), float(found.at[place])

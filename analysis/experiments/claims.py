@@ -51,15 +51,17 @@ def for_plate(area: float, calibrated: float) -> PlateClaim | None:
     return SMALLER_PLATE if area < calibrated else LARGER_PLATE
 
 
-def hold(curve: Curve, prediction: Array, calibrated_on: Curve, claim: PlateClaim) -> Held:
-    """Hold a prediction (V) against a claim, over the observable points."""
+def hold(curve: Curve, prediction: Array, calibrated_on: Curve, claim: PlateClaim) -> Held | None:
+    """Hold a prediction (V) against a claim, over the observable points; None without any."""
     found = summary(curve, prediction, calibrated_on)
+    if not found.is_observable:
+        return None
     seen = curve.until(found.observable_until)
     values = deviation(seen, prediction[: len(seen.points)])
     return Held(
         found.observable,
         found.observable_at,
-        float(np.mean(values.value)) if len(values.value) else float("nan"),
+        float(np.mean(values.value)),
         values.within(claim.later),
         abs(found.observable) <= claim.greatest,
     )

@@ -40,16 +40,16 @@ def finding(flat: Curve, others: list[Curve], own: Calibration) -> str:
     told, signs = [], []
     for curve in others:
         claim = claims.for_plate(curve.target_area, flat.target_area)
-        if claim is None:
+        held = claims.hold(curve, own.predict(curve), flat, claim) if claim else None
+        if claim is None or held is None:
             continue
-        held = claims.hold(curve, own.predict(curve), flat, claim)
         signs.append((held.mean < 0) == claim.is_low)
         told.append(
             f"{tables.percent(held.worst)} for {tables.plate(curve)} at {tables.place(held.worst_at, DISTANCE)} (thesis: at most "
             f"{100 * claim.greatest:.0f} % on a {'smaller' if claim.is_low else 'larger'} plate)"
         )
     if not told:
-        return "The study holds no plate of another size."
+        return "The study holds no observable plate of another size."
     lying = summary(flat, own.predict(flat), flat)
     agreeing = "for all of them here" if all(signs) else f"for {sum(signs)} of {len(signs)} here"
     return (
@@ -74,10 +74,10 @@ def _claims_table(flat: Curve, others: list[Curve], tunings: list[Calibration]) 
     rows = []
     for curve in others:
         claim = claims.for_plate(curve.target_area, flat.target_area)
-        if claim is None:
-            continue
         for tuned in tunings:
-            held = claims.hold(curve, tuned.predict(curve), flat, claim)
+            held = claims.hold(curve, tuned.predict(curve), flat, claim) if claim else None
+            if claim is None or held is None:
+                continue
             rows.append(
                 [
                     escape(tables.plate(curve)),

@@ -52,13 +52,12 @@ def predictions(
 
 def figures(found: Summary, swept: str) -> list[str]:
     """Cells: rms, worst, where, worst while observable, where."""
-    observable = found.observable == found.observable
     return [
         f"{1000 * found.rms:.3g}",
         percent(found.worst),
         place(found.worst_at, swept),
-        percent(found.observable) if observable else "",
-        place(found.observable_at, swept) if observable else "",
+        percent(found.observable) if found.is_observable else "",
+        place(found.observable_at, swept) if found.is_observable else "",
     ]
 
 

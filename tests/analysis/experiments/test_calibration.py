@@ -140,10 +140,14 @@ def test_claims_are_held_against_over_what_is_observable() -> None:
     curve = made(reference)
     off = np.array([-0.2, -0.1, 0, 0, 0, 0, 0, 1, 1])
     held = hold(curve, reference * (1 + off), curve, SMALLER_PLATE)
-    assert held.holds and held.worst == pytest.approx(-0.2)
+    assert held is not None and held.holds and held.worst == pytest.approx(-0.2)
     assert held.mean == pytest.approx(-0.3 / 7)
     assert held.later_from == pytest.approx(DISTANCES[2])
-    assert not hold(curve, reference * (1 + off), curve, LARGER_PLATE).holds
+    stricter = hold(curve, reference * (1 + off), curve, LARGER_PLATE)
+    assert stricter is not None and not stricter.holds
+    faint = made(0.01 * reference)
+    assert hold(faint, 0.01 * reference, curve, SMALLER_PLATE) is None
+    assert not summary(faint, 0.01 * reference, curve).is_observable
 
 
 def test_the_thesis_is_low_on_smaller_plates_and_high_on_larger_ones() -> None:
