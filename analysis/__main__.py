@@ -175,8 +175,8 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _nightly(options: argparse.Namespace) -> int:
-    from analysis import history, history_page, night
-    from analysis.difference import to_text
+    from analysis.nightly import history, history_page, night
+    from analysis.nightly.difference import to_text
     from analysis.store import exclusive
 
     if options.profile:
@@ -195,14 +195,15 @@ def _nightly(options: argparse.Namespace) -> int:
 
 
 def _job(file: Path) -> int:
-    from analysis import chunks
+    from analysis.nightly import chunks
 
     chunks.solve(file)
     return ANSWERED
 
 
 def _diff(old: Path, new: Path, output: Path | None) -> int:
-    from analysis import difference, store
+    from analysis import store
+    from analysis.nightly import difference
 
     found = difference.between(difference.read(old), difference.read(new))
     if output is not None:
@@ -221,7 +222,7 @@ def _study(name: str, folder: Path | None) -> tuple[Study, Path]:
 
 def _verified(options: argparse.Namespace, target: Path) -> list[Failure]:
     """What failed while the reference was verified, if it was to be, in the folder beside a study's results."""
-    from analysis import verification_page, verification_stage
+    from analysis.verification import page as verification_page, stage as verification_stage
 
     if not options.verify:
         return []
@@ -258,7 +259,7 @@ def _report(folder: Path) -> int:
 
 
 def _verify(folder: Path | None, jobs: int | None) -> int:
-    from analysis import verification_page, verification_stage
+    from analysis.verification import page as verification_page, stage as verification_stage
     from analysis.keys import REPOSITORY
 
     target = folder or REPOSITORY / "results" / verification_stage.FOLDER

@@ -6,7 +6,8 @@ import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis import keys, results, statistics, table, verification_page, verification_stage
+from analysis import keys, results, statistics, table
+from analysis.verification import page as verification_page, stage as verification_stage
 from analysis.store import Document, write_text
 
 REPORT, TABLE = "report.html", "table.csv"

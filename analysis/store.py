@@ -64,7 +64,7 @@ def exclusive(folder: Path) -> Iterator[None]:
     """Keep every other process out of a folder that takes this care. The lock is the system's: it ends with this process,
     however that ends, and nobody has to remove it. Raises InUse at once when another has it."""
     folder.mkdir(parents=True, exist_ok=True)
-    with (folder / ".lock").open("w") as file:
+    with (folder / ".lock").open("a") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:

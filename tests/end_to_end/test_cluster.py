@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.analysis.toy_repository import ToyRepository
+from tests.analysis.nightly.toy_repository import ToyRepository
 
 SCRIPT = Path(__file__).parent / "one_machine_slurm"
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch")

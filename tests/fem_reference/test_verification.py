@@ -13,8 +13,15 @@ import pytest
 from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
-from analysis import truths
-from analysis.truths import PARALLEL_SQUARES, UNIT_CUBE, UNIT_SQUARE_PLATE, love, sphere_and_plane, strips
+from analysis.verification import truths
+from analysis.verification.truths import (
+    PARALLEL_SQUARES,
+    UNIT_CUBE,
+    UNIT_SQUARE_PLATE,
+    love,
+    sphere_and_plane,
+    strips,
+)
 from fem_reference.bodies import Body, Cuboid, Disc, Rectangle
 from fem_reference.reference import Reference, solve_conductors
 from fem_reference.scene_bodies import normalised, rectangle

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from scipy.constants import epsilon_0
 
-from analysis.truths import LEKNER
-from analysis.truths_of_revolution import (
+from analysis.verification.truths import LEKNER
+from analysis.verification.truths_of_revolution import (
     body_of_revolution,
     dielectric,
     floating,

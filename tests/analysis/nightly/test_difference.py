@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from analysis import __main__ as command_line
-from analysis import difference, report
+from analysis import report
+from analysis.nightly import difference
 from tests.analysis.synthetic import make_results, model_document, reference_document
 
 NAME = ("case", "sensor", "target", "mutual")

@@ -1,4 +1,4 @@
-"""Solves one row of the verification in a process of its own: python3 -m analysis.verification_rows ROW prints JSON.
+"""Solves one row of the verification in a process of its own: python3 -m analysis.verification.rows ROW prints JSON.
 
 A row is `truth/CASE`, `cost/CASE/METHOD`, or `property/NAME`.
 """
@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis import uniform_meshes
-from analysis.verification_properties import PROPERTIES
-from analysis.verification_set_ups import CostCase, Quantity, TrueCase, cost_cases, true_cases
+from analysis.verification import uniform_meshes
+from analysis.verification.properties import PROPERTIES
+from analysis.verification.set_ups import CostCase, Quantity, TrueCase, cost_cases, true_cases
 from fem_reference.level import Level
 from fem_reference.limits import Limits
 from fem_reference.reference import ErrorKind, Reference, solve_conductors
@@ -181,7 +181,7 @@ def _point(level: Level, spent: float, worst: float) -> Document:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="python3 -m analysis.verification_rows", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python3 -m analysis.verification.rows", description=__doc__)
     parser.add_argument("row", metavar="ROW", choices=row_names())
     logging.getLogger().setLevel(logging.WARNING)
     print(json.dumps(solve_row(parser.parse_args().row)))

@@ -11,7 +11,7 @@ import plotly.graph_objects as go
 
 from analysis import page
 from analysis.plot import INK, Panel, figure, power_axis, series_colour
-from analysis.verification import Compared, Held, worst_of_each_case
+from analysis.verification.records import Compared, Held, worst_of_each_case
 
 TITLE = "The reference against known capacitances"
 ABSENT = (

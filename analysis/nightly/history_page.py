@@ -10,7 +10,8 @@ from typing import Any
 
 import plotly.graph_objects as go
 
-from analysis import history, keys, page, results
+from analysis import keys, page, results
+from analysis.nightly import history
 from analysis.plot import Panel, axis, figure, power_axis, series_colour
 from analysis.report import REPORT, is_current
 from analysis.store import Document, write_text

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
-from analysis import truths, truths_of_revolution
+from analysis.verification import truths, truths_of_revolution
 from fem_reference.bodies import Body, Cuboid, Disc, Rectangle
 from fem_reference.reference import ErrorKind
 from fem_reference.round_bodies import Cone, Cylinder, Sphere

@@ -1,4 +1,4 @@
-"""`python3 -m analysis.planning_benchmark`: how long planning 100,000 cases takes, and a night on 500 cases without work.
+"""`python3 -m analysis.nightly.planning_benchmark`: how long planning 100,000 cases takes, and a night on 500 cases without work.
 
 The first is everything up to Snakemake's first job: reading the study, its keys, looking for stored answers, the jobs' files, and
 Snakemake's own plan; once with nothing stored and once, up to the finding that nothing is to do, with everything stored.
@@ -16,8 +16,9 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from analysis import night, plan, results
-from analysis.chunks import Chunk
+from analysis import plan, results
+from analysis.nightly import night
+from analysis.nightly.chunks import Chunk
 from analysis.keys import REPOSITORY
 from analysis.store import write_json, write_text
 from geometries import study

@@ -1,4 +1,4 @@
-"""`python3 -m tests.analysis.kill_nights`: kill nights at random times and see that nothing is lost and nothing is in the way.
+"""`python3 -m tests.analysis.nightly.kill_nights`: kill nights at random times and see that nothing is lost and nothing is in the way.
 
 Reference and model answer at once, and writing is slowed down, so that many kills fall into a write. Half of them hit the
 process that the user has started, half of them all of its session. After each: no answer that was there is solved again, and
@@ -18,7 +18,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.analysis.toy_repository import ToyRepository
+from tests.analysis.nightly.toy_repository import ToyRepository
 
 CASES = 8
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from tests.analysis.synthetic import HEAD
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 _REFERENCE = """
 import json, os, sys, time, tomllib
 from pathlib import Path

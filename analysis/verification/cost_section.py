@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 
 from analysis import page
 from analysis.plot import Panel, figure, power_axis, series_colour
-from analysis.verification import Cost, Point, Target
+from analysis.verification.records import Cost, Point, Target
 
 TITLE = "Run time against error of the reference"
 KNOWN = 1e-2

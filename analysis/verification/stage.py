@@ -20,9 +20,9 @@ _SOURCES = (
     "truths.py",
     "truths_of_revolution.py",
     "boundary_elements.json",
-    "verification_set_ups.py",
-    "verification_properties.py",
-    "verification_rows.py",
+    "set_ups.py",
+    "properties.py",
+    "rows.py",
     "uniform_meshes.py",
 )
 # What a row takes on one core, roughly: only for the order and the progress bar.
@@ -43,14 +43,16 @@ _SAID_AT_MOST = 300
 def row_names() -> list[str]:
     """Every row there is."""
     # Imported here: the solver takes a second, and a report that is up to date needs none.
-    from analysis import verification_rows
+    from analysis.verification import rows
 
-    return verification_rows.row_names()
+    return rows.row_names()
 
 
 def code(repository: Path = REPOSITORY) -> str:
     """The version of what rows are computed by: the reference, and the set-ups and comparisons of this package."""
-    own = keys.hash_of_files([repository / "analysis" / name for name in _SOURCES], repository)
+    own = keys.hash_of_files(
+        [repository / "analysis" / "verification" / name for name in _SOURCES], repository
+    )
     return f"{keys.reference_code(repository)} {own}"
 
 
@@ -104,7 +106,7 @@ def solve(name: str, target: Path, key: str, processes: Processes) -> Failure | 
         "PYTHONPATH": str(REPOSITORY),
     }
     finished = processes.run(
-        [sys.executable, "-m", "analysis.verification_rows", name], REPOSITORY, environment
+        [sys.executable, "-m", "analysis.verification.rows", name], REPOSITORY, environment
     )
     if finished.exit_code != 0:
         told = (finished.errors.strip() or "no message").splitlines()[-1][:_SAID_AT_MOST]

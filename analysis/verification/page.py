@@ -7,7 +7,8 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis import keys, verification, verification_stage
+from analysis import keys
+from analysis.verification import records, stage
 from analysis.store import Document, write_text
 
 PAGE = "verification.html"
@@ -24,41 +25,40 @@ class Made:
 
 def beside(results: Path) -> Path:
     """The folder of the verification that belongs to a study's results."""
-    return results.resolve().parent / verification_stage.FOLDER
+    return results.resolve().parent / stage.FOLDER
 
 
 def sections(rows: dict[str, Document]) -> list[str]:
     """The chapter and the section on run times; one sentence without rows."""
-    from analysis import cost_section, verification_section
+    from analysis.verification import cost_section, section
 
     if not rows:
-        return [verification_section.chapter([], [], [])]
-    from analysis.verification_set_ups import cost_cases
+        return [section.chapter([], [], [])]
+    from analysis.verification.set_ups import cost_cases
 
-    names = verification_stage.row_names()
+    names = stage.row_names()
     ordered = {name: rows[name] for name in names if name in rows}
     asked = [
-        verification.Asked(case.name, case.caption, case.targets, case.truth, case.truth_error)
+        records.Asked(case.name, case.caption, case.targets, case.truth, case.truth_error)
         for case in cost_cases().values()
     ]
-    costs = [cost for cost in (verification.cost(ordered, case) for case in asked) if cost is not None]
+    costs = [cost for cost in (records.cost(ordered, case) for case in asked) if cost is not None]
     missing = [name for name in names if name not in rows]
-    chapter = verification_section.chapter(
-        verification.compared(ordered), verification.held(ordered), missing
-    )
+    chapter = section.chapter(records.compared(ordered), records.held(ordered), missing)
     return [chapter, cost_section.section(costs)]
 
 
 def make(folder: Path) -> Made:
     """Write the page of the rows in a folder."""
-    from analysis import page, verification_section
+    from analysis import page
+    from analysis.verification import section
 
-    rows = verification_stage.load(folder)
+    rows = stage.load(folder)
     title = "Verification of the field reference"
     body = [f"<header>\n<h1>{title}</h1>", page.paragraph(_INTRODUCTION), "</header>", *sections(rows)]
     write_text(folder / PAGE, page.document(title, inputs(rows), body))
-    found = verification.compared(rows)
-    told = verification_section.finding(found) if found else verification_section.ABSENT
+    found = records.compared(rows)
+    told = section.finding(found) if found else section.ABSENT
     return Made(folder / PAGE, told)
 
 

@@ -11,9 +11,10 @@ import hashlib
 from datetime import datetime, timezone
 from pathlib import Path
 
-from analysis import difference, table
-from analysis.difference import Difference, Line, RowName
-from analysis.night import Night
+from analysis import table
+from analysis.nightly import difference
+from analysis.nightly.difference import Difference, Line, RowName
+from analysis.nightly.night import Night
 from analysis.report import TABLE
 from analysis.store import Document, read_json, write_json, write_text
 

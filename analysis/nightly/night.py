@@ -15,7 +15,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis import chunks, plan, reference_stage, workflow
+from analysis import plan, reference_stage, workflow
+from analysis.nightly import chunks
 from analysis.jobs import Failure, Progress, parallel_jobs
 from analysis.keys import REPOSITORY
 from analysis.plan import Work
@@ -104,7 +105,7 @@ def command(folder: Path, profile: str | None, workers: int) -> list[str]:
 
 
 def find_profile(profile: str) -> Path:
-    """The folder of a profile given by its name in `analysis/profiles` or by its path; InputError when there is none."""
+    """The folder of a profile given by its name in `analysis/nightly/profiles` or by its path; InputError when there is none."""
     for place in (_PROFILES / profile, Path(profile)):
         if (place / "config.yaml").is_file():
             return place.resolve()

@@ -9,23 +9,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis import (
+from analysis import jobs, machine, processes, report, store
+from analysis.verification import (
     cost_section,
-    jobs,
-    machine,
-    processes,
-    report,
-    store,
     truths,
     uniform_meshes,
-    verification,
-    verification_page,
-    verification_rows,
-    verification_section,
-    verification_stage,
+    records as verification,
+    page as verification_page,
+    rows as verification_rows,
+    section as verification_section,
+    stage as verification_stage,
 )
-from analysis.verification import Asked, Cost, Held
-from analysis.verification_set_ups import alone, plate, true_cases
+from analysis.verification.records import Asked, Cost, Held
+from analysis.verification.set_ups import alone, plate, true_cases
 from tests.analysis.synthetic import make_results
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.verification_set_ups import SetUp, alone, hinged, pair, plate, squares
+from analysis.verification.set_ups import SetUp, alone, hinged, pair, plate, squares
 from fem_reference.bodies import Body, Cuboid, Rectangle
 from fem_reference.level import Level, solve_level
 from fem_reference.mesh import tagged_mesh

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from analysis import chunks, history_page, results, slurm_status
+from analysis import results
+from analysis.nightly import chunks, history_page, slurm_status
 from analysis.plan import Work
 from geometries.errors import InputError
-from tests.analysis.kill_nights import kill_nights
-from tests.analysis.toy_repository import ToyRepository
+from tests.analysis.nightly.kill_nights import kill_nights
+from tests.analysis.nightly.toy_repository import ToyRepository
 
 
 @pytest.fixture(scope="module")
