@@ -9,7 +9,7 @@ from pathlib import Path
 from analysis import keys, set_up
 from analysis.results import MODEL, REFERENCE, SCENE, SLICE, case_folder
 from analysis.store import is_current
-from geometries.study import EMPTY, Case, Study
+from geometries.study import EMPTY, NO_REFERENCE, Case, Study
 
 # Seconds that a case takes on one core of 2020, roughly: only their ratios count, for the order and the progress bar.
 _SECONDS_EMPTY, _SECONDS_PAIR, _SECONDS_PER_SIZE_OVER_GAP, _SECONDS_SLICE = 4.0, 12.0, 1.0, 4.0
@@ -39,11 +39,13 @@ def missing(study: Study, cases: list[Case], folder: Path) -> list[Work]:
     """What is to do so that every case is up to date in `folder`; nothing is changed there."""
     model, reference = keys.model_code(), keys.reference_code()
     there = _case_folders(folder)
-    pictured = _pictured(cases)
+    pictured = set() if study.error == NO_REFERENCE else _pictured(cases)
     costs_vary = len(cases) < _MANY_CASES
     found = []
     for case in cases:
-        wanted = {REFERENCE: keys.reference_key(case.identity, study, reference)}
+        wanted = {}
+        if study.error != NO_REFERENCE:
+            wanted[REFERENCE] = keys.reference_key(case.identity, study, reference)
         if case.family != EMPTY:
             wanted[MODEL] = keys.model_key(case.identity, study, model)
         if case.id in pictured:

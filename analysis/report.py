@@ -67,6 +67,7 @@ def _page(
     inputs: str,
 ) -> str:
     # Imported here: plotly takes a second, and a report that is up to date needs none.
+    from analysis.experiments import section as experiments_section
     from analysis import (
         collision_section,
         page,
@@ -79,7 +80,7 @@ def _page(
         symmetry,
     )
 
-    body = [sections.headline(found, summaries), sections.failures(found)]
+    body = [sections.headline(found, summaries), sections.failures(found), experiments_section.section(found)]
     if rows:
         plots = [
             plots_of_errors.model_against_reference(rows),

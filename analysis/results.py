@@ -44,10 +44,12 @@ class CaseResult:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """All of a study's results. The last three are of the model itself; None where they were not measured."""
+    """All of a study's results. The last three are of the model itself; None where they were not measured. `experiment` is the
+    study's, or empty."""
 
     folder: Path
     title: str
+    experiment: str
     rtol: float
     max_seconds: float
     error: str
@@ -73,6 +75,7 @@ def write_manifest(folder: Path, study: Study, failures: list[Failure]) -> None:
     document: Document = {
         "name": study.name,
         "title": study.title,
+        "experiment": study.experiment,
         "rtol": study.rtol,
         "max_seconds": study.max_seconds,
         "error": study.error,
@@ -93,6 +96,7 @@ def load(folder: Path) -> Results:
     return Results(
         folder=folder,
         title=manifest["title"],
+        experiment=manifest.get("experiment", ""),
         rtol=manifest["rtol"],
         max_seconds=manifest["max_seconds"],
         error=manifest["error"],

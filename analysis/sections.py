@@ -12,7 +12,7 @@ from analysis.results import Results
 from analysis.statistics import ALL_FAMILIES, Summary
 from analysis.symmetry import Pair
 from analysis.table import COMPARED_METHOD, DELTA_SELF, MUTUAL, Row, model_command, reference_command
-from geometries.study import EMPTY
+from geometries.study import EMPTY, NO_REFERENCE
 
 PICOFARAD = 1e-12
 
@@ -59,12 +59,18 @@ def headline(results: Results, summaries: list[Summary]) -> str:
         ]
         for s in summaries
     ]
-    parts += [page.table(header, rows, text_columns=2, strong=strong), page.soft(_ERROR)]
+    if summaries:
+        parts += [page.table(header, rows, text_columns=2, strong=strong), page.soft(_ERROR)]
     return "\n".join(parts) + "\n</header>"
 
 
 def trust(results: Results, rows: list[Row], pairs: list[Pair]) -> str:
-    """Why the reference can be believed: set-ups that must agree, delta_self in two ways, accuracies not reached."""
+    """Why the reference can be believed: set-ups that must agree, delta_self in two ways, accuracies not reached.
+
+    Empty where nothing was asked of it.
+    """
+    if results.error == NO_REFERENCE:
+        return ""
     return page.section(
         "How sure is the reference?", *_pairs(pairs), *_checks(rows), *_accuracy(results, rows)
     )
@@ -223,7 +229,7 @@ def reproduce(results: Results, rows: list[Row]) -> str:
     commands = [
         [
             f"{escape(case.family)} {page.code(case.id)}",
-            page.code(reference_command(results, case.id)),
+            page.code(reference_command(results, case.id)) if results.error != NO_REFERENCE else "",
             page.code(model_command(results, case.id)) if case.family != EMPTY else "",
         ]
         for case in results.cases.values()

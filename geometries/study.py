@@ -2,11 +2,13 @@
 
     name = "gap"
     title = "The gap between two equal plates"
+    experiment = "II"               # optional: one of the thesis' chapter 6, "I" to "IV"; the report shows its section
 
     [reference]
     rtol = 1e-3                     # relative accuracy asked of the field reference
     max_seconds = 120               # per case
-    error = "estimate"              # default; or "enclosure": rtol is asked of proven intervals
+    error = "estimate"              # default; or "enclosure": rtol is asked of proven intervals; or "none": the model alone,
+                                    # without rtol and max_seconds
 
     [model]
     methods = ["exact", "split:4"]  # always with "exact", which the report compares
@@ -40,7 +42,9 @@ from geometries.writer import canonical_and_identity
 Parameter = float | Vector2
 
 EMPTY = "empty"
-ERROR_KINDS = ("estimate", "enclosure")
+NO_REFERENCE = "none"
+ERROR_KINDS = ("estimate", "enclosure", NO_REFERENCE)
+EXPERIMENTS = ("I", "II", "III", "IV")
 
 _STUDIES = Path(__file__).parent / "studies"
 _IDENTITY_DIGITS = 16
@@ -65,7 +69,8 @@ class Case:
 
 @dataclass(frozen=True)
 class Study:
-    """A study file, expanded. `rtol`, `max_seconds` and `error` are for the reference, `methods` for the model."""
+    """A study file, expanded. `rtol`, `max_seconds` and `error` are for the reference, `methods` for the model; `experiment` is
+    one of EXPERIMENTS or empty."""
 
     name: str
     title: str
@@ -74,6 +79,7 @@ class Study:
     error: str
     methods: tuple[str, ...]
     sweeps: tuple[Case, ...]
+    experiment: str = ""
 
     def cases(self) -> list[Case]:
         """Every case once, in the order of the file; then, for every distinct sensor, the sensor alone."""
@@ -115,14 +121,17 @@ def loads(text: str, source: str = "study") -> Study:
     root = parse(text, source)
     reference = root.table("reference")
     model = root.table("model")
+    error = _error_kind(reference)
+    unasked = 1.0 if error == NO_REFERENCE else None
     study = Study(
         name=_folder_name(root),
         title=root.text("title"),
-        rtol=reference.positive("rtol"),
-        max_seconds=reference.positive("max_seconds"),
-        error=_error_kind(reference),
+        rtol=reference.positive("rtol", unasked),
+        max_seconds=reference.positive("max_seconds", unasked),
+        error=error,
         methods=_methods(model),
         sweeps=tuple(case for sweep in root.tables("sweep") for case in _sweep(sweep)),
+        experiment=_experiment(root),
     )
     if not study.sweeps:
         raise root.error("sweep", "a study needs at least one sweep")
@@ -136,6 +145,15 @@ def _folder_name(root: Table) -> str:
     if Path(name).name != name or name in (".", ".."):
         raise root.error("name", f"names the folder of the results and may hold no path, as {name!r} does")
     return name
+
+
+def _experiment(root: Table) -> str:
+    if not root.has("experiment"):
+        return ""
+    experiment = root.text("experiment")
+    if experiment not in EXPERIMENTS:
+        raise root.error("experiment", f"must be one of {', '.join(EXPERIMENTS)}, not {experiment!r}")
+    return experiment
 
 
 def _error_kind(reference: Table) -> str:

@@ -101,12 +101,15 @@ def make_results(
     sweeps: str = PARALLEL + EDGE,
     answers: dict[int, tuple[dict[str, Any] | None, dict[str, Any] | None]] | None = None,
     failures: list[Failure] | None = None,
+    experiment: str = "",
 ) -> Path:
     """A folder of results; `answers` holds (reference, model) by the number of the case.
 
-    Cases without given answers have mutual 2 pF, delta_self 1 pF, and a model value of 1.8 pF.
+    `experiment` is the one that the study names, if any. Cases without given answers have mutual 2 pF, delta_self 1 pF, and a
+    model value of 1.8 pF.
     """
-    chosen = study.loads(HEAD + sweeps)
+    named = f'experiment = "{experiment}"\n' if experiment else ""
+    chosen = study.loads(named + HEAD + sweeps)
     for number, case in enumerate(chosen.cases()):
         place = results.case_folder(folder, case.id)
         store.write_text(place / results.SCENE, canonical(case.scene))

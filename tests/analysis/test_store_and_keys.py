@@ -96,3 +96,10 @@ def test_the_code_version_of_a_stage_changes_with_its_own_sources(
     store.write_text(repository / changed, "second")
     after = keys.model_code(repository), keys.reference_code(repository)
     assert (before[0] != after[0], before[1] != after[1]) == (model, reference)
+
+
+@pytest.mark.parametrize("changed", ["analysis/page.py", "analysis/experiments/section.py"])
+def test_the_code_version_of_the_report_covers_the_packages_within(repository: Path, changed: str) -> None:
+    before = keys.report_code(repository)
+    store.write_text(repository / changed, "second")
+    assert keys.report_code(repository) != before

@@ -80,6 +80,20 @@ def test_errors_are_estimated_unless_enclosures_are_asked_for() -> None:
         study.loads(asked.replace("enclosure", "guess") + SWEEP)
 
 
+def test_without_a_reference_nothing_is_asked_of_it() -> None:
+    alone = HEAD.replace("rtol = 1e-3\n", "").replace("max_seconds = 60", 'error = "none"')
+    assert alone != HEAD and study.loads(alone + SWEEP).error == "none"
+    with pytest.raises(InputError, match="reference.rtol.*missing"):
+        study.loads(alone.replace('"none"', '"estimate"') + SWEEP)
+
+
+def test_an_experiment_is_one_of_the_thesis() -> None:
+    assert study.loads(HEAD + SWEEP).experiment == ""
+    assert study.loads('experiment = "III"\n' + HEAD + SWEEP).experiment == "III"
+    with pytest.raises(InputError, match="experiment.*I, II, III, IV.*'7'"):
+        study.loads('experiment = "7"\n' + HEAD + SWEEP)
+
+
 def test_ranges() -> None:
     linear = values(expand(SWEEP.replace("0.02", "{ linspace = [0.01, 0.03, 3] }")), "gap")
     assert linear == pytest.approx([0.01, 0.02, 0.03])
@@ -163,7 +177,7 @@ def test_a_study_is_found_by_name_or_by_path(tmp_path: Path) -> None:
     own = tmp_path / "own.toml"
     own.write_text(HEAD + SWEEP)
     assert study.find(str(own)) == own
-    with pytest.raises(InputError, match="one of the studies here: default, nightly, smoke"):
+    with pytest.raises(InputError, match="one of the studies here: default, .*nightly, smoke"):
         study.find("missing")
 
 
