@@ -115,14 +115,16 @@ Medium read_medium(TableReader& root) {
   return medium;
 }
 
-/// What stands between surface and plate is all that the model looks at: a room is checked and not kept.
-void check_room(TableReader& root) {
+/// Whether there is a room. What stands between surface and plate is all that the model looks at: where the
+/// walls are is checked and not kept.
+bool read_room(TableReader& root) {
   if (!root.has("room"))
-    return;
+    return false;
   TableReader table = root.table("room");
   table.positive_numbers("size", 3);
   read_pose(table);
   table.finish();
+  return true;
 }
 
 Rectangle read_rectangle(TableReader& table) {
@@ -272,7 +274,7 @@ Scene load_scene(const std::filesystem::path& path) {
 
   Scene scene;
   scene.medium = read_medium(root);
-  check_room(root);
+  scene.has_room = read_room(root);
   LinkIndices links;
   scene.links = read_links(root, links);
   Names taken;

@@ -88,6 +88,7 @@ potential = "floating"
 TEST_F(SceneReader, ReadsEverythingTheFormatKnows) {
   const Scene scene = read(complete);
   EXPECT_EQ(scene.medium.relative_permittivity, 3);
+  EXPECT_TRUE(scene.has_room);
 
   ASSERT_EQ(scene.links.size(), 2U);
   EXPECT_EQ(scene.links[0].parent, 1U);
@@ -131,6 +132,7 @@ TEST_F(SceneReader, FillsInTheDefaults) {
     shape = { type = "cylinder", radius = 1, height = 1 }
   )");
   EXPECT_EQ(scene.medium.relative_permittivity, 1);
+  EXPECT_FALSE(scene.has_room);
   EXPECT_EQ(scene.sensors[0].input_voltage, 2.5);
   EXPECT_EQ(scene.sensors[0].coupling_capacitance, 5e-12);
   EXPECT_FALSE(scene.sensors[0].link.has_value());

@@ -44,7 +44,7 @@ struct MaxwellMatrix {
 /// The Maxwell matrix by Galerkin boundary elements (model/BOUNDARY_ELEMENTS.md), refined until the estimated
 /// errors are within rtol. Knows plates and cuboids in any pose, sensors of several plates, grounded and
 /// floating objects. Throws InputError for other shapes, dielectric objects, plates that are no rectangles,
-/// conductors that touch or cross, a scene without sensors and objects, and options out of range.
+/// rooms, conductors that touch or cross, a scene without sensors and objects, and options out of range.
 MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options = {});
 
 /// What every sensor of the scene feels by its Maxwell matrix: an object's capacitance is `mutual`, a

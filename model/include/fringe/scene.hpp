@@ -71,6 +71,7 @@ struct Object {
 /// Everything a scene file says, in the file's order.
 struct Scene {
   Medium medium;
+  bool has_room = false;  ///< whether grounded walls surround the scene
   std::vector<Link> links;
   std::vector<Sensor> sensors;
   std::vector<DistanceSensor> distance_sensors;

@@ -142,6 +142,8 @@ std::size_t count_unknowns(const std::vector<FaceFunctions>& functions) {
 
 MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options) {
   validate(options);
+  if (scene.has_room)
+    throw InputError("room: boundary elements know only free space");
   const ChargedBodies bodies = detail::charged_bodies(scene);
   const std::size_t rows = bodies.names.size() - bodies.floating;
   if (rows == 0)

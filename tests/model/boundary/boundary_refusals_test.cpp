@@ -50,6 +50,10 @@ TEST(BoundaryElementRefusals, Dielectrics) {
               HasSubstr("object \"target\" is dielectric"));
 }
 
+TEST(BoundaryElementRefusals, Rooms) {
+  EXPECT_THAT(refusal([](Scene& scene) { scene.has_room = true; }), HasSubstr("room"));
+}
+
 TEST(BoundaryElementRefusals, ConductorsThatTouchOrCrossByName) {
   const auto named = HasSubstr("sensor \"front\" plates[0] and object \"target\" touch or cross");
   EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].pose = at(0.02, 0, 0); }), named);
