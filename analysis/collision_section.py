@@ -76,8 +76,8 @@ def finding_on_queries(queries: Sequence[QueryTimes]) -> str:
     least, most = min(ratios, key=lambda name: ratios[name]), max(ratios, key=lambda name: ratios[name])
     told = f"slower in: {', '.join(slower)}" if slower else "in no row slower"
     return (
-        f"Beside the fastest other library of each row fringe is {told}; that library takes from {ratios[least]:.2g} "
-        f"({least}) to {ratios[most]:.2g} times as long ({most})."
+        f"Beside the fastest other library of each row fringe is {told}; that library takes from {_figures(ratios[least])} "
+        f"({least}) to {_figures(ratios[most])} times as long ({most})."
     )
 
 
@@ -87,14 +87,14 @@ def finding_on_scenes(scenes: Sequence[SceneTimes]) -> str:
     agree = all(len(set(scene.collisions.values())) == 1 for scene in scenes)
     own = large.milliseconds[OWN]
     others = ", ".join(
-        f"{time / own:.2g} times as long by {name}"
+        f"{_figures(time / own)} times as long by {name}"
         for name, time in large.milliseconds.items()
         if name != OWN
     )
     return (
-        f"{large.objects / small.objects:.3g} times as many objects have {_ratio(large.collisions, small.collisions):.2g} "
-        f"times the collisions and take {own / small.milliseconds[OWN]:.2g} times as long, all pairs "
-        f"{_ratio(large.milliseconds, small.milliseconds, _ALL_PAIRS):.2g} times; a frame of {large.objects:,} takes {others}; "
+        f"{_figures(large.objects / small.objects)} times as many objects have {_figures(_ratio(large.collisions, small.collisions))} "
+        f"times the collisions and take {_figures(own / small.milliseconds[OWN])} times as long, all pairs "
+        f"{_figures(_ratio(large.milliseconds, small.milliseconds, _ALL_PAIRS))} times; a frame of {large.objects:,} takes {others}; "
         f"{'all ways found the same number' if agree else 'the ways found different numbers'}."
     )
 
@@ -110,7 +110,12 @@ def _failing_share(entry: PairClass) -> float:
 
 
 def _share(part: int, whole: int) -> str:
-    return f"{100 * part / whole:.2g} %" if whole else "none"
+    return f"{_figures(100 * part / whole)} %" if whole else "none"
+
+
+def _figures(number: float) -> str:
+    """Two digits, more only where they stand before the point."""
+    return f"{number:.0f}" if abs(number) >= 10 else f"{number:.2g}"
 
 
 def _classes_table(classes: Sequence[PairClass]) -> str:
