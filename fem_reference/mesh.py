@@ -40,6 +40,12 @@ ROOM_REACH = 2.0
 WALL = 1e-9
 """Distance from a wall, over the room's half width, within which corners lie in it: rounding of OpenCASCADE."""
 
+MESH_ADAPT = 1
+"""gmsh's most robust way to mesh a surface, twice as slow as the one it takes by itself."""
+
+GO_ON, RAISE = 0, 2
+"""gmsh's General.AbortOnError."""
+
 FLAT = 1e-9
 """Six times the volume over the cube of the longest side of what counts as none; the flattest usable cells met have 1e-5."""
 
@@ -132,7 +138,7 @@ def tagged_mesh(
             volumes = _build_geometry(bodies, centre, radius, planes, room)
         with stage("meshing"):
             set_size_field(bodies, owner, sizing, volumes, dielectrics, room)
-            gmsh.model.mesh.generate(3)
+            _generate()
             gmsh.model.mesh.setOrder(1 if straight else 2)
 
     comm = MPI.COMM_WORLD
@@ -167,6 +173,28 @@ def tagged_mesh(
         2 ** len(planes),
         room is not None,
     )
+
+
+def _generate() -> None:
+    """Tetrahedra for the current gmsh model, with a second try where the triangles of two surfaces cross each other."""
+    if _errors_of_meshing():
+        gmsh.model.mesh.clear()
+        gmsh.option.setNumber("Mesh.Algorithm", MESH_ADAPT)
+        errors = _errors_of_meshing()
+        if errors:
+            raise RuntimeError(errors[0].removeprefix("Error: "))
+
+
+def _errors_of_meshing() -> list[str]:
+    """Mesh; what gmsh says went wrong. An exception in its midst would leave it locked, and the next try without effect."""
+    gmsh.option.setNumber("General.AbortOnError", GO_ON)
+    gmsh.logger.start()
+    try:
+        gmsh.model.mesh.generate(3)
+        return [line for line in gmsh.logger.get() if line.startswith("Error")]
+    finally:
+        gmsh.logger.stop()
+        gmsh.option.setNumber("General.AbortOnError", RAISE)
 
 
 def _refuse_flat_cells(corners: NDArray[np.float64]) -> None:

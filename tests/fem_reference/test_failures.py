@@ -6,10 +6,14 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 import gmsh
+import numpy as np
 import pytest
 
 from fem_reference import mesh, solve
 from fem_reference.__main__ import main
+from fem_reference.bodies import Rectangle
+from fem_reference.mesh import tagged_mesh
+from fem_reference.size_rules import Sizing
 from fem_reference.stages import stage
 
 SCENE = """
@@ -60,3 +64,27 @@ def test_a_failure_names_its_stage_and_leaves_nothing(
 def test_running_out_of_memory_is_not_disguised() -> None:
     with pytest.raises(MemoryError), stage("meshing"):
         raise MemoryError
+
+
+def test_a_mesh_whose_surfaces_cross_is_made_another_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    algorithms: list[float] = []
+    generate = gmsh.model.mesh.generate
+
+    def fail_once(dimension: int) -> None:
+        algorithms.append(gmsh.option.getNumber("Mesh.Algorithm"))
+        generate(dimension)
+        if len(algorithms) == 1:
+            gmsh.logger.write("PLC Error: a segment and a facet intersect", "error")
+
+    monkeypatch.setattr(gmsh.model.mesh, "generate", fail_once)
+    plate = Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))
+    assert tagged_mesh([plate], [0], Sizing()).cell_count > 1000
+    assert len(algorithms) == 2 and algorithms[1] == mesh.MESH_ADAPT != algorithms[0]
+
+
+def test_a_mesh_that_cannot_be_made_either_way_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        gmsh.model.mesh, "generate", lambda _: gmsh.logger.write("PLC Error: at a point", "error")
+    )
+    with pytest.raises(RuntimeError, match="meshing failed: .*PLC Error: at a point"):
+        tagged_mesh([Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))], [0], Sizing())
