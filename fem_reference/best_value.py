@@ -30,9 +30,11 @@ def best_value(levels: Sequence[Level]) -> Estimate:
         return Estimate(
             (only.lower + only.upper) / 2, only.half_width, np.zeros(only.lower.shape, dtype=bool)
         )
-    # Narrow bounds on the coarsest level: the order of the theory is taken, checked or not, the error is what it is.
-    last = potentials[-1] - potentials[-2]
-    return Estimate(potentials[-1] + last, estimate(potentials).error, np.ones(last.shape, dtype=bool))
+    # Narrow bounds on the coarsest level: where the potentials do not converge yet, the theory's ratio is taken all the same.
+    found = estimate(potentials)
+    theory = 2 * potentials[-1] - potentials[-2]
+    every = np.ones(theory.shape, dtype=bool)
+    return Estimate(np.where(found.extrapolated, found.value, theory), found.error, every)
 
 
 def _between(bounds: Sequence[Enclosure]) -> Estimate:

@@ -24,16 +24,23 @@ def test_linear_convergence_is_extrapolated_to_its_limit() -> None:
     assert of(5.0, 3.0, 2.0) == (1.0, LEAST_FRACTION, True)
 
 
-@pytest.mark.parametrize("order", [0.8, 1.0, 4 / 3, 1.5])
+@pytest.mark.parametrize("order", [0.8, 1.0, 4 / 3, 1.5, 2.0, 3.0])
 def test_the_error_covers_other_orders_of_convergence(order: float) -> None:
     """1 + h^order: the limit 1 stays inside although it is extrapolated as if the order were one."""
     value, error, extrapolated = of(*(1 + h**order for h in (4.0, 2.0, 1.0)))
     assert extrapolated and abs(value - 1) <= error
 
 
-@pytest.mark.parametrize("values", [(5.0, 4.0, 1.0), (5.0, 3.0, 3.5), (5.0, 3.0, 2.9)])
-def test_differences_of_another_ratio_are_not_extrapolated(values: tuple[float, float, float]) -> None:
-    """Growing, alternating or suddenly small differences: the finest value, and an error from the larger one."""
+def test_differences_that_fall_fast_are_not_believed_alone() -> None:
+    """The finest mesh may be a bad one: half the difference before is the other prediction of what is left."""
+    value, error, extrapolated = of(5.0, 3.0, 2.9)
+    assert extrapolated and value == pytest.approx(2.9 - (0.1 + 1.0) / 2)
+    assert error == pytest.approx(1.0 - 0.1)
+
+
+@pytest.mark.parametrize("values", [(5.0, 4.0, 1.0), (5.0, 3.0, 3.5), (5.0, 4.0, 3.2)])
+def test_differences_that_do_not_fall_are_not_extrapolated(values: tuple[float, float, float]) -> None:
+    """Growing, alternating or hardly falling differences: the finest value, and an error from the larger one."""
     value, error, extrapolated = of(*values)
     first, second = abs(values[1] - values[0]), abs(values[2] - values[1])
     assert not extrapolated and value == values[2]
