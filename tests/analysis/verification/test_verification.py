@@ -22,7 +22,7 @@ from analysis.verification import (
 )
 from analysis.verification.records import Asked, Cost, Held
 from analysis.verification.set_ups import alone, plate, true_cases
-from tests.analysis.synthetic import make_results
+from tests.analysis.synthetic import make_results, report_text
 
 
 def quantity(value: float, error: float, **more: Any) -> dict[str, Any]:
@@ -249,13 +249,13 @@ def test_a_report_without_rows_says_how_to_make_them_and_takes_them_up(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = make_results(tmp_path / "study")
-    assert verification_section.ABSENT in report.make(folder).path.read_text()
+    assert verification_section.ABSENT in report_text(folder)
     rows = {"truth/cube": truth_row(INSIDE)}
     for name, row in rows.items():
         key = verification_stage.key(name, verification_stage.code())
         target = verification_stage.path_of(verification_page.beside(folder), name)
         store.write_json(target, {"key": key, "row": name, **row})
-    text = report.make(folder).path.read_text()
+    text = report_text(folder)
     assert verification_section.TITLE in text and verification_section.ABSENT not in text
     assert "1 of 1 known quantities of 1 set-ups are within the stated error" in text
     assert "property/scaling" in text, "what is not there yet is named"
