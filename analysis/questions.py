@@ -1,4 +1,4 @@
-"""The pages of a study's report, one for each question."""
+"""The pages of a study's report, one for each question: a line in QUESTIONS makes a page, its way around, its card in the index."""
 
 from __future__ import annotations
 

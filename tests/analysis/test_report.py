@@ -137,7 +137,9 @@ def test_a_night_changes_the_report_alone(folder: Path) -> None:
     night = {"time": "2026-01-02T03:04:05+00:00", "table": "", "failed": 0, "to_do": 0, "seconds": 1.0}
     worst = {"worst": {name: 0.1 for name in table.QUANTITIES}, "reference_seconds": 9.0}
     store.write_json(folder / "history" / "2026.json", night | worst)
-    history_page.make(folder)
+    history = history_page.make(folder)
+    for target in re.findall(r'(?:href|src)="([^"]*)"', history.read_text()):
+        assert (folder / target).is_file()
     text = report.make(folder).path.read_text()
     assert 'href="history.html"' in text and "1 nights since 2026-01-02 03:04" in text
     assert (folder / "report" / "model_error.html").stat().st_mtime_ns == page

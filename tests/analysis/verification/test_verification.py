@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -266,5 +267,7 @@ def test_the_page_by_itself_has_every_panel(tmp_path: Path) -> None:
     assert (
         made.headline == verification_section.ABSENT and verification_section.ABSENT in made.path.read_text()
     )
+    (script,) = re.findall(r'src="(.*?)"', made.path.read_text())
+    assert (tmp_path / script).is_file()
     text = cost_section.section([costs()])
     assert text.count("plotly-graph-div") == 1 and "Every mesh" in text
