@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable
 from html import escape
-from pathlib import Path
 
 from analysis import keys, page, plots_in_space
 from analysis.answers import Estimate, ReferenceAnswer

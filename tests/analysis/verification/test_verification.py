@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis import jobs, machine, processes, report, store
+from analysis import jobs, machine, processes, store
 from analysis.verification import (
     cost_section,
     truths,
