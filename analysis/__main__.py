@@ -1,4 +1,5 @@
-"""`python3 -m analysis`: run a study, also night by night, compare two of them, verify the reference, show a scene."""
+"""`python3 -m analysis`: run a study, also night by night, compare two of them, verify the reference, take the
+model's error apart, show a scene."""
 
 from __future__ import annotations
 
@@ -41,6 +42,8 @@ def main(arguments: list[str] | None = None) -> int:
             return _job(options.file)
         if options.command == "diff":
             return _diff(options.old, options.new, options.output)
+        if options.command == "errors":
+            return _errors(options.output, options.jobs)
         if options.command == "show":
             return _show(options.scene, options.motion, options.output)
         return _report(options.results)
@@ -86,7 +89,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     _add_verify(run)
     _add_nightly(commands)
-    report = commands.add_parser("report", help="write table.csv and report.html from stored answers")
+    report = commands.add_parser(
+        "report", help="write table.csv, report.html and its pages from stored answers"
+    )
     report.add_argument("results", type=Path, metavar="RESULTS", help="a folder that `run` has filled")
     verify = commands.add_parser(
         "verify",
@@ -97,6 +102,16 @@ def _parser() -> argparse.ArgumentParser:
     )
     verify.add_argument(
         "--jobs", type=_count, metavar="N", help="rows at a time (default: by cores and memory)"
+    )
+    errors = commands.add_parser(
+        "errors",
+        help="take the model's error apart in hundreds of set-ups, by boundary elements (a minute or two; finished ones are kept)",
+    )
+    errors.add_argument(
+        "--output", type=Path, metavar="DIR", help="where to keep the answers (default: results/errors)"
+    )
+    errors.add_argument(
+        "--jobs", type=_count, metavar="N", help="set-ups at a time (default: by cores and memory)"
     )
     show = commands.add_parser(
         "show", help="write one page with a scene, its sensors' readings and its motion"
@@ -175,6 +190,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _nightly(options: argparse.Namespace) -> int:
+    from analysis import report
     from analysis.nightly import history, history_page, night
     from analysis.nightly.difference import to_text
     from analysis.store import exclusive
@@ -189,6 +205,8 @@ def _nightly(options: argparse.Namespace) -> int:
         code = _report(target)
         moved = history.add(target, done)
         print(f"nights: {history_page.make(target)}")
+        # It leads to the nights, of which this one is the last.
+        report.make(target)
     if moved is not None:
         print(to_text(moved), end="")
     return FAILED if _any_failed(failures) or (moved is not None and moved.drifted) else code
@@ -266,6 +284,21 @@ def _verify(folder: Path | None, jobs: int | None) -> int:
     failures = verification_stage.run(target, verification_stage.row_names(), jobs)
     _tell(failures)
     made = verification_page.make(target)
+    print(made.headline)
+    print(f"report: {made.path}")
+    return FAILED if failures else ANSWERED
+
+
+def _errors(folder: Path | None, jobs: int | None) -> int:
+    from analysis.errors import page as errors_page, set_ups, stage
+    from analysis.keys import REPOSITORY
+    from analysis.store import exclusive
+
+    target = folder or REPOSITORY / "results" / stage.FOLDER
+    with exclusive(target):
+        failures = stage.run(target, set_ups.all_set_ups(), jobs)
+        _tell(failures)
+        made = errors_page.make(target)
     print(made.headline)
     print(f"report: {made.path}")
     return FAILED if failures else ANSWERED

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+import shlex
 from collections.abc import Iterable
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
@@ -71,6 +72,13 @@ def reference_code(repository: Path = REPOSITORY) -> str:
 def report_code(repository: Path = REPOSITORY) -> str:
     """The version of the report: a hash of this package."""
     return hash_of_files((repository / "analysis").rglob("*.py"), repository)
+
+
+def from_repository(path: Path) -> str:
+    """A path as a command names it: from the repository's folder where it is in there, and quoted for a shell."""
+    absolute = path.resolve()
+    within = absolute.is_relative_to(REPOSITORY)
+    return shlex.quote(str(absolute.relative_to(REPOSITORY) if within else absolute))
 
 
 def hash_of_files(paths: Iterable[Path], root: Path) -> str:

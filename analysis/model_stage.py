@@ -10,6 +10,8 @@ from typing import Any
 from analysis.jobs import Failure
 from analysis.keys import REPOSITORY
 from analysis.store import Document, write_json
+from geometries.families import GROUNDED
+from geometries.scene import Scene
 
 # Single evaluations take a microsecond, less than what else the machine does now and then: the smallest of many counts.
 _REPEATS = 25
@@ -21,6 +23,11 @@ def model_module() -> Any:
     if folder not in sys.path:
         sys.path.insert(0, folder)
     return importlib.import_module("fringe")
+
+
+def knows(scene: Scene) -> bool:
+    """Whether the model can be asked: it knows grounded conductors only."""
+    return all(body.potential == GROUNDED and body.relative_permittivity is None for body in scene.objects)
 
 
 def evaluate(scene: Path, target: Path, key: str, methods: tuple[str, ...], module: Any) -> Failure | None:

@@ -1,11 +1,21 @@
-"""The report as one HTML page that needs nothing but itself."""
+"""HTML pages that work offline: their frame and their parts."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable
 from html import escape
+from pathlib import Path
+from typing import Any
 
 from analysis.plot import Panel, Plot
+from analysis.store import write_text
+
+SCRIPT = "report/plotly.js"
+"""Of all pages of a folder of results: megabytes, so it is there once."""
+CASES = "../cases"
+"""The cases' folder as seen from a page in the folder of the pages."""
+CASE_PAGE = "case.html"
 
 _STYLE = """
 :root { --ink: #24292f; --soft: #57606a; --line: #d8dee4; --tint: #f6f8fa; --accent: #0b5394; }
@@ -15,6 +25,7 @@ body { margin: 0; color: var(--ink); background: white; line-height: 1.55;
 main { max-width: 76rem; margin: 0 auto; padding: 2.5rem 1.25rem 4rem; }
 h1 { font-size: 1.9rem; line-height: 1.2; margin: 0 0 .4rem; }
 h2 { font-size: 1.3rem; margin: 3rem 0 .4rem; padding-top: 1.2rem; border-top: 1px solid var(--line); }
+header + section h2 { border-top: 0; padding-top: 0; margin-top: 1.4rem; }
 h3 { font-size: 1rem; margin: 1.6rem 0 .3rem; }
 p { max-width: 46rem; margin: .5rem 0; }
 a { color: var(--accent); }
@@ -23,7 +34,6 @@ a { color: var(--accent); }
 .panels { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 1rem 1.5rem; }
 .panel { min-width: 0; margin: .6rem 0 0; }
 .panels.single { grid-template-columns: minmax(0, 56rem); }
-@media (max-width: 52rem) { .panels, .panels.single { grid-template-columns: minmax(0, 1fr); } }
 .panel figcaption { color: var(--soft); font-size: .92rem; }
 .scroll { overflow-x: auto; margin: .8rem 0; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .9rem; }
@@ -33,9 +43,20 @@ th.text, td.text { text-align: left; }
 tr.strong td { font-weight: 600; }
 code { font: .86em ui-monospace, "DejaVu Sans Mono", monospace; background: var(--tint); padding: .1em .3em; }
 td code { background: none; padding: 0; }
+code.command { display: block; padding: .5em .7em; margin: .5rem 0; overflow-wrap: anywhere; }
+html { overflow-y: scroll; }
+nav { font-size: .92rem; margin: 0 0 1.4rem; display: flex; flex-wrap: wrap; gap: .2rem 1rem; }
+nav a[aria-current] { color: var(--ink); font-weight: 600; text-decoration: none; }
+.cards { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 1rem 1.5rem; margin: 1.4rem 0; padding: 0; }
+.cards li { list-style: none; border: 1px solid var(--line); border-radius: 6px; padding: .8rem 1rem; }
+.cards a { font-weight: 600; } .cards p { margin: .3rem 0 0; font-size: .92rem; color: var(--soft); }
 details { margin: .8rem 0; } summary { cursor: pointer; color: var(--accent); }
+@media (max-width: 52rem) {
+  .panels, .panels.single, .cards { grid-template-columns: minmax(0, 1fr); }
+  main { padding: 1.2rem .9rem 3rem; } h1 { font-size: 1.5rem; overflow-wrap: anywhere; } p { overflow-wrap: anywhere; }
+}
 @media print {
-  body { font-size: 11px; } main { max-width: none; padding: 0; } h2 { margin-top: 1.5rem; }
+  html { font-size: 11px; overflow: visible; } body { font-size: 1rem; } main { max-width: none; padding: 0; } nav { display: none; } h2 { margin-top: 1.5rem; }
   figure, tr { break-inside: avoid; } .scroll { overflow: visible; }
   .panels { grid-template-columns: minmax(0, 1fr); } .panel { max-width: 44rem; }
 }
@@ -44,12 +65,20 @@ details { margin: .8rem 0; } summary { cursor: pointer; color: var(--accent); }
 _FIT_TO_PAPER = """
 addEventListener("beforeprint", () => document.querySelectorAll(".js-plotly-plot").forEach(p => Plotly.Plots.resize(p)));
 """
+# A point that stands for a case has the case's id with it.
+_OPEN_CASES = """
+addEventListener("DOMContentLoaded", () => document.querySelectorAll("[data-cases] .js-plotly-plot").forEach(plot =>
+  plot.on("plotly_click", event => {
+    const id = event.points[0].customdata;
+    if (/^[0-9a-f]{16}$/.test(id)) location.href = `${plot.closest("[data-cases]").dataset.cases}/${id}/case.html`;
+  })));
+"""
+_HEIGHT = 400
 
 
-def document(title: str, inputs: str, body: Iterable[str]) -> str:
-    """The whole page. `inputs`, the hash of what it was made from, is kept in its head; plotly.js is put in once."""
-    from plotly.offline import get_plotlyjs
-
+def document(title: str, inputs: str, body: Iterable[str], script: str | None = None) -> str:
+    """The whole page. `inputs`, the hash of what it was made from, is kept in its head. plotly.js is the file `script`, named as
+    seen from the page; it is put into the page where that is None, and left out where it is empty."""
     return "\n".join(
         [
             '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">',
@@ -57,13 +86,21 @@ def document(title: str, inputs: str, body: Iterable[str]) -> str:
             '<meta name="viewport" content="width=device-width, initial-scale=1">',
             f"<title>{escape(title)}</title>",
             f"<style>{_STYLE}</style>",
-            f"<script>{get_plotlyjs()}</script>",
-            f"<script>{_FIT_TO_PAPER}</script>",
+            *_scripts(script),
             "</head>\n<body>\n<main>",
             *body,
             "</main>\n</body>\n</html>\n",
         ]
     )
+
+
+def provide_script(folder: Path) -> None:
+    """Put plotly.js into a folder of results, unless it is there."""
+    from plotly.offline import get_plotlyjs
+
+    text, target = get_plotlyjs(), folder / SCRIPT
+    if not target.is_file() or target.stat().st_size != len(text.encode()):
+        write_text(target, text)
 
 
 def inputs_mark(inputs: str) -> str:
@@ -83,15 +120,15 @@ def plot_section(plot: Plot) -> str:
     return section(plot.title, *parts)
 
 
-def figures(panels: list[Panel]) -> str:
-    """Panels side by side."""
+def figures(panels: list[Panel], cases: str = CASES) -> str:
+    """Panels side by side. `cases` is the folder of the cases that their points open, as seen from the page."""
     drawn = "\n".join(
         f'<figure class="panel"><figcaption>{escape(panel.caption)}</figcaption>{_figure(panel.figure)}</figure>'
         for panel in panels
     )
     # Said by a class, since a figure is drawn while the page is still being read and its siblings are unknown.
     kind = "panels single" if len(panels) == 1 else "panels"
-    return f'<div class="{kind}">{drawn}</div>'
+    return f'<div class="{kind}" data-cases="{cases}">{drawn}</div>'
 
 
 def finding(text: str) -> str:
@@ -108,6 +145,21 @@ def soft(text: str) -> str:
 
 def code(text: str) -> str:
     return f"<code>{escape(text)}</code>"
+
+
+def link(target: str, text: str) -> str:
+    """To a file, relative to the page."""
+    return f'<a href="{escape(target)}">{escape(text)}</a>'
+
+
+def case_link(case: str, cases: str = CASES) -> str:
+    """To a case's page."""
+    return f'<a href="{cases}/{case}/{CASE_PAGE}"><code>{escape(case)}</code></a>'
+
+
+def command(text: str) -> str:
+    """A command on a line of its own, which may be long."""
+    return f'<code class="command">{escape(text)}</code>'
 
 
 def folded(summary: str, content: str) -> str:
@@ -134,9 +186,30 @@ def table(
     )
 
 
-def _figure(figure: object) -> str:
-    from plotly.io import to_html
+def _scripts(script: str | None) -> list[str]:
+    from plotly.offline import get_plotlyjs
 
+    if script == "":
+        return []
+    whole = f"<script>{get_plotlyjs()}</script>" if script is None else f'<script src="{script}"></script>'
+    return [whole, f"<script>{_FIT_TO_PAPER}{_OPEN_CASES}</script>"]
+
+
+def _figure(figure: Any) -> str:
+    """The figure's place and the script that draws it there. Everything is styled by `plot.figure`: plotly's template, longer than
+    most figures, is left out."""
+    from plotly.utils import PlotlyJSONEncoder
+
+    content = figure.to_plotly_json()
+    layout = {key: value for key, value in content["layout"].items() if key != "template"}
     config = {"responsive": True, "displaylogo": False, "displayModeBar": False}
-    html: str = to_html(figure, full_html=False, include_plotlyjs=False, config=config)
-    return html
+    parts = ", ".join(
+        json.dumps(part, cls=PlotlyJSONEncoder, separators=(",", ":"))
+        for part in (content["data"], layout, config)
+    )
+    # What ends a script element in HTML must not stand in one.
+    harmless = parts.replace("</", "<\\/")
+    place = f'<div class="plotly-graph-div" style="height:{layout.get("height", _HEIGHT)}px"></div>'
+    return (
+        f"{place}<script>Plotly.newPlot(document.currentScript.previousElementSibling, {harmless});</script>"
+    )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis import keys, set_up
+from analysis.model_stage import knows
 from analysis.results import MODEL, REFERENCE, SCENE, SLICE, case_folder
 from analysis.store import is_current
 from geometries.study import EMPTY, NO_REFERENCE, Case, Study
@@ -18,6 +19,8 @@ _SECONDS_MODEL = 0.1
 _ENCLOSURE_FACTOR = 3.0
 # With so many cases those of a job even out, and looking at each of them would take longer than it saves.
 _MANY_CASES = 5000
+# A slice takes three to five seconds: with so many cases, minutes, which is what a picture on the page of each is worth.
+_ALL_PICTURED = 100
 
 
 @dataclass(frozen=True)
@@ -46,7 +49,7 @@ def missing(study: Study, cases: list[Case], folder: Path) -> list[Work]:
         wanted = {}
         if study.error != NO_REFERENCE:
             wanted[REFERENCE] = keys.reference_key(case.identity, study, reference)
-        if case.family != EMPTY:
+        if case.family != EMPTY and knows(case.scene):
             wanted[MODEL] = keys.model_key(case.identity, study, model)
         if case.id in pictured:
             wanted[SLICE] = keys.slice_key(case.identity, reference)
@@ -68,11 +71,14 @@ def _case_folders(folder: Path) -> set[str]:
 
 
 def _pictured(cases: list[Case]) -> set[str]:
-    """One case for each family, the second of its list where it can be: the first of a sweep is its extreme."""
+    """Every case of a small study; of a large one a case for each family, the second of its list where it can be: the first of
+    a sweep is its extreme."""
     members: dict[str, list[str]] = {}
     for case in cases:
         if case.family != EMPTY:
             members.setdefault(case.family, []).append(case.id)
+    if len(cases) <= _ALL_PICTURED:
+        return {case for ids in members.values() for case in ids}
     return {ids[min(1, len(ids) - 1)] for ids in members.values()}
 
 

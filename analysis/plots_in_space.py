@@ -10,10 +10,13 @@ from analysis.plot import INK, SENSOR_COLOUR, TARGET_COLOUR, Panel, Plot, axis, 
 from analysis.results import CaseResult
 from analysis.store import Document
 from analysis.table import MUTUAL, Row
+from geometries.poses import Transform
+from geometries.scene import Object, Scene
 
 Array = NDArray[np.float64]
 
 CENTIMETRE = 1e-2
+_WITHOUT_UNIT = "relative_permittivity"
 FLATTEST = 0.1
 """Height of the box around a scene over its largest side, at least: plates in one plane have none of their own."""
 
@@ -27,27 +30,47 @@ def pictures(rows: list[Row]) -> list[Plot]:
     return found
 
 
-def _picture(row: Row) -> Plot:
-    case = row.case
-    panels = [Panel("sensor (blue) and target (orange)", _space(case))]
+def panels(case: CaseResult) -> list[Panel]:
+    """The case in space, and the potential around it where there is a slice of it."""
+    found = [in_space(case.scene)]
     if case.slice is not None:
-        caption = (
-            "potential (V) in the vertical plane through both centres: sensor (black) at 1 V, target grounded"
-        )
-        panels.append(Panel(caption, _slice(case, case.slice)))
-    mutual = row.reference.value / 1e-12
-    finding = (
-        f"In case {case.id} the grounded target carries {mutual:.3g} pC for each volt on the sensor (mutual, reference);"
-        f" the model's value is {abs(row.model_error):.0%} too {'high' if row.model_error > 0 else 'low'}."
-    )
-    return Plot(f"Family {case.family}", finding, panels, _parameters(case))
+        first, *others = case.scene.sensors
+        roles = [f"{sensor.name} grounded" for sensor in others]
+        roles += [f"{body.name} {_role(body)}" for body in case.scene.objects]
+        centres = "both" if len(roles) == 1 else "the"
+        caption = f"potential (V) in the vertical plane through {centres} centres: {first.name} (black) at 1 V, {', '.join(roles)}"
+        found.append(Panel(caption, _slice(case, case.slice)))
+    return found
 
 
-def _parameters(case: CaseResult) -> str:
+def _role(body: Object) -> str:
+    return body.potential if body.relative_permittivity is None else "dielectric"
+
+
+def _triangles(scene: Scene) -> dict[str, Array]:
+    """Name → triangles (n, 3, 3) in the world frame: the sensors', then those of all objects, dielectric ones too."""
+    conductors = scene.conductors()
+    found = {sensor.name: conductors[sensor.name] for sensor in scene.sensors}
+    for body in scene.objects:
+        found[body.name] = Transform(*scene.pose_of_object(body.name)).points(body.shape.triangles())
+    return found
+
+
+def in_space(scene: Scene) -> Panel:
+    """A scene's sensors and objects in space."""
+    sensors = "sensor" if len(scene.sensors) == 1 else "sensors"
+    return Panel(f"{sensors} (blue) and target (orange)" if scene.objects else f"{sensors}", _space(scene))
+
+
+def parameters(case: CaseResult) -> str:
     """The parameters for people: lengths in cm."""
     told = []
     for name, value in case.parameters.items():
-        label, values = name.replace("_", " "), value if isinstance(value, tuple) else (value,)
+        label = name.replace("_", " ")
+        if isinstance(value, str) or name == _WITHOUT_UNIT:
+            told.append(f"{label} {value if isinstance(value, str) else f'{value:g}'}")
+            continue
+        values = value if isinstance(value, tuple) else (value,)
         if name.endswith("_degrees"):
             told.append(f"{label.removesuffix(' degrees')} {values[0]:g}°")
         else:
@@ -56,12 +79,22 @@ def _parameters(case: CaseResult) -> str:
     return ", ".join(told) + "."
 
 
-def _space(case: CaseResult) -> go.Figure:
-    sensors = {sensor.name for sensor in case.scene.sensors}
-    conductors = case.scene.conductors()
-    extent = np.ptp(np.concatenate([triangles.reshape(-1, 3) for triangles in conductors.values()]), axis=0)
+def _picture(row: Row) -> Plot:
+    case = row.case
+    mutual = row.reference.value / 1e-12
+    finding = (
+        f"In case {case.id} the grounded target carries {mutual:.3g} pC for each volt on the sensor (mutual, reference);"
+        f" the model's value is {abs(row.model_error):.0%} too {'high' if row.model_error > 0 else 'low'}."
+    )
+    return Plot(f"Family {case.family}", finding, panels(case), parameters(case))
+
+
+def _space(scene: Scene) -> go.Figure:
+    sensors = {sensor.name for sensor in scene.sensors}
+    bodies = _triangles(scene)
+    extent = np.ptp(np.concatenate([triangles.reshape(-1, 3) for triangles in bodies.values()]), axis=0)
     traces: list[object] = []
-    for name, triangles in conductors.items():
+    for name, triangles in bodies.items():
         vertices = triangles.reshape(-1, 3) / CENTIMETRE
         first, second, third = np.arange(len(vertices)).reshape(-1, 3).T
         colour = SENSOR_COLOUR if name in sensors else TARGET_COLOUR
@@ -80,15 +113,15 @@ def _space(case: CaseResult) -> go.Figure:
                 hoverinfo="name",
             )
         )
-    scene = {
+    view = {
         "xaxis": {"title": "x (cm)"},
         "yaxis": {"title": "y (cm)"},
         "zaxis": {"title": "z (cm)", "nticks": 4},
         "aspectmode": "manual",
         "aspectratio": dict(zip("xyz", np.maximum(extent / extent.max(), FLATTEST).tolist())),
-        "camera": {"eye": {"x": 0.95, "y": -1.35, "z": 0.85}},
+        "camera": {"eye": {"x": 1.1, "y": -1.55, "z": 1.0}},
     }
-    return figure(traces, {}, {}, height=420, scene=scene, margin={"l": 0, "r": 0, "t": 0, "b": 0})
+    return figure(traces, {}, {}, height=420, scene=view, margin={"l": 0, "r": 0, "t": 0, "b": 0})
 
 
 def _slice(case: CaseResult, slice_of: Document) -> go.Figure:
@@ -98,7 +131,7 @@ def _slice(case: CaseResult, slice_of: Document) -> go.Figure:
         go.Contour(
             x=along,
             y=z,
-            z=np.round(potential, 4),
+            z=np.round(potential, 3),
             zmin=0,
             zmax=1,
             contours={"start": 0, "end": 1, "size": 0.05},
@@ -120,7 +153,7 @@ def _cuts(case: CaseResult, origin: Array, direction: Array) -> list[go.Scatter]
     sensors = {sensor.name for sensor in case.scene.sensors}
     across_plane = np.array([-direction[1], direction[0]])
     traces = []
-    for name, triangles in case.scene.conductors().items():
+    for name, triangles in _triangles(case.scene).items():
         horizontal = triangles[..., :2] - origin
         local = np.stack([horizontal @ direction, horizontal @ across_plane, triangles[..., 2]], axis=-1)
         along: list[float | None] = []

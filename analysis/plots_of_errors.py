@@ -71,6 +71,7 @@ def _values(rows: list[Row], quantity: str) -> go.Figure:
                 marker=family_marker(family, families),
                 name=family,
                 text=[_told(row) for row in members],
+                customdata=[row.case.id for row in members],
                 hovertemplate="%{text}<br>reference %{x:.5g} pF, model %{y:.5g} pF<extra></extra>",
             )
         )
@@ -79,7 +80,7 @@ def _values(rows: list[Row], quantity: str) -> go.Figure:
 
 def _told(row: Row) -> str:
     parameters = ", ".join(
-        f"{name} {'×'.join(f'{v:g}' for v in value) if isinstance(value, tuple) else f'{value:g}'}"
+        f"{name} {'×'.join(f'{v:g}' for v in value) if isinstance(value, tuple) else value}"
         for name, value in row.case.parameters.items()
     )
     return f"{row.case.family} {row.case.id}<br>{parameters}"
@@ -141,6 +142,7 @@ def _errors(described: list[tuple[float, Row]], quantity: str, label: str, logar
                 marker=family_marker(family, families),
                 name=family,
                 text=[_told(row) for _, row in members],
+                customdata=[row.case.id for _, row in members],
                 hovertemplate="%{text}<br>model error %{y:+.2f} %<extra></extra>",
             )
         )

@@ -1,18 +1,32 @@
-"""From stored answers to `table.csv` and `report.html`."""
+"""From stored answers to `table.csv`, `report.html`, and the pages it leads to: one for every question and every case."""
 
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
+import json
+import re
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from analysis import keys, results, statistics, table
+from analysis.errors import records as error_records, set_ups as error_set_ups, stage as errors_stage
+from analysis.store import Document, read_json, write_json, write_text
 from analysis.verification import page as verification_page, stage as verification_stage
-from analysis.store import Document, write_text
+
+if TYPE_CHECKING:
+    from analysis.index_page import Card
+    from analysis.questions import Material
 
 REPORT, TABLE = "report.html", "table.csv"
+PAGES = "report"
+"""The folder of the pages and of the script they share."""
+_FINDINGS = "pages.json"
 # The mark of the inputs stands in the first lines of a page whose script takes megabytes.
 _MARK_WITHIN = 1000
+_CASES_IN_FIGURE = re.compile(r'"customdata":\[+"[0-9a-f]{16}"')
+_HINT = "A click on a point opens its case."
+_HREF = re.compile(r'href="([^"#]+)"')
 
 
 @dataclass(frozen=True)
@@ -26,27 +40,38 @@ class Report:
 
 def make(folder: Path) -> Report:
     """Write the table and the report of the results in a folder, unless they are up to date; InputError without results."""
+    from analysis.nightly import history
+
     found = results.load(folder)
     rows = table.rows(found)
     summaries = statistics.summaries(rows)
     verified = verification_stage.load(verification_page.beside(folder))
-    inputs = _inputs(folder, found, verified)
-    if not ((folder / TABLE).is_file() and is_current(folder / REPORT, inputs)):
-        write_text(folder / TABLE, table.to_csv(rows, found.methods))
-        write_text(folder / REPORT, _page(found, rows, summaries, verified, inputs))
+    apart = errors_stage.load(errors_stage.beside(folder))
+    inputs = _inputs(folder, found, verified, apart)
+    nights = history.load(folder)
+    whole = hashlib.sha256(f"{inputs} {json.dumps(nights)}".encode()).hexdigest()
+    if not ((folder / TABLE).is_file() and is_current(folder / REPORT, whole) and _is_complete(folder)):
+        # Imported here: plotly takes a second, and a report that is up to date needs none.
+        from analysis.questions import Material
+
+        entries = error_records.entries(apart, error_set_ups.all_set_ups())
+        _write(Material(found, rows, summaries, verified, entries), nights, inputs, whole)
     solved = [case.reference for case in found.cases.values() if case.reference is not None]
     return Report(folder / REPORT, summaries, sum(not answer.reached for answer in solved))
 
 
-def _inputs(folder: Path, found: results.Results, verified: dict[str, Document]) -> str:
-    """A hash of everything the report is made from: the answers, what was asked, and the code of this package."""
+def _inputs(
+    folder: Path, found: results.Results, verified: dict[str, Document], apart: dict[str, Document]
+) -> str:
+    """A hash of everything the pages are made from: the answers, what was asked, and the code of this package."""
     files = [
         folder / name for name in (results.MANIFEST, results.RUN_TIMES, results.STABILITY, *results.COLLISION)
     ]
     for case in found.cases.values():
         files += [case.folder / name for name in (results.REFERENCE, results.MODEL, results.SLICE)]
     answers = keys.hash_of_files((path for path in files if path.is_file()), folder)
-    return hashlib.sha256(f"{answers} {verification_page.inputs(verified)}".encode()).hexdigest()
+    errors = json.dumps(apart, sort_keys=True)
+    return hashlib.sha256(f"{answers} {verification_page.inputs(verified)} {errors}".encode()).hexdigest()
 
 
 def is_current(page: Path, inputs: str) -> bool:
@@ -59,46 +84,77 @@ def is_current(page: Path, inputs: str) -> bool:
         return inputs_mark(inputs) in file.read(_MARK_WITHIN)
 
 
-def _page(
-    found: results.Results,
-    rows: list[table.Row],
-    summaries: list[statistics.Summary],
-    verified: dict[str, Document],
-    inputs: str,
-) -> str:
-    # Imported here: plotly takes a second, and a report that is up to date needs none.
-    from analysis.experiments import section as experiments_section
-    from analysis import (
-        collision_section,
-        page,
-        plot_of_time,
-        plots_in_space,
-        plots_of_errors,
-        run_times_section,
-        sections,
-        stability_section,
-        symmetry,
-    )
+def _is_complete(folder: Path) -> bool:
+    """Whether the files that the report leads to are there."""
+    text = (folder / REPORT).read_text(encoding="utf-8")
+    return all((folder / target).is_file() for target in _HREF.findall(text))
 
-    body = [sections.headline(found, summaries), sections.failures(found), experiments_section.section(found)]
-    if rows:
-        plots = [
-            plots_of_errors.model_against_reference(rows),
-            plots_of_errors.error_over_gap(rows),
-            plots_of_errors.error_over_tilt(rows),
-            plots_of_errors.error_over_offset(rows),
-            plots_of_errors.error_over_size_ratio(rows),
-            plot_of_time.time_against_error(rows),
-            *plots_in_space.pictures(rows),
-        ]
-        body += [page.plot_section(plot) for plot in plots]
-    body += [
-        run_times_section.section(found.run_times),
-        stability_section.section(found.stability),
-        collision_section.section(found.collision),
-        sections.trust(found, rows, symmetry.pairs(found.compared())),
-        *verification_page.sections(verified),
-        sections.all_rows(found, rows),
-        sections.reproduce(found, rows),
-    ]
-    return page.document(found.title, inputs, body)
+
+def _write(material: Material, nights: list[Document], inputs: str, whole: str) -> None:
+    """The table, the pages, and at last the report itself, which says that all are there."""
+    from analysis import index_page, page, sections
+    from analysis.nightly import history_page
+
+    folder = material.found.folder
+    write_text(folder / TABLE, table.to_csv(material.rows, material.found.methods))
+    cards = _pages(material, inputs)
+    if nights and (folder / history_page.HISTORY).is_file():
+        cards.append(
+            index_page.Card(
+                history_page.HISTORY, "What has moved from night to night?", history_page.finding(nights)
+            )
+        )
+    headline = sections.headline(material.found, material.summaries)
+    rest = [sections.failures(material.found), page.soft(sections.FILES)]
+    write_text(folder / REPORT, index_page.document(material.found.title, whole, headline, cards, rest))
+
+
+def _pages(material: Material, inputs: str) -> list[Card]:
+    """Write the pages unless they are up to date; returns them as the index shows them."""
+    from analysis import case_page, index_page, page
+
+    place = material.found.folder / PAGES
+    known = read_json(place / _FINDINGS)
+    if known is not None and known["made_from"] == inputs:
+        cards = [index_page.Card(**card) for card in known["pages"]]
+        if all((place.parent / card.target).is_file() for card in cards):
+            return cards
+    page.provide_script(place.parent)
+    cards = _question_pages(material, inputs)
+    rows: dict[str, list[table.Row]] = {}
+    for row in material.rows:
+        rows.setdefault(row.case.id, []).append(row)
+    known_parts = error_records.by_reference(material.taken_apart, material.found)
+    apart = {entry.set_up.id: entry for _, entry in known_parts}
+    for case in material.found.cases.values():
+        case_page.make(material.found, case, rows.get(case.id, []), apart.get(case.id))
+    for outdated in set(place.glob("*.html")) - {place.parent / card.target for card in cards}:
+        outdated.unlink()
+    write_json(place / _FINDINGS, {"made_from": inputs, "pages": [asdict(card) for card in cards]})
+    return cards
+
+
+def _question_pages(material: Material, inputs: str) -> list[Card]:
+    from html import escape
+
+    from analysis import index_page, page
+    from analysis.questions import QUESTIONS
+
+    place, title = material.found.folder / PAGES, material.found.title
+    bodies = {question: "\n".join(question.body(material)).strip() for question in QUESTIONS}
+    asked = [question for question in QUESTIONS if bodies[question]]
+    around = [(f"{question.name}.html", question.short) for question in asked]
+    cards = []
+    for question in asked:
+        file = f"{question.name}.html"
+        hint = page.soft(_HINT) if _CASES_IN_FIGURE.search(bodies[question]) else ""
+        way = index_page.navigation(title, around, file)
+        head = f"{way}<header><h1>{escape(question.title)}</h1>{hint}</header>"
+        text = page.document(
+            f"{question.title} {title}", inputs, [head, bodies[question]], Path(page.SCRIPT).name
+        )
+        write_text(place / file, text)
+        cards.append(
+            index_page.Card(f"{PAGES}/{file}", question.title, index_page.first_finding(bodies[question]))
+        )
+    return cards

@@ -94,7 +94,15 @@ def finding(sets: dict[str, list[MethodTime]]) -> str:
 
 
 def _caption(times: list[MethodTime]) -> str:
-    return f"{_words(times[0].set)}, {max(time.triangles for time in times):,} triangles"
+    """The set, and what the exact method costs on it beside the thesis'."""
+    named = {time.method: time for time in times}
+    told = "; ".join(
+        f"{method} {named[method].seconds_per_triangle / _NANOSECOND:.3g} ns, off by {named[method].error:.0e}"
+        for method in (EXACT, THESIS)
+        if method in named
+    )
+    what = f"{_words(times[0].set)}, {max(time.triangles for time in times):,} triangles"
+    return f"{what}: {told}" if told else what
 
 
 def _words(name: str) -> str:

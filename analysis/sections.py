@@ -8,6 +8,7 @@ import numpy as np
 
 from analysis import page
 from analysis.answers import ReferenceAnswer
+from analysis.model_stage import knows
 from analysis.results import Results
 from analysis.statistics import ALL_FAMILIES, Summary
 from analysis.symmetry import Pair
@@ -29,6 +30,12 @@ _QUANTITIES = (
 _ERROR = (
     "Model error = (model − reference)/reference; the median is that of its size without the sign. An error bar on it is the "
     "reference's own error carried over; the two are never added up."
+)
+
+
+FILES = (
+    "Beside this page: table.csv with a row for each case, sensor, object and quantity, and the folder cases with the answers and "
+    "the page of every case. A click on a point in a plot opens its case."
 )
 
 
@@ -55,7 +62,7 @@ def headline(results: Results, summaries: list[Summary]) -> str:
             f"{s.median:.1%}",
             f"{s.worst:+.1%}",
             f"{s.sure_to:.2%}",
-            page.code(s.worst_case),
+            page.case_link(s.worst_case, "cases"),
         ]
         for s in summaries
     ]
@@ -72,7 +79,7 @@ def trust(results: Results, rows: list[Row], pairs: list[Pair]) -> str:
     if results.error == NO_REFERENCE:
         return ""
     return page.section(
-        "How sure is the reference?", *_pairs(pairs), *_checks(rows), *_accuracy(results, rows)
+        "Agreement and accuracy in this study", *_pairs(pairs), *_checks(rows), *_accuracy(results, rows)
     )
 
 
@@ -94,8 +101,8 @@ def _pairs(pairs: list[Pair]) -> list[str]:
     ]
     rows = [
         [
-            f"{escape(pair.first.family)} {page.code(pair.first.id)}",
-            f"{escape(pair.second.family)} {page.code(pair.second.id)}",
+            f"{escape(pair.first.family)} {page.case_link(pair.first.id)}",
+            f"{escape(pair.second.family)} {page.case_link(pair.second.id)}",
             escape(pair.relation),
             pair.quantity,
             f"{pair.first_value.value / PICOFARAD:.5f} ± {pair.first_value.error / PICOFARAD:.5f}",
@@ -204,7 +211,7 @@ def all_rows(results: Results, rows: list[Row]) -> str:
         lines.append(
             [
                 escape(row.case.family),
-                page.code(row.case.id),
+                page.case_link(row.case.id),
                 row.quantity,
                 f"{row.reference.value / PICOFARAD:.5f} ± {row.reference.error / PICOFARAD:.5f}",
                 f"{row.model[COMPARED_METHOD] / PICOFARAD:.5f}",
@@ -217,8 +224,8 @@ def all_rows(results: Results, rows: list[Row]) -> str:
     return page.section(
         "Every row",
         page.paragraph(
-            f"The same {len(rows)} rows, in full precision and with the other methods, are in table.csv beside this page. The "
-            "files of a case are in the folder cases/<case>."
+            f"The same {len(rows)} rows, in full precision and with the other methods, are in table.csv beside report.html. The "
+            "files of a case are in the folder cases/<case>, with its page."
         ),
         page.folded("Show the rows", page.table(header, lines, text_columns=3)),
     )
@@ -228,17 +235,17 @@ def reproduce(results: Results, rows: list[Row]) -> str:
     """Commands, versions and the machine."""
     commands = [
         [
-            f"{escape(case.family)} {page.code(case.id)}",
+            f"{escape(case.family)} {page.case_link(case.id)}",
             page.code(reference_command(results, case.id)) if results.error != NO_REFERENCE else "",
-            page.code(model_command(results, case.id)) if case.family != EMPTY else "",
+            page.code(model_command(results, case.id)) if case.family != EMPTY and knows(case.scene) else "",
         ]
         for case in results.cases.values()
     ]
     return page.section(
         "Reproduce",
         page.paragraph(
-            "The commands run from the project's folder. Points in the plots name their case; each command below computes that "
-            "case's answer anew. The plots of model errors need both commands of a case, the run times of the model are those "
+            "The commands run from the project's folder. A click on a point in a plot opens its case; each command below computes "
+            "that case's answer anew. The plots of model errors need both commands of a case, the run times of the model are those "
             "of --method exact or split:N, the slices of the potential come from the reference's command with --slice FILE."
         ),
         page.folded(

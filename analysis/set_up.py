@@ -73,6 +73,14 @@ class SetUp:
     def largest_size(self) -> float:
         return max(self.sensor_size, self.target_size)
 
+    @property
+    def told(self) -> str:
+        """The four numbers in words."""
+        return (
+            f"Gap over sensor size {self.gap_over_size:.3g}, tilt {self.tilt_degrees:.3g}°, lateral offset over sensor size "
+            f"{self.lateral_offset_over_size:.3g}, target over sensor size {self.size_ratio:.3g}"
+        )
+
 
 def rectangles(scene: Scene) -> tuple[Rectangle, Rectangle] | None:
     """The sensor's and the target's rectangle in the world; None unless the scene is one of each."""

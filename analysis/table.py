@@ -25,12 +25,10 @@ import csv
 import io
 import json
 import math
-import shlex
 from dataclasses import dataclass
-from pathlib import Path
 
 from analysis.answers import Estimate, ModelValue, ReferenceAnswer
-from analysis.keys import REPOSITORY
+from analysis.keys import from_repository
 from analysis.results import SCENE, CaseResult, Results
 from analysis.set_up import SetUp
 
@@ -159,20 +157,15 @@ def _difference(reference: ReferenceAnswer, empty: CaseResult | None, sensor: st
 
 def reference_command(results: Results, case: str) -> str:
     """The command, from the repository's folder, that computes the reference's answer for a case."""
-    scene = shlex.quote(_from_repository(results.folder / "cases" / case / SCENE))
+    scene = from_repository(results.folder / "cases" / case / SCENE)
     asked = f"--rtol {results.rtol:g} --max-seconds {results.max_seconds:g} --error {results.error}"
     return f"python3 -m fem_reference {scene} {asked}"
 
 
 def model_command(results: Results, case: str, method: str = COMPARED_METHOD) -> str:
     """The command, from the repository's folder, that computes the model's answer for a case."""
-    scene = shlex.quote(_from_repository(results.folder / "cases" / case / SCENE))
+    scene = from_repository(results.folder / "cases" / case / SCENE)
     return f"build/bin/fringe capacitance {scene} --method {method}"
-
-
-def _from_repository(path: Path) -> str:
-    absolute = path.resolve()
-    return str(absolute.relative_to(REPOSITORY) if absolute.is_relative_to(REPOSITORY) else absolute)
 
 
 def to_csv(found: list[Row], methods: tuple[str, ...]) -> str:

@@ -1,7 +1,7 @@
-"""Families of set-ups: one rectangular sensor, one grounded rectangular target, a few named lengths and angles.
+"""Families of set-ups: a rectangular sensor, a target, a few named lengths and angles.
 
 The sensor "sensor" is the rectangle of `sensor_size` = (x, y) centred at the origin in the plane z = 0, with normal +z.
-The target "target" is a plate of `target_size`. Every length is in metres, every angle in degrees. Space around the
+The target "target" is a grounded plate of `target_size`, if nothing else is said. Every length is in metres, every angle in degrees. Space around the
 sensor has three regions: I in front of the plate, II beside an edge, III diagonal to a corner. Parameters that make no
 set-up of the family are refused with an InputError that names the parameter.
 """
@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +18,13 @@ from numpy.typing import NDArray
 from geometries.errors import InputError
 from geometries.poses import AxisRotation, Pose, QuaternionRotation, Rotation
 from geometries.scene import Object, Plate, Scene, Sensor
-from geometries.shapes import PlateShape
+from geometries.shapes import Cuboid, PlateShape
 
 Vector2 = tuple[float, float]
 Array = NDArray[np.float64]
+
+GROUNDED, FLOATING, DIELECTRIC = "grounded", "floating", "dielectric"
+MATERIALS = (GROUNDED, FLOATING, DIELECTRIC)
 
 
 def empty(sensor_size: Vector2) -> Scene:
@@ -130,12 +134,63 @@ def straddle(
     return scene
 
 
+def sensors(
+    sensor_size: Vector2, target_size: Vector2, separation: float, gap: float, offset: Vector2 = (0.0, 0.0)
+) -> Scene:
+    """Two equal sensors side by side in z = 0, and the target parallel to them at height `gap`.
+
+    "sensor" is at the origin, "neighbour" beside its edge x = x/2, `separation` away from it. The target's centre is `offset`
+    from the axis of "sensor".
+    """
+    _check_at_least("separation", separation, 0.0, strictly=True)
+    scene = parallel(sensor_size, target_size, gap, offset)
+    (x, y), start = sensor_size, sensor_size[0] / 2 + separation
+    plate = Plate(corner=(start, -y / 2, 0.0), edge_u=(x, 0.0, 0.0), edge_v=(0.0, y, 0.0))
+    return replace(scene, sensors=(*scene.sensors, Sensor("neighbour", (plate,))))
+
+
+def box(
+    sensor_size: Vector2,
+    target_size: Vector2,
+    thickness: float,
+    gap: float,
+    offset: Vector2 = (0.0, 0.0),
+    material: str = GROUNDED,
+    relative_permittivity: float = 1.0,
+) -> Scene:
+    """The target is a cuboid parallel to the sensor, `thickness` high, its lower face at height `gap`, `offset` from the axis.
+
+    `material` is grounded, floating, or dielectric, which alone has a `relative_permittivity`, other than 1.
+    """
+    _check_size("sensor_size", sensor_size)
+    _check_size("target_size", target_size)
+    _check_at_least("thickness", thickness, 0.0, strictly=True)
+    _check_at_least("gap", gap, 0.0, strictly=True)
+    _check_at_least("relative_permittivity", relative_permittivity, 0.0, strictly=True)
+    if material not in MATERIALS:
+        raise InputError("", "material", f"must be one of {', '.join(MATERIALS)}, not {material!r}")
+    if (material == DIELECTRIC) != (relative_permittivity != 1):
+        raise InputError(
+            "", "relative_permittivity", "other than 1 is for a dielectric target, which needs it"
+        )
+    target = Object(
+        "target",
+        Cuboid((*target_size, thickness)),
+        pose=Pose((offset[0], offset[1], gap + thickness / 2)),
+        potential=FLOATING if material == FLOATING else GROUNDED,
+        relative_permittivity=relative_permittivity if material == DIELECTRIC else None,
+    )
+    return Scene(sensors=empty(sensor_size).sensors, objects=(target,))
+
+
 FAMILIES: dict[str, Callable[..., Scene]] = {
     "parallel": parallel,
     "inclined": inclined,
     "edge": edge,
     "corner": corner,
     "straddle": straddle,
+    "sensors": sensors,
+    "box": box,
 }
 
 

@@ -2,7 +2,8 @@
 
     name = "gap"
     title = "The gap between two equal plates"
-    experiment = "II"               # optional: one of the thesis' chapter 6, "I" to "IV"; the report shows its section
+    experiment = "II"               # optional: one of the thesis' chapter 6, "I" to "IV", or one
+                                    # of ours, "V" and "VI"; the report shows its section
 
     [reference]
     rtol = 1e-3                     # relative accuracy asked of the field reference
@@ -15,7 +16,7 @@
 
     [[sweep]]
     family = "parallel"             # a function of `families`; the other keys are its parameters
-    sensor_size = [0.1, 0.1]        # a number or a vector: the same in every case
+    sensor_size = [0.1, 0.1]        # a number, a vector, a text: the same in every case
     target_size = [[0.1, 0.1], [0.05, 0.05]]               # a list of them: swept
     gap = { geomspace = [0.005, 0.2, 5] }                  # or linspace = [first, last, number]
     combine = "product"             # default; or "zip": the swept lists are walked through together
@@ -39,16 +40,16 @@ from geometries.scene import Scene
 from geometries.tables import Table, parse, read_text
 from geometries.writer import canonical_and_identity
 
-Parameter = float | Vector2
+Parameter = float | Vector2 | str
 
 EMPTY = "empty"
 NO_REFERENCE = "none"
 ERROR_KINDS = ("estimate", "enclosure", NO_REFERENCE)
-EXPERIMENTS = ("I", "II", "III", "IV")
+EXPERIMENTS = ("I", "II", "III", "IV", "V", "VI")
 
 _STUDIES = Path(__file__).parent / "studies"
-_IDENTITY_DIGITS = 16
-_PLANNED_FAMILIES = ("box", "sensors", "scene")
+IDENTITY_DIGITS = 16
+_PLANNED_FAMILIES = ("scene",)
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ class Case:
 
     @property
     def id(self) -> str:
-        return self.identity[:_IDENTITY_DIGITS]
+        return self.identity[:IDENTITY_DIGITS]
 
 
 @dataclass(frozen=True)
@@ -184,15 +185,13 @@ def _sweep(sweep: Table) -> Iterator[Case]:
     if combine not in ("product", "zip"):
         raise sweep.error("combine", f"must be product or zip, not {combine!r}")
     function = FAMILIES[family]
-    is_vector = {
-        name: hint is not float for name, hint in get_type_hints(function).items() if name != "return"
-    }
+    kinds = {name: hint for name, hint in get_type_hints(function).items() if name != "return"}
     defaults = {name: parameter.default for name, parameter in inspect.signature(function).parameters.items()}
     values = {
         name: [defaults[name]]
         if defaults[name] is not inspect.Parameter.empty and not sweep.has(name)
-        else _values(sweep, name, is_vector[name])
-        for name in is_vector
+        else _values(sweep, name, kinds[name])
+        for name in kinds
     }
     sweep.finish()
     for parameters in _combinations(sweep, values, combine):
@@ -205,14 +204,20 @@ def _sweep(sweep: Table) -> Iterator[Case]:
         yield _case(family, parameters, scene)
 
 
-def _values(sweep: Table, name: str, is_vector: bool) -> list[Parameter]:
-    """What a parameter takes in turn: one value when the key holds one, else those of a list or a range."""
+def _values(sweep: Table, name: str, kind: object) -> list[Parameter]:
+    """What a parameter takes in turn: one value when the key holds one, else those of a list or a range. `kind` is float, str,
+    or else a vector."""
     value = sweep.value(name)
     if isinstance(value, dict):
-        if is_vector:
-            raise sweep.error(name, "a range is for a number; give a list of vectors")
+        if kind is not float:
+            raise sweep.error(name, "a range is for a number; give a list")
         return _range(sweep.table(name))
-    if is_vector:
+    if kind is str:
+        texts = value if isinstance(value, list) else [value]
+        if not texts or not all(isinstance(text, str) for text in texts):
+            raise sweep.error(name, f"must be a string or a list of strings, not {value!r}")
+        return list(texts)
+    if kind is not float:
         vectors = value if isinstance(value, list) and value and isinstance(value[0], list) else [value]
         return [cast(Vector2, sweep.as_vector(name, vector, 2)) for vector in vectors]
     numbers = value if isinstance(value, list) else [value]

@@ -116,6 +116,7 @@ def _reference(series: Series, swept: str, colour: str) -> go.Scatter:
         marker={"color": colour, "size": 8},
         name=series.name,
         text=[point.case for point in curve.points],
+        customdata=[point.case for point in curve.points],
         hovertemplate=series.name + ": %{y:.4g} V<br>%{text}<extra></extra>",
     )
 
@@ -141,6 +142,7 @@ def _differences(
         marker={"color": colour, "size": 6},
         name=line.name,
         text=[point.case for point in curve.points],
+        customdata=[point.case for point in curve.points],
         hovertemplate=line.name + ": %{y:+.3g} " + unit + "<br>%{text}<extra></extra>",
     )
 

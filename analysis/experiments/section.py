@@ -3,7 +3,16 @@
 from __future__ import annotations
 
 from analysis import page
-from analysis.experiments import angles_section, sizes_section, splitting_section, tables, tuning_section
+from analysis.experiments import (
+    angles_section,
+    materials_section,
+    neighbours,
+    neighbours_section,
+    sizes_section,
+    splitting_section,
+    tables,
+    tuning_section,
+)
 from analysis.experiments.calibration import FORMS, OBSERVABLE, calibrate
 from analysis.experiments.curves import Curve, curves, with_flat_start
 from analysis.experiments.splitting import accuracies
@@ -14,6 +23,8 @@ _TITLES = {
     "II": "Experiment II: tuning to one plate",
     "III": "Experiment III: other plate sizes",
     "IV": "Experiment IV: a pivoted plate",
+    "V": "Experiment V: two adjacent sensors",
+    "VI": "Experiment VI: the material of the target",
 }
 _DELTA = (
     "Delta output: the sensor's output with nothing near less that with the plate. The reference's, with delta_self and the sensor's "
@@ -32,6 +43,10 @@ def section(results: Results) -> str:
         return ""
     if results.experiment == "I":
         parts = splitting_section.parts(accuracies(results))
+    elif results.experiment == "V":
+        parts = neighbours_section.parts(neighbours.series(results))
+    elif results.experiment == "VI":
+        parts = materials_section.parts(results)
     else:
         parts = _tuned(results.experiment, curves(results))
     return page.section(_TITLES[results.experiment], *parts)

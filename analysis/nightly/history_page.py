@@ -28,6 +28,7 @@ def make(folder: Path) -> Path:
     target = folder / HISTORY
     inputs = hashlib.sha256(f"{json.dumps(nights)} {keys.report_code()}".encode()).hexdigest()
     if not is_current(target, inputs):
+        page.provide_script(folder)
         write_text(target, _page(results.title(folder), nights, inputs))
     return target
 
@@ -47,6 +48,7 @@ def _page(title: str, nights: list[Document], inputs: str) -> str:
             page.figures(_panels(nights)),
             page.section("Every night", _table(nights)),
         ],
+        page.SCRIPT,
     )
 
 
@@ -100,16 +102,34 @@ def _panels(nights: list[Document]) -> list[Panel]:
     ]
     return [
         Panel(
-            "largest change of a value over its errors",
+            f"largest change of a value over its errors{_at_most(compared, largest)}",
             figure([changes, allowed], times, power_axis("change over errors")),
         ),
-        Panel("how many values and rows", figure(counts, times, axis("number", rangemode="tozero"))),
+        Panel(_counted(compared), figure(counts, times, axis("number", rangemode="tozero"))),
         Panel(
-            "worst model error",
+            f"worst model error{_at_most(nights, [night['worst'][QUANTITIES[0]] for night in nights], QUANTITIES[0])}",
             figure(worst, times, axis("|model error|", tickformat=".0%", rangemode="tozero")),
         ),
-        Panel("time", figure(seconds, times, power_axis("seconds"))),
+        Panel(
+            f"time{_at_most(nights, [night['seconds'] for night in nights], 'seconds of a night')}",
+            figure(seconds, times, power_axis("seconds")),
+        ),
     ]
+
+
+def _at_most(nights: list[Document], values: list[Any], name: str = "") -> str:
+    """When a value was greatest, as the end of a caption."""
+    known = [(value, _day(night)) for value, night in zip(values, nights) if value is not None]
+    if not known:
+        return ""
+    value, day = max(known)
+    return f": at most {value:.3g}{' ' if name else ''}{name}, on {day}"
+
+
+def _counted(compared: list[Document]) -> str:
+    names = ("moved", "slower", "new", "gone")
+    told = ", ".join(f"{sum(night[name] for night in compared)} {name}" for name in names)
+    return f"how many values and rows; over all nights {told}"
 
 
 def _curve(nights: list[Document], name: str, index: int) -> go.Scatter:

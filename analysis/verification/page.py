@@ -1,4 +1,4 @@
-"""The verification as sections of a report, and as a page of its own."""
+"""The verification as sections of reports, and as a page of its own."""
 
 from __future__ import annotations
 
@@ -28,24 +28,37 @@ def beside(results: Path) -> Path:
     return results.resolve().parent / stage.FOLDER
 
 
-def sections(rows: dict[str, Document]) -> list[str]:
-    """The chapter and the section on run times; one sentence without rows."""
-    from analysis.verification import cost_section, section
+def truths(rows: dict[str, Document]) -> str:
+    """The chapter on known capacitances; one sentence without rows."""
+    from analysis.verification import section
 
     if not rows:
-        return [section.chapter([], [], [])]
+        return section.chapter([], [], [])
+    names = stage.row_names()
+    ordered = _ordered(rows)
+    missing = [name for name in names if name not in rows]
+    return section.chapter(records.compared(ordered), records.held(ordered), missing)
+
+
+def costs(rows: dict[str, Document]) -> str:
+    """The section on the reference's run times; empty without rows."""
+    from analysis.verification import cost_section
+
+    if not rows:
+        return ""
     from analysis.verification.set_ups import cost_cases
 
-    names = stage.row_names()
-    ordered = {name: rows[name] for name in names if name in rows}
     asked = [
         records.Asked(case.name, case.caption, case.targets, case.truth, case.truth_error)
         for case in cost_cases().values()
     ]
-    costs = [cost for cost in (records.cost(ordered, case) for case in asked) if cost is not None]
-    missing = [name for name in names if name not in rows]
-    chapter = section.chapter(records.compared(ordered), records.held(ordered), missing)
-    return [chapter, cost_section.section(costs)]
+    ordered = _ordered(rows)
+    found = [cost for cost in (records.cost(ordered, case) for case in asked) if cost is not None]
+    return cost_section.section(found)
+
+
+def _ordered(rows: dict[str, Document]) -> dict[str, Document]:
+    return {name: rows[name] for name in stage.row_names() if name in rows}
 
 
 def make(folder: Path) -> Made:
@@ -55,8 +68,15 @@ def make(folder: Path) -> Made:
 
     rows = stage.load(folder)
     title = "Verification of the field reference"
-    body = [f"<header>\n<h1>{title}</h1>", page.paragraph(_INTRODUCTION), "</header>", *sections(rows)]
-    write_text(folder / PAGE, page.document(title, inputs(rows), body))
+    body = [
+        f"<header>\n<h1>{title}</h1>",
+        page.paragraph(_INTRODUCTION),
+        "</header>",
+        truths(rows),
+        costs(rows),
+    ]
+    page.provide_script(folder)
+    write_text(folder / PAGE, page.document(title, inputs(rows), body, page.SCRIPT))
     found = records.compared(rows)
     told = section.finding(found) if found else section.ABSENT
     return Made(folder / PAGE, told)

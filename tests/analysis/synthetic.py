@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -123,3 +124,14 @@ def make_results(
             store.write_json(place / results.MODEL, model)
     results.write_manifest(folder, chosen, failures or [])
     return folder
+
+
+def report_text(folder: Path) -> str:
+    """The report of a folder of results and its pages on questions, without their scripts."""
+    # Imported here: what stands in for the reference takes documents from this file in every process of its own.
+    from analysis import report
+
+    path = report.make(folder).path
+    pages = [path, *sorted((path.parent / report.PAGES).glob("*.html"))]
+    whole = "\n".join(page.read_text() for page in pages)
+    return re.sub(r"<script.*?</script>", "", whole, flags=re.DOTALL)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis import collision_measurements, collision_section, report, results, store
-from tests.analysis.synthetic import make_results
+from tests.analysis.synthetic import make_results, report_text
 
 ORIGIN = {"key": "k", "processor": "a processor", "instruction_sets": "AVX2", "command": "it", "passed": True}
 
@@ -77,7 +77,7 @@ def test_other_answers_are_told_in_their_cell() -> None:
 
 
 def test_results_without_measurements_say_so(tmp_path: Path) -> None:
-    page = report.make(make_results(tmp_path)).path.read_text()
+    page = report_text(make_results(tmp_path))
     assert f"<h2>{collision_section.TITLE}</h2>\n<p>Not measured with these results" in page
 
 
@@ -86,6 +86,6 @@ def test_the_report_takes_measurements_up_when_they_appear(tmp_path: Path) -> No
     report.make(folder)
     for name, document in zip(results.COLLISION, (ANSWERS, QUERIES, SCENES)):
         store.write_json(folder / name, document)
-    page = report.make(folder).path.read_text()
+    page = report_text(folder)
     assert escape(collision_section.finding_on_answers(measured(ANSWERS, None, None).classes)) in page
     assert page.count("did not end</th>") == 1

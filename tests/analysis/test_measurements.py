@@ -24,7 +24,7 @@ from analysis import (
 from analysis.measurement_stage import Measurement
 from analysis.measurements import MethodTime
 from geometries import study
-from tests.analysis.synthetic import make_results
+from tests.analysis.synthetic import make_results, report_text
 
 ORIGIN = {
     "key": "k",
@@ -181,7 +181,7 @@ def section_of(page: str, title: str) -> str:
 
 @pytest.mark.parametrize("title", [run_times_section.TITLE, stability_section.TITLE])
 def test_results_without_a_measurement_say_so_and_how_to_make_it(tmp_path: Path, title: str) -> None:
-    text = section_of(report.make(make_results(tmp_path)).path.read_text(), title)
+    text = section_of(report_text(make_results(tmp_path)), title)
     assert "Not measured with these results" in text and "--measure-model" in text
     assert "plotly" not in text
 
@@ -191,7 +191,7 @@ def test_the_report_takes_measurements_up_when_they_appear(tmp_path: Path) -> No
     report.make(folder)
     store.write_json(folder / results.RUN_TIMES, TIMES)
     store.write_json(folder / results.STABILITY, stability_document())
-    text = report.make(folder).path.read_text()
+    text = report_text(folder)
     assert section_of(text, run_times_section.TITLE).count("plotly-graph-div") == 2
     assert section_of(text, stability_section.TITLE).count("plotly-graph-div") == 1
 

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import re
+from html import escape
 from pathlib import Path
 
 import pytest
 
 from analysis import plot_of_time, report, results, store, table
 from analysis.jobs import Failure
+from analysis.nightly import history_page
+from analysis.page import SCRIPT
+from analysis.questions import QUESTIONS
 from geometries.errors import InputError
-from tests.analysis.synthetic import make_results, model_document, reference_document
-
-
-def text_of(folder: Path) -> str:
-    """The page without its scripts."""
-    page = report.make(folder).path.read_text()
-    return re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
+from tests.analysis.synthetic import make_results, model_document, reference_document, report_text
 
 
 @pytest.fixture
@@ -38,7 +36,7 @@ def folder(tmp_path: Path) -> Path:
     ],
 )
 def test_every_plot_has_a_figure_and_a_finding(folder: Path, title: str) -> None:
-    text = text_of(folder)
+    text = report_text(folder)
     (section,) = re.findall(rf"<section>\s*<h2>{re.escape(title)}</h2>(.*?)</section>", text, re.DOTALL)
     (finding,) = re.findall(r'<p class="finding">(.*?)</p>', section)
     assert finding.endswith(".") and len(finding) > 30
@@ -46,30 +44,116 @@ def test_every_plot_has_a_figure_and_a_finding(folder: Path, title: str) -> None
 
 
 def test_the_headline_has_a_line_for_each_quantity_and_family(folder: Path) -> None:
-    text = text_of(folder)
+    text = report_text(folder)
     assert "mutual: the model is 10% off (rms over 5 cases), median 10%, worst -10%" in text
     assert "delta_self: the model is 80% off (rms over 5 cases), median 80%, worst +80%" in text
     assert "sure to 0.50% or better" in text
 
 
-def test_the_page_needs_nothing_from_elsewhere(folder: Path) -> None:
-    page = report.make(folder).path.read_text()
-    tags = re.findall(
-        r"<(?:script|link|img|iframe)\b[^>]*>", re.sub(r"(?s)<script>.*?</script>", "<script>", page)
-    )
-    assert tags and not any("src=" in tag or "href=" in tag for tag in tags)
-    assert page.count("plotly.js v") == 1
+def pages_of(folder: Path) -> list[Path]:
+    """Every page that there is, the report first."""
+    return [report.make(folder).path, *sorted(folder.rglob("*/*.html"))]
+
+
+def test_every_question_has_a_page_that_the_report_leads_to_with_its_finding(folder: Path) -> None:
+    text = report.make(folder).path.read_text()
+    cards = re.findall(r'<li><a href="(.*?)">(.*?)</a><p>(.*?)</p></li>', text)
+    titles = [escape(question.title) for question in QUESTIONS if question.name != "experiment"]
+    assert [title for _, title, _ in cards] == titles
+    for target, title, finding in cards:
+        page = (folder / target).read_text()
+        assert f"<h1>{title}</h1>" in page and finding in page
+
+
+def test_every_page_leads_only_to_files_that_are_there(folder: Path) -> None:
+    pages = pages_of(folder)
+    assert len(pages) == 1 + 7 + 6  # the report, the questions, the cases with the sensor alone
+    for page in pages:
+        targets = re.findall(r'(?:href|src)="([^"]*)"', page.read_text())
+        assert targets
+        for target in targets:
+            assert (page.parent / target).is_file(), f"{page}: {target}"
+
+
+def test_the_script_is_there_once_and_pages_are_light(folder: Path) -> None:
+    pages = pages_of(folder)
+    scripts = [path for path in folder.rglob("*") if path.is_file() and path.stat().st_size > 1_000_000]
+    assert scripts == [folder / SCRIPT]
+    assert "plotly.js v" in scripts[0].read_text()
+    assert "<script" not in pages[0].read_text()
+
+
+def test_points_open_their_case(folder: Path) -> None:
+    report.make(folder)
+    page = (folder / "report" / "model_error.html").read_text()
+    for case in results.load(folder).compared():
+        assert f'"{case.id}"' in page
+    cases = set(re.findall(r'data-cases="(.*?)"', page))
+    assert cases == {"../cases"} and "plotly_click" in page
+    opening = {
+        path.name
+        for path in (folder / "report").glob("*.html")
+        if "A click on a point opens its case." in path.read_text()
+    }
+    assert opening == {"model_error.html"}
+
+
+def test_the_page_of_a_case_has_its_drawing_its_numbers_and_its_commands(folder: Path) -> None:
+    report.make(folder)
+    for case in results.load(folder).compared():
+        page = (case.folder / "case.html").read_text()
+        assert page.count("plotly-graph-div") == 1 and "No slice of its potential is stored" in page
+        assert "mutual of sensor and target: 2 ± 0.01 pF by the reference; the model is -10.0% off" in page
+        assert f"cases/{case.id}/scene.toml --rtol 0.001 --max-seconds 60" in page
+        assert f"cases/{case.id}/scene.toml --method exact" in page
+        assert 'href="fem.json"' in page
+
+
+def test_only_the_page_of_a_case_that_changed_is_made_again(folder: Path) -> None:
+    report.make(folder)
+    first, second, *_ = results.load(folder).compared()
+    before = [(case.folder / "case.html").stat().st_mtime_ns for case in (first, second)]
+    store.write_json(first.folder / results.MODEL, model_document(1.7))
+    report.make(folder)
+    after = [(case.folder / "case.html").stat().st_mtime_ns for case in (first, second)]
+    assert after[0] != before[0] and after[1] == before[1]
+
+
+def test_a_page_that_is_gone_is_made_again_and_one_of_no_question_removed(folder: Path) -> None:
+    report.make(folder)
+    (folder / "report" / "stability.html").unlink()
+    report.make(folder)
+    assert (folder / "report" / "stability.html").is_file()
+    (folder / "report" / "outdated.html").write_text("")
+    (folder / "report" / "pages.json").unlink()
+    (folder / "report.html").unlink()
+    report.make(folder)
+    assert not (folder / "report" / "outdated.html").exists()
+
+
+def test_a_night_changes_the_report_alone(folder: Path) -> None:
+    report.make(folder)
+    page = (folder / "report" / "model_error.html").stat().st_mtime_ns
+    night = {"time": "2026-01-02T03:04:05+00:00", "table": "", "failed": 0, "to_do": 0, "seconds": 1.0}
+    worst = {"worst": {name: 0.1 for name in table.QUANTITIES}, "reference_seconds": 9.0}
+    store.write_json(folder / "history" / "2026.json", night | worst)
+    history = history_page.make(folder)
+    for target in re.findall(r'(?:href|src)="([^"]*)"', history.read_text()):
+        assert (folder / target).is_file()
+    text = report.make(folder).path.read_text()
+    assert 'href="history.html"' in text and "1 nights since 2026-01-02 03:04" in text
+    assert (folder / "report" / "model_error.html").stat().st_mtime_ns == page
 
 
 def test_failed_cases_are_listed_with_their_reason(tmp_path: Path) -> None:
     failure = Failure("0123456789abcdef", "reference", "exit code 2: <no mesh>")
-    text = text_of(make_results(tmp_path, answers={0: (None, model_document(1))}, failures=[failure]))
+    text = report_text(make_results(tmp_path, answers={0: (None, model_document(1))}, failures=[failure]))
     assert "Failed cases" in text
     assert "0123456789abcdef" in text and "exit code 2: &lt;no mesh&gt;" in text
 
 
 def test_without_failures_there_is_no_such_section(folder: Path) -> None:
-    assert "Failed cases" not in text_of(folder)
+    assert "Failed cases" not in report_text(folder)
 
 
 def test_cases_short_of_the_asked_accuracy_are_named_and_counted(tmp_path: Path) -> None:
@@ -77,48 +161,49 @@ def test_cases_short_of_the_asked_accuracy_are_named_and_counted(tmp_path: Path)
         tmp_path, answers={0: (reference_document(2, 1, reached=False), model_document(1.8))}
     )
     assert report.make(folder).not_reached == 1
-    assert "5 of 6 solves reached the asked relative accuracy" in text_of(folder)
-    assert "Short of it" in text_of(folder)
+    assert "5 of 6 solves reached the asked relative accuracy" in report_text(folder)
+    assert "Short of it" in report_text(folder)
 
 
 def test_enclosures_are_told_from_estimates(tmp_path: Path) -> None:
     document = reference_document(2, 1, error_kind="enclosure")
     lower = [[value - 0.02e-12 for value in row] for row in document["maxwell"]]
     enclosed = document | {"lower": lower, "upper": document["maxwell"]}
-    text = text_of(make_results(tmp_path, answers={0: (enclosed, model_document(1.8))}))
+    text = report_text(make_results(tmp_path, answers={0: (enclosed, model_document(1.8))}))
     assert "In 1 solves the truth is enclosed" in text and "the mutual one to within 1.0e-02" in text
-    assert "the truth is enclosed" not in text_of(make_results(tmp_path / "other"))
+    assert "the truth is enclosed" not in report_text(make_results(tmp_path / "other"))
 
 
 def test_the_two_ways_to_delta_self_are_counted(tmp_path: Path) -> None:
     disagreeing = reference_document(2, 1)
     disagreeing["delta_self"]["sensor"]["value"] = 1.5e-12
     folder = make_results(tmp_path, answers={0: (disagreeing, model_document(1.8))})
-    assert "4 of 5 cases agree within the sum of their errors; the largest difference is 0.5 pF" in text_of(
-        folder
+    assert (
+        "4 of 5 cases agree within the sum of their errors; the largest difference is 0.5 pF"
+        in report_text(folder)
     )
 
 
 def test_every_row_names_its_case_and_every_case_its_commands(folder: Path) -> None:
-    text = text_of(folder)
+    text = report_text(folder)
     for case in results.load(folder).compared():
         assert f"cases/{case.id}/scene.toml --rtol 0.001 --max-seconds 60" in text
         assert f"cases/{case.id}/scene.toml --method exact" in text
 
 
 def test_versions_and_machine_are_told(folder: Path) -> None:
-    text = text_of(folder)
+    text = report_text(folder)
     for word in ("dolfinx", "0.5.2", "processor", "cores"):
         assert word in text
 
 
 def test_a_slice_of_the_potential_is_drawn_where_there_is_one(folder: Path) -> None:
-    assert "potential (V)" not in text_of(folder)
+    assert "potential (V)" not in report_text(folder)
     case = results.load(folder).compared()[0]
     plane = {"origin": [0.0, 0.0], "direction": [1.0, 0.0]}
     slice_of = plane | {"along": [-0.1, 0.1], "z": [-0.1, 0.1], "potential": [[0.1, 0.2], [0.3, 0.4]]}
     store.write_json(case.folder / results.SLICE, {"key": "", **slice_of})
-    assert "potential (V) in the vertical plane through both centres" in text_of(folder)
+    assert "potential (V) in the vertical plane through both centres" in report_text(folder)
 
 
 def test_the_report_is_made_again_only_when_an_answer_has_changed(folder: Path) -> None:
@@ -135,7 +220,7 @@ def test_the_report_is_made_again_only_when_an_answer_has_changed(folder: Path) 
 def test_results_without_a_single_answer_still_give_a_report(tmp_path: Path) -> None:
     folder = make_results(tmp_path, answers={number: (None, None) for number in range(5)})
     assert report.make(folder).summaries == []
-    assert "Every row" in text_of(folder)
+    assert "Every row" in report_text(folder)
 
 
 def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:

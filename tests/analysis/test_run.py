@@ -87,7 +87,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Workplace:
 
 
 TWO = PARALLEL.replace("[0.01, 0.02, 0.04]", "[0.01, 0.02]")
-SLICES_OF_ONE_FAMILY = 1
+SLICES = 2  # one for each case
 
 
 def test_a_study_is_solved_reported_and_told(place: Workplace, capsys: pytest.CaptureFixture[str]) -> None:
@@ -100,16 +100,16 @@ def test_a_study_is_solved_reported_and_told(place: Workplace, capsys: pytest.Ca
 
 def test_a_second_run_solves_nothing_that_is_answered(place: Workplace) -> None:
     place.run(TWO)
-    assert place.solved() == 3 + SLICES_OF_ONE_FAMILY
+    assert place.solved() == 3 + SLICES
     place.run(TWO)
-    assert place.solved() == SLICES_OF_ONE_FAMILY  # what failed is tried again
+    assert place.solved() == SLICES  # what failed is tried again
 
 
 def test_a_changed_family_solves_only_its_new_cases(place: Workplace) -> None:
     place.run(TWO + EDGE)
     place.solved()
     place.run(TWO.replace("0.02", "0.025") + EDGE)
-    assert place.solved() == 1 + 2 * SLICES_OF_ONE_FAMILY
+    assert place.solved() == 1 + 2 * SLICES
 
 
 def test_an_answer_under_another_key_is_solved_again(place: Workplace) -> None:
@@ -118,7 +118,7 @@ def test_an_answer_under_another_key_is_solved_again(place: Workplace) -> None:
     (answer, *_) = (place.folder / "results" / "cases").glob("*/fem.json")
     store.write_json(answer, (store.read_json(answer) or {}) | {"key": "old"})
     place.run(TWO)
-    assert place.solved() == 1 + SLICES_OF_ONE_FAMILY
+    assert place.solved() == 1 + SLICES
 
 
 def test_a_failing_case_is_told_and_the_others_go_on(
@@ -149,7 +149,7 @@ def test_a_missing_picture_is_told_but_is_no_failed_run(
 def test_every_case_folder_holds_whole_files_only(place: Workplace) -> None:
     place.run(TWO)
     names = {path.name for path in (place.folder / "results" / "cases").glob("*/*")}
-    assert names == {"scene.toml", "fem.json", "model.json"}
+    assert names == {"scene.toml", "fem.json", "model.json", "case.html"}
 
 
 def test_wrong_input_ends_with_code_2_and_a_message(

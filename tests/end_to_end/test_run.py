@@ -63,8 +63,10 @@ def test_the_model_value_of_parallel_plates_is_the_plate_formula(results: Path) 
     assert float(row["model_exact_F"]) == pytest.approx(8.8541878128e-12 * 0.1**2 / 0.05, rel=1e-9)
 
 
-def test_the_report_has_a_picture_of_the_potential_of_each_family(results: Path) -> None:
-    assert (results / "report.html").read_text().count("potential (V) in the vertical plane") == 2
+def test_the_page_of_every_case_has_a_picture_of_the_potential(results: Path) -> None:
+    pages = [path.read_text() for path in results.glob("cases/*/case.html")]
+    assert sum("potential (V) in the vertical plane" in page for page in pages) == 2
+    assert (results / "report" / "set_ups.html").read_text().count("potential (V) in the vertical plane") == 2
 
 
 def test_a_second_run_solves_nothing_and_takes_seconds(results: Path) -> None:

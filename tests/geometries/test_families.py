@@ -109,3 +109,39 @@ def test_parameters_that_make_no_set_up_of_the_family_are_refused_by_name(make, 
     with pytest.raises(InputError) as caught:
         make()
     assert caught.value.key == key
+
+
+def test_two_sensors_lie_side_by_side_with_the_target_before_the_first() -> None:
+    scene = families.sensors(SENSOR, (0.05, 0.05), separation=0.02, gap=0.03, offset=(0.01, 0.0))
+    alone = families.parallel(SENSOR, (0.05, 0.05), 0.03, (0.01, 0.0))
+    assert scene.objects == alone.objects and scene.sensors[0] == alone.sensors[0]
+    sensor, neighbour = (scene.conductors()[name].reshape(-1, 3) for name in ("sensor", "neighbour"))
+    np.testing.assert_allclose(neighbour - [SENSOR[0] + 0.02, 0, 0], sensor, atol=1e-16)
+
+
+@pytest.mark.parametrize(
+    ("material", "permittivity", "expected"),
+    [
+        ("grounded", 1.0, ("grounded", None)),
+        ("floating", 1.0, ("floating", None)),
+        ("dielectric", 3.0, ("grounded", 3.0)),
+    ],
+)
+def test_a_box_stands_on_its_gap_whatever_it_is_made_of(
+    material: str, permittivity: float, expected: tuple[str, float | None]
+) -> None:
+    scene = families.box(SENSOR, (0.05, 0.06), 0.04, 0.02, (0.01, 0.0), material, permittivity)
+    (body,) = scene.objects
+    assert (body.potential, body.relative_permittivity) == expected
+    rotation, translation = scene.pose_of_object("target")
+    vertices = body.shape.triangles().reshape(-1, 3) @ rotation.T + translation
+    np.testing.assert_allclose(vertices.min(axis=0), [-0.015, -0.03, 0.02])
+    np.testing.assert_allclose(vertices.max(axis=0), [0.035, 0.03, 0.06])
+
+
+def test_a_permittivity_is_for_dielectric_boxes_only() -> None:
+    for material, permittivity in (("grounded", 3.0), ("floating", 3.0), ("dielectric", 1.0)):
+        with pytest.raises(InputError, match="relative_permittivity"):
+            families.box(
+                SENSOR, (0.05, 0.05), 0.04, 0.02, material=material, relative_permittivity=permittivity
+            )

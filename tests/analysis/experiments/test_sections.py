@@ -8,10 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis import plan, report, results
+from analysis import plan, results
 from analysis.experiments.divider import Divider
 from geometries import study
-from tests.analysis.synthetic import EDGE, HEAD, PICO, make_results, model_document, reference_document
+from tests.analysis.synthetic import (
+    EDGE,
+    HEAD,
+    PICO,
+    make_results,
+    model_document,
+    reference_document,
+    report_text,
+)
 
 COUNT = 6
 SIZES = f"""
@@ -49,8 +57,7 @@ def answers(factors: list[float]) -> dict[int, tuple[dict[str, object], dict[str
 
 def section(folder: Path) -> str:
     """The experiment's part of the page without scripts; empty without one."""
-    text = re.sub(r"<script.*?</script>", "", report.make(folder).path.read_text(), flags=re.DOTALL)
-    found = re.findall(r"<section>\s*<h2>Experiment.*?</section>", text, re.DOTALL)
+    found = re.findall(r"<section>\s*<h2>Experiment.*?</section>", report_text(folder), re.DOTALL)
     assert len(found) <= 1
     return found[0] if found else ""
 

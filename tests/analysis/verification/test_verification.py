@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis import jobs, machine, processes, report, store
+from analysis import jobs, machine, processes, store
 from analysis.verification import (
     cost_section,
     truths,
@@ -22,7 +23,7 @@ from analysis.verification import (
 )
 from analysis.verification.records import Asked, Cost, Held
 from analysis.verification.set_ups import alone, plate, true_cases
-from tests.analysis.synthetic import make_results
+from tests.analysis.synthetic import make_results, report_text
 
 
 def quantity(value: float, error: float, **more: Any) -> dict[str, Any]:
@@ -249,13 +250,13 @@ def test_a_report_without_rows_says_how_to_make_them_and_takes_them_up(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = make_results(tmp_path / "study")
-    assert verification_section.ABSENT in report.make(folder).path.read_text()
+    assert verification_section.ABSENT in report_text(folder)
     rows = {"truth/cube": truth_row(INSIDE)}
     for name, row in rows.items():
         key = verification_stage.key(name, verification_stage.code())
         target = verification_stage.path_of(verification_page.beside(folder), name)
         store.write_json(target, {"key": key, "row": name, **row})
-    text = report.make(folder).path.read_text()
+    text = report_text(folder)
     assert verification_section.TITLE in text and verification_section.ABSENT not in text
     assert "1 of 1 known quantities of 1 set-ups are within the stated error" in text
     assert "property/scaling" in text, "what is not there yet is named"
@@ -266,5 +267,7 @@ def test_the_page_by_itself_has_every_panel(tmp_path: Path) -> None:
     assert (
         made.headline == verification_section.ABSENT and verification_section.ABSENT in made.path.read_text()
     )
+    (script,) = re.findall(r'src="(.*?)"', made.path.read_text())
+    assert (tmp_path / script).is_file()
     text = cost_section.section([costs()])
     assert text.count("plotly-graph-div") == 1 and "Every mesh" in text

@@ -1,0 +1,121 @@
+"""The pages of a study's report, one for each question: a line in QUESTIONS makes a page, its way around, its card in the index."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from analysis import (
+    collision_section,
+    page,
+    plot_of_time,
+    plots_in_space,
+    plots_of_errors,
+    results,
+    run_times_section,
+    sections,
+    stability_section,
+    statistics,
+    symmetry,
+    table,
+)
+from analysis.errors import records as error_records, section as errors_section
+from analysis.errors.records import Entry
+from analysis.experiments import section as experiments_section
+from analysis.plot import Plot
+from analysis.store import Document
+from analysis.verification import page as verification_page
+
+ERRORS_CASES = "../../errors/cases"
+"""The cases of `python3 -m analysis errors`, as seen from a page of a study's report."""
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """What pages are made from: a study's answers, and what is known of reference and model without it."""
+
+    found: results.Results
+    rows: list[table.Row]
+    summaries: list[statistics.Summary]
+    verified: dict[str, Document]
+    taken_apart: list[Entry]
+
+
+@dataclass(frozen=True)
+class Question:
+    """A page: `name` of its file, `short` title for the way around, and the sections; without any there is no page. The first
+    finding of the first section that has one is shown in the index."""
+
+    name: str
+    short: str
+    title: str
+    body: Callable[[Material], list[str]]
+
+
+def _experiment(material: Material) -> list[str]:
+    return [experiments_section.section(material.found)]
+
+
+def _model_error(material: Material) -> list[str]:
+    if not material.rows:
+        return []
+    plots = [plots_of_errors.model_against_reference(material.rows)]
+    # What describes a set-up in four numbers is for one plate before another.
+    if any(row.set_up is not None for row in material.rows):
+        plots += _over_what_describes(material.rows)
+    return [page.plot_section(plot) for plot in plots]
+
+
+def _over_what_describes(rows: list[table.Row]) -> list[Plot]:
+    return [
+        plots_of_errors.error_over_gap(rows),
+        plots_of_errors.error_over_tilt(rows),
+        plots_of_errors.error_over_offset(rows),
+        plots_of_errors.error_over_size_ratio(rows),
+    ]
+
+
+def _parts(material: Material) -> list[str]:
+    own = error_records.by_reference(material.taken_apart, material.found)
+    return [*errors_section.sections(material.taken_apart, ERRORS_CASES), errors_section.of_study(own)]
+
+
+def _reference(material: Material) -> list[str]:
+    pairs = symmetry.pairs(material.found.compared())
+    trusted = sections.trust(material.found, material.rows, pairs)
+    return [trusted, verification_page.truths(material.verified)]
+
+
+def _run_time(material: Material) -> list[str]:
+    parts = [page.plot_section(plot_of_time.time_against_error(material.rows))] if material.rows else []
+    parts.append(run_times_section.section(material.found.run_times))
+    return [*parts, verification_page.costs(material.verified)]
+
+
+def _stability(material: Material) -> list[str]:
+    return [stability_section.section(material.found.stability)]
+
+
+def _collisions(material: Material) -> list[str]:
+    return [collision_section.section(material.found.collision)]
+
+
+def _set_ups(material: Material) -> list[str]:
+    pictures = plots_in_space.pictures(material.rows) if material.rows else []
+    return [
+        *(page.plot_section(plot) for plot in pictures),
+        sections.all_rows(material.found, material.rows),
+        sections.reproduce(material.found, material.rows),
+    ]
+
+
+QUESTIONS = (
+    Question("experiment", "experiment", "What does the experiment find?", _experiment),
+    Question("model_error", "model error", "How wrong is the model, and where?", _model_error),
+    Question("error_parts", "parts of the error", "Where does the model's error come from?", _parts),
+    Question("reference", "reference", "How sure is the reference?", _reference),
+    Question("run_time", "run time", "What does accuracy cost?", _run_time),
+    Question("stability", "stability", "Is the integral stable?", _stability),
+    Question("collisions", "collisions", "Are collisions found, and how fast?", _collisions),
+    Question("set_ups", "set-ups", "Which set-ups are these, and how are they reproduced?", _set_ups),
+)
