@@ -1,0 +1,30 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "fringe/triangle.hpp"
+
+/// A conductor by itself as `formula` knows it (model/CORRECTIONS.md): prepared once, whatever its pose.
+namespace fringe::detail {
+
+struct ChargedSurface {
+  std::vector<Triangle> triangles;
+  std::vector<Eigen::Vector3d> normals;  ///< of length 1; zero where a triangle has no area
+  bool closed = false;                   ///< the triangles bound a volume: only their outer side counts
+  double area = 0;                       ///< m², each triangle once
+  Eigen::Matrix3Xd nodes;
+  Eigen::VectorXd charges;     ///< shares of the equilibrium charge at the nodes; their sum is 1
+  double own_capacitance = 0;  ///< m: C/ε of the conductor alone
+  /// Rows: the linear, then the quadratic polynomials, orthonormal under `charges`, times `charges`.
+  Eigen::MatrixXd modes;
+  Eigen::Index linear_modes = 0;
+};
+
+/// The triangles must be finite and have an area.
+ChargedSurface make_charged_surface(std::vector<Triangle> triangles);
+
+}  // namespace fringe::detail

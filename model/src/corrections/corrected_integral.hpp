@@ -1,0 +1,20 @@
+#pragma once
+
+#include <span>
+
+#include <Eigen/Geometry>
+
+#include "charged_surface.hpp"
+#include "fringe/correction.hpp"
+#include "fringe/rectangle.hpp"
+
+namespace fringe::detail {
+
+/// What a correction puts in the place of Σ∫dA/d, in m; +infinity on contact.
+///
+/// @param sensor_pose maps the sensor's frame to the object's
+/// @param plates the sensor's plates in the object's frame
+double corrected_integral(Correction correction, const ChargedSurface& object, const ChargedSurface& sensor,
+                          const Eigen::Isometry3d& sensor_pose, std::span<const Rectangle> plates);
+
+}  // namespace fringe::detail
