@@ -20,6 +20,7 @@
 #include "fringe/boundary_elements.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/capacitance.hpp"
+#include "fringe/correction.hpp"
 #include "fringe/conductors.hpp"
 #include "fringe/distance_sensor.hpp"
 #include "fringe/error.hpp"
@@ -195,6 +196,17 @@ py::list corrections_list() {
     list.append(py::dict("name"_a = info.name, "formula"_a = info.formula, "source"_a = info.source,
                          "constants"_a = info.constants, "cost"_a = info.cost));
   return list;
+}
+
+py::dict dictionary(const FormulaTerms& terms) {
+  return py::dict("own_of_sensor"_a = terms.own_of_sensor, "own_of_object"_a = terms.own_of_object,
+                  "potential"_a = terms.potential, "drawn"_a = terms.drawn, "flux"_a = terms.flux,
+                  "soft_flux"_a = terms.soft_flux, "tilted_excess"_a = terms.tilted_excess,
+                  "facing_area"_a = terms.facing_area,
+                  "on_sensor"_a = py::make_tuple(terms.on_sensor.linear, terms.on_sensor.quadratic,
+                                                 terms.on_sensor.remaining),
+                  "on_object"_a = py::make_tuple(terms.on_object.linear, terms.on_object.quadratic,
+                                                 terms.on_object.remaining));
 }
 
 /// A scene with the evaluators of its last options, which keep what does not move.
@@ -505,6 +517,19 @@ a row; "reached", whether the errors are within rtol; "unknowns", "seconds".
 
 Knows plates and cuboids. Raises InputError (a ValueError) for other shapes, dielectric objects and conductors that touch
 or cross.)")
+      .def(
+          "formula_terms",
+          [](LiveScene& live) {
+            py::list sensors;
+            for (const std::vector<FormulaTerms>& of_sensor : formula_terms(live.snapshot())) {
+              py::list objects;
+              for (const FormulaTerms& terms : of_sensor)
+                objects.append(dictionary(terms));
+              sensors.append(objects);
+            }
+            return sensors;
+          },
+          "What the correction \"formula\" is combined from, for every sensor and object (model/CORRECTIONS.md).")
       .def(
           "sense", &sense_of, "method"_a = "field_of_view",
           R"(The closest point that every distance sensor sees, as the dictionary that `fringe sense --json` prints.

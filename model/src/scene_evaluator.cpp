@@ -36,16 +36,6 @@ void validate(const CapacitanceOptions& options) {
                                  to_string(options.correction)));
 }
 
-/// A sensor's plates as triangles, in the frame of its link.
-std::vector<Triangle> triangles_of(const Sensor& sensor) {
-  std::vector<Triangle> triangles;
-  for (const auto& [corner, u, v] : sensor.plates) {
-    triangles.push_back({corner, corner + u, corner + u + v});
-    triangles.push_back({corner, corner + u + v, corner + v});
-  }
-  return triangles;
-}
-
 Surface surface_of(const Object& object) {
   if (!std::holds_alternative<Grounded>(object.role))
     throw InputError(
@@ -122,7 +112,7 @@ class SceneEvaluator::Implementation {
     for (const Sensor& sensor : sensors_) {
       // Refuses plates that are none, before anything is made of them.
       placed(sensor, Eigen::Isometry3d::Identity());
-      charged_sensors_.push_back(detail::make_charged_surface(triangles_of(sensor)));
+      charged_sensors_.push_back(detail::make_charged_surface(detail::plate_triangles(sensor.plates)));
     }
     for (const PlacedObject& object : objects_) {
       if (!(object.surface.area > 0))
@@ -237,9 +227,14 @@ class SceneEvaluator::Implementation {
       in_object_frame_.push_back(transformed(plate, before.from_world));
     const Eigen::Isometry3d sensor_pose = before.from_world * motion_.world_pose(sensors_[sensor].link);
     pair.integral = {};
-    pair.integral.value =
-        detail::corrected_integral(options_.correction, charged_objects_[object], charged_sensors_[sensor],
-                                   sensor_pose, in_object_frame_);
+    // Contact is the integral's to tell; where the object's sphere is off the plates it need not be asked.
+    if (std::isinf(
+            detail::enclosure(before.surface, before.centroid, placed_sensors_[sensor].frames).upper))
+      pair.integral = detail::surface_integral(before.surface, in_object_frame_, {}, 0);
+    if (!std::isinf(pair.integral.value))
+      pair.integral.value = detail::corrected_integral(options_.correction, charged_objects_[object],
+                                                       before.surface.batch, charged_sensors_[sensor],
+                                                       sensor_pose, in_object_frame_);
     pair.known = true;
     ++answer_.counts.objects_evaluated;
     answer_.counts.triangles_evaluated += triangles;

@@ -209,12 +209,24 @@ void make_modes(ChargedSurface& surface) {
 
 }  // namespace
 
+std::vector<Triangle> plate_triangles(std::span<const Rectangle> plates) {
+  std::vector<Triangle> triangles;
+  for (const auto& [corner, u, v] : plates) {
+    triangles.push_back({corner, corner + u, corner + u + v});
+    triangles.push_back({corner, corner + u + v, corner + v});
+  }
+  return triangles;
+}
+
 ChargedSurface make_charged_surface(std::vector<Triangle> triangles) {
   ChargedSurface surface;
   surface.closed = is_closed(triangles);
   surface.area = area(triangles);
-  for (const auto& [a, b, c] : triangles)
+  for (const Triangle& triangle : triangles) {
+    const auto& [a, b, c] = triangle;
     surface.normals.push_back((b - a).cross(c - a).stableNormalized());
+    surface.areas.push_back(twice_area(triangle) / 2);
+  }
   std::vector<Patch> cells;
   const double cell = std::sqrt(surface.area / cells_per_surface);
   for (const Patch& patch : patches_of(triangles))

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "fringe/rectangle.hpp"
 #include "fringe/triangle.hpp"
 
 /// A conductor by itself as `formula` knows it (model/CORRECTIONS.md): prepared once, whatever its pose.
@@ -14,6 +15,7 @@ namespace fringe::detail {
 struct ChargedSurface {
   std::vector<Triangle> triangles;
   std::vector<Eigen::Vector3d> normals;  ///< of length 1; zero where a triangle has no area
+  std::vector<double> areas;             ///< m²
   bool closed = false;                   ///< the triangles bound a volume: only their outer side counts
   double area = 0;                       ///< m², each triangle once
   Eigen::Matrix3Xd nodes;
@@ -23,6 +25,9 @@ struct ChargedSurface {
   Eigen::MatrixXd modes;
   Eigen::Index linear_modes = 0;
 };
+
+/// Two triangles for each plate, as in conductors().
+std::vector<Triangle> plate_triangles(std::span<const Rectangle> plates);
 
 /// The triangles must be finite and have an area.
 ChargedSurface make_charged_surface(std::vector<Triangle> triangles);

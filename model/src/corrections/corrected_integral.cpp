@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
-#include "../facing.hpp"
 #include "formula.hpp"
 #include "fringe/batch_integral.hpp"
-#include "fringe/triangle_batch.hpp"
 #include "two_surfaces.hpp"
 
 namespace fringe::detail {
@@ -43,8 +40,8 @@ double palmer_factor(double distance, const Rectangle& plate) {
 
 /// Σ I·factor over the triangles, the factor depending on the triangle's mean distance A/I.
 template <class Factor>
-double sum_of(const ChargedSurface& object, std::span<const Rectangle> plates, const Factor& factor) {
-  const TriangleBatch batch(object.triangles);
+double sum_of(const ChargedSurface& object, const TriangleBatch& batch, std::span<const Rectangle> plates,
+              const Factor& factor) {
   double sum = 0;
   for (const Rectangle& plate : plates) {
     const std::vector<double> integrals = plate_integrals(batch, plate);
@@ -55,47 +52,39 @@ double sum_of(const ChargedSurface& object, std::span<const Rectangle> plates, c
   return sum;
 }
 
-double plain(const ChargedSurface& object, std::span<const Rectangle> plates) {
-  return sum_of(object, plates, [](const Rectangle&, double, const Vector3d&) { return 1.0; });
-}
-
-/// Contact is the plain integral's to tell; farther away than the surfaces' spheres it need not be asked.
-bool may_touch(const ChargedSurface& object, std::span<const Rectangle> plates) {
-  Eigen::AlignedBox3d box, of_plates;
-  for (const Triangle& triangle : object.triangles)
-    for (const Vector3d& corner : triangle)
-      box.extend(corner);
-  for (const auto& [corner, u, v] : plates)
-    of_plates.extend(corner).extend(corner + u).extend(corner + v).extend(corner + u + v);
-  return box.intersects(of_plates);
+double plain(const TriangleBatch& batch, std::span<const Rectangle> plates) {
+  double sum = 0;
+  for (const BoundedIntegral& total : total_integrals(batch, plates))
+    sum += total.value;
+  return sum;
 }
 
 }  // namespace
 
-double corrected_integral(Correction correction, const ChargedSurface& object, const ChargedSurface& sensor,
-                          const Eigen::Isometry3d& sensor_pose, std::span<const Rectangle> plates) {
-  if (may_touch(object, plates) && std::isinf(plain(object, plates)))
-    return std::numeric_limits<double>::infinity();
+double corrected_integral(Correction correction, const ChargedSurface& object, const TriangleBatch& batch,
+                          const ChargedSurface& sensor, const Eigen::Isometry3d& sensor_pose,
+                          std::span<const Rectangle> plates) {
+
   switch (correction) {
-  case Correction::none: return plain(object, plates);
-  case Correction::constant: return constant_factor * plain(object, plates);
+  case Correction::none: return plain(batch, plates);
+  case Correction::constant: return constant_factor * plain(batch, plates);
   case Correction::arc:
-    return sum_of(object, plates, [](const Rectangle& plate, double, const Vector3d& normal) {
+    return sum_of(object, batch, plates, [](const Rectangle& plate, double, const Vector3d& normal) {
       return arc_factor(normal, plate);
     });
   case Correction::kirchhoff:
-    return sum_of(object, plates, [](const Rectangle& plate, double distance, const Vector3d&) {
+    return sum_of(object, batch, plates, [](const Rectangle& plate, double distance, const Vector3d&) {
       return kirchhoff_factor(distance, plate);
     });
   case Correction::palmer:
-    return sum_of(object, plates, [](const Rectangle& plate, double distance, const Vector3d&) {
+    return sum_of(object, batch, plates, [](const Rectangle& plate, double distance, const Vector3d&) {
       return palmer_factor(distance, plate);
     });
-  case Correction::reciprocity: return reciprocal_integral(object, plates, plain(object, plates));
+  case Correction::reciprocity: return reciprocal_integral(object, plates, plain(batch, plates));
   case Correction::two_sided_arc: return two_sided_arcs(object, plates);
-  case Correction::formula: return formula(object, sensor, sensor_pose, plates);
+  case Correction::formula: return formula(formula_terms(object, sensor, sensor_pose, plates));
   }
-  return plain(object, plates);
+  return plain(batch, plates);
 }
 
 }  // namespace fringe::detail

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "charged_surface.hpp"
 #include "fringe/rectangle.hpp"
 
@@ -14,10 +16,18 @@ struct FacingFlux {
   double area = 0;           ///< where they face each other, m²
 };
 
-/// @param triangle in the frame of `plate`, with its unit normal
+/// A sensor's plate, prepared for many triangles.
+struct FacingPlate {
+  explicit FacingPlate(const Rectangle& plate);
+
+  std::array<Eigen::Vector3d, 4> corners;  ///< in order
+  Eigen::Vector3d normal;                  ///< of length 1
+};
+
+/// @param triangle in the frame of `plate`, with its unit normal and its area
 /// @param one_sided only the side that the normal is on counts
 /// @param softness s, in m
-void add_facing_flux(FacingFlux& sum, const Triangle& triangle, const Eigen::Vector3d& normal, bool one_sided,
-                     const Rectangle& plate, double softness);
+void add_facing_flux(FacingFlux& sum, const Triangle& triangle, const Eigen::Vector3d& normal, double area,
+                     bool one_sided, const FacingPlate& plate, double softness);
 
 }  // namespace fringe::detail

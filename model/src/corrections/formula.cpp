@@ -13,7 +13,7 @@ namespace {
 using Eigen::VectorXd;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Fitted to the set-ups that are not sealed: `python3 -m analysis corrections --fit`.
+/// Fitted to the set-ups that are not sealed: `python3 -m analysis.corrections.fit`.
 constexpr double linear_stiffness = 2.080;
 constexpr double quadratic_stiffness = 2.368;
 constexpr double remaining_stiffness = 8.464;
@@ -40,15 +40,18 @@ RowMatrix coupling(const ChargedSurface& object, const ChargedSurface& sensor,
   return inverse_distances.leftCols(sensor.nodes.cols()) / (4 * std::numbers::pi);
 }
 
-/// How much a body's charge gives way to the potential's variation over it, for a coupling of 1: relative variances
-/// of the variation's parts, each over the stiffness of the charge against it.
-double polarisability(const ChargedSurface& surface, const VectorXd& variation, double mean) {
-  const VectorXd parts = surface.modes * variation;
+/// Relative variances of a potential's deviation from its mean.
+FormulaTerms::Variation variation(const ChargedSurface& surface, const VectorXd& deviation, double mean) {
+  const VectorXd parts = surface.modes * deviation;
   const double linear = parts.head(surface.linear_modes).squaredNorm(), both = parts.squaredNorm(),
-               all = std::max(both, surface.charges.dot(variation.cwiseAbs2()));
-  const double value = (linear_stiffness * linear + quadratic_stiffness * (both - linear) +
-                        remaining_stiffness * (all - both)) /
-                       (mean * mean);
+               all = std::max(both, surface.charges.dot(deviation.cwiseAbs2())), squared = mean * mean;
+  return {linear / squared, (both - linear) / squared, (all - both) / squared};
+}
+
+/// How much a body's charge gives way to the potential's variation over it, for a coupling of 1.
+double polarisability(const FormulaTerms::Variation& variation) {
+  const double value = linear_stiffness * variation.linear + quadratic_stiffness * variation.quadratic +
+                       remaining_stiffness * variation.remaining;
   return value / (1 + saturation * value);
 }
 
@@ -59,40 +62,53 @@ double own_gap(const ChargedSurface& surface) {
 
 }  // namespace
 
-double formula(const ChargedSurface& object, const ChargedSurface& sensor,
-               const Eigen::Isometry3d& sensor_pose, std::span<const Rectangle> plates) {
+FormulaTerms formula_terms(const ChargedSurface& object, const ChargedSurface& sensor,
+                           const Eigen::Isometry3d& sensor_pose, std::span<const Rectangle> plates) {
   const double softness = 1 / std::hypot(1 / own_gap(object), 1 / own_gap(sensor));
-
   const RowMatrix potentials = coupling(object, sensor, sensor_pose, softness * softness);
   VectorXd on_object = potentials * sensor.charges, on_sensor = potentials.transpose() * object.charges;
   const double mean = object.charges.dot(on_object);
   on_object.array() -= mean;
   on_sensor.array() -= mean;
-  const double own_product = object.own_capacitance * sensor.own_capacitance;
-  const double coupled = mean * mean * own_product;
-  const double of_object = 1 + coupled * polarisability(object, on_object, mean);
-  const double of_sensor = 1 + coupled * polarisability(sensor, on_sensor, mean);
-  const double drawn = object.charges.cwiseProduct(on_object)
-                           .dot(potentials * sensor.charges.cwiseProduct(on_sensor)) /
-                       (mean * mean * mean);
-  const double drawn_factor = 1 + attraction * coupled * drawn;
-  // What two conductors that nearly touch would make of it is the flux' task; the coupling is kept below 1.
-  constexpr double least = 0.02;
-  const double determinant =
-      std::max(1 / (of_object * of_sensor) - coupled * drawn_factor * drawn_factor, least);
-  const double far = mean * own_product * drawn_factor / determinant;
 
+  FormulaTerms terms;
+  terms.own_of_sensor = sensor.own_capacitance;
+  terms.own_of_object = object.own_capacitance;
+  terms.potential = mean;
+  terms.on_sensor = variation(sensor, on_sensor, mean);
+  terms.on_object = variation(object, on_object, mean);
+  terms.drawn = object.charges.cwiseProduct(on_object)
+                    .dot(potentials * sensor.charges.cwiseProduct(on_sensor)) /
+                (mean * mean * mean);
   FacingFlux flux;
-  for (const Rectangle& plate : plates)
+  for (const Rectangle& rectangle : plates) {
+    const FacingPlate plate(rectangle);
     for (std::size_t i = 0; i < object.triangles.size(); ++i)
-      add_facing_flux(flux, object.triangles[i], object.normals[i], object.closed, plate, softness);
-  if (flux.flux == 0)
-    return far;
-  if (std::isinf(flux.flux))
-    return flux.flux;
-  const double fringes = fringe * (1 + fringe_near * coupled) * std::sqrt(flux.area) *
-                         std::log(flux.flux / flux.soft_flux);
-  return far + (flux.flux - flux.soft_flux) + tilt * flux.tilted_excess + fringes;
+      add_facing_flux(flux, object.triangles[i], object.normals[i], object.areas[i], object.closed, plate,
+                      softness);
+  }
+  terms.flux = flux.flux;
+  terms.soft_flux = flux.soft_flux;
+  terms.tilted_excess = flux.tilted_excess;
+  terms.facing_area = flux.area;
+  return terms;
+}
+
+double formula(const FormulaTerms& terms) {
+  const double own_product = terms.own_of_object * terms.own_of_sensor;
+  const double coupled = terms.potential * terms.potential * own_product;
+  const double drawn_factor = 1 + attraction * coupled * terms.drawn;
+  const double polarised = (1 + coupled * polarisability(terms.on_object)) *
+                           (1 + coupled * polarisability(terms.on_sensor));
+  // The softened coupling of bodies that nearly touch stays well below 1; this only keeps the sign.
+  constexpr double least = 0.02;
+  const double determinant = std::max(1 / polarised - coupled * drawn_factor * drawn_factor, least);
+  const double far = terms.potential * own_product * drawn_factor / determinant;
+  if (terms.flux == 0 || std::isinf(terms.flux))
+    return far + terms.flux;
+  const double fringes = fringe * (1 + fringe_near * coupled) * std::sqrt(terms.facing_area) *
+                         std::log(terms.flux / terms.soft_flux);
+  return far + (terms.flux - terms.soft_flux) + tilt * terms.tilted_excess + fringes;
 }
 
 }  // namespace fringe::detail
