@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis import keys, results, statistics, table
+from analysis.corrections import page as corrections_page, stage as corrections_stage
 from analysis.verification import page as verification_page, stage as verification_stage
 from analysis.store import Document, write_text
 
@@ -30,10 +31,11 @@ def make(folder: Path) -> Report:
     rows = table.rows(found)
     summaries = statistics.summaries(rows)
     verified = verification_stage.load(verification_page.beside(folder))
-    inputs = _inputs(folder, found, verified)
+    corrected = corrections_stage.load(corrections_stage.beside(folder))
+    inputs = f"{_inputs(folder, found, verified)} {corrections_page.inputs(corrected)}"
     if not ((folder / TABLE).is_file() and is_current(folder / REPORT, inputs)):
         write_text(folder / TABLE, table.to_csv(rows, found.methods))
-        write_text(folder / REPORT, _page(found, rows, summaries, verified, inputs))
+        write_text(folder / REPORT, _page(found, rows, summaries, verified, corrected, inputs))
     solved = [case.reference for case in found.cases.values() if case.reference is not None]
     return Report(folder / REPORT, summaries, sum(not answer.reached for answer in solved))
 
@@ -64,9 +66,11 @@ def _page(
     rows: list[table.Row],
     summaries: list[statistics.Summary],
     verified: dict[str, Document],
+    corrected: Document | None,
     inputs: str,
 ) -> str:
     # Imported here: plotly takes a second, and a report that is up to date needs none.
+    from analysis.corrections import section as corrections_section
     from analysis.experiments import section as experiments_section
     from analysis import (
         collision_section,
@@ -93,6 +97,7 @@ def _page(
         ]
         body += [page.plot_section(plot) for plot in plots]
     body += [
+        corrections_section.section(corrected),
         run_times_section.section(found.run_times),
         stability_section.section(found.stability),
         collision_section.section(found.collision),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -207,6 +208,63 @@ void make_modes(ChargedSurface& surface) {
     surface.modes.row(i) = modes[static_cast<std::size_t>(i)].cwiseProduct(weight);
 }
 
+/// Triangles in a cluster, at most.
+constexpr std::size_t cluster_size = 8;
+
+Cluster cluster_of(const ChargedSurface& surface, std::span<const std::size_t> members) {
+  Cluster cluster;
+  cluster.members.assign(members.begin(), members.end());
+  Vector3d directed_area = Vector3d::Zero();
+  for (const std::size_t i : members) {
+    const auto& [a, b, c] = surface.triangles[i];
+    cluster.centre += surface.areas[i] / 3 * (a + b + c);
+    directed_area += surface.areas[i] * surface.normals[i];
+    cluster.area += surface.areas[i];
+  }
+  // Below, the members' normals spread too far for one to stand for them.
+  constexpr double least_common = 0.98;
+  if (members.size() == 1 || !(directed_area.norm() > least_common * cluster.area)) {
+    cluster.radius = std::numeric_limits<double>::infinity();
+    return cluster;
+  }
+  cluster.centre /= cluster.area;
+  for (const std::size_t i : members)
+    for (const Vector3d& corner : surface.triangles[i])
+      cluster.radius = std::max(cluster.radius, (corner - cluster.centre).norm());
+  cluster.area = directed_area.norm();
+  cluster.normal = directed_area / cluster.area;
+  // Equilateral: the area is 3√3/4 times the squared distance of a corner from the centre.
+  const double reach = std::sqrt(4 * cluster.area / (3 * std::numbers::sqrt3));
+  const Vector3d u = cluster.normal.unitOrthogonal(), v = cluster.normal.cross(u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / 3;
+    cluster.stand_in[i] = cluster.centre + reach * (std::cos(angle) * u + std::sin(angle) * v);
+  }
+  return cluster;
+}
+
+/// Halves the triangles at the median along the longest side of their box until they are few.
+void make_clusters(ChargedSurface& surface, std::span<std::size_t> indices) {
+  if (indices.size() <= cluster_size) {
+    surface.clusters.push_back(cluster_of(surface, indices));
+    return;
+  }
+  const auto centre = [&surface](std::size_t i) -> Vector3d {
+    const auto& [a, b, c] = surface.triangles[i];
+    return a + b + c;
+  };
+  Eigen::AlignedBox3d box;
+  for (const std::size_t i : indices)
+    box.extend(centre(i));
+  Eigen::Index axis = 0;
+  box.sizes().maxCoeff(&axis);
+  const std::size_t half = indices.size() / 2;
+  std::nth_element(indices.begin(), indices.begin() + static_cast<std::ptrdiff_t>(half), indices.end(),
+                   [&](std::size_t i, std::size_t j) { return centre(i)[axis] < centre(j)[axis]; });
+  make_clusters(surface, indices.first(half));
+  make_clusters(surface, indices.subspan(half));
+}
+
 }  // namespace
 
 std::vector<Triangle> plate_triangles(std::span<const Rectangle> plates) {
@@ -233,6 +291,9 @@ ChargedSurface make_charged_surface(std::vector<Triangle> triangles) {
     if (patch.area() > 0)
       divide(patch, cell, cells);
   surface.triangles = std::move(triangles);
+  std::vector<std::size_t> indices(surface.triangles.size());
+  std::iota(indices.begin(), indices.end(), std::size_t{0});
+  make_clusters(surface, indices);
   const bool coarse = cells.size() <= most_nodes;
   std::vector<Group> groups;
   if (!coarse) {

@@ -69,16 +69,16 @@ struct InverseGaps {
 
 InverseGaps inverse_gaps(double g0, double g1, double g2, double softness) {
   const auto [least, most] = std::minmax({g0, g1, g2});
-  // A rule of degree 2 is off by some hundredth of the third power of the relative change: 5e-5, far below the
-  // formula's own error.
+  // Taylor's series about the mean is off by some hundredth of the third power of the relative change: 5e-5, far
+  // below the formula's own error.
   constexpr double nearly_constant = 0.15;
   if (most - least <= nearly_constant * least) {
-    InverseGaps sum{0, 0};
-    for (const double gap : {(g0 + g1) / 2, (g1 + g2) / 2, (g2 + g0) / 2}) {
-      sum.sharp += 1 / (3 * gap);
-      sum.soft += 1 / (3 * std::sqrt(gap * gap + softness * softness));
-    }
-    return sum;
+    const double mean = (g0 + g1 + g2) / 3, squared = mean * mean;
+    const double variance =
+        ((g0 - mean) * (g0 - mean) + (g1 - mean) * (g1 - mean) + (g2 - mean) * (g2 - mean)) / 12;
+    const double soft_squared = squared + softness * softness, soft = 1 / std::sqrt(soft_squared);
+    return {(1 + variance / squared) / mean,
+            soft * (1 + variance * (squared - softness * softness / 2) / (soft_squared * soft_squared))};
   }
   return {2 * kernel_of_heights(g0, g1, g2),
           2 * kernel({g0, softness, 0}, {g1, softness, 0}, {g2, softness, 0})};
@@ -185,19 +185,18 @@ void add_common_part(FacingFlux& sum, const Facing& facing, const Triangle& tria
   }
 }
 
-/// One side of a triangle before one side of a plate: the normals are those of the sides.
+/// One side of a triangle before one side of a plate: the normals are those of the sides, and the whole plate may be
+/// before that of the triangle.
 void add_sides(FacingFlux& sum, const Triangle& triangle, const Vector3d& normal, double triangle_area,
-               const FacingPlate& plate, const Vector3d& plate_normal, double softness) {
+               bool whole_plate_before, const FacingPlate& plate, const Vector3d& plate_normal, double softness) {
   const double cosine = -normal.dot(plate_normal);
   if (1 + cosine < least_opening)
     return;
-  double heights[3], lowest_corner = 0;
+  double heights[3];
   for (std::size_t i = 0; i < 3; ++i)
     heights[i] = plate_normal.dot(triangle[i] - plate.corners[0]);
-  for (const Vector3d& corner : plate.corners)
-    lowest_corner = std::min(lowest_corner, normal.dot(corner - triangle[0]));
   // The triangle before its side of the plate, and the plate before the triangle's: nothing is cut.
-  const bool uncut = std::min({heights[0], heights[1], heights[2]}) > 0 && lowest_corner == 0;
+  const bool uncut = std::min({heights[0], heights[1], heights[2]}) > 0 && whole_plate_before;
   const Vector3d direction = plate_normal - normal;
   const Shadow shadow(triangle, plate, direction);
   if (uncut && shadow.misses())
@@ -223,26 +222,25 @@ void add_facing_flux(FacingFlux& sum, const Triangle& triangle, const Vector3d& 
                      bool one_sided, const FacingPlate& plate, double softness) {
   if (normal.isZero())
     return;
-  const auto highest_corner = [&](const Vector3d& direction) {
-    double highest = 0;
-    for (const Vector3d& corner : plate.corners)
-      highest = std::max(highest, direction.dot(corner - triangle[0]));
-    return highest;
-  };
-  const bool outside = highest_corner(normal) > 0, inside = !one_sided && highest_corner(-normal) > 0;
+  double lowest = 0, highest = 0;
+  for (const Vector3d& corner : plate.corners) {
+    const double height = normal.dot(corner - triangle[0]);
+    lowest = std::min(lowest, height);
+    highest = std::max(highest, height);
+  }
+  const bool outside = highest > 0, inside = !one_sided && lowest < 0;
   if (!outside && !inside)
     return;
   for (const double side : {1.0, -1.0}) {
     const Vector3d plate_normal = side * plate.normal;
-    double highest = 0;
-    for (const Vector3d& corner : triangle)
-      highest = std::max(highest, plate_normal.dot(corner - plate.corners[0]));
-    if (highest == 0)
+    if (plate_normal.dot(triangle[0] - plate.corners[0]) <= 0 &&
+        plate_normal.dot(triangle[1] - plate.corners[0]) <= 0 &&
+        plate_normal.dot(triangle[2] - plate.corners[0]) <= 0)
       continue;
     if (outside)
-      add_sides(sum, triangle, normal, area, plate, plate_normal, softness);
+      add_sides(sum, triangle, normal, area, lowest == 0, plate, plate_normal, softness);
     if (inside)
-      add_sides(sum, triangle, -normal, area, plate, plate_normal, softness);
+      add_sides(sum, triangle, -normal, area, highest == 0, plate, plate_normal, softness);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "../batch/kernels.hpp"
+#include "../plate_frame.hpp"
 #include "facing_flux.hpp"
 
 namespace fringe::detail {
@@ -14,14 +15,14 @@ using Eigen::VectorXd;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Fitted to the set-ups that are not sealed: `python3 -m analysis.corrections.fit`.
-constexpr double linear_stiffness = 2.080;
-constexpr double quadratic_stiffness = 2.368;
-constexpr double remaining_stiffness = 8.464;
-constexpr double fringe = 2.308;
-constexpr double attraction = 3.783;
-constexpr double saturation = 0.264;
-constexpr double tilt = 0.766;
-constexpr double fringe_near = -1.883;
+constexpr double linear_stiffness = 1.969;
+constexpr double quadratic_stiffness = 2.213;
+constexpr double remaining_stiffness = 8.175;
+constexpr double fringe = 2.369;
+constexpr double attraction = 3.795;
+constexpr double saturation = 0.217;
+constexpr double tilt = 0.795;
+constexpr double fringe_near = -1.866;
 
 /// Potentials at the nodes of the object (rows) by charges at the nodes of the sensor (columns), over 4π.
 RowMatrix coupling(const ChargedSurface& object, const ChargedSurface& sensor,
@@ -60,6 +61,22 @@ double own_gap(const ChargedSurface& surface) {
   return surface.area / (surface.closed ? 2 : 1) / surface.own_capacitance;
 }
 
+void add_facing_flux(FacingFlux& flux, const ChargedSurface& object, const Rectangle& rectangle, double softness) {
+  const FacingPlate plate(rectangle);
+  const PlateFrame frame = plate_frame(rectangle);
+  // With a gap of so many radii the cluster's extent and bend change what it adds by less than a hundredth.
+  constexpr double far = 4;
+  for (const Cluster& cluster : object.clusters) {
+    if (distance(frame, frame.axes * (cluster.centre - frame.corner)) > far * cluster.radius) {
+      add_facing_flux(flux, cluster.stand_in, cluster.normal, cluster.area, object.closed, plate, softness);
+      continue;
+    }
+    for (const std::size_t i : cluster.members)
+      add_facing_flux(flux, object.triangles[i], object.normals[i], object.areas[i], object.closed, plate,
+                      softness);
+  }
+}
+
 }  // namespace
 
 FormulaTerms formula_terms(const ChargedSurface& object, const ChargedSurface& sensor,
@@ -81,12 +98,8 @@ FormulaTerms formula_terms(const ChargedSurface& object, const ChargedSurface& s
                     .dot(potentials * sensor.charges.cwiseProduct(on_sensor)) /
                 (mean * mean * mean);
   FacingFlux flux;
-  for (const Rectangle& rectangle : plates) {
-    const FacingPlate plate(rectangle);
-    for (std::size_t i = 0; i < object.triangles.size(); ++i)
-      add_facing_flux(flux, object.triangles[i], object.normals[i], object.areas[i], object.closed, plate,
-                      softness);
-  }
+  for (const Rectangle& plate : plates)
+    add_facing_flux(flux, object, plate, softness);
   terms.flux = flux.flux;
   terms.soft_flux = flux.soft_flux;
   terms.tilted_excess = flux.tilted_excess;
