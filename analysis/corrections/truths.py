@@ -50,14 +50,14 @@ def make(module: Any, file: Path = FILE) -> int:
     writer.writerow(_COLUMNS)
     count = 0
     for count, set_up in enumerate(set_ups(module), start=1):
-        truth = _solved(module, set_up)
+        truth = solved(module, set_up)
         numbers = [f"{getattr(truth, column):.7g}" for column in _COLUMNS[1:]]
         writer.writerow([set_up.name, *numbers])
     write_text(file, text.getvalue())
     return count
 
 
-def _solved(module: Any, set_up: SetUp) -> Truth:
+def solved(module: Any, set_up: SetUp) -> Truth:
     both = _maxwell(module, set_up.scene)
     matrix = both["maxwell"]
     alone = both["delta_self"]["sensor"]["value"]
