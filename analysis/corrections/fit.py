@@ -6,6 +6,7 @@ Least sum of fourth powers of ln(formula/truth): worst errors count more than in
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from analysis.corrections.set_ups import set_ups
+from analysis.corrections.set_ups import SetUp, set_ups
 from analysis.corrections.truths import load
 from analysis.model_stage import model_module
 from geometries.writer import canonical
@@ -30,21 +31,25 @@ NAMES = (
     "fringe_near",
 )
 _START = (2.0, 2.0, 8.0, 1.0, 4.0, 0.2, 0.7, -1.0)
-_VACUUM_PERMITTIVITY = 8.8541878128e-12
+VACUUM_PERMITTIVITY = 8.8541878128e-12
 
 
-def terms(module: Any) -> tuple[dict[str, Array], Array]:
-    """The formula's terms in the open set-ups, and the truth over ε; arrays (n,), variations (3, n)."""
+def terms(module: Any, chosen: Sequence[SetUp]) -> tuple[dict[str, Array], Array]:
+    """The formula's terms in the set-ups, and the truth over ε; arrays (n,), variations (3, n)."""
     truths = load()
-    rows, truth = [], []
+    rows = []
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "scene.toml"
-        for set_up in set_ups(module):
-            if not set_up.sealed:
-                path.write_text(canonical(set_up.scene), encoding="utf-8")
-                rows.append(module.Scene.load(path).formula_terms()[0][0])
-                truth.append(truths[set_up.name].mutual / _VACUUM_PERMITTIVITY)
-    return {name: np.array([row[name] for row in rows]).T for name in rows[0]}, np.array(truth)
+        for set_up in chosen:
+            path.write_text(canonical(set_up.scene), encoding="utf-8")
+            rows.append(module.Scene.load(path).formula_terms()[0][0])
+    truth = np.array([truths[set_up.name].mutual / VACUUM_PERMITTIVITY for set_up in chosen])
+    return {name: np.array([row[name] for row in rows]).T for name in rows[0]}, truth
+
+
+def part(found: dict[str, Array], mask: NDArray[np.bool_]) -> dict[str, Array]:
+    """The terms of some of the set-ups."""
+    return {name: values[..., mask] for name, values in found.items()}
 
 
 def formula(found: dict[str, Array], constants: Array) -> Array:
@@ -61,9 +66,7 @@ def formula(found: dict[str, Array], constants: Array) -> Array:
     faces = found["flux"] > 0
     ratio = np.where(faces, found["flux"], 1) / np.where(faces, found["soft_flux"], 1)
     fringes = fringe * (1 + fringe_near * coupled) * np.sqrt(found["facing_area"]) * np.log(ratio)
-    return np.asarray(
-        far + found["flux"] - found["soft_flux"] + tilt * found["tilted_excess"] + fringes
-    )
+    return np.asarray(far + found["flux"] - found["soft_flux"] + tilt * found["tilted_excess"] + fringes)
 
 
 def fit(found: dict[str, Array], truth: Array) -> Array:
@@ -78,5 +81,6 @@ def fit(found: dict[str, Array], truth: Array) -> Array:
 
 
 if __name__ == "__main__":
-    for name, constant in zip(NAMES, fit(*terms(model_module()))):
+    opened = [set_up for set_up in set_ups(model_module()) if not set_up.sealed]
+    for name, constant in zip(NAMES, fit(*terms(model_module(), opened))):
         print(f"{name} = {constant:.3f}")

@@ -74,7 +74,17 @@ def _panels(document: Document) -> list[Panel]:
 
 def _table(document: Document) -> str:
     shapes = list(document["nanoseconds"])
-    header = ["correction", "rms", "median", "95 %", "worst", "sealed: rms", "worst", "family left out: rms", "worst"]
+    header = [
+        "correction",
+        "rms",
+        "median",
+        "95 %",
+        "worst",
+        "sealed: rms",
+        "worst",
+        "family left out: rms",
+        "worst",
+    ]
     header += [f"ns, {shape}" for shape in shapes]
     rows = []
     for entry in document["corrections"]:
@@ -92,7 +102,14 @@ def _table(document: Document) -> str:
     unseen = [_percent(both["open"][name]) for name in ("rms", "median", "percentile_95", "worst")]
     sealed = [_percent(both["sealed"][name]) for name in ("rms", "worst")]
     rows.append(
-        [f"{escape(both['correction'])} and Gaussian process", *unseen, *sealed, "", "", *("" for _ in shapes)]
+        [
+            f"{escape(both['correction'])} and Gaussian process",
+            *unseen,
+            *sealed,
+            "",
+            "",
+            *("" for _ in shapes),
+        ]
     )
     return page.table(header, rows, strong=frozenset({_names(document).index(_BEST)}))
 
@@ -129,8 +146,8 @@ def _explanation(document: Document) -> str:
     both = document["discrepancy"]
     return (
         f"{document['set_ups']} set-ups with truths by boundary elements to 1e-4 ({document['truths']}); a third, {document['sealed']}, is sealed "
-        "by a hash of its name: no constant was fitted on it. Errors are relative to the truth. Family left out: the family's "
-        "errors after division by the others' geometric mean. The process' row has the open set-ups in the places of all, each "
+        "by a hash of its name: no constant was fitted on it. Errors are relative to the truth. Family left out: each family with "
+        "the formula's constants fitted to the others; for the rest, with the others' mean factor divided out. The process' row has the open set-ups in the places of all, each "
         f"predicted from the other folds; there its 95 % intervals hold the truth in {both['open_coverage']:.0%}. Times: one "
         f"core, one run, new pose each time. Repeat: {stage.COMMAND}."
     )

@@ -131,7 +131,9 @@ def _straddle(draw: Draw, module: Any) -> Scene:
 
 
 def _plates(draw: Draw, module: Any) -> Scene | None:
-    return _posed(draw, module, PlateShape((_between(draw, _SMALLEST, _LARGEST), _between(draw, _SMALLEST, _LARGEST))))
+    return _posed(
+        draw, module, PlateShape((_between(draw, _SMALLEST, _LARGEST), _between(draw, _SMALLEST, _LARGEST)))
+    )
 
 
 def _boxes(draw: Draw, module: Any) -> Scene | None:

@@ -38,10 +38,9 @@ void run(benchmark::State& state, const Shape& shape, Correction correction) {
   // Turning and swaying 10 to 14 cm above the sensor: no pose comes twice.
   const auto next = [&]() -> const SceneCapacitance& {
     ++step;
-    evaluator.set_pose("moving",
-                       pose_from_axis({1, 2, 0.5}, 0.37 * step,
-                                      {0.03 * std::sin(0.1 * step), 0.02 * std::cos(0.13 * step),
-                                       0.12 + 0.02 * std::sin(0.17 * step)}));
+    evaluator.set_pose("moving", pose_from_axis({1, 2, 0.5}, 0.37 * step,
+                                                {0.03 * std::sin(0.1 * step), 0.02 * std::cos(0.13 * step),
+                                                 0.12 + 0.02 * std::sin(0.17 * step)}));
     return evaluator.capacitance();
   };
   const auto triangles = static_cast<double>(next().counts.triangles_evaluated);
@@ -61,8 +60,7 @@ int main(int argument_count, char** arguments) {
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   for (const auto& [name, shape] : shapes())
     for (const CorrectionInfo& info : corrections())
-      benchmark::RegisterBenchmark(fmt::format("{}/{}", name, info.name).c_str(), run, shape,
-                                   info.correction)
+      benchmark::RegisterBenchmark(fmt::format("{}/{}", name, info.name).c_str(), run, shape, info.correction)
           ->MinTime(0.05);
   benchmark::RunSpecifiedBenchmarks();
 }

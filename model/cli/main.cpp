@@ -138,8 +138,9 @@ int run(int argument_count, char** arguments) {
                    "What may be left out of a sensor's total, relative to it; only with exact")
       ->capture_default_str();
   capacitance_command
-      ->add_option("--correction", request.correction,
-                   "none, or what takes the place of the integral: a name of model/CORRECTIONS.md, or recommended")
+      ->add_option(
+          "--correction", request.correction,
+          "none, or what takes the place of the integral: a name of model/CORRECTIONS.md, or recommended")
       ->capture_default_str();
   capacitance_command
       ->add_option("--rtol", request.rtol,

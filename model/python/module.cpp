@@ -20,8 +20,8 @@
 #include "fringe/boundary_elements.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/capacitance.hpp"
-#include "fringe/correction.hpp"
 #include "fringe/conductors.hpp"
+#include "fringe/correction.hpp"
 #include "fringe/distance_sensor.hpp"
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
@@ -298,8 +298,9 @@ py::dict maxwell_of(LiveScene& live, double rtol) {
 py::dict boundary_elements_of(LiveScene& live, const std::string& plates, const std::string& faces,
                               double tolerance, std::optional<double> rtol, const std::string& correction) {
   if (plates != "sum" || faces != "all" || tolerance != 0 || correction != "none")
-    throw InputError("plates, faces, tolerance and correction are options of the triangle-integral methods, not of "
-                     "boundary-elements");
+    throw InputError(
+        "plates, faces, tolerance and correction are options of the triangle-integral methods, not of "
+        "boundary-elements");
   BoundaryElementOptions options;
   options.rtol = rtol.value_or(options.rtol);
   const TimedMaxwell found = timed_maxwell(live, options);
@@ -529,7 +530,8 @@ or cross.)")
             }
             return sensors;
           },
-          "What the correction \"formula\" is combined from, for every sensor and object (model/CORRECTIONS.md).")
+          "What the correction \"formula\" is combined from, for every sensor and object "
+          "(model/CORRECTIONS.md).")
       .def(
           "sense", &sense_of, "method"_a = "field_of_view",
           R"(The closest point that every distance sensor sees, as the dictionary that `fringe sense --json` prints.

@@ -228,13 +228,12 @@ class SceneEvaluator::Implementation {
     const Eigen::Isometry3d sensor_pose = before.from_world * motion_.world_pose(sensors_[sensor].link);
     pair.integral = {};
     // Contact is the integral's to tell; where the object's sphere is off the plates it need not be asked.
-    if (std::isinf(
-            detail::enclosure(before.surface, before.centroid, placed_sensors_[sensor].frames).upper))
+    if (std::isinf(detail::enclosure(before.surface, before.centroid, placed_sensors_[sensor].frames).upper))
       pair.integral = detail::surface_integral(before.surface, in_object_frame_, {}, 0);
     if (!std::isinf(pair.integral.value))
-      pair.integral.value = detail::corrected_integral(options_.correction, charged_objects_[object],
-                                                       before.surface.batch, charged_sensors_[sensor],
-                                                       sensor_pose, in_object_frame_);
+      pair.integral.value =
+          detail::corrected_integral(options_.correction, charged_objects_[object], before.surface.batch,
+                                     charged_sensors_[sensor], sensor_pose, in_object_frame_);
     pair.known = true;
     ++answer_.counts.objects_evaluated;
     answer_.counts.triangles_evaluated += triangles;
@@ -262,7 +261,8 @@ class SceneEvaluator::Implementation {
   std::vector<Sensor> sensors_;
   std::vector<PlacedSensor> placed_sensors_;
   std::vector<PlacedObject> objects_;
-  std::vector<detail::ChargedSurface> charged_sensors_;  ///< in their links' frames; empty without a correction
+  std::vector<detail::ChargedSurface>
+      charged_sensors_;  ///< in their links' frames; empty without a correction
   std::vector<detail::ChargedSurface> charged_objects_;  ///< in their own frames; likewise
   std::vector<Pair> pairs_;  ///< of the first sensor with every object, then of the second
   std::vector<Rectangle> in_object_frame_;

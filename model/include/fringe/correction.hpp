@@ -40,10 +40,11 @@ Correction parse_correction(std::string_view text);
 
 std::string to_string(Correction correction);
 
-/// What the correction `formula` is combined from for one sensor and one object (model/CORRECTIONS.md); in m where
-/// nothing else is said.
+/// What the correction `formula` is combined from for one sensor and one object (model/CORRECTIONS.md); in m
+/// where nothing else is said.
 struct FormulaTerms {
-  /// How the potential of the other body's own charge varies over a body: variances relative to the mean squared.
+  /// How the potential of the other body's own charge varies over a body: variances relative to the mean
+  /// squared.
   struct Variation {
     double linear = 0;
     double quadratic = 0;

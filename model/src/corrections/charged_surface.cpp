@@ -24,11 +24,12 @@ constexpr double cells_per_surface = 36;
 /// A long patch is not divided finer than this.
 constexpr int most_cells_along = 16;
 
-/// Surfaces of more cells have their neighbours taken together: the matrix of 128 unknowns takes a millisecond.
+/// Surfaces of more cells have their neighbours taken together: the matrix of 128 unknowns takes a
+/// millisecond.
 constexpr std::size_t most_nodes = 128;
 
-/// What the potential of constant charge on so few cells, asked at their centres only, makes of the own capacitance:
-/// the mean over plates of all shapes. A box has 0.982.
+/// What the potential of constant charge on so few cells, asked at their centres only, makes of the own
+/// capacitance: the mean over plates of all shapes. A box has 0.982.
 constexpr double coarseness = 0.9765;
 
 /// 1/r averaged over pairs of points of a square of side 1: (4/3)(1 + 3 asinh 1 − √2).
@@ -146,9 +147,8 @@ void divide_in_groups(std::span<Patch> cells, std::size_t count, std::vector<Gro
   Eigen::Index axis = 0;
   box.sizes().maxCoeff(&axis);
   const auto middle = cells.begin() + static_cast<std::ptrdiff_t>(cells.size() / 2);
-  std::nth_element(cells.begin(), middle, cells.end(), [axis](const Patch& a, const Patch& b) {
-    return a.centre()[axis] < b.centre()[axis];
-  });
+  std::nth_element(cells.begin(), middle, cells.end(),
+                   [axis](const Patch& a, const Patch& b) { return a.centre()[axis] < b.centre()[axis]; });
   divide_in_groups(cells.first(cells.size() / 2), count / 2, groups);
   divide_in_groups(cells.subspan(cells.size() / 2), count - count / 2, groups);
 }

@@ -66,8 +66,10 @@ double corrected_integral(Correction correction, const ChargedSurface& object, c
                           std::span<const Rectangle> plates) {
 
   switch (correction) {
-  case Correction::none: return plain(batch, plates);
-  case Correction::constant: return constant_factor * plain(batch, plates);
+  case Correction::none:
+    return plain(batch, plates);
+  case Correction::constant:
+    return constant_factor * plain(batch, plates);
   case Correction::arc:
     return sum_of(object, batch, plates, [](const Rectangle& plate, double, const Vector3d& normal) {
       return arc_factor(normal, plate);
@@ -80,9 +82,12 @@ double corrected_integral(Correction correction, const ChargedSurface& object, c
     return sum_of(object, batch, plates, [](const Rectangle& plate, double distance, const Vector3d&) {
       return palmer_factor(distance, plate);
     });
-  case Correction::reciprocity: return reciprocal_integral(object, plates, plain(batch, plates));
-  case Correction::two_sided_arc: return two_sided_arcs(object, plates);
-  case Correction::formula: return formula(formula_terms(object, sensor, sensor_pose, plates));
+  case Correction::reciprocity:
+    return reciprocal_integral(object, plates, plain(batch, plates));
+  case Correction::two_sided_arc:
+    return two_sided_arcs(object, plates);
+  case Correction::formula:
+    return formula(formula_terms(object, sensor, sensor_pose, plates));
   }
   return plain(batch, plates);
 }

@@ -69,8 +69,8 @@ struct InverseGaps {
 
 InverseGaps inverse_gaps(double g0, double g1, double g2, double softness) {
   const auto [least, most] = std::minmax({g0, g1, g2});
-  // Taylor's series about the mean is off by some hundredth of the third power of the relative change: 5e-5, far
-  // below the formula's own error.
+  // Taylor's series about the mean is off by some hundredth of the third power of the relative change: 5e-5,
+  // far below the formula's own error.
   constexpr double nearly_constant = 0.15;
   if (most - least <= nearly_constant * least) {
     const double mean = (g0 + g1 + g2) / 3, squared = mean * mean;
@@ -171,7 +171,8 @@ void add_common_part(FacingFlux& sum, const Facing& facing, const Triangle& tria
   const Vector3d axis_u = facing.across.unitOrthogonal(), axis_v = facing.across.cross(axis_u);
   auto common = intersection(projected(seen, axis_u, axis_v), projected(seeing, axis_u, axis_v));
   const auto height = [&](const Vector3d& on_surface, const Vector3d& of_surface, const Vector2d& place) {
-    return of_surface.dot(on_surface - place.x() * axis_u - place.y() * axis_v) / of_surface.dot(facing.across);
+    return of_surface.dot(on_surface - place.x() * axis_u - place.y() * axis_v) /
+           of_surface.dot(facing.across);
   };
   const auto gap = [&](const Vector2d& place) {
     return height(on_triangle, normal, place) - height(on_plate, plate_normal, place);
@@ -185,10 +186,11 @@ void add_common_part(FacingFlux& sum, const Facing& facing, const Triangle& tria
   }
 }
 
-/// One side of a triangle before one side of a plate: the normals are those of the sides, and the whole plate may be
-/// before that of the triangle.
+/// One side of a triangle before one side of a plate: the normals are those of the sides, and the whole plate
+/// may be before that of the triangle.
 void add_sides(FacingFlux& sum, const Triangle& triangle, const Vector3d& normal, double triangle_area,
-               bool whole_plate_before, const FacingPlate& plate, const Vector3d& plate_normal, double softness) {
+               bool whole_plate_before, const FacingPlate& plate, const Vector3d& plate_normal,
+               double softness) {
   const double cosine = -normal.dot(plate_normal);
   if (1 + cosine < least_opening)
     return;

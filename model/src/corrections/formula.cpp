@@ -35,9 +35,9 @@ RowMatrix coupling(const ChargedSurface& object, const ChargedSurface& sensor,
     columns.col(i) = columns.col(0);
   RowMatrix inverse_distances(object.nodes.cols(), stride);
   best_kernels().soft_inverse_distances(
-      {columns.data(), columns.data() + stride, columns.data() + 2 * stride}, static_cast<std::size_t>(stride),
-      object.nodes.data(), static_cast<std::size_t>(object.nodes.cols()), squared_softness,
-      inverse_distances.data());
+      {columns.data(), columns.data() + stride, columns.data() + 2 * stride},
+      static_cast<std::size_t>(stride), object.nodes.data(), static_cast<std::size_t>(object.nodes.cols()),
+      squared_softness, inverse_distances.data());
   return inverse_distances.leftCols(sensor.nodes.cols()) / (4 * std::numbers::pi);
 }
 
@@ -61,7 +61,8 @@ double own_gap(const ChargedSurface& surface) {
   return surface.area / (surface.closed ? 2 : 1) / surface.own_capacitance;
 }
 
-void add_facing_flux(FacingFlux& flux, const ChargedSurface& object, const Rectangle& rectangle, double softness) {
+void add_facing_flux(FacingFlux& flux, const ChargedSurface& object, const Rectangle& rectangle,
+                     double softness) {
   const FacingPlate plate(rectangle);
   const PlateFrame frame = plate_frame(rectangle);
   // With a gap of so many radii the cluster's extent and bend change what it adds by less than a hundredth.
@@ -94,9 +95,9 @@ FormulaTerms formula_terms(const ChargedSurface& object, const ChargedSurface& s
   terms.potential = mean;
   terms.on_sensor = variation(sensor, on_sensor, mean);
   terms.on_object = variation(object, on_object, mean);
-  terms.drawn = object.charges.cwiseProduct(on_object)
-                    .dot(potentials * sensor.charges.cwiseProduct(on_sensor)) /
-                (mean * mean * mean);
+  terms.drawn =
+      object.charges.cwiseProduct(on_object).dot(potentials * sensor.charges.cwiseProduct(on_sensor)) /
+      (mean * mean * mean);
   FacingFlux flux;
   for (const Rectangle& plate : plates)
     add_facing_flux(flux, object, plate, softness);
@@ -111,8 +112,8 @@ double formula(const FormulaTerms& terms) {
   const double own_product = terms.own_of_object * terms.own_of_sensor;
   const double coupled = terms.potential * terms.potential * own_product;
   const double drawn_factor = 1 + attraction * coupled * terms.drawn;
-  const double polarised = (1 + coupled * polarisability(terms.on_object)) *
-                           (1 + coupled * polarisability(terms.on_sensor));
+  const double polarised =
+      (1 + coupled * polarisability(terms.on_object)) * (1 + coupled * polarisability(terms.on_sensor));
   // The softened coupling of bodies that nearly touch stays well below 1; this only keeps the sign.
   constexpr double least = 0.02;
   const double determinant = std::max(1 / polarised - coupled * drawn_factor * drawn_factor, least);

@@ -21,8 +21,8 @@ std::vector<std::vector<FormulaTerms>> formula_terms(const Scene& scene) {
       std::vector<Rectangle> plates;
       for (const Rectangle& plate : sensor.plates)
         plates.push_back(transformed(plate, to_object));
-      result.back().push_back(detail::formula_terms(
-          detail::make_charged_surface(triangulate(object.shape)), charged_sensor, to_object, plates));
+      result.back().push_back(detail::formula_terms(detail::make_charged_surface(triangulate(object.shape)),
+                                                    charged_sensor, to_object, plates));
     }
   }
   return result;

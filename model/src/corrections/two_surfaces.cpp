@@ -95,8 +95,8 @@ double front_length(std::span<const Face> faces, const Vector3d& point, const Ve
   return least;
 }
 
-/// Around the edge of a sheet, half a turn with the point's distance from the edge as radius; at the edge of a
-/// body, a quarter.
+/// Around the edge of a sheet, half a turn with the point's distance from the edge as radius; at the edge of
+/// a body, a quarter.
 double back_length(const Face& own, bool closed, std::span<const Face> faces, const Vector3d& point) {
   double least = infinity;
   for (std::size_t i = 0; i < own.corners.size(); ++i) {

@@ -93,7 +93,8 @@ TEST(TwoSidedArcs, OfASheetFarAwayComeFromBothSides) {
 TEST(Formula, OfCloseEqualPlatesIsThatOfACapacitor) {
   for (const double gap : {1e-4, 1e-5, 1e-6}) {
     const Scene scene = before_sensor(0.1, Plate{0.1, 0.1}, at(0, 0, gap));
-    EXPECT_NEAR(corrected(scene, Correction::formula) / (vacuum_permittivity * 0.01 / gap), 1, 20 * gap / 0.1 + 1e-5)
+    EXPECT_NEAR(corrected(scene, Correction::formula) / (vacuum_permittivity * 0.01 / gap), 1,
+                20 * gap / 0.1 + 1e-5)
         << gap;
   }
 }
@@ -103,8 +104,8 @@ TEST(Formula, FarAwayIsTheProductOfTheOwnCapacitancesOverTheDistance) {
     const Vector3d place = distance * Vector3d(0.6, 0.48, 0.64);
     const Scene scene = before_sensor(0.1, Plate{0.2, 0.05}, at(place.x(), place.y(), place.z()));
     const FormulaTerms terms = formula_terms(scene).front().front();
-    const double expected = vacuum_permittivity * terms.own_of_sensor * terms.own_of_object /
-                            (4 * std::numbers::pi * distance);
+    const double expected =
+        vacuum_permittivity * terms.own_of_sensor * terms.own_of_object / (4 * std::numbers::pi * distance);
     EXPECT_NEAR(corrected(scene, Correction::formula) / expected, 1, 1e-4) << distance;
   }
 }
@@ -112,7 +113,8 @@ TEST(Formula, FarAwayIsTheProductOfTheOwnCapacitancesOverTheDistance) {
 TEST(Formula, OfEverLargerTargetsSaturates) {
   double last = corrected(before_sensor(0.1, Plate{5, 5}, at(0, 0, 0.05)), Correction::formula);
   for (const double size : {20.0, 100.0, 500.0}) {
-    const double value = corrected(before_sensor(0.1, Plate{size, size}, at(0, 0, 0.05)), Correction::formula);
+    const double value =
+        corrected(before_sensor(0.1, Plate{size, size}, at(0, 0, 0.05)), Correction::formula);
     EXPECT_NEAR(value / last, 1, 0.03) << size;
     last = value;
   }
