@@ -15,7 +15,7 @@ import numpy as np
 
 from geometries import families
 from geometries.errors import InputError
-from geometries.poses import Pose, QuaternionRotation, Transform
+from geometries.poses import Pose, QuaternionRotation
 from geometries.scene import Object, Scene
 from geometries.shapes import Cuboid, PlateShape
 
@@ -142,14 +142,15 @@ def _boxes(draw: Draw, module: Any) -> Scene | None:
 
 
 def _posed(draw: Draw, module: Any, shape: PlateShape | Cuboid) -> Scene | None:
-    """The body in any orientation, a third of them upright or flat, moved along any line towards a point of the sensor up to a gap."""
+    """The body in any orientation, a third of them as it is, moved along any line towards a point of the sensor up to a gap."""
     alone = families.empty(_sensor(draw))
-    rotation = (1.0, 0.0, 0.0, 0.0) if draw.random() < 1 / 3 else tuple(np.round(draw.normal(size=4), 3))
+    rotation = np.array([1.0, 0.0, 0.0, 0.0]) if draw.random() < 1 / 3 else np.round(draw.normal(size=4), 3)
     direction = draw.normal(size=3)
     direction /= np.linalg.norm(direction)
     aim = np.append((draw.random(2) - 0.5) * np.abs(np.asarray(alone.sensors[0].plates[0].corner)[:2]) * 2, 0)
     gap = _gap(draw)
-    turned = QuaternionRotation(tuple(float(q) for q in rotation))
+    w, i, j, k = (float(number) for number in rotation)
+    turned = QuaternionRotation((w, i, j, k))
     vertices = shape.triangles().reshape(-1, 3) @ turned.matrix().T
     plate = alone.conductors()["sensor"].reshape(-1, 3)
 
@@ -176,8 +177,3 @@ _FAMILIES: dict[str, Callable[[Draw, Any], Scene | None]] = {
     "plates": _plates,
     "boxes": _boxes,
 }
-
-
-def transform(scene: Scene) -> Transform:
-    """Where the target is."""
-    return scene.objects[0].pose.transform()

@@ -28,7 +28,7 @@ def test_every_set_up_has_a_truth_and_a_third_is_sealed() -> None:
 
 
 def test_stored_truths_are_what_boundary_elements_say() -> None:
-    chosen = list(set_ups.set_ups(model_module()))[::75]
+    chosen = list(set_ups.set_ups(model_module()))[::150]
     known = truths.load()
     for set_up in chosen:
         truth = truths.solved(model_module(), set_up)
