@@ -60,6 +60,7 @@ def _panels(document: Document) -> list[Panel]:
                     text=[entry["name"] for entry in document["corrections"]],
                     mode="markers+text" if quantity == "rms" else "markers",
                     textposition="top center",
+                    cliponaxis=False,
                     marker={"color": series_colour(index), "symbol": symbol, "size": 9},
                     name=quantity,
                     hovertemplate="%{text}: %{x:.0f} ns, %{y:.2g} %<extra></extra>",

@@ -181,6 +181,7 @@ void make_modes(ChargedSurface& surface) {
   const double size = std::sqrt((from_centre.array().square().matrix() * weight).maxCoeff());
   from_centre /= size;
   std::vector<VectorXd> candidates;
+  candidates.reserve(9);
   for (int i = 0; i < 3; ++i)
     candidates.emplace_back(from_centre.row(i));
   for (int i = 0; i < 3; ++i)
