@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include <Eigen/LU>
+#include <Eigen/QR>
 
 #include "../kernel.hpp"
 
@@ -160,7 +161,8 @@ MatrixXd potentials(std::span<const Group> groups) {
     const Group& at = groups[static_cast<std::size_t>(row)];
     for (Eigen::Index column = 0; column < row; ++column)
       result(row, column) = result(column, row) =
-          1 / (groups[static_cast<std::size_t>(column)].centre - at.centre).norm();
+          1 / std::max((groups[static_cast<std::size_t>(column)].centre - at.centre).norm(),
+                       std::sqrt(at.area) / square_self_potential);
     result(row, row) = square_self_potential / std::sqrt(at.area);
   }
   return result;
@@ -168,8 +170,14 @@ MatrixXd potentials(std::span<const Group> groups) {
 
 /// The charges that make the potential 1 everywhere, and their sum.
 void settle(const MatrixXd& potentials_of_cells, ChargedSurface& surface) {
-  const VectorXd charges =
-      potentials_of_cells.partialPivLu().solve(VectorXd::Constant(potentials_of_cells.rows(), 1.0));
+  const VectorXd one = VectorXd::Constant(potentials_of_cells.rows(), 1.0);
+  const Eigen::PartialPivLU<MatrixXd> factors(potentials_of_cells);
+  // Where surfaces lie upon each other any division of the charge between them will do: the smallest is
+  // taken.
+  constexpr double least_condition = 1e-10;
+  const VectorXd charges = factors.rcond() > least_condition
+                               ? VectorXd(factors.solve(one))
+                               : VectorXd(potentials_of_cells.completeOrthogonalDecomposition().solve(one));
   surface.own_capacitance = 4 * std::numbers::pi * charges.sum();
   surface.charges = charges / charges.sum();
 }

@@ -43,6 +43,14 @@ TEST(ChargedSurface, HasOrthonormalModesWithoutCharge) {
   EXPECT_LT((products - Eigen::MatrixXd::Identity(products.rows(), products.cols())).norm(), 1e-9);
 }
 
+TEST(ChargedSurface, DoesNotMindSurfacesUponEachOther) {
+  const std::vector<Triangle> once = triangulate(Plate{1, 1});
+  std::vector<Triangle> twice = once;
+  twice.insert(twice.end(), once.begin(), once.end());
+  EXPECT_NEAR(make_charged_surface(twice).own_capacitance / make_charged_surface(once).own_capacitance, 1,
+              0.02);
+}
+
 TEST(ChargedSurface, OfManyTrianglesHasClustersWithTheirArea) {
   const ChargedSurface sphere = make_charged_surface(triangulate(Sphere{1, 72}));
   std::size_t members = 0;
