@@ -36,6 +36,8 @@ def main(arguments: list[str] | None = None) -> int:
             return _run(options)
         if options.command == "verify":
             return _verify(options.output, options.jobs)
+        if options.command == "corrections":
+            return _corrections(options.output)
         if options.command == "nightly":
             return _nightly(options)
         if options.command == "job":
@@ -112,6 +114,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     errors.add_argument(
         "--jobs", type=_count, metavar="N", help="set-ups at a time (default: by cores and memory)"
+    )
+    corrections = commands.add_parser(
+        "corrections", help="evaluate the model's corrections against boundary elements, with their run times"
+    )
+    corrections.add_argument(
+        "--output", type=Path, metavar="DIR", help="where to keep the answer (default: results/corrections)"
     )
     show = commands.add_parser(
         "show", help="write one page with a scene, its sensors' readings and its motion"
@@ -301,6 +309,23 @@ def _errors(folder: Path | None, jobs: int | None) -> int:
         made = errors_page.make(target)
     print(made.headline)
     print(f"report: {made.path}")
+    return FAILED if failures else ANSWERED
+
+
+def _corrections(folder: Path | None) -> int:
+    from analysis.corrections import page as corrections_page, section, stage
+    from analysis.keys import REPOSITORY
+    from analysis.model_stage import model_module
+    from analysis.store import exclusive
+
+    target = folder or REPOSITORY / "results" / stage.FOLDER
+    with exclusive(target):
+        failures = stage.run(target, model_module())
+        _tell(failures)
+        made = corrections_page.make(target)
+    document = stage.load(target)
+    print(section.finding(document) if document else section.ABSENT)
+    print(f"report: {made}")
     return FAILED if failures else ANSWERED
 
 

@@ -19,6 +19,7 @@ from analysis import (
     symmetry,
     table,
 )
+from analysis.corrections import section as corrections_section
 from analysis.errors import records as error_records, section as errors_section
 from analysis.errors.records import Entry
 from analysis.experiments import section as experiments_section
@@ -39,6 +40,7 @@ class Material:
     summaries: list[statistics.Summary]
     verified: dict[str, Document]
     taken_apart: list[Entry]
+    corrected: Document | None
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,10 @@ def _parts(material: Material) -> list[str]:
     return [*errors_section.sections(material.taken_apart, ERRORS_CASES), errors_section.of_study(own)]
 
 
+def _corrections(material: Material) -> list[str]:
+    return [corrections_section.section(material.corrected)]
+
+
 def _reference(material: Material) -> list[str]:
     pairs = symmetry.pairs(material.found.compared())
     trusted = sections.trust(material.found, material.rows, pairs)
@@ -113,6 +119,7 @@ QUESTIONS = (
     Question("experiment", "experiment", "What does the experiment find?", _experiment),
     Question("model_error", "model error", "How wrong is the model, and where?", _model_error),
     Question("error_parts", "parts of the error", "Where does the model's error come from?", _parts),
+    Question("corrections", "corrections", "What can be corrected, and at what cost?", _corrections),
     Question("reference", "reference", "How sure is the reference?", _reference),
     Question("run_time", "run time", "What does accuracy cost?", _run_time),
     Question("stability", "stability", "Is the integral stable?", _stability),

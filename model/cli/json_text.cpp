@@ -36,6 +36,7 @@ void write_options(Writer& writer, const CapacitanceOptions& options) {
   write_text(writer, "plates", to_string(options.plates));
   write_text(writer, "faces", to_string(options.faces));
   write_number(writer, "tolerance", options.tolerance);
+  write_text(writer, "correction", to_string(options.correction));
   writer.EndObject();
 }
 

@@ -33,6 +33,7 @@ struct Request {
   std::string cone_method = "field_of_view";
   std::string plates = "sum";
   std::string faces = "all";
+  std::string correction = "none";
   double tolerance = 0;
   double rtol = BoundaryElementOptions{}.rtol;
   bool json = false;
@@ -49,7 +50,8 @@ CLI::App* add_command(CLI::App& program, Request& request, const std::string& na
 
 std::string answer_capacitance(const Request& request) {
   const CapacitanceOptions options{parse_method(request.method), parse_plate_rule(request.plates),
-                                   parse_face_rule(request.faces), request.tolerance};
+                                   parse_face_rule(request.faces), request.tolerance,
+                                   parse_correction(request.correction)};
   const Scene scene = load_scene(request.scene);
   const auto start = std::chrono::steady_clock::now();
   const SceneCapacitance answer = capacitance(scene, options);
@@ -77,7 +79,7 @@ MaxwellAnswer answer_maxwell(const Request& request) {
 
 /// Every method has options of its own; one that would change nothing is refused.
 void refuse_options_of_other_methods(const CLI::App& command, bool boundary_elements) {
-  for (const char* option : {"--plates", "--faces", "--tolerance"})
+  for (const char* option : {"--plates", "--faces", "--tolerance", "--correction"})
     if (boundary_elements && command.count(option) > 0)
       throw InputError(
           fmt::format("{} is an option of the triangle-integral methods, not of boundary-elements", option));
@@ -134,6 +136,11 @@ int run(int argument_count, char** arguments) {
   capacitance_command
       ->add_option("--tolerance", request.tolerance,
                    "What may be left out of a sensor's total, relative to it; only with exact")
+      ->capture_default_str();
+  capacitance_command
+      ->add_option(
+          "--correction", request.correction,
+          "none, or what takes the place of the integral: a name of model/CORRECTIONS.md, or recommended")
       ->capture_default_str();
   capacitance_command
       ->add_option("--rtol", request.rtol,

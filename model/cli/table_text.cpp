@@ -25,11 +25,13 @@ std::string remark(const ObjectCapacitance& object) {
 
 std::string capacitance_table(const SceneCapacitance& answer, const CapacitanceOptions& options,
                               double seconds) {
-  std::string text =
-      fmt::format("The model's estimate of mutual, the charge on a grounded object per volt on the sensor\n"
-                  "method {}, plates {}, faces {}, tolerance {}, {} triangles evaluated, {:.3g} s\n",
-                  to_string(options.method), to_string(options.plates), to_string(options.faces),
-                  options.tolerance, answer.counts.triangles_evaluated, seconds);
+  std::string text = fmt::format(
+      "The model's estimate of mutual, the charge on a grounded object per volt on the sensor\n"
+      "method {}, plates {}, faces {}, tolerance {}{}, {} triangles evaluated, {:.3g} s\n",
+      to_string(options.method), to_string(options.plates), to_string(options.faces), options.tolerance,
+      options.correction == Correction::none ? std::string()
+                                             : fmt::format(", correction {}", to_string(options.correction)),
+      answer.counts.triangles_evaluated, seconds);
   for (const SensorCapacitance& sensor : answer.sensors) {
     text += fmt::format("\nsensor {}{}\n", sensor.name, sensor.contact ? " (contact)" : "");
     for (const ObjectCapacitance& object : sensor.objects)

@@ -21,6 +21,7 @@
 #include "fringe/bounding_volume.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/conductors.hpp"
+#include "fringe/correction.hpp"
 #include "fringe/distance_sensor.hpp"
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
@@ -177,7 +178,8 @@ py::dict dictionary(const SensorCapacitance& sensor) {
 
 py::dict dictionary(const CapacitanceOptions& options) {
   return py::dict("method"_a = to_string(options.method), "plates"_a = to_string(options.plates),
-                  "faces"_a = to_string(options.faces), "tolerance"_a = options.tolerance);
+                  "faces"_a = to_string(options.faces), "tolerance"_a = options.tolerance,
+                  "correction"_a = to_string(options.correction));
 }
 
 py::dict dictionary(const EvaluationCounts& counts) {
@@ -186,6 +188,25 @@ py::dict dictionary(const EvaluationCounts& counts) {
       "triangles_skipped"_a = counts.triangles_skipped, "triangles_reused"_a = counts.triangles_reused,
       "nodes_lumped"_a = counts.nodes_lumped, "objects_evaluated"_a = counts.objects_evaluated,
       "objects_skipped"_a = counts.objects_skipped, "objects_reused"_a = counts.objects_reused);
+}
+
+py::list corrections_list() {
+  py::list list;
+  for (const CorrectionInfo& info : corrections())
+    list.append(py::dict("name"_a = info.name, "formula"_a = info.formula, "source"_a = info.source,
+                         "constants"_a = info.constants, "cost"_a = info.cost));
+  return list;
+}
+
+py::dict dictionary(const FormulaTerms& terms) {
+  return py::dict("own_of_sensor"_a = terms.own_of_sensor, "own_of_object"_a = terms.own_of_object,
+                  "potential"_a = terms.potential, "drawn"_a = terms.drawn, "flux"_a = terms.flux,
+                  "soft_flux"_a = terms.soft_flux, "tilted_excess"_a = terms.tilted_excess,
+                  "facing_area"_a = terms.facing_area,
+                  "on_sensor"_a = py::make_tuple(terms.on_sensor.linear, terms.on_sensor.quadratic,
+                                                 terms.on_sensor.remaining),
+                  "on_object"_a = py::make_tuple(terms.on_object.linear, terms.on_object.quadratic,
+                                                 terms.on_object.remaining));
 }
 
 /// A scene with the evaluators of its last options, which keep what does not move.
@@ -240,7 +261,7 @@ class LiveScene {
  private:
   static bool same(const CapacitanceOptions& a, const CapacitanceOptions& b) {
     return to_string(a.method) == to_string(b.method) && a.plates == b.plates && a.faces == b.faces &&
-           a.tolerance == b.tolerance;
+           a.tolerance == b.tolerance && a.correction == b.correction;
   }
 
   Scene scene_;
@@ -275,10 +296,11 @@ py::dict maxwell_of(LiveScene& live, double rtol) {
 }
 
 py::dict boundary_elements_of(LiveScene& live, const std::string& plates, const std::string& faces,
-                              double tolerance, std::optional<double> rtol) {
-  if (plates != "sum" || faces != "all" || tolerance != 0)
+                              double tolerance, std::optional<double> rtol, const std::string& correction) {
+  if (plates != "sum" || faces != "all" || tolerance != 0 || correction != "none")
     throw InputError(
-        "plates, faces and tolerance are options of the triangle-integral methods, not of boundary-elements");
+        "plates, faces, tolerance and correction are options of the triangle-integral methods, not of "
+        "boundary-elements");
   BoundaryElementOptions options;
   options.rtol = rtol.value_or(options.rtol);
   const TimedMaxwell found = timed_maxwell(live, options);
@@ -286,13 +308,14 @@ py::dict boundary_elements_of(LiveScene& live, const std::string& plates, const 
 }
 
 py::dict capacitance_of(LiveScene& scene, const std::string& method, const std::string& plates,
-                        const std::string& faces, double tolerance, std::optional<double> rtol) {
+                        const std::string& faces, double tolerance, std::optional<double> rtol,
+                        const std::string& correction) {
   if (method == "boundary-elements")
-    return boundary_elements_of(scene, plates, faces, tolerance, rtol);
+    return boundary_elements_of(scene, plates, faces, tolerance, rtol, correction);
   if (rtol)
     throw InputError("rtol is an option of the method boundary-elements");
   const CapacitanceOptions options{parse_method(method), parse_plate_rule(plates), parse_face_rule(faces),
-                                   tolerance};
+                                   tolerance, parse_correction(correction)};
   SceneCapacitance answer;
   std::chrono::duration<double> elapsed{};
   {
@@ -458,6 +481,10 @@ Returns (distance, point (3,), index of the triangle), or None when nothing is i
 distance 0. Raises InputError (a ValueError) for wrong shapes, values that are not finite or out of range and an unknown
 method.)");
 
+  module.def("corrections", &corrections_list,
+             "The registry of corrections: a list of dictionaries with \"name\", \"formula\", \"source\", "
+             "\"constants\" and \"cost\".");
+
   py::class_<LiveScene>(module, "Scene", "A scene of links, sensors and objects (geometries/SCENE.md).")
       .def_static(
           "load",
@@ -465,7 +492,7 @@ method.)");
           "path"_a, py::call_guard<py::gil_scoped_release>(),
           "Reads a scene file and the mesh files it names. Raises InputError for a wrong one.")
       .def("capacitance", &capacitance_of, "method"_a = "exact", py::kw_only(), "plates"_a = "sum",
-           "faces"_a = "all", "tolerance"_a = 0.0, "rtol"_a = py::none(),
+           "faces"_a = "all", "tolerance"_a = 0.0, "rtol"_a = py::none(), "correction"_a = "none",
            R"(What every sensor feels, as the dictionary that `fringe capacitance --json` prints; F and V.
 
 method: "exact", "split:N" or "gauss:K", as for plate_integral; or "boundary-elements", for plates and cuboids.
@@ -474,6 +501,7 @@ faces: "all", or "facing": only triangles whose outward side sees the plate, and
 tolerance: what may be left out of a sensor's total, relative to it; each object's "bound" says how much of it was left
 out at most. 0: nothing is left out but by "nearest", 1e-12. Only with the method "exact".
 rtol: the error of every entry of the Maxwell matrix to be reached, 1e-3 if not given. Only with "boundary-elements".
+correction: "none", or the name of what takes the place of the integral (fringe.corrections()), or "recommended".
 
 Asked again with the same options, only what moved since is evaluated; "counts" says what that was.
 
@@ -490,6 +518,20 @@ a row; "reached", whether the errors are within rtol; "unknowns", "seconds".
 
 Knows plates and cuboids. Raises InputError (a ValueError) for other shapes, dielectric objects and conductors that touch
 or cross.)")
+      .def(
+          "formula_terms",
+          [](LiveScene& live) {
+            py::list sensors;
+            for (const std::vector<FormulaTerms>& of_sensor : formula_terms(live.snapshot())) {
+              py::list objects;
+              for (const FormulaTerms& terms : of_sensor)
+                objects.append(dictionary(terms));
+              sensors.append(objects);
+            }
+            return sensors;
+          },
+          "What the correction \"formula\" is combined from, for every sensor and object "
+          "(model/CORRECTIONS.md).")
       .def(
           "sense", &sense_of, "method"_a = "field_of_view",
           R"(The closest point that every distance sensor sees, as the dictionary that `fringe sense --json` prints.

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "corrections/corrected_integral.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
@@ -26,6 +27,13 @@ void validate(const CapacitanceOptions& options) {
   if (options.tolerance > 0 && !std::holds_alternative<Exact>(options.method))
     throw InputError(fmt::format("a tolerance needs the method exact: {} does not know its own error",
                                  to_string(options.method)));
+  if (options.correction == Correction::none)
+    return;
+  // Each correction says itself which faces count and how they are integrated.
+  if (!std::holds_alternative<Exact>(options.method) || options.plates != PlateRule::sum ||
+      options.faces != FaceRule::all || options.tolerance > 0)
+    throw InputError(fmt::format("correction {}: method, plates, faces and tolerance must be their defaults",
+                                 to_string(options.correction)));
 }
 
 Surface surface_of(const Object& object) {
@@ -99,6 +107,18 @@ class SceneEvaluator::Implementation {
         felt.objects.push_back({object.name, 0, 0, false});
       answer_.sensors.push_back(std::move(felt));
     }
+    if (options.correction == Correction::none)
+      return;
+    for (const Sensor& sensor : sensors_) {
+      // Refuses plates that are none, before anything is made of them.
+      placed(sensor, Eigen::Isometry3d::Identity());
+      charged_sensors_.push_back(detail::make_charged_surface(detail::plate_triangles(sensor.plates)));
+    }
+    for (const PlacedObject& object : objects_) {
+      if (!(object.surface.area > 0))
+        throw InputError("an object without area has no charge to correct");
+      charged_objects_.push_back(detail::make_charged_surface(object.surface.triangles));
+    }
   }
 
   void set_pose(std::string_view link, const Eigen::Isometry3d& pose) { motion_.set_pose(link, pose); }
@@ -147,7 +167,10 @@ class SceneEvaluator::Implementation {
     }
     const double allowance = allowance_per_object(pairs);
     for (std::size_t object = 0; object < pairs.size(); ++object)
-      integrate(pairs[object], objects_[object], placed_sensors_[sensor].plates, allowance);
+      if (options_.correction == Correction::none)
+        integrate(pairs[object], objects_[object], placed_sensors_[sensor].plates, allowance);
+      else
+        correct(pairs[object], sensor, object);
     tell(sensor, pairs);
   }
 
@@ -190,6 +213,32 @@ class SceneEvaluator::Implementation {
     answer_.counts += pair.integral.counts;
   }
 
+  void correct(Pair& pair, std::size_t sensor, std::size_t object) {
+    const std::vector<Rectangle>& plates = placed_sensors_[sensor].plates;
+    const PlacedObject& before = objects_[object];
+    const std::size_t triangles = plates.size() * before.surface.triangles.size();
+    if (pair.known) {
+      ++answer_.counts.objects_reused;
+      answer_.counts.triangles_reused += triangles;
+      return;
+    }
+    in_object_frame_.clear();
+    for (const Rectangle& plate : plates)
+      in_object_frame_.push_back(transformed(plate, before.from_world));
+    const Eigen::Isometry3d sensor_pose = before.from_world * motion_.world_pose(sensors_[sensor].link);
+    pair.integral = {};
+    // Contact is the integral's to tell; where the object's sphere is off the plates it need not be asked.
+    if (std::isinf(detail::enclosure(before.surface, before.centroid, placed_sensors_[sensor].frames).upper))
+      pair.integral = detail::surface_integral(before.surface, in_object_frame_, {}, 0);
+    if (!std::isinf(pair.integral.value))
+      pair.integral.value =
+          detail::corrected_integral(options_.correction, charged_objects_[object], before.surface.batch,
+                                     charged_sensors_[sensor], sensor_pose, in_object_frame_);
+    pair.known = true;
+    ++answer_.counts.objects_evaluated;
+    answer_.counts.triangles_evaluated += triangles;
+  }
+
   void tell(std::size_t sensor, std::span<const Pair> pairs) {
     SensorCapacitance& felt = answer_.sensors[sensor];
     felt.total = 0;
@@ -212,6 +261,9 @@ class SceneEvaluator::Implementation {
   std::vector<Sensor> sensors_;
   std::vector<PlacedSensor> placed_sensors_;
   std::vector<PlacedObject> objects_;
+  std::vector<detail::ChargedSurface>
+      charged_sensors_;  ///< in their links' frames; empty without a correction
+  std::vector<detail::ChargedSurface> charged_objects_;  ///< in their own frames; likewise
   std::vector<Pair> pairs_;  ///< of the first sensor with every object, then of the second
   std::vector<Rectangle> in_object_frame_;
   SceneCapacitance answer_;

@@ -160,6 +160,29 @@ TEST_P(BatchKernels, SumOverNodes) {
               expected, 1e-14 * expected);
 }
 
+TEST_P(BatchKernels, SoftInverseDistances) {
+  Random random(6);
+  constexpr std::size_t rows = 5, columns = 16;
+  constexpr double squared_softness = 1e-3;
+  Eigen::Matrix3Xd points(3, rows);
+  std::vector<double> x(columns), y(columns), z(columns), values(rows * columns);
+  for (std::size_t i = 0; i < rows; ++i)
+    points.col(static_cast<Eigen::Index>(i)) = random.in_box({-0.2, -0.2, -0.2}, {0.3, 0.3, 0.2});
+  for (std::size_t i = 0; i < columns; ++i) {
+    const Vector3d point = random.in_box({-0.2, -0.2, -0.2}, {0.3, 0.3, 0.2});
+    x[i] = point.x(), y[i] = point.y(), z[i] = point.z();
+  }
+  GetParam()->soft_inverse_distances({x.data(), y.data(), z.data()}, columns, points.data(), rows,
+                                     squared_softness, values.data());
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (std::size_t i = 0; i < columns; ++i) {
+      const Vector3d between = points.col(static_cast<Eigen::Index>(row)) - Vector3d(x[i], y[i], z[i]);
+      const double expected = 1 / std::sqrt(between.squaredNorm() + squared_softness);
+      EXPECT_NEAR(values[row * columns + i], expected, 1e-15 * expected) << row << ' ' << i;
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(InstructionSets, BatchKernels,
                          testing::ValuesIn(available_kernels().begin(), available_kernels().end()),
                          [](const auto& info) {

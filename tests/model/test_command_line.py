@@ -46,7 +46,13 @@ def test_capacitance_as_json(fringe_command: Command, scene: Path) -> None:
     expected = VACUUM_PERMITTIVITY * 0.01 / 0.02  # epsilon A / d
     voltage = 5e-12 / (5e-12 + expected) * 2.5
     assert set(answer) == {"options", "seconds", "counts", "sensors"}
-    assert answer["options"] == {"method": "exact", "plates": "sum", "faces": "all", "tolerance": 0}
+    assert answer["options"] == {
+        "method": "exact",
+        "plates": "sum",
+        "faces": "all",
+        "tolerance": 0,
+        "correction": "none",
+    }
     assert answer["counts"] == {
         "triangles_evaluated": 2,
         "triangles_lumped": 0,
@@ -125,7 +131,13 @@ def test_plates_count_every_point_or_the_nearest_ones(fringe_command: Command, t
         return document["options"], document["sensors"][0]["total"]
 
     options, nearest = answer("--plates", "nearest")
-    assert options == {"method": "exact", "plates": "nearest", "faces": "all", "tolerance": 0}
+    assert options == {
+        "method": "exact",
+        "plates": "nearest",
+        "faces": "all",
+        "tolerance": 0,
+        "correction": "none",
+    }
     _, total = answer("--plates", "sum")
     assert 0.5 * total < nearest < 0.9 * total
     _, by_centroids = answer("--plates", "nearest", "--method", "split:6")

@@ -97,7 +97,13 @@ def test_conductors_are_in_the_world_frame_and_the_sensors_come_first(scene: fri
 def test_capacitance_has_the_form_of_the_command_lines_json(scene: fringe.Scene) -> None:
     answer = scene.capacitance()
     assert set(answer) == {"options", "seconds", "counts", "sensors"}
-    assert answer["options"] == {"method": "exact", "plates": "sum", "faces": "all", "tolerance": 0}
+    assert answer["options"] == {
+        "method": "exact",
+        "plates": "sum",
+        "faces": "all",
+        "tolerance": 0,
+        "correction": "none",
+    }
     assert answer["counts"]["triangles_evaluated"] == 2
     assert len(answer["counts"]) == 8
     assert answer["seconds"] > 0
@@ -120,6 +126,7 @@ def test_capacitance_takes_the_options_of_the_command_line(scene: fringe.Scene) 
         "plates": "nearest",
         "faces": "facing",
         "tolerance": 1e-6,
+        "correction": "none",
     }
     # The target turns its back on the sensor.
     assert answer["sensors"][0]["total"] == 0

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "fringe/correction.hpp"
 #include "fringe/method.hpp"
 #include "fringe/scene.hpp"
 
@@ -40,6 +41,8 @@ struct CapacitanceOptions {
   /// much that was at most. 0: nothing but what the division among nearest plates needs, 1e-12. Only with the
   /// method Exact.
   double tolerance = 0;
+  /// What takes the place of ε∫dA/d. All but `none` only with the defaults of the others.
+  Correction correction = Correction::none;
 };
 
 /// What one object adds to a sensor.

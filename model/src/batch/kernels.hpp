@@ -88,6 +88,11 @@ struct Kernels {
   /// TriangleArrays::padding.
   double (*sum_over_nodes)(const PlateCoordinates& plate, const double* x, const double* y, const double* z,
                            const double* weight, std::size_t count);
+
+  /// Sets values[r·stride + c] to 1/√(|row r − column c|² + squared_softness). The columns' coordinates x, y,
+  /// z and the rows of values are whole registers; the rows' coordinates follow each other, three a point.
+  void (*soft_inverse_distances)(const double* const (&columns)[3], std::size_t stride, const double* rows,
+                                 std::size_t row_count, double squared_softness, double* values);
 };
 
 /// The sets of functions this machine can run, the slowest first.

@@ -4,7 +4,11 @@
 
 namespace fringe::detail {
 
-const Kernels kernels_avx2{"AVX2", &KernelsFor<LanesAvx2>::measure, &KernelsFor<LanesAvx2>::integrate,
-                           &KernelsFor<LanesAvx2>::integrate_virtual, &KernelsFor<LanesAvx2>::sum_over_nodes};
+const Kernels kernels_avx2{"AVX2",
+                           &KernelsFor<LanesAvx2>::measure,
+                           &KernelsFor<LanesAvx2>::integrate,
+                           &KernelsFor<LanesAvx2>::integrate_virtual,
+                           &KernelsFor<LanesAvx2>::sum_over_nodes,
+                           &KernelsFor<LanesAvx2>::soft_inverse_distances};
 
 }  // namespace fringe::detail

@@ -10,8 +10,11 @@
 
 namespace fringe::detail {
 
-const Kernels kernels_avx512{"AVX-512", &KernelsFor<LanesAvx512>::measure,
-                             &KernelsFor<LanesAvx512>::integrate, &KernelsFor<LanesAvx512>::integrate_virtual,
-                             &KernelsFor<LanesAvx512>::sum_over_nodes};
+const Kernels kernels_avx512{"AVX-512",
+                             &KernelsFor<LanesAvx512>::measure,
+                             &KernelsFor<LanesAvx512>::integrate,
+                             &KernelsFor<LanesAvx512>::integrate_virtual,
+                             &KernelsFor<LanesAvx512>::sum_over_nodes,
+                             &KernelsFor<LanesAvx512>::soft_inverse_distances};
 
 }  // namespace fringe::detail

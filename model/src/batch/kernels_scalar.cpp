@@ -4,8 +4,11 @@
 
 namespace fringe::detail {
 
-const Kernels kernels_scalar{"scalar", &KernelsFor<LanesScalar>::measure, &KernelsFor<LanesScalar>::integrate,
+const Kernels kernels_scalar{"scalar",
+                             &KernelsFor<LanesScalar>::measure,
+                             &KernelsFor<LanesScalar>::integrate,
                              &KernelsFor<LanesScalar>::integrate_virtual,
-                             &KernelsFor<LanesScalar>::sum_over_nodes};
+                             &KernelsFor<LanesScalar>::sum_over_nodes,
+                             &KernelsFor<LanesScalar>::soft_inverse_distances};
 
 }  // namespace fringe::detail

@@ -4,7 +4,11 @@
 
 namespace fringe::detail {
 
-const Kernels kernels_sse2{"SSE2", &KernelsFor<LanesSse2>::measure, &KernelsFor<LanesSse2>::integrate,
-                           &KernelsFor<LanesSse2>::integrate_virtual, &KernelsFor<LanesSse2>::sum_over_nodes};
+const Kernels kernels_sse2{"SSE2",
+                           &KernelsFor<LanesSse2>::measure,
+                           &KernelsFor<LanesSse2>::integrate,
+                           &KernelsFor<LanesSse2>::integrate_virtual,
+                           &KernelsFor<LanesSse2>::sum_over_nodes,
+                           &KernelsFor<LanesSse2>::soft_inverse_distances};
 
 }  // namespace fringe::detail

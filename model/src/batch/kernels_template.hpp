@@ -543,6 +543,21 @@ struct KernelsFor {
     return hadd(sum);
   }
 
+  static void soft_inverse_distances(const double* const (&columns)[3], std::size_t stride,
+                                     const double* rows, std::size_t row_count, double squared_softness,
+                                     double* values) {
+    const V softness(squared_softness);
+    for (std::size_t row = 0; row < row_count; ++row) {
+      const Vector3<V> point{V(rows[3 * row]), V(rows[3 * row + 1]), V(rows[3 * row + 2])};
+      for (std::size_t i = 0; i < stride; i += width) {
+        const Vector3<V> column{V::load_unaligned(columns[0] + i), V::load_unaligned(columns[1] + i),
+                                V::load_unaligned(columns[2] + i)};
+        inverse_square_root<Lanes>(squared_norm(column - point) + softness)
+            .store_unaligned(values + row * stride + i);
+      }
+    }
+  }
+
  private:
   static V area_doubled(const VirtualLanes<V>& triangle) {
     const Vector3<V> edge0 = triangle.v2 - triangle.v1, edge1 = triangle.v0 - triangle.v2,

@@ -1,0 +1,156 @@
+#include "fringe/correction.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fringe/capacitance.hpp"
+#include "fringe/error.hpp"
+#include "fringe/pose.hpp"
+#include "fringe/scene_evaluator.hpp"
+
+namespace fringe {
+namespace {
+
+using Eigen::Vector3d;
+
+Sensor square_sensor(double side) {
+  Sensor sensor;
+  sensor.name = "sensor";
+  sensor.plates = {{{-side / 2, -side / 2, 0}, {side, 0, 0}, {0, side, 0}}};
+  return sensor;
+}
+
+Scene before_sensor(double side, const Shape& shape, const Eigen::Isometry3d& pose) {
+  Scene scene;
+  scene.sensors = {square_sensor(side)};
+  scene.links = {{"moving", std::nullopt, Eigen::Isometry3d::Identity()}};
+  scene.objects = {{"target", 0, shape, pose, Grounded{}, true}};
+  return scene;
+}
+
+double corrected(const Scene& scene, Correction correction) {
+  return capacitance(scene, {.correction = correction}).sensors.front().total;
+}
+
+Eigen::Isometry3d at(double x, double y, double z) {
+  return pose_from_axis({0, 0, 1}, 0, {x, y, z});
+}
+
+TEST(Corrections, HaveNamesThatAreReadBack) {
+  for (const CorrectionInfo& info : corrections()) {
+    EXPECT_EQ(parse_correction(info.name), info.correction);
+    EXPECT_EQ(to_string(info.correction), info.name);
+    EXPECT_FALSE(info.formula.empty() || info.source.empty() || info.cost.empty()) << info.name;
+  }
+  EXPECT_EQ(parse_correction("recommended"), Correction::formula);
+}
+
+TEST(Corrections, UnknownNamesAreRefusedWithTheChoices) {
+  try {
+    parse_correction("magic");
+    FAIL();
+  } catch (const InputError& error) {
+    for (const CorrectionInfo& info : corrections())
+      EXPECT_THAT(error.what(), testing::HasSubstr(std::string(info.name)));
+  }
+}
+
+TEST(Corrections, GoWithTheDefaultsOfTheOtherOptionsOnly) {
+  const Scene scene = before_sensor(0.1, Plate{0.1, 0.1}, at(0, 0, 0.02));
+  EXPECT_THROW(capacitance(scene, {.method = Split{2}, .correction = Correction::arc}), InputError);
+  EXPECT_THROW(capacitance(scene, {.plates = PlateRule::nearest, .correction = Correction::arc}), InputError);
+  EXPECT_THROW(capacitance(scene, {.faces = FaceRule::facing, .correction = Correction::arc}), InputError);
+  EXPECT_THROW(capacitance(scene, {.tolerance = 1e-3, .correction = Correction::arc}), InputError);
+}
+
+TEST(Corrections, OnContactAreInfinite) {
+  const Scene scene = before_sensor(0.1, Plate{0.1, 0.1}, at(0, 0, 0));
+  for (const CorrectionInfo& info : corrections())
+    EXPECT_TRUE(std::isinf(corrected(scene, info.correction))) << info.name;
+}
+
+TEST(Corrections, OfAMovedSceneAreThoseOfTheSceneAfresh) {
+  for (const CorrectionInfo& info : corrections()) {
+    const Eigen::Isometry3d pose = pose_from_axis({1, 2, 0}, 25, {0.01, 0.02, 0.06});
+    SceneEvaluator evaluator(before_sensor(0.1, Cuboid{0.05, 0.04, 0.03}, at(0, 0, 0.05)),
+                             {.correction = info.correction});
+    evaluator.capacitance();
+    evaluator.set_pose("moving", pose * at(0, 0, -0.05));
+    const double fresh = corrected(before_sensor(0.1, Cuboid{0.05, 0.04, 0.03}, pose), info.correction);
+    EXPECT_NEAR(evaluator.capacitance().sensors.front().total / fresh, 1, 1e-9) << info.name;
+  }
+}
+
+TEST(TwoSidedArcs, OfASheetFarAwayComeFromBothSides) {
+  // The lateral distance is nothing here, and the way around the edge little.
+  const Scene scene = before_sensor(0.1, Plate{0.1, 0.1}, at(0, 0, 100));
+  EXPECT_NEAR(corrected(scene, Correction::two_sided_arc) / (2 * vacuum_permittivity * 0.01 / 100), 1, 2e-3);
+}
+
+TEST(Formula, OfCloseEqualPlatesIsThatOfACapacitor) {
+  for (const double gap : {1e-4, 1e-5, 1e-6}) {
+    const Scene scene = before_sensor(0.1, Plate{0.1, 0.1}, at(0, 0, gap));
+    EXPECT_NEAR(corrected(scene, Correction::formula) / (vacuum_permittivity * 0.01 / gap), 1,
+                20 * gap / 0.1 + 1e-5)
+        << gap;
+  }
+}
+
+TEST(Formula, FarAwayIsTheProductOfTheOwnCapacitancesOverTheDistance) {
+  for (const double distance : {10.0, 1000.0}) {
+    const Vector3d place = distance * Vector3d(0.6, 0.48, 0.64);
+    const Scene scene = before_sensor(0.1, Plate{0.2, 0.05}, at(place.x(), place.y(), place.z()));
+    const FormulaTerms terms = formula_terms(scene).front().front();
+    const double expected =
+        vacuum_permittivity * terms.own_of_sensor * terms.own_of_object / (4 * std::numbers::pi * distance);
+    EXPECT_NEAR(corrected(scene, Correction::formula) / expected, 1, 1e-4) << distance;
+  }
+}
+
+TEST(Formula, OfEverLargerTargetsSaturates) {
+  double last = corrected(before_sensor(0.1, Plate{5, 5}, at(0, 0, 0.05)), Correction::formula);
+  for (const double size : {20.0, 100.0, 500.0}) {
+    const double value =
+        corrected(before_sensor(0.1, Plate{size, size}, at(0, 0, 0.05)), Correction::formula);
+    EXPECT_NEAR(value / last, 1, 0.03) << size;
+    last = value;
+  }
+}
+
+TEST(Formula, IsReciprocal) {
+  for (int step = 0; step < 60; ++step) {
+    const double angle = 37.0 * step;
+    const Eigen::Isometry3d pose =
+        pose_from_axis({1, 0.1 * step, 0.3}, angle,
+                       {0.05 * std::sin(step), 0.07 * std::cos(1.3 * step), 0.03 + 0.002 * step});
+    const double side = 0.02 + 0.002 * step;
+    const double forth = corrected(before_sensor(side, Plate{0.1, 0.1}, pose), Correction::formula);
+    const double back =
+        corrected(before_sensor(0.1, Plate{side, side}, pose.inverse(Eigen::Isometry)), Correction::formula);
+    if (std::isfinite(forth)) {
+      EXPECT_NEAR(forth / back, 1, 1e-3) << step;
+    }
+  }
+}
+
+TEST(Formula, HardlyKnowsHowASurfaceIsDividedIntoTriangles) {
+  const auto of_segments = [](int segments) {
+    return corrected(before_sensor(0.1, Sphere{0.05, segments}, at(0, 0, 0.08)), Correction::formula);
+  };
+  EXPECT_NEAR(of_segments(48) / of_segments(120), 1, 0.01);
+}
+
+TEST(Formula, DoesNotChangeWithTheUnitOfLength) {
+  const Eigen::Isometry3d pose = pose_from_axis({1, 2, 3}, 40, {0.01, 0.02, 0.09});
+  Eigen::Isometry3d larger = pose;
+  larger.translation() *= 1e6;
+  const double small = corrected(before_sensor(0.1, Cuboid{0.1, 0.05, 0.02}, pose), Correction::formula);
+  const double large = corrected(before_sensor(1e5, Cuboid{1e5, 5e4, 2e4}, larger), Correction::formula);
+  EXPECT_NEAR(large / small / 1e6, 1, 1e-9);
+}
+
+}  // namespace
+}  // namespace fringe
