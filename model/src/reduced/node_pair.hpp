@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "../boundary/box_table.hpp"
+#include "node_kernels.hpp"
+#include "prepared_shape.hpp"
+
+/// Quadrature between two bodies (model/BOUNDARY_ELEMENTS.md, section 8).
+namespace fringe::detail {
+
+/// A prepared shape somewhere: the point p of the shape is at centre + axes·(scale·p).
+struct PlacedShape3 {
+  const PreparedShape* shape;
+  double scale;
+  Eigen::Vector3d centre;
+  Eigen::Matrix3d axes;
+};
+
+/// How many powers of e the quadratures are to win from their points.
+struct QuadratureDigits {
+  double outer;
+  double inner;
+};
+
+/// The logarithm of the parameter of the narrowest ellipse about a face's direction outside of which the
+/// potential is analytic.
+struct FaceSmoothness {
+  double u;
+  double v;
+};
+
+/// By the edges of another body, for every face.
+using BodySmoothness = std::array<FaceSmoothness, box_faces>;
+
+BodySmoothness smoothness(const PlacedShape3& body, const PlacedShape3& other);
+
+/// The least of all faces and directions.
+double least(const BodySmoothness& smoothness, std::size_t faces);
+
+/// Two bodies' nodes, and 1/distance between them.
+class NodePair {
+ public:
+  /// `a_smoothness`: of a as seen from b; functions: along every direction of each face.
+  void place(const PlacedShape3& a, const BodySmoothness& a_smoothness, int functions_a, const PlacedShape3& b,
+             const BodySmoothness& b_smoothness, int functions_b, QuadratureDigits digits);
+
+  /// The moments on both bodies of the potentials of charges on the other, all as coefficients of the faces'
+  /// functions; in whole blocks, zero beyond the last.
+  void potentials(const float* charges_a, const float* charges_b, float* moments_a, float* moments_b);
+
+  /// What the quadratures were cut short by: the digits that are missing where a rule has the most points.
+  double missing_digits() const { return missing_digits_; }
+
+  std::size_t size() const {
+    return static_cast<std::size_t>(sides_[0].count) * static_cast<std::size_t>(sides_[1].count);
+  }
+
+ private:
+  struct Side {
+    std::vector<NodeGrid> grids;  ///< of each face
+    int functions = 0;
+    int count = 0;
+    std::vector<float> x, y, z, charges, potentials;
+  };
+
+  void lay(Side& side, const PlacedShape3& body, const Eigen::Vector3d& origin);
+  void spread(Side& side, const float* coefficients);
+  void gather(const Side& side, float* moments);
+
+  bool a_is_outer_ = true;
+  std::array<Side, 2> sides_;  ///< the outer one first
+  std::vector<float> matrix_;
+  std::vector<Eigen::Vector3d> points_;
+  double missing_digits_ = 0;
+};
+
+}  // namespace fringe::detail

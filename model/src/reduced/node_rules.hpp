@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "../boundary/weighted_basis.hpp"
+#include "node_kernels.hpp"
+
+namespace fringe::detail {
+
+/// The most points of a rule along one direction of a face.
+constexpr int most_node_points = most_points;
+
+/// A Gauss rule on [−1, 1] in single precision.
+struct StoredRule {
+  Eigen::VectorXd nodes;
+  std::vector<float> weights;
+  std::vector<float> values;
+
+  NodeRule view() const { return {static_cast<int>(nodes.size()), weights.data(), values.data()}; }
+};
+
+/// The rule of 1 to most_node_points points, made with all others when it is first asked for.
+const StoredRule& stored_rule(EdgeKind edge, int points);
+
+}  // namespace fringe::detail

@@ -1,0 +1,119 @@
+#include "prepared_shape.hpp"
+
+#include <array>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "../boundary/box_table.hpp"
+#include "../boundary/galerkin_system.hpp"
+#include "../boundary/self_table.hpp"
+#include "node_kernels.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr std::array<int, PreparedShape::levels> level_functions{3, 5, 7, 11, most_reduced_functions};
+
+constexpr int edge_parts = 8;
+
+/// Points of a rectangle's outline, each corner once.
+void add_outline(const Face& face, std::vector<Vector3d>& points) {
+  const auto at = [&](double x, double y) {
+    points.emplace_back(face.centre + x * face.half_u * face.axis_u + y * face.half_v * face.axis_v);
+  };
+  for (int k = 0; k < edge_parts; ++k) {
+    const double along = -1 + 2.0 * k / edge_parts;
+    at(along, -1);
+    at(1, along);
+    at(-along, 1);
+    at(-1, -along);
+  }
+}
+
+/// Points of a box's edges: the outlines of the faces ±z, and the edges along z between them.
+void add_box_edges(const std::vector<Face>& faces, const Vector3d& half_sides, std::vector<Vector3d>& points) {
+  add_outline(faces[4], points);
+  add_outline(faces[5], points);
+  for (int k = 1; k < edge_parts; ++k)
+    for (const double x : {-1.0, 1.0})
+      for (const double y : {-1.0, 1.0})
+        points.emplace_back(half_sides.cwiseProduct(Vector3d(x, y, -1 + 2.0 * k / edge_parts)));
+}
+
+MatrixXd self_matrix(const std::vector<Face>& faces, const Vector3d& half_sides, int functions) {
+  if (faces.size() == 1)
+    return self_table(faces[0].edge, functions).matrix(functions, functions, faces[0].half_u, faces[0].half_v);
+  std::array<FaceFunctions, box_faces> all{};
+  all.fill({functions, functions});
+  return box_matrix(half_sides, all);
+}
+
+/// Columns of whole blocks.
+std::vector<float> stored(const MatrixXd& matrix) {
+  const auto rows = static_cast<std::size_t>(matrix.rows());
+  const auto padded = static_cast<std::size_t>(whole_blocks(static_cast<int>(rows)));
+  std::vector<float> result(padded * static_cast<std::size_t>(matrix.cols()) + node_block, 0.0F);
+  for (std::size_t column = 0; column < static_cast<std::size_t>(matrix.cols()); ++column)
+    for (std::size_t row = 0; row < rows; ++row)
+      result[column * padded + row] =
+          static_cast<float>(matrix(static_cast<Index>(row), static_cast<Index>(column)));
+  return result;
+}
+
+std::unique_ptr<PreparedLevel> prepare(const std::vector<Face>& faces, const Vector3d& half_sides,
+                                       int functions) {
+  const MatrixXd self = self_matrix(faces, half_sides, functions);
+  const Index count = self.rows();
+  const MatrixXd inverse = self.llt().solve(MatrixXd::Identity(count, count));
+  VectorXd net = VectorXd::Zero(count);
+  const double net_charge = weighted_polynomials(faces[0].edge).net_charge();
+  std::vector<int> highest;
+  const int kept = coarse_functions(functions);
+  for (Index k = 0; k < count; ++k) {
+    const int in_face = static_cast<int>(k) % (functions * functions);
+    if (in_face == 0)
+      net[k] = net_charge * net_charge;
+    if (in_face / functions >= kept || in_face % functions >= kept)
+      highest.push_back(static_cast<int>(k));
+  }
+  const VectorXd charge = inverse * net;
+  const double root = std::sqrt(net.dot(charge));
+  const auto high = static_cast<Index>(highest.size());
+  MatrixXd block(high, high);
+  for (Index row = 0; row < high; ++row)
+    for (Index column = 0; column < high; ++column)
+      block(row, column) = inverse(highest[static_cast<std::size_t>(row)], highest[static_cast<std::size_t>(column)]);
+  return std::make_unique<PreparedLevel>(PreparedLevel{
+      functions, static_cast<int>(count), whole_blocks(static_cast<int>(count)), stored(inverse), stored(net),
+      stored(charge / root), stored(net / root), root, highest,
+      stored(block.llt().solve(MatrixXd::Identity(high, high)))});
+}
+
+}  // namespace
+
+int functions_of_level(int level) {
+  return level_functions[static_cast<std::size_t>(level)];
+}
+
+PreparedShape::PreparedShape(std::vector<Face> faces, const Vector3d& half_sides)
+    : faces_(std::move(faces)), half_sides_(half_sides), levels_(levels) {
+  if (faces_.size() == 1)
+    add_outline(faces_[0], edge_points_);
+  else
+    add_box_edges(faces_, half_sides_, edge_points_);
+}
+
+const PreparedLevel& PreparedShape::level(int index) {
+  std::unique_ptr<PreparedLevel>& wanted = levels_[static_cast<std::size_t>(index)];
+  if (!wanted)
+    wanted = prepare(faces_, half_sides_, functions_of_level(index));
+  return *wanted;
+}
+
+}  // namespace fringe::detail

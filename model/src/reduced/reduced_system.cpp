@@ -1,0 +1,312 @@
+#include "reduced_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+/// A vector of which less is left when the others are taken out, squared, is taken for rounding.
+constexpr double dependent = 1e-6;
+
+/// Steps end where a further one would change a capacitance by less than single precision knows.
+constexpr double nothing = 1e-12;
+
+constexpr std::size_t slots_in_block = 64;
+
+Index signed_of(std::size_t k) {
+  return static_cast<Index>(k);
+}
+
+}  // namespace
+
+ReducedSystem::ReducedSystem(std::vector<ReducedBody> bodies, std::size_t sensors, std::size_t conductors)
+    : bodies_(std::move(bodies)), sensors_(sensors), conductors_(conductors),
+      pairs_(bodies_.size() * bodies_.size()) {
+  while (sensor_bodies_ < bodies_.size() && bodies_[sensor_bodies_].conductor < sensors)
+    ++sensor_bodies_;
+}
+
+float* ReducedSystem::slot() {
+  const std::size_t block = slots_used_ / slots_in_block, at = slots_used_ % slots_in_block;
+  if (block == blocks_.size())
+    blocks_.push_back(std::make_unique<float[]>(slots_in_block * slot_size_));
+  ++slots_used_;
+  return blocks_[block].get() + at * slot_size_;
+}
+
+void ReducedSystem::begin() {
+  std::size_t size = 0;
+  for (std::size_t body = 0; body < bodies_.size(); ++body)
+    size = std::max(size, static_cast<std::size_t>(level(body).padded + 2 * node_block));
+  if (size > slot_size_) {
+    slot_size_ = size;
+    blocks_.clear();
+  }
+  slots_used_ = 0;
+  used_ = extended_ = 0;
+  steps_ = 0;
+  positive_definite_ = true;
+  factor_.clear();
+  residuals_.resize(bodies_.size() * conductors_);
+  corrections_.resize(bodies_.size() * conductors_);
+  for (std::size_t k = 0; k < residuals_.size(); ++k) {
+    residuals_[k] = slot();
+    corrections_[k] = slot();
+  }
+}
+
+void ReducedSystem::add_equilibrium(std::size_t body) {
+  const PreparedLevel& prepared = level(body);
+  const double root = std::sqrt(bodies_[body].scale);
+  if (used_ == vectors_.size())
+    vectors_.emplace_back();
+  Vector& vector = vectors_[used_++];
+  vector.body = body;
+  vector.charge = slot();
+  vector.moments = slot();
+  for (int k = 0; k < prepared.padded; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    vector.charge[k] = static_cast<float>(root) * prepared.equilibrium[at];
+    vector.moments[k] = static_cast<float>(1 / root) * prepared.potential[at];
+  }
+  vector.net = root * prepared.root;
+  vector.potentials.assign(bodies_.size(), nullptr);
+}
+
+/// The potentials of all vectors on the first bodies, as far as they are not known.
+void ReducedSystem::exchange(std::size_t active) {
+  float* const zero = slot();
+  std::fill(zero, zero + slot_size_, 0.0F);
+  std::vector<std::size_t> of_a, of_b;
+  for (std::size_t a = 0; a < active; ++a)
+    for (std::size_t b = a + 1; b < active; ++b) {
+      of_a.clear();
+      of_b.clear();
+      for (std::size_t k = 0; k < used_; ++k) {
+        if (vectors_[k].body == a && vectors_[k].potentials[b] == nullptr)
+          of_a.push_back(k);
+        if (vectors_[k].body == b && vectors_[k].potentials[a] == nullptr)
+          of_b.push_back(k);
+      }
+      for (std::size_t k = 0; k < std::max(of_a.size(), of_b.size()); ++k) {
+        float *on_a = slot(), *on_b = slot();
+        pair(a, b).potentials(k < of_a.size() ? vectors_[of_a[k]].charge : zero,
+                              k < of_b.size() ? vectors_[of_b[k]].charge : zero, on_a, on_b);
+        if (k < of_a.size())
+          vectors_[of_a[k]].potentials[b] = on_b;
+        if (k < of_b.size())
+          vectors_[of_b[k]].potentials[a] = on_a;
+      }
+    }
+}
+
+/// Rows of the factor for the vectors that it has not yet.
+void ReducedSystem::extend() {
+  const NodeKernels& kernels = best_node_kernels();
+  if (net_.rows() < signed_of(used_))
+    net_.conservativeResize(2 * signed_of(used_), signed_of(conductors_));
+  for (; extended_ < used_; ++extended_) {
+    const Vector& vector = vectors_[extended_];
+    const std::size_t start = factor_.size();
+    factor_.resize(start + extended_ + 1);
+    double* const row = factor_.data() + start;
+    double square = 1;
+    for (std::size_t k = 0; k < extended_; ++k) {
+      const Vector& other = vectors_[k];
+      double value = other.body == vector.body ? 0
+                                               : kernels.dot(vector.charge, other.potentials[vector.body],
+                                                             level(vector.body).padded);
+      const double* const other_row = factor_.data() + k * (k + 1) / 2;
+      for (std::size_t l = 0; l < k; ++l)
+        value -= row[l] * other_row[l];
+      row[k] = value / other_row[k];
+      square -= row[k] * row[k];
+    }
+    if (!(square > dependent * dependent)) {
+      positive_definite_ = false;
+      return;
+    }
+    row[extended_] = std::sqrt(square);
+    const auto at = signed_of(extended_);
+    for (std::size_t c = 0; c < conductors_; ++c) {
+      double value = bodies_[vector.body].conductor == c ? vector.net : 0;
+      for (std::size_t k = 0; k < extended_; ++k)
+        value -= row[k] * net_(signed_of(k), signed_of(c));
+      net_(at, signed_of(c)) = value / row[extended_];
+    }
+  }
+}
+
+void ReducedSystem::find_charges(std::size_t conductors) {
+  if (charges_.rows() < signed_of(used_))
+    charges_.resize(2 * signed_of(used_), signed_of(conductors_));
+  for (std::size_t c = 0; c < conductors; ++c)
+    for (std::size_t k = extended_; k-- > 0;) {
+      double value = net_(signed_of(k), signed_of(c));
+      for (std::size_t l = k + 1; l < extended_; ++l)
+        value -= factor_[l * (l + 1) / 2 + k] * charges_(signed_of(l), signed_of(c));
+      charges_(signed_of(k), signed_of(c)) = value / factor_[k * (k + 1) / 2 + k];
+    }
+}
+
+void ReducedSystem::find_residuals(std::size_t active, std::size_t conductors) {
+  const NodeKernels& kernels = best_node_kernels();
+  solution_.truncation.setZero(signed_of(conductors_), signed_of(conductors_));
+  for (std::size_t body = 0; body < active; ++body) {
+    const PreparedLevel& prepared = level(body);
+    const auto scale = static_cast<float>(bodies_[body].scale);
+    for (std::size_t c = 0; c < conductors; ++c) {
+      float* const residual = residuals_[body * conductors_ + c];
+      float* const correction = corrections_[body * conductors_ + c];
+      if (bodies_[body].conductor == c)
+        std::copy_n(prepared.net.begin(), prepared.padded, residual);
+      else
+        std::fill_n(residual, prepared.padded, 0.0F);
+      for (std::size_t k = 0; k < extended_; ++k) {
+        const Vector& vector = vectors_[k];
+        kernels.add(-static_cast<float>(charges_(signed_of(k), signed_of(c))),
+                    vector.body == body ? vector.moments : vector.potentials[body], residual, prepared.padded);
+      }
+      kernels.multiply(prepared.inverse.data(), prepared.count, residual, correction);
+      for (int k = 0; k < prepared.padded; ++k)
+        correction[k] *= scale;
+      for (std::size_t d = 0; d <= c; ++d) {
+        const double change =
+            kernels.dot(residuals_[body * conductors_ + d], correction, prepared.padded);
+        solution_.truncation(signed_of(c), signed_of(d)) += change;
+        if (d != c)
+          solution_.truncation(signed_of(d), signed_of(c)) += change;
+      }
+    }
+  }
+}
+
+/// New vectors from the corrections; false when none has anything new.
+bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
+  const NodeKernels& kernels = best_node_kernels();
+  bool added = false;
+  for (std::size_t body = 0; body < active; ++body) {
+    const int padded = level(body).padded;
+    const std::size_t first = used_;
+    for (std::size_t c = 0; c < conductors; ++c) {
+      float* const charge = corrections_[body * conductors_ + c];
+      float* const moments = residuals_[body * conductors_ + c];
+      const double before = kernels.dot(charge, moments, padded);
+      const double self = net_.col(signed_of(c)).head(signed_of(extended_)).squaredNorm();
+      if (!(before > nothing * self))
+        continue;
+      for (std::size_t k = 0; k < used_; ++k) {
+        if (vectors_[k].body != body)
+          continue;
+        const float part = -kernels.dot(charge, vectors_[k].moments, padded);
+        kernels.add(part, vectors_[k].charge, charge, padded);
+        kernels.add(part, vectors_[k].moments, moments, padded);
+      }
+      const double left = kernels.dot(charge, moments, padded);
+      if (!(left > dependent * before))
+        continue;
+      (void)first;
+      if (used_ == vectors_.size())
+        vectors_.emplace_back();
+      Vector& vector = vectors_[used_++];
+      vector.body = body;
+      vector.charge = slot();
+      vector.moments = slot();
+      const auto factor = static_cast<float>(1 / std::sqrt(left));
+      for (int k = 0; k < padded; ++k) {
+        vector.charge[k] = factor * charge[k];
+        vector.moments[k] = factor * moments[k];
+      }
+      vector.net = kernels.dot(vector.charge, level(body).net.data(), padded);
+      vector.potentials.assign(bodies_.size(), nullptr);
+      added = true;
+    }
+  }
+  return added;
+}
+
+void ReducedSystem::iterate(const ReductionLimits& limits, std::size_t active, std::size_t conductors) {
+  steps_ = 0;
+  while (true) {
+    exchange(active);
+    extend();
+    if (!positive_definite_)
+      return;
+    find_charges(conductors);
+    find_residuals(active, conductors);
+    double worst = 0;
+    for (std::size_t c = 0; c < conductors; ++c)
+      worst = std::max(worst, solution_.truncation(signed_of(c), signed_of(c)) /
+                                  net_.col(signed_of(c)).head(signed_of(extended_)).squaredNorm());
+    if (steps_ >= limits.most_steps || (steps_ >= limits.least_steps && worst <= limits.accuracy) ||
+        !add_residuals(active, conductors))
+      return;
+    ++steps_;
+  }
+}
+
+void ReducedSystem::look_at_resolution() {
+  const NodeKernels& kernels = best_node_kernels();
+  solution_.resolution.setZero(signed_of(conductors_), signed_of(conductors_));
+  std::vector<std::vector<float>> highest(conductors_);
+  std::vector<float> stiff;
+  for (std::size_t body = 0; body < bodies_.size(); ++body) {
+    const PreparedLevel& prepared = level(body);
+    const auto count = static_cast<int>(prepared.highest.size());
+    const auto padded = static_cast<std::size_t>(whole_blocks(count));
+    stiff.assign(padded + node_block, 0.0F);
+    for (std::size_t c = 0; c < conductors_; ++c) {
+      std::vector<float>& high = highest[c];
+      high.assign(padded, 0.0F);
+      for (std::size_t k = 0; k < extended_; ++k) {
+        if (vectors_[k].body != body)
+          continue;
+        const auto factor = static_cast<float>(charges_(signed_of(k), signed_of(c)));
+        for (std::size_t h = 0; h < prepared.highest.size(); ++h)
+          high[h] += factor * vectors_[k].charge[prepared.highest[h]];
+      }
+      kernels.multiply(prepared.stiffness.data(), count, high.data(), stiff.data());
+      for (std::size_t d = 0; d <= c; ++d) {
+        const double change =
+            kernels.dot(highest[d].data(), stiff.data(), static_cast<int>(padded)) / bodies_[body].scale;
+        solution_.resolution(signed_of(c), signed_of(d)) += change;
+        if (d != c)
+          solution_.resolution(signed_of(d), signed_of(c)) += change;
+      }
+    }
+  }
+}
+
+const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
+  begin();
+  for (std::size_t body = 0; body < sensor_bodies_; ++body)
+    add_equilibrium(body);
+  if (sensor_bodies_ > 1)
+    iterate(limits, sensor_bodies_, sensors_);
+  else {
+    extend();
+  }
+  const auto alone = signed_of(extended_);
+  if (positive_definite_) {
+    for (std::size_t body = sensor_bodies_; body < bodies_.size(); ++body)
+      add_equilibrium(body);
+    iterate(limits, bodies_.size(), conductors_);
+  }
+  solution_.positive_definite = positive_definite_;
+  if (!positive_definite_)
+    return solution_;
+  const auto found = net_.topRows(signed_of(extended_));
+  solution_.values.noalias() = found.transpose() * found;
+  solution_.delta_self =
+      found.bottomRows(signed_of(extended_) - alone).leftCols(signed_of(sensors_)).colwise().squaredNorm();
+  solution_.steps = steps_;
+  solution_.vectors = extended_;
+  look_at_resolution();
+  return solution_;
+}
+
+}  // namespace fringe::detail

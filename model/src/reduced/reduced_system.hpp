@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "node_pair.hpp"
+#include "prepared_shape.hpp"
+
+/// The Galerkin equations of rigid bodies in few vectors of charge for each (model/BOUNDARY_ELEMENTS.md,
+/// section 8). Capacitances are in metres: to be multiplied by 4πε.
+namespace fringe::detail {
+
+/// One body of a system: of one conductor.
+struct ReducedBody {
+  PreparedShape* shape;
+  double scale;
+  std::size_t conductor;
+  int level = 0;
+};
+
+/// What steers an answer.
+struct ReductionLimits {
+  int least_steps;
+  int most_steps;
+  double accuracy;  ///< relative to the diagonal, of what further steps would change
+};
+
+/// Capacitances of all conductors, and what the approximations may have left out of them.
+struct ReducedSolution {
+  bool positive_definite = true;
+  Eigen::MatrixXd values;
+  Eigen::MatrixXd truncation;  ///< what a further step would add, about
+  Eigen::MatrixXd resolution;  ///< what the highest functions added
+  Eigen::MatrixXd quadrature;  ///< sums of what the bodies exchange
+  Eigen::VectorXd delta_self;  ///< of the sensors
+  Eigen::VectorXd delta_truncation;
+  Eigen::VectorXd delta_resolution;
+  int steps = 0;
+  std::size_t vectors = 0;
+};
+
+/// The bodies of the first conductors, the sensors, come first.
+class ReducedSystem {
+ public:
+  ReducedSystem(std::vector<ReducedBody> bodies, std::size_t sensors, std::size_t conductors);
+
+  std::vector<ReducedBody>& bodies() { return bodies_; }
+
+  NodePair& pair(std::size_t a, std::size_t b) { return pairs_[a * bodies_.size() + b]; }
+
+  /// The answer for the pairs' quadratures as they are.
+  const ReducedSolution& solve(const ReductionLimits& limits);
+
+ private:
+  struct Vector {
+    std::size_t body;
+    float* charge;
+    float* moments;
+    double net;
+    std::vector<float*> potentials;  ///< on every other body; nullptr: not known
+  };
+
+  float* slot();
+  const PreparedLevel& level(std::size_t body) { return bodies_[body].shape->level(bodies_[body].level); }
+  void begin();
+  void add_equilibrium(std::size_t body);
+  void exchange(std::size_t active);
+  void extend();
+  void find_charges(std::size_t conductors);
+  void find_residuals(std::size_t active, std::size_t conductors);
+  bool add_residuals(std::size_t active, std::size_t conductors);
+  void iterate(const ReductionLimits& limits, std::size_t active, std::size_t conductors);
+  void look_at_resolution();
+
+  std::vector<ReducedBody> bodies_;
+  std::size_t sensors_;
+  std::size_t conductors_;
+  std::size_t sensor_bodies_ = 0;
+  std::vector<NodePair> pairs_;
+
+  std::vector<std::unique_ptr<float[]>> blocks_;
+  std::size_t slot_size_ = 0;
+  std::size_t slots_used_ = 0;
+
+  std::vector<Vector> vectors_;
+  std::size_t used_ = 0;      ///< of the vectors
+  std::size_t extended_ = 0;  ///< of them in the factor
+  std::vector<double> factor_;  ///< Cholesky's, row after row of the lower triangle
+  Eigen::MatrixXd net_;         ///< factor⁻¹·(net charges), a row for every vector
+  Eigen::MatrixXd charges_;     ///< how much of every vector, for every conductor at a potential of one
+  std::vector<float*> residuals_;   ///< of every body and conductor, as moments
+  std::vector<float*> corrections_;  ///< the charges that would answer them
+  bool positive_definite_ = true;
+  int steps_ = 0;
+  ReducedSolution solution_;
+};
+
+}  // namespace fringe::detail
