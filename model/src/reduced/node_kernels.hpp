@@ -23,6 +23,7 @@ constexpr int most_reduced_functions = 15;
 /// A rule along one direction of a face.
 struct NodeRule {
   int points;
+  const float* nodes;    ///< in [−1, 1]
   const float* weights;  ///< weight·(1 − x²)^α·p_k(x): a row of whole_blocks(points) for every function
   const float* values;   ///< the same numbers: a row of one block for every point
 };
@@ -49,8 +50,29 @@ struct NodeMatrix {
   int columns;
 };
 
+/// A face as its centre and the vectors to the middles of its sides u = 1 and v = 1.
+struct NodeFace {
+  float centre[3];
+  float u[3];
+  float v[3];
+};
+
+/// The coordinates of points in a face: in half sides along it, in its half sides u above it.
+struct FaceMap {
+  float rows[9];
+  float offset[3];
+  float ratio;  ///< half side v/half side u
+};
+
 struct NodeKernels {
   std::string_view instruction_set;
+
+  /// The least sums of the distances from the foci ±1 of the complex x + iy and v-coordinates that the
+  /// kernel 1/distance from the points is singular at, along u and along v. Points there are in whole blocks.
+  void (*ellipses)(const NodePoints& points, const FaceMap& map, float* least);
+
+  /// Writes the nodes of a face, row after row along v; up to one block more.
+  void (*lay)(const NodeGrid& grid, const NodeFace& face, float* x, float* y, float* z);
 
   /// Writes the matrix. There are coordinates up to whole_blocks(columns), so far away beyond the columns
   /// that 1/distance is no number to speak of.

@@ -6,6 +6,8 @@ namespace fringe::detail {
 
 const NodeKernels node_kernels_avx2{
     "AVX2",
+    &NodeKernelsFor<SingleLanesAvx2>::ellipses,
+    &NodeKernelsFor<SingleLanesAvx2>::lay,
     &NodeKernelsFor<SingleLanesAvx2>::fill,
     &NodeKernelsFor<SingleLanesAvx2>::apply,
     &NodeKernelsFor<SingleLanesAvx2>::spread,

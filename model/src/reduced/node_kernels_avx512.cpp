@@ -12,6 +12,8 @@ namespace fringe::detail {
 
 const NodeKernels node_kernels_avx512{
     "AVX-512",
+    &NodeKernelsFor<SingleLanesAvx512>::ellipses,
+    &NodeKernelsFor<SingleLanesAvx512>::lay,
     &NodeKernelsFor<SingleLanesAvx512>::fill,
     &NodeKernelsFor<SingleLanesAvx512>::apply,
     &NodeKernelsFor<SingleLanesAvx512>::spread,

@@ -6,6 +6,8 @@ namespace fringe::detail {
 
 const NodeKernels node_kernels_scalar{
     "scalar",
+    &NodeKernelsFor<SingleLanesScalar>::ellipses,
+    &NodeKernelsFor<SingleLanesScalar>::lay,
     &NodeKernelsFor<SingleLanesScalar>::fill,
     &NodeKernelsFor<SingleLanesScalar>::apply,
     &NodeKernelsFor<SingleLanesScalar>::spread,

@@ -6,6 +6,8 @@ namespace fringe::detail {
 
 const NodeKernels node_kernels_sse2{
     "SSE2",
+    &NodeKernelsFor<SingleLanesSse2>::ellipses,
+    &NodeKernelsFor<SingleLanesSse2>::lay,
     &NodeKernelsFor<SingleLanesSse2>::fill,
     &NodeKernelsFor<SingleLanesSse2>::apply,
     &NodeKernelsFor<SingleLanesSse2>::spread,

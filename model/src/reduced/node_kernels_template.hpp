@@ -8,6 +8,46 @@ namespace fringe::detail {
 template <class Lanes>
 class NodeKernelsFor {
  public:
+  static void ellipses(const NodePoints& points, const FaceMap& map, float* least) {
+    const Vector one = Lanes::all(1), ratio = Lanes::all(map.ratio), inverse = Lanes::all(1 / map.ratio);
+    Vector least_u = Lanes::all(3e38F), least_v = least_u;
+    for (int k = 0; k < whole_blocks(points.count); k += Lanes::width) {
+      const Vector px = Lanes::load(points.x + k), py = Lanes::load(points.y + k),
+                   pz = Lanes::load(points.z + k);
+      const auto row = [&](int at) {
+        const Vector first = Lanes::multiply_add(Lanes::all(map.rows[at]), px, Lanes::all(map.offset[at / 3]));
+        return Lanes::multiply_add(Lanes::all(map.rows[at + 1]), py,
+                                   Lanes::multiply_add(Lanes::all(map.rows[at + 2]), pz, first));
+      };
+      const Vector x = Lanes::absolute(row(0)), y = Lanes::absolute(row(3)), z = row(6);
+      const Vector beside_u = Lanes::larger(Lanes::subtract(x, one), Lanes::zero());
+      const Vector beside_v =
+          Lanes::multiply(Lanes::larger(Lanes::subtract(y, one), Lanes::zero()), ratio);
+      const Vector square = Lanes::multiply(z, z);
+      const Vector from_u = Lanes::multiply_add(beside_v, beside_v, square);
+      const Vector from_v =
+          Lanes::multiply(Lanes::multiply(Lanes::multiply_add(beside_u, beside_u, square), inverse), inverse);
+      least_u = Lanes::smaller(least_u, distances(x, from_u));
+      least_v = Lanes::smaller(least_v, distances(y, from_v));
+    }
+    least[0] = Lanes::least(least_u);
+    least[1] = Lanes::least(least_v);
+  }
+
+  static void lay(const NodeGrid& grid, const NodeFace& face, float* x, float* y, float* z) {
+    float* const coordinates[3] = {x, y, z};
+    for (int axis = 0; axis < 3; ++axis) {
+      float* to = coordinates[axis];
+      const Vector v = Lanes::all(face.v[axis]);
+      for (int i = 0; i < grid.u.points; ++i, to += grid.v.points) {
+        const Vector line = Lanes::all(face.centre[axis] + grid.u.nodes[i] * face.u[axis]);
+        // What reaches beyond the row is overwritten by the next.
+        for (int j = 0; j < grid.v.points; j += Lanes::width)
+          Lanes::store(to + j, Lanes::multiply_add(Lanes::load(grid.v.nodes + j), v, line));
+      }
+    }
+  }
+
   static void fill(const NodePoints& rows, const NodePoints& columns, float* matrix) {
     const int padded = whole_blocks(columns.count);
     for (int row = 0; row < rows.count; ++row, matrix += padded) {
@@ -120,6 +160,13 @@ class NodeKernelsFor {
 
   /// Rows that share the loads of the columns' charges and potentials.
   static constexpr int together = 4;
+
+  static Vector distances(Vector x, Vector square) {
+    const Vector one = Lanes::all(1);
+    const Vector far = Lanes::add(x, one), near = Lanes::subtract(x, one);
+    return Lanes::add(Lanes::root(Lanes::multiply_add(far, far, square)),
+                      Lanes::root(Lanes::multiply_add(near, near, square)));
+  }
 
   template <int count>
   static void apply_rows(const float* values, int padded, const float* row_charges, const float* column_charges,

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "node_rules.hpp"
 
@@ -12,65 +11,67 @@ namespace {
 using Eigen::Vector3d;
 
 /// Beyond any distance that counts; its square is finite.
-constexpr float far_away = 1e15F;
+constexpr float far_away = 1e12F;
 
-/// The sum of the semi-axes of an ellipse by the sum of the distances of one of its points from the foci ±1.
+/// The logarithm of the sum of the semi-axes of an ellipse by the sum of the distances of one of its points
+/// from the foci ±1.
 double log_parameter(double sum) {
   return std::log((sum + std::sqrt(std::max(sum * sum - 4, 0.0))) / 2);
 }
 
-/// Collects the narrowest ellipses about a face's directions through the singularities that points make.
-class Ellipses {
- public:
-  Ellipses(const PlacedShape3& body, const Face& face)
-      : half_u_(face.half_u * body.scale), half_v_(face.half_v * body.scale),
-        centre_(body.centre + body.axes * (body.scale * face.centre)), axis_u_(body.axes * face.axis_u),
-        axis_v_(body.axes * face.axis_v), normal_(axis_u_.cross(axis_v_)) {}
-
-  void add(const Vector3d& point) {
-    const Vector3d offset = point - centre_;
-    const double x = offset.dot(axis_u_), y = offset.dot(axis_v_), z = offset.dot(normal_);
-    const double beside_u = std::max(std::abs(x) - half_u_, 0.0);
-    const double beside_v = std::max(std::abs(y) - half_v_, 0.0);
-    const auto sum = [](double at, double square) {
-      return std::sqrt((at - 1) * (at - 1) + square) + std::sqrt((at + 1) * (at + 1) + square);
-    };
-    least_u_ = std::min(least_u_, sum(x / half_u_, (z * z + beside_v * beside_v) / (half_u_ * half_u_)));
-    least_v_ = std::min(least_v_, sum(y / half_v_, (z * z + beside_u * beside_u) / (half_v_ * half_v_)));
+/// For points p at origin + axes·(scale·p).
+FaceSmoothness face_smoothness(const PlacedBody& body, const Face& face, const NodePoints& points,
+                               const Vector3d& origin, const Eigen::Matrix3d& axes, double scale) {
+  const double half_u = face.half_u * body.scale, half_v = face.half_v * body.scale;
+  const Vector3d u = body.axes * face.axis_u, v = body.axes * face.axis_v;
+  const Eigen::Matrix3d to_face{
+      {u.x() / half_u, u.y() / half_u, u.z() / half_u},
+      {v.x() / half_v, v.y() / half_v, v.z() / half_v},
+      {(u.y() * v.z() - u.z() * v.y()) / half_u, (u.z() * v.x() - u.x() * v.z()) / half_u,
+       (u.x() * v.y() - u.y() * v.x()) / half_u}};
+  const Vector3d offset = to_face * (origin - body.centre - body.axes * (body.scale * face.centre));
+  const Eigen::Matrix3d rows = scale * to_face * axes;
+  FaceMap map{};
+  for (Eigen::Index row = 0; row < 3; ++row) {
+    map.offset[row] = static_cast<float>(offset[row]);
+    for (Eigen::Index column = 0; column < 3; ++column)
+      map.rows[3 * row + column] = static_cast<float>(rows(row, column));
   }
+  map.ratio = static_cast<float>(half_v / half_u);
+  float least[2];
+  best_node_kernels().ellipses(points, map, least);
+  return {log_parameter(least[0]), log_parameter(least[1])};
+}
 
-  FaceSmoothness smoothness() const { return {log_parameter(least_u_), log_parameter(least_v_)}; }
-
- private:
-  double half_u_;
-  double half_v_;
-  Vector3d centre_;
-  Vector3d axis_u_;
-  Vector3d axis_v_;
-  Vector3d normal_;
-  double least_u_ = std::numeric_limits<double>::max();
-  double least_v_ = std::numeric_limits<double>::max();
-};
+/// The most points along a direction of the outer face: with as many as of the inner one, a pair of faces would
+/// take 16 million distances.
+constexpr int most_outer_points = 32;
 
 /// The points that win so many digits, of a rule for so many functions.
-int points_for(double smoothness, double digits, int functions, double& missing) {
+int points_for(double smoothness, double digits, int functions, int most, double& missing) {
   const double more = digits / (2 * std::max(smoothness, 1e-9));
   const double wanted = 1 + 0.5 * functions + more;
-  if (wanted > most_node_points)
-    missing = std::max(missing, digits * (wanted - most_node_points) / more);
-  return std::min(static_cast<int>(std::ceil(std::min(wanted, 1e6))), most_node_points);
+  if (wanted > most)
+    missing = std::max(missing, digits * (wanted - most) / more);
+  return std::min(static_cast<int>(std::ceil(std::min(wanted, 1e6))), most);
+}
+
+/// What the digits leave.
+double error_left(QuadratureDigits digits, double missing_outer, double missing_inner) {
+  /// In random poses the potentials were this much better than the digits say.
+  constexpr double share = 0.02;
+  /// Of what is computed in single precision.
+  constexpr double rounding = 1e-6;
+  return share * std::exp(-std::min(2 * (digits.outer - missing_outer), digits.inner - missing_inner)) + rounding;
 }
 
 }  // namespace
 
-BodySmoothness smoothness(const PlacedShape3& body, const PlacedShape3& other) {
+BodySmoothness smoothness(const PlacedBody& body, const PlacedBody& other) {
   BodySmoothness result{};
-  for (std::size_t k = 0; k < body.shape->faces().size(); ++k) {
-    Ellipses ellipses(body, body.shape->faces()[k]);
-    for (const Vector3d& point : other.shape->edge_points())
-      ellipses.add(other.centre + other.axes * (other.scale * point));
-    result[k] = ellipses.smoothness();
-  }
+  for (std::size_t k = 0; k < body.shape->faces().size(); ++k)
+    result[k] = face_smoothness(body, body.shape->faces()[k], other.shape->edge_points(), other.centre,
+                                other.axes, other.scale);
   return result;
 }
 
@@ -81,7 +82,7 @@ double least(const BodySmoothness& smoothness, std::size_t faces) {
   return least;
 }
 
-void NodePair::lay(Side& side, const PlacedShape3& body, const Vector3d& origin) {
+void NodePair::lay(Side& side, const PlacedBody& body, const Vector3d& origin) {
   side.count = 0;
   for (const NodeGrid& grid : side.grids)
     side.count += grid.u.points * grid.v.points;
@@ -89,67 +90,63 @@ void NodePair::lay(Side& side, const PlacedShape3& body, const Vector3d& origin)
   if (side.x.size() < room)
     for (std::vector<float>* array : {&side.x, &side.y, &side.z, &side.charges, &side.potentials})
       array->resize(room);
-  std::size_t at = 0;
+  int at = 0;
   for (std::size_t k = 0; k < side.grids.size(); ++k) {
     const NodeGrid& grid = side.grids[k];
     const Face& face = body.shape->faces()[k];
-    const Eigen::VectorXd& along_u = stored_rule(face.edge, grid.u.points).nodes;
-    const Eigen::VectorXd& along_v = stored_rule(face.edge, grid.v.points).nodes;
     const Vector3d centre = body.centre + body.axes * (body.scale * face.centre) - origin;
     const Vector3d u = body.axes * (body.scale * face.half_u * face.axis_u);
     const Vector3d v = body.axes * (body.scale * face.half_v * face.axis_v);
-    for (int i = 0; i < grid.u.points; ++i) {
-      const Vector3d line = centre + along_u[i] * u;
-      for (int j = 0; j < grid.v.points; ++j, ++at) {
-        side.x[at] = static_cast<float>(line.x() + along_v[j] * v.x());
-        side.y[at] = static_cast<float>(line.y() + along_v[j] * v.y());
-        side.z[at] = static_cast<float>(line.z() + along_v[j] * v.z());
-      }
+    NodeFace placed{};
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      placed.centre[axis] = static_cast<float>(centre[axis]);
+      placed.u[axis] = static_cast<float>(u[axis]);
+      placed.v[axis] = static_cast<float>(v[axis]);
     }
+    best_node_kernels().lay(grid, placed, side.x.data() + at, side.y.data() + at, side.z.data() + at);
+    at += grid.u.points * grid.v.points;
   }
-  for (; at < room; ++at) {
-    side.x[at] = far_away;
-    side.y[at] = side.z[at] = 0;
-  }
+  for (std::vector<float>* array : {&side.x, &side.y, &side.z})
+    std::fill(array->begin() + side.count, array->begin() + whole_blocks(side.count), far_away);
 }
 
-void NodePair::place(const PlacedShape3& a, const BodySmoothness& a_smoothness, int functions_a,
-                     const PlacedShape3& b, const BodySmoothness& b_smoothness, int functions_b,
+void NodePair::place(const PlacedBody& a, const BodySmoothness& a_smoothness, int functions_a,
+                     const PlacedBody& b, const BodySmoothness& b_smoothness, int functions_b,
                      QuadratureDigits digits) {
-  missing_digits_ = 0;
-  const auto grids_of = [&](Side& side, const PlacedShape3& body, int functions,
-                            const BodySmoothness& smooth, double wanted, double& missing) {
+  const auto grids_of = [&](Side& side, const PlacedBody& body, int functions,
+                            const BodySmoothness& smooth, double wanted, int most, double& missing) {
     side.functions = functions;
     side.grids.clear();
     int count = 0;
     for (std::size_t k = 0; k < body.shape->faces().size(); ++k) {
       const EdgeKind edge = body.shape->faces()[k].edge;
       const NodeGrid grid{functions,
-                          stored_rule(edge, points_for(smooth[k].u, wanted, functions, missing)).view(),
-                          stored_rule(edge, points_for(smooth[k].v, wanted, functions, missing)).view()};
+                          stored_rule(edge, points_for(smooth[k].u, wanted, functions, most, missing)).view(),
+                          stored_rule(edge, points_for(smooth[k].v, wanted, functions, most, missing)).view()};
       count += grid.u.points * grid.v.points;
       side.grids.push_back(grid);
     }
     return count;
   };
   double missing_a = 0, missing_b = 0;
-  const int outer_a = grids_of(sides_[0], a, functions_a, a_smoothness, digits.outer, missing_a);
-  const int outer_b = grids_of(sides_[1], b, functions_b, b_smoothness, digits.outer, missing_b);
+  const int outer_a = grids_of(sides_[0], a, functions_a, a_smoothness, digits.outer, most_outer_points, missing_a);
+  const int outer_b = grids_of(sides_[1], b, functions_b, b_smoothness, digits.outer, most_outer_points, missing_b);
   a_is_outer_ = missing_a != missing_b ? missing_a < missing_b : outer_a <= outer_b;
   if (!a_is_outer_)
     std::swap(sides_[0], sides_[1]);
-  const PlacedShape3 &outer = a_is_outer_ ? a : b, &inner = a_is_outer_ ? b : a;
-  missing_digits_ = std::min(missing_a, missing_b);
+  const PlacedBody &outer = a_is_outer_ ? a : b, &inner = a_is_outer_ ? b : a;
   lay(sides_[0], outer, inner.centre);
 
+  double missing_inner = 0;
   BodySmoothness seen{};
   for (std::size_t k = 0; k < inner.shape->faces().size(); ++k) {
-    Ellipses ellipses({inner.shape, inner.scale, Vector3d::Zero(), inner.axes}, inner.shape->faces()[k]);
-    for (std::size_t node = 0; node < static_cast<std::size_t>(sides_[0].count); ++node)
-      ellipses.add({sides_[0].x[node], sides_[0].y[node], sides_[0].z[node]});
-    seen[k] = ellipses.smoothness();
+    seen[k] = face_smoothness(inner, inner.shape->faces()[k],
+                              {sides_[0].x.data(), sides_[0].y.data(), sides_[0].z.data(), sides_[0].count},
+                              inner.centre, Eigen::Matrix3d::Identity(), 1);
   }
-  grids_of(sides_[1], inner, a_is_outer_ ? functions_b : functions_a, seen, digits.inner, missing_digits_);
+  grids_of(sides_[1], inner, a_is_outer_ ? functions_b : functions_a, seen, digits.inner, most_node_points,
+           missing_inner);
+  relative_error_ = error_left(digits, std::min(missing_a, missing_b), missing_inner);
   lay(sides_[1], inner, inner.centre);
   const std::size_t size =
       static_cast<std::size_t>(sides_[0].count) * static_cast<std::size_t>(whole_blocks(sides_[1].count));

@@ -13,7 +13,7 @@
 namespace fringe::detail {
 
 /// A prepared shape somewhere: the point p of the shape is at centre + axes·(scale·p).
-struct PlacedShape3 {
+struct PlacedBody {
   const PreparedShape* shape;
   double scale;
   Eigen::Vector3d centre;
@@ -36,7 +36,7 @@ struct FaceSmoothness {
 /// By the edges of another body, for every face.
 using BodySmoothness = std::array<FaceSmoothness, box_faces>;
 
-BodySmoothness smoothness(const PlacedShape3& body, const PlacedShape3& other);
+BodySmoothness smoothness(const PlacedBody& body, const PlacedBody& other);
 
 /// The least of all faces and directions.
 double least(const BodySmoothness& smoothness, std::size_t faces);
@@ -45,15 +45,15 @@ double least(const BodySmoothness& smoothness, std::size_t faces);
 class NodePair {
  public:
   /// `a_smoothness`: of a as seen from b; functions: along every direction of each face.
-  void place(const PlacedShape3& a, const BodySmoothness& a_smoothness, int functions_a, const PlacedShape3& b,
+  void place(const PlacedBody& a, const BodySmoothness& a_smoothness, int functions_a, const PlacedBody& b,
              const BodySmoothness& b_smoothness, int functions_b, QuadratureDigits digits);
 
   /// The moments on both bodies of the potentials of charges on the other, all as coefficients of the faces'
   /// functions; in whole blocks, zero beyond the last.
   void potentials(const float* charges_a, const float* charges_b, float* moments_a, float* moments_b);
 
-  /// What the quadratures were cut short by: the digits that are missing where a rule has the most points.
-  double missing_digits() const { return missing_digits_; }
+  /// An estimate of the potentials' error, relative to the largest.
+  double relative_error() const { return relative_error_; }
 
   std::size_t size() const {
     return static_cast<std::size_t>(sides_[0].count) * static_cast<std::size_t>(sides_[1].count);
@@ -67,15 +67,14 @@ class NodePair {
     std::vector<float> x, y, z, charges, potentials;
   };
 
-  void lay(Side& side, const PlacedShape3& body, const Eigen::Vector3d& origin);
+  void lay(Side& side, const PlacedBody& body, const Eigen::Vector3d& origin);
   void spread(Side& side, const float* coefficients);
   void gather(const Side& side, float* moments);
 
   bool a_is_outer_ = true;
   std::array<Side, 2> sides_;  ///< the outer one first
   std::vector<float> matrix_;
-  std::vector<Eigen::Vector3d> points_;
-  double missing_digits_ = 0;
+  double relative_error_ = 0;
 };
 
 }  // namespace fringe::detail

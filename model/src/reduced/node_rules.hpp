@@ -2,8 +2,6 @@
 
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "../boundary/weighted_basis.hpp"
 #include "node_kernels.hpp"
 
@@ -14,11 +12,12 @@ constexpr int most_node_points = most_points;
 
 /// A Gauss rule on [−1, 1] in single precision.
 struct StoredRule {
-  Eigen::VectorXd nodes;
+  int points;
+  std::vector<float> nodes;
   std::vector<float> weights;
   std::vector<float> values;
 
-  NodeRule view() const { return {static_cast<int>(nodes.size()), weights.data(), values.data()}; }
+  NodeRule view() const { return {points, nodes.data(), weights.data(), values.data()}; }
 };
 
 /// The rule of 1 to most_node_points points, made with all others when it is first asked for.

@@ -103,10 +103,20 @@ int functions_of_level(int level) {
 
 PreparedShape::PreparedShape(std::vector<Face> faces, const Vector3d& half_sides)
     : faces_(std::move(faces)), half_sides_(half_sides), levels_(levels) {
+  std::vector<Vector3d> points;
   if (faces_.size() == 1)
-    add_outline(faces_[0], edge_points_);
+    add_outline(faces_[0], points);
   else
-    add_box_edges(faces_, half_sides_, edge_points_);
+    add_box_edges(faces_, half_sides_, points);
+  edge_point_count_ = static_cast<int>(points.size());
+  points.resize(static_cast<std::size_t>(whole_blocks(edge_point_count_)), points.back());
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const Vector3d& point : points)
+      edge_points_[axis].push_back(static_cast<float>(point[static_cast<Index>(axis)]));
+}
+
+NodePoints PreparedShape::edge_points() const {
+  return {edge_points_[0].data(), edge_points_[1].data(), edge_points_[2].data(), edge_point_count_};
 }
 
 const PreparedLevel& PreparedShape::level(int index) {

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "../boundary/face.hpp"
+#include "node_kernels.hpp"
 
 /// What of a body does not change when it moves or grows (model/BOUNDARY_ELEMENTS.md, section 8).
 namespace fringe::detail {
@@ -36,7 +38,7 @@ class PreparedShape {
 
   /// Points along all edges, the corners included, near enough to each other that none between them is much
   /// nearer to anything that is an eighth of an edge away.
-  const std::vector<Eigen::Vector3d>& edge_points() const { return edge_points_; }
+  NodePoints edge_points() const;
 
   static constexpr int levels = 5;
   /// Prepared when it is first asked for.
@@ -45,7 +47,8 @@ class PreparedShape {
  private:
   std::vector<Face> faces_;
   Eigen::Vector3d half_sides_;
-  std::vector<Eigen::Vector3d> edge_points_;
+  std::array<std::vector<float>, 3> edge_points_;  ///< in whole blocks, the last one repeated
+  int edge_point_count_;
   std::vector<std::unique_ptr<PreparedLevel>> levels_;
 };
 

@@ -17,6 +17,16 @@ constexpr double nothing = 1e-12;
 
 constexpr std::size_t slots_in_block = 64;
 
+/// How many times one vector is another; 0 if it is none, to single precision.
+double parallel(const float* vector, const float* other, int padded) {
+  /// The square of the sine of the angle.
+  constexpr double nearly = 1e-8;
+  const NodeKernels& kernels = best_node_kernels();
+  const double square = kernels.dot(vector, vector, padded), product = kernels.dot(vector, other, padded);
+  const double other_square = kernels.dot(other, other, padded);
+  return product * product >= (1 - nearly) * square * other_square && square > 0 ? product / square : 0;
+}
+
 Index signed_of(std::size_t k) {
   return static_cast<Index>(k);
 }
@@ -48,7 +58,7 @@ void ReducedSystem::begin() {
   }
   slots_used_ = 0;
   used_ = extended_ = 0;
-  steps_ = 0;
+  equilibria_.clear();
   positive_definite_ = true;
   factor_.clear();
   residuals_.resize(bodies_.size() * conductors_);
@@ -62,6 +72,7 @@ void ReducedSystem::begin() {
 void ReducedSystem::add_equilibrium(std::size_t body) {
   const PreparedLevel& prepared = level(body);
   const double root = std::sqrt(bodies_[body].scale);
+  equilibria_.push_back(used_);
   if (used_ == vectors_.size())
     vectors_.emplace_back();
   Vector& vector = vectors_[used_++];
@@ -171,9 +182,16 @@ void ReducedSystem::find_residuals(std::size_t active, std::size_t conductors) {
         kernels.add(-static_cast<float>(charges_(signed_of(k), signed_of(c))),
                     vector.body == body ? vector.moments : vector.potentials[body], residual, prepared.padded);
       }
-      kernels.multiply(prepared.inverse.data(), prepared.count, residual, correction);
-      for (int k = 0; k < prepared.padded; ++k)
-        correction[k] *= scale;
+      const double multiple = c == 0 ? 0 : parallel(residuals_[body * conductors_], residual, prepared.padded);
+      if (multiple != 0) {
+        std::fill_n(correction, prepared.padded, 0.0F);
+        kernels.add(static_cast<float>(multiple), corrections_[body * conductors_], correction,
+                    prepared.padded);
+      } else {
+        kernels.multiply(prepared.inverse.data(), prepared.count, residual, correction);
+        for (int k = 0; k < prepared.padded; ++k)
+          correction[k] *= scale;
+      }
       for (std::size_t d = 0; d <= c; ++d) {
         const double change =
             kernels.dot(residuals_[body * conductors_ + d], correction, prepared.padded);
@@ -191,7 +209,6 @@ bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
   bool added = false;
   for (std::size_t body = 0; body < active; ++body) {
     const int padded = level(body).padded;
-    const std::size_t first = used_;
     for (std::size_t c = 0; c < conductors; ++c) {
       float* const charge = corrections_[body * conductors_ + c];
       float* const moments = residuals_[body * conductors_ + c];
@@ -209,7 +226,6 @@ bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
       const double left = kernels.dot(charge, moments, padded);
       if (!(left > dependent * before))
         continue;
-      (void)first;
       if (used_ == vectors_.size())
         vectors_.emplace_back();
       Vector& vector = vectors_[used_++];
@@ -230,38 +246,41 @@ bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
 }
 
 void ReducedSystem::iterate(const ReductionLimits& limits, std::size_t active, std::size_t conductors) {
-  steps_ = 0;
-  while (true) {
+  for (int steps = 0;; ++steps) {
     exchange(active);
     extend();
     if (!positive_definite_)
       return;
     find_charges(conductors);
     find_residuals(active, conductors);
-    double worst = 0;
-    for (std::size_t c = 0; c < conductors; ++c)
-      worst = std::max(worst, solution_.truncation(signed_of(c), signed_of(c)) /
-                                  net_.col(signed_of(c)).head(signed_of(extended_)).squaredNorm());
-    if (steps_ >= limits.most_steps || (steps_ >= limits.least_steps && worst <= limits.accuracy) ||
-        !add_residuals(active, conductors))
+    if (steps >= limits.most_steps)
       return;
-    ++steps_;
+    const auto size = signed_of(conductors);
+    const auto found = net_.topLeftCorner(signed_of(extended_), size);
+    const bool enough = steps >= limits.least_steps &&
+                        (solution_.truncation.topLeftCorner(size, size).array().abs() <=
+                         limits.accuracy * (found.transpose() * found).array().abs())
+                            .all();
+    if (enough || !add_residuals(active, conductors))
+      return;
   }
 }
 
-void ReducedSystem::look_at_resolution() {
+/// What the highest functions of the first bodies hold, and of each body how much.
+MatrixXd ReducedSystem::resolution(std::size_t active, std::size_t conductors) {
   const NodeKernels& kernels = best_node_kernels();
-  solution_.resolution.setZero(signed_of(conductors_), signed_of(conductors_));
-  std::vector<std::vector<float>> highest(conductors_);
-  std::vector<float> stiff;
-  for (std::size_t body = 0; body < bodies_.size(); ++body) {
+  const auto size = signed_of(conductors);
+  MatrixXd result = MatrixXd::Zero(size, size);
+  const Eigen::VectorXd own = net_.topLeftCorner(signed_of(extended_), size).colwise().squaredNorm();
+  solution_.body_resolution.setZero(signed_of(bodies_.size()));
+  for (std::size_t body = 0; body < active; ++body) {
     const PreparedLevel& prepared = level(body);
     const auto count = static_cast<int>(prepared.highest.size());
     const auto padded = static_cast<std::size_t>(whole_blocks(count));
-    stiff.assign(padded + node_block, 0.0F);
-    for (std::size_t c = 0; c < conductors_; ++c) {
-      std::vector<float>& high = highest[c];
-      high.assign(padded, 0.0F);
+    highest_.assign(conductors * padded, 0.0F);
+    stiff_.resize(padded);
+    for (std::size_t c = 0; c < conductors; ++c) {
+      float* const high = highest_.data() + c * padded;
       for (std::size_t k = 0; k < extended_; ++k) {
         if (vectors_[k].body != body)
           continue;
@@ -269,28 +288,57 @@ void ReducedSystem::look_at_resolution() {
         for (std::size_t h = 0; h < prepared.highest.size(); ++h)
           high[h] += factor * vectors_[k].charge[prepared.highest[h]];
       }
-      kernels.multiply(prepared.stiffness.data(), count, high.data(), stiff.data());
+      kernels.multiply(prepared.stiffness.data(), count, high, stiff_.data());
       for (std::size_t d = 0; d <= c; ++d) {
         const double change =
-            kernels.dot(highest[d].data(), stiff.data(), static_cast<int>(padded)) / bodies_[body].scale;
-        solution_.resolution(signed_of(c), signed_of(d)) += change;
+            kernels.dot(highest_.data() + d * padded, stiff_.data(), static_cast<int>(padded)) /
+            bodies_[body].scale;
+        result(signed_of(c), signed_of(d)) += change;
         if (d != c)
-          solution_.resolution(signed_of(d), signed_of(c)) += change;
+          result(signed_of(d), signed_of(c)) += change;
+        else
+          solution_.body_resolution[signed_of(body)] =
+              std::max(solution_.body_resolution[signed_of(body)], change / own[signed_of(c)]);
       }
     }
   }
+  return result;
+}
+
+/// Each pair's relative error of what its bodies exchange; that is, at most, the geometric mean of their
+/// energies, times how much of the others' potential they feel.
+void ReducedSystem::estimate_quadrature() {
+  const auto size = signed_of(conductors_);
+  MatrixXd roots = MatrixXd::Zero(signed_of(bodies_.size()), size);
+  for (std::size_t k = 0; k < extended_; ++k)
+    roots.row(signed_of(vectors_[k].body)) += charges_.row(signed_of(k)).cwiseAbs2();
+  roots = roots.cwiseSqrt();
+  solution_.quadrature.setZero(size, size);
+  for (const std::size_t first : equilibria_)
+    for (const std::size_t second : equilibria_) {
+      const std::size_t a = vectors_[first].body, b = vectors_[second].body;
+      if (a == b)
+        continue;
+      const double coupling = std::abs(
+          best_node_kernels().dot(vectors_[first].charge, vectors_[second].potentials[a], level(a).padded));
+      solution_.quadrature += pair(std::min(a, b), std::max(a, b)).relative_error() * coupling *
+                              (roots.row(signed_of(a)).transpose() * roots.row(signed_of(b)));
+    }
 }
 
 const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
+  const auto sensors = signed_of(sensors_);
   begin();
   for (std::size_t body = 0; body < sensor_bodies_; ++body)
     add_equilibrium(body);
-  if (sensor_bodies_ > 1)
+  if (sensor_bodies_ > 0)
     iterate(limits, sensor_bodies_, sensors_);
-  else {
-    extend();
-  }
   const auto alone = signed_of(extended_);
+  Eigen::VectorXd truncation_alone, resolution_alone;
+  if (positive_definite_ && sensor_bodies_ > 0) {
+    truncation_alone = solution_.truncation.diagonal().head(sensors);
+    resolution_alone = resolution(sensor_bodies_, sensors_).diagonal();
+  }
   if (positive_definite_) {
     for (std::size_t body = sensor_bodies_; body < bodies_.size(); ++body)
       add_equilibrium(body);
@@ -301,11 +349,18 @@ const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
     return solution_;
   const auto found = net_.topRows(signed_of(extended_));
   solution_.values.noalias() = found.transpose() * found;
-  solution_.delta_self =
-      found.bottomRows(signed_of(extended_) - alone).leftCols(signed_of(sensors_)).colwise().squaredNorm();
-  solution_.steps = steps_;
+  solution_.values += solution_.truncation;
+  solution_.resolution = resolution(bodies_.size(), conductors_);
+  if (sensor_bodies_ > 0) {
+    const Eigen::VectorXd truncation = solution_.truncation.diagonal().head(sensors);
+    solution_.delta_self =
+        found.bottomRows(signed_of(extended_) - alone).leftCols(sensors).colwise().squaredNorm();
+    solution_.delta_self += truncation - truncation_alone;
+    solution_.delta_truncation = truncation + truncation_alone;
+    solution_.delta_resolution = (solution_.resolution.diagonal().head(sensors) - resolution_alone).cwiseAbs();
+  }
+  estimate_quadrature();
   solution_.vectors = extended_;
-  look_at_resolution();
   return solution_;
 }
 

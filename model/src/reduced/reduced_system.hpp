@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -24,20 +25,21 @@ struct ReducedBody {
 struct ReductionLimits {
   int least_steps;
   int most_steps;
-  double accuracy;  ///< relative to the diagonal, of what further steps would change
+  double accuracy;  ///< steps go on while a further one would change an entry by more than this part
 };
 
-/// Capacitances of all conductors, and what the approximations may have left out of them.
+/// Capacitances of all conductors, floating ones included, and what the approximations may have left out.
 struct ReducedSolution {
-  bool positive_definite = true;
+  bool positive_definite = true;  ///< false: the quadratures are too coarse, nothing else is meant
   Eigen::MatrixXd values;
-  Eigen::MatrixXd truncation;  ///< what a further step would add, about
-  Eigen::MatrixXd resolution;  ///< what the highest functions added
-  Eigen::MatrixXd quadrature;  ///< sums of what the bodies exchange
+  Eigen::MatrixXd truncation;  ///< what the last residuals added to `values`
+  Eigen::MatrixXd resolution;  ///< what the highest functions added, or somewhat more
+  Eigen::MatrixXd quadrature;  ///< what the errors of the quadratures may do
+  /// Of each body, the largest of its part of `resolution`, relative to the conductor's own capacitance.
+  Eigen::VectorXd body_resolution;
   Eigen::VectorXd delta_self;  ///< of the sensors
   Eigen::VectorXd delta_truncation;
   Eigen::VectorXd delta_resolution;
-  int steps = 0;
   std::size_t vectors = 0;
 };
 
@@ -72,7 +74,8 @@ class ReducedSystem {
   void find_residuals(std::size_t active, std::size_t conductors);
   bool add_residuals(std::size_t active, std::size_t conductors);
   void iterate(const ReductionLimits& limits, std::size_t active, std::size_t conductors);
-  void look_at_resolution();
+  Eigen::MatrixXd resolution(std::size_t active, std::size_t conductors);
+  void estimate_quadrature();
 
   std::vector<ReducedBody> bodies_;
   std::size_t sensors_;
@@ -85,6 +88,9 @@ class ReducedSystem {
   std::size_t slots_used_ = 0;
 
   std::vector<Vector> vectors_;
+  std::vector<std::size_t> equilibria_;  ///< the bodies' first vectors
+  std::vector<float> highest_;  ///< work space
+  std::vector<float> stiff_;
   std::size_t used_ = 0;      ///< of the vectors
   std::size_t extended_ = 0;  ///< of them in the factor
   std::vector<double> factor_;  ///< Cholesky's, row after row of the lower triangle
@@ -93,7 +99,6 @@ class ReducedSystem {
   std::vector<float*> residuals_;   ///< of every body and conductor, as moments
   std::vector<float*> corrections_;  ///< the charges that would answer them
   bool positive_definite_ = true;
-  int steps_ = 0;
   ReducedSolution solution_;
 };
 

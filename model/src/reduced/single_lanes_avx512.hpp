@@ -13,6 +13,12 @@ struct SingleLanesAvx512 {
   static Vector all(float number) { return _mm512_set1_ps(number); }
   static Vector load(const float* from) { return _mm512_loadu_ps(from); }
   static void store(float* to, Vector a) { _mm512_storeu_ps(to, a); }
+  static Vector add(Vector a, Vector b) { return _mm512_add_ps(a, b); }
+  static Vector root(Vector a) { return _mm512_sqrt_ps(a); }
+  static Vector absolute(Vector a) { return _mm512_abs_ps(a); }
+  static Vector larger(Vector a, Vector b) { return _mm512_max_ps(a, b); }
+  static Vector smaller(Vector a, Vector b) { return _mm512_min_ps(a, b); }
+  static float least(Vector a) { return _mm512_reduce_min_ps(a); }
   static Vector subtract(Vector a, Vector b) { return _mm512_sub_ps(a, b); }
   static Vector multiply(Vector a, Vector b) { return _mm512_mul_ps(a, b); }
   static Vector multiply_add(Vector a, Vector b, Vector c) { return _mm512_fmadd_ps(a, b, c); }
