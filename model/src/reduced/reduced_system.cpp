@@ -69,23 +69,41 @@ void ReducedSystem::begin() {
   }
 }
 
-void ReducedSystem::add_equilibrium(std::size_t body) {
-  const PreparedLevel& prepared = level(body);
-  const double root = std::sqrt(bodies_[body].scale);
-  equilibria_.push_back(used_);
+ReducedSystem::Vector& ReducedSystem::new_vector(std::size_t body) {
   if (used_ == vectors_.size())
     vectors_.emplace_back();
   Vector& vector = vectors_[used_++];
   vector.body = body;
   vector.charge = slot();
   vector.moments = slot();
+  vector.potentials.assign(bodies_.size(), nullptr);
+  return vector;
+}
+
+/// What a body's vectors have of a charge.
+void ReducedSystem::take_out(std::size_t body, float* charge, float* moments) {
+  const NodeKernels& kernels = best_node_kernels();
+  const int padded = level(body).padded;
+  for (std::size_t k = 0; k < used_; ++k) {
+    if (vectors_[k].body != body)
+      continue;
+    const float part = -kernels.dot(charge, vectors_[k].moments, padded);
+    kernels.add(part, vectors_[k].charge, charge, padded);
+    kernels.add(part, vectors_[k].moments, moments, padded);
+  }
+}
+
+void ReducedSystem::add_equilibrium(std::size_t body) {
+  const PreparedLevel& prepared = level(body);
+  const double root = std::sqrt(bodies_[body].scale);
+  equilibria_.push_back(used_);
+  Vector& vector = new_vector(body);
   for (int k = 0; k < prepared.padded; ++k) {
     const auto at = static_cast<std::size_t>(k);
     vector.charge[k] = static_cast<float>(root) * prepared.equilibrium[at];
     vector.moments[k] = static_cast<float>(1 / root) * prepared.potential[at];
   }
   vector.net = root * prepared.root;
-  vector.potentials.assign(bodies_.size(), nullptr);
 }
 
 /// The potentials of all vectors on the first bodies, as far as they are not known.
@@ -216,29 +234,21 @@ bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
       const double self = net_.col(signed_of(c)).head(signed_of(extended_)).squaredNorm();
       if (!(before > nothing * self))
         continue;
-      for (std::size_t k = 0; k < used_; ++k) {
-        if (vectors_[k].body != body)
-          continue;
-        const float part = -kernels.dot(charge, vectors_[k].moments, padded);
-        kernels.add(part, vectors_[k].charge, charge, padded);
-        kernels.add(part, vectors_[k].moments, moments, padded);
-      }
+      take_out(body, charge, moments);
       const double left = kernels.dot(charge, moments, padded);
       if (!(left > dependent * before))
         continue;
-      if (used_ == vectors_.size())
-        vectors_.emplace_back();
-      Vector& vector = vectors_[used_++];
-      vector.body = body;
-      vector.charge = slot();
-      vector.moments = slot();
       const auto factor = static_cast<float>(1 / std::sqrt(left));
       for (int k = 0; k < padded; ++k) {
-        vector.charge[k] = factor * charge[k];
-        vector.moments[k] = factor * moments[k];
+        charge[k] *= factor;
+        moments[k] *= factor;
       }
+      // Of a small vector the first pass leaves what was rounded.
+      take_out(body, charge, moments);
+      Vector& vector = new_vector(body);
+      std::copy_n(charge, padded, vector.charge);
+      std::copy_n(moments, padded, vector.moments);
       vector.net = kernels.dot(vector.charge, level(body).net.data(), padded);
-      vector.potentials.assign(bodies_.size(), nullptr);
       added = true;
     }
   }

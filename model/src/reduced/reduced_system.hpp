@@ -67,6 +67,8 @@ class ReducedSystem {
   float* slot();
   const PreparedLevel& level(std::size_t body) { return bodies_[body].shape->level(bodies_[body].level); }
   void begin();
+  Vector& new_vector(std::size_t body);
+  void take_out(std::size_t body, float* charge, float* moments);
   void add_equilibrium(std::size_t body);
   void exchange(std::size_t active);
   void extend();
