@@ -1,5 +1,7 @@
 #include "maxwell_text.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "json_writer.hpp"
@@ -118,10 +120,12 @@ std::string maxwell_table(const MaxwellMatrix& matrix, const MaxwellRequest& req
                         matrix.delta_self[s] * picofarads_per_farad,
                         matrix.delta_self_errors[s] * picofarads_per_farad);
   text += "The errors are estimates.";
+  const bool any_bound = std::find(matrix.lower_bounds.begin(), matrix.lower_bounds.end(), true) !=
+                         matrix.lower_bounds.end();
   for (std::size_t k = 0; k < matrix.conductors.size(); ++k)
-    if (!matrix.lower_bounds[k])
+    if (any_bound && !matrix.lower_bounds[k])
       text += fmt::format(" The diagonal entry of {} may be above the truth.", matrix.conductors[k]);
-  text += " Entries of the diagonal are otherwise not above the truth.\n";
+  text += any_bound ? " Entries of the diagonal are otherwise not above the truth.\n" : "\n";
   for (const std::string& name : matrix.floating)
     text += fmt::format("floating, without charge and so without a row: {}\n", name);
   return text;

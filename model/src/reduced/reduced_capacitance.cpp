@@ -38,14 +38,12 @@ constexpr double loosest_reduced_rtol = 0.5;
 
 constexpr std::array<double, most_reduced_steps> rtols{1e-2, 1e-3, 3e-4};
 
-/// What is left of an error that the last residuals have mended.
-constexpr double error_per_truncation = 0.3;
-
 /// The error after what the highest functions added.
 constexpr double error_per_resolution = 1.0;
 
 /// Parts of the error that is asked for.
 constexpr double truncation_share = 0.3;
+constexpr double quadrature_share = 0.3;
 
 /// As many steps more than asked as near contact needs.
 constexpr int most_steps = 12;
@@ -176,7 +174,7 @@ class ReducedEvaluator::Implementation {
     while (true) {
       lay_nodes(digits);
       const detail::ReductionLimits limits{options_.steps, most_steps,
-                                           truncation_share * rtol_ / error_per_truncation};
+                                           truncation_share * rtol_};
       const ReducedSolution& solution = system_->solve(limits);
       if (!solution.positive_definite) {
         if (digits >= most_digits) {
@@ -187,7 +185,13 @@ class ReducedEvaluator::Implementation {
         continue;
       }
       tell(solution);
-      if (answer_.reached || !raise_levels(solution))
+      if (answer_.reached)
+        break;
+      const double more_digits = missing_digits(solution);
+      const bool tightened = more_digits > 0 && digits < most_digits;
+      if (tightened)
+        digits = std::min(digits + more_digits, most_digits);
+      if (!raise_levels(solution) && !tightened)
         break;
     }
     motion_.settle();
@@ -281,6 +285,16 @@ class ReducedEvaluator::Implementation {
     return raised;
   }
 
+  /// What the quadratures lack to take no more than their part of the error.
+  double missing_digits(const ReducedSolution& solution) const {
+    const Index rows = answer_.values.rows();
+    const double excess = (solution.quadrature.topLeftCorner(rows, rows).array() * factor_ * unit_ /
+                           answer_.values.array().abs())
+                              .maxCoeff() /
+                          (quadrature_share * rtol_);
+    return excess > 1 ? std::log(excess) + 0.5 : 0;
+  }
+
   void lay_nodes(double digits) {
     for (std::size_t a = 0; a < rigid_.size(); ++a)
       for (std::size_t b = a + 1; b < rigid_.size(); ++b) {
@@ -305,7 +319,7 @@ class ReducedEvaluator::Implementation {
     const Index rows = fine.rows(), sensors = static_cast<Index>(answer_.sensors);
     const auto quadrature = solution.quadrature.topLeftCorner(rows, rows);
     answer_.values = fine;
-    answer_.errors = error_per_truncation * detail::changes(fine, stepped) +
+    answer_.errors = solution.truncation_left * detail::changes(fine, stepped) +
                      error_per_resolution * detail::changes(fine, resolved) + quadrature;
     answer_.reached = (answer_.errors.array() <= rtol_ * fine.array().abs()).all();
     answer_.delta_self.resize(sensors);
@@ -316,7 +330,7 @@ class ReducedEvaluator::Implementation {
       answer_.delta_self[s] = solution.delta_self[s] - floating;
       const double relative = solution.resolution(s, s) / solution.values(s, s);
       answer_.delta_self_errors[s] =
-          error_per_truncation * solution.delta_truncation[s] +
+          solution.truncation_left * solution.delta_truncation[s] +
           error_per_resolution *
               (solution.delta_resolution[s] + relative * (solution.delta_self[s] + floating)) +
           quadrature(s, s) + std::numeric_limits<float>::epsilon() * std::abs(floating);

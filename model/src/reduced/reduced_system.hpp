@@ -25,7 +25,7 @@ struct ReducedBody {
 struct ReductionLimits {
   int least_steps;
   int most_steps;
-  double accuracy;  ///< steps go on while a further one would change an entry by more than this part
+  double accuracy;  ///< steps go on while more than this part of an entry may be missing
 };
 
 /// Capacitances of all conductors, floating ones included, and what the approximations may have left out.
@@ -33,6 +33,7 @@ struct ReducedSolution {
   bool positive_definite = true;  ///< false: the quadratures are too coarse, nothing else is meant
   Eigen::MatrixXd values;
   Eigen::MatrixXd truncation;  ///< what the last residuals added to `values`
+  double truncation_left = 0;  ///< the part of it that may still be missing
   Eigen::MatrixXd resolution;  ///< what the highest functions added, or somewhat more
   Eigen::MatrixXd quadrature;  ///< what the errors of the quadratures may do
   /// Of each body, the largest of its part of `resolution`, relative to the conductor's own capacitance.
@@ -77,6 +78,8 @@ class ReducedSystem {
   bool add_residuals(std::size_t active, std::size_t conductors);
   void iterate(const ReductionLimits& limits, std::size_t active, std::size_t conductors);
   Eigen::MatrixXd resolution(std::size_t active, std::size_t conductors);
+  double coupling(std::size_t first, std::size_t second) const;
+  void judge_truncation();
   void estimate_quadrature();
 
   std::vector<ReducedBody> bodies_;
