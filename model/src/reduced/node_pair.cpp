@@ -146,7 +146,9 @@ void NodePair::place(const PlacedBody& a, const BodySmoothness& a_smoothness, in
   }
   grids_of(sides_[1], inner, a_is_outer_ ? functions_b : functions_a, seen, digits.inner, most_node_points,
            missing_inner);
-  relative_error_ = error_left(digits, std::min(missing_a, missing_b), missing_inner);
+  const double missing_outer = std::min(missing_a, missing_b);
+  relative_error_ = error_left(digits, missing_outer, missing_inner);
+  is_cut_short_ = missing_outer > 0 || missing_inner > 0;
   lay(sides_[1], inner, inner.centre);
   const std::size_t size =
       static_cast<std::size_t>(sides_[0].count) * static_cast<std::size_t>(whole_blocks(sides_[1].count));

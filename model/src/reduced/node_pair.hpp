@@ -52,6 +52,9 @@ class NodePair {
   /// functions; in whole blocks, zero beyond the last.
   void potentials(const float* charges_a, const float* charges_b, float* moments_a, float* moments_b);
 
+  /// Whether a rule would need more points than it may have.
+  bool is_cut_short() const { return is_cut_short_; }
+
   /// An estimate of the potentials' error, relative to the largest.
   double relative_error() const { return relative_error_; }
 
@@ -75,6 +78,7 @@ class NodePair {
   std::array<Side, 2> sides_;  ///< the outer one first
   std::vector<float> matrix_;
   double relative_error_ = 0;
+  bool is_cut_short_ = false;
 };
 
 }  // namespace fringe::detail

@@ -253,12 +253,19 @@ class ReducedEvaluator::Implementation {
   /// As many functions as the others' nearness will ask for, by a rule that needs not be right: the error
   /// that is found decides.
   void choose_levels() {
+    /// The charge of a strip varies along it on the scale of the others' size and distance.
+    constexpr double long_sides = 8;
     const double asked = rtol_ > 3e-3 ? 1 : 2;
     const int first = rtol_ > 3e-3 ? 1 : 2;
     for (std::size_t a = 0; a < rigid_.size(); ++a) {
-      int level = first;
+      const Vector3d& half_sides = rigid_[a].shape->half_sides();
+      int level = half_sides.x() > long_sides * half_sides.y() || half_sides.y() > long_sides * half_sides.x()
+                      ? first + 1
+                      : first;
+      // More functions on all six faces are for the error to ask for.
+      const bool is_plate = rigid_[a].shape->faces().size() == 1;
       for (std::size_t b = 0; b < rigid_.size(); ++b)
-        if (a != b) {
+        if (a != b && is_plate) {
           const double wanted = 1 + asked / detail::least(smoothness_[pair(a, b)], rigid_[a].shape->faces().size());
           while (level + 1 < most_levels(a) && detail::functions_of_level(level) < wanted)
             ++level;
@@ -286,7 +293,11 @@ class ReducedEvaluator::Implementation {
   }
 
   /// What the quadratures lack to take no more than their part of the error.
-  double missing_digits(const ReducedSolution& solution) const {
+  double missing_digits(const ReducedSolution& solution) {
+    for (std::size_t a = 0; a < rigid_.size(); ++a)
+      for (std::size_t b = a + 1; b < rigid_.size(); ++b)
+        if (system_->pair(a, b).is_cut_short())
+          return 0;
     const Index rows = answer_.values.rows();
     const double excess = (solution.quadrature.topLeftCorner(rows, rows).array() * factor_ * unit_ /
                            answer_.values.array().abs())
