@@ -53,10 +53,11 @@ class RandomScenes {
       scene.sensors.push_back({"sensor", {}, 2.5, 5e-12, {{{-0.05, -0.05, 0}, {0.1, 0, 0}, {0, 0.1, 0}}}});
       const auto size = [this] { return 0.02 * std::pow(10, number(0, 1)); };
       const Cuboid sizes{size(), size(), boxes_ ? size() : 0};
-      Eigen::Isometry3d pose(Eigen::Translation3d(number(-0.15, 0.15), number(-0.15, 0.15), number(0.005, 0.155)));
+      Eigen::Isometry3d pose(
+          Eigen::Translation3d(number(-0.15, 0.15), number(-0.15, 0.15), number(0.005, 0.155)));
       if (number(0, 1) < 2.0 / 3)
-        pose.rotate(Eigen::AngleAxisd(
-            number(0, 6.2), Vector3d(number(-1, 1), number(-1, 1), number(-1, 1)).normalized()));
+        pose.rotate(Eigen::AngleAxisd(number(0, 6.2),
+                                      Vector3d(number(-1, 1), number(-1, 1), number(-1, 1)).normalized()));
       if (distance(sizes, pose) < 0.005)
         continue;
       const Shape shape = boxes_ ? Shape(sizes) : Shape(Plate{sizes.size_x, sizes.size_y});
@@ -148,7 +149,8 @@ void measure(const Scene& from, Measurements& measured) {
 
 double quantile(std::vector<double> values, double part) {
   std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1, static_cast<std::size_t>(part * static_cast<double>(values.size())))];
+  return values[std::min(values.size() - 1,
+                         static_cast<std::size_t>(part * static_cast<double>(values.size())))];
 }
 
 double mean(const std::vector<double>& values) {
@@ -161,7 +163,8 @@ double mean(const std::vector<double>& values) {
 void summarise(const std::string& what, const Measurements& measured) {
   if (measured.triangle_integral.empty())
     return;
-  fmt::print("{}: {} set-ups, {} more whose truth was not found; the triangle integral takes {:.1f} µs in the mean\n",
+  fmt::print("{}: {} set-ups, {} more whose truth was not found; the triangle integral takes {:.1f} µs in "
+             "the mean\n",
              what, measured.triangle_integral.size(), measured.unknown, mean(measured.triangle_integral));
   for (int steps = 1; steps <= most_reduced_steps; ++steps) {
     std::vector<double> errors, reached_errors, times;
@@ -188,8 +191,8 @@ int main(int argument_count, char** arguments) {
   for (int k = 1; k < argument_count; ++k)
     measure(load_scene(arguments[k]), of_files);
   summarise("scene files", of_files);
-  for (const auto& [what, boxes, count] : {std::tuple("plates, random poses", false, 500),
-                                           std::tuple("boxes, random poses", true, 100)}) {
+  for (const auto& [what, boxes, count] :
+       {std::tuple("plates, random poses", false, 500), std::tuple("boxes, random poses", true, 100)}) {
     RandomScenes scenes(boxes);
     Measurements measured;
     for (int k = 0; k < count; ++k)

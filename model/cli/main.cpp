@@ -142,10 +142,10 @@ int run(int argument_count, char** arguments) {
       ->add_option("--tolerance", request.tolerance,
                    "What may be left out of a sensor's total, relative to it; only with exact")
       ->capture_default_str();
-  capacitance_command
-      ->add_option("--rtol", request.rtol,
-                   "The relative error to be reached in every entry; only with boundary-elements (if not given "
-                   "0.001) and reduced:1, 2, 3 (0.01, 0.001, 0.0003)");
+  capacitance_command->add_option(
+      "--rtol", request.rtol,
+      "The relative error to be reached in every entry; only with boundary-elements (if not given "
+      "0.001) and reduced:1, 2, 3 (0.01, 0.001, 0.0003)");
   CLI::App* sense_command =
       add_command(program, request, "sense", "The closest point that every distance sensor sees");
   sense_command

@@ -120,8 +120,8 @@ std::string maxwell_table(const MaxwellMatrix& matrix, const MaxwellRequest& req
                         matrix.delta_self[s] * picofarads_per_farad,
                         matrix.delta_self_errors[s] * picofarads_per_farad);
   text += "The errors are estimates.";
-  const bool any_bound = std::find(matrix.lower_bounds.begin(), matrix.lower_bounds.end(), true) !=
-                         matrix.lower_bounds.end();
+  const bool any_bound =
+      std::find(matrix.lower_bounds.begin(), matrix.lower_bounds.end(), true) != matrix.lower_bounds.end();
   for (std::size_t k = 0; k < matrix.conductors.size(); ++k)
     if (any_bound && !matrix.lower_bounds[k])
       text += fmt::format(" The diagonal entry of {} may be above the truth.", matrix.conductors[k]);

@@ -15,11 +15,11 @@
 namespace fringe {
 namespace {
 
+using detail::changes;
 using detail::ChargedBodies;
 using detail::FaceFunctions;
 using detail::GalerkinSolution;
 using detail::GalerkinSystem;
-using detail::changes;
 using detail::without_floating;
 using Eigen::Index;
 using Eigen::MatrixXd;

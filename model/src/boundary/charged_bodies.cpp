@@ -43,9 +43,9 @@ ChargedBody body_of(const Object& object, std::size_t conductor) {
   ChargedBody body{conductor, {}, Vector3d::Zero(), fmt::format("object \"{}\"", object.name), object.link};
   if (const auto* plate = std::get_if<Plate>(&object.shape)) {
     validate_sizes(object, {plate->size_x, plate->size_y});
-    body.faces.push_back(moved_face({Vector3d::Zero(), Vector3d::UnitX(), Vector3d::UnitY(), plate->size_x / 2,
-                                plate->size_y / 2, EdgeKind::thin},
-                               pose));
+    body.faces.push_back(moved_face({Vector3d::Zero(), Vector3d::UnitX(), Vector3d::UnitY(),
+                                     plate->size_x / 2, plate->size_y / 2, EdgeKind::thin},
+                                    pose));
   } else if (const auto* cuboid = std::get_if<Cuboid>(&object.shape)) {
     validate_sizes(object, {cuboid->size_x, cuboid->size_y, cuboid->size_z});
     body.half_sides = Vector3d(cuboid->size_x, cuboid->size_y, cuboid->size_z) / 2;

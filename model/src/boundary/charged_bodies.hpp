@@ -30,8 +30,8 @@ struct ChargedBodies {
   std::vector<ChargedBody> bodies;
 };
 
-/// The bodies in the frames of their links. Throws InputError for an object that is neither plate nor cuboid, or dielectric, for rectangles that are
-/// none.
+/// The bodies in the frames of their links. Throws InputError for an object that is neither plate nor cuboid,
+/// or dielectric, for rectangles that are none.
 ChargedBodies bodies_on_links(const Scene& scene);
 
 /// A body somewhere else. Throws InputError for a pose that is not finite.

@@ -10,16 +10,15 @@
 
 namespace fringe::detail {
 
-const NodeKernels node_kernels_avx512{
-    "AVX-512",
-    &NodeKernelsFor<SingleLanesAvx512>::ellipses,
-    &NodeKernelsFor<SingleLanesAvx512>::lay,
-    &NodeKernelsFor<SingleLanesAvx512>::fill,
-    &NodeKernelsFor<SingleLanesAvx512>::apply,
-    &NodeKernelsFor<SingleLanesAvx512>::spread,
-    &NodeKernelsFor<SingleLanesAvx512>::gather,
-    &NodeKernelsFor<SingleLanesAvx512>::multiply,
-    &NodeKernelsFor<SingleLanesAvx512>::dot,
-    &NodeKernelsFor<SingleLanesAvx512>::add};
+const NodeKernels node_kernels_avx512{"AVX-512",
+                                      &NodeKernelsFor<SingleLanesAvx512>::ellipses,
+                                      &NodeKernelsFor<SingleLanesAvx512>::lay,
+                                      &NodeKernelsFor<SingleLanesAvx512>::fill,
+                                      &NodeKernelsFor<SingleLanesAvx512>::apply,
+                                      &NodeKernelsFor<SingleLanesAvx512>::spread,
+                                      &NodeKernelsFor<SingleLanesAvx512>::gather,
+                                      &NodeKernelsFor<SingleLanesAvx512>::multiply,
+                                      &NodeKernelsFor<SingleLanesAvx512>::dot,
+                                      &NodeKernelsFor<SingleLanesAvx512>::add};
 
 }  // namespace fringe::detail

@@ -4,16 +4,15 @@
 
 namespace fringe::detail {
 
-const NodeKernels node_kernels_scalar{
-    "scalar",
-    &NodeKernelsFor<SingleLanesScalar>::ellipses,
-    &NodeKernelsFor<SingleLanesScalar>::lay,
-    &NodeKernelsFor<SingleLanesScalar>::fill,
-    &NodeKernelsFor<SingleLanesScalar>::apply,
-    &NodeKernelsFor<SingleLanesScalar>::spread,
-    &NodeKernelsFor<SingleLanesScalar>::gather,
-    &NodeKernelsFor<SingleLanesScalar>::multiply,
-    &NodeKernelsFor<SingleLanesScalar>::dot,
-    &NodeKernelsFor<SingleLanesScalar>::add};
+const NodeKernels node_kernels_scalar{"scalar",
+                                      &NodeKernelsFor<SingleLanesScalar>::ellipses,
+                                      &NodeKernelsFor<SingleLanesScalar>::lay,
+                                      &NodeKernelsFor<SingleLanesScalar>::fill,
+                                      &NodeKernelsFor<SingleLanesScalar>::apply,
+                                      &NodeKernelsFor<SingleLanesScalar>::spread,
+                                      &NodeKernelsFor<SingleLanesScalar>::gather,
+                                      &NodeKernelsFor<SingleLanesScalar>::multiply,
+                                      &NodeKernelsFor<SingleLanesScalar>::dot,
+                                      &NodeKernelsFor<SingleLanesScalar>::add};
 
 }  // namespace fringe::detail

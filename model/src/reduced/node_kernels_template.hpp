@@ -15,14 +15,14 @@ class NodeKernelsFor {
       const Vector px = Lanes::load(points.x + k), py = Lanes::load(points.y + k),
                    pz = Lanes::load(points.z + k);
       const auto row = [&](int at) {
-        const Vector first = Lanes::multiply_add(Lanes::all(map.rows[at]), px, Lanes::all(map.offset[at / 3]));
+        const Vector first =
+            Lanes::multiply_add(Lanes::all(map.rows[at]), px, Lanes::all(map.offset[at / 3]));
         return Lanes::multiply_add(Lanes::all(map.rows[at + 1]), py,
                                    Lanes::multiply_add(Lanes::all(map.rows[at + 2]), pz, first));
       };
       const Vector x = Lanes::absolute(row(0)), y = Lanes::absolute(row(3)), z = row(6);
       const Vector beside_u = Lanes::larger(Lanes::subtract(x, one), Lanes::zero());
-      const Vector beside_v =
-          Lanes::multiply(Lanes::larger(Lanes::subtract(y, one), Lanes::zero()), ratio);
+      const Vector beside_v = Lanes::multiply(Lanes::larger(Lanes::subtract(y, one), Lanes::zero()), ratio);
       const Vector square = Lanes::multiply(z, z);
       const Vector from_u = Lanes::multiply_add(beside_v, beside_v, square);
       const Vector from_v =
@@ -89,9 +89,9 @@ class NodeKernelsFor {
         for (int l = 0; l < n; ++l) {
           const Vector coefficient = Lanes::all(coefficients[m * n + l]);
           for (int part = 0; part < parts; ++part)
-            across[m][part] =
-                Lanes::multiply_add(coefficient, Lanes::load(grid.v.weights + l * columns + from + part * Lanes::width),
-                                    across[m][part]);
+            across[m][part] = Lanes::multiply_add(
+                coefficient, Lanes::load(grid.v.weights + l * columns + from + part * Lanes::width),
+                across[m][part]);
         }
       }
       write_rows(grid, n, rows, from, across, charges);
@@ -112,7 +112,8 @@ class NodeKernelsFor {
           const Vector weight = Lanes::all(grid.u.weights[m * rows + r]);
           for (int part = 0; part < parts; ++part)
             along[part] = Lanes::multiply_add(
-                weight, Lanes::load(potentials + r * grid.v.points + from + part * Lanes::width), along[part]);
+                weight, Lanes::load(potentials + r * grid.v.points + from + part * Lanes::width),
+                along[part]);
         }
         alignas(64) float at_nodes[node_block];
         for (int part = 0; part < parts; ++part)
@@ -122,7 +123,8 @@ class NodeKernelsFor {
           const Vector potential = Lanes::all(at_nodes[s]);
           for (int part = 0; part < parts; ++part)
             sums[part] = Lanes::multiply_add(
-                potential, Lanes::load(grid.v.values + (from + s) * node_block + part * Lanes::width), sums[part]);
+                potential, Lanes::load(grid.v.values + (from + s) * node_block + part * Lanes::width),
+                sums[part]);
         }
       }
       // What is written beyond n is overwritten by the next m.
@@ -169,8 +171,8 @@ class NodeKernelsFor {
   }
 
   template <int count>
-  static void apply_rows(const float* values, int padded, const float* row_charges, const float* column_charges,
-                         float* row_potentials, float* column_potentials) {
+  static void apply_rows(const float* values, int padded, const float* row_charges,
+                         const float* column_charges, float* row_potentials, float* column_potentials) {
     Vector sums[count], charges[count];
     for (int row = 0; row < count; ++row) {
       sums[row] = Lanes::zero();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../boundary/patch_distance.hpp"
 #include "node_rules.hpp"
 
 namespace fringe::detail {
@@ -24,11 +25,11 @@ FaceSmoothness face_smoothness(const PlacedBody& body, const Face& face, const N
                                const Vector3d& origin, const Eigen::Matrix3d& axes, double scale) {
   const double half_u = face.half_u * body.scale, half_v = face.half_v * body.scale;
   const Vector3d u = body.axes * face.axis_u, v = body.axes * face.axis_v;
-  const Eigen::Matrix3d to_face{
-      {u.x() / half_u, u.y() / half_u, u.z() / half_u},
-      {v.x() / half_v, v.y() / half_v, v.z() / half_v},
-      {(u.y() * v.z() - u.z() * v.y()) / half_u, (u.z() * v.x() - u.x() * v.z()) / half_u,
-       (u.x() * v.y() - u.y() * v.x()) / half_u}};
+  const Eigen::Matrix3d to_face{{u.x() / half_u, u.y() / half_u, u.z() / half_u},
+                                {v.x() / half_v, v.y() / half_v, v.z() / half_v},
+                                {(u.y() * v.z() - u.z() * v.y()) / half_u,
+                                 (u.z() * v.x() - u.x() * v.z()) / half_u,
+                                 (u.x() * v.y() - u.y() * v.x()) / half_u}};
   const Vector3d offset = to_face * (origin - body.centre - body.axes * (body.scale * face.centre));
   const Eigen::Matrix3d rows = scale * to_face * axes;
   FaceMap map{};
@@ -43,8 +44,8 @@ FaceSmoothness face_smoothness(const PlacedBody& body, const Face& face, const N
   return {log_parameter(least[0]), log_parameter(least[1])};
 }
 
-/// The most points along a direction of the outer face: with as many as of the inner one, a pair of faces would
-/// take 16 million distances.
+/// The most points along a direction of the outer face: with as many as of the inner one, a pair of faces
+/// would take 16 million distances.
 constexpr int most_outer_points = 32;
 
 /// The points that win so many digits, of a rule for so many functions.
@@ -56,22 +57,80 @@ int points_for(double smoothness, double digits, int functions, int most, double
   return std::min(static_cast<int>(std::ceil(std::min(wanted, 1e6))), most);
 }
 
+void narrow(FaceSmoothness& smoothness, const FaceSmoothness& other) {
+  smoothness.u = std::min(smoothness.u, other.u);
+  smoothness.v = std::min(smoothness.v, other.v);
+}
+
+/// Where each edge of one body is nearest to each of the other; seen from the centre of b.
+class NearestPoints {
+ public:
+  NearestPoints(const PlacedBody& a, const PlacedBody& b) {
+    const auto edges_of = [&](const PlacedBody& body) {
+      std::vector<std::array<Vector3d, 2>> edges = body.shape->edges();
+      for (std::array<Vector3d, 2>& edge : edges)
+        for (Vector3d& end : edge)
+          end = body.centre - b.centre + body.axes * (body.scale * end);
+      return edges;
+    };
+    const auto edges_a = edges_of(a), edges_b = edges_of(b);
+    std::size_t at = 0;
+    for (const auto& edge : edges_a)
+      for (const auto& other : edges_b) {
+        const auto [part_a, part_b] = nearest_parts(edge[0], edge[1], other[0], other[1]);
+        add(on_a_, at, edge[0] + part_a * (edge[1] - edge[0]));
+        add(on_b_, at, other[0] + part_b * (other[1] - other[0]));
+        ++at;
+      }
+    count_ = static_cast<int>(at);
+  }
+
+  NodePoints on_a() const { return {on_a_[0].data(), on_a_[1].data(), on_a_[2].data(), count_}; }
+  NodePoints on_b() const { return {on_b_[0].data(), on_b_[1].data(), on_b_[2].data(), count_}; }
+
+ private:
+  /// Pairs of edges: 4 · 4, 4 · 12 or 12 · 12, whole blocks.
+  using Coordinates = std::array<std::array<float, 144>, 3>;
+
+  static void add(Coordinates& to, std::size_t at, const Vector3d& point) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      to[axis][at] = static_cast<float>(point[static_cast<Eigen::Index>(axis)]);
+  }
+
+  Coordinates on_a_;
+  Coordinates on_b_;
+  int count_;
+};
+
 /// What the digits leave.
 double error_left(QuadratureDigits digits, double missing_outer, double missing_inner) {
   /// In random poses the potentials were this much better than the digits say.
   constexpr double share = 0.02;
   /// Of what is computed in single precision.
   constexpr double rounding = 1e-6;
-  return share * std::exp(-std::min(2 * (digits.outer - missing_outer), digits.inner - missing_inner)) + rounding;
+  return share * std::exp(-std::min(2 * (digits.outer - missing_outer), digits.inner - missing_inner)) +
+         rounding;
 }
 
 }  // namespace
 
-BodySmoothness smoothness(const PlacedBody& body, const PlacedBody& other) {
-  BodySmoothness result{};
-  for (std::size_t k = 0; k < body.shape->faces().size(); ++k)
-    result[k] = face_smoothness(body, body.shape->faces()[k], other.shape->edge_points(), other.centre,
-                                other.axes, other.scale);
+PairSmoothness smoothness(const PlacedBody& a, const PlacedBody& b, double gap) {
+  PairSmoothness result{};
+  for (std::size_t k = 0; k < a.shape->faces().size(); ++k)
+    result.a[k] = face_smoothness(a, a.shape->faces()[k], b.shape->edge_points(), b.centre, b.axes, b.scale);
+  for (std::size_t k = 0; k < b.shape->faces().size(); ++k)
+    result.b[k] = face_smoothness(b, b.shape->faces()[k], a.shape->edge_points(), a.centre, a.axes, a.scale);
+  // Where edges pass each other more closely than their points lie, by where they are nearest.
+  constexpr double points_apart = 0.25;
+  if (gap < 1.5 * points_apart * std::max(a.scale, b.scale)) {
+    const NearestPoints nearest(a, b);
+    for (std::size_t k = 0; k < a.shape->faces().size(); ++k)
+      narrow(result.a[k], face_smoothness(a, a.shape->faces()[k], nearest.on_b(), b.centre,
+                                          Eigen::Matrix3d::Identity(), 1));
+    for (std::size_t k = 0; k < b.shape->faces().size(); ++k)
+      narrow(result.b[k], face_smoothness(b, b.shape->faces()[k], nearest.on_a(), b.centre,
+                                          Eigen::Matrix3d::Identity(), 1));
+  }
   return result;
 }
 
@@ -113,24 +172,26 @@ void NodePair::lay(Side& side, const PlacedBody& body, const Vector3d& origin) {
 void NodePair::place(const PlacedBody& a, const BodySmoothness& a_smoothness, int functions_a,
                      const PlacedBody& b, const BodySmoothness& b_smoothness, int functions_b,
                      QuadratureDigits digits) {
-  const auto grids_of = [&](Side& side, const PlacedBody& body, int functions,
-                            const BodySmoothness& smooth, double wanted, int most, double& missing) {
+  const auto grids_of = [&](Side& side, const PlacedBody& body, int functions, const BodySmoothness& smooth,
+                            double wanted, int most, double& missing) {
     side.functions = functions;
     side.grids.clear();
     int count = 0;
     for (std::size_t k = 0; k < body.shape->faces().size(); ++k) {
       const EdgeKind edge = body.shape->faces()[k].edge;
-      const NodeGrid grid{functions,
-                          stored_rule(edge, points_for(smooth[k].u, wanted, functions, most, missing)).view(),
-                          stored_rule(edge, points_for(smooth[k].v, wanted, functions, most, missing)).view()};
+      const NodeGrid grid{
+          functions, stored_rule(edge, points_for(smooth[k].u, wanted, functions, most, missing)).view(),
+          stored_rule(edge, points_for(smooth[k].v, wanted, functions, most, missing)).view()};
       count += grid.u.points * grid.v.points;
       side.grids.push_back(grid);
     }
     return count;
   };
   double missing_a = 0, missing_b = 0;
-  const int outer_a = grids_of(sides_[0], a, functions_a, a_smoothness, digits.outer, most_outer_points, missing_a);
-  const int outer_b = grids_of(sides_[1], b, functions_b, b_smoothness, digits.outer, most_outer_points, missing_b);
+  const int outer_a =
+      grids_of(sides_[0], a, functions_a, a_smoothness, digits.outer, most_outer_points, missing_a);
+  const int outer_b =
+      grids_of(sides_[1], b, functions_b, b_smoothness, digits.outer, most_outer_points, missing_b);
   a_is_outer_ = missing_a != missing_b ? missing_a < missing_b : outer_a <= outer_b;
   if (!a_is_outer_)
     std::swap(sides_[0], sides_[1]);
@@ -183,7 +244,8 @@ void NodePair::gather(const Side& side, float* moments) {
   std::fill(moments, moments + whole_blocks(count) - count, 0.0F);
 }
 
-void NodePair::potentials(const float* charges_a, const float* charges_b, float* moments_a, float* moments_b) {
+void NodePair::potentials(const float* charges_a, const float* charges_b, float* moments_a,
+                          float* moments_b) {
   Side &outer = sides_[0], &inner = sides_[1];
   spread(outer, a_is_outer_ ? charges_a : charges_b);
   spread(inner, a_is_outer_ ? charges_b : charges_a);

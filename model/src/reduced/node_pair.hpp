@@ -33,10 +33,16 @@ struct FaceSmoothness {
   double v;
 };
 
-/// By the edges of another body, for every face.
 using BodySmoothness = std::array<FaceSmoothness, box_faces>;
 
-BodySmoothness smoothness(const PlacedBody& body, const PlacedBody& other);
+/// Of two bodies' faces, by the other's edges.
+struct PairSmoothness {
+  BodySmoothness a;
+  BodySmoothness b;
+};
+
+/// No point of one body is nearer to the other than `gap`.
+PairSmoothness smoothness(const PlacedBody& a, const PlacedBody& b, double gap);
 
 /// The least of all faces and directions.
 double least(const BodySmoothness& smoothness, std::size_t faces);

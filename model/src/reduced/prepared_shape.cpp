@@ -22,33 +22,36 @@ constexpr std::array<int, PreparedShape::levels> level_functions{3, 5, 7, 11, mo
 
 constexpr int edge_parts = 8;
 
-/// Points of a rectangle's outline, each corner once.
-void add_outline(const Face& face, std::vector<Vector3d>& points) {
+void add_outline(const Face& face, std::vector<std::array<Vector3d, 2>>& edges) {
   const auto at = [&](double x, double y) {
-    points.emplace_back(face.centre + x * face.half_u * face.axis_u + y * face.half_v * face.axis_v);
+    return Vector3d(face.centre + x * face.half_u * face.axis_u + y * face.half_v * face.axis_v);
   };
-  for (int k = 0; k < edge_parts; ++k) {
-    const double along = -1 + 2.0 * k / edge_parts;
-    at(along, -1);
-    at(1, along);
-    at(-along, 1);
-    at(-1, -along);
-  }
+  edges.push_back({at(-1, -1), at(1, -1)});
+  edges.push_back({at(1, -1), at(1, 1)});
+  edges.push_back({at(1, 1), at(-1, 1)});
+  edges.push_back({at(-1, 1), at(-1, -1)});
 }
 
-/// Points of a box's edges: the outlines of the faces ±z, and the edges along z between them.
-void add_box_edges(const std::vector<Face>& faces, const Vector3d& half_sides, std::vector<Vector3d>& points) {
-  add_outline(faces[4], points);
-  add_outline(faces[5], points);
-  for (int k = 1; k < edge_parts; ++k)
-    for (const double x : {-1.0, 1.0})
-      for (const double y : {-1.0, 1.0})
-        points.emplace_back(half_sides.cwiseProduct(Vector3d(x, y, -1 + 2.0 * k / edge_parts)));
+std::vector<std::array<Vector3d, 2>> edges_of(const std::vector<Face>& faces, const Vector3d& half_sides) {
+  std::vector<std::array<Vector3d, 2>> edges;
+  if (faces.size() == 1) {
+    add_outline(faces[0], edges);
+    return edges;
+  }
+  // The outlines of the faces −z and +z, and the edges between them.
+  add_outline(faces[4], edges);
+  add_outline(faces[5], edges);
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0})
+      edges.push_back(
+          {half_sides.cwiseProduct(Vector3d(x, y, -1)), half_sides.cwiseProduct(Vector3d(x, y, 1))});
+  return edges;
 }
 
 MatrixXd self_matrix(const std::vector<Face>& faces, const Vector3d& half_sides, int functions) {
   if (faces.size() == 1)
-    return self_table(faces[0].edge, functions).matrix(functions, functions, faces[0].half_u, faces[0].half_v);
+    return self_table(faces[0].edge, functions)
+        .matrix(functions, functions, faces[0].half_u, faces[0].half_v);
   std::array<FaceFunctions, box_faces> all{};
   all.fill({functions, functions});
   return box_matrix(half_sides, all);
@@ -88,11 +91,12 @@ std::unique_ptr<PreparedLevel> prepare(const std::vector<Face>& faces, const Vec
   MatrixXd block(high, high);
   for (Index row = 0; row < high; ++row)
     for (Index column = 0; column < high; ++column)
-      block(row, column) = inverse(highest[static_cast<std::size_t>(row)], highest[static_cast<std::size_t>(column)]);
-  return std::make_unique<PreparedLevel>(PreparedLevel{
-      functions, static_cast<int>(count), whole_blocks(static_cast<int>(count)), stored(inverse), stored(net),
-      stored(charge / root), stored(net / root), root, highest,
-      stored(block.llt().solve(MatrixXd::Identity(high, high)))});
+      block(row, column) =
+          inverse(highest[static_cast<std::size_t>(row)], highest[static_cast<std::size_t>(column)]);
+  return std::make_unique<PreparedLevel>(
+      PreparedLevel{functions, static_cast<int>(count), whole_blocks(static_cast<int>(count)),
+                    stored(inverse), stored(net), stored(charge / root), stored(net / root), root, highest,
+                    stored(block.llt().solve(MatrixXd::Identity(high, high)))});
 }
 
 }  // namespace
@@ -103,11 +107,11 @@ int functions_of_level(int level) {
 
 PreparedShape::PreparedShape(std::vector<Face> faces, const Vector3d& half_sides)
     : faces_(std::move(faces)), half_sides_(half_sides), levels_(levels) {
+  edges_ = edges_of(faces_, half_sides_);
   std::vector<Vector3d> points;
-  if (faces_.size() == 1)
-    add_outline(faces_[0], points);
-  else
-    add_box_edges(faces_, half_sides_, points);
+  for (const auto& [from, to] : edges_)
+    for (int k = 0; k < edge_parts; ++k)
+      points.emplace_back(from + (to - from) * k / edge_parts);
   edge_point_count_ = static_cast<int>(points.size());
   points.resize(static_cast<std::size_t>(whole_blocks(edge_point_count_)), points.back());
   for (std::size_t axis = 0; axis < 3; ++axis)

@@ -16,8 +16,8 @@ namespace fringe::detail {
 /// with zeros, and one more.
 struct PreparedLevel {
   int functions;
-  int count;   ///< of the functions of all faces
-  int padded;  ///< whole_blocks(count)
+  int count;                       ///< of the functions of all faces
+  int padded;                      ///< whole_blocks(count)
   std::vector<float> inverse;      ///< of the self matrix
   std::vector<float> net;          ///< the functions' net charges: their moments at a potential of one
   std::vector<float> equilibrium;  ///< the charge at a potential, scaled to the energy one
@@ -36,9 +36,11 @@ class PreparedShape {
   const std::vector<Face>& faces() const { return faces_; }
   const Eigen::Vector3d& half_sides() const { return half_sides_; }
 
-  /// Points along all edges, the corners included, near enough to each other that none between them is much
-  /// nearer to anything that is an eighth of an edge away.
+  /// Points along all edges, the corners included, an eighth of an edge from each other.
   NodePoints edge_points() const;
+
+  /// The ends of all edges: 4 or 12.
+  const std::vector<std::array<Eigen::Vector3d, 2>>& edges() const { return edges_; }
 
   static constexpr int levels = 5;
   /// Prepared when it is first asked for.
@@ -49,6 +51,7 @@ class PreparedShape {
   Eigen::Vector3d half_sides_;
   std::array<std::vector<float>, 3> edge_points_;  ///< in whole blocks, the last one repeated
   int edge_point_count_;
+  std::vector<std::array<Eigen::Vector3d, 2>> edges_;
   std::vector<std::unique_ptr<PreparedLevel>> levels_;
 };
 

@@ -198,9 +198,11 @@ void ReducedSystem::find_residuals(std::size_t active, std::size_t conductors) {
       for (std::size_t k = 0; k < extended_; ++k) {
         const Vector& vector = vectors_[k];
         kernels.add(-static_cast<float>(charges_(signed_of(k), signed_of(c))),
-                    vector.body == body ? vector.moments : vector.potentials[body], residual, prepared.padded);
+                    vector.body == body ? vector.moments : vector.potentials[body], residual,
+                    prepared.padded);
       }
-      const double multiple = c == 0 ? 0 : parallel(residuals_[body * conductors_], residual, prepared.padded);
+      const double multiple =
+          c == 0 ? 0 : parallel(residuals_[body * conductors_], residual, prepared.padded);
       if (multiple != 0) {
         std::fill_n(correction, prepared.padded, 0.0F);
         kernels.add(static_cast<float>(multiple), corrections_[body * conductors_], correction,
@@ -211,8 +213,7 @@ void ReducedSystem::find_residuals(std::size_t active, std::size_t conductors) {
           correction[k] *= scale;
       }
       for (std::size_t d = 0; d <= c; ++d) {
-        const double change =
-            kernels.dot(residuals_[body * conductors_ + d], correction, prepared.padded);
+        const double change = kernels.dot(residuals_[body * conductors_ + d], correction, prepared.padded);
         solution_.truncation(signed_of(c), signed_of(d)) += change;
         if (d != c)
           solution_.truncation(signed_of(d), signed_of(c)) += change;
@@ -269,10 +270,11 @@ void ReducedSystem::iterate(const ReductionLimits& limits, std::size_t active, s
       return;
     const auto size = signed_of(conductors);
     const auto found = net_.topLeftCorner(signed_of(extended_), size);
-    const bool enough = steps >= limits.least_steps &&
-                        (solution_.truncation_left * solution_.truncation.topLeftCorner(size, size).array().abs() <=
-                         limits.accuracy * (found.transpose() * found).array().abs())
-                            .all();
+    const bool enough =
+        steps >= limits.least_steps &&
+        (solution_.truncation_left * solution_.truncation.topLeftCorner(size, size).array().abs() <=
+         limits.accuracy * (found.transpose() * found).array().abs())
+            .all();
     if (enough || !add_residuals(active, conductors))
       return;
   }
@@ -285,8 +287,8 @@ double ReducedSystem::coupling(std::size_t first, std::size_t second) const {
                                           bodies_[body].shape->level(bodies_[body].level).padded));
 }
 
-/// Residuals answered by each body alone leave what the bodies' coupling makes of them: the share r/(1 − r) of
-/// their coupling r, which is far below that of the charges at equilibrium, as they oscillate. Between
+/// Residuals answered by each body alone leave what the bodies' coupling makes of them: the share r/(1 − r)
+/// of their coupling r, which is far below that of the charges at equilibrium, as they oscillate. Between
 /// squares at a fiftieth to a twenty-fifth of their side half of `per_coupling` was met.
 void ReducedSystem::judge_truncation() {
   constexpr double least = 0.2;
@@ -352,7 +354,8 @@ void ReducedSystem::estimate_quadrature() {
       const std::size_t a = vectors_[first].body, b = vectors_[second].body;
       if (a == b)
         continue;
-      solution_.quadrature += pair(std::min(a, b), std::max(a, b)).relative_error() * coupling(first, second) *
+      solution_.quadrature += pair(std::min(a, b), std::max(a, b)).relative_error() *
+                              coupling(first, second) *
                               (roots.row(signed_of(a)).transpose() * roots.row(signed_of(b)));
     }
 }
@@ -388,7 +391,8 @@ const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
         found.bottomRows(signed_of(extended_) - alone).leftCols(sensors).colwise().squaredNorm();
     solution_.delta_self += truncation - truncation_alone;
     solution_.delta_truncation = truncation + truncation_alone;
-    solution_.delta_resolution = (solution_.resolution.diagonal().head(sensors) - resolution_alone).cwiseAbs();
+    solution_.delta_resolution =
+        (solution_.resolution.diagonal().head(sensors) - resolution_alone).cwiseAbs();
   }
   estimate_quadrature();
   solution_.vectors = extended_;

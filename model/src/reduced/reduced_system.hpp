@@ -94,14 +94,14 @@ class ReducedSystem {
 
   std::vector<Vector> vectors_;
   std::vector<std::size_t> equilibria_;  ///< the bodies' first vectors
-  std::vector<float> highest_;  ///< work space
+  std::vector<float> highest_;           ///< work space
   std::vector<float> stiff_;
-  std::size_t used_ = 0;      ///< of the vectors
-  std::size_t extended_ = 0;  ///< of them in the factor
-  std::vector<double> factor_;  ///< Cholesky's, row after row of the lower triangle
-  Eigen::MatrixXd net_;         ///< factor⁻¹·(net charges), a row for every vector
-  Eigen::MatrixXd charges_;     ///< how much of every vector, for every conductor at a potential of one
-  std::vector<float*> residuals_;   ///< of every body and conductor, as moments
+  std::size_t used_ = 0;             ///< of the vectors
+  std::size_t extended_ = 0;         ///< of them in the factor
+  std::vector<double> factor_;       ///< Cholesky's, row after row of the lower triangle
+  Eigen::MatrixXd net_;              ///< factor⁻¹·(net charges), a row for every vector
+  Eigen::MatrixXd charges_;          ///< how much of every vector, for every conductor at a potential of one
+  std::vector<float*> residuals_;    ///< of every body and conductor, as moments
   std::vector<float*> corrections_;  ///< the charges that would answer them
   bool positive_definite_ = true;
   ReducedSolution solution_;

@@ -57,14 +57,15 @@ TEST_P(NodeKernelsTest, FillWithInverseDistancesAndApplyThemBothWays) {
   for (int k = columns; k < whole_blocks(columns); ++k)
     u[static_cast<std::size_t>(k)] = 1e12F;
   std::vector<float> values = room(rows * whole_blocks(columns));
-  GetParam()->fill({x.data(), y.data(), z.data(), rows}, {u.data(), v.data(), w.data(), columns}, values.data());
+  GetParam()->fill({x.data(), y.data(), z.data(), rows}, {u.data(), v.data(), w.data(), columns},
+                   values.data());
   MatrixXd expected(rows, columns);
   for (int i = 0; i < rows; ++i)
     for (int k = 0; k < columns; ++k) {
       const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(k);
-      expected(i, k) = 1 / std::hypot(static_cast<double>(x[row]) - u[column],
-                                      static_cast<double>(y[row]) - v[column],
-                                      static_cast<double>(z[row]) - w[column]);
+      expected(i, k) =
+          1 / std::hypot(static_cast<double>(x[row]) - u[column], static_cast<double>(y[row]) - v[column],
+                         static_cast<double>(z[row]) - w[column]);
       EXPECT_NEAR(values[row * static_cast<std::size_t>(whole_blocks(columns)) + column], expected(i, k),
                   rounding * expected(i, k));
     }
@@ -101,9 +102,9 @@ TEST_P(NodeKernelsTest, SpreadAndGatherTensorProducts) {
         const auto potentials = random_numbers(points_u * points_v, 2);
         auto moments = room(functions * functions);
         GetParam()->gather(grid, potentials.data(), moments.data());
-        const MatrixXd known =
-            weights_v * in_doubles(potentials, points_u * points_v).reshaped(points_v, points_u) *
-            weights_u.transpose();
+        const MatrixXd known = weights_v *
+                               in_doubles(potentials, points_u * points_v).reshaped(points_v, points_u) *
+                               weights_u.transpose();
         EXPECT_LT((in_doubles(moments, functions * functions) - known.reshaped()).norm(),
                   rounding * (1 + known.norm()));
       }
@@ -116,14 +117,16 @@ TEST_P(NodeKernelsTest, MultiplyAddAndDot) {
   auto product = room(count);
   GetParam()->multiply(matrix.data(), count, vector.data(), product.data());
   const MatrixXd square = in_doubles(matrix, Index{count} * padded).reshaped(padded, count).topRows(count);
-  EXPECT_LT((in_doubles(product, count) - square * in_doubles(vector, count)).norm(), rounding * square.norm());
+  EXPECT_LT((in_doubles(product, count) - square * in_doubles(vector, count)).norm(),
+            rounding * square.norm());
 
   const auto a = random_numbers(count, 3), b = random_numbers(count, 4);
   EXPECT_NEAR(GetParam()->dot(a.data(), b.data(), padded), in_doubles(a, count).dot(in_doubles(b, count)),
               rounding * count);
   auto sum = b;
   GetParam()->add(-0.5F, a.data(), sum.data(), padded);
-  EXPECT_LT((in_doubles(sum, count) - in_doubles(b, count) + 0.5 * in_doubles(a, count)).norm(), rounding * 10);
+  EXPECT_LT((in_doubles(sum, count) - in_doubles(b, count) + 0.5 * in_doubles(a, count)).norm(),
+            rounding * 10);
 }
 
 TEST_P(NodeKernelsTest, FindTheNarrowestEllipses) {

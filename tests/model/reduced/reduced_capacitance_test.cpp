@@ -205,7 +205,8 @@ class RandomTarget {
     thickness_ = box ? cuboid.size_z : 0;
     scene_.links = {{"arm", {}, Eigen::Isometry3d::Identity()}};
     scene_.sensors = {sensor("front", {square(0.1, 0)})};
-    scene_.objects = {object("target", box ? Shape(cuboid) : Shape(Plate{cuboid.size_x, cuboid.size_y}), at(0, 0, 0))};
+    scene_.objects = {
+        object("target", box ? Shape(cuboid) : Shape(Plate{cuboid.size_x, cuboid.size_y}), at(0, 0, 0))};
     scene_.objects[0].link = 0;
   }
 

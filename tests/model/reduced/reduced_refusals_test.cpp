@@ -33,7 +33,9 @@ std::string refusal(const std::function<void(Scene&)>& change, const ReducedOpti
 }
 
 TEST(ReducedRefusals, OtherShapesByName) {
-  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].shape = Sphere{0.01, 16}; }),
+  EXPECT_THAT(refusal([](Scene& scene) {
+                scene.objects[0].shape = Sphere{0.01, 16};
+              }),
               HasSubstr("object \"target\" is neither a plate nor a cuboid"));
 }
 
