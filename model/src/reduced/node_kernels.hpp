@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string_view>
 
@@ -11,9 +12,9 @@
 namespace fringe::detail {
 
 /// All arrays are read and written in whole blocks of this many numbers, and some one block beyond.
-constexpr int node_block = 16;
+constexpr std::ptrdiff_t node_block = 16;
 
-constexpr int whole_blocks(int count) {
+constexpr std::ptrdiff_t whole_blocks(std::ptrdiff_t count) {
   return (count + node_block - 1) / node_block * node_block;
 }
 
@@ -22,7 +23,7 @@ constexpr int most_reduced_functions = 15;
 
 /// A rule along one direction of a face.
 struct NodeRule {
-  int points;
+  std::ptrdiff_t points;
   const float* nodes;    ///< in [−1, 1]
   const float* weights;  ///< weight·(1 − x²)^α·p_k(x): a row of whole_blocks(points) for every function
   const float* values;   ///< the same numbers: a row of one block for every point
@@ -30,7 +31,7 @@ struct NodeRule {
 
 /// The rules of a face with functions² functions.
 struct NodeGrid {
-  int functions;
+  std::ptrdiff_t functions;
   NodeRule u;
   NodeRule v;
 };
@@ -40,14 +41,14 @@ struct NodePoints {
   const float* x;
   const float* y;
   const float* z;
-  int count;
+  std::ptrdiff_t count;
 };
 
 /// The matrix of 1/distance of rows × columns, a row taking whole_blocks(columns); it is zero beyond.
 struct NodeMatrix {
   const float* values;
-  int rows;
-  int columns;
+  std::ptrdiff_t rows;
+  std::ptrdiff_t columns;
 };
 
 /// A face as its centre and the vectors to the middles of its sides u = 1 and v = 1.
@@ -89,13 +90,13 @@ struct NodeKernels {
   void (*gather)(const NodeGrid& grid, const float* potentials, float* moments);
 
   /// The product of a square matrix of so many columns, each of whole_blocks(count), with a vector.
-  void (*multiply)(const float* matrix, int count, const float* vector, float* product);
+  void (*multiply)(const float* matrix, std::ptrdiff_t count, const float* vector, float* product);
 
   /// The scalar product of whole blocks.
-  float (*dot)(const float* a, const float* b, int padded);
+  float (*dot)(const float* a, const float* b, std::ptrdiff_t padded);
 
   /// Adds a multiple of one array to another, in whole blocks.
-  void (*add)(float factor, const float* a, float* to, int padded);
+  void (*add)(float factor, const float* a, float* to, std::ptrdiff_t padded);
 };
 
 /// The sets of functions this machine can run, the slowest first.

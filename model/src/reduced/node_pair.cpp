@@ -82,7 +82,7 @@ class NearestPoints {
         add(on_b_, at, other[0] + part_b * (other[1] - other[0]));
         ++at;
       }
-    count_ = static_cast<int>(at);
+    count_ = static_cast<std::ptrdiff_t>(at);
   }
 
   NodePoints on_a() const { return {on_a_[0].data(), on_a_[1].data(), on_a_[2].data(), count_}; }
@@ -99,7 +99,7 @@ class NearestPoints {
 
   Coordinates on_a_;
   Coordinates on_b_;
-  int count_;
+  std::ptrdiff_t count_;
 };
 
 /// What the digits leave.
@@ -149,7 +149,7 @@ void NodePair::lay(Side& side, const PlacedBody& body, const Vector3d& origin) {
   if (side.x.size() < room)
     for (std::vector<float>* array : {&side.x, &side.y, &side.z, &side.charges, &side.potentials})
       array->resize(room);
-  int at = 0;
+  std::ptrdiff_t at = 0;
   for (std::size_t k = 0; k < side.grids.size(); ++k) {
     const NodeGrid& grid = side.grids[k];
     const Face& face = body.shape->faces()[k];
@@ -176,7 +176,7 @@ void NodePair::place(const PlacedBody& a, const BodySmoothness& a_smoothness, in
                             double wanted, int most, double& missing) {
     side.functions = functions;
     side.grids.clear();
-    int count = 0;
+    std::ptrdiff_t count = 0;
     for (std::size_t k = 0; k < body.shape->faces().size(); ++k) {
       const EdgeKind edge = body.shape->faces()[k].edge;
       const NodeGrid grid{
@@ -188,9 +188,9 @@ void NodePair::place(const PlacedBody& a, const BodySmoothness& a_smoothness, in
     return count;
   };
   double missing_a = 0, missing_b = 0;
-  const int outer_a =
+  const std::ptrdiff_t outer_a =
       grids_of(sides_[0], a, functions_a, a_smoothness, digits.outer, most_outer_points, missing_a);
-  const int outer_b =
+  const std::ptrdiff_t outer_b =
       grids_of(sides_[1], b, functions_b, b_smoothness, digits.outer, most_outer_points, missing_b);
   a_is_outer_ = missing_a != missing_b ? missing_a < missing_b : outer_a <= outer_b;
   if (!a_is_outer_)
@@ -228,19 +228,18 @@ void NodePair::spread(Side& side, const float* coefficients) {
     to += grid.u.points * grid.v.points;
     coefficients += grid.functions * grid.functions;
   }
-  const auto end = static_cast<std::ptrdiff_t>(side.count);
-  std::fill(side.charges.begin() + end, side.charges.begin() + whole_blocks(side.count), 0.0F);
+  std::fill(side.charges.begin() + side.count, side.charges.begin() + whole_blocks(side.count), 0.0F);
 }
 
 void NodePair::gather(const Side& side, float* moments) {
   const float* from = side.potentials.data();
-  const int square = side.functions * side.functions;
+  const std::ptrdiff_t square = side.functions * side.functions;
   for (const NodeGrid& grid : side.grids) {
     best_node_kernels().gather(grid, from, moments);
     from += grid.u.points * grid.v.points;
     moments += square;
   }
-  const int count = square * static_cast<int>(side.grids.size());
+  const std::ptrdiff_t count = square * static_cast<std::ptrdiff_t>(side.grids.size());
   std::fill(moments, moments + whole_blocks(count) - count, 0.0F);
 }
 

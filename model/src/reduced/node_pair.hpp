@@ -71,14 +71,14 @@ class NodePair {
  private:
   struct Side {
     std::vector<NodeGrid> grids;  ///< of each face
-    int functions = 0;
-    int count = 0;
+    std::ptrdiff_t functions = 0;
+    std::ptrdiff_t count = 0;
     std::vector<float> x, y, z, charges, potentials;
   };
 
-  void lay(Side& side, const PlacedBody& body, const Eigen::Vector3d& origin);
-  void spread(Side& side, const float* coefficients);
-  void gather(const Side& side, float* moments);
+  static void lay(Side& side, const PlacedBody& body, const Eigen::Vector3d& origin);
+  static void spread(Side& side, const float* coefficients);
+  static void gather(const Side& side, float* moments);
 
   bool a_is_outer_ = true;
   std::array<Side, 2> sides_;  ///< the outer one first

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -60,7 +61,7 @@ MatrixXd self_matrix(const std::vector<Face>& faces, const Vector3d& half_sides,
 /// Columns of whole blocks.
 std::vector<float> stored(const MatrixXd& matrix) {
   const auto rows = static_cast<std::size_t>(matrix.rows());
-  const auto padded = static_cast<std::size_t>(whole_blocks(static_cast<int>(rows)));
+  const auto padded = static_cast<std::size_t>(whole_blocks(matrix.rows()));
   std::vector<float> result(padded * static_cast<std::size_t>(matrix.cols()) + node_block, 0.0F);
   for (std::size_t column = 0; column < static_cast<std::size_t>(matrix.cols()); ++column)
     for (std::size_t row = 0; row < rows; ++row)
@@ -93,10 +94,9 @@ std::unique_ptr<PreparedLevel> prepare(const std::vector<Face>& faces, const Vec
     for (Index column = 0; column < high; ++column)
       block(row, column) =
           inverse(highest[static_cast<std::size_t>(row)], highest[static_cast<std::size_t>(column)]);
-  return std::make_unique<PreparedLevel>(
-      PreparedLevel{functions, static_cast<int>(count), whole_blocks(static_cast<int>(count)),
-                    stored(inverse), stored(net), stored(charge / root), stored(net / root), root, highest,
-                    stored(block.llt().solve(MatrixXd::Identity(high, high)))});
+  return std::make_unique<PreparedLevel>(PreparedLevel{
+      functions, count, whole_blocks(count), stored(inverse), stored(net), stored(charge / root),
+      stored(net / root), root, highest, stored(block.llt().solve(MatrixXd::Identity(high, high)))});
 }
 
 }  // namespace
@@ -105,14 +105,14 @@ int functions_of_level(int level) {
   return level_functions[static_cast<std::size_t>(level)];
 }
 
-PreparedShape::PreparedShape(std::vector<Face> faces, const Vector3d& half_sides)
-    : faces_(std::move(faces)), half_sides_(half_sides), levels_(levels) {
+PreparedShape::PreparedShape(std::vector<Face> faces, Vector3d half_sides)
+    : faces_(std::move(faces)), half_sides_(std::move(half_sides)), levels_(levels) {
   edges_ = edges_of(faces_, half_sides_);
   std::vector<Vector3d> points;
   for (const auto& [from, to] : edges_)
     for (int k = 0; k < edge_parts; ++k)
       points.emplace_back(from + (to - from) * k / edge_parts);
-  edge_point_count_ = static_cast<int>(points.size());
+  edge_point_count_ = static_cast<std::ptrdiff_t>(points.size());
   points.resize(static_cast<std::size_t>(whole_blocks(edge_point_count_)), points.back());
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (const Vector3d& point : points)

@@ -16,8 +16,8 @@ namespace fringe::detail {
 /// with zeros, and one more.
 struct PreparedLevel {
   int functions;
-  int count;                       ///< of the functions of all faces
-  int padded;                      ///< whole_blocks(count)
+  std::ptrdiff_t count;            ///< of the functions of all faces
+  std::ptrdiff_t padded;           ///< whole_blocks(count)
   std::vector<float> inverse;      ///< of the self matrix
   std::vector<float> net;          ///< the functions' net charges: their moments at a potential of one
   std::vector<float> equilibrium;  ///< the charge at a potential, scaled to the energy one
@@ -31,7 +31,7 @@ struct PreparedLevel {
 class PreparedShape {
  public:
   /// The faces at the origin, as in ChargedBody.
-  explicit PreparedShape(std::vector<Face> faces, const Eigen::Vector3d& half_sides);
+  PreparedShape(std::vector<Face> faces, Eigen::Vector3d half_sides);
 
   const std::vector<Face>& faces() const { return faces_; }
   const Eigen::Vector3d& half_sides() const { return half_sides_; }
@@ -50,7 +50,7 @@ class PreparedShape {
   std::vector<Face> faces_;
   Eigen::Vector3d half_sides_;
   std::array<std::vector<float>, 3> edge_points_;  ///< in whole blocks, the last one repeated
-  int edge_point_count_;
+  std::ptrdiff_t edge_point_count_;
   std::vector<std::array<Eigen::Vector3d, 2>> edges_;
   std::vector<std::unique_ptr<PreparedLevel>> levels_;
 };

@@ -18,7 +18,7 @@ constexpr double nothing = 1e-12;
 constexpr std::size_t slots_in_block = 64;
 
 /// How many times one vector is another; 0 if it is none, to single precision.
-double parallel(const float* vector, const float* other, int padded) {
+double parallel(const float* vector, const float* other, std::ptrdiff_t padded) {
   /// The square of the sine of the angle.
   constexpr double nearly = 1e-8;
   const NodeKernels& kernels = best_node_kernels();
@@ -83,7 +83,7 @@ ReducedSystem::Vector& ReducedSystem::new_vector(std::size_t body) {
 /// What a body's vectors have of a charge.
 void ReducedSystem::take_out(std::size_t body, float* charge, float* moments) {
   const NodeKernels& kernels = best_node_kernels();
-  const int padded = level(body).padded;
+  const std::ptrdiff_t padded = level(body).padded;
   for (std::size_t k = 0; k < used_; ++k) {
     if (vectors_[k].body != body)
       continue;
@@ -98,7 +98,7 @@ void ReducedSystem::add_equilibrium(std::size_t body) {
   const double root = std::sqrt(bodies_[body].scale);
   equilibria_.push_back(used_);
   Vector& vector = new_vector(body);
-  for (int k = 0; k < prepared.padded; ++k) {
+  for (std::ptrdiff_t k = 0; k < prepared.padded; ++k) {
     const auto at = static_cast<std::size_t>(k);
     vector.charge[k] = static_cast<float>(root) * prepared.equilibrium[at];
     vector.moments[k] = static_cast<float>(1 / root) * prepared.potential[at];
@@ -209,7 +209,7 @@ void ReducedSystem::find_residuals(std::size_t active, std::size_t conductors) {
                     prepared.padded);
       } else {
         kernels.multiply(prepared.inverse.data(), prepared.count, residual, correction);
-        for (int k = 0; k < prepared.padded; ++k)
+        for (std::ptrdiff_t k = 0; k < prepared.padded; ++k)
           correction[k] *= scale;
       }
       for (std::size_t d = 0; d <= c; ++d) {
@@ -227,7 +227,7 @@ bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
   const NodeKernels& kernels = best_node_kernels();
   bool added = false;
   for (std::size_t body = 0; body < active; ++body) {
-    const int padded = level(body).padded;
+    const std::ptrdiff_t padded = level(body).padded;
     for (std::size_t c = 0; c < conductors; ++c) {
       float* const charge = corrections_[body * conductors_ + c];
       float* const moments = residuals_[body * conductors_ + c];
@@ -240,7 +240,7 @@ bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
       if (!(left > dependent * before))
         continue;
       const auto factor = static_cast<float>(1 / std::sqrt(left));
-      for (int k = 0; k < padded; ++k) {
+      for (std::ptrdiff_t k = 0; k < padded; ++k) {
         charge[k] *= factor;
         moments[k] *= factor;
       }
@@ -291,7 +291,7 @@ double ReducedSystem::coupling(std::size_t first, std::size_t second) const {
 /// of their coupling r, which is far below that of the charges at equilibrium, as they oscillate. Between
 /// squares at a fiftieth to a twenty-fifth of their side half of `per_coupling` was met.
 void ReducedSystem::judge_truncation() {
-  constexpr double least = 0.2;
+  constexpr double least = 0.3;
   constexpr double per_coupling = 0.04;
   double strongest = 0;
   for (const std::size_t first : equilibria_)
@@ -310,7 +310,7 @@ MatrixXd ReducedSystem::resolution(std::size_t active, std::size_t conductors) {
   solution_.body_resolution.setZero(signed_of(bodies_.size()));
   for (std::size_t body = 0; body < active; ++body) {
     const PreparedLevel& prepared = level(body);
-    const auto count = static_cast<int>(prepared.highest.size());
+    const auto count = signed_of(prepared.highest.size());
     const auto padded = static_cast<std::size_t>(whole_blocks(count));
     highest_.assign(conductors * padded, 0.0F);
     stiff_.resize(padded);
@@ -326,8 +326,7 @@ MatrixXd ReducedSystem::resolution(std::size_t active, std::size_t conductors) {
       kernels.multiply(prepared.stiffness.data(), count, high, stiff_.data());
       for (std::size_t d = 0; d <= c; ++d) {
         const double change =
-            kernels.dot(highest_.data() + d * padded, stiff_.data(), static_cast<int>(padded)) /
-            bodies_[body].scale;
+            kernels.dot(highest_.data() + d * padded, stiff_.data(), signed_of(padded)) / bodies_[body].scale;
         result(signed_of(c), signed_of(d)) += change;
         if (d != c)
           result(signed_of(d), signed_of(c)) += change;

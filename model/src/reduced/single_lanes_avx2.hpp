@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include <immintrin.h>
 
 namespace fringe::detail {
@@ -7,7 +9,7 @@ namespace fringe::detail {
 /// Eight floats: AVX2 and FMA.
 struct SingleLanesAvx2 {
   using Vector = __m256;
-  static constexpr int width = 8;
+  static constexpr std::ptrdiff_t width = 8;
 
   static Vector zero() { return _mm256_setzero_ps(); }
   static Vector all(float number) { return _mm256_set1_ps(number); }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include <immintrin.h>
 
 namespace fringe::detail {
@@ -7,7 +9,7 @@ namespace fringe::detail {
 /// Sixteen floats: AVX-512 F.
 struct SingleLanesAvx512 {
   using Vector = __m512;
-  static constexpr int width = 16;
+  static constexpr std::ptrdiff_t width = 16;
 
   static Vector zero() { return _mm512_setzero_ps(); }
   static Vector all(float number) { return _mm512_set1_ps(number); }

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstddef>
+
 namespace fringe::detail {
 
 /// One float, without any instruction beyond the language.
 struct SingleLanesScalar {
   using Vector = float;
-  static constexpr int width = 1;
+  static constexpr std::ptrdiff_t width = 1;
 
   static Vector zero() { return 0; }
   static Vector all(float number) { return number; }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include <emmintrin.h>
 
 namespace fringe::detail {
@@ -7,7 +9,7 @@ namespace fringe::detail {
 /// Four floats: SSE2.
 struct SingleLanesSse2 {
   using Vector = __m128;
-  static constexpr int width = 4;
+  static constexpr std::ptrdiff_t width = 4;
 
   static Vector zero() { return _mm_setzero_ps(); }
   static Vector all(float number) { return _mm_set1_ps(number); }
