@@ -101,9 +101,10 @@ std::string maxwell_json(const Scene& scene, const MaxwellMatrix& matrix, const 
 
 std::string maxwell_table(const MaxwellMatrix& matrix, const MaxwellRequest& request, double seconds) {
   std::string text = fmt::format(
-      "Maxwell matrix by boundary elements ({}), pF: charge on the row's conductor per volt on the column's\n"
+      "Maxwell matrix by boundary elements{}, pF: charge on the row's conductor per volt on the column's\n"
       "rtol {} {}, {} unknowns, {:.3g} s\n\n{:<12}",
-      request.method, request.rtol, matrix.reached ? "reached" : "NOT reached", matrix.unknowns, seconds, "");
+      request.method == "boundary-elements" ? "" : fmt::format(" ({})", request.method), request.rtol,
+      matrix.reached ? "reached" : "NOT reached", matrix.unknowns, seconds, "");
   for (const std::string& name : matrix.conductors)
     text += fmt::format("{:>24}", name);
   text += '\n';
