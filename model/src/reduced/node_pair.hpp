@@ -64,10 +64,6 @@ class NodePair {
   /// An estimate of the potentials' error, relative to the largest.
   double relative_error() const { return relative_error_; }
 
-  std::size_t size() const {
-    return static_cast<std::size_t>(sides_[0].count) * static_cast<std::size_t>(sides_[1].count);
-  }
-
  private:
   struct Side {
     std::vector<NodeGrid> grids;  ///< of each face

@@ -19,7 +19,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr std::array<int, PreparedShape::levels> level_functions{3, 5, 7, 11, most_reduced_functions};
+constexpr std::array<int, PreparedShape::levels> level_functions{5, 7, 11, most_reduced_functions};
 
 constexpr int edge_parts = 8;
 

@@ -42,7 +42,7 @@ class PreparedShape {
   /// The ends of all edges: 4 or 12.
   const std::vector<std::array<Eigen::Vector3d, 2>>& edges() const { return edges_; }
 
-  static constexpr int levels = 5;
+  static constexpr int levels = 4;
   /// Prepared when it is first asked for.
   const PreparedLevel& level(int index);
 

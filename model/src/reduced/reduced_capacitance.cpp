@@ -258,7 +258,7 @@ class ReducedEvaluator::Implementation {
   /// that is found decides.
   void choose_levels() {
     const double asked = rtol_ > 3e-3 ? 1 : 2;
-    const int first = rtol_ > 3e-3 ? 1 : 2;
+    const int first = rtol_ > 3e-3 ? 0 : 1;
     for (std::size_t a = 0; a < rigid_.size(); ++a) {
       int level = first;
       // More functions on all six faces are for the error to ask for.
