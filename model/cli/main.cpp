@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "fringe/boundary_elements.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
+#include "fringe/reduced_capacitance.hpp"
 #include "fringe/scene_collision.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
@@ -66,25 +68,29 @@ struct MaxwellAnswer {
   bool reached;
 };
 
-MaxwellAnswer answer_maxwell(const Request& request) {
-  const BoundaryElementOptions options{.rtol = request.rtol};
+/// `reduced_steps`: none for the boundary elements themselves.
+MaxwellAnswer answer_maxwell(const Request& request, std::optional<int> reduced_steps) {
   const Scene scene = load_scene(request.scene);
   const auto start = std::chrono::steady_clock::now();
-  const MaxwellMatrix matrix = maxwell(scene, options);
+  const MaxwellMatrix matrix =
+      reduced_steps ? reduced_capacitance(scene, {.steps = *reduced_steps, .rtol = request.rtol})
+                    : maxwell(scene, {.rtol = request.rtol});
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  return {request.json ? cli::maxwell_json(scene, matrix, options, elapsed.count())
-                       : cli::maxwell_table(matrix, options, elapsed.count()),
+  const cli::MaxwellRequest asked{request.method, request.rtol};
+  return {request.json ? cli::maxwell_json(scene, matrix, asked, elapsed.count())
+                       : cli::maxwell_table(matrix, asked, elapsed.count()),
           matrix.reached};
 }
 
 /// Every method has options of its own; one that would change nothing is refused.
-void refuse_options_of_other_methods(const CLI::App& command, bool boundary_elements) {
+void refuse_options_of_other_methods(const CLI::App& command, const std::string& method,
+                                     bool boundary_elements) {
   for (const char* option : {"--plates", "--faces", "--tolerance", "--correction"})
     if (boundary_elements && command.count(option) > 0)
       throw InputError(
-          fmt::format("{} is an option of the triangle-integral methods, not of boundary-elements", option));
+          fmt::format("{} is an option of the triangle-integral methods, not of {}", option, method));
   if (!boundary_elements && command.count("--rtol") > 0)
-    throw InputError("--rtol is an option of the method boundary-elements");
+    throw InputError("--rtol is an option of the method boundary-elements, and of reduced:K");
 }
 
 std::string answer_collide(const Request& request) {
@@ -123,7 +129,8 @@ int run(int argument_count, char** arguments) {
       "matrix by boundary elements");
   capacitance_command
       ->add_option("--method", request.method,
-                   "exact, split:N or gauss:K; or boundary-elements, for plates and cuboids")
+                   "exact, split:N or gauss:K; or boundary-elements, for plates and cuboids, or reduced:K, "
+                   "the same in microseconds for moving scenes")
       ->capture_default_str();
   capacitance_command
       ->add_option("--plates", request.plates,
@@ -142,10 +149,10 @@ int run(int argument_count, char** arguments) {
           "--correction", request.correction,
           "none, or what takes the place of the integral: a name of model/CORRECTIONS.md, or recommended")
       ->capture_default_str();
-  capacitance_command
-      ->add_option("--rtol", request.rtol,
-                   "The relative error to be reached in every entry; only with boundary-elements")
-      ->capture_default_str();
+  capacitance_command->add_option(
+      "--rtol", request.rtol,
+      "The relative error to be reached in every entry; only with boundary-elements (if not given "
+      "0.001) and reduced:1, 2, 3 (0.01, 0.001, 0.0003)");
   CLI::App* sense_command =
       add_command(program, request, "sense", "The closest point that every distance sensor sees");
   sense_command
@@ -167,11 +174,16 @@ int run(int argument_count, char** arguments) {
     return program.exit(error, std::cout, std::cerr) == 0 ? answered : wrong_input;
   }
 
-  const bool boundary_elements = capacitance_command->parsed() && request.method == "boundary-elements";
+  const std::optional<int> reduced_steps =
+      capacitance_command->parsed() ? parse_reduced_steps(request.method) : std::nullopt;
+  const bool boundary_elements =
+      capacitance_command->parsed() && (reduced_steps || request.method == "boundary-elements");
   if (capacitance_command->parsed())
-    refuse_options_of_other_methods(*capacitance_command, boundary_elements);
+    refuse_options_of_other_methods(*capacitance_command, request.method, boundary_elements);
   if (boundary_elements) {
-    const auto [text, reached] = answer_maxwell(request);
+    if (reduced_steps && capacitance_command->count("--rtol") == 0)
+      request.rtol = rtol_of({.steps = *reduced_steps, .rtol = {}});
+    const auto [text, reached] = answer_maxwell(request, reduced_steps);
     print(text);
     if (!reached)
       fmt::print(stderr, "fringe: {}: an error of {} was not reached\n", request.scene, request.rtol);

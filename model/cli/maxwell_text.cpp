@@ -1,5 +1,7 @@
 #include "maxwell_text.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "json_writer.hpp"
@@ -22,7 +24,7 @@ void write_matrix(Writer& writer, const char* key, const Eigen::MatrixXd& matrix
   for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
     writer.StartArray();
     for (Eigen::Index j = 0; j < matrix.cols(); ++j)
-      writer.Double(matrix(i, j));
+      write_number(writer, matrix(i, j));
     writer.EndArray();
   }
   writer.EndArray();
@@ -62,16 +64,16 @@ void write_sensor(Writer& writer, const SensorCapacitance& felt, const MaxwellMa
 
 }  // namespace
 
-std::string maxwell_json(const Scene& scene, const MaxwellMatrix& matrix,
-                         const BoundaryElementOptions& options, double seconds) {
+std::string maxwell_json(const Scene& scene, const MaxwellMatrix& matrix, const MaxwellRequest& request,
+                         double seconds) {
   rapidjson::StringBuffer buffer;
   Writer writer(buffer);
   writer.StartObject();
   writer.Key("options");
   writer.StartObject();
   writer.Key("method");
-  writer.String("boundary-elements");
-  write_number(writer, "rtol", options.rtol);
+  write_text(writer, request.method);
+  write_number(writer, "rtol", request.rtol);
   writer.EndObject();
   write_number(writer, "seconds", seconds);
   writer.Key("reached");
@@ -97,12 +99,12 @@ std::string maxwell_json(const Scene& scene, const MaxwellMatrix& matrix,
   return buffer.GetString();
 }
 
-std::string maxwell_table(const MaxwellMatrix& matrix, const BoundaryElementOptions& options,
-                          double seconds) {
+std::string maxwell_table(const MaxwellMatrix& matrix, const MaxwellRequest& request, double seconds) {
   std::string text = fmt::format(
-      "Maxwell matrix by boundary elements, pF: charge on the row's conductor per volt on the column's\n"
+      "Maxwell matrix by boundary elements{}, pF: charge on the row's conductor per volt on the column's\n"
       "rtol {} {}, {} unknowns, {:.3g} s\n\n{:<12}",
-      options.rtol, matrix.reached ? "reached" : "NOT reached", matrix.unknowns, seconds, "");
+      request.method == "boundary-elements" ? "" : fmt::format(" ({})", request.method), request.rtol,
+      matrix.reached ? "reached" : "NOT reached", matrix.unknowns, seconds, "");
   for (const std::string& name : matrix.conductors)
     text += fmt::format("{:>24}", name);
   text += '\n';
@@ -119,10 +121,12 @@ std::string maxwell_table(const MaxwellMatrix& matrix, const BoundaryElementOpti
                         matrix.delta_self[s] * picofarads_per_farad,
                         matrix.delta_self_errors[s] * picofarads_per_farad);
   text += "The errors are estimates.";
+  const bool any_bound =
+      std::find(matrix.lower_bounds.begin(), matrix.lower_bounds.end(), true) != matrix.lower_bounds.end();
   for (std::size_t k = 0; k < matrix.conductors.size(); ++k)
-    if (!matrix.lower_bounds[k])
+    if (any_bound && !matrix.lower_bounds[k])
       text += fmt::format(" The diagonal entry of {} may be above the truth.", matrix.conductors[k]);
-  text += " Entries of the diagonal are otherwise not above the truth.\n";
+  text += any_bound ? " Entries of the diagonal are otherwise not above the truth.\n" : "\n";
   for (const std::string& name : matrix.floating)
     text += fmt::format("floating, without charge and so without a row: {}\n", name);
   return text;

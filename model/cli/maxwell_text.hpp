@@ -7,9 +7,15 @@
 /// What boundary elements find, as a JSON document and as a table for people.
 namespace fringe::cli {
 
-std::string maxwell_json(const Scene& scene, const MaxwellMatrix& matrix,
-                         const BoundaryElementOptions& options, double seconds);
+/// How a Maxwell matrix was asked for.
+struct MaxwellRequest {
+  std::string method;  ///< "boundary-elements" or "reduced:K"
+  double rtol;
+};
 
-std::string maxwell_table(const MaxwellMatrix& matrix, const BoundaryElementOptions& options, double seconds);
+std::string maxwell_json(const Scene& scene, const MaxwellMatrix& matrix, const MaxwellRequest& request,
+                         double seconds);
+
+std::string maxwell_table(const MaxwellMatrix& matrix, const MaxwellRequest& request, double seconds);
 
 }  // namespace fringe::cli

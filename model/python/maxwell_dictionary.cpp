@@ -8,8 +8,7 @@ using namespace pybind11::literals;
 
 namespace fringe::python {
 
-py::dict maxwell_dictionary(const MaxwellMatrix& matrix, const BoundaryElementOptions& options,
-                            double seconds) {
+py::dict maxwell_dictionary(const MaxwellMatrix& matrix, double rtol, double seconds) {
   py::dict changes;
   for (std::size_t s = 0; s < matrix.sensors; ++s) {
     const auto at = static_cast<Eigen::Index>(s);
@@ -18,12 +17,12 @@ py::dict maxwell_dictionary(const MaxwellMatrix& matrix, const BoundaryElementOp
   }
   return py::dict("conductors"_a = matrix.conductors, "maxwell"_a = matrix.values, "error"_a = matrix.errors,
                   "delta_self"_a = changes, "floating"_a = matrix.floating,
-                  "lower_bounds"_a = matrix.lower_bounds, "rtol"_a = options.rtol,
-                  "reached"_a = matrix.reached, "unknowns"_a = matrix.unknowns, "seconds"_a = seconds);
+                  "lower_bounds"_a = matrix.lower_bounds, "rtol"_a = rtol, "reached"_a = matrix.reached,
+                  "unknowns"_a = matrix.unknowns, "seconds"_a = seconds);
 }
 
-py::dict capacitance_dictionary(const Scene& scene, const MaxwellMatrix& matrix,
-                                const BoundaryElementOptions& options, double seconds) {
+py::dict capacitance_dictionary(const Scene& scene, const MaxwellMatrix& matrix, const std::string& method,
+                                double rtol, double seconds) {
   py::list sensors;
   Eigen::Index row = 0;
   for (const SensorCapacitance& felt : capacitance(scene, matrix).sensors) {
@@ -40,8 +39,8 @@ py::dict capacitance_dictionary(const Scene& scene, const MaxwellMatrix& matrix,
                             "delta_self_error"_a = matrix.delta_self_errors[row], "objects"_a = objects));
     ++row;
   }
-  return py::dict("options"_a = py::dict("method"_a = "boundary-elements", "rtol"_a = options.rtol),
-                  "seconds"_a = seconds, "reached"_a = matrix.reached, "unknowns"_a = matrix.unknowns,
+  return py::dict("options"_a = py::dict("method"_a = method, "rtol"_a = rtol), "seconds"_a = seconds,
+                  "reached"_a = matrix.reached, "unknowns"_a = matrix.unknowns,
                   "conductors"_a = matrix.conductors, "floating"_a = matrix.floating,
                   "maxwell"_a = matrix.values, "error"_a = matrix.errors,
                   "lower_bounds"_a = matrix.lower_bounds, "sensors"_a = sensors);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include <pybind11/pybind11.h>
 
 #include "fringe/boundary_elements.hpp"
@@ -8,11 +10,10 @@
 namespace fringe::python {
 
 /// As the reference's document: conductors, maxwell, error, delta_self by sensor.
-pybind11::dict maxwell_dictionary(const MaxwellMatrix& matrix, const BoundaryElementOptions& options,
-                                  double seconds);
+pybind11::dict maxwell_dictionary(const MaxwellMatrix& matrix, double rtol, double seconds);
 
-/// As `fringe capacitance --method boundary-elements --json` prints it.
+/// As `fringe capacitance --method METHOD --json` prints it.
 pybind11::dict capacitance_dictionary(const Scene& scene, const MaxwellMatrix& matrix,
-                                      const BoundaryElementOptions& options, double seconds);
+                                      const std::string& method, double rtol, double seconds);
 
 }  // namespace fringe::python

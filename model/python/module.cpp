@@ -27,6 +27,7 @@
 #include "fringe/gjk.hpp"
 #include "fringe/plate_integral.hpp"
 #include "fringe/pose.hpp"
+#include "fringe/reduced_capacitance.hpp"
 #include "fringe/scene_collision.hpp"
 #include "fringe/scene_evaluator.hpp"
 #include "fringe/scene_info.hpp"
@@ -225,6 +226,8 @@ class LiveScene {
       sensing_->set_pose(link, pose);
     if (detector_)
       detector_->set_pose(link, pose);
+    if (reduced_)
+      reduced_->set_pose(link, pose);
   }
 
   std::vector<DistanceReading> sense(ConeMethod method) {
@@ -243,6 +246,15 @@ class LiveScene {
       options_ = options;
     }
     return evaluator_->capacitance();
+  }
+
+  MaxwellMatrix reduced(const ReducedOptions& options) {
+    const std::lock_guard lock(mutex_);
+    if (!reduced_ || options.steps != reduced_options_.steps || options.rtol != reduced_options_.rtol) {
+      reduced_.emplace(scene_, options);
+      reduced_options_ = options;
+    }
+    return reduced_->maxwell();
   }
 
   /// The scene as it stands.
@@ -270,50 +282,67 @@ class LiveScene {
   ConeMethod sensing_method_ = ConeMethod::field_of_view;
   std::optional<SceneSensing> sensing_;
   std::optional<CollisionDetector> detector_;
+  ReducedOptions reduced_options_;
+  std::optional<ReducedEvaluator> reduced_;
   std::mutex mutex_;  ///< other Python threads run while an answer is made
 };
 
-/// A Maxwell matrix, the scene it belongs to and how long it took.
+/// A Maxwell matrix, the scene it belongs to, the error that was asked for and how long it took.
 struct TimedMaxwell {
   Scene scene;
   MaxwellMatrix matrix;
+  double rtol;
   double seconds;
 };
 
-TimedMaxwell timed_maxwell(LiveScene& live, const BoundaryElementOptions& options) {
+bool is_maxwell_method(const std::string& method) {
+  return method == "boundary-elements" || parse_reduced_steps(method);
+}
+
+TimedMaxwell timed_maxwell(LiveScene& live, const std::string& method, std::optional<double> rtol) {
   const py::gil_scoped_release unlocked;
+  const std::optional<int> steps = parse_reduced_steps(method);
   Scene scene = live.snapshot();
   const auto start = std::chrono::steady_clock::now();
+  const auto elapsed = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  if (steps) {
+    const ReducedOptions options{.steps = *steps, .rtol = rtol};
+    MaxwellMatrix matrix = live.reduced(options);
+    return {std::move(scene), std::move(matrix), rtol_of(options), elapsed()};
+  }
+  const BoundaryElementOptions options{.rtol = rtol.value_or(BoundaryElementOptions{}.rtol)};
   MaxwellMatrix matrix = maxwell(scene, options);
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  return {std::move(scene), std::move(matrix), elapsed.count()};
+  return {std::move(scene), std::move(matrix), options.rtol, elapsed()};
 }
 
-py::dict maxwell_of(LiveScene& live, double rtol) {
-  const BoundaryElementOptions options{.rtol = rtol};
-  const TimedMaxwell found = timed_maxwell(live, options);
-  return python::maxwell_dictionary(found.matrix, options, found.seconds);
-}
-
-py::dict boundary_elements_of(LiveScene& live, const std::string& plates, const std::string& faces,
-                              double tolerance, std::optional<double> rtol, const std::string& correction) {
-  if (plates != "sum" || faces != "all" || tolerance != 0 || correction != "none")
+py::dict maxwell_of(LiveScene& live, const std::string& method, std::optional<double> rtol) {
+  if (!is_maxwell_method(method))
     throw InputError(
-        "plates, faces, tolerance and correction are options of the triangle-integral methods, not of "
-        "boundary-elements");
-  BoundaryElementOptions options;
-  options.rtol = rtol.value_or(options.rtol);
-  const TimedMaxwell found = timed_maxwell(live, options);
-  return python::capacitance_dictionary(found.scene, found.matrix, options, found.seconds);
+        fmt::format("method '{}' is not known: it must be boundary-elements or reduced:K", method));
+  const TimedMaxwell found = timed_maxwell(live, method, rtol);
+  return python::maxwell_dictionary(found.matrix, found.rtol, found.seconds);
+}
+
+py::dict boundary_elements_of(LiveScene& live, const std::string& method, const std::string& plates,
+                              const std::string& faces, double tolerance, std::optional<double> rtol,
+                              const std::string& correction) {
+  if (plates != "sum" || faces != "all" || tolerance != 0 || correction != "none")
+    throw InputError(fmt::format(
+        "plates, faces, tolerance and correction are options of the triangle-integral methods, not of {}",
+        method));
+  const TimedMaxwell found = timed_maxwell(live, method, rtol);
+  return python::capacitance_dictionary(found.scene, found.matrix, method, found.rtol, found.seconds);
 }
 
 py::dict capacitance_of(LiveScene& scene, const std::string& method, const std::string& plates,
                         const std::string& faces, double tolerance, std::optional<double> rtol,
                         const std::string& correction) {
-  if (method == "boundary-elements")
-    return boundary_elements_of(scene, plates, faces, tolerance, rtol, correction);
+  if (is_maxwell_method(method))
+    return boundary_elements_of(scene, method, plates, faces, tolerance, rtol, correction);
   if (rtol)
-    throw InputError("rtol is an option of the method boundary-elements");
+    throw InputError("rtol is an option of the method boundary-elements, and of reduced:K");
   const CapacitanceOptions options{parse_method(method), parse_plate_rule(plates), parse_face_rule(faces),
                                    tolerance, parse_correction(correction)};
   SceneCapacitance answer;
@@ -495,21 +524,26 @@ method.)");
            "faces"_a = "all", "tolerance"_a = 0.0, "rtol"_a = py::none(), "correction"_a = "none",
            R"(What every sensor feels, as the dictionary that `fringe capacitance --json` prints; F and V.
 
-method: "exact", "split:N" or "gauss:K", as for plate_integral; or "boundary-elements", for plates and cuboids.
+method: "exact", "split:N" or "gauss:K", as for plate_integral; or "boundary-elements", for plates and cuboids, or
+"reduced:K", the same in microseconds for moving scenes.
 plates: "sum", every plate of a sensor counts every point of a surface; "nearest", only the plate nearest to it does.
 faces: "all", or "facing": only triangles whose outward side sees the plate, and those in contact with it.
 tolerance: what may be left out of a sensor's total, relative to it; each object's "bound" says how much of it was left
 out at most. 0: nothing is left out but by "nearest", 1e-12. Only with the method "exact".
-rtol: the error of every entry of the Maxwell matrix to be reached, 1e-3 if not given. Only with "boundary-elements".
+rtol: the error of every entry of the Maxwell matrix to be reached. Only with "boundary-elements" (if not given 1e-3) and
+"reduced:1", 2, 3 (1e-2, 1e-3, 3e-4).
 correction: "none", or the name of what takes the place of the integral (fringe.corrections()), or "recommended".
 
 Asked again with the same options, only what moved since is evaluated; "counts" says what that was.
 
 Raises InputError (a ValueError) for unknown or inconsistent options and for objects that are not grounded.)")
-      .def("maxwell", &maxwell_of, py::kw_only(), "rtol"_a = BoundaryElementOptions{}.rtol,
+      .def("maxwell", &maxwell_of, py::kw_only(), "method"_a = "boundary-elements", "rtol"_a = py::none(),
            R"(The Maxwell matrix of the sensors and objects in free space, by boundary elements. F.
 
-rtol: the error to be reached in every entry, relative to it; from 1e-6 to 0.5.
+method: "boundary-elements"; or "reduced:K", K from 1 to 3, which seeks every body's charge among few distributions that
+follow its pose. What it prepares of a body, milliseconds, is kept while set_pose moves links; a pose takes microseconds.
+rtol: the error to be reached in every entry, relative to it; from 1e-6 to 0.5, if not given 1e-3. With "reduced:K" from
+1e-4, if not given 1e-2, 1e-3 and 3e-4 for K = 1, 2 and 3.
 
 Returns "conductors" (names, the sensors first), "maxwell" and "error" (n, n): charge on the row's conductor per volt on
 the column's, and an estimate of its error; "delta_self" by sensor, its own entry less what it is without the objects;

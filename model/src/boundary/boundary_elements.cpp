@@ -5,20 +5,22 @@
 #include <numbers>
 #include <stdexcept>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include "charged_bodies.hpp"
 #include "fringe/error.hpp"
 #include "galerkin_system.hpp"
+#include "matrix_changes.hpp"
 
 namespace fringe {
 namespace {
 
+using detail::changes;
 using detail::ChargedBodies;
 using detail::FaceFunctions;
 using detail::GalerkinSolution;
 using detail::GalerkinSystem;
+using detail::without_floating;
 using Eigen::Index;
 using Eigen::MatrixXd;
 
@@ -50,26 +52,6 @@ void validate(const BoundaryElementOptions& options) {
   if (!(options.rtol >= strictest_rtol && options.rtol <= loosest_rtol))
     throw InputError(
         fmt::format("rtol {} must be from {} to {}", options.rtol, strictest_rtol, loosest_rtol));
-}
-
-/// The matrix of the others when the last `floating` conductors carry no charge.
-MatrixXd without_floating(const MatrixXd& matrix, std::size_t floating) {
-  const auto insulated = static_cast<Index>(floating);
-  const Index kept = matrix.rows() - insulated;
-  if (insulated == 0)
-    return matrix;
-  return matrix.topLeftCorner(kept, kept) -
-         matrix.topRightCorner(kept, insulated) * matrix.bottomRightCorner(insulated, insulated)
-                                                      .llt()
-                                                      .solve(matrix.bottomLeftCorner(insulated, kept));
-}
-
-/// The change of every entry from the smaller space to the larger, but relative to the entry not less than
-/// those of its row's and column's own: two errors of an entry off the diagonal may cancel by chance.
-MatrixXd changes(const MatrixXd& fine, const MatrixXd& coarse) {
-  const MatrixXd change = fine - coarse;
-  const Eigen::VectorXd relative = (change.diagonal().array() / fine.diagonal().array()).cwiseMax(0).sqrt();
-  return change.cwiseAbs().cwiseMax((relative * relative.transpose()).cwiseProduct(fine.cwiseAbs()));
 }
 
 /// The answer in metres, to be multiplied by 4πε.

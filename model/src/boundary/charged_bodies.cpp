@@ -26,7 +26,7 @@ Face face_of(const Rectangle& rectangle) {
           EdgeKind::thin};
 }
 
-Face moved(const Face& face, const Eigen::Isometry3d& pose) {
+Face moved_face(const Face& face, const Eigen::Isometry3d& pose) {
   return {
       pose * face.centre, pose.linear() * face.axis_u, pose.linear() * face.axis_v, face.half_u, face.half_v,
       face.edge};
@@ -38,24 +38,23 @@ void validate_sizes(const Object& object, std::initializer_list<double> sizes) {
       throw InputError(fmt::format("object \"{}\": a size of {} is not positive", object.name, size));
 }
 
-ChargedBody body_of(const Object& object, const Eigen::Isometry3d& pose, std::size_t conductor) {
-  ChargedBody body{conductor, {}, Vector3d::Zero(), fmt::format("object \"{}\"", object.name)};
+ChargedBody body_of(const Object& object, std::size_t conductor) {
+  const Eigen::Isometry3d& pose = object.pose;
+  ChargedBody body{conductor, {}, Vector3d::Zero(), fmt::format("object \"{}\"", object.name), object.link};
   if (const auto* plate = std::get_if<Plate>(&object.shape)) {
     validate_sizes(object, {plate->size_x, plate->size_y});
-    body.faces.push_back(moved({Vector3d::Zero(), Vector3d::UnitX(), Vector3d::UnitY(), plate->size_x / 2,
-                                plate->size_y / 2, EdgeKind::thin},
-                               pose));
+    body.faces.push_back(moved_face({Vector3d::Zero(), Vector3d::UnitX(), Vector3d::UnitY(),
+                                     plate->size_x / 2, plate->size_y / 2, EdgeKind::thin},
+                                    pose));
   } else if (const auto* cuboid = std::get_if<Cuboid>(&object.shape)) {
     validate_sizes(object, {cuboid->size_x, cuboid->size_y, cuboid->size_z});
     body.half_sides = Vector3d(cuboid->size_x, cuboid->size_y, cuboid->size_z) / 2;
     for (const Face& face : faces_of_box(body.half_sides))
-      body.faces.push_back(moved(face, pose));
+      body.faces.push_back(moved_face(face, pose));
   } else {
     throw InputError(
         fmt::format("{} is neither a plate nor a cuboid: boundary elements know no other shape", body.name));
   }
-  if (!pose.matrix().allFinite())
-    throw InputError(fmt::format("{}: its pose is not finite", body.name));
   return body;
 }
 
@@ -69,34 +68,20 @@ std::vector<Vector3d> vertices(const ChargedBody& body) {
   return result;
 }
 
-void refuse_contact(const std::vector<ChargedBody>& bodies) {
-  std::vector<std::vector<Vector3d>> hulls;
-  hulls.reserve(bodies.size());
-  for (const ChargedBody& body : bodies)
-    hulls.push_back(vertices(body));
-  for (std::size_t a = 0; a < bodies.size(); ++a)
-    for (std::size_t b = a + 1; b < bodies.size(); ++b)
-      if (gjk_intersects(hulls[a], hulls[b]).intersects)
-        throw InputError(fmt::format("{} and {} touch or cross: boundary elements need conductors apart",
-                                     bodies[a].name, bodies[b].name));
-}
-
 }  // namespace
 
-ChargedBodies charged_bodies(const Scene& scene) {
-  const std::vector<Eigen::Isometry3d> link_poses = world_poses(scene.links);
+ChargedBodies bodies_on_links(const Scene& scene) {
   ChargedBodies result;
   for (const Sensor& sensor : scene.sensors) {
-    const Eigen::Isometry3d pose = attachment_pose(link_poses, sensor.link);
     for (std::size_t k = 0; k < sensor.plates.size(); ++k) {
       const std::string name = fmt::format("sensor \"{}\" plates[{}]", sensor.name, k);
-      const Rectangle plate = transformed(sensor.plates[k], pose);
+      const Rectangle& plate = sensor.plates[k];
       try {
         validate(plate);
       } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", name, error.what()));
       }
-      result.bodies.push_back({result.names.size(), {face_of(plate)}, Vector3d::Zero(), name});
+      result.bodies.push_back({result.names.size(), {face_of(plate)}, Vector3d::Zero(), name, sensor.link});
     }
     result.names.push_back(sensor.name);
   }
@@ -108,12 +93,37 @@ ChargedBodies charged_bodies(const Scene& scene) {
             fmt::format("object \"{}\" is dielectric: boundary elements know only conductors", object.name));
       if (std::holds_alternative<Floating>(object.role) != floating)
         continue;
-      const Eigen::Isometry3d pose = attachment_pose(link_poses, object.link) * object.pose;
-      result.bodies.push_back(body_of(object, pose, result.names.size()));
+      result.bodies.push_back(body_of(object, result.names.size()));
       result.names.push_back(object.name);
       result.floating += floating;
     }
-  refuse_contact(result.bodies);
+  return result;
+}
+
+ChargedBody moved(const ChargedBody& body, const Eigen::Isometry3d& pose) {
+  ChargedBody result = body;
+  for (Face& face : result.faces) {
+    face = moved_face(face, pose);
+    if (!face.centre.allFinite() || !face.axis_u.allFinite() || !face.axis_v.allFinite())
+      throw InputError(fmt::format("{}: its pose is not finite", body.name));
+  }
+  return result;
+}
+
+void refuse_contact(const ChargedBody& a, const ChargedBody& b) {
+  if (gjk_intersects(vertices(a), vertices(b)).intersects)
+    throw InputError(
+        fmt::format("{} and {} touch or cross: boundary elements need conductors apart", a.name, b.name));
+}
+
+ChargedBodies charged_bodies(const Scene& scene) {
+  const std::vector<Eigen::Isometry3d> link_poses = world_poses(scene.links);
+  ChargedBodies result = bodies_on_links(scene);
+  for (ChargedBody& body : result.bodies)
+    body = moved(body, attachment_pose(link_poses, body.link));
+  for (std::size_t a = 0; a < result.bodies.size(); ++a)
+    for (std::size_t b = a + 1; b < result.bodies.size(); ++b)
+      refuse_contact(result.bodies[a], result.bodies[b]);
   return result;
 }
 

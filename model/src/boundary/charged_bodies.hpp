@@ -1,10 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "box_table.hpp"
 #include "face.hpp"
@@ -15,9 +16,10 @@ namespace fringe::detail {
 /// Faces whose interaction among each other is known in closed terms: a plate's only one, or those of a box.
 struct ChargedBody {
   std::size_t conductor;
-  std::vector<Face> faces;     ///< in the world
+  std::vector<Face> faces;     ///< in the world, or in the link's frame
   Eigen::Vector3d half_sides;  ///< of a box
   std::string name;            ///< for messages
+  std::optional<std::size_t> link;
 };
 
 /// The conductors of a scene as faces.
@@ -28,8 +30,18 @@ struct ChargedBodies {
   std::vector<ChargedBody> bodies;
 };
 
-/// Throws InputError for an object that is neither plate nor cuboid, or dielectric, for rectangles that are
-/// none, and for bodies that have a point in common.
+/// The bodies in the frames of their links. Throws InputError for an object that is neither plate nor cuboid,
+/// or dielectric, for rectangles that are none.
+ChargedBodies bodies_on_links(const Scene& scene);
+
+/// A body somewhere else. Throws InputError for a pose that is not finite.
+ChargedBody moved(const ChargedBody& body, const Eigen::Isometry3d& pose);
+
+/// Throws InputError when two bodies in the world have a point in common.
+void refuse_contact(const ChargedBody& a, const ChargedBody& b);
+
+/// The bodies in the world. Throws InputError as bodies_on_links does, and for bodies that have a point in
+/// common.
 ChargedBodies charged_bodies(const Scene& scene);
 
 }  // namespace fringe::detail

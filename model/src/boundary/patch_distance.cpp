@@ -8,8 +8,8 @@
 
 namespace fringe::detail {
 
-double segment_distance(const Eigen::Vector3d& a0, const Eigen::Vector3d& a1, const Eigen::Vector3d& b0,
-                        const Eigen::Vector3d& b1) {
+NearestParts nearest_parts(const Eigen::Vector3d& a0, const Eigen::Vector3d& a1, const Eigen::Vector3d& b0,
+                           const Eigen::Vector3d& b1) {
   const Eigen::Vector3d a = a1 - a0, b = b1 - b0, between = a0 - b0;
   const double aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b);
   const double along_a = a.dot(between), along_b = b.dot(between);
@@ -23,7 +23,13 @@ double segment_distance(const Eigen::Vector3d& a0, const Eigen::Vector3d& a1, co
     t = std::clamp(t, 0.0, 1.0);
     s = aa > 0 ? std::clamp((ab * t - along_a) / aa, 0.0, 1.0) : 0;
   }
-  return (between + s * a - t * b).norm();
+  return {s, t};
+}
+
+double segment_distance(const Eigen::Vector3d& a0, const Eigen::Vector3d& a1, const Eigen::Vector3d& b0,
+                        const Eigen::Vector3d& b1) {
+  const auto [s, t] = nearest_parts(a0, a1, b0, b1);
+  return (a0 + s * (a1 - a0) - b0 - t * (b1 - b0)).norm();
 }
 
 double edge_distance(const Eigen::Vector2d& low, const Eigen::Vector2d& high, Eigen::Index axis,

@@ -6,6 +6,14 @@
 
 namespace fringe::detail {
 
+/// The points of two segments, given by their ends, that are nearest to each other, as parts of the way.
+struct NearestParts {
+  double a;
+  double b;
+};
+NearestParts nearest_parts(const Eigen::Vector3d& a0, const Eigen::Vector3d& a1, const Eigen::Vector3d& b0,
+                           const Eigen::Vector3d& b1);
+
 /// The shortest distance between two segments, given by their ends.
 double segment_distance(const Eigen::Vector3d& a0, const Eigen::Vector3d& a1, const Eigen::Vector3d& b0,
                         const Eigen::Vector3d& b1);

@@ -1,0 +1,202 @@
+/// The reduced method by its steps: error, time per pose and whether the stated error covers the true one,
+/// over random poses of plates and of boxes, and over the scene files that are named. The truth is that of
+/// boundary elements at rtol = 1e-4; where that is not reached, the set-up is left out.
+/// Methods take turns; times are of this thread's processor, the least of five moves to the same pose.
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "fringe/error.hpp"
+#include "fringe/reduced_capacitance.hpp"
+#include "fringe/scene_evaluator.hpp"
+#include "fringe/scene_reader.hpp"
+
+namespace {
+
+using namespace fringe;
+using Eigen::Vector3d;
+
+constexpr int repeats = 5;
+
+double processor_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/// The objects hang on a link of their own, to be moved.
+constexpr const char* mover = "objects of the benchmark";
+
+Scene movable(Scene scene) {
+  scene.links.push_back({mover, {}, Eigen::Isometry3d::Identity()});
+  for (Object& object : scene.objects)
+    if (!object.link)
+      object.link = scene.links.size() - 1;
+  return scene;
+}
+
+/// A sensor of 10 cm and a plate or box of 2 to 20 cm, no nearer to each other than 5 mm.
+class RandomScenes {
+ public:
+  explicit RandomScenes(bool boxes) : boxes_(boxes) {}
+
+  Scene next() {
+    while (true) {
+      Scene scene;
+      scene.sensors.push_back({"sensor", {}, 2.5, 5e-12, {{{-0.05, -0.05, 0}, {0.1, 0, 0}, {0, 0.1, 0}}}});
+      const auto size = [this] { return 0.02 * std::pow(10, number(0, 1)); };
+      const Cuboid sizes{size(), size(), boxes_ ? size() : 0};
+      Eigen::Isometry3d pose(
+          Eigen::Translation3d(number(-0.15, 0.15), number(-0.15, 0.15), number(0.005, 0.155)));
+      if (number(0, 1) < 2.0 / 3)
+        pose.rotate(Eigen::AngleAxisd(number(0, 6.2),
+                                      Vector3d(number(-1, 1), number(-1, 1), number(-1, 1)).normalized()));
+      if (distance(sizes, pose) < 0.005)
+        continue;
+      const Shape shape = boxes_ ? Shape(sizes) : Shape(Plate{sizes.size_x, sizes.size_y});
+      scene.objects.push_back({"target", {}, shape, pose, Grounded{}, true});
+      return scene;
+    }
+  }
+
+ private:
+  double number(double from, double to) {
+    return from + (to - from) * static_cast<double>(random_() >> 11) * 0x1p-53;
+  }
+
+  /// Over a grid of points of each in turn: good to a few millimetres.
+  static double distance(const Cuboid& sizes, const Eigen::Isometry3d& pose) {
+    const Vector3d half = Vector3d(sizes.size_x, sizes.size_y, sizes.size_z) / 2, sensor(0.05, 0.05, 0);
+    const auto beside = [](const Vector3d& point, const Vector3d& box) {
+      return (point.cwiseAbs() - box).cwiseMax(0).norm();
+    };
+    const Eigen::Isometry3d back = pose.inverse();
+    double least = 1;
+    for (double x = -1; x <= 1; x += 0.1)
+      for (double y = -1; y <= 1; y += 0.1) {
+        for (double z = -1; z <= 1; z += 0.1)
+          least = std::min(least, beside(pose * half.cwiseProduct(Vector3d(x, y, z)), sensor));
+        least = std::min(least, beside(back * Vector3d(0.05 * x, 0.05 * y, 0), half));
+      }
+    return least;
+  }
+
+  bool boxes_;
+  std::mt19937_64 random_{1};
+};
+
+/// What one method did with one set-up.
+struct Measurement {
+  double error;
+  double microseconds;
+  bool reached;
+  bool covered;
+};
+
+double quickest(const std::function<void()>& answer) {
+  double least = 1e9;
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    const double start = processor_seconds();
+    answer();
+    least = std::min(least, processor_seconds() - start);
+  }
+  return 1e6 * least;
+}
+
+struct Measurements {
+  std::vector<std::vector<Measurement>> by_steps{most_reduced_steps};
+  std::vector<double> triangle_integral;  ///< µs
+  std::size_t unknown = 0;
+};
+
+void measure(const Scene& from, Measurements& measured) {
+  const Scene scene = movable(from);
+  MaxwellMatrix truth;
+  try {
+    truth = maxwell(scene, {.rtol = 1e-4});
+  } catch (const InputError&) {
+    return;
+  }
+  if (!truth.reached) {
+    ++measured.unknown;
+    return;
+  }
+  const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+  for (int steps = 1; steps <= most_reduced_steps; ++steps) {
+    ReducedEvaluator evaluator(scene, {.steps = steps, .rtol = {}});
+    const MaxwellMatrix answer = evaluator.maxwell();
+    const Eigen::ArrayXXd difference = (answer.values - truth.values).array().abs();
+    measured.by_steps[static_cast<std::size_t>(steps - 1)].push_back(
+        {(difference / truth.values.array().abs()).maxCoeff(), quickest([&] {
+           evaluator.set_pose(mover, here);
+           evaluator.maxwell();
+         }),
+         answer.reached, (difference <= answer.errors.array() + truth.errors.array()).all()});
+  }
+  SceneEvaluator evaluator(scene);
+  measured.triangle_integral.push_back(quickest([&] {
+    evaluator.set_pose(mover, here);
+    evaluator.capacitance();
+  }));
+}
+
+double quantile(std::vector<double> values, double part) {
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1,
+                         static_cast<std::size_t>(part * static_cast<double>(values.size())))];
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values)
+    sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+void summarise(const std::string& what, const Measurements& measured) {
+  if (measured.triangle_integral.empty())
+    return;
+  fmt::print("{}: {} set-ups, {} more whose truth was not found; the triangle integral takes {:.1f} µs in "
+             "the mean\n",
+             what, measured.triangle_integral.size(), measured.unknown, mean(measured.triangle_integral));
+  for (int steps = 1; steps <= most_reduced_steps; ++steps) {
+    std::vector<double> errors, reached_errors, times;
+    std::size_t covered = 0;
+    for (const Measurement& one : measured.by_steps[static_cast<std::size_t>(steps - 1)]) {
+      errors.push_back(100 * one.error);
+      times.push_back(one.microseconds);
+      covered += one.covered;
+      if (one.reached)
+        reached_errors.push_back(100 * one.error);
+    }
+    fmt::print("  reduced:{} error % median {:.4f}, worst {:.4f}; reached {}, worst {:.4f}; covered {}; "
+               "µs mean {:.1f}, median {:.1f}, longest {:.0f}\n",
+               steps, quantile(errors, 0.5), quantile(errors, 1), reached_errors.size(),
+               reached_errors.empty() ? 0 : quantile(reached_errors, 1), covered, mean(times),
+               quantile(times, 0.5), quantile(times, 1));
+  }
+}
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+  Measurements of_files;
+  for (int k = 1; k < argument_count; ++k)
+    measure(load_scene(arguments[k]), of_files);
+  summarise("scene files", of_files);
+  for (const auto& [what, boxes, count] :
+       {std::tuple("plates, random poses", false, 500), std::tuple("boxes, random poses", true, 100)}) {
+    RandomScenes scenes(boxes);
+    Measurements measured;
+    for (int k = 0; k < count; ++k)
+      measure(scenes.next(), measured);
+    summarise(what, measured);
+  }
+}

@@ -1,0 +1,257 @@
+#include "node_pair.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "../boundary/patch_distance.hpp"
+#include "node_rules.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Beyond any distance that counts; its square is finite.
+constexpr float far_away = 1e12F;
+
+/// The logarithm of the sum of the semi-axes of an ellipse by the sum of the distances of one of its points
+/// from the foci ±1.
+double log_parameter(double sum) {
+  return std::log((sum + std::sqrt(std::max(sum * sum - 4, 0.0))) / 2);
+}
+
+/// For points p at origin + axes·(scale·p).
+FaceSmoothness face_smoothness(const PlacedBody& body, const Face& face, const NodePoints& points,
+                               const Vector3d& origin, const Eigen::Matrix3d& axes, double scale) {
+  const double half_u = face.half_u * body.scale, half_v = face.half_v * body.scale;
+  const Vector3d u = body.axes * face.axis_u, v = body.axes * face.axis_v;
+  const Eigen::Matrix3d to_face{{u.x() / half_u, u.y() / half_u, u.z() / half_u},
+                                {v.x() / half_v, v.y() / half_v, v.z() / half_v},
+                                {(u.y() * v.z() - u.z() * v.y()) / half_u,
+                                 (u.z() * v.x() - u.x() * v.z()) / half_u,
+                                 (u.x() * v.y() - u.y() * v.x()) / half_u}};
+  const Vector3d offset = to_face * (origin - body.centre - body.axes * (body.scale * face.centre));
+  const Eigen::Matrix3d rows = scale * to_face * axes;
+  FaceMap map{};
+  for (Eigen::Index row = 0; row < 3; ++row) {
+    map.offset[row] = static_cast<float>(offset[row]);
+    for (Eigen::Index column = 0; column < 3; ++column)
+      map.rows[3 * row + column] = static_cast<float>(rows(row, column));
+  }
+  map.ratio = static_cast<float>(half_v / half_u);
+  float least[2];
+  best_node_kernels().ellipses(points, map, least);
+  return {log_parameter(least[0]), log_parameter(least[1])};
+}
+
+/// The most points along a direction of the outer face: with as many as of the inner one, a pair of faces
+/// would take 16 million distances.
+constexpr int most_outer_points = 32;
+
+/// The points that win so many digits, of a rule for so many functions.
+int points_for(double smoothness, double digits, int functions, int most, double& missing) {
+  const double more = digits / (2 * std::max(smoothness, 1e-9));
+  const double wanted = 1 + 0.5 * functions + more;
+  if (wanted > most)
+    missing = std::max(missing, digits * (wanted - most) / more);
+  return std::min(static_cast<int>(std::ceil(std::min(wanted, 1e6))), most);
+}
+
+void narrow(FaceSmoothness& smoothness, const FaceSmoothness& other) {
+  smoothness.u = std::min(smoothness.u, other.u);
+  smoothness.v = std::min(smoothness.v, other.v);
+}
+
+/// Where each edge of one body is nearest to each of the other; seen from the centre of b.
+class NearestPoints {
+ public:
+  NearestPoints(const PlacedBody& a, const PlacedBody& b) {
+    const auto edges_of = [&](const PlacedBody& body) {
+      std::vector<std::array<Vector3d, 2>> edges = body.shape->edges();
+      for (std::array<Vector3d, 2>& edge : edges)
+        for (Vector3d& end : edge)
+          end = body.centre - b.centre + body.axes * (body.scale * end);
+      return edges;
+    };
+    const auto edges_a = edges_of(a), edges_b = edges_of(b);
+    std::size_t at = 0;
+    for (const auto& edge : edges_a)
+      for (const auto& other : edges_b) {
+        const auto [part_a, part_b] = nearest_parts(edge[0], edge[1], other[0], other[1]);
+        add(on_a_, at, edge[0] + part_a * (edge[1] - edge[0]));
+        add(on_b_, at, other[0] + part_b * (other[1] - other[0]));
+        ++at;
+      }
+    count_ = static_cast<std::ptrdiff_t>(at);
+  }
+
+  NodePoints on_a() const { return {on_a_[0].data(), on_a_[1].data(), on_a_[2].data(), count_}; }
+  NodePoints on_b() const { return {on_b_[0].data(), on_b_[1].data(), on_b_[2].data(), count_}; }
+
+ private:
+  /// Pairs of edges: 4 · 4, 4 · 12 or 12 · 12, whole blocks.
+  using Coordinates = std::array<std::array<float, 144>, 3>;
+
+  static void add(Coordinates& to, std::size_t at, const Vector3d& point) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      to[axis][at] = static_cast<float>(point[static_cast<Eigen::Index>(axis)]);
+  }
+
+  Coordinates on_a_;
+  Coordinates on_b_;
+  std::ptrdiff_t count_;
+};
+
+/// What the digits leave.
+double error_left(QuadratureDigits digits, double missing_outer, double missing_inner) {
+  /// In random poses the potentials were this much better than the digits say.
+  constexpr double share = 0.02;
+  /// Of what is computed in single precision.
+  constexpr double rounding = 1e-6;
+  return share * std::exp(-std::min(2 * (digits.outer - missing_outer), digits.inner - missing_inner)) +
+         rounding;
+}
+
+}  // namespace
+
+PairSmoothness smoothness(const PlacedBody& a, const PlacedBody& b, double gap) {
+  PairSmoothness result{};
+  for (std::size_t k = 0; k < a.shape->faces().size(); ++k)
+    result.a[k] = face_smoothness(a, a.shape->faces()[k], b.shape->edge_points(), b.centre, b.axes, b.scale);
+  for (std::size_t k = 0; k < b.shape->faces().size(); ++k)
+    result.b[k] = face_smoothness(b, b.shape->faces()[k], a.shape->edge_points(), a.centre, a.axes, a.scale);
+  // Where edges pass each other more closely than their points lie, by where they are nearest.
+  constexpr double points_apart = 0.25;
+  if (gap < 1.5 * points_apart * std::max(a.scale, b.scale)) {
+    const NearestPoints nearest(a, b);
+    for (std::size_t k = 0; k < a.shape->faces().size(); ++k)
+      narrow(result.a[k], face_smoothness(a, a.shape->faces()[k], nearest.on_b(), b.centre,
+                                          Eigen::Matrix3d::Identity(), 1));
+    for (std::size_t k = 0; k < b.shape->faces().size(); ++k)
+      narrow(result.b[k], face_smoothness(b, b.shape->faces()[k], nearest.on_a(), b.centre,
+                                          Eigen::Matrix3d::Identity(), 1));
+  }
+  return result;
+}
+
+double least(const BodySmoothness& smoothness, std::size_t faces) {
+  double least = smoothness[0].u;
+  for (std::size_t k = 0; k < faces; ++k)
+    least = std::min({least, smoothness[k].u, smoothness[k].v});
+  return least;
+}
+
+void NodePair::lay(Side& side, const PlacedBody& body, const Vector3d& origin) {
+  side.count = 0;
+  for (const NodeGrid& grid : side.grids)
+    side.count += grid.u.points * grid.v.points;
+  const auto room = static_cast<std::size_t>(whole_blocks(side.count) + 2 * node_block);
+  if (side.x.size() < room)
+    for (std::vector<float>* array : {&side.x, &side.y, &side.z, &side.charges, &side.potentials})
+      array->resize(room);
+  std::ptrdiff_t at = 0;
+  for (std::size_t k = 0; k < side.grids.size(); ++k) {
+    const NodeGrid& grid = side.grids[k];
+    const Face& face = body.shape->faces()[k];
+    const Vector3d centre = body.centre + body.axes * (body.scale * face.centre) - origin;
+    const Vector3d u = body.axes * (body.scale * face.half_u * face.axis_u);
+    const Vector3d v = body.axes * (body.scale * face.half_v * face.axis_v);
+    NodeFace placed{};
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      placed.centre[axis] = static_cast<float>(centre[axis]);
+      placed.u[axis] = static_cast<float>(u[axis]);
+      placed.v[axis] = static_cast<float>(v[axis]);
+    }
+    best_node_kernels().lay(grid, placed, side.x.data() + at, side.y.data() + at, side.z.data() + at);
+    at += grid.u.points * grid.v.points;
+  }
+  for (std::vector<float>* array : {&side.x, &side.y, &side.z})
+    std::fill(array->begin() + side.count, array->begin() + whole_blocks(side.count), far_away);
+}
+
+void NodePair::place(const PlacedBody& a, const BodySmoothness& a_smoothness, int functions_a,
+                     const PlacedBody& b, const BodySmoothness& b_smoothness, int functions_b,
+                     QuadratureDigits digits) {
+  const auto grids_of = [&](Side& side, const PlacedBody& body, int functions, const BodySmoothness& smooth,
+                            double wanted, int most, double& missing) {
+    side.functions = functions;
+    side.grids.clear();
+    std::ptrdiff_t count = 0;
+    for (std::size_t k = 0; k < body.shape->faces().size(); ++k) {
+      const EdgeKind edge = body.shape->faces()[k].edge;
+      const NodeGrid grid{
+          functions, stored_rule(edge, points_for(smooth[k].u, wanted, functions, most, missing)).view(),
+          stored_rule(edge, points_for(smooth[k].v, wanted, functions, most, missing)).view()};
+      count += grid.u.points * grid.v.points;
+      side.grids.push_back(grid);
+    }
+    return count;
+  };
+  double missing_a = 0, missing_b = 0;
+  const std::ptrdiff_t outer_a =
+      grids_of(sides_[0], a, functions_a, a_smoothness, digits.outer, most_outer_points, missing_a);
+  const std::ptrdiff_t outer_b =
+      grids_of(sides_[1], b, functions_b, b_smoothness, digits.outer, most_outer_points, missing_b);
+  a_is_outer_ = missing_a != missing_b ? missing_a < missing_b : outer_a <= outer_b;
+  if (!a_is_outer_)
+    std::swap(sides_[0], sides_[1]);
+  const PlacedBody &outer = a_is_outer_ ? a : b, &inner = a_is_outer_ ? b : a;
+  lay(sides_[0], outer, inner.centre);
+
+  double missing_inner = 0;
+  BodySmoothness seen{};
+  for (std::size_t k = 0; k < inner.shape->faces().size(); ++k) {
+    seen[k] = face_smoothness(inner, inner.shape->faces()[k],
+                              {sides_[0].x.data(), sides_[0].y.data(), sides_[0].z.data(), sides_[0].count},
+                              inner.centre, Eigen::Matrix3d::Identity(), 1);
+  }
+  grids_of(sides_[1], inner, a_is_outer_ ? functions_b : functions_a, seen, digits.inner, most_node_points,
+           missing_inner);
+  const double missing_outer = std::min(missing_a, missing_b);
+  relative_error_ = error_left(digits, missing_outer, missing_inner);
+  is_cut_short_ = missing_outer > 0 || missing_inner > 0;
+  lay(sides_[1], inner, inner.centre);
+  const std::size_t size =
+      static_cast<std::size_t>(sides_[0].count) * static_cast<std::size_t>(whole_blocks(sides_[1].count));
+  if (matrix_.size() < size)
+    matrix_.resize(size);
+  const auto points = [](const Side& side) {
+    return NodePoints{side.x.data(), side.y.data(), side.z.data(), side.count};
+  };
+  best_node_kernels().fill(points(sides_[0]), points(sides_[1]), matrix_.data());
+}
+
+void NodePair::spread(Side& side, const float* coefficients) {
+  float* to = side.charges.data();
+  for (const NodeGrid& grid : side.grids) {
+    best_node_kernels().spread(grid, coefficients, to);
+    to += grid.u.points * grid.v.points;
+    coefficients += grid.functions * grid.functions;
+  }
+  std::fill(side.charges.begin() + side.count, side.charges.begin() + whole_blocks(side.count), 0.0F);
+}
+
+void NodePair::gather(const Side& side, float* moments) {
+  const float* from = side.potentials.data();
+  const std::ptrdiff_t square = side.functions * side.functions;
+  for (const NodeGrid& grid : side.grids) {
+    best_node_kernels().gather(grid, from, moments);
+    from += grid.u.points * grid.v.points;
+    moments += square;
+  }
+  const std::ptrdiff_t count = square * static_cast<std::ptrdiff_t>(side.grids.size());
+  std::fill(moments, moments + whole_blocks(count) - count, 0.0F);
+}
+
+void NodePair::potentials(const float* charges_a, const float* charges_b, float* moments_a,
+                          float* moments_b) {
+  Side &outer = sides_[0], &inner = sides_[1];
+  spread(outer, a_is_outer_ ? charges_a : charges_b);
+  spread(inner, a_is_outer_ ? charges_b : charges_a);
+  best_node_kernels().apply({matrix_.data(), outer.count, inner.count}, outer.charges.data(),
+                            inner.charges.data(), outer.potentials.data(), inner.potentials.data());
+  gather(outer, a_is_outer_ ? moments_a : moments_b);
+  gather(inner, a_is_outer_ ? moments_b : moments_a);
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "../boundary/box_table.hpp"
+#include "node_kernels.hpp"
+#include "prepared_shape.hpp"
+
+/// Quadrature between two bodies (model/BOUNDARY_ELEMENTS.md, section 8).
+namespace fringe::detail {
+
+/// A prepared shape somewhere: the point p of the shape is at centre + axes·(scale·p).
+struct PlacedBody {
+  const PreparedShape* shape;
+  double scale;
+  Eigen::Vector3d centre;
+  Eigen::Matrix3d axes;
+};
+
+/// How many powers of e the quadratures are to win from their points.
+struct QuadratureDigits {
+  double outer;
+  double inner;
+};
+
+/// The logarithm of the parameter of the narrowest ellipse about a face's direction outside of which the
+/// potential is analytic.
+struct FaceSmoothness {
+  double u;
+  double v;
+};
+
+using BodySmoothness = std::array<FaceSmoothness, box_faces>;
+
+/// Of two bodies' faces, by the other's edges.
+struct PairSmoothness {
+  BodySmoothness a;
+  BodySmoothness b;
+};
+
+/// No point of one body is nearer to the other than `gap`.
+PairSmoothness smoothness(const PlacedBody& a, const PlacedBody& b, double gap);
+
+/// The least of all faces and directions.
+double least(const BodySmoothness& smoothness, std::size_t faces);
+
+/// Two bodies' nodes, and 1/distance between them.
+class NodePair {
+ public:
+  /// `a_smoothness`: of a as seen from b; functions: along every direction of each face.
+  void place(const PlacedBody& a, const BodySmoothness& a_smoothness, int functions_a, const PlacedBody& b,
+             const BodySmoothness& b_smoothness, int functions_b, QuadratureDigits digits);
+
+  /// The moments on both bodies of the potentials of charges on the other, all as coefficients of the faces'
+  /// functions; in whole blocks, zero beyond the last.
+  void potentials(const float* charges_a, const float* charges_b, float* moments_a, float* moments_b);
+
+  /// Whether a rule would need more points than it may have.
+  bool is_cut_short() const { return is_cut_short_; }
+
+  /// An estimate of the potentials' error, relative to the largest.
+  double relative_error() const { return relative_error_; }
+
+ private:
+  struct Side {
+    std::vector<NodeGrid> grids;  ///< of each face
+    std::ptrdiff_t functions = 0;
+    std::ptrdiff_t count = 0;
+    std::vector<float> x, y, z, charges, potentials;
+  };
+
+  static void lay(Side& side, const PlacedBody& body, const Eigen::Vector3d& origin);
+  static void spread(Side& side, const float* coefficients);
+  static void gather(const Side& side, float* moments);
+
+  bool a_is_outer_ = true;
+  std::array<Side, 2> sides_;  ///< the outer one first
+  std::vector<float> matrix_;
+  double relative_error_ = 0;
+  bool is_cut_short_ = false;
+};
+
+}  // namespace fringe::detail

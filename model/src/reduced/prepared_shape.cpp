@@ -1,0 +1,133 @@
+#include "prepared_shape.hpp"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "../boundary/box_table.hpp"
+#include "../boundary/galerkin_system.hpp"
+#include "../boundary/self_table.hpp"
+#include "node_kernels.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr std::array<int, PreparedShape::levels> level_functions{5, 7, 11, most_reduced_functions};
+
+constexpr int edge_parts = 8;
+
+void add_outline(const Face& face, std::vector<std::array<Vector3d, 2>>& edges) {
+  const auto at = [&](double x, double y) {
+    return Vector3d(face.centre + x * face.half_u * face.axis_u + y * face.half_v * face.axis_v);
+  };
+  edges.push_back({at(-1, -1), at(1, -1)});
+  edges.push_back({at(1, -1), at(1, 1)});
+  edges.push_back({at(1, 1), at(-1, 1)});
+  edges.push_back({at(-1, 1), at(-1, -1)});
+}
+
+std::vector<std::array<Vector3d, 2>> edges_of(const std::vector<Face>& faces, const Vector3d& half_sides) {
+  std::vector<std::array<Vector3d, 2>> edges;
+  if (faces.size() == 1) {
+    add_outline(faces[0], edges);
+    return edges;
+  }
+  // The outlines of the faces −z and +z, and the edges between them.
+  add_outline(faces[4], edges);
+  add_outline(faces[5], edges);
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0})
+      edges.push_back(
+          {half_sides.cwiseProduct(Vector3d(x, y, -1)), half_sides.cwiseProduct(Vector3d(x, y, 1))});
+  return edges;
+}
+
+MatrixXd self_matrix(const std::vector<Face>& faces, const Vector3d& half_sides, int functions) {
+  if (faces.size() == 1)
+    return self_table(faces[0].edge, functions)
+        .matrix(functions, functions, faces[0].half_u, faces[0].half_v);
+  std::array<FaceFunctions, box_faces> all{};
+  all.fill({functions, functions});
+  return box_matrix(half_sides, all);
+}
+
+/// Columns of whole blocks.
+std::vector<float> stored(const MatrixXd& matrix) {
+  const auto rows = static_cast<std::size_t>(matrix.rows());
+  const auto padded = static_cast<std::size_t>(whole_blocks(matrix.rows()));
+  std::vector<float> result(padded * static_cast<std::size_t>(matrix.cols()) + node_block, 0.0F);
+  for (std::size_t column = 0; column < static_cast<std::size_t>(matrix.cols()); ++column)
+    for (std::size_t row = 0; row < rows; ++row)
+      result[column * padded + row] =
+          static_cast<float>(matrix(static_cast<Index>(row), static_cast<Index>(column)));
+  return result;
+}
+
+std::unique_ptr<PreparedLevel> prepare(const std::vector<Face>& faces, const Vector3d& half_sides,
+                                       int functions) {
+  const MatrixXd self = self_matrix(faces, half_sides, functions);
+  const Index count = self.rows();
+  const MatrixXd inverse = self.llt().solve(MatrixXd::Identity(count, count));
+  VectorXd net = VectorXd::Zero(count);
+  const double net_charge = weighted_polynomials(faces[0].edge).net_charge();
+  std::vector<int> highest;
+  const int kept = coarse_functions(functions);
+  for (Index k = 0; k < count; ++k) {
+    const int in_face = static_cast<int>(k) % (functions * functions);
+    if (in_face == 0)
+      net[k] = net_charge * net_charge;
+    if (in_face / functions >= kept || in_face % functions >= kept)
+      highest.push_back(static_cast<int>(k));
+  }
+  const VectorXd charge = inverse * net;
+  const double root = std::sqrt(net.dot(charge));
+  const auto high = static_cast<Index>(highest.size());
+  MatrixXd block(high, high);
+  for (Index row = 0; row < high; ++row)
+    for (Index column = 0; column < high; ++column)
+      block(row, column) =
+          inverse(highest[static_cast<std::size_t>(row)], highest[static_cast<std::size_t>(column)]);
+  return std::make_unique<PreparedLevel>(PreparedLevel{
+      functions, count, whole_blocks(count), stored(inverse), stored(net), stored(charge / root),
+      stored(net / root), root, highest, stored(block.llt().solve(MatrixXd::Identity(high, high)))});
+}
+
+}  // namespace
+
+int functions_of_level(int level) {
+  return level_functions[static_cast<std::size_t>(level)];
+}
+
+PreparedShape::PreparedShape(std::vector<Face> faces, Vector3d half_sides)
+    : faces_(std::move(faces)), half_sides_(std::move(half_sides)), levels_(levels) {
+  edges_ = edges_of(faces_, half_sides_);
+  std::vector<Vector3d> points;
+  for (const auto& [from, to] : edges_)
+    for (int k = 0; k < edge_parts; ++k)
+      points.emplace_back(from + (to - from) * k / edge_parts);
+  edge_point_count_ = static_cast<std::ptrdiff_t>(points.size());
+  points.resize(static_cast<std::size_t>(whole_blocks(edge_point_count_)), points.back());
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const Vector3d& point : points)
+      edge_points_[axis].push_back(static_cast<float>(point[static_cast<Index>(axis)]));
+}
+
+NodePoints PreparedShape::edge_points() const {
+  return {edge_points_[0].data(), edge_points_[1].data(), edge_points_[2].data(), edge_point_count_};
+}
+
+const PreparedLevel& PreparedShape::level(int index) {
+  std::unique_ptr<PreparedLevel>& wanted = levels_[static_cast<std::size_t>(index)];
+  if (!wanted)
+    wanted = prepare(faces_, half_sides_, functions_of_level(index));
+  return *wanted;
+}
+
+}  // namespace fringe::detail

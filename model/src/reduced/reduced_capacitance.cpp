@@ -1,0 +1,404 @@
+#include "fringe/reduced_capacitance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "../boundary/charged_bodies.hpp"
+#include "../boundary/matrix_changes.hpp"
+#include "../collision/quick_search.hpp"
+#include "../link_motion.hpp"
+#include "fringe/capacitance.hpp"
+#include "fringe/error.hpp"
+#include "reduced_system.hpp"
+
+namespace fringe {
+namespace {
+
+using detail::BodySmoothness;
+using detail::ChargedBodies;
+using detail::ChargedBody;
+using detail::Face;
+using detail::PlacedBody;
+using detail::PreparedShape;
+using detail::ReducedSolution;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double strictest_reduced_rtol = 1e-4;
+constexpr double loosest_reduced_rtol = 0.5;
+
+constexpr std::array<double, most_reduced_steps> rtols{1e-2, 1e-3, 3e-4};
+
+/// The error by what the highest functions added, which is estimated from each body alone and somewhat too
+/// much; in random poses 1.13 times it was met once, mostly a quarter.
+constexpr double error_per_resolution = 1.25;
+
+/// Parts of the error that is asked for.
+constexpr double truncation_share = 0.3;
+constexpr double quadrature_share = 0.3;
+
+/// As many steps more than asked as near contact needs.
+constexpr int most_steps = 12;
+
+double rtol_or_default(const ReducedOptions& options) {
+  return options.rtol.value_or(rtols[static_cast<std::size_t>(options.steps - 1)]);
+}
+
+void validate_options(const ReducedOptions& options) {
+  if (options.steps < 1 || options.steps > most_reduced_steps)
+    throw InputError(fmt::format("{} reduced steps must be from 1 to {}", options.steps, most_reduced_steps));
+  const double rtol = rtol_or_default(options);
+  if (!(rtol >= strictest_reduced_rtol && rtol <= loosest_reduced_rtol))
+    throw InputError(
+        fmt::format("rtol {} must be from {} to {}", rtol, strictest_reduced_rtol, loosest_reduced_rtol));
+}
+
+/// A body in the frame of its link, as the shape it shares with others of its kind.
+struct RigidBody {
+  PreparedShape* shape;
+  double scale;
+  Eigen::Isometry3d on_link;
+};
+
+Vector3d half_sides_of(const ChargedBody& body) {
+  return body.faces.size() == 1 ? Vector3d(body.faces[0].half_u, body.faces[0].half_v, 0) : body.half_sides;
+}
+
+Eigen::Isometry3d frame_of(const ChargedBody& body) {
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+  if (body.faces.size() == 1) {
+    const Face& face = body.faces[0];
+    frame.linear() << face.axis_u, face.axis_v, face.axis_u.cross(face.axis_v);
+    frame.translation() = face.centre;
+    return frame;
+  }
+  // The faces −x and −z, as faces_of_box has them.
+  frame.linear() << body.faces[4].axis_u, body.faces[0].axis_u, body.faces[0].axis_v;
+  frame.translation() = (body.faces[0].centre + body.faces[1].centre) / 2;
+  return frame;
+}
+
+std::vector<Face> faces_of(std::size_t count, const Vector3d& half_sides) {
+  if (count == 1)
+    return {{Vector3d::Zero(), Vector3d::UnitX(), Vector3d::UnitY(), half_sides.x(), half_sides.y(),
+             detail::EdgeKind::thin}};
+  const auto faces = detail::faces_of_box(half_sides);
+  return {faces.begin(), faces.end()};
+}
+
+/// Shapes by their proportions.
+class Shapes {
+ public:
+  PreparedShape* find(std::size_t faces, const Vector3d& half_sides) {
+    for (const auto& shape : shapes_)
+      if (shape->faces().size() == faces && shape->half_sides() == half_sides)
+        return shape.get();
+    shapes_.push_back(std::make_unique<PreparedShape>(faces_of(faces, half_sides), half_sides));
+    return shapes_.back().get();
+  }
+
+ private:
+  std::vector<std::unique_ptr<PreparedShape>> shapes_;
+};
+
+}  // namespace
+
+double rtol_of(const ReducedOptions& options) {
+  validate_options(options);
+  return rtol_or_default(options);
+}
+
+std::optional<int> parse_reduced_steps(std::string_view text) {
+  constexpr std::string_view name = "reduced:";
+  if (!text.starts_with(name))
+    return std::nullopt;
+  text.remove_prefix(name.size());
+  int steps = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), steps);
+  if (error != std::errc{} || end != text.data() + text.size() || steps < 1 || steps > most_reduced_steps)
+    throw InputError(fmt::format("method 'reduced:{}' is not known: it must be reduced:K (K from 1 to {})",
+                                 text, most_reduced_steps));
+  return steps;
+}
+
+class ReducedEvaluator::Implementation {
+ public:
+  Implementation(const Scene& scene, const ReducedOptions& options)
+      : options_(options), rtol_(rtol_of(options)), motion_(scene.links) {
+    if (scene.has_room)
+      throw InputError("room: boundary elements know only free space");
+    bodies_ = detail::bodies_on_links(scene);
+    const std::size_t rows = bodies_.names.size() - bodies_.floating;
+    if (rows == 0)
+      throw InputError("the scene has neither a sensor nor a grounded object");
+    answer_.conductors.assign(bodies_.names.begin(),
+                              bodies_.names.begin() + static_cast<std::ptrdiff_t>(rows));
+    answer_.floating.assign(bodies_.names.begin() + static_cast<std::ptrdiff_t>(rows), bodies_.names.end());
+    answer_.sensors = bodies_.sensors;
+    answer_.lower_bounds.assign(rows, false);
+    factor_ = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
+
+    double largest = 0;
+    for (const ChargedBody& body : bodies_.bodies)
+      largest = std::max(largest, half_sides_of(body).maxCoeff());
+    // A power of two: what is computed in it is what would be computed in metres.
+    unit_ = std::exp2(std::ilogb(largest));
+    std::vector<detail::ReducedBody> reduced;
+    for (const ChargedBody& body : bodies_.bodies) {
+      const Vector3d half_sides = half_sides_of(body);
+      const double scale = half_sides.maxCoeff();
+      rigid_.push_back({shapes_.find(body.faces.size(), half_sides / scale), scale / unit_, frame_of(body)});
+      reduced.push_back({rigid_.back().shape, rigid_.back().scale, body.conductor, 0});
+    }
+    const std::size_t count = rigid_.size();
+    placed_.resize(count);
+    smoothness_.resize(count * count);
+    functions_.resize(count * count, {0, 0});
+    system_.emplace(std::move(reduced), bodies_.sensors, bodies_.names.size());
+  }
+
+  void set_pose(std::string_view link, const Eigen::Isometry3d& pose) { motion_.set_pose(link, pose); }
+
+  const MaxwellMatrix& maxwell() {
+    motion_.update();
+    place();
+    double digits = first_digits();
+    choose_levels();
+    while (true) {
+      lay_nodes(digits);
+      const detail::ReductionLimits limits{options_.steps, most_steps, truncation_share * rtol_};
+      const ReducedSolution& solution = system_->solve(limits);
+      if (!solution.positive_definite) {
+        if (digits >= most_digits) {
+          tell_nothing();
+          break;
+        }
+        digits = most_digits;
+        continue;
+      }
+      tell(solution);
+      if (answer_.reached)
+        break;
+      const double more_digits = missing_digits(solution);
+      const bool tightened = more_digits > 0 && digits < most_digits;
+      if (tightened)
+        digits = std::min(digits + more_digits, most_digits);
+      if (!raise_levels(solution) && !tightened)
+        break;
+    }
+    motion_.settle();
+    known_ = true;
+    return answer_;
+  }
+
+ private:
+  /// More than single precision can use.
+  static constexpr double most_digits = 16;
+
+  /// Of the inner quadrature; the outer takes half.
+  double first_digits() const { return std::max(6 - 2 * std::log10(rtol_ / 1e-3), 3.0); }
+
+  bool moved(std::size_t a, std::size_t b) const {
+    return !known_ || !motion_.rigid(bodies_.bodies[a].link, bodies_.bodies[b].link);
+  }
+
+  /// Brings the bodies to where they are; throws InputError for two that touch.
+  void place() {
+    for (std::size_t k = 0; k < rigid_.size(); ++k) {
+      const Eigen::Isometry3d pose = motion_.world_pose(bodies_.bodies[k].link) * rigid_[k].on_link;
+      if (!pose.matrix().allFinite())
+        throw InputError(fmt::format("{}: its pose is not finite", bodies_.bodies[k].name));
+      placed_[k] = {rigid_[k].shape, rigid_[k].scale, pose.translation() / unit_, pose.linear()};
+    }
+    for (std::size_t a = 0; a < rigid_.size(); ++a)
+      for (std::size_t b = a + 1; b < rigid_.size(); ++b) {
+        if (!moved(a, b))
+          continue;
+        const double gap = gap_or_refusal(a, b);
+        const detail::PairSmoothness smoothness = detail::smoothness(placed_[a], placed_[b], gap);
+        smoothness_[pair(a, b)] = smoothness.a;
+        smoothness_[pair(b, a)] = smoothness.b;
+        functions_[pair(a, b)] = {0, 0};
+      }
+  }
+
+  /// How far two bodies are apart at least; throws InputError if they touch.
+  double gap_or_refusal(std::size_t a, std::size_t b) {
+    /// Where rounding may hide a contact, the exact test decides.
+    constexpr double surely_apart = 1e-9;
+    const auto box_of = [&](const PlacedBody& body) {
+      detail::BoxNumbers box{};
+      for (Index row = 0; row < 3; ++row) {
+        box.centre[row] = body.centre[row];
+        box.half_widths[row] = body.scale * body.shape->half_sides()[row];
+        for (Index axis = 0; axis < 3; ++axis)
+          box.axes[3 * row + axis] = body.axes(row, axis);
+      }
+      return box;
+    };
+    const double gap = detail::best_search().box_gap(box_of(placed_[a]), box_of(placed_[b]));
+    if (!(gap > surely_apart))
+      detail::refuse_contact(detail::moved(bodies_.bodies[a], motion_.world_pose(bodies_.bodies[a].link)),
+                             detail::moved(bodies_.bodies[b], motion_.world_pose(bodies_.bodies[b].link)));
+    return std::max(gap, 0.0);
+  }
+
+  std::size_t pair(std::size_t a, std::size_t b) const { return a * rigid_.size() + b; }
+
+  /// As many functions as the others' nearness will ask for, by a rule that needs not be right: the error
+  /// that is found decides.
+  void choose_levels() {
+    const double asked = rtol_ > 3e-3 ? 1 : 2;
+    const int first = rtol_ > 3e-3 ? 0 : 1;
+    for (std::size_t a = 0; a < rigid_.size(); ++a) {
+      int level = first;
+      // More functions on all six faces are for the error to ask for.
+      const bool is_plate = rigid_[a].shape->faces().size() == 1;
+      for (std::size_t b = 0; b < rigid_.size(); ++b)
+        if (a != b && is_plate) {
+          const double wanted =
+              1 + asked / detail::least(smoothness_[pair(a, b)], rigid_[a].shape->faces().size());
+          while (level + 1 < most_levels(a) && detail::functions_of_level(level) < wanted)
+            ++level;
+        }
+      system_->bodies()[a].level = level;
+    }
+  }
+
+  /// Beyond, a box takes too long to prepare.
+  int most_levels(std::size_t body) const {
+    return rigid_[body].shape->faces().size() == 1 ? PreparedShape::levels : PreparedShape::levels - 1;
+  }
+
+  bool raise_levels(const ReducedSolution& solution) {
+    bool raised = false;
+    const double share = rtol_ / (2 * error_per_resolution * static_cast<double>(rigid_.size()));
+    for (std::size_t k = 0; k < rigid_.size(); ++k) {
+      int& level = system_->bodies()[k].level;
+      if (solution.body_resolution[static_cast<Index>(k)] <= share || level + 1 >= most_levels(k))
+        continue;
+      ++level;
+      raised = true;
+    }
+    return raised;
+  }
+
+  /// What the quadratures lack to take no more than their part of the error.
+  double missing_digits(const ReducedSolution& solution) {
+    for (std::size_t a = 0; a < rigid_.size(); ++a)
+      for (std::size_t b = a + 1; b < rigid_.size(); ++b)
+        if (system_->pair(a, b).is_cut_short())
+          return 0;
+    const Index rows = answer_.values.rows();
+    const double excess = (solution.quadrature.topLeftCorner(rows, rows).array() * factor_ * unit_ /
+                           answer_.values.array().abs())
+                              .maxCoeff() /
+                          (quadrature_share * rtol_);
+    return excess > 1 ? std::log(excess) + 0.5 : 0;
+  }
+
+  void lay_nodes(double digits) {
+    for (std::size_t a = 0; a < rigid_.size(); ++a)
+      for (std::size_t b = a + 1; b < rigid_.size(); ++b) {
+        const int of_a = detail::functions_of_level(system_->bodies()[a].level);
+        const int of_b = detail::functions_of_level(system_->bodies()[b].level);
+        const std::array<int, 2> functions{of_a, of_b};
+        if (functions_[pair(a, b)] == functions && digits == digits_)
+          continue;
+        functions_[pair(a, b)] = functions;
+        system_->pair(a, b).place(placed_[a], smoothness_[pair(a, b)], of_a, placed_[b],
+                                  smoothness_[pair(b, a)], of_b, {digits / 2, digits});
+      }
+    digits_ = digits;
+  }
+
+  void tell(const ReducedSolution& solution) {
+    const MatrixXd fine = detail::without_floating(solution.values, bodies_.floating);
+    const MatrixXd stepped =
+        detail::without_floating(solution.values - solution.truncation, bodies_.floating);
+    const MatrixXd resolved =
+        detail::without_floating(solution.values - solution.resolution, bodies_.floating);
+    const Index rows = fine.rows(), sensors = static_cast<Index>(answer_.sensors);
+    const auto quadrature = solution.quadrature.topLeftCorner(rows, rows);
+    answer_.values = fine;
+    answer_.errors = solution.truncation_left * detail::changes(fine, stepped) +
+                     error_per_resolution * detail::changes(fine, resolved) + quadrature;
+    answer_.reached = (answer_.errors.array() <= rtol_ * fine.array().abs()).all();
+    answer_.delta_self.resize(sensors);
+    answer_.delta_self_errors.resize(sensors);
+    for (Index s = 0; s < sensors; ++s) {
+      // What floating conductors change is not in the difference that is known without cancellation.
+      const double floating = solution.values(s, s) - fine(s, s);
+      answer_.delta_self[s] = solution.delta_self[s] - floating;
+      const double relative = solution.resolution(s, s) / solution.values(s, s);
+      answer_.delta_self_errors[s] =
+          solution.truncation_left * solution.delta_truncation[s] +
+          error_per_resolution *
+              (solution.delta_resolution[s] + relative * (solution.delta_self[s] + floating)) +
+          quadrature(s, s) + std::numeric_limits<float>::epsilon() * std::abs(floating);
+    }
+    answer_.unknowns = solution.vectors;
+    answer_.values *= factor_ * unit_;
+    answer_.errors *= factor_ * unit_;
+    answer_.delta_self *= factor_ * unit_;
+    answer_.delta_self_errors *= factor_ * unit_;
+  }
+
+  /// An answer that is none.
+  void tell_nothing() {
+    const auto rows = static_cast<Index>(answer_.conductors.size());
+    const auto sensors = static_cast<Index>(answer_.sensors);
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    answer_.values = MatrixXd::Zero(rows, rows);
+    answer_.errors = MatrixXd::Constant(rows, rows, infinite);
+    answer_.delta_self = VectorXd::Zero(sensors);
+    answer_.delta_self_errors = VectorXd::Constant(sensors, infinite);
+    answer_.reached = false;
+    answer_.unknowns = 0;
+  }
+
+  ReducedOptions options_;
+  double rtol_;
+  detail::LinkMotion motion_;
+  ChargedBodies bodies_;
+  double unit_ = 1;  ///< of length, in metres
+  double factor_ = 1;
+  Shapes shapes_;
+  std::vector<RigidBody> rigid_;
+  std::vector<PlacedBody> placed_;
+  std::vector<BodySmoothness> smoothness_;     ///< of every body as seen by every other
+  std::vector<std::array<int, 2>> functions_;  ///< that the pairs' nodes are for; 0: there are none
+  double digits_ = 0;
+  bool known_ = false;  ///< whether there was an answer before
+  std::optional<detail::ReducedSystem> system_;
+  MaxwellMatrix answer_;
+};
+
+ReducedEvaluator::ReducedEvaluator(const Scene& scene, const ReducedOptions& options)
+    : implementation_(std::make_unique<Implementation>(scene, options)) {}
+ReducedEvaluator::~ReducedEvaluator() = default;
+ReducedEvaluator::ReducedEvaluator(ReducedEvaluator&&) noexcept = default;
+ReducedEvaluator& ReducedEvaluator::operator=(ReducedEvaluator&&) noexcept = default;
+
+void ReducedEvaluator::set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
+  implementation_->set_pose(link, pose);
+}
+
+const MaxwellMatrix& ReducedEvaluator::maxwell() {
+  return implementation_->maxwell();
+}
+
+MaxwellMatrix reduced_capacitance(const Scene& scene, const ReducedOptions& options) {
+  return ReducedEvaluator(scene, options).maxwell();
+}
+
+}  // namespace fringe

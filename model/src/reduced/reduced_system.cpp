@@ -1,0 +1,401 @@
+#include "reduced_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+/// A vector of which less is left when the others are taken out, squared, is taken for rounding.
+constexpr double dependent = 1e-6;
+
+/// Steps end where a further one would change a capacitance by less than single precision knows.
+constexpr double nothing = 1e-12;
+
+constexpr std::size_t slots_in_block = 64;
+
+/// How many times one vector is another; 0 if it is none, to single precision.
+double parallel(const float* vector, const float* other, std::ptrdiff_t padded) {
+  /// The square of the sine of the angle.
+  constexpr double nearly = 1e-8;
+  const NodeKernels& kernels = best_node_kernels();
+  const double square = kernels.dot(vector, vector, padded), product = kernels.dot(vector, other, padded);
+  const double other_square = kernels.dot(other, other, padded);
+  return product * product >= (1 - nearly) * square * other_square && square > 0 ? product / square : 0;
+}
+
+Index signed_of(std::size_t k) {
+  return static_cast<Index>(k);
+}
+
+}  // namespace
+
+ReducedSystem::ReducedSystem(std::vector<ReducedBody> bodies, std::size_t sensors, std::size_t conductors)
+    : bodies_(std::move(bodies)), sensors_(sensors), conductors_(conductors),
+      pairs_(bodies_.size() * bodies_.size()) {
+  while (sensor_bodies_ < bodies_.size() && bodies_[sensor_bodies_].conductor < sensors)
+    ++sensor_bodies_;
+}
+
+float* ReducedSystem::slot() {
+  const std::size_t block = slots_used_ / slots_in_block, at = slots_used_ % slots_in_block;
+  if (block == blocks_.size())
+    blocks_.push_back(std::make_unique<float[]>(slots_in_block * slot_size_));
+  ++slots_used_;
+  return blocks_[block].get() + at * slot_size_;
+}
+
+void ReducedSystem::begin() {
+  std::size_t size = 0;
+  for (std::size_t body = 0; body < bodies_.size(); ++body)
+    size = std::max(size, static_cast<std::size_t>(level(body).padded + 2 * node_block));
+  if (size > slot_size_) {
+    slot_size_ = size;
+    blocks_.clear();
+  }
+  slots_used_ = 0;
+  used_ = extended_ = 0;
+  equilibria_.clear();
+  positive_definite_ = true;
+  factor_.clear();
+  residuals_.resize(bodies_.size() * conductors_);
+  corrections_.resize(bodies_.size() * conductors_);
+  for (std::size_t k = 0; k < residuals_.size(); ++k) {
+    residuals_[k] = slot();
+    corrections_[k] = slot();
+  }
+}
+
+ReducedSystem::Vector& ReducedSystem::new_vector(std::size_t body) {
+  if (used_ == vectors_.size())
+    vectors_.emplace_back();
+  Vector& vector = vectors_[used_++];
+  vector.body = body;
+  vector.charge = slot();
+  vector.moments = slot();
+  vector.potentials.assign(bodies_.size(), nullptr);
+  return vector;
+}
+
+/// What a body's vectors have of a charge.
+void ReducedSystem::take_out(std::size_t body, float* charge, float* moments) {
+  const NodeKernels& kernels = best_node_kernels();
+  const std::ptrdiff_t padded = level(body).padded;
+  for (std::size_t k = 0; k < used_; ++k) {
+    if (vectors_[k].body != body)
+      continue;
+    const float part = -kernels.dot(charge, vectors_[k].moments, padded);
+    kernels.add(part, vectors_[k].charge, charge, padded);
+    kernels.add(part, vectors_[k].moments, moments, padded);
+  }
+}
+
+void ReducedSystem::add_equilibrium(std::size_t body) {
+  const PreparedLevel& prepared = level(body);
+  const double root = std::sqrt(bodies_[body].scale);
+  equilibria_.push_back(used_);
+  Vector& vector = new_vector(body);
+  for (std::ptrdiff_t k = 0; k < prepared.padded; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    vector.charge[k] = static_cast<float>(root) * prepared.equilibrium[at];
+    vector.moments[k] = static_cast<float>(1 / root) * prepared.potential[at];
+  }
+  vector.net = root * prepared.root;
+}
+
+/// The potentials of all vectors on the first bodies, as far as they are not known.
+void ReducedSystem::exchange(std::size_t active) {
+  float* const zero = slot();
+  std::fill(zero, zero + slot_size_, 0.0F);
+  std::vector<std::size_t> of_a, of_b;
+  for (std::size_t a = 0; a < active; ++a)
+    for (std::size_t b = a + 1; b < active; ++b) {
+      of_a.clear();
+      of_b.clear();
+      for (std::size_t k = 0; k < used_; ++k) {
+        if (vectors_[k].body == a && vectors_[k].potentials[b] == nullptr)
+          of_a.push_back(k);
+        if (vectors_[k].body == b && vectors_[k].potentials[a] == nullptr)
+          of_b.push_back(k);
+      }
+      for (std::size_t k = 0; k < std::max(of_a.size(), of_b.size()); ++k) {
+        float *on_a = slot(), *on_b = slot();
+        pair(a, b).potentials(k < of_a.size() ? vectors_[of_a[k]].charge : zero,
+                              k < of_b.size() ? vectors_[of_b[k]].charge : zero, on_a, on_b);
+        if (k < of_a.size())
+          vectors_[of_a[k]].potentials[b] = on_b;
+        if (k < of_b.size())
+          vectors_[of_b[k]].potentials[a] = on_a;
+      }
+    }
+}
+
+/// Rows of the factor for the vectors that it has not yet.
+void ReducedSystem::extend() {
+  const NodeKernels& kernels = best_node_kernels();
+  if (net_.rows() < signed_of(used_))
+    net_.conservativeResize(2 * signed_of(used_), signed_of(conductors_));
+  for (; extended_ < used_; ++extended_) {
+    const Vector& vector = vectors_[extended_];
+    const std::size_t start = factor_.size();
+    factor_.resize(start + extended_ + 1);
+    double* const row = factor_.data() + start;
+    double square = 1;
+    for (std::size_t k = 0; k < extended_; ++k) {
+      const Vector& other = vectors_[k];
+      double value = other.body == vector.body ? 0
+                                               : kernels.dot(vector.charge, other.potentials[vector.body],
+                                                             level(vector.body).padded);
+      const double* const other_row = factor_.data() + k * (k + 1) / 2;
+      for (std::size_t l = 0; l < k; ++l)
+        value -= row[l] * other_row[l];
+      row[k] = value / other_row[k];
+      square -= row[k] * row[k];
+    }
+    if (!(square > dependent * dependent)) {
+      positive_definite_ = false;
+      return;
+    }
+    row[extended_] = std::sqrt(square);
+    const auto at = signed_of(extended_);
+    for (std::size_t c = 0; c < conductors_; ++c) {
+      double value = bodies_[vector.body].conductor == c ? vector.net : 0;
+      for (std::size_t k = 0; k < extended_; ++k)
+        value -= row[k] * net_(signed_of(k), signed_of(c));
+      net_(at, signed_of(c)) = value / row[extended_];
+    }
+  }
+}
+
+void ReducedSystem::find_charges(std::size_t conductors) {
+  if (charges_.rows() < signed_of(used_))
+    charges_.resize(2 * signed_of(used_), signed_of(conductors_));
+  for (std::size_t c = 0; c < conductors; ++c)
+    for (std::size_t k = extended_; k-- > 0;) {
+      double value = net_(signed_of(k), signed_of(c));
+      for (std::size_t l = k + 1; l < extended_; ++l)
+        value -= factor_[l * (l + 1) / 2 + k] * charges_(signed_of(l), signed_of(c));
+      charges_(signed_of(k), signed_of(c)) = value / factor_[k * (k + 1) / 2 + k];
+    }
+}
+
+void ReducedSystem::find_residuals(std::size_t active, std::size_t conductors) {
+  const NodeKernels& kernels = best_node_kernels();
+  solution_.truncation.setZero(signed_of(conductors_), signed_of(conductors_));
+  for (std::size_t body = 0; body < active; ++body) {
+    const PreparedLevel& prepared = level(body);
+    const auto scale = static_cast<float>(bodies_[body].scale);
+    for (std::size_t c = 0; c < conductors; ++c) {
+      float* const residual = residuals_[body * conductors_ + c];
+      float* const correction = corrections_[body * conductors_ + c];
+      if (bodies_[body].conductor == c)
+        std::copy_n(prepared.net.begin(), prepared.padded, residual);
+      else
+        std::fill_n(residual, prepared.padded, 0.0F);
+      for (std::size_t k = 0; k < extended_; ++k) {
+        const Vector& vector = vectors_[k];
+        kernels.add(-static_cast<float>(charges_(signed_of(k), signed_of(c))),
+                    vector.body == body ? vector.moments : vector.potentials[body], residual,
+                    prepared.padded);
+      }
+      const double multiple =
+          c == 0 ? 0 : parallel(residuals_[body * conductors_], residual, prepared.padded);
+      if (multiple != 0) {
+        std::fill_n(correction, prepared.padded, 0.0F);
+        kernels.add(static_cast<float>(multiple), corrections_[body * conductors_], correction,
+                    prepared.padded);
+      } else {
+        kernels.multiply(prepared.inverse.data(), prepared.count, residual, correction);
+        for (std::ptrdiff_t k = 0; k < prepared.padded; ++k)
+          correction[k] *= scale;
+      }
+      for (std::size_t d = 0; d <= c; ++d) {
+        const double change = kernels.dot(residuals_[body * conductors_ + d], correction, prepared.padded);
+        solution_.truncation(signed_of(c), signed_of(d)) += change;
+        if (d != c)
+          solution_.truncation(signed_of(d), signed_of(c)) += change;
+      }
+    }
+  }
+}
+
+/// New vectors from the corrections; false when none has anything new.
+bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
+  const NodeKernels& kernels = best_node_kernels();
+  bool added = false;
+  for (std::size_t body = 0; body < active; ++body) {
+    const std::ptrdiff_t padded = level(body).padded;
+    for (std::size_t c = 0; c < conductors; ++c) {
+      float* const charge = corrections_[body * conductors_ + c];
+      float* const moments = residuals_[body * conductors_ + c];
+      const double before = kernels.dot(charge, moments, padded);
+      const double self = net_.col(signed_of(c)).head(signed_of(extended_)).squaredNorm();
+      if (!(before > nothing * self))
+        continue;
+      take_out(body, charge, moments);
+      const double left = kernels.dot(charge, moments, padded);
+      if (!(left > dependent * before))
+        continue;
+      const auto factor = static_cast<float>(1 / std::sqrt(left));
+      for (std::ptrdiff_t k = 0; k < padded; ++k) {
+        charge[k] *= factor;
+        moments[k] *= factor;
+      }
+      // Of a small vector the first pass leaves what was rounded.
+      take_out(body, charge, moments);
+      Vector& vector = new_vector(body);
+      std::copy_n(charge, padded, vector.charge);
+      std::copy_n(moments, padded, vector.moments);
+      vector.net = kernels.dot(vector.charge, level(body).net.data(), padded);
+      added = true;
+    }
+  }
+  return added;
+}
+
+void ReducedSystem::iterate(const ReductionLimits& limits, std::size_t active, std::size_t conductors) {
+  for (int steps = 0;; ++steps) {
+    exchange(active);
+    extend();
+    if (!positive_definite_)
+      return;
+    if (steps == 0)
+      judge_truncation();
+    find_charges(conductors);
+    find_residuals(active, conductors);
+    if (steps >= limits.most_steps)
+      return;
+    const auto size = signed_of(conductors);
+    const auto found = net_.topLeftCorner(signed_of(extended_), size);
+    const bool enough =
+        steps >= limits.least_steps &&
+        (solution_.truncation_left * solution_.truncation.topLeftCorner(size, size).array().abs() <=
+         limits.accuracy * (found.transpose() * found).array().abs())
+            .all();
+    if (enough || !add_residuals(active, conductors))
+      return;
+  }
+}
+
+/// The potential of one body's first vector felt by another's: 1 for bodies that are one.
+double ReducedSystem::coupling(std::size_t first, std::size_t second) const {
+  const std::size_t body = vectors_[first].body;
+  return std::abs(best_node_kernels().dot(vectors_[first].charge, vectors_[second].potentials[body],
+                                          bodies_[body].shape->level(bodies_[body].level).padded));
+}
+
+/// Residuals answered by each body alone leave what the bodies' coupling makes of them: the share r/(1 − r)
+/// of their coupling r, which is far below that of the charges at equilibrium, as they oscillate. Between
+/// squares at a fiftieth to a twenty-fifth of their side half of `per_coupling` was met.
+void ReducedSystem::judge_truncation() {
+  constexpr double least = 0.3;
+  constexpr double per_coupling = 0.04;
+  double strongest = 0;
+  for (const std::size_t first : equilibria_)
+    for (const std::size_t second : equilibria_)
+      if (vectors_[first].body != vectors_[second].body)
+        strongest = std::max(strongest, coupling(first, second));
+  solution_.truncation_left = std::max(least, per_coupling / (1 - std::min(strongest, 1 - dependent)));
+}
+
+/// What the highest functions of the first bodies hold, and of each body how much.
+MatrixXd ReducedSystem::resolution(std::size_t active, std::size_t conductors) {
+  const NodeKernels& kernels = best_node_kernels();
+  const auto size = signed_of(conductors);
+  MatrixXd result = MatrixXd::Zero(size, size);
+  const Eigen::VectorXd own = net_.topLeftCorner(signed_of(extended_), size).colwise().squaredNorm();
+  solution_.body_resolution.setZero(signed_of(bodies_.size()));
+  for (std::size_t body = 0; body < active; ++body) {
+    const PreparedLevel& prepared = level(body);
+    const auto count = signed_of(prepared.highest.size());
+    const auto padded = static_cast<std::size_t>(whole_blocks(count));
+    highest_.assign(conductors * padded, 0.0F);
+    stiff_.resize(padded);
+    for (std::size_t c = 0; c < conductors; ++c) {
+      float* const high = highest_.data() + c * padded;
+      for (std::size_t k = 0; k < extended_; ++k) {
+        if (vectors_[k].body != body)
+          continue;
+        const auto factor = static_cast<float>(charges_(signed_of(k), signed_of(c)));
+        for (std::size_t h = 0; h < prepared.highest.size(); ++h)
+          high[h] += factor * vectors_[k].charge[prepared.highest[h]];
+      }
+      kernels.multiply(prepared.stiffness.data(), count, high, stiff_.data());
+      for (std::size_t d = 0; d <= c; ++d) {
+        const double change =
+            kernels.dot(highest_.data() + d * padded, stiff_.data(), signed_of(padded)) / bodies_[body].scale;
+        result(signed_of(c), signed_of(d)) += change;
+        if (d != c)
+          result(signed_of(d), signed_of(c)) += change;
+        else
+          solution_.body_resolution[signed_of(body)] =
+              std::max(solution_.body_resolution[signed_of(body)], change / own[signed_of(c)]);
+      }
+    }
+  }
+  return result;
+}
+
+/// Each pair's relative error of what its bodies exchange; that is, at most, the geometric mean of their
+/// energies, times how much of the others' potential they feel.
+void ReducedSystem::estimate_quadrature() {
+  const auto size = signed_of(conductors_);
+  MatrixXd roots = MatrixXd::Zero(signed_of(bodies_.size()), size);
+  for (std::size_t k = 0; k < extended_; ++k)
+    roots.row(signed_of(vectors_[k].body)) += charges_.row(signed_of(k)).cwiseAbs2();
+  roots = roots.cwiseSqrt();
+  solution_.quadrature.setZero(size, size);
+  for (const std::size_t first : equilibria_)
+    for (const std::size_t second : equilibria_) {
+      const std::size_t a = vectors_[first].body, b = vectors_[second].body;
+      if (a == b)
+        continue;
+      solution_.quadrature += pair(std::min(a, b), std::max(a, b)).relative_error() *
+                              coupling(first, second) *
+                              (roots.row(signed_of(a)).transpose() * roots.row(signed_of(b)));
+    }
+}
+
+const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
+  const auto sensors = signed_of(sensors_);
+  begin();
+  for (std::size_t body = 0; body < sensor_bodies_; ++body)
+    add_equilibrium(body);
+  if (sensor_bodies_ > 0)
+    iterate(limits, sensor_bodies_, sensors_);
+  const auto alone = signed_of(extended_);
+  Eigen::VectorXd truncation_alone, resolution_alone;
+  if (positive_definite_ && sensor_bodies_ > 0) {
+    truncation_alone = solution_.truncation.diagonal().head(sensors);
+    resolution_alone = resolution(sensor_bodies_, sensors_).diagonal();
+  }
+  if (positive_definite_) {
+    for (std::size_t body = sensor_bodies_; body < bodies_.size(); ++body)
+      add_equilibrium(body);
+    iterate(limits, bodies_.size(), conductors_);
+  }
+  solution_.positive_definite = positive_definite_;
+  if (!positive_definite_)
+    return solution_;
+  const auto found = net_.topRows(signed_of(extended_));
+  solution_.values.noalias() = found.transpose() * found;
+  solution_.values += solution_.truncation;
+  solution_.resolution = resolution(bodies_.size(), conductors_);
+  if (sensor_bodies_ > 0) {
+    const Eigen::VectorXd truncation = solution_.truncation.diagonal().head(sensors);
+    solution_.delta_self =
+        found.bottomRows(signed_of(extended_) - alone).leftCols(sensors).colwise().squaredNorm();
+    solution_.delta_self += truncation - truncation_alone;
+    solution_.delta_truncation = truncation + truncation_alone;
+    solution_.delta_resolution =
+        (solution_.resolution.diagonal().head(sensors) - resolution_alone).cwiseAbs();
+  }
+  estimate_quadrature();
+  solution_.vectors = extended_;
+  return solution_;
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,80 @@
+/// What the reduced method refuses, and that the message says which element and why.
+
+#include <functional>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "boundary/scenes.hpp"
+#include "fringe/error.hpp"
+#include "fringe/reduced_capacitance.hpp"
+
+namespace fringe {
+namespace {
+
+using test::at;
+using test::object;
+using test::sensor;
+using test::square;
+using testing::HasSubstr;
+
+std::string refusal(const std::function<void(Scene&)>& change, const ReducedOptions& options = {}) {
+  Scene scene;
+  scene.sensors = {sensor("front", {square(0.1, 0)})};
+  scene.objects = {object("target", Plate{0.1, 0.1}, at(0, 0, 0.02))};
+  change(scene);
+  try {
+    reduced_capacitance(scene, options);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(ReducedRefusals, OtherShapesByName) {
+  EXPECT_THAT(refusal([](Scene& scene) {
+                scene.objects[0].shape = Sphere{0.01, 16};
+              }),
+              HasSubstr("object \"target\" is neither a plate nor a cuboid"));
+}
+
+TEST(ReducedRefusals, DielectricsAndRooms) {
+  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].role = Dielectric{3}; }),
+              HasSubstr("object \"target\" is dielectric"));
+  EXPECT_THAT(refusal([](Scene& scene) { scene.has_room = true; }), HasSubstr("room"));
+}
+
+TEST(ReducedRefusals, ConductorsThatTouchOrCrossByName) {
+  const auto named = HasSubstr("sensor \"front\" plates[0] and object \"target\" touch or cross");
+  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].pose = at(0.02, 0, 0); }), named);
+  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].pose = at(0.1, 0, 0); }), named);
+  EXPECT_THAT(refusal([](Scene& scene) {
+                scene.objects[0].pose = at(0, 0, 0.02);
+                scene.objects[0].pose.rotate(Eigen::AngleAxisd(1, Eigen::Vector3d::UnitX()));
+              }),
+              named);
+}
+
+TEST(ReducedRefusals, PosesThatAreNotFinite) {
+  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].pose = at(NAN, 0, 0); }),
+              HasSubstr("object \"target\": its pose is not finite"));
+}
+
+TEST(ReducedRefusals, OptionsOutOfRange) {
+  const auto same = [](Scene&) {};
+  EXPECT_THAT(refusal(same, {.steps = 0, .rtol = {}}), HasSubstr("0 reduced steps must be from 1 to 3"));
+  EXPECT_THAT(refusal(same, {.steps = 4, .rtol = {}}), HasSubstr("must be from 1 to 3"));
+  EXPECT_THAT(refusal(same, {.steps = 2, .rtol = 1e-5}), HasSubstr("rtol 1e-05 must be from 0.0001 to 0.5"));
+  EXPECT_THAT(refusal(same, {.steps = 2, .rtol = NAN}), HasSubstr("rtol nan must be from"));
+}
+
+TEST(ReducedRefusals, TextsThatAreNoSteps) {
+  EXPECT_EQ(parse_reduced_steps("reduced:2"), 2);
+  EXPECT_EQ(parse_reduced_steps("exact"), std::nullopt);
+  for (const char* text : {"reduced:", "reduced:0", "reduced:4", "reduced:2x", "reduced:-1"})
+    EXPECT_THROW(parse_reduced_steps(text), InputError) << text;
+}
+
+}  // namespace
+}  // namespace fringe

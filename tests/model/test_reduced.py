@@ -1,0 +1,126 @@
+"""The reduced method from outside: known set-ups, the command, the Python module and its prepared bodies."""
+
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.model.test_boundary_elements import SCENE, SET_UPS, scene_of
+
+fringe = pytest.importorskip("fringe")
+
+Command = Callable[..., "subprocess.CompletedProcess[str]"]
+
+RTOLS = {"reduced:1": 1e-2, "reduced:2": 1e-3, "reduced:3": 3e-4}
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    return path
+
+
+@pytest.mark.parametrize("case", SET_UPS, ids=lambda case: case["name"])
+def test_plates_against_another_boundary_element_method(case: dict[str, Any], tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(scene_of(case))
+    truth = 1e-12 * np.array(case["maxwell_pF"])
+    unsure = case["relative_error"] * np.abs(truth)
+    for method, rtol in RTOLS.items():
+        answer = fringe.Scene.load(path).maxwell(method=method)
+        difference = np.abs(answer["maxwell"] - truth)
+        assert answer["rtol"] == rtol
+        assert np.all(difference <= answer["error"] + unsure)
+        if answer["reached"]:
+            assert np.all(difference <= rtol * np.abs(truth) + unsure)
+
+
+def test_the_module_answers_like_the_command(fringe_command: Command, scene: Path) -> None:
+    done = fringe_command("capacitance", scene, "--method", "reduced:1", "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    answer = json.loads(done.stdout)
+    assert answer["options"] == {"method": "reduced:1", "rtol": 1e-2}
+    assert answer["conductors"] == ["front", "palm"] and answer["floating"] == ["foil"]
+    assert answer["lower_bounds"] == [False, False]
+    (sensor,) = answer["sensors"]
+    (palm,) = sensor["objects"]
+    assert palm["capacitance"] == -answer["maxwell"][0][1] and palm["error"] == answer["error"][0][1]
+    assert sensor["self"] == answer["maxwell"][0][0] and 0 < sensor["delta_self"] < sensor["self"]
+
+    same = fringe.Scene.load(scene).capacitance(method="reduced:1")
+    for key in ("options", "conductors", "floating", "reached", "sensors", "unknowns"):
+        assert same[key] == answer[key]
+    assert np.array_equal(fringe.Scene.load(scene).maxwell(method="reduced:1")["maxwell"], answer["maxwell"])
+
+
+def test_rtol_may_be_asked_for(scene: Path) -> None:
+    loaded = fringe.Scene.load(scene)
+    loose, strict = (loaded.maxwell(method="reduced:2", rtol=rtol) for rtol in (0.1, 5e-4))
+    assert strict["rtol"] == 5e-4 and np.max(strict["error"] / np.abs(strict["maxwell"])) <= 5e-4
+    assert loose["unknowns"] < strict["unknowns"] or np.all(loose["error"] > strict["error"])
+
+
+def test_what_is_prepared_serves_every_pose(scene: Path) -> None:
+    moving = fringe.Scene.load(scene)
+    moving.maxwell(method="reduced:2")
+    for height in (0.1, 0.02, 0.05):
+        moving.set_pose("hand", [0, 0, height], [1, 0, 0, 0])
+        fresh = fringe.Scene.load(scene)
+        fresh.set_pose("hand", [0, 0, height], [1, 0, 0, 0])
+        answer = moving.maxwell(method="reduced:2")
+        assert np.array_equal(answer["maxwell"], fresh.maxwell(method="reduced:2")["maxwell"])
+        truth = fresh.maxwell(rtol=1e-4)
+        assert np.all(np.abs(answer["maxwell"] - truth["maxwell"]) <= answer["error"] + truth["error"])
+
+
+def test_the_table_for_people(fringe_command: Command, scene: Path) -> None:
+    done = fringe_command("capacitance", scene, "--method", "reduced:2")
+    assert done.returncode == 0
+    for text in ("(reduced:2), pF", "±", "rtol 0.001 reached", "delta_self", "foil"):
+        assert text in done.stdout
+    assert "the truth" not in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (("--method", "reduced:4"), "it must be reduced:K (K from 1 to 3)"),
+        (("--method", "reduced:2", "--rtol", "1e-9"), "rtol 1e-09 must be from 0.0001 to 0.5"),
+        (("--method", "reduced:2", "--plates", "nearest"), "not of reduced:2"),
+    ],
+)
+def test_wrong_options_are_refused(
+    fringe_command: Command, scene: Path, arguments: tuple[str, ...], reason: str
+) -> None:
+    done = fringe_command("capacitance", scene, *arguments)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert reason in done.stderr
+
+
+def test_the_module_refuses_as_the_command_does(scene: Path) -> None:
+    with pytest.raises(fringe.InputError, match="K from 1 to 3"):
+        fringe.Scene.load(scene).maxwell(method="reduced:0")
+    with pytest.raises(fringe.InputError, match="'exact' is not known"):
+        fringe.Scene.load(scene).maxwell(method="exact")
+
+
+def test_other_shapes_are_refused_by_name(fringe_command: Command, tmp_path: Path) -> None:
+    path = tmp_path / "ball.toml"
+    path.write_text(SCENE.replace('"cuboid", size = [0.08, 0.1, 0.03]', '"sphere", radius = 0.02'))
+    done = fringe_command("capacitance", path, "--method", "reduced:2")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert 'object "palm" is neither a plate nor a cuboid' in done.stderr
+
+
+def test_near_contact_is_not_reached_status_3_and_answered(fringe_command: Command, tmp_path: Path) -> None:
+    path = tmp_path / "narrow.toml"
+    path.write_text(SCENE.replace("[0, 0, 0.05]", "[0, 0, 0.01501]"))
+    done = fringe_command("capacitance", path, "--method", "reduced:2", "--json")
+    assert done.returncode == 3 and "was not reached" in done.stderr
+    answer = json.loads(done.stdout)
+    assert not answer["reached"] and answer["error"][0][0] > 1e-3 * answer["maxwell"][0][0]
