@@ -50,13 +50,23 @@ CLI::App* add_command(CLI::App& program, Request& request, const std::string& na
   return command;
 }
 
+/// What an action answers; what it refuses is told with the name of the scene's file.
+template <typename Action>
+auto of_file(const std::string& file, const Action& action) {
+  try {
+    return action();
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", file, error.what()));
+  }
+}
+
 std::string answer_capacitance(const Request& request) {
   const CapacitanceOptions options{parse_method(request.method), parse_plate_rule(request.plates),
                                    parse_face_rule(request.faces), request.tolerance,
                                    parse_correction(request.correction)};
   const Scene scene = load_scene(request.scene);
   const auto start = std::chrono::steady_clock::now();
-  const SceneCapacitance answer = capacitance(scene, options);
+  const SceneCapacitance answer = of_file(request.scene, [&] { return capacitance(scene, options); });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   return request.json ? cli::capacitance_json(answer, options, elapsed.count())
                       : cli::capacitance_table(answer, options, elapsed.count());
@@ -72,9 +82,10 @@ struct MaxwellAnswer {
 MaxwellAnswer answer_maxwell(const Request& request, std::optional<int> reduced_steps) {
   const Scene scene = load_scene(request.scene);
   const auto start = std::chrono::steady_clock::now();
-  const MaxwellMatrix matrix =
-      reduced_steps ? reduced_capacitance(scene, {.steps = *reduced_steps, .rtol = request.rtol})
-                    : maxwell(scene, {.rtol = request.rtol});
+  const MaxwellMatrix matrix = of_file(request.scene, [&] {
+    return reduced_steps ? reduced_capacitance(scene, {.steps = *reduced_steps, .rtol = request.rtol})
+                         : maxwell(scene, {.rtol = request.rtol});
+  });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   const cli::MaxwellRequest asked{request.method, request.rtol};
   return {request.json ? cli::maxwell_json(scene, matrix, asked, elapsed.count())

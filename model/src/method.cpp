@@ -33,7 +33,8 @@ Method parse_method(std::string_view text) {
   if (const auto points = parameter(text, "gauss:", 1, most_gauss_points))
     return Gauss{*points};
   throw InputError(fmt::format(
-      "method '{}' is not known: it must be exact, split:N (N from 0 to {}) or gauss:K (K from 1 to {})",
+      "method '{}' is not known: it must be exact, split:N (N from 0 to {}) or gauss:K (K from 1 to {}); of "
+      "a whole scene also boundary-elements or reduced:K",
       text, most_split_levels, most_gauss_points));
 }
 

@@ -149,7 +149,7 @@ def test_other_shapes_are_refused_by_name(fringe_command: Command, tmp_path: Pat
     path.write_text(SCENE.replace('"cuboid", size = [0.08, 0.1, 0.03]', '"sphere", radius = 0.02'))
     done = fringe_command("capacitance", path, "--method", "boundary-elements")
     assert (done.returncode, done.stdout) == (2, "")
-    assert 'object "palm" is neither a plate nor a cuboid' in done.stderr
+    assert f'{path}: object "palm" is neither a plate nor a cuboid' in done.stderr
 
 
 def test_an_error_that_is_not_reached_is_status_3_and_answered(
