@@ -15,27 +15,12 @@ namespace fringe {
 namespace {
 
 using test::at;
-using test::object;
+using test::plate_above_sensor;
 using test::sensor;
-using test::square;
 using testing::HasSubstr;
 
-Scene plate_above_sensor() {
-  Scene scene;
-  scene.sensors = {sensor("front", {square(0.1, 0)})};
-  scene.objects = {object("target", Plate{0.1, 0.1}, at(0, 0, 0.02))};
-  return scene;
-}
-
 std::string refusal(const std::function<void(Scene&)>& change, const BoundaryElementOptions& options = {}) {
-  Scene scene = plate_above_sensor();
-  change(scene);
-  try {
-    maxwell(scene, options);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return test::refusal(change, [&](const Scene& scene) { maxwell(scene, options); });
 }
 
 TEST(BoundaryElementRefusals, OtherShapes) {

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include <Eigen/Geometry>
 
 #include "fringe/capacitance.hpp"
+#include "fringe/error.hpp"
 #include "fringe/scene.hpp"
 
 /// What the tests of boundary elements build their scenes with.
@@ -26,6 +28,26 @@ inline Object object(const std::string& name, const Shape& shape, const Eigen::I
 
 inline Eigen::Isometry3d at(double x, double y, double z) {
   return Eigen::Isometry3d(Eigen::Translation3d(x, y, z));
+}
+
+inline Scene plate_above_sensor() {
+  Scene scene;
+  scene.sensors = {sensor("front", {square(0.1, 0)})};
+  scene.objects = {object("target", Plate{0.1, 0.1}, at(0, 0, 0.02))};
+  return scene;
+}
+
+/// Why a solver refuses a changed plate_above_sensor; "accepted" if it does not.
+inline std::string refusal(const std::function<void(Scene&)>& change,
+                           const std::function<void(const Scene&)>& solve) {
+  Scene scene = plate_above_sensor();
+  change(scene);
+  try {
+    solve(scene);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
 }
 
 /// C/(4πε₀·length).

@@ -14,22 +14,10 @@ namespace fringe {
 namespace {
 
 using test::at;
-using test::object;
-using test::sensor;
-using test::square;
 using testing::HasSubstr;
 
 std::string refusal(const std::function<void(Scene&)>& change, const ReducedOptions& options = {}) {
-  Scene scene;
-  scene.sensors = {sensor("front", {square(0.1, 0)})};
-  scene.objects = {object("target", Plate{0.1, 0.1}, at(0, 0, 0.02))};
-  change(scene);
-  try {
-    reduced_capacitance(scene, options);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return test::refusal(change, [&](const Scene& scene) { reduced_capacitance(scene, options); });
 }
 
 TEST(ReducedRefusals, OtherShapesByName) {
