@@ -13,7 +13,7 @@ from analysis.corrections.estimates import Array, Errors, Estimates
 from analysis.corrections.gaussian_process import Discrepancy
 from analysis.corrections.set_ups import SetUp, set_ups
 
-_FORMULA = "formula"
+_FORMULA, _WITHOUT_CONSTANTS = "formula", "recommended"
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Evaluation:
     """One correction. `open_`: two thirds of the set-ups, on which constants were fitted; `sealed`: the others.
 
     `left_out`: each family with what was fitted to the open set-ups of the other families, all families together: the formula's
-    constants, else a factor.
+    constants, nothing of what has none and is right without, else a factor.
     """
 
     name: str
@@ -47,6 +47,7 @@ def evaluate(module: Any) -> Evaluated:
     left_out = {
         name: _factor_left_out(found.errors(name), families, found.sealed) for name in found.by_correction
     }
+    left_out[_WITHOUT_CONSTANTS] = found.errors(_WITHOUT_CONSTANTS)
     left_out[_FORMULA] = _formula_left_out(module, chosen, families, found.sealed)
     evaluations = tuple(_evaluation(found, name, left_out[name]) for name in found.by_correction)
     return Evaluated(found, evaluations, gaussian_process.discrepancy(found, _FORMULA))

@@ -2,12 +2,14 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "corrections/corrected_integral.hpp"
+#include "corrections/recommended.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
@@ -119,14 +121,22 @@ class SceneEvaluator::Implementation {
         throw InputError("an object without area has no charge to correct");
       charged_objects_.push_back(detail::make_charged_surface(object.surface.triangles));
     }
+    if (options.correction == Correction::recommended)
+      recommended_.emplace(scene);
   }
 
-  void set_pose(std::string_view link, const Eigen::Isometry3d& pose) { motion_.set_pose(link, pose); }
+  void set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
+    motion_.set_pose(link, pose);
+    if (recommended_)
+      recommended_->set_pose(link, pose);
+  }
 
   const SceneCapacitance& capacitance() {
     answer_.counts = {};
     motion_.update();
     place();
+    // In the Maxwell matrix every body matters to every pair.
+    all_moved_ = recommended_ && recommended_->update();
     for (std::size_t sensor = 0; sensor < sensors_.size(); ++sensor)
       evaluate(sensor);
     motion_.settle();
@@ -160,7 +170,7 @@ class SceneEvaluator::Implementation {
     const std::span<Pair> pairs = std::span(pairs_).subspan(sensor * objects_.size(), objects_.size());
     for (std::size_t object = 0; object < pairs.size(); ++object) {
       Pair& pair = pairs[object];
-      pair.known = pair.known && motion_.rigid(sensors_[sensor].link, objects_[object].link);
+      pair.known = pair.known && !all_moved_ && motion_.rigid(sensors_[sensor].link, objects_[object].link);
       if (!pair.known && lumps())
         pair.enclosure = detail::enclosure(objects_[object].surface, objects_[object].centroid,
                                            placed_sensors_[sensor].frames);
@@ -222,11 +232,19 @@ class SceneEvaluator::Implementation {
       answer_.counts.triangles_reused += triangles;
       return;
     }
+    pair.known = true;
+    ++answer_.counts.objects_evaluated;
+    answer_.counts.triangles_evaluated += triangles;
+    pair.integral = {};
+    if (const std::optional<double> mutual =
+            recommended_ ? recommended_->mutual(sensor, object) : std::nullopt) {
+      pair.integral.value = *mutual / permittivity_;
+      return;
+    }
     in_object_frame_.clear();
     for (const Rectangle& plate : plates)
       in_object_frame_.push_back(transformed(plate, before.from_world));
     const Eigen::Isometry3d sensor_pose = before.from_world * motion_.world_pose(sensors_[sensor].link);
-    pair.integral = {};
     // Contact is the integral's to tell; where the object's sphere is off the plates it need not be asked.
     if (std::isinf(detail::enclosure(before.surface, before.centroid, placed_sensors_[sensor].frames).upper))
       pair.integral = detail::surface_integral(before.surface, in_object_frame_, {}, 0);
@@ -234,9 +252,6 @@ class SceneEvaluator::Implementation {
       pair.integral.value =
           detail::corrected_integral(options_.correction, charged_objects_[object], before.surface.batch,
                                      charged_sensors_[sensor], sensor_pose, in_object_frame_);
-    pair.known = true;
-    ++answer_.counts.objects_evaluated;
-    answer_.counts.triangles_evaluated += triangles;
   }
 
   void tell(std::size_t sensor, std::span<const Pair> pairs) {
@@ -264,6 +279,8 @@ class SceneEvaluator::Implementation {
   std::vector<detail::ChargedSurface>
       charged_sensors_;  ///< in their links' frames; empty without a correction
   std::vector<detail::ChargedSurface> charged_objects_;  ///< in their own frames; likewise
+  std::optional<detail::Recommended> recommended_;
+  bool all_moved_ = false;
   std::vector<Pair> pairs_;  ///< of the first sensor with every object, then of the second
   std::vector<Rectangle> in_object_frame_;
   SceneCapacitance answer_;

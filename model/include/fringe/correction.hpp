@@ -19,6 +19,7 @@ enum class Correction {
   reciprocity,
   two_sided_arc,
   formula,
+  recommended,
 };
 
 /// What is known of a correction.
@@ -34,8 +35,7 @@ struct CorrectionInfo {
 /// All corrections, the plain model first.
 std::span<const CorrectionInfo> corrections();
 
-/// Reads a name of the registry, or "recommended", the best there is. Throws InputError, which names the
-/// choices, for anything else.
+/// Reads a name of the registry. Throws InputError, which names the choices, for anything else.
 Correction parse_correction(std::string_view text);
 
 std::string to_string(Correction correction);

@@ -11,6 +11,7 @@
 #include "fringe/error.hpp"
 #include "galerkin_system.hpp"
 #include "matrix_changes.hpp"
+#include "resolution.hpp"
 
 namespace fringe {
 namespace {
@@ -33,6 +34,10 @@ constexpr double loosest_rtol = 0.5;
 /// random poses (BOUNDARY_ELEMENTS.md, section 7) 1.2 times the change was met.
 constexpr double error_per_change = 1.5;
 
+/// Where there are more features than functions: two spaces that both miss them agree. In random near poses
+/// ten times the change was met.
+constexpr double error_per_unresolved_change = 15;
+
 /// How much of what the quadratures may do to the answer at most they do: where it was looked at, 0.001 or
 /// less.
 constexpr double quadrature_caution = 0.01;
@@ -43,11 +48,6 @@ constexpr double finest_tolerance = 1e-13;
 /// The part of rtol that the quadratures may take.
 constexpr double quadrature_share = 0.05;
 
-/// With how many functions along each direction to begin.
-int first_functions(double rtol) {
-  return rtol >= 0.01 ? 5 : 7;
-}
-
 void validate(const BoundaryElementOptions& options) {
   if (!(options.rtol >= strictest_rtol && options.rtol <= loosest_rtol))
     throw InputError(
@@ -55,24 +55,23 @@ void validate(const BoundaryElementOptions& options) {
 }
 
 /// The answer in metres, to be multiplied by 4πε.
-void tell(const GalerkinSolution& solution, const ChargedBodies& bodies, double quadrature_tolerance,
-          MaxwellMatrix& answer) {
+void tell(const GalerkinSolution& solution, const ChargedBodies& bodies, double per_change,
+          double quadrature_tolerance, MaxwellMatrix& answer) {
   const MatrixXd fine = without_floating(solution.all.fine, bodies.floating);
   const MatrixXd coarse = without_floating(solution.all.coarse, bodies.floating);
   const Index conductors = fine.rows(), sensors = solution.sensors.fine.rows();
   const MatrixXd quadrature = quadrature_caution * quadrature_tolerance *
                               solution.quadrature_effect.topLeftCorner(conductors, conductors);
   answer.values = fine;
-  answer.errors = error_per_change * changes(fine, coarse) + quadrature;
+  answer.errors = per_change * changes(fine, coarse) + quadrature;
   answer.delta_self = fine.diagonal().head(sensors) - solution.sensors.fine.diagonal();
   const Eigen::VectorXd coarse_delta = coarse.diagonal().head(sensors) - solution.sensors.coarse.diagonal();
   const Eigen::VectorXd relative =
       1 - coarse.diagonal().head(sensors).array() / fine.diagonal().head(sensors).array();
-  answer.delta_self_errors =
-      error_per_change * (answer.delta_self - coarse_delta)
-                             .cwiseAbs()
-                             .cwiseMax(relative.cwiseProduct(answer.delta_self).cwiseAbs()) +
-      quadrature.diagonal().head(sensors);
+  answer.delta_self_errors = per_change * (answer.delta_self - coarse_delta)
+                                              .cwiseAbs()
+                                              .cwiseMax(relative.cwiseProduct(answer.delta_self).cwiseAbs()) +
+                             quadrature.diagonal().head(sensors);
   answer.lower_bounds.resize(static_cast<std::size_t>(conductors));
   for (Index i = 0; i < conductors; ++i)
     answer.lower_bounds[static_cast<std::size_t>(i)] =
@@ -120,6 +119,24 @@ std::size_t count_unknowns(const std::vector<FaceFunctions>& functions) {
   return unknowns;
 }
 
+/// With how many functions to begin, and what a change from one space to another says of the error then.
+struct Beginning {
+  std::vector<FaceFunctions> functions;
+  double error_per_change;
+};
+
+Beginning beginning(const ChargedBodies& bodies, const BoundaryElementOptions& options) {
+  const int least = options.rtol >= 0.01 ? 5 : 7;
+  const double features = options.rtol > 3e-3 ? 1 : 2;
+  Beginning result{detail::resolving_functions(bodies, features, least), error_per_change};
+  if (count_unknowns(result.functions) > options.most_unknowns)
+    result = {detail::resolving_functions(bodies, 0, least), error_per_unresolved_change};
+  if (count_unknowns(result.functions) > options.most_unknowns)
+    throw InputError(fmt::format("the scene takes {} unknowns or more: boundary elements end at {}",
+                                 count_unknowns(result.functions), options.most_unknowns));
+  return result;
+}
+
 }  // namespace
 
 MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options) {
@@ -131,11 +148,7 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   if (rows == 0)
     throw InputError("the scene has neither a sensor nor a grounded object");
   GalerkinSystem system(bodies);
-  std::vector<FaceFunctions> functions(system.faces(),
-                                       {first_functions(options.rtol), first_functions(options.rtol)});
-  if (count_unknowns(functions) > options.most_unknowns)
-    throw InputError(fmt::format("the scene takes {} unknowns or more: boundary elements end at {}",
-                                 count_unknowns(functions), options.most_unknowns));
+  auto [functions, per_change] = beginning(bodies, options);
 
   MaxwellMatrix answer;
   answer.conductors.assign(bodies.names.begin(), bodies.names.begin() + static_cast<std::ptrdiff_t>(rows));
@@ -151,7 +164,7 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
       tolerance /= 100;
       continue;
     }
-    tell(solution, bodies, tolerance, answer);
+    tell(solution, bodies, per_change, tolerance, answer);
     answer.unknowns = count_unknowns(functions);
     const double excess = largest_error(answer) / options.rtol;
     answer.reached = excess <= 1;

@@ -87,6 +87,7 @@ double corrected_integral(Correction correction, const ChargedSurface& object, c
   case Correction::two_sided_arc:
     return two_sided_arcs(object, plates);
   case Correction::formula:
+  case Correction::recommended:
     return formula(formula_terms(object, sensor, sensor_pose, plates));
   }
   return plain(batch, plates);

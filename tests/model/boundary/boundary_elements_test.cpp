@@ -48,6 +48,36 @@ Scene inclined_box_and_plates() {
   return scene;
 }
 
+TEST(BoundaryElements, StateErrorsThatHoldWhereEdgesComeCloseToAFace) {
+  // Found among random poses: five and seven functions along each side both miss the other's edges, and
+  // agree.
+  Eigen::Isometry3d inclined = at(-0.003, 0.003, 0.0092);
+  inclined.rotate(Eigen::AngleAxisd(0.0506, Eigen::Vector3d::UnitX()));
+  Scene plates, box;
+  plates.sensors = box.sensors = {sensor("sensor", {square(0.1, 0)})};
+  plates.objects = {object("plate", Plate{0.198, 0.092}, inclined)};
+  box.objects = {object("box", Cuboid{0.077, 0.225, 0.05}, at(0, -0.004, 0.0368))};
+  for (const Scene& scene : {plates, box}) {
+    const MaxwellMatrix truth = maxwell(scene, {.rtol = 1e-4});
+    for (const double rtol : {1e-2, 3e-3, 1e-3}) {
+      const MaxwellMatrix answer = maxwell(scene, {.rtol = rtol});
+      EXPECT_TRUE(
+          ((answer.values - truth.values).cwiseAbs().array() <= (answer.errors + truth.errors).array()).all())
+          << rtol;
+    }
+  }
+}
+
+TEST(BoundaryElements, WithTooFewUnknownsForTheFeaturesStateLargerErrors) {
+  Scene scene;
+  scene.sensors = {sensor("sensor", {square(0.1, 0)})};
+  scene.objects = {object("plate", Plate{0.2, 0.09}, at(0, 0, 0.004))};
+  const MaxwellMatrix truth = maxwell(scene, {.rtol = 1e-4});
+  const MaxwellMatrix answer = maxwell(scene, {.rtol = 1e-2, .most_unknowns = 60});
+  EXPECT_FALSE(answer.reached);
+  EXPECT_TRUE(((answer.values - truth.values).cwiseAbs().array() <= answer.errors.array()).all());
+}
+
 TEST(BoundaryElements, SquarePlate) {
   Scene scene;
   scene.sensors = {sensor("plate", {square(0.1, 0)})};

@@ -9,6 +9,7 @@
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
+#include "fringe/reduced_capacitance.hpp"
 #include "fringe/scene_evaluator.hpp"
 
 namespace fringe {
@@ -45,7 +46,6 @@ TEST(Corrections, HaveNamesThatAreReadBack) {
     EXPECT_EQ(to_string(info.correction), info.name);
     EXPECT_FALSE(info.formula.empty() || info.source.empty() || info.cost.empty()) << info.name;
   }
-  EXPECT_EQ(parse_correction("recommended"), Correction::formula);
 }
 
 TEST(Corrections, UnknownNamesAreRefusedWithTheChoices) {
@@ -82,6 +82,45 @@ TEST(Corrections, OfAMovedSceneAreThoseOfTheSceneAfresh) {
     const double fresh = corrected(before_sensor(0.1, Cuboid{0.05, 0.04, 0.03}, pose), info.correction);
     EXPECT_NEAR(evaluator.capacitance().sensors.front().total / fresh, 1, 1e-9) << info.name;
   }
+}
+
+std::vector<ObjectCapacitance> felt(const Scene& scene, Correction correction) {
+  return capacitance(scene, {.correction = correction}).sensors.front().objects;
+}
+
+TEST(Recommended, IsTheReducedMethodsMutualOfAllBodiesTogether) {
+  Scene scene = before_sensor(0.1, Plate{0.1, 0.1}, at(0, 0, 0.02));
+  scene.medium.relative_permittivity = 2.5;
+  scene.objects.push_back(
+      {"behind", std::nullopt, Cuboid{0.05, 0.05, 0.02}, at(0, 0, 0.05), Grounded{}, true});
+  const MaxwellMatrix matrix = reduced_capacitance(scene, {1, std::nullopt});
+  const std::vector<ObjectCapacitance> objects = felt(scene, Correction::recommended);
+  for (std::size_t object = 0; object < 2; ++object)
+    EXPECT_NEAR(objects[object].capacitance / matrix.mutual(0, 1 + object), 1, 1e-12) << object;
+  // The object behind is in the shadow of the first, of which the formula knows nothing.
+  EXPECT_LT(objects[1].capacitance, 0.2 * felt(scene, Correction::formula)[1].capacitance);
+}
+
+TEST(Recommended, IsTheFormulaWhereTheReducedMethodKnowsNothing) {
+  Scene in_a_room = before_sensor(0.1, Plate{0.1, 0.1}, at(0, 0, 0.02));
+  in_a_room.has_room = true;
+  Scene touching = before_sensor(0.1, Cuboid{0.1, 0.1, 0.02}, at(0, 0, 0.05));
+  touching.objects.push_back(
+      {"upon it", std::nullopt, Cuboid{0.1, 0.1, 0.02}, at(0, 0, 0.07), Grounded{}, true});
+  const Scene almost_touching = before_sensor(0.1, Plate{0.1, 0.1}, at(0, 0, 1e-6));
+  for (const Scene& scene : {in_a_room, touching, almost_touching})
+    EXPECT_EQ(felt(scene, Correction::recommended).front().capacitance,
+              felt(scene, Correction::formula).front().capacitance);
+}
+
+TEST(Recommended, KnowsThatAnotherObjectMoved) {
+  Scene scene = before_sensor(0.1, Plate{0.1, 0.1}, at(0, 0, 0.02));
+  scene.objects.push_back({"fixed", std::nullopt, Plate{0.1, 0.1}, at(0, 0, 0.06), Grounded{}, true});
+  SceneEvaluator evaluator(scene, {.correction = Correction::recommended});
+  const double shadowed = evaluator.capacitance().sensors.front().objects[1].capacitance;
+  EXPECT_EQ(evaluator.capacitance().counts.objects_reused, 2);
+  evaluator.set_pose("moving", at(0, 0, 10));
+  EXPECT_GT(evaluator.capacitance().sensors.front().objects[1].capacitance, 3 * shadowed);
 }
 
 TEST(TwoSidedArcs, OfASheetFarAwayComeFromBothSides) {

@@ -1,0 +1,61 @@
+#include "recommended.hpp"
+
+#include <cmath>
+
+#include "fringe/error.hpp"
+
+namespace fringe::detail {
+namespace {
+
+/// Of the value. Where an answer states so large an error, in mean a quarter of it is met, which is what the
+/// formula is off (rms).
+constexpr double most_stated_error = 0.1;
+
+}  // namespace
+
+Recommended::Recommended(const Scene& scene) {
+  try {
+    evaluator_.emplace(scene, ReducedOptions{1, std::nullopt});
+  } catch (const InputError&) {
+    // Shapes, rooms and sensors that it does not know are the formula's; what is wrong in itself, the formula
+    // refuses too.
+    evaluator_.reset();
+  }
+}
+
+void Recommended::set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
+  is_stale_ = true;
+  if (evaluator_)
+    evaluator_->set_pose(link, pose);
+}
+
+bool Recommended::update() {
+  if (!is_stale_)
+    return false;
+  is_stale_ = false;
+  matrix_ = nullptr;
+  if (!evaluator_)
+    return true;
+  try {
+    matrix_ = &evaluator_->maxwell();
+  } catch (const InputError&) {
+    // Conductors that touch: one that is not a sensor's is legal to the formula, and a sensor's contact
+    // known.
+    matrix_ = nullptr;
+  }
+  return true;
+}
+
+std::optional<double> Recommended::mutual(std::size_t sensor, std::size_t object) const {
+  if (matrix_ == nullptr)
+    return std::nullopt;
+  const std::size_t conductor = matrix_->sensors + object;
+  const double value = matrix_->mutual(sensor, conductor);
+  const double error =
+      matrix_->errors(static_cast<Eigen::Index>(sensor), static_cast<Eigen::Index>(conductor));
+  if (!(error <= most_stated_error * std::abs(value)))
+    return std::nullopt;
+  return value;
+}
+
+}  // namespace fringe::detail
