@@ -36,6 +36,8 @@ def main(arguments: list[str] | None = None) -> int:
             return _run(options)
         if options.command == "verify":
             return _verify(options.output, options.jobs)
+        if options.command == "documentation":
+            return _documentation(options.output)
         if options.command == "corrections":
             return _corrections(options.output)
         if options.command == "nightly":
@@ -114,6 +116,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     errors.add_argument(
         "--jobs", type=_count, metavar="N", help="set-ups at a time (default: by cores and memory)"
+    )
+    documentation = commands.add_parser(
+        "documentation", help="make a site of all notes, algorithms and references (needs the model built)"
+    )
+    documentation.add_argument(
+        "--output", type=Path, metavar="DIR", help="where to put it (default: results/documentation)"
     )
     corrections = commands.add_parser(
         "corrections", help="evaluate the model's corrections against boundary elements, with their run times"
@@ -327,6 +335,19 @@ def _corrections(folder: Path | None) -> int:
     print(section.finding(document) if document else section.ABSENT)
     print(f"report: {made}")
     return FAILED if failures else ANSWERED
+
+
+def _documentation(folder: Path | None) -> int:
+    from analysis.documentation import make
+    from analysis.keys import REPOSITORY
+
+    try:
+        page = make.build(folder or REPOSITORY / "results" / "documentation")
+    except make.DocumentationError as error:
+        print(f"analysis: {error}", file=sys.stderr)
+        return FAILED
+    print(f"documentation: {page}")
+    return ANSWERED
 
 
 def _show(scene: str, motion: Path | None, target: Path | None) -> int:

@@ -45,9 +45,13 @@ def _table(chosen: study.Study) -> str:
 
 def _parameters(case: study.Case) -> str:
     return "  ".join(
-        f"{name}={'×'.join(f'{v:g}' for v in value) if isinstance(value, tuple) else f'{value:g}'}"
+        f"{name}={'×'.join(map(_told, value)) if isinstance(value, tuple) else _told(value)}"
         for name, value in case.parameters.items()
     )
+
+
+def _told(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:g}"
 
 
 if __name__ == "__main__":

@@ -1,5 +1,7 @@
 """Study files: which set-ups to compare, how exactly to solve them, which methods of the model to try.
 
+A file with every key there is::
+
     name = "gap"
     title = "The gap between two equal plates"
     experiment = "II"               # optional: one of the thesis' chapter 6, "I" to "IV", or one
@@ -20,6 +22,11 @@
     target_size = [[0.1, 0.1], [0.05, 0.05]]               # a list of them: swept
     gap = { geomspace = [0.005, 0.2, 5] }                  # or linspace = [first, last, number]
     combine = "product"             # default; or "zip": the swept lists are walked through together
+
+    [[sweep]]
+    family = "scene"                # a scene of one's own
+    file = "arm.toml"               # beside the study file, as
+    motion = "arm.motion.toml"      # optional: a case for every frame
 """
 
 from __future__ import annotations
@@ -28,12 +35,13 @@ import functools
 import inspect
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast, get_type_hints
 
 import numpy as np
 
+from geometries import scene_sweep
 from geometries.errors import InputError
 from geometries.families import FAMILIES, Vector2
 from geometries.scene import Scene
@@ -49,7 +57,6 @@ EXPERIMENTS = ("I", "II", "III", "IV", "V", "VI")
 
 _STUDIES = Path(__file__).parent / "studies"
 IDENTITY_DIGITS = 16
-_PLANNED_FAMILIES = ("scene",)
 
 
 @dataclass(frozen=True)
@@ -92,7 +99,7 @@ class Study:
 
 def empty_case(case: Case) -> Case:
     """The case without its objects, which `delta_self` is measured against."""
-    return _empty_case(case.parameters.get("sensor_size"), replace(case.scene, objects=()))
+    return _empty_case(case.parameters.get("sensor_size"), scene_sweep.without_objects(case.scene))
 
 
 # Sweeps have few sensors and many cases.
@@ -175,12 +182,13 @@ def _methods(model: Table) -> tuple[str, ...]:
 
 def _sweep(sweep: Table) -> Iterator[Case]:
     family = sweep.text("family")
-    if family in _PLANNED_FAMILIES:
-        raise sweep.error(
-            "family", f"the family {family!r} does not exist yet; there are {', '.join(FAMILIES)}"
-        )
+    if family == scene_sweep.FAMILY:
+        for told, scene in scene_sweep.scenes(sweep):
+            yield _case(family, dict(told), scene)
+        return
     if family not in FAMILIES:
-        raise sweep.error("family", f"unknown family {family!r}; there are {', '.join(FAMILIES)}")
+        known = ", ".join([*FAMILIES, scene_sweep.FAMILY])
+        raise sweep.error("family", f"unknown family {family!r}; there are {known}")
     combine = sweep.text("combine", "product")
     if combine not in ("product", "zip"):
         raise sweep.error("combine", f"must be product or zip, not {combine!r}")

@@ -27,6 +27,11 @@ sensor_size = [0.1, 0.1]
 target_size = [0.1, 0.1]
 gap = 0.02
 """
+SCENE = """
+[[sweep]]
+family = "scene"
+file = "arm.toml"
+"""
 EDGE = SWEEP.replace("parallel", "edge") + "height = 0\n"
 
 
@@ -147,6 +152,76 @@ def test_identities_are_sixteen_hexadecimal_digits() -> None:
         assert len(case.id) == 16 and int(case.id, 16) >= 0
 
 
+ARM = """
+[[link]]
+name = "arm"
+[[sensor]]
+name = "front"
+link = "arm"
+plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+[[object]]
+name = "target"
+shape = { type = "cube", size = 0.1 }
+translation = [0, 0, 0.2]
+"""
+MOTION = """
+[[frame]]
+name = "far"
+poses = [ { link = "arm", translation = [0, 0, -0.1] } ]
+[[frame]]
+name = "turned"
+poses = [ { link = "arm", rotation = { axis = [0, 0, 1], degrees = 30 } } ]
+"""
+
+
+def scene_study(folder: Path, sweep: str = SCENE, scene: str = ARM) -> study.Study:
+    (folder / "arm.toml").write_text(scene)
+    (folder / "arm.motion.toml").write_text(MOTION)
+    (folder / "study.toml").write_text(HEAD + sweep)
+    return study.load(folder / "study.toml")
+
+
+def test_a_scene_of_ones_own_is_a_case_as_it_stands(tmp_path: Path) -> None:
+    (case,) = scene_study(tmp_path).sweeps
+    assert case.family == "scene" and case.parameters == {"scene": "arm", "frame": "1 as in the scene"}
+    assert [body.name for body in case.scene.objects] == ["target"]
+
+
+def test_a_motion_makes_a_case_of_every_frame_and_one_of_the_sensor_alone(tmp_path: Path) -> None:
+    cases = scene_study(tmp_path, SCENE + 'motion = "arm.motion.toml"').cases()
+    assert [case.parameters.get("frame") for case in cases] == ["1 far", "2 turned", None]
+    assert cases[1].scene.pose_of_object("target")[1][2] == 0.2
+    assert cases[1].scene.links[0].pose.translation == (0, 0, -0.1)
+    assert not cases[2].scene.objects and not cases[2].scene.links
+
+
+def test_sensors_of_two_links_alone_are_a_case_for_every_pose(tmp_path: Path) -> None:
+    second = (
+        ARM.split("[[object]]")[0]
+        .split("[[sensor]]")[1]
+        .replace("front", "fixed")
+        .replace('link = "arm"', "")
+    )
+    second = second.replace("[0, 0, 0]", "[0.5, 0, 0]")
+    found = scene_study(tmp_path, SCENE + 'motion = "arm.motion.toml"', ARM + "[[sensor]]" + second).cases()
+    assert sum(case.family == study.EMPTY for case in found) == 2
+
+
+def test_a_scene_without_a_sensor_is_no_case(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no sensor"):
+        scene_study(tmp_path, scene="[[object]]" + ARM.split("[[object]]")[1])
+
+
+def test_what_is_wrong_in_a_studys_scene_is_told_with_its_file(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="arm.toml.*size"):
+        scene_study(tmp_path, scene=ARM.replace("size = 0.1", "size = -1"))
+
+
+def test_text_parameters_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["expand", "experiment_6"]) == 0
+    assert "material=floating" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("text", "key", "reason"),
     [
@@ -157,7 +232,7 @@ def test_identities_are_sixteen_hexadecimal_digits() -> None:
         (HEAD.replace("1e-3", "0") + SWEEP, "reference.rtol", "greater than 0"),
         (HEAD.replace('"exact", ', "") + SWEEP, "model.methods", '"exact"'),
         (HEAD.replace('"exact"', "3") + SWEEP, "model.methods", "list of strings"),
-        (HEAD + SWEEP.replace("parallel", "scene"), "sweep[0].family", "does not exist yet"),
+        (HEAD + SCENE, "sweep[0].file", "is not a file"),
         (HEAD + SWEEP.replace("parallel", "paralel"), "sweep[0].family", "unknown family"),
         (HEAD + SWEEP.replace("gap", "hinge_gap"), "sweep[0].gap", "is missing"),
         (HEAD + SWEEP + "tilt_degrees = 3", "sweep[0].tilt_degrees", "unknown key"),

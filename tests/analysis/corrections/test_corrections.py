@@ -106,6 +106,11 @@ def test_the_section_tells_the_errors_and_the_times() -> None:
         "nanoseconds": {"plate": {"none": 100.0, "formula": 220.0, "recommended": 900.0}},
     }
     told = section.finding(document)
-    assert "2.1 % off (rms)" in told and "at 2.2 to 2.2 times" in told and "94%" in told and "2 % off (rms) and 7 % at worst in all 9" in told
+    assert (
+        "2.1 % off (rms)" in told
+        and "at 2.2 to 2.2 times" in told
+        and "94%" in told
+        and "2 % off (rms) and 7 % at worst in all 9" in told
+    )
     page = section.section(document)
     assert "f &lt; g" in page and stage.COMMAND in page

@@ -1,0 +1,26 @@
+"""Sphinx: the repository's own notes, the pages in this folder and the Python modules' docstrings as one site."""
+
+import sys
+from pathlib import Path
+
+_ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(_ROOT), str(_ROOT / "build" / "python")]
+
+project = "fringe"
+extensions = ["myst_parser", "sphinx.ext.autodoc"]
+root_doc = "analysis/documentation/index"
+# Relative to the root of the repository, which is Sphinx' source folder: links between the notes stay as they are.
+include_patterns = [
+    "README.md",
+    "analysis/**/*.md",
+    "fem_reference/*.md",
+    "geometries/*.md",
+    "model/*.md",
+]
+html_theme = "furo"
+html_title = "fringe"
+autodoc_default_options = {"members": True}
+autodoc_typehints = "description"
+myst_enable_extensions = ["dollarmath"]
+# Folders, studies and source files are linked for those who read on the disk; they are no pages.
+suppress_warnings = ["myst.xref_missing", "myst.header"]

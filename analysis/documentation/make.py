@@ -1,0 +1,43 @@
+"""`python3 -m analysis documentation`: the notes, the algorithms' pages and the references of Python and C++ as one site."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from analysis.keys import REPOSITORY
+
+HERE = Path(__file__).parent
+
+
+class DocumentationError(Exception):
+    """A tool refused a page; the message is what it said."""
+
+
+def build(folder: Path) -> Path:
+    """Make the site in a folder, which it replaces as a whole; returns its first page. Raises DocumentationError for any warning."""
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder.parent) as name:
+        site = Path(name) / "site"
+        _run(
+            [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html"]
+            + ["-d", str(Path(name) / "doctrees"), "-c", str(HERE), str(REPOSITORY), str(site)]
+        )
+        _run(
+            ["doxygen", str(HERE / "Doxyfile")], FRINGE_DOCUMENTATION=str(site / "analysis" / "documentation")
+        )
+        shutil.rmtree(folder, ignore_errors=True)
+        site.rename(folder)
+    return folder / "analysis" / "documentation" / "index.html"
+
+
+def _run(command: list[str], **variables: str) -> None:
+    done = subprocess.run(
+        command, cwd=REPOSITORY, capture_output=True, text=True, env={**os.environ, **variables}
+    )
+    if done.returncode != 0:
+        raise DocumentationError(f"{Path(command[0]).name}: {done.stderr.strip() or done.stdout.strip()}")
