@@ -55,8 +55,25 @@ def answer(scene: Path, processes: list[str]) -> dict[str, Any]:
     return found
 
 
-def test_two_processes_give_the_matrix_of_one(scene: Path) -> None:
+IN_A_ROOM_FAR_FROM_DUST = """
+[room]
+size = [3, 3, 3]
+
+[[object]]
+name = "dust"
+shape = { type = "cube", size = 1e-4 }
+translation = [1, 1, 1]
+potential = "floating"
+"""
+
+
+@pytest.mark.parametrize(
+    "more", ["", IN_A_ROOM_FAR_FROM_DUST], ids=["free space", "a room and a body left out"]
+)
+def test_two_processes_give_the_matrix_of_one(scene: Path, more: str) -> None:
+    scene.write_text(more + SCENE)
     alone, together = answer(scene, []), answer(scene, MPIRUN)
+    assert bool(alone["left_out"]) == bool(more) and alone["left_out"] == together["left_out"]
     assert (alone["processes"], together["processes"]) == (1, 2)
     assert alone["unknowns"] == together["unknowns"]
     np.testing.assert_allclose(together["maxwell"], alone["maxwell"], rtol=1e-9)

@@ -55,7 +55,9 @@ def test_the_tutorial_leads_from_two_stl_files_to_a_report(tmp_path: Path) -> No
     printed = []
     for language, file, block in _blocks():
         # What takes long is the accuracy.
-        block = re.sub(r"(rtol (?:= )?)1e-2", r"\g<1>0.2", block).replace("max_seconds = 120", "max_seconds = 600")
+        block = re.sub(r"(rtol (?:= )?)1e-2", r"\g<1>0.2", block).replace(
+            "max_seconds = 120", "max_seconds = 600"
+        )
         if language == "toml":
             (tmp_path / file).write_text(block, encoding="utf-8")
             continue
