@@ -214,10 +214,11 @@ def _nightly(options: argparse.Namespace) -> int:
         moved = history.add(target, done)
         print(f"nights: {history_page.make(target)}")
         # It leads to the nights, of which this one is the last.
-        report.make(target)
+        disagreements = report.make(target).disagreements
     if moved is not None:
         print(to_text(moved), end="")
-    return FAILED if _any_failed(failures) or (moved is not None and moved.drifted) else code
+    drifted = moved is not None and moved.drifted
+    return FAILED if _any_failed(failures) or drifted or disagreements else code
 
 
 def _job(file: Path) -> int:
@@ -279,6 +280,10 @@ def _report(folder: Path) -> int:
     if made.not_reached:
         print(
             f"{made.not_reached} cases are short of the asked accuracy; their wider errors are in the report"
+        )
+    if made.disagreements:
+        print(
+            f"{made.disagreements} values of boundary elements and the field solver disagree by more than their errors"
         )
     print(f"report: {made.path}")
     return NOT_REACHED if made.not_reached else ANSWERED
