@@ -26,6 +26,7 @@ from analysis.errors.records import Entry
 from analysis.experiments import section as experiments_section
 from analysis.plot import Plot
 from analysis.store import Document
+from analysis.trade_off import section as trade_off_section, stage as trade_off
 from analysis.verification import page as verification_page
 from geometries.study import NO_REFERENCE
 
@@ -101,7 +102,9 @@ def _cross_check(material: Material) -> list[str]:
 
 
 def _run_time(material: Material) -> list[str]:
-    parts = [page.plot_section(plot_of_time.time_against_error(material.rows))] if material.rows else []
+    parts = [trade_off_section.section(trade_off.load(material.found.folder), material.found)]
+    if not parts[0] and material.rows:
+        parts = [page.plot_section(plot_of_time.time_against_error(material.rows))]
     parts.append(run_times_section.section(material.found.run_times))
     return [*parts, verification_page.costs(material.verified)]
 

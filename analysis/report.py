@@ -14,6 +14,7 @@ from analysis.corrections import page as corrections_page, stage as corrections_
 from analysis.cross_check import agreement
 from analysis.errors import records as error_records, set_ups as error_set_ups, stage as errors_stage
 from analysis.store import Document, read_json, write_json, write_text
+from analysis.trade_off import stage as trade_off
 from analysis.verification import page as verification_page, stage as verification_stage
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ def _inputs(
     files = [
         folder / name for name in (results.MANIFEST, results.RUN_TIMES, results.STABILITY, *results.COLLISION)
     ]
+    files.append(folder / trade_off.ANSWER)
     for case in found.cases.values():
         answers_of_case = (results.REFERENCE, results.MODEL, results.SLICE, results.BOUNDARY)
         files += [case.folder / name for name in answers_of_case]
@@ -103,6 +105,7 @@ def _write(material: Material, nights: list[Document], inputs: str, whole: str) 
     from analysis.cross_check import section as cross_check_section
     from analysis.nightly import history_page
     from analysis.questions import CROSS_CHECK
+    from analysis.trade_off import section as trade_off_section
 
     folder = material.found.folder
     write_text(folder / TABLE, table.to_csv(material.rows, material.found.methods))
@@ -115,6 +118,7 @@ def _write(material: Material, nights: list[Document], inputs: str, whole: str) 
         )
     headline = cross_check_section.warning(material.found, f"{PAGES}/{CROSS_CHECK}.html")
     headline += sections.headline(material.found, material.summaries)
+    headline += trade_off_section.section(trade_off.load(folder), material.found)
     rest = [sections.failures(material.found), page.soft(sections.FILES)]
     write_text(folder / REPORT, index_page.document(material.found.title, whole, headline, cards, rest))
 

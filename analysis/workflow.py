@@ -10,6 +10,7 @@ from analysis.jobs import Failure, Job, parallel_jobs, run_all
 from analysis.plan import Work
 from analysis.results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, case_folder, write_manifest
 from analysis.store import is_current, read_current, write_text
+from analysis.trade_off import stage as trade_off
 from geometries.study import Study
 
 
@@ -26,7 +27,12 @@ def run(study: Study, folder: Path, workers: int | None, measure_model: bool = F
     failures = evaluate_model(works, study.methods, folder) + measure(folder, measure_model)
     failures += solve_by_boundary_elements(works, study, folder)
     failures += solve(works, study, folder, workers or parallel_jobs())
+    # The pairs of plates are found in the manifest.
     write_manifest(folder, study, failures)
+    measured = trade_off.run(folder, [case.identity for case in cases], measure_model)
+    if measured:
+        failures += measured
+        write_manifest(folder, study, failures)
     return failures
 
 
