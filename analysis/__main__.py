@@ -38,6 +38,8 @@ def main(arguments: list[str] | None = None) -> int:
             return _verify(options.output, options.jobs)
         if options.command == "corrections":
             return _corrections(options.output)
+        if options.command == "table":
+            return _table(options.answers, options.output, options.jobs)
         if options.command == "nightly":
             return _nightly(options)
         if options.command == "job":
@@ -87,7 +89,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--measure-model",
         action="store_true",
-        help="measure the model by itself, too: run time against error, stability, collisions (three minutes, kept with the results)",
+        help="measure the model by itself, too: run time against error, stability, collisions (five minutes, kept with the results)",
     )
     _add_verify(run)
     _add_nightly(commands)
@@ -120,6 +122,19 @@ def _parser() -> argparse.ArgumentParser:
     )
     corrections.add_argument(
         "--output", type=Path, metavar="DIR", help="where to keep the answer (default: results/corrections)"
+    )
+    table = commands.add_parser(
+        "table",
+        help="make the published table of capacitances anew (an hour of one core; what is solved already is kept)",
+    )
+    table.add_argument(
+        "--answers", type=Path, metavar="DIR", help="where to keep the answers (default: results/published)"
+    )
+    table.add_argument(
+        "--output", type=Path, metavar="DIR", help="where to write the table (default: analysis/published)"
+    )
+    table.add_argument(
+        "--jobs", type=_count, metavar="N", help="solves at a time (default: by cores and memory)"
     )
     show = commands.add_parser(
         "show", help="write one page with a scene, its sensors' readings and its motion"
@@ -332,6 +347,22 @@ def _corrections(folder: Path | None) -> int:
     print(section.finding(document) if document else section.ABSENT)
     print(f"report: {made}")
     return FAILED if failures else ANSWERED
+
+
+def _table(answers: Path | None, target: Path | None, jobs: int | None) -> int:
+    from analysis.keys import REPOSITORY
+    from analysis.published import files, stage, table
+    from analysis.store import exclusive
+
+    place, output = answers or REPOSITORY / "results" / stage.FOLDER, target or table.PLACE
+    with exclusive(place):
+        made = table.make(place, output, jobs)
+    _tell(made.failures)
+    if made.failures:
+        return FAILED
+    print(made.headline)
+    print(f"table: {output / files.TABLE}")
+    return ANSWERED
 
 
 def _show(scene: str, motion: Path | None, target: Path | None) -> int:
