@@ -89,10 +89,11 @@ def plot(found: list[Point], known_to: float) -> go.Figure:
 
 
 def duration(seconds: float) -> str:
-    for unit, name in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
+    """To two digits."""
+    for unit, name in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")):
         if seconds >= unit:
-            return f"{seconds / unit:.2g} {name}"
-    return f"{seconds / 1e-9:.2g} ns"
+            break
+    return f"{float(f'{seconds / unit:.2g}'):g} {name}"
 
 
 def front(found: list[Point], known_to: float) -> list[Point]:
@@ -111,7 +112,7 @@ def _front(found: list[Point], known_to: float) -> go.Scatter:
         y=[max(point.error, known_to) for point in best],
         mode="lines",
         line={"color": INK, "width": 1.5, "dash": "dot", "shape": "hv"},
-        name="front: nothing is both faster and more accurate",
+        name="front: none is faster and better",
         hoverinfo="skip",
     )
 
