@@ -13,7 +13,7 @@ from analysis.errors.records import Entry
 from analysis.model_stage import knows
 from analysis.results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, CaseResult, Results
 from analysis.store import write_text
-from analysis.table import DELTA_SELF, MUTUAL, Row, model_command, reference_command
+from analysis.table import DELTA_SELF, MUTUAL, Row, boundary_command, model_command, reference_command
 from geometries.study import EMPTY, NO_REFERENCE
 
 PICOFARAD = 1e-12
@@ -143,5 +143,7 @@ def _commands(results: Results, case: CaseResult) -> list[str]:
         parts.append(page.command(reference_command(results, case.id)))
     if case.family != EMPTY and knows(case.scene):
         parts.append(page.command(model_command(results, case.id)))
+    if case.boundary is not None:
+        parts.append(page.command(boundary_command(results, case.id)))
     files = [page.link(name, name) for name in _FILES if (case.folder / name).is_file()]
     return [*parts, f"<p>Beside this page: {', '.join(files)}.</p>"]

@@ -201,6 +201,6 @@ def _refused(results: Results, refused: dict[str, str]) -> list[str]:
     reasons: dict[str, list[str]] = {}
     for case, reason in refused.items():
         reasons.setdefault(reason, []).append(f"{escape(results.cases[case].family)} {page.case_link(case)}")
-    rows = [[escape(reason), ", ".join(cases)] for reason, cases in reasons.items()]
     told = f"{len(refused)} set-ups are not comparable: boundary elements refuse them."
-    return ["<h3>Not comparable</h3>", page.paragraph(told), page.table(["reason", "set-ups"], rows, 2)]
+    listed = [f"<p>{escape(reason)}: {', '.join(cases)}.</p>" for reason, cases in reasons.items()]
+    return ["<h3>Not comparable</h3>", page.paragraph(told), *listed]

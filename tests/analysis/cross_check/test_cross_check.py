@@ -107,6 +107,7 @@ def test_the_page_of_a_case_has_both_matrices(tmp_path: Path) -> None:
     report.make(folder)
     page = (case.folder / "case.html").read_text()
     assert "The same by boundary elements" in page and "-2.25 ± 0.001" in page and "boundary.json" in page
+    assert f"cases/{case.id}/scene.toml --method boundary-elements --rtol 0.0001" in page
 
 
 def stored(scene: Scene, folder: Path, rtol: float = 1e-3) -> dict[str, Any]:
