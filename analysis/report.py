@@ -63,8 +63,8 @@ def make(folder: Path) -> Report:
         entries = error_records.entries(apart, error_set_ups.all_set_ups())
         _write(Material(found, rows, summaries, verified, entries, corrected), nights, inputs, whole)
     solved = [case.reference for case in found.cases.values() if case.reference is not None]
-    wrong = agreement.disagreements(agreement.comparisons(found))
-    return Report(folder / REPORT, summaries, sum(not answer.reached for answer in solved), len(wrong))
+    not_reached = sum(not answer.reached for answer in solved)
+    return Report(folder / REPORT, summaries, not_reached, agreement.contradictions(found))
 
 
 def _inputs(

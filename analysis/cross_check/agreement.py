@@ -79,6 +79,12 @@ def disagreements(found: list[Comparison]) -> list[Comparison]:
     return [comparison for comparison in found if not comparison.agrees]
 
 
+def contradictions(results: Results) -> int:
+    """How many values disagree, and how many own entries have a lower bound above the upper one."""
+    empty = sum(bracket.width < 0 for bracket in brackets(results))
+    return len(disagreements(comparisons(results))) + empty
+
+
 def brackets(results: Results) -> list[Bracket]:
     """Of every own entry that the field solver encloses and boundary elements bound from below."""
     found = []

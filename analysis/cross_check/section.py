@@ -66,10 +66,10 @@ def finding(found: list[Comparison]) -> str:
 
 def warning(results: Results, target: str) -> str:
     """For the head of the report: a finding where values disagree, with a link to the page; else nothing."""
-    wrong = agreement.disagreements(agreement.comparisons(results))
+    wrong = agreement.contradictions(results)
     if not wrong:
         return ""
-    told = page.link(target, f"{len(wrong)} values of the two references disagree by more than their errors")
+    told = page.link(target, f"{wrong} values of the two references disagree by more than their errors")
     return f'<p class="finding"><strong>{told}.</strong> One of them is wrong, or its error is.</p>'
 
 
@@ -81,7 +81,7 @@ def bracket_finding(brackets: list[Bracket]) -> str:
     sentence = (
         f"{len(brackets)} own entries lie between Galerkin's lower bound and the field solver's upper one: the bracket is "
         f"{np.median(widths):.1e} wide (median; widest {widths.max():.1e}), {np.median(before / np.maximum(widths, 1e-12)):.2g} times "
-        f"narrower than the field solver's alone (median; from {before.min():.1e} to {before.max():.1e})"
+        f"narrower (median) than the field solver's alone, which are {before.min():.1e} to {before.max():.1e} wide"
     )
     return (
         f"{sentence}; {contradicted} brackets are empty, which no true bounds can be."

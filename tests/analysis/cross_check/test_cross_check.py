@@ -73,9 +73,20 @@ def test_an_own_entry_lies_between_galerkins_bound_and_the_field_solvers(tmp_pat
         assert bracket.lower == pytest.approx((5 - 0.05 * 0.01) * PICO)
         assert bracket.width == pytest.approx(0.0205 / 5.02)
         assert bracket.width_before == pytest.approx(0.12 / 5.02)
+    assert agreement.contradictions(found) == 0
     assert "3 own entries" in section.bracket_finding(brackets) and "empty" not in section.bracket_finding(
         brackets
     )
+
+
+def test_a_lower_bound_above_the_upper_one_is_a_contradiction_though_error_bars_overlap(
+    tmp_path: Path,
+) -> None:
+    folder = make_results(tmp_path, answers={0: (enclosed(4.9, 5.02), None)})
+    found = with_boundary(folder, c0=boundary_document(2, 1.03, error=0.05))
+    assert not agreement.disagreements(agreement.comparisons(found))
+    assert agreement.contradictions(found) == 2
+    assert "2 brackets are empty" in section.bracket_finding(agreement.brackets(found))
 
 
 def test_disagreements_are_told_first_in_the_report_and_on_the_page(tmp_path: Path) -> None:
