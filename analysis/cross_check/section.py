@@ -42,7 +42,7 @@ def sections(results: Results) -> list[str]:
     wrong = agreement.disagreements(found)
     if wrong:
         parts += ["<h3>Values that disagree</h3>", _table(wrong)]
-    parts += [page.figures([_panel(found)]), page.soft(_WHAT)]
+    parts += [page.figures([_panel(found)]), page.soft(f"{_WHAT} {_reached(results)}")]
     parts.append(page.folded("Show every value", _table(found)))
     made = [page.section(TITLE, *parts, *_refused(results, refused))]
     brackets = agreement.brackets(results)
@@ -62,6 +62,13 @@ def finding(found: list[Comparison]) -> str:
     if wrong:
         return f"{sentence}; {len(wrong)} disagree, {told} by {worst.over_errors:.2g} times what the errors allow."
     return f"{sentence}; the largest difference is {worst.over_errors:.0%} of what the errors allow ({told})."
+
+
+def _reached(results: Results) -> str:
+    solved = [case.boundary for case in results.cases.values() if case.boundary is not None]
+    short = sum(not answer.reached for answer in solved)
+    milliseconds = 1e3 * float(np.median([answer.seconds for answer in solved]))
+    return f"They took {milliseconds:.2g} ms (median); {short} of {len(solved)} are short of what was asked, with wider errors."
 
 
 def warning(results: Results, target: str) -> str:
