@@ -13,7 +13,7 @@ from analysis.store import Document
 from analysis.trade_off import points, stage
 from analysis.trade_off.points import Point
 
-TITLE = "What does which accuracy cost?"
+TITLE = "Run time against error of all methods"
 _SERIES = {
     "thesis": ("split:N, the thesis' method", 0, "circle", "lines+markers+text"),
     "model": ("exact, the same integral", 6, "star", "markers+text"),
