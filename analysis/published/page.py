@@ -17,7 +17,7 @@ _TEXT = """# A reference table of capacitances around a plate
 ## Geometry
 The sensor is the square |x|, |y| ≤ 5 cm in the plane z = 0, the target another thin plate, both perfect conductors in free space with
 ground at infinity. `corner`, `edge_u` and `edge_v` are the target: the points corner + a·edge_u + b·edge_v, a and b from 0 to 1.
-Capacitances grow with all lengths alike: for a plate of side L multiply them by L/10 cm.
+Capacitances are in proportion to lengths: for a plate of side L multiply every length and every capacitance by L/10 cm.
 
 | family | set-ups | target | `gap` | `height` | angles |
 |---|---|---|---|---|---|
@@ -47,7 +47,8 @@ value. The largest stated error is {worst_error}. {checks}
   of both potentials, found by finite elements on one mesh (fem_reference/NUMERICS.md, section 5).
 - **Below.** Galerkin's charges have the least energy of all that make the same potentials: M − L is positive semidefinite, L their
   matrix. Their integrals are numerical; the stated errors, of which the integrals' are a part, are taken off as a diagonal matrix of
-  row sums, more than any symmetric matrix with entries within them. That these errors are no larger is an estimate, everything else is proven.
+  row sums, more than any symmetric matrix with entries within them. That these errors are no larger is an estimate; all
+  else is proven, up to rounding.
 - **Off the diagonal.** With D = U − L, M[i, j] is within ½√(D[i, i]·D[j, j]) of the middle of U[i, j] and L[i, j]
   (Cauchy and Schwarz for U − M and M − L).
 - **delta_self** lies between the bounds of M[sensor, sensor] less those of the sensor alone. It is also at least
@@ -63,9 +64,11 @@ Half the width of the intervals, relative to the best value:
 ## Again
     {command}
 
-solves what is missing or would get another answer today, a few seconds for each set-up, into `results/published`, and writes `{table}`, `{checks_file}` and
-this page. `geometries/studies/published.toml` is the list of set-ups. One set-up alone: write its scene by that file, or by the columns, then
-`build/bin/fringe capacitance SCENE --method boundary-elements --rtol 5e-5` and `python3 -m fem_reference SCENE`.
+solves what is missing or would get another answer today, a few seconds for each set-up, into `results/published`, and writes `{table}`,
+`{checks_file}` and this page; stopped, it goes on from there. `geometries/studies/published.toml` is the list of set-ups. One set-up alone, once the command has written the scenes:
+
+    build/bin/fringe capacitance results/published/cases/CASE/scene.toml --method boundary-elements --rtol {strictest:g}
+    python3 -m fem_reference results/published/cases/CASE/scene.toml
 
 To cite it, name the project, the file and its sha256: `sha256sum {table}`.
 """

@@ -130,9 +130,9 @@ def _written(best: float, error: float, low: float, high: float) -> Value:
 
 
 def _upwards(error: float) -> float:
-    """To two digits, never less."""
-    digit = 10.0 ** (math.floor(math.log10(error)) - 1)
-    return float(f"{math.ceil(error / digit) * digit:.2g}")
+    """To three digits, never less."""
+    digit = 10.0 ** (math.floor(math.log10(error)) - 2)
+    return float(f"{math.ceil(error / digit) * digit:.3g}")
 
 
 def _numbers(case: Case) -> dict[str, float]:
