@@ -349,6 +349,13 @@ def _corrections(folder: Path | None) -> int:
     return FAILED if failures else ANSWERED
 
 
+def _show(scene: str, motion: Path | None, target: Path | None) -> int:
+    from analysis import show
+
+    print(f"page: {show.make(scene, motion, target)}")
+    return ANSWERED
+
+
 def _table(answers: Path | None, target: Path | None, jobs: int | None) -> int:
     from analysis.keys import REPOSITORY
     from analysis.published import files, stage, table
@@ -362,13 +369,6 @@ def _table(answers: Path | None, target: Path | None, jobs: int | None) -> int:
         return FAILED
     print(made.headline)
     print(f"table: {output / files.TABLE}")
-    return ANSWERED
-
-
-def _show(scene: str, motion: Path | None, target: Path | None) -> int:
-    from analysis import show
-
-    print(f"page: {show.make(scene, motion, target)}")
     return ANSWERED
 
 
