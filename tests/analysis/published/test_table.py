@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from analysis import __main__ as command_line
 from analysis import jobs, store
 from analysis.model_stage import model_module
 from analysis.published import files, page, rows, stage, table, upper_bound
@@ -151,6 +152,23 @@ def test_a_best_value_outside_its_bounds_is_refused(cases: dict[str, Case]) -> N
     upper = {"upper": [[4.04 * PICO, -1.01 * PICO], [-1.01 * PICO, 2.02 * PICO]]}
     with pytest.raises(ValueError, match="delta_self .* is outside"):
         rows.row(case, outside, upper, rows.Alone(3.39 * PICO, 3.41 * PICO))
+
+
+def test_the_options_of_the_command_reach_what_they_are_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked: list[object] = []
+
+    def make(*arguments: object) -> table.Made:
+        asked.extend(arguments)
+        return table.Made([], "530 set-ups")
+
+    monkeypatch.setattr(table, "make", make)
+    answers, output = tmp_path / "answers", tmp_path / "output"
+    command = ["table", "--answers", str(answers), "--output", str(output), "--jobs", "3"]
+    assert command_line.main(command) == 0
+    assert asked == [answers, output, 3]
+    assert f"table: {output / files.TABLE}" in capsys.readouterr().out
 
 
 def test_nothing_is_written_while_a_set_up_has_no_answer(
