@@ -37,12 +37,14 @@ class Level:
 class ReferenceAnswer:
     """The Maxwell matrix (n, n) in F with its error, sensors first in `conductors`.
 
-    Where the reference encloses the truth, the error reaches to the farther end of the interval. `delta_self` is told by the reference itself, from two solutions on the same mesh.
+    Where the reference encloses the truth, from `lower` to `upper`, the error reaches to the farther end. `delta_self` is told by the reference itself, from two solutions on the same mesh.
     """
 
     conductors: tuple[str, ...]
     maxwell: Array
     error: Array
+    lower: Array
+    upper: Array
     delta_self: dict[str, Estimate]
     levels: tuple[Level, ...]
     unknowns: int
@@ -56,10 +58,14 @@ class ReferenceAnswer:
     def of(document: Document) -> ReferenceAnswer:
         """The answer in a document of `fem_reference --json`; KeyError when a part is missing."""
         changes = document.get("delta_self", {})
+        lower, upper = _interval(document)
+        value = np.array(document["maxwell"], dtype=np.float64)
         return ReferenceAnswer(
             conductors=tuple(document["conductors"]),
-            maxwell=np.array(document["maxwell"], dtype=np.float64),
-            error=_error(document),
+            maxwell=value,
+            error=_error(document, value, lower, upper),
+            lower=lower,
+            upper=upper,
             delta_self={name: Estimate(change["value"], change["error"]) for name, change in changes.items()},
             levels=tuple(
                 Level(level["unknowns"], level["seconds"], np.array(level["maxwell"], dtype=np.float64))
@@ -84,14 +90,46 @@ class ReferenceAnswer:
         return Estimate(float(self.maxwell[place, place]), float(self.error[place, place]))
 
 
-def _error(document: Document) -> Array:
+def _error(document: Document, value: Array, lower: Array, upper: Array) -> Array:
     """What a value of the Maxwell matrix may be off: proven where there is an enclosure, else estimated."""
     if document["error_kind"] != "enclosure":
         return np.array(document["error"], dtype=np.float64)
-    value, lower, upper = (
-        np.array(document[name], dtype=np.float64) for name in ("maxwell", "lower", "upper")
-    )
     return np.asarray(np.maximum(value - lower, upper - value))
+
+
+def _interval(document: Document) -> tuple[Array, Array]:
+    """Where the Maxwell matrix lies: proven where there is an enclosure, else by the estimated errors."""
+    if document["error_kind"] == "enclosure":
+        return np.array(document["lower"], dtype=np.float64), np.array(document["upper"], dtype=np.float64)
+    value, error = (np.array(document[name], dtype=np.float64) for name in ("maxwell", "error"))
+    return value - error, value + error
+
+
+@dataclass(frozen=True, eq=False)
+class BoundaryAnswer:
+    """The Maxwell matrix (n, n) in F by boundary elements with its estimated error; `lower_bounds` says of each entry of the
+    diagonal whether it cannot exceed the truth. Sensors first in `conductors`."""
+
+    conductors: tuple[str, ...]
+    maxwell: Array
+    error: Array
+    lower_bounds: tuple[bool, ...]
+    delta_self: dict[str, Estimate]
+    reached: bool
+    seconds: float
+
+    @staticmethod
+    def of(document: Document) -> BoundaryAnswer:
+        """The answer in a stored `boundary.json`; KeyError when a part is missing."""
+        return BoundaryAnswer(
+            conductors=tuple(document["conductors"]),
+            maxwell=np.array(document["maxwell"], dtype=np.float64),
+            error=np.array(document["error"], dtype=np.float64),
+            lower_bounds=tuple(document["lower_bounds"]),
+            delta_self={name: Estimate(**change) for name, change in document["delta_self"].items()},
+            reached=document["reached"],
+            seconds=document["seconds"],
+        )
 
 
 @dataclass(frozen=True)

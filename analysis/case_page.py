@@ -7,17 +7,17 @@ from collections.abc import Iterable
 from html import escape
 
 from analysis import keys, page, plots_in_space
-from analysis.answers import Estimate, ReferenceAnswer
+from analysis.answers import BoundaryAnswer, Estimate, ReferenceAnswer
 from analysis.errors import section as errors_section
 from analysis.errors.records import Entry
 from analysis.model_stage import knows
-from analysis.results import MODEL, REFERENCE, SCENE, SLICE, CaseResult, Results
+from analysis.results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, CaseResult, Results
 from analysis.store import write_text
-from analysis.table import DELTA_SELF, MUTUAL, Row, model_command, reference_command
+from analysis.table import DELTA_SELF, MUTUAL, Row, boundary_command, model_command, reference_command
 from geometries.study import EMPTY, NO_REFERENCE
 
 PICOFARAD = 1e-12
-_FILES = (SCENE, REFERENCE, MODEL, SLICE)
+_FILES = (SCENE, REFERENCE, MODEL, BOUNDARY, SLICE)
 _SCRIPT = f"../../{page.SCRIPT}"
 
 
@@ -59,7 +59,7 @@ def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | No
     if apart is not None:
         yield page.section("The parts of the model's error", *errors_section.of_one(apart))
     if case.reference is not None:
-        yield page.section("Maxwell matrix", _matrix(case.reference))
+        yield page.section("Maxwell matrix", _matrix(case.reference), *_second_matrix(case.boundary))
     yield page.section("Reproduce", *_commands(results, case))
 
 
@@ -105,6 +105,25 @@ def _numbers(case: CaseResult, rows: list[Row]) -> list[str]:
 
 
 def _matrix(answer: ReferenceAnswer) -> str:
+    told = (
+        f"pF: charge on the row's conductor per volt on the column's; {answer.unknowns:,} unknowns, {answer.seconds:.1f} s, "
+        f"{'within' if answer.reached else 'short of'} the asked accuracy."
+    )
+    return _entries(answer) + page.soft(told)
+
+
+def _second_matrix(answer: BoundaryAnswer | None) -> list[str]:
+    if answer is None:
+        return []
+    changes = [
+        f"{DELTA_SELF} of {name} {change.value / PICOFARAD:.6g} ± {change.error / PICOFARAD:.1g} pF"
+        for name, change in answer.delta_self.items()
+    ]
+    told = f"{1e3 * answer.seconds:.3g} ms, {'within' if answer.reached else 'short of'} the asked accuracy; {', '.join(changes)}."
+    return ["<h3>The same by boundary elements</h3>", _entries(answer), page.soft(told)]
+
+
+def _entries(answer: ReferenceAnswer | BoundaryAnswer) -> str:
     rows = [
         [
             escape(name),
@@ -115,11 +134,7 @@ def _matrix(answer: ReferenceAnswer) -> str:
         ]
         for i, name in enumerate(answer.conductors)
     ]
-    told = (
-        f"pF: charge on the row's conductor per volt on the column's; {answer.unknowns:,} unknowns, {answer.seconds:.1f} s, "
-        f"{'within' if answer.reached else 'short of'} the asked accuracy."
-    )
-    return page.table(["", *answer.conductors], rows) + page.soft(told)
+    return page.table(["", *answer.conductors], rows)
 
 
 def _commands(results: Results, case: CaseResult) -> list[str]:
@@ -128,5 +143,7 @@ def _commands(results: Results, case: CaseResult) -> list[str]:
         parts.append(page.command(reference_command(results, case.id)))
     if case.family != EMPTY and knows(case.scene):
         parts.append(page.command(model_command(results, case.id)))
+    if case.boundary is not None:
+        parts.append(page.command(boundary_command(results, case.id)))
     files = [page.link(name, name) for name in _FILES if (case.folder / name).is_file()]
     return [*parts, f"<p>Beside this page: {', '.join(files)}.</p>"]

@@ -28,10 +28,11 @@ def first_finding(text: str) -> str:
 
 
 def document(title: str, inputs: str, headline: str, cards: list[Card], rest: list[str]) -> str:
-    """The whole page, without figures."""
+    """The whole page. Its script is loaded only where the headline holds a figure."""
     entries = "\n".join(f"<li>{page.link(card.target, card.title)}<p>{card.says}</p></li>" for card in cards)
     body = [headline, f'<ul class="cards">\n{entries}\n</ul>', *rest]
-    return page.document(title, inputs, body, script="")
+    script = page.SCRIPT if page.PLOT in headline else ""
+    return page.document(title, inputs, body, script)
 
 
 def navigation(title: str, pages: list[tuple[str, str]], current: str) -> str:

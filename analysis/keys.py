@@ -37,6 +37,11 @@ def reference_key(scene: str, study: Study, code: str) -> str:
     return _hash({"scene": scene, "options": options, "code": code})
 
 
+def boundary_key(scene: str, rtol: float, code: str) -> str:
+    """The key of an answer by boundary elements; `scene` is its identity, `code` is `model_code`."""
+    return _hash({"scene": scene, "boundary elements": rtol, "code": code})
+
+
 def slice_key(scene: str, code: str) -> str:
     """The key of a slice of the potential; `scene` is its identity, `code` is `reference_code`."""
     return _hash({"scene": scene, "slice": True, "code": code})

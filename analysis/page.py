@@ -16,6 +16,8 @@ SCRIPT = "report/plotly.js"
 CASES = "../cases"
 """The cases' folder as seen from a page in the folder of the pages."""
 CASE_PAGE = "case.html"
+PLOT = "plotly-graph-div"
+"""The class of a figure's place."""
 
 _STYLE = """
 :root { --ink: #24292f; --soft: #57606a; --line: #d8dee4; --tint: #f6f8fa; --accent: #0b5394; }
@@ -209,7 +211,7 @@ def _figure(figure: Any) -> str:
     )
     # What ends a script element in HTML must not stand in one.
     harmless = parts.replace("</", "<\\/")
-    place = f'<div class="plotly-graph-div" style="height:{layout.get("height", _HEIGHT)}px"></div>'
+    place = f'<div class="{PLOT}" style="height:{layout.get("height", _HEIGHT)}px"></div>'
     return (
         f"{place}<script>Plotly.newPlot(document.currentScript.previousElementSibling, {harmless});</script>"
     )

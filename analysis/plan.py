@@ -7,14 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis import keys, set_up
+from analysis.cross_check import stage as cross_check
 from analysis.model_stage import knows
-from analysis.results import MODEL, REFERENCE, SCENE, SLICE, case_folder
+from analysis.results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, case_folder
 from analysis.store import is_current
 from geometries.study import EMPTY, NO_REFERENCE, Case, Study
 
 # Seconds that a case takes on one core of 2020, roughly: only their ratios count, for the order and the progress bar.
 _SECONDS_EMPTY, _SECONDS_PAIR, _SECONDS_PER_SIZE_OVER_GAP, _SECONDS_SLICE = 4.0, 12.0, 1.0, 4.0
-_SECONDS_MODEL = 0.1
+_SECONDS_MODEL, _SECONDS_BOUNDARY = 0.1, 0.1
 # Proven intervals take so many times as long as estimated errors.
 _ENCLOSURE_FACTOR = 3.0
 # With so many cases those of a job even out, and looking at each of them would take longer than it saves.
@@ -25,7 +26,7 @@ _ALL_PICTURED = 100
 
 @dataclass(frozen=True)
 class Work:
-    """What is to do for one case. `keys` has the key for each file that is missing: model.json, fem.json, slice.json;
+    """What is to do for one case. `keys` has the key for each file that is missing: model.json, boundary.json, fem.json, slice.json;
     `seconds` is what each takes, roughly."""
 
     case: str
@@ -49,6 +50,7 @@ def missing(study: Study, cases: list[Case], folder: Path) -> list[Work]:
         wanted = {}
         if study.error != NO_REFERENCE:
             wanted[REFERENCE] = keys.reference_key(case.identity, study, reference)
+            wanted[BOUNDARY] = keys.boundary_key(case.identity, cross_check.rtol(study.rtol), model)
         if case.family != EMPTY and knows(case.scene):
             wanted[MODEL] = keys.model_key(case.identity, study, model)
         if case.id in pictured:
@@ -85,6 +87,8 @@ def _pictured(cases: list[Case]) -> set[str]:
 def _expected_seconds(case: Case, file: str, study: Study, costs_vary: bool) -> float:
     if file == MODEL:
         return _SECONDS_MODEL
+    if file == BOUNDARY:
+        return _SECONDS_BOUNDARY
     if file == SLICE:
         return _SECONDS_SLICE
     factor = _ENCLOSURE_FACTOR if study.error == "enclosure" else 1.0

@@ -20,13 +20,18 @@ from analysis import (
     table,
 )
 from analysis.corrections import section as corrections_section
+from analysis.cross_check import section as cross_check_section
 from analysis.errors import records as error_records, section as errors_section
 from analysis.errors.records import Entry
 from analysis.experiments import section as experiments_section
 from analysis.plot import Plot
 from analysis.store import Document
+from analysis.trade_off import section as trade_off_section, stage as trade_off
 from analysis.verification import page as verification_page
+from geometries.study import NO_REFERENCE
 
+CROSS_CHECK = "cross_check"
+"""The page that a disagreement is told on."""
 ERRORS_CASES = "../../errors/cases"
 """The cases of `python3 -m analysis errors`, as seen from a page of a study's report."""
 
@@ -92,8 +97,14 @@ def _reference(material: Material) -> list[str]:
     return [trusted, verification_page.truths(material.verified)]
 
 
+def _cross_check(material: Material) -> list[str]:
+    return [] if material.found.error == NO_REFERENCE else cross_check_section.sections(material.found)
+
+
 def _run_time(material: Material) -> list[str]:
-    parts = [page.plot_section(plot_of_time.time_against_error(material.rows))] if material.rows else []
+    parts = [trade_off_section.section(trade_off.load(material.found.folder), material.found)]
+    if not parts[0] and material.rows:
+        parts = [page.plot_section(plot_of_time.time_against_error(material.rows))]
     parts.append(run_times_section.section(material.found.run_times))
     return [*parts, verification_page.costs(material.verified)]
 
@@ -121,6 +132,7 @@ QUESTIONS = (
     Question("error_parts", "parts of the error", "Where does the model's error come from?", _parts),
     Question("corrections", "corrections", "What can be corrected, and at what cost?", _corrections),
     Question("reference", "reference", "How sure is the reference?", _reference),
+    Question(CROSS_CHECK, "cross-check", "Do two independent methods agree?", _cross_check),
     Question("run_time", "run time", "What does accuracy cost?", _run_time),
     Question("stability", "stability", "Is the integral stable?", _stability),
     Question("collisions", "collisions", "Are collisions found, and how fast?", _collisions),

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING
 
 from analysis import keys, results, statistics, table
 from analysis.corrections import page as corrections_page, stage as corrections_stage
+from analysis.cross_check import agreement
 from analysis.errors import records as error_records, set_ups as error_set_ups, stage as errors_stage
 from analysis.store import Document, read_json, write_json, write_text
+from analysis.trade_off import stage as trade_off
 from analysis.verification import page as verification_page, stage as verification_stage
 
 if TYPE_CHECKING:
@@ -32,11 +34,13 @@ _HREF = re.compile(r'href="([^"#]+)"')
 
 @dataclass(frozen=True)
 class Report:
-    """Where the report is, what it says in few numbers, and how many cases are short of the asked accuracy."""
+    """Where the report is, what it says in few numbers, how many cases are short of the asked accuracy, and how many values of the
+    two references disagree."""
 
     path: Path
     summaries: list[statistics.Summary]
     not_reached: int
+    disagreements: int
 
 
 def make(folder: Path) -> Report:
@@ -59,7 +63,8 @@ def make(folder: Path) -> Report:
         entries = error_records.entries(apart, error_set_ups.all_set_ups())
         _write(Material(found, rows, summaries, verified, entries, corrected), nights, inputs, whole)
     solved = [case.reference for case in found.cases.values() if case.reference is not None]
-    return Report(folder / REPORT, summaries, sum(not answer.reached for answer in solved))
+    not_reached = sum(not answer.reached for answer in solved)
+    return Report(folder / REPORT, summaries, not_reached, agreement.contradictions(found))
 
 
 def _inputs(
@@ -69,8 +74,10 @@ def _inputs(
     files = [
         folder / name for name in (results.MANIFEST, results.RUN_TIMES, results.STABILITY, *results.COLLISION)
     ]
+    files.append(folder / trade_off.ANSWER)
     for case in found.cases.values():
-        files += [case.folder / name for name in (results.REFERENCE, results.MODEL, results.SLICE)]
+        answers_of_case = (results.REFERENCE, results.MODEL, results.SLICE, results.BOUNDARY)
+        files += [case.folder / name for name in answers_of_case]
     answers = keys.hash_of_files((path for path in files if path.is_file()), folder)
     errors = json.dumps(apart, sort_keys=True)
     return hashlib.sha256(f"{answers} {verification_page.inputs(verified)} {errors}".encode()).hexdigest()
@@ -95,7 +102,10 @@ def _is_complete(folder: Path) -> bool:
 def _write(material: Material, nights: list[Document], inputs: str, whole: str) -> None:
     """The table, the pages, and at last the report itself, which says that all are there."""
     from analysis import index_page, page, sections
+    from analysis.cross_check import section as cross_check_section
     from analysis.nightly import history_page
+    from analysis.questions import CROSS_CHECK
+    from analysis.trade_off import section as trade_off_section
 
     folder = material.found.folder
     write_text(folder / TABLE, table.to_csv(material.rows, material.found.methods))
@@ -106,7 +116,9 @@ def _write(material: Material, nights: list[Document], inputs: str, whole: str) 
                 history_page.HISTORY, "What has moved from night to night?", history_page.finding(nights)
             )
         )
-    headline = sections.headline(material.found, material.summaries)
+    headline = cross_check_section.warning(material.found, f"{PAGES}/{CROSS_CHECK}.html")
+    headline += sections.headline(material.found, material.summaries)
+    headline += trade_off_section.section(trade_off.load(folder), material.found)
     rest = [sections.failures(material.found), page.soft(sections.FILES)]
     write_text(folder / REPORT, index_page.document(material.found.title, whole, headline, cards, rest))
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis import collision_measurements, machine, measurements
-from analysis.answers import ModelAnswer, ReferenceAnswer
+from analysis.answers import BoundaryAnswer, ModelAnswer, ReferenceAnswer
 from analysis.jobs import Failure
 from analysis.set_up import SetUp, describe
 from analysis.store import Document, read_json, write_json
@@ -19,13 +19,15 @@ from geometries.study import EMPTY, Case, Parameter, Study, empty_case
 
 MANIFEST = "study.json"
 SCENE, REFERENCE, MODEL, SLICE = "scene.toml", "fem.json", "model.json", "slice.json"
+BOUNDARY = "boundary.json"
 RUN_TIMES, STABILITY = "run_times.json", "stability.json"
 COLLISION = ("collision_answers.json", "collision_times.json", "collision_scenes.json")
 
 
 @dataclass(frozen=True, eq=False)
 class CaseResult:
-    """One case with the answers that exist. `empty` is the id of the case without objects."""
+    """One case with the answers that exist. `empty` is the id of the case without objects; `refused` says why there is no
+    `boundary`, where boundary elements were asked."""
 
     id: str
     family: str
@@ -36,6 +38,8 @@ class CaseResult:
     reference: ReferenceAnswer | None
     model: ModelAnswer | None
     slice: Document | None
+    boundary: BoundaryAnswer | None
+    refused: str
 
     @cached_property
     def set_up(self) -> SetUp | None:
@@ -125,6 +129,7 @@ def _case_document(case: Case) -> Document:
 def _case_result(results: Path, document: Document) -> CaseResult:
     folder = case_folder(results, document["id"])
     reference, model = read_json(folder / REFERENCE), read_json(folder / MODEL)
+    boundary = read_json(folder / BOUNDARY) or {}
     return CaseResult(
         id=document["id"],
         family=document["family"],
@@ -138,4 +143,6 @@ def _case_result(results: Path, document: Document) -> CaseResult:
         reference=ReferenceAnswer.of(reference) if reference else None,
         model=ModelAnswer.of(model) if model else None,
         slice=read_json(folder / SLICE),
+        boundary=BoundaryAnswer.of(boundary) if "maxwell" in boundary else None,
+        refused=boundary.get("refused", ""),
     )

@@ -28,6 +28,7 @@ import math
 from dataclasses import dataclass
 
 from analysis.answers import Estimate, ModelValue, ReferenceAnswer
+from analysis.cross_check import stage as cross_check
 from analysis.keys import from_repository
 from analysis.results import SCENE, CaseResult, Results
 from analysis.set_up import SetUp
@@ -166,6 +167,13 @@ def model_command(results: Results, case: str, method: str = COMPARED_METHOD) ->
     """The command, from the repository's folder, that computes the model's answer for a case."""
     scene = from_repository(results.folder / "cases" / case / SCENE)
     return f"build/bin/fringe capacitance {scene} --method {method}"
+
+
+def boundary_command(results: Results, case: str) -> str:
+    """The command, from the repository's folder, that computes the boundary elements' answer for a case."""
+    scene = from_repository(results.folder / "cases" / case / SCENE)
+    rtol = cross_check.rtol(results.rtol)
+    return f"build/bin/fringe capacitance {scene} --method boundary-elements --rtol {rtol:g}"
 
 
 def to_csv(found: list[Row], methods: tuple[str, ...]) -> str:

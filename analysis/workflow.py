@@ -5,10 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from analysis import measurement_stage, model_stage, plan, reference_stage
+from analysis.cross_check import stage as cross_check
 from analysis.jobs import Failure, Job, parallel_jobs, run_all
 from analysis.plan import Work
-from analysis.results import MODEL, REFERENCE, SCENE, SLICE, case_folder, write_manifest
+from analysis.results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, case_folder, write_manifest
 from analysis.store import is_current, read_current, write_text
+from analysis.trade_off import stage as trade_off
 from geometries.study import Study
 
 
@@ -23,8 +25,14 @@ def run(study: Study, folder: Path, workers: int | None, measure_model: bool = F
     works = plan.missing(study, cases, folder)
     forget(works, folder)
     failures = evaluate_model(works, study.methods, folder) + measure(folder, measure_model)
+    failures += solve_by_boundary_elements(works, study, folder)
     failures += solve(works, study, folder, workers or parallel_jobs())
+    # The pairs of plates are found in the manifest.
     write_manifest(folder, study, failures)
+    measured = trade_off.run(folder, [case.identity for case in cases], measure_model)
+    if measured:
+        failures += measured
+        write_manifest(folder, study, failures)
     return failures
 
 
@@ -58,6 +66,19 @@ def evaluate_model(works: list[Work], methods: tuple[str, ...], folder: Path) ->
         if MODEL in work.keys and not is_current(target, work.keys[MODEL]):
             module = model_stage.model_module()
             failure = model_stage.evaluate(scene, target, work.keys[MODEL], methods, module)
+            failures += [failure] if failure else []
+    return failures
+
+
+def solve_by_boundary_elements(works: list[Work], study: Study, folder: Path) -> list[Failure]:
+    """Make the boundary elements' answers that are to do, milliseconds each; the scenes are there."""
+    failures = []
+    for work in works:
+        scene = case_folder(folder, work.case) / SCENE
+        target = scene.with_name(BOUNDARY)
+        if BOUNDARY in work.keys and not is_current(target, work.keys[BOUNDARY]):
+            asked, module = cross_check.rtol(study.rtol), model_stage.model_module()
+            failure = cross_check.evaluate(scene, target, work.keys[BOUNDARY], asked, module)
             failures += [failure] if failure else []
     return failures
 

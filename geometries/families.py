@@ -8,6 +8,7 @@ set-up of the family are refused with an InputError that names the parameter.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -211,10 +212,19 @@ def _scene(
     sensor_alone = empty(sensor_size)
     shape = PlateShape(target_size)
     rotation = _rotation(tilt_degrees, turn_degrees)
-    vertices = shape.triangles().reshape(-1, 3) @ rotation.matrix().T
-    x, y, z = place(np.array([vertices.min(axis=0), vertices.max(axis=0)]))
+    x, y, z = place(_box(shape, rotation))
     target = Object("target", shape, pose=Pose((float(x), float(y), float(z)), rotation))
     return Scene(sensors=sensor_alone.sensors, objects=(target,))
+
+
+# Sweeps have few plates and angles, and many places for them.
+@functools.lru_cache(maxsize=1024)
+def _box(shape: PlateShape, rotation: Rotation) -> Array:
+    """The bounding box (2, 3) of a rotated plate, lowest and highest coordinates."""
+    vertices = shape.triangles().reshape(-1, 3) @ rotation.matrix().T
+    box = np.array([vertices.min(axis=0), vertices.max(axis=0)])
+    box.flags.writeable = False
+    return box
 
 
 def _rotation(tilt_degrees: float, turn_degrees: float) -> Rotation:

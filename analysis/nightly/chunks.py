@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -9,7 +10,7 @@ from pathlib import Path
 from analysis import reference_stage, workflow
 from analysis.jobs import Failure
 from analysis.plan import Work
-from analysis.store import Document, is_current, read_json, write_json
+from analysis.store import Document, is_current, read_json, write_json, write_text
 from analysis.results import case_folder
 from geometries.errors import InputError
 from geometries.study import Study
@@ -58,7 +59,8 @@ def write(chunks: list[Chunk], study: Study, results: Path) -> None:
     }
     for chunk in chunks:
         document: Document = {"asked": asked, "works": [vars(work) for work in chunk.works]}
-        write_json(results / FOLDER / f"{chunk.name}.json", document)
+        # On one line, which is written several times as fast: nobody reads it, and there may be a hundred thousand cases.
+        write_text(results / FOLDER / f"{chunk.name}.json", json.dumps(document))
 
 
 def solve(file: Path) -> None:
@@ -80,6 +82,7 @@ def solve(file: Path) -> None:
             return
         work = _left(Work(**entry), results)
         failures += workflow.evaluate_model([work], study.methods, results)
+        failures += workflow.solve_by_boundary_elements([work], study, results)
         failures += workflow.solve([work], study, results, workers=1, shown=False)
     write_json(file.with_name(file.stem + _ENDED), {"failures": [asdict(failure) for failure in failures]})
 

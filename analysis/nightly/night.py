@@ -23,6 +23,7 @@ from analysis.plan import Work
 from analysis.processes import ENDS_WITH_US, Processes
 from analysis.results import case_folder, write_manifest
 from analysis.store import write_text
+from analysis.trade_off import stage as trade_off
 from geometries.errors import InputError
 from geometries.study import Study
 
@@ -63,6 +64,7 @@ def run(study: Study, folder: Path, options: Options) -> Night:
     works = plan.missing(study, cases, folder)
     prepared = prepare(works, study, folder, seconds, workers)
     workflow.measure(folder, wanted=False)
+    trade_off.run(folder, [case.identity for case in cases], wanted=False)
     failures: list[Failure] = []
     if prepared:
         _carry(prepared, folder, command(folder, options.profile, workers), workers)

@@ -114,7 +114,12 @@ def _answer(text: str, place: Path) -> None:
         case = results.case_folder(place, work.case)
         write_text(case / results.SCENE, work.scene)
         bodies = 2 if results.MODEL in work.keys else 1
-        made_up = {results.REFERENCE: _reference(bodies), results.MODEL: _model(), results.SLICE: _slice()}
+        made_up: dict[str, dict[str, object]] = {
+            results.REFERENCE: _reference(bodies),
+            results.MODEL: _model(),
+            results.SLICE: _slice(),
+            results.BOUNDARY: {"refused": "made up"},
+        }
         for file, key in work.keys.items():
             write_json(case / file, {"key": key, **made_up[file]})
 

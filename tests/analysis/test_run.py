@@ -52,6 +52,9 @@ class Model:
             answer: dict[str, Any] = model_document(1.8)["methods"][method]
             return answer
 
+        def maxwell(self, rtol: float) -> dict[str, Any]:
+            raise ValueError("a stand-in knows no boundary elements")
+
 
 class Workplace:
     """A study file, a results folder, and the stand-in's log."""
@@ -149,7 +152,7 @@ def test_a_missing_picture_is_told_but_is_no_failed_run(
 def test_every_case_folder_holds_whole_files_only(place: Workplace) -> None:
     place.run(TWO)
     names = {path.name for path in (place.folder / "results" / "cases").glob("*/*")}
-    assert names == {"scene.toml", "fem.json", "model.json", "case.html"}
+    assert names == {"scene.toml", "fem.json", "model.json", "boundary.json", "case.html"}
 
 
 def test_wrong_input_ends_with_code_2_and_a_message(

@@ -62,6 +62,18 @@ def test_a_value_that_moved_fails_the_night_and_is_told(toy: ToyRepository) -> N
     assert "the last time on" in history_page.finding(nights(toy))
 
 
+def test_two_methods_that_disagree_fail_the_night_and_are_told_first(toy: ToyRepository) -> None:
+    (toy.folder / "model").mkdir()
+    (toy.folder / "model" / "another_version.cpp").write_text("")
+    night = toy.run("nightly", TOY_SHIFT="0.5", TOY_BOUNDARY="9")
+    assert night.returncode == 1
+    assert (
+        "values of boundary elements and the field solver disagree by more than their errors" in night.stdout
+    )
+    head = (toy.results / "report.html").read_text().partition("<header>")[0]
+    assert "values of the two references disagree" in head and 'href="report/cross_check.html"' in head
+
+
 def test_nights_that_are_killed_lose_nothing_and_leave_nothing_in_the_way(tmp_path: Path) -> None:
     tally = kill_nights(tmp_path, kills=2, seed=7)
     assert tally.kills == 2 and tally.studies >= 1

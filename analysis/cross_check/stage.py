@@ -1,0 +1,50 @@
+"""Boundary elements on one case of a study: their matrix with its errors, or why they have none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from analysis.jobs import Failure
+from analysis.store import Document, write_json
+
+STAGE = "boundary elements"
+SHARE = 0.1
+"""Of the accuracy asked of the field solver: its own error is what the comparison is to show."""
+_STRICTEST, _LOOSEST = 1e-6, 0.5
+
+
+def rtol(asked: float) -> float:
+    """What is asked of boundary elements where `asked` is asked of the field solver."""
+    return min(max(SHARE * asked, _STRICTEST), _LOOSEST)
+
+
+def evaluate(scene: Path, target: Path, key: str, rtol: float, module: Any) -> Failure | None:
+    """Solve a scene file and store the answer, or the reason for which it is refused, with the key; returns why, when there is
+    neither."""
+    try:
+        answer = _answer(module.Scene.load(str(scene)).maxwell(rtol=rtol))
+    except ValueError as error:
+        answer = {"refused": _without_place(str(error), scene)}
+    except RuntimeError as error:
+        return Failure(scene.parent.name, STAGE, str(error))
+    write_json(target, {"key": key, "rtol": rtol, **answer})
+    return None
+
+
+def _answer(solved: Document) -> Document:
+    return {
+        "conductors": list(solved["conductors"]),
+        "maxwell": solved["maxwell"].tolist(),
+        "error": solved["error"].tolist(),
+        "lower_bounds": [bool(bound) for bound in solved["lower_bounds"]],
+        "delta_self": solved["delta_self"],
+        "reached": bool(solved["reached"]),
+        "unknowns": int(solved["unknowns"]),
+        "seconds": float(solved["seconds"]),
+    }
+
+
+def _without_place(reason: str, scene: Path) -> str:
+    """The reason alone: the same in every folder."""
+    return reason.removeprefix(f"{scene}: ")
