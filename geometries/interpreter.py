@@ -7,6 +7,8 @@ import os
 import subprocess
 import sys
 
+from geometries.installation import how_to_get
+
 DEBIAN_PYTHON = "/usr/bin/python3"
 
 
@@ -19,9 +21,7 @@ def continue_with(module: str) -> None:
         return
     if os.path.realpath(sys.executable) != os.path.realpath(DEBIAN_PYTHON) and _has(DEBIAN_PYTHON, module):
         os.execv(DEBIAN_PYTHON, [DEBIAN_PYTHON, *sys.orig_argv[1:]])
-    sys.exit(
-        f"neither {sys.executable} nor {DEBIAN_PYTHON} has the module {module}: ./run installs what is missing"
-    )
+    sys.exit(f"neither {sys.executable} nor {DEBIAN_PYTHON} has the module {module}: {how_to_get(module)}")
 
 
 def _has(interpreter: str, module: str) -> bool:
