@@ -1,4 +1,4 @@
-# `cpack` in the build folder makes build/package/fringe_VERSION_ARCHITECTURE.deb.
+# `cpack` in the build folder makes build/debian/fringe_VERSION_ARCHITECTURE.deb.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME fringe)
 set(CPACK_PACKAGE_CONTACT "The authors of fringe <fringe@localhost>")
@@ -12,7 +12,7 @@ The C++ library with its headers, the command fringe, a Python module of the
 same name, and the commands fringe-reference, fringe-analysis and
 fringe-geometries.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
-set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/package)
+set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/debian)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
   OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
@@ -27,7 +27,7 @@ set(CPACK_DEBIAN_PACKAGE_DEPENDS
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS
   "gcc, libc6-dev, openmpi-bin, python3-dolfinx, python3-gmsh, python3-meshio, python3-plotly, python3-psutil, python3-scipy, python3-sklearn, python3-tomli-w, python3-tqdm")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
-  "g++, libassimp-dev, libeigen3-dev, libfmt-dev, libsleef-dev, libtbb-dev, libtomlplusplus-dev, snakemake")
+  "g++, libassimp-dev, libeigen3-dev, libfmt-dev, libsleef-dev, libtbb-dev, libtomlplusplus-dev, pkg-config, snakemake")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/postinst ${CMAKE_CURRENT_LIST_DIR}/prerm)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 include(CPack)

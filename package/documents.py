@@ -6,6 +6,7 @@ They are made from the parsers of the commands in Python, and from what the comm
 from __future__ import annotations
 
 import argparse
+import gzip
 import os
 import re
 import subprocess
@@ -47,10 +48,10 @@ def main(fringe: Path, folder: Path) -> None:
     ]
     for parser in parsers:
         name = parser.prog
-        _write(folder / "man1" / f"{name}.1", manual(parser))
+        _write(folder / "man1" / f"{name}.1.gz", gzip.compress(manual(parser).encode(), mtime=0))
         complete_paths(parser)
-        _write(folder / "bash" / name, shtab.complete(parser, "bash"))
-        _write(folder / "zsh" / f"_{name}", shtab.complete(parser, "zsh"))
+        _write(folder / "bash" / name, shtab.complete(parser, "bash").encode())
+        _write(folder / "zsh" / f"_{name}", shtab.complete(parser, "zsh").encode())
 
 
 def manual(parser: argparse.ArgumentParser) -> str:
@@ -113,9 +114,9 @@ def _add_arguments(parser: argparse.ArgumentParser, sections: dict[str, list[tup
             parser.add_argument(*names.split(","), action="store_true", help=text.replace("%", "%%"))
 
 
-def _write(path: Path, text: str) -> None:
+def _write(path: Path, content: bytes) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
+    path.write_bytes(content)
 
 
 if __name__ == "__main__":

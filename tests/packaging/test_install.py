@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import os
 import subprocess
@@ -137,7 +138,9 @@ def test_manual_pages_and_completions_know_every_command_and_option(prefix: Path
     for command in COMMANDS[program]:
         wanted |= options_of(prefix / "bin" / program, command)
     assert wanted or program == "fringe-geometries"
-    page = (prefix / f"share/man/man1/{program}.1").read_text().replace(r"\-", "-")
+    page = (
+        gzip.decompress((prefix / f"share/man/man1/{program}.1.gz").read_bytes()).decode().replace(r"\-", "-")
+    )
     bash = (prefix / "share/bash-completion/completions" / program).read_text()
     zsh = (prefix / "share/zsh/vendor-completions" / f"_{program}").read_text()
     for text in (page, bash, zsh):
