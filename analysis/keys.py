@@ -28,6 +28,7 @@ _NOT_SOLVING = {
     "interpreter.py",
     "files.py",
     "installation.py",
+    "study_schema.py",
     "__main__.py",
     "__init__.py",
 }

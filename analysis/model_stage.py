@@ -36,7 +36,7 @@ def evaluate(scene: Path, target: Path, key: str, methods: tuple[str, ...], modu
         answers = {method: _timed(module, scene, method) for method in methods}
     except (ValueError, RuntimeError) as error:
         return Failure(scene.parent.name, "model", str(error))
-    write_json(target, {"key": key, "version": str(module.__version__), "methods": answers})
+    write_json(target, {"key": key, "format": 1, "version": str(module.__version__), "methods": answers})
     return None
 
 

@@ -21,7 +21,9 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def fields(package: Path) -> dict[str, str]:
     """The fields of the package's control file; descriptions by their first line."""
     said = subprocess.run(["dpkg-deb", "-f", package], capture_output=True, text=True, check=True).stdout
-    return dict(line.split(": ", 1) for line in said.splitlines() if not line.startswith(" "))
+    return dict(
+        line.split(": ", 1) for line in said.splitlines() if ": " in line and not line.startswith(" ")
+    )
 
 
 @pytest.fixture(scope="module")
