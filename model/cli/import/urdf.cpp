@@ -60,7 +60,8 @@ urdf::ModelInterfaceSharedPtr parse(const fs::path& path) {
   } catch (const std::exception& error) {
     throw InputError(fmt::format("{}: {}", path.string(), error.what()));
   }
-  if (!model)
+  // A geometry that it cannot read is told and left out.
+  if (!model || !told.text().empty())
     throw InputError(
         fmt::format("{}: {}", path.string(), told.text().empty() ? "is not a robot in URDF" : told.text()));
   return model;
@@ -116,7 +117,7 @@ class Reader {
 
   Eigen::Isometry3d joint_pose(const urdf::Joint& joint) const {
     const std::string what = fmt::format("joint \"{}\"", joint.name);
-    const Eigen::Isometry3d origin = pose_of(joint.parent_to_joint_origin_transform);
+    Eigen::Isometry3d origin = pose_of(joint.parent_to_joint_origin_transform);
     const double position = joint_position(joint, 0);
     if (!origin.matrix().allFinite() || !std::isfinite(position))
       fail(what, "its place must be finite");
@@ -208,7 +209,7 @@ class Reader {
     constexpr std::string_view file = "file://";
     const fs::path folder = fs::absolute(path_).parent_path();
     if (!name.starts_with(package)) {
-      const fs::path found = folder / (name.starts_with(file) ? name.substr(file.size()) : name);
+      fs::path found = folder / (name.starts_with(file) ? name.substr(file.size()) : name);
       if (!fs::is_regular_file(found))
         fail(what, fmt::format("mesh: there is no file {}", found.string()));
       return found;
