@@ -38,7 +38,7 @@ Elements elements(const tinygltf::Model& model, int number) {
   const int stride = accessor.ByteStride(view);
   if (component <= 0 || components <= 0 || stride <= 0)
     refuse("has a type that does not exist");
-  const auto size = static_cast<std::size_t>(component * components);
+  const auto size = static_cast<std::size_t>(component) * static_cast<std::size_t>(components);
   const auto step = static_cast<std::size_t>(stride);
   if (accessor.count == 0)
     return {nullptr, step, 0};

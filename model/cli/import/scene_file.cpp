@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cstdint>
 #include <fstream>
+#include <ranges>
 #include <stdexcept>
 #include <system_error>
 #include <variant>
@@ -30,8 +31,8 @@ class Unfinished {
   Unfinished& operator=(const Unfinished&) = delete;
   ~Unfinished() {
     std::error_code ignored;
-    for (auto path = paths_.rbegin(); path != paths_.rend(); ++path)
-      fs::remove(*path, ignored);
+    for (const fs::path& path : paths_ | std::views::reverse)
+      fs::remove(path, ignored);
   }
 
   void add(const fs::path& path) { paths_.push_back(path); }
