@@ -5,8 +5,8 @@
 #include <bit>
 #include <cctype>
 #include <cstdint>
+#include <deque>
 #include <fstream>
-#include <ranges>
 #include <stdexcept>
 #include <system_error>
 #include <variant>
@@ -31,15 +31,15 @@ class Unfinished {
   Unfinished& operator=(const Unfinished&) = delete;
   ~Unfinished() {
     std::error_code ignored;
-    for (const fs::path& path : paths_ | std::views::reverse)
+    for (const fs::path& path : paths_)
       fs::remove(path, ignored);
   }
 
-  void add(const fs::path& path) { paths_.push_back(path); }
+  void add(const fs::path& path) { paths_.push_front(path); }
   void keep() { paths_.clear(); }
 
  private:
-  std::vector<fs::path> paths_;
+  std::deque<fs::path> paths_;  // the last first: a folder after what is in it
 };
 
 /// A basic string of TOML.
