@@ -7,6 +7,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 
+# Where `cmake --install` puts these packages, below its prefix.
+_PLACE = ("share", "fringe")
 _PROGRAMS = {
     "geometries": "fringe-geometries",
     "fem_reference": "fringe-reference",
@@ -16,7 +18,7 @@ _PROGRAMS = {
 
 def is_installed() -> bool:
     """Whether these packages are a copy that `cmake --install` made: without the sources of the model, not to be written to."""
-    return not (ROOT / "CMakeLists.txt").is_file()
+    return ROOT.parts[-2:] == _PLACE and not (ROOT / "CMakeLists.txt").is_file()
 
 
 def command(package: str) -> str:
@@ -56,7 +58,7 @@ def how_to_get(module: str) -> str:
 
 
 def no_benchmark(program: Path) -> str:
-    """Why a measurement of the model cannot be made: the program for it is not there."""
+    """Why a measurement of the model cannot be made: the program for it, named from the repository, is not there."""
     if is_installed():
         return f"{program.name} is not installed: the model is measured in the repository"
-    return f"{program.relative_to(ROOT)} is not there: ./run builds it"
+    return f"{program} is not there: ./run builds it"

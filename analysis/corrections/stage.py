@@ -38,7 +38,7 @@ def run(folder: Path, module: Any) -> list[Failure]:
         return []
     program = REPOSITORY / _BENCHMARK
     if not program.is_file():
-        return [Failure("", "corrections", no_benchmark(program))]
+        return [Failure("", "corrections", no_benchmark(_BENCHMARK))]
     try:
         document = {"key": key, **evaluated(module), "nanoseconds": nanoseconds(program)}
     except (OSError, ValueError, subprocess.SubprocessError) as error:
