@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.packaging.conftest import BUILD, ROOT
+from tests.packaging.conftest import BUILD, ROOT, SCENE
 
 CONSUMER = Path(__file__).with_name("consumer")
 # Only what is installed, wherever the user stands: nothing of the repository is on a path.
@@ -82,11 +82,13 @@ def test_the_python_module_works_from_another_folder(prefix: Path, scene: Path) 
 
 
 def test_the_reference_works_from_another_folder(prefix: Path, scene: Path) -> None:
+    # The sensor alone, which is solved the soonest.
+    scene.write_text(SCENE.split("[[object]]")[0])
     command = [prefix / "bin/fringe-reference", scene, "--rtol", "0.05", "--error", "estimate", "--json"]
     # What the solver compiles is there already: it takes ten seconds.
     document = json.loads(output_of(command, scene.parent, XDG_CACHE_HOME=str(BUILD / "cache")))
     assert document["reached"]
-    assert document["conductors"] == ["front", "hand"]
+    assert document["conductors"] == ["front"]
 
 
 def test_studies_are_run_from_another_folder_into_it(prefix: Path, scene: Path) -> None:
