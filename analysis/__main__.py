@@ -10,6 +10,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
+from geometries import installation
 from geometries.interpreter import continue_with
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ _INTERRUPTED = 130
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
-    options = _parser().parse_args(arguments)
+    options = _parser(installation.command("analysis")).parse_args(arguments)
     continue_with("plotly" if options.command == "show" else "dolfinx")
     from geometries.errors import InputError
 
@@ -62,7 +63,7 @@ def main(arguments: list[str] | None = None) -> int:
     except ModuleNotFoundError as error:
         if error.name != "fringe":
             raise
-        print("analysis: the model is not built: ./run builds it", file=sys.stderr)
+        print("analysis: the model's Python module is missing: ./run builds it", file=sys.stderr)
         return FAILED
     except KeyboardInterrupt:
         print(
@@ -72,10 +73,11 @@ def main(arguments: list[str] | None = None) -> int:
         return _INTERRUPTED
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(program: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="python3 -m analysis",
-        description=__doc__,
+        prog=program,
+        description="Run a study, also night by night, compare two of them, verify the reference, take the model's error apart, "
+        "show a scene.",
         epilog="Exit status: 0 answered; 2 wrong input; 3 a case is short of the asked accuracy, its wider errors are "
         "reported; 1 a case failed, a value moved, or anything else.",
     )
@@ -263,11 +265,10 @@ def _diff(old: Path, new: Path, output: Path | None) -> int:
 
 
 def _study(name: str, folder: Path | None) -> tuple[Study, Path]:
-    from analysis.keys import REPOSITORY
     from geometries import study
 
     chosen = study.load(study.find(name))
-    return chosen, folder or REPOSITORY / "results" / chosen.name
+    return chosen, folder or installation.results_folder() / chosen.name
 
 
 def _verified(options: argparse.Namespace, target: Path) -> list[Failure]:
@@ -314,9 +315,8 @@ def _report(folder: Path) -> int:
 
 def _verify(folder: Path | None, jobs: int | None) -> int:
     from analysis.verification import page as verification_page, stage as verification_stage
-    from analysis.keys import REPOSITORY
 
-    target = folder or REPOSITORY / "results" / verification_stage.FOLDER
+    target = folder or installation.results_folder() / verification_stage.FOLDER
     failures = verification_stage.run(target, verification_stage.row_names(), jobs)
     _tell(failures)
     made = verification_page.make(target)
@@ -327,10 +327,9 @@ def _verify(folder: Path | None, jobs: int | None) -> int:
 
 def _errors(folder: Path | None, jobs: int | None) -> int:
     from analysis.errors import page as errors_page, set_ups, stage
-    from analysis.keys import REPOSITORY
     from analysis.store import exclusive
 
-    target = folder or REPOSITORY / "results" / stage.FOLDER
+    target = folder or installation.results_folder() / stage.FOLDER
     with exclusive(target):
         failures = stage.run(target, set_ups.all_set_ups(), jobs)
         _tell(failures)
@@ -342,11 +341,10 @@ def _errors(folder: Path | None, jobs: int | None) -> int:
 
 def _corrections(folder: Path | None) -> int:
     from analysis.corrections import page as corrections_page, section, stage
-    from analysis.keys import REPOSITORY
     from analysis.model_stage import model_module
     from analysis.store import exclusive
 
-    target = folder or REPOSITORY / "results" / stage.FOLDER
+    target = folder or installation.results_folder() / stage.FOLDER
     with exclusive(target):
         failures = stage.run(target, model_module())
         _tell(failures)
@@ -359,10 +357,9 @@ def _corrections(folder: Path | None) -> int:
 
 def _documentation(folder: Path | None) -> int:
     from analysis.documentation import make
-    from analysis.keys import REPOSITORY
 
     try:
-        page = make.build(folder or REPOSITORY / "results" / "documentation")
+        page = make.build(folder or installation.results_folder() / "documentation")
     except make.DocumentationError as error:
         print(f"analysis: {error}", file=sys.stderr)
         return FAILED

@@ -15,13 +15,25 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
 
+from geometries.installation import is_installed, module_folders
 from geometries.study import Study
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 
 _SOURCE_SUFFIXES = {".cpp", ".hpp", ".h", ".txt", ".cmake", ".in"}
 # What makes scenes has no part in solving them: a new family must not make old answers void.
-_NOT_SOLVING = {"families.py", "study.py", "interpreter.py", "files.py", "__main__.py", "__init__.py"}
+_NOT_SOLVING = {
+    "families.py",
+    "motion.py",
+    "scene_sweep.py",
+    "study.py",
+    "interpreter.py",
+    "files.py",
+    "installation.py",
+    "study_schema.py",
+    "__main__.py",
+    "__init__.py",
+}
 _REFERENCE_PACKAGES = ("fenics-dolfinx", "fenics-basix", "petsc4py", "numpy")
 _GMSH_VERSION = re.compile(r'^GMSH_API_VERSION *= *"([^"]+)"', re.MULTILINE)
 
@@ -63,7 +75,12 @@ def code_of(places: Iterable[str], repository: Path = REPOSITORY) -> str:
     for place in (repository / name for name in places):
         found += [path for path in place.rglob("*") if path.suffix in _SOURCE_SUFFIXES]
         found += [place] if place.is_file() else []
-    return hash_of_files(found, repository)
+    code = hash_of_files(found, repository)
+    if not is_installed():
+        return code
+    # What is installed has no sources: the module that was built of them stands for them.
+    modules = [path for folder in module_folders() for path in folder.glob("fringe.*.so")]
+    return _hash([code, *(hashlib.sha256(path.read_bytes()).hexdigest() for path in modules)])
 
 
 def reference_code(repository: Path = REPOSITORY) -> str:

@@ -14,6 +14,7 @@ from analysis.keys import REPOSITORY
 from analysis.processes import Processes
 from analysis.results import COLLISION, RUN_TIMES, STABILITY
 from analysis.store import write_json
+from geometries.installation import no_benchmark
 
 _BIN = Path("build", "bin")
 # With an answer: all is well, and the integral is not what it should be.
@@ -101,7 +102,7 @@ def measure(measurement: Measurement, target: Path, key: str, processes: Process
     """Run the program and store its answer with its key and whether it was content; returns why, when there is none."""
     program = REPOSITORY / _BIN / measurement.program
     if not program.is_file():
-        return Failure("", measurement.name, f"{_BIN / measurement.program} is not there: ./run builds it")
+        return Failure("", measurement.name, no_benchmark(_BIN / measurement.program))
     target.parent.mkdir(parents=True, exist_ok=True)
     unfinished = target.with_name(f".{target.name}.unfinished").resolve()
     arguments = [argument.replace(_ANSWER, str(unfinished)) for argument in measurement.arguments]

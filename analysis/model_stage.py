@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from analysis.jobs import Failure
-from analysis.keys import REPOSITORY
 from analysis.store import Document, write_json
 from geometries.families import GROUNDED
+from geometries.installation import module_folders
 from geometries.scene import Scene
 
 # Single evaluations take a microsecond, less than what else the machine does now and then: the smallest of many counts.
@@ -18,10 +18,10 @@ _REPEATS = 25
 
 
 def model_module() -> Any:
-    """The model's Python module from the build. ModuleNotFoundError when it has not been built."""
-    folder = str(REPOSITORY / "build" / "python")
-    if folder not in sys.path:
-        sys.path.insert(0, folder)
+    """The model's Python module, from the build or installed. ModuleNotFoundError when it is not there."""
+    for folder in map(str, module_folders()):
+        if folder not in sys.path:
+            sys.path.insert(0, folder)
     return importlib.import_module("fringe")
 
 
@@ -36,7 +36,7 @@ def evaluate(scene: Path, target: Path, key: str, methods: tuple[str, ...], modu
         answers = {method: _timed(module, scene, method) for method in methods}
     except (ValueError, RuntimeError) as error:
         return Failure(scene.parent.name, "model", str(error))
-    write_json(target, {"key": key, "version": str(module.__version__), "methods": answers})
+    write_json(target, {"key": key, "format": 1, "version": str(module.__version__), "methods": answers})
     return None
 
 

@@ -11,12 +11,13 @@ from analysis.jobs import Failure
 from analysis.keys import REPOSITORY
 from analysis.processes import Finished, Processes
 from analysis.store import Document, write_json
+from geometries.installation import cache_folder
 from geometries.study import Study
 
 SOLVE, SLICE = "reference", "slice of the potential"
 # The reference's exit codes with an answer: within the asked accuracy, and short of it but with honest bounds.
 _ANSWERED = (0, 3)
-_CACHE = REPOSITORY / "build" / "cache"
+_CACHE = cache_folder()
 
 
 def solve(scene: Path, target: Path, key: str, study: Study, processes: Processes) -> Failure | None:

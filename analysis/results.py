@@ -77,6 +77,7 @@ def case_folder(results: Path, case: str) -> Path:
 def write_manifest(folder: Path, study: Study, failures: list[Failure]) -> None:
     """Write down what the study asked and which cases failed; left alone when it says so already."""
     document: Document = {
+        "format": 1,
         "name": study.name,
         "title": study.title,
         "experiment": study.experiment,

@@ -10,6 +10,7 @@ from analysis.keys import REPOSITORY
 from analysis.store import write_text
 from geometries import motion, reader
 from geometries.errors import InputError
+from geometries.installation import results_folder
 
 SCENES = REPOSITORY / "geometries" / "scenes"
 MOTION_SUFFIX = ".motion.toml"
@@ -33,7 +34,7 @@ def make(name: str, motion_file: Path | None, target: Path | None) -> Path:
     data = show_data.collect(path, scene, frames, model_module())
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     digest = hashlib.sha256(text.encode()).hexdigest()
-    page = target or REPOSITORY / "results" / "show" / f"{path.stem}.html"
+    page = target or results_folder() / "show" / f"{path.stem}.html"
     write_text(page, show_page.document(path.stem.replace("_", " "), digest, text, data))
     return page
 

@@ -32,6 +32,7 @@ from analysis.cross_check import stage as cross_check
 from analysis.keys import from_repository
 from analysis.results import SCENE, CaseResult, Results
 from analysis.set_up import SetUp
+from geometries import installation
 
 MUTUAL, DELTA_SELF = "mutual", "delta_self"
 QUANTITIES = (MUTUAL, DELTA_SELF)
@@ -160,13 +161,13 @@ def reference_command(results: Results, case: str) -> str:
     """The command, from the repository's folder, that computes the reference's answer for a case."""
     scene = from_repository(results.folder / "cases" / case / SCENE)
     asked = f"--rtol {results.rtol:g} --max-seconds {results.max_seconds:g} --error {results.error}"
-    return f"python3 -m fem_reference {scene} {asked}"
+    return f"{installation.command('fem_reference')} {scene} {asked}"
 
 
 def model_command(results: Results, case: str, method: str = COMPARED_METHOD) -> str:
     """The command, from the repository's folder, that computes the model's answer for a case."""
     scene = from_repository(results.folder / "cases" / case / SCENE)
-    return f"build/bin/fringe capacitance {scene} --method {method}"
+    return f"{installation.model_command()} capacitance {scene} --method {method}"
 
 
 def boundary_command(results: Results, case: str) -> str:

@@ -11,6 +11,7 @@ import shlex
 import sys
 from pathlib import Path
 
+from geometries import installation
 from geometries.interpreter import continue_with
 
 ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
@@ -39,9 +40,9 @@ def _names(text: str) -> tuple[str, ...]:
     return names
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(program: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="python3 -m fem_reference",
+        prog=program,
         description="The Maxwell capacitance matrix of a scene by finite elements, with an error for every entry.",
         epilog="Exit status: 0 answered; 2 wrong input; 3 the asked accuracy was not reached, the answer and its "
         "errors are given all the same; 1 anything else.",
@@ -111,7 +112,7 @@ def _version() -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command; returns its exit status."""
-    options = _parser().parse_args(arguments)
+    options = _parser(installation.command("fem_reference")).parse_args(arguments)
     continue_with("dolfinx")
     _prepare_libraries()
     from mpi4py import MPI
@@ -149,7 +150,7 @@ def main(arguments: list[str] | None = None) -> int:
         words = shlex.join(sys.argv[1:] if arguments is None else arguments)
         print(
             f"fem_reference: {options.scene}: {failure or 'out of memory'}; "
-            f"to see it again: python3 -m fem_reference {words}",
+            f"to see it again: {installation.command('fem_reference')} {words}",
             file=told,
         )
         return FAILED
@@ -158,7 +159,7 @@ def main(arguments: list[str] | None = None) -> int:
 def _prepare_libraries() -> None:
     """Compiled forms are kept beside the build; a process uses one core, since cases run side by side; no chatter."""
     logging.getLogger().setLevel(logging.WARNING)
-    os.environ.setdefault("XDG_CACHE_HOME", str(Path(__file__).resolve().parent.parent / "build" / "cache"))
+    os.environ.setdefault("XDG_CACHE_HOME", str(installation.cache_folder()))
     os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 

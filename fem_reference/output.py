@@ -23,6 +23,8 @@ from fem_reference.reference import ErrorKind, Reference, maxwell
 from geometries.files import whole_file
 from geometries.reader import load
 
+# Of the documents, as geometries/schemas/FORMATS.md says.
+FORMAT = 1
 PICOFARAD = 1e-12
 ANSWERED, NOT_REACHED = 0, 3
 
@@ -76,6 +78,7 @@ def document(reference: Reference) -> dict[str, Any]:
     """The answer as plain data: farads, metres, seconds, bytes; matrices row by row in the order of `conductors`."""
     sensors = reference.names[: reference.sensors]
     result: dict[str, Any] = {
+        "format": FORMAT,
         "conductors": list(reference.names),
         "maxwell": reference.maxwell.value.tolist(),
         "lower": reference.lower.tolist(),
@@ -176,7 +179,7 @@ def table(reference: Reference) -> str:
 
 def write_slice(path: Path, target: Path) -> int:
     """Write the potential around the scene in a vertical plane to a JSON file, whole or not at all."""
-    text = json.dumps(potential_slice(load(path), str(path)))
+    text = json.dumps({"format": FORMAT, **potential_slice(load(path), str(path))})
     with whole_file(target) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
     return ANSWERED

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from geometries import meshes, study
 from geometries.errors import InputError
+from geometries.installation import command
 
 # As everywhere in the project: 0 answered, 2 the input is wrong.
 _WRONG_INPUT = 2
@@ -15,16 +16,7 @@ _WRONG_INPUT = 2
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
-    parser = argparse.ArgumentParser(prog="python3 -m geometries", description=__doc__)
-    commands = parser.add_subparsers(dest="command", required=True)
-    convert = commands.add_parser(
-        "convert", help="write a mesh of any format meshio knows as STL, OBJ or PLY"
-    )
-    convert.add_argument("source", type=Path, metavar="IN")
-    convert.add_argument("target", type=Path, metavar="OUT")
-    expand = commands.add_parser("expand", help="list the cases of a study")
-    expand.add_argument("study", metavar="STUDY", help="a name in geometries/studies, or a file")
-    options = parser.parse_args(arguments)
+    options = _parser(command("geometries")).parse_args(arguments)
     try:
         if options.command == "convert":
             count = meshes.convert(options.source, options.target)
@@ -35,6 +27,21 @@ def main(arguments: list[str] | None = None) -> int:
         print(error, file=sys.stderr)
         return _WRONG_INPUT
     return 0
+
+
+def _parser(program: str) -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog=program, description="Convert meshes, show what a study expands to."
+    )
+    commands = parser.add_subparsers(dest="command", required=True)
+    convert = commands.add_parser(
+        "convert", help="write a mesh of any format meshio knows as STL, OBJ or PLY"
+    )
+    convert.add_argument("source", type=Path, metavar="IN")
+    convert.add_argument("target", type=Path, metavar="OUT")
+    expand = commands.add_parser("expand", help="list the cases of a study")
+    expand.add_argument("study", metavar="STUDY", help="a name in geometries/studies, or a file")
+    return parser
 
 
 def _table(chosen: study.Study) -> str:

@@ -7,6 +7,8 @@ import os
 import subprocess
 import sys
 
+from geometries.installation import how_to_get
+
 DEBIAN_PYTHON = "/usr/bin/python3"
 
 
@@ -17,11 +19,14 @@ def continue_with(module: str) -> None:
     """
     if importlib.util.find_spec(module) is not None:
         return
-    if os.path.realpath(sys.executable) != os.path.realpath(DEBIAN_PYTHON) and _has(DEBIAN_PYTHON, module):
+    if not _is_debians() and _has(DEBIAN_PYTHON, module):
         os.execv(DEBIAN_PYTHON, [DEBIAN_PYTHON, *sys.orig_argv[1:]])
-    sys.exit(
-        f"neither {sys.executable} nor {DEBIAN_PYTHON} has the module {module}: ./run installs what is missing"
-    )
+    others = "" if _is_debians() else f", nor does {DEBIAN_PYTHON}"
+    sys.exit(f"{sys.executable} does not have the module {module}{others}: {how_to_get(module)}")
+
+
+def _is_debians() -> bool:
+    return os.path.realpath(sys.executable) == os.path.realpath(DEBIAN_PYTHON)
 
 
 def _has(interpreter: str, module: str) -> bool:

@@ -28,6 +28,7 @@ def load(path: Path | str, scene: Scene) -> tuple[Frame, ...]:
 def loads(text: str, scene: Scene, source: str = "motion") -> tuple[Frame, ...]:
     """The frames in a text; `source` stands for it in errors."""
     root = parse(text, source)
+    root.known_format()
     poses = at_rest(scene).poses
     frames = []
     for index, table in enumerate(root.tables("frame")):

@@ -50,6 +50,7 @@ def load(path: Path | str) -> Scene:
 def loads(text: str, source: str = "scene") -> Scene:
     """The scene in a text; `source` stands for it in errors, and mesh files are relative to its folder."""
     root = parse(text, source)
+    root.known_format()
     medium = root.table("medium", required=False)
     room = _room(root.table("room")) if root.has("room") else None
     scene = Scene(
@@ -90,8 +91,8 @@ def _sensor(table: Table) -> Sensor:
         name=name,
         plates=plates,
         link=_optional_link(table),
-        input_voltage=table.number("input_voltage", DEFAULT_INPUT_VOLTAGE),
-        coupling_capacitance=table.number("coupling_capacitance", DEFAULT_COUPLING_CAPACITANCE),
+        input_voltage=table.positive("input_voltage", DEFAULT_INPUT_VOLTAGE),
+        coupling_capacitance=table.positive("coupling_capacitance", DEFAULT_COUPLING_CAPACITANCE),
     )
     table.finish()
     return sensor

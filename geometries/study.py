@@ -2,6 +2,7 @@
 
 A file with every key there is::
 
+    format = 1                      # optional: the version of the format
     name = "gap"
     title = "The gap between two equal plates"
     experiment = "II"               # optional: one of the thesis' chapter 6, "I" to "IV", or one
@@ -127,6 +128,7 @@ def load(path: Path | str) -> Study:
 def loads(text: str, source: str = "study") -> Study:
     """The study in a text; `source` stands for it in errors."""
     root = parse(text, source)
+    root.known_format()
     reference = root.table("reference")
     model = root.table("model")
     error = _error_kind(reference)

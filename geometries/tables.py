@@ -79,6 +79,12 @@ class Table:
             if name not in self._asked:
                 raise self.error(name, "unknown key")
 
+    def known_format(self, known: int = 1) -> None:
+        """Refuse a document that says it is written in a version of its format other than `known`."""
+        version = self.integer("format", known, at_least=1)
+        if version != known:
+            raise self.error("format", f"is {version}, and this program knows {known} only")
+
     def text(self, name: str, default: str | None = None) -> str:
         if default is not None and not self.has(name):
             return default

@@ -15,6 +15,7 @@ from analysis.corrections.truths import FILE
 from analysis.jobs import Failure
 from analysis.keys import REPOSITORY
 from analysis.store import Document, is_current, read_json, write_json
+from geometries.installation import no_benchmark
 
 FOLDER = "corrections"
 DOCUMENT = "corrections.json"
@@ -35,8 +36,11 @@ def run(folder: Path, module: Any) -> list[Failure]:
     key = keys.measurement_key(COMMAND, code, machine.identity())
     if is_current(folder / DOCUMENT, key):
         return []
+    program = REPOSITORY / _BENCHMARK
+    if not program.is_file():
+        return [Failure("", "corrections", no_benchmark(_BENCHMARK))]
     try:
-        document = {"key": key, **evaluated(module), "nanoseconds": nanoseconds(REPOSITORY / _BENCHMARK)}
+        document = {"key": key, **evaluated(module), "nanoseconds": nanoseconds(program)}
     except (OSError, ValueError, subprocess.SubprocessError) as error:
         return [Failure("", "corrections", str(error))]
     write_json(folder / DOCUMENT, document)

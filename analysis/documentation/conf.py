@@ -14,7 +14,7 @@ include_patterns = [
     "README.md",
     "analysis/**/*.md",
     "fem_reference/*.md",
-    "geometries/*.md",
+    "geometries/**/*.md",
     "model/*.md",
 ]
 html_theme = "furo"

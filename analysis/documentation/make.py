@@ -10,6 +10,7 @@ import tempfile
 from pathlib import Path
 
 from analysis.keys import REPOSITORY
+from geometries.installation import is_installed
 
 HERE = Path(__file__).parent
 
@@ -20,6 +21,8 @@ class DocumentationError(Exception):
 
 def build(folder: Path) -> Path:
     """Make the site in a folder, which it replaces as a whole; returns its first page. Raises DocumentationError for any warning."""
+    if is_installed():
+        raise DocumentationError("the notes are not installed: the repository makes the site of them")
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent) as name:
         site = Path(name) / "site"

@@ -15,6 +15,7 @@ from analysis.errors.records import Entry
 from analysis.set_up import describe
 from analysis.store import write_text
 from analysis.table import QUANTITIES
+from geometries import installation
 
 PAGE = "errors.html"
 _TITLE = "Where does the model's error come from?"
@@ -84,9 +85,9 @@ def _case(folder: Path, entry: Entry) -> Iterable[str]:
             "From the project's folder: the truth, the model, and the parts of every set-up that is not there yet."
         ),
         page.command(
-            f"build/bin/fringe capacitance {scene} --method boundary-elements --rtol {stage.RTOL:g}"
+            f"{installation.model_command()} capacitance {scene} --method boundary-elements --rtol {stage.RTOL:g}"
         ),
-        page.command(f"build/bin/fringe capacitance {scene}"),
-        page.command(f"python3 -m analysis errors --output {keys.from_repository(folder)}"),
-        page.command(f"python3 -m fem_reference {scene} --slice slice.json"),
+        page.command(f"{installation.model_command()} capacitance {scene}"),
+        page.command(f"{installation.command('analysis')} errors --output {keys.from_repository(folder)}"),
+        page.command(f"{installation.command('fem_reference')} {scene} --slice slice.json"),
     )

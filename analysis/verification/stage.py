@@ -13,6 +13,7 @@ from analysis.keys import REPOSITORY
 from analysis.processes import Processes
 from analysis.store import Document, read_current, read_json, write_json
 from analysis.reference_stage import forget_unfinished_forms
+from geometries.installation import cache_folder
 
 FOLDER = "verification"
 """Of the rows, beside the folders of the studies' results."""
@@ -99,10 +100,9 @@ def load(folder: Path) -> dict[str, Document]:
 
 def solve(name: str, target: Path, key: str, processes: Processes) -> Failure | None:
     """Solve one row and store it with its key; returns why, when there is none."""
-    cache = REPOSITORY / "build" / "cache"
     environment = os.environ | {
         "OMP_NUM_THREADS": "1",
-        "XDG_CACHE_HOME": str(cache),
+        "XDG_CACHE_HOME": str(cache_folder()),
         "PYTHONPATH": str(REPOSITORY),
     }
     finished = processes.run(

@@ -95,7 +95,7 @@ std::string capacitance_json(const SceneCapacitance& answer, const CapacitanceOp
                              double seconds) {
   rapidjson::StringBuffer buffer;
   Writer writer(buffer);
-  writer.StartObject();
+  start_document(writer);
   write_options(writer, options);
   write_number(writer, "seconds", seconds);
   write_counts(writer, answer.counts);
@@ -111,7 +111,7 @@ std::string capacitance_json(const SceneCapacitance& answer, const CapacitanceOp
 std::string readings_json(const std::vector<DistanceReading>& readings) {
   rapidjson::StringBuffer buffer;
   Writer writer(buffer);
-  writer.StartObject();
+  start_document(writer);
   writer.Key("distance_sensors");
   writer.StartArray();
   for (const DistanceReading& reading : readings)
@@ -124,7 +124,7 @@ std::string readings_json(const std::vector<DistanceReading>& readings) {
 std::string collision_json(const SceneCollision& answer, const Scene& scene) {
   rapidjson::StringBuffer buffer;
   Writer writer(buffer);
-  writer.StartObject();
+  start_document(writer);
   writer.Key("tests");
   writer.StartObject();
   write_count(writer, "broad", answer.tests.broad);
@@ -147,7 +147,7 @@ std::string collision_json(const SceneCollision& answer, const Scene& scene) {
 std::string info_json(const SceneInfo& info) {
   rapidjson::StringBuffer buffer;
   Writer writer(buffer);
-  writer.StartObject();
+  start_document(writer);
   writer.Key("counts");
   writer.StartObject();
   write_count(writer, "links", info.links);

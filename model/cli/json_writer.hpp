@@ -40,6 +40,12 @@ inline void write_count(Writer& writer, const char* key, std::size_t count) {
   writer.Uint64(count);
 }
 
+/// Every document begins with the version of its format (geometries/schemas/FORMATS.md).
+inline void start_document(Writer& writer) {
+  writer.StartObject();
+  write_count(writer, "format", 1);
+}
+
 inline void write_flag(Writer& writer, const char* key, bool flag) {
   writer.Key(key);
   writer.Bool(flag);

@@ -68,7 +68,7 @@ std::string maxwell_json(const Scene& scene, const MaxwellMatrix& matrix, const 
                          double seconds) {
   rapidjson::StringBuffer buffer;
   Writer writer(buffer);
-  writer.StartObject();
+  start_document(writer);
   writer.Key("options");
   writer.StartObject();
   writer.Key("method");

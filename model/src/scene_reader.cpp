@@ -104,6 +104,14 @@ std::vector<Link> read_links(TableReader& root, LinkIndices& indices) {
   return links;
 }
 
+/// A file may say which version of the format it is written in; this one is the first.
+void require_known_format(TableReader& root) {
+  constexpr int known = 1;
+  const int format = root.whole_number_or("format", 1, known);
+  if (format != known)
+    root.fail("format", fmt::format("is {}, and this program knows {} only", format, known));
+}
+
 Medium read_medium(TableReader& root) {
   Medium medium;
   if (root.has("medium")) {
@@ -272,6 +280,7 @@ Scene load_scene(const std::filesystem::path& path) {
   TableReader root(document, path.string(), "");
   const std::filesystem::path folder = path.parent_path();
 
+  require_known_format(root);
   Scene scene;
   scene.medium = read_medium(root);
   scene.has_room = read_room(root);

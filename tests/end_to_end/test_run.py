@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.geometries import schemas
+
 REPOSITORY = Path(__file__).resolve().parents[2]
 
 
@@ -45,6 +47,22 @@ def test_the_table_has_both_quantities_of_both_cases_with_small_reference_errors
         # The smoke study asks for one per cent of the matrix; delta_self is smaller than its entries.
         assert 0 < float(row["reference_error_F"]) < 0.05 * float(row["reference_F"])
         assert float(row["model_error_low"]) < float(row["model_error"]) < float(row["model_error_high"])
+
+
+@pytest.mark.parametrize(
+    ("name", "files", "count"),
+    [
+        ("reference", "cases/*/fem.json", 3),
+        ("model", "cases/*/model.json", 2),
+        ("slice", "cases/*/slice.json", 2),
+        ("results", "study.json", 1),
+    ],
+)
+def test_stored_answers_are_what_the_schemas_say(results: Path, name: str, files: str, count: int) -> None:
+    found = list(results.glob(files))
+    assert len(found) == count
+    for path in found:
+        schemas.validator(name).validate(json.loads(path.read_text()))
 
 
 def test_the_parallel_plates_agree_with_the_published_capacitance(results: Path) -> None:

@@ -86,10 +86,11 @@ def test_the_canonical_text_of_a_mesh_can_be_loaded_from_elsewhere(tmp_path: Pat
     assert reader.loads(writer.canonical(scene), source="/elsewhere/scene.toml") == scene
 
 
+@pytest.mark.parametrize("suffix", [".vtk", ".vtu", ".msh"])
 def test_convert_writes_the_surface_of_another_format(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], suffix: str
 ) -> None:
-    source, target = tmp_path / "body.vtk", tmp_path / "body.stl"
+    source, target = tmp_path / f"body{suffix}", tmp_path / "body.stl"
     meshio.write(source, meshio.Mesh(TRIANGLES.reshape(-1, 3), [("triangle", np.arange(9).reshape(3, 3))]))
     assert main(["convert", str(source), str(target)]) == 0
     assert "3 triangles" in capsys.readouterr().out

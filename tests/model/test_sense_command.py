@@ -58,7 +58,10 @@ def test_sense_as_table(fringe_command: Command, scene: Path) -> None:
 
 def test_a_scene_without_distance_sensors_has_no_readings(fringe_command: Command, scene: Path) -> None:
     scene.write_text('[[object]]\nname = "floor"\nshape = { type = "plate", size = [2, 2] }\n')
-    assert json.loads(fringe_command("sense", scene, "--json").stdout) == {"distance_sensors": []}
+    assert json.loads(fringe_command("sense", scene, "--json").stdout) == {
+        "format": 1,
+        "distance_sensors": [],
+    }
     assert fringe_command("sense", scene).stdout == "the scene has no distance sensors\n"
 
 

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <set>
+#include <string>
+
+#include <fmt/format.h>
+
+namespace fringe::cli {
+
+/// Names as they are given, and with a number where one is taken already.
+class UniqueNames {
+ public:
+  std::string take(const std::string& wanted) {
+    std::string name = wanted;
+    for (int number = 2; !taken_.insert(name).second; ++number)
+      name = fmt::format("{} {}", wanted, number);
+    return name;
+  }
+
+ private:
+  std::set<std::string> taken_;
+};
+
+}  // namespace fringe::cli

@@ -1,0 +1,368 @@
+"""`fringe import`: robots (URDF) and models (glTF) become scenes that both readers read alike."""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import struct
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import model_stage
+from geometries import reader
+from geometries.scene import Scene
+from geometries.shapes import Cuboid, Cylinder, MeshShape, Sphere
+
+ROOT = Path(__file__).resolve().parents[2]
+# A corner of a cube: three faces' triangles would do; two are enough to see order, scale and reflection.
+OBJ = "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 2 3\nf 1 3 4\n"
+TRIANGLES = np.array([[[0, 0, 0], [1, 0, 0], [0, 2, 0]], [[0, 0, 0], [0, 2, 0], [0, 0, 3]]], dtype=float)
+SINGLE_PRECISION = 2e-7
+
+ROBOT = """<?xml version="1.0"?>
+<robot name="arm">
+  <link name="base">
+    <collision><geometry><box size="0.4 0.3 0.2"/></geometry></collision>
+    <visual><geometry><sphere radius="1"/></geometry></visual>
+  </link>
+  <link name="upper arm">
+    <collision>
+      <origin xyz="0 0 0.25" rpy="0 1.5707963267948966 0"/>
+      <geometry><cylinder radius="0.05" length="0.5"/></geometry>
+    </collision>
+    <collision><geometry><sphere radius="0.07"/></geometry></collision>
+  </link>
+  <link name="hand">
+    <collision>
+      <geometry><mesh filename="package://arm_description/meshes/hand.obj" scale="0.001 0.001 -0.002"/></geometry>
+    </collision>
+  </link>
+  <link name="finger"><collision><geometry><box size="0.01 0.02 0.03"/></geometry></collision></link>
+  <joint name="shoulder" type="revolute">
+    <parent link="base"/><child link="upper arm"/>
+    <origin xyz="0 0 0.1" rpy="0.1 -0.2 0.3"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/>
+  </joint>
+  <joint name="wrist" type="prismatic">
+    <parent link="upper arm"/><child link="hand"/>
+    <origin xyz="0.5 0 0"/><axis xyz="0 2 0"/>
+    <limit lower="0" upper="1" effort="1" velocity="1"/>
+    <mimic joint="shoulder" multiplier="2" offset="0.03"/>
+  </joint>
+  <joint name="knuckle" type="fixed">
+    <parent link="hand"/><child link="finger"/><origin xyz="0.1 0 0"/>
+  </joint>
+</robot>
+"""
+
+
+def fringe_import(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    command = [ROOT / "build/bin/fringe", "import", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+
+
+def imported(source: Path, *options: str | Path) -> Scene:
+    """The scene made of a file; both readers have to see the same triangles in it."""
+    target = source.with_name("scene.toml")
+    done = fringe_import(source, target, *options)
+    assert (done.returncode, done.stderr) == (0, ""), done.stderr
+    scene = reader.load(target)
+    here, there = scene.conductors(), model_stage.model_module().Scene.load(str(target)).conductors()
+    assert list(here) == list(there)
+    for name, triangles in here.items():
+        assert triangles == pytest.approx(there[name], abs=SINGLE_PRECISION)
+    return scene
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Path:
+    meshes = tmp_path / "arm_description" / "meshes"
+    meshes.mkdir(parents=True)
+    (meshes / "hand.obj").write_text(OBJ)
+    path = tmp_path / "arm_description" / "urdf" / "arm.urdf"
+    path.parent.mkdir()
+    path.write_text(ROBOT)
+    return path
+
+
+def test_links_and_joints_at_zero_are_links_and_poses(robot: Path) -> None:
+    scene = imported(robot)
+    parents = {link.name: link.parent for link in scene.links}
+    assert parents == {"base": None, "upper arm": "base", "hand": "upper arm", "finger": "hand"}
+    roll, pitch, yaw = 0.1, -0.2, 0.3
+    turn = _about(2, yaw) @ _about(1, pitch) @ _about(0, roll)
+    arm = scene.transform_of_link("upper arm")
+    assert arm.rotation == pytest.approx(turn, abs=1e-15)
+    assert arm.translation == pytest.approx([0, 0, 0.1])
+    # The wrist mimics the shoulder, which is at 0, with an offset along its axis.
+    hand = scene.transform_of_link("hand")
+    assert hand.translation == pytest.approx(np.array([0, 0, 0.1]) + turn @ [0.5, 0.03, 0])
+
+
+def test_collision_geometries_are_objects_on_their_links(robot: Path) -> None:
+    objects = {body.name: body for body in imported(robot).objects}
+    assert list(objects) == ["base", "upper arm", "upper arm 2", "hand", "finger"]
+    assert objects["base"].shape == Cuboid((0.4, 0.3, 0.2))
+    assert objects["upper arm"].shape == Cylinder(0.05, 0.5)
+    assert objects["upper arm 2"].shape == Sphere(0.07)
+    assert {name: body.link for name, body in objects.items()} == {
+        name: name.removesuffix(" 2") for name in objects
+    }
+    pose = objects["upper arm"].pose.transform()
+    assert pose.translation == pytest.approx([0, 0, 0.25])
+    assert pose.rotation @ [0, 0, 1] == pytest.approx([1, 0, 0], abs=1e-15)
+
+
+def test_a_mesh_is_scaled_and_stays_anticlockwise_when_it_is_reflected(robot: Path) -> None:
+    shape = next(body.shape for body in imported(robot).objects if body.name == "hand")
+    assert isinstance(shape, MeshShape)
+    expected = (TRIANGLES * [0.001, 0.001, -0.002])[:, [0, 2, 1]]
+    assert shape.triangles() == pytest.approx(expected, rel=SINGLE_PRECISION)
+    assert Path(shape.file).parent == robot.parent / "scene_meshes"
+
+
+def test_visual_geometries_are_taken_when_asked_for(robot: Path) -> None:
+    (body,) = imported(robot, "--geometry", "visual").objects
+    assert (body.name, body.shape) == ("base", Sphere(1.0))
+
+
+def test_packages_are_found_by_a_path(robot: Path, tmp_path: Path) -> None:
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    moved = robot.rename(elsewhere / "arm.urdf")
+    assert fringe_import(moved, elsewhere / "a.toml").returncode == 0
+    other = tmp_path / "packages"
+    other.mkdir()
+    (tmp_path / "arm_description").rename(other / "arm_description")
+    done = fringe_import(moved, elsewhere / "b.toml")
+    assert done.returncode == 2
+    assert 'link "hand": mesh: package://arm_description/meshes/hand.obj was not found' in done.stderr
+    assert len(imported(moved, "--package-path", other).objects) == 5
+
+
+def test_a_sensor_added_as_the_comment_says_makes_a_scene(robot: Path) -> None:
+    imported(robot)
+    path = robot.with_name("scene.toml")
+    lines = path.read_text().splitlines()
+    example = next(line for line in lines if line.startswith("# sensor = "))
+    path.write_text("\n".join([example.removeprefix("# "), *lines]))
+    (sensor,) = reader.load(path).sensors
+    assert sensor.link == "finger"
+    done = subprocess.run([ROOT / "build/bin/fringe", "info", path], capture_output=True, check=False)
+    assert done.returncode == 0
+
+
+WRONG_ROBOTS = {
+    "no XML": ("robot", "arm.urdf: "),
+    "no robot": ("<scene/>", "Could not find the 'robot' element"),
+    "no links": ('<robot name="r"/>', "No link elements found in urdf file"),
+    "no geometry": ('<robot name="r"><link name="a"/></robot>', "robot: no link has a collision geometry"),
+    "two roots": ('<robot name="r"><link name="a"/><link name="b"/></robot>', "Two root links found: [a] and [b]"),
+    "box of no height": (ROBOT.replace("0.4 0.3 0.2", "0.4 0.3 0"), 'link "base": box: a size must be greater'),
+    "sphere inside out": (ROBOT.replace('radius="0.07"', 'radius="-1"'), 'link "upper arm": sphere: a size'),
+    "unknown shape": (ROBOT.replace("<sphere radius=", "<capsule radius="), "capsule"),
+    "no number": (ROBOT.replace("0.4 0.3 0.2", "0.4 0.3 big"), "big"),
+    "nan": (ROBOT.replace("0.5 0 0", "nan 0 0"), "nan"),
+    "no scale": (ROBOT.replace("-0.002", "0"), 'link "hand": mesh: the scale must not be zero'),
+    "collada": (ROBOT.replace("hand.obj", "hand.dae"), "hand.dae was not found"),
+    "no such link": (ROBOT.replace('<child link="hand"/>', '<child link="foot"/>'), "foot"),
+    "mimics nothing": (ROBOT.replace('mimic joint="shoulder"', 'mimic joint="hip"'), 'joint "wrist": mimics "hip"'),
+    "mimics itself": (ROBOT.replace('mimic joint="shoulder"', 'mimic joint="wrist"'), "mimics itself"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "told"), WRONG_ROBOTS.values(), ids=WRONG_ROBOTS)
+def test_robots_that_are_none_are_refused_and_leave_nothing(robot: Path, text: str, told: str) -> None:
+    robot.write_text(text)
+    assert_refused(robot, told)
+
+
+def assert_refused(source: Path, told: str) -> None:
+    before = set(source.parent.rglob("*"))
+    done = fringe_import(source, source.with_name("wrong.toml"))
+    assert (done.returncode, done.stdout) == (2, "")
+    assert told in done.stderr and source.name in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert set(source.parent.rglob("*")) == before
+
+
+def test_links_in_a_circle_beside_the_root_are_refused(robot: Path) -> None:
+    joints = "".join(
+        f'<joint name="j{a}" type="fixed"><parent link="{a}"/><child link="{b}"/></joint>'
+        for a, b in (("x", "y"), ("y", "x"))
+    )
+    text = ROBOT.replace("</robot>", f'<link name="x"/><link name="y"/>{joints}</robot>')
+    robot.write_text(text)
+    assert_refused(robot, 'link "x": the root does not lead to it')
+
+
+def model(nodes: list[dict[str, Any]], **changes: Any) -> dict[str, Any]:
+    """A glTF model of nodes; its mesh 0 is indexed triangles, 1 a strip, 2 a fan, 3 points."""
+    points = struct.pack("<12f", 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3)
+    data = points + struct.pack("<6H", 0, 1, 2, 0, 2, 3)
+    primitives = [
+        {"attributes": {"POSITION": 0}, "indices": 1},
+        {"attributes": {"POSITION": 0}, "mode": 5},
+        {"attributes": {"POSITION": 0}, "mode": 6},
+        {"attributes": {"POSITION": 0}, "mode": 0},
+    ]
+    return {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": nodes,
+        "meshes": [{"primitives": [primitive]} for primitive in primitives],
+        "buffers": [
+            {
+                "byteLength": len(data),
+                "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(),
+            }
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": 48},
+            {"buffer": 0, "byteOffset": 48, "byteLength": 12},
+        ],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 4},
+            {"bufferView": 1, "componentType": 5123, "type": "SCALAR", "count": 6},
+        ],
+    } | changes
+
+
+def written(tmp_path: Path, document: dict[str, Any]) -> Path:
+    path = tmp_path / "model.gltf"
+    path.write_text(json.dumps(document))
+    return path
+
+
+HALF = math.sqrt(0.5)
+NODES: list[dict[str, Any]] = [
+    {"name": "base", "children": [1, 3], "translation": [1, 2, 3], "rotation": [0, 0, HALF, HALF]},
+    {"name": "arm", "children": [2], "scale": [2, 3, -1], "translation": [0.5, 0, 0], "mesh": 0},
+    {"name": "hand", "rotation": [HALF, 0, 0, HALF], "translation": [0.1, 0.2, 0.3], "mesh": 0},
+    {"matrix": [0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 2, 0, 1, 1, 1, 1], "mesh": 0},
+]
+
+
+def test_nodes_are_links_and_their_triangles_are_where_the_matrices_put_them(tmp_path: Path) -> None:
+    """Also those below a node that scales unevenly and reflects, which no rigid link does."""
+    scene = imported(written(tmp_path, model(NODES)))
+    assert {link.name: link.parent for link in scene.links} == {
+        "base": None,
+        "arm": "base",
+        "hand": "arm",
+        "node 3": "base",
+    }
+    base = _affine([1, 2, 3], _about(2, math.pi / 2))
+    arm = base @ _affine([0.5, 0, 0], np.diag([2.0, 3.0, -1.0]))
+    hand = arm @ _affine([0.1, 0.2, 0.3], _about(0, math.pi / 2))
+    last = base @ np.array(NODES[3]["matrix"], dtype=float).reshape(4, 4).T
+    found = scene.conductors()
+    for name, matrix in (("arm", arm), ("hand", hand), ("node 3", last)):
+        expected = TRIANGLES @ matrix[:3, :3].T + matrix[:3, 3]
+        if np.linalg.det(matrix[:3, :3]) < 0:
+            expected = expected[:, [0, 2, 1]]
+        assert found[name] == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize(("mesh", "turned"), [(1, [[0, 1, 2], [1, 3, 2]]), (2, [[0, 1, 2], [0, 2, 3]])])
+def test_strips_and_fans_are_triangles(tmp_path: Path, mesh: int, turned: list[list[int]]) -> None:
+    scene = imported(written(tmp_path, model([{"mesh": mesh}])))
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]], dtype=float)
+    assert scene.conductors()["node 0"] == pytest.approx(points[turned])
+
+
+def test_a_binary_model_is_read_as_a_text_is(tmp_path: Path) -> None:
+    document = model(NODES)
+    uri = document["buffers"][0].pop("uri")
+    data = base64.b64decode(uri.split(",")[1])
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    path = tmp_path / "model.glb"
+    path.write_bytes(
+        struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(data))
+        + struct.pack("<I4s", len(text), b"JSON")
+        + text
+        + struct.pack("<I4s", len(data), b"BIN\0")
+        + data
+    )
+    expected = imported(written(tmp_path, model(NODES))).conductors()
+    for name, triangles in imported(path).conductors().items():
+        assert triangles == pytest.approx(expected[name], abs=0)
+
+
+def _accessor(number: int, **changes: Any) -> list[dict[str, Any]]:
+    accessors: list[dict[str, Any]] = model([])["accessors"]
+    accessors[number] |= changes
+    return accessors
+
+
+MESH: list[dict[str, Any]] = [{"mesh": 0}]
+WRONG_MODELS = {
+    "no triangles": (model([{"mesh": 3}]), "holds no triangles"),
+    "below itself": (model([{"children": [0]}]), "node 0: is below two nodes, or below itself"),
+    "no such node": (model([{"children": [7]}]), "node 7: does not exist"),
+    "no such mesh": (model([{"mesh": 9}]), "mesh 9: does not exist"),
+    "skin": (model([{"mesh": 0, "skin": 0}]), "node 0: has a skin"),
+    "no rotation": (model([{"mesh": 0, "rotation": [0, 0, 0, 0]}]), "node 0: its rotation must not be zero"),
+    "no scene": (model(MESH, scenes=[]), "holds no scene"),
+    "no such scene": (model(MESH, scene=3), "scene 3: does not exist"),
+    "needs an extension": (
+        model(MESH, extensionsRequired=["KHR_draco_mesh_compression"], extensionsUsed=["KHR_draco_mesh_compression"]),
+        "needs the extension KHR_draco_mesh_compression",
+    ),
+    "beyond the buffer": (model(MESH, accessors=_accessor(0, count=5)), "accessor 0: reaches beyond its buffer"),
+    "far beyond": (model(MESH, accessors=_accessor(0, byteOffset=4294967292)), "accessor 0: reaches beyond its buffer"),
+    "index too large": (
+        model(MESH, accessors=_accessor(1, bufferView=0, count=24)),
+        "accessor 1: names vertex",
+    ),
+    "positions of bytes": (model(MESH, accessors=_accessor(0, componentType=5121)), "vectors of three floats"),
+    "no buffer view": (model(MESH, accessors=_accessor(0, bufferView=4)), "accessor 0: has no buffer view"),
+    "two vertices left": (model(MESH, accessors=_accessor(1, count=5)), "mesh 0: the number of its vertices"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("document", "told"), WRONG_MODELS.values(), ids=WRONG_MODELS)
+def test_models_that_are_none_are_refused_and_leave_nothing(
+    tmp_path: Path, document: dict[str, Any], told: str
+) -> None:
+    assert_refused(written(tmp_path, document), told)
+
+
+@pytest.mark.parametrize("name", ["model.gltf", "model.glb", "robot.urdf"])
+def test_files_that_are_damaged_or_missing_are_refused(tmp_path: Path, name: str) -> None:
+    assert_refused(tmp_path / name, "exist")
+    (tmp_path / name).write_bytes(b"\x00\xff{")
+    assert_refused(tmp_path / name, name)
+
+
+def test_options_that_would_change_nothing_are_refused(tmp_path: Path, robot: Path) -> None:
+    path = written(tmp_path, model(MESH))
+    for option in (("--geometry", "visual"), ("--package-path", tmp_path)):
+        done = fringe_import(path, tmp_path / "scene.toml", *option)
+        assert done.returncode == 2 and "options for URDF" in done.stderr
+    done = fringe_import(robot, tmp_path / "scene.toml", "--geometry", "inner")
+    assert done.returncode == 2 and "must be collision or visual" in done.stderr
+
+
+def _about(axis: int, angle: float) -> Any:
+    """The matrix of a rotation about a coordinate axis."""
+    first, second = (axis + 1) % 3, (axis + 2) % 3
+    matrix = np.eye(3)
+    matrix[first, first] = matrix[second, second] = math.cos(angle)
+    matrix[second, first] = math.sin(angle)
+    matrix[first, second] = -math.sin(angle)
+    return matrix
+
+
+def _affine(translation: list[float], linear: Any) -> Any:
+    matrix = np.eye(4)
+    matrix[:3, :3] = linear
+    matrix[:3, 3] = translation
+    return matrix

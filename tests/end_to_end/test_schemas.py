@@ -1,0 +1,118 @@
+"""What the programs print and store is what the schemas say, and the model's reader of scenes refuses what they refuse."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import tomli_w
+
+from analysis import model_stage
+from analysis.results import write_manifest
+from geometries import study
+from tests.geometries import schemas
+from tests.geometries.schemas import OBJ, OUT_OF_RANGE, PLATE, SCENE, Document
+
+ROOT = Path(__file__).resolve().parents[2]
+TWO_PLATES: Document = {
+    "sensor": [{"name": "front", "plates": [PLATE]}],
+    "distance_sensor": [
+        {"name": name, "apex": [0.05, 0.05, 0], "direction": [0, 0, z], "full_angle_degrees": 40, "range": 1}
+        for name, z in (("eye", 1), ("blind", -1))
+    ],
+    "object": [
+        {"name": "hand", "shape": {"type": "plate", "size": [0.1, 0.1]}, "translation": [0, 0, 0.05]},
+        {"name": "cube", "shape": {"type": "cube", "size": 0.05}, "translation": [0, 0, 0.2]},
+    ],
+}
+COMMANDS = {
+    "capacitance": [["capacitance"], ["capacitance", "--method", "split:2", "--plates", "nearest"]],
+    "maxwell": [
+        ["capacitance", "--method", "boundary-elements", "--rtol", "0.01"],
+        ["capacitance", "--method", "reduced:1"],
+    ],
+    "collide": [["collide"]],
+    "info": [["info"]],
+    "sense": [["sense"]],
+}
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "scene.toml"
+    path.write_text(tomli_w.dumps(TWO_PLATES))
+    return path
+
+
+def printed(command: list[Any]) -> Document:
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True, timeout=120)
+    document: Document = json.loads(done.stdout)
+    return document
+
+
+def assert_exact(name: str, document: Document) -> None:
+    """Valid, and so no more with any of its keys missing that are not said to be optional."""
+    validator = schemas.validator(name)
+    validator.validate(document)
+    for key in validator.schema["required"]:
+        assert not validator.is_valid({other: document[other] for other in document if other != key})
+
+
+@pytest.mark.parametrize(
+    ("name", "options"), [(name, options) for name, all_ in COMMANDS.items() for options in all_], ids=str
+)
+def test_the_model_prints_what_the_schema_says(name: str, options: list[str], scene: Path) -> None:
+    assert_exact(name, printed([ROOT / "build/bin/fringe", options[0], scene, "--json", *options[1:]]))
+
+
+def test_infinite_capacitances_at_a_contact_are_numbers_to_the_schema(tmp_path: Path) -> None:
+    path = tmp_path / "contact.toml"
+    path.write_text(tomli_w.dumps(schemas.changed(TWO_PLATES, ("object", 0, "translation"), [0.05, 0.05, 0])))
+    document = printed([ROOT / "build/bin/fringe", "capacitance", path, "--json"])
+    assert document["sensors"][0]["contact"]
+    assert_exact("capacitance", document)
+
+
+def test_the_reference_prints_what_the_schema_says(scene: Path) -> None:
+    """Alone and with proven intervals; with objects, and stored, its answers are those of the smoke study."""
+    scene.write_text(tomli_w.dumps({"sensor": TWO_PLATES["sensor"]}))
+    command = [sys.executable, "-m", "fem_reference", scene, "--rtol", "0.1", "--json"]
+    assert_exact("reference", printed(command))
+
+
+def test_stored_answers_and_results_are_what_the_schemas_say(scene: Path) -> None:
+    target = scene.with_name("model.json")
+    module = model_stage.model_module()
+    assert model_stage.evaluate(scene, target, "key", ("exact", "split:2"), module) is None
+    assert_exact("model", json.loads(target.read_text()))
+    write_manifest(scene.parent, study.load(study.find("smoke")), [])
+    assert_exact("results", json.loads((scene.parent / "study.json").read_text()))
+
+
+def model_reads(document: Document, folder: Path) -> bool:
+    path = folder / "scene.toml"
+    path.write_text(tomli_w.dumps(document))
+    (folder / "body.obj").write_text(OBJ)
+    try:
+        model_stage.model_module().Scene.load(str(path))
+    except ValueError:
+        return False
+    return True
+
+
+def test_the_model_reads_and_refuses_the_scenes_that_the_schema_does(tmp_path: Path) -> None:
+    validator = schemas.validator("scene")
+    assert model_reads(SCENE, tmp_path)
+    changes = [
+        *schemas.with_wrong_types(SCENE),
+        *schemas.with_unknown_keys(SCENE),
+        *schemas.without_keys(SCENE),
+        *((place, schemas.changed(SCENE, place, value)) for place, value in OUT_OF_RANGE),
+    ]
+    assert len(changes) > 200
+    for place, document in changes:
+        assert model_reads(document, tmp_path) == validator.is_valid(document), place

@@ -1,0 +1,174 @@
+"""The schemas beside the formats, and documents that hold every key there is."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+
+import geometries
+
+FOLDER = Path(geometries.__file__).parent / "schemas"
+Document = dict[str, Any]
+Place = tuple[str | int, ...]
+
+PLATE = {"corner": [0, 0, 0], "edge_u": [0.1, 0, 0], "edge_v": [0, 0.1, 0]}
+BALL = {"type": "sphere", "radius": 0.05}
+SHAPES: list[Document] = [
+    {"type": "plate", "size": [0.1, 0.2]},
+    {"type": "plane", "size": [0.1, 0.2]},
+    {"type": "cuboid", "size": [0.1, 0.2, 0.3]},
+    {"type": "cube", "size": 0.1},
+    {"type": "cylinder", "radius": 0.1, "height": 0.2, "segments": 7},
+    {"type": "cone", "radius": 0.1, "height": 0.2, "segments": 7},
+    {"type": "arc", "inner_radius": 0.1, "outer_radius": 0.2, "height": 0.2, "degrees": 90, "segments": 7},
+    {"type": "sphere", "radius": 0.05, "segments": 7},
+    {"type": "mesh", "file": "body.obj", "scale": 0.5},
+]
+OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+# Every key of the format at least once.
+SCENE: Document = {
+    "format": 1,
+    "medium": {"relative_permittivity": 2},
+    "room": {"size": [4, 3, 2.5], "translation": [0, 0, 1], "rotation": {"axis": [0, 0, 1], "degrees": 3}},
+    "link": [
+        {"name": "base", "quaternion": [1, 0, 0, 0]},
+        {
+            "name": "arm",
+            "parent": "base",
+            "translation": [0, 0, 1],
+            "rotation": {"quaternion": [0, 1, 0, 0]},
+        },
+    ],
+    "sensor": [
+        {
+            "name": "front",
+            "link": "arm",
+            "input_voltage": 5,
+            "coupling_capacitance": 1e-12,
+            "plates": [PLATE],
+        }
+    ],
+    "distance_sensor": [
+        {
+            "name": "eye",
+            "link": "arm",
+            "apex": [0, 0, 0],
+            "direction": [0, 0, 1],
+            "full_angle_degrees": 40,
+            "range": 0.8,
+        }
+    ],
+    "object": [
+        {"name": "glass", "link": "arm", "shape": BALL, "material": {"relative_permittivity": 50}},
+        {"name": "ball", "shape": BALL, "translation": [1, 0, 0], "potential": "floating", "collides": False},
+        *({"name": f"shape {number}", "shape": shape} for number, shape in enumerate(SHAPES)),
+    ],
+}
+MOTION: Document = {
+    "format": 1,
+    "frame": [
+        {
+            "name": "lowering",
+            "poses": [
+                {"link": "arm", "translation": [0, 0, 0.4], "rotation": {"axis": [0, 1, 0], "degrees": 9}},
+                {"link": "base", "quaternion": [1, 0, 0, 0]},
+            ],
+        }
+    ],
+}
+
+
+def validator(name: str) -> Any:
+    """The validator of a format, given by its name."""
+    schema = json.loads((FOLDER / f"{name}-1.schema.json").read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+def tables(document: Any, place: Place = ()) -> Iterator[Place]:
+    """The places of all tables in a document."""
+    if isinstance(document, dict):
+        yield place
+    for key, value in document.items() if isinstance(document, dict) else enumerate(document):
+        if isinstance(value, (dict, list)):
+            yield from tables(value, (*place, key))
+
+
+def at(document: Any, place: Place) -> Any:
+    for key in place:
+        document = document[key]
+    return document
+
+
+def changed(document: Document, place: Place, value: Any) -> Document:
+    """The document with another value at a place; without it where the value is None."""
+    result = copy.deepcopy(document)
+    table = at(result, place[:-1])
+    if value is None:
+        del table[place[-1]]
+    else:
+        table[place[-1]] = value
+    return result
+
+
+def with_wrong_types(document: Document) -> Iterator[tuple[Place, Document]]:
+    """The document again and again, each time with a value of another type."""
+    for table in tables(document):
+        for key, value in at(document, table).items():
+            wrong = "yes" if isinstance(value, bool) else True
+            yield (*table, key), changed(document, (*table, key), wrong)
+
+
+def with_unknown_keys(document: Document) -> Iterator[tuple[Place, Document]]:
+    """The document again and again, each time with a key that no table has."""
+    for table in tables(document):
+        yield (*table, "unknown"), changed(document, (*table, "unknown"), 1)
+
+
+def without_keys(document: Document) -> Iterator[tuple[Place, Document]]:
+    """The document again and again, each time without one of its keys, but never without what others name."""
+    for table in tables(document):
+        for key in at(document, table):
+            if (*table, key) not in (("link",), ("link", 0, "name")):
+                yield (*table, key), changed(document, (*table, key), None)
+
+
+# Values of the right type out of range, for a schema and a reader to refuse.
+OUT_OF_RANGE: list[tuple[Place, Any]] = [
+    (("format",), 2),
+    (("format",), 0),
+    (("medium", "relative_permittivity"), 0),
+    (("room", "size"), [1, 1, 0]),
+    (("room", "size"), [1, 1]),
+    (("room", "rotation", "axis"), [0, 0, 0]),
+    (("room", "quaternion"), [1, 0, 0, 0]),
+    (("link", 0, "name"), ""),
+    (("link", 0, "quaternion"), [0, 0, 0, 0]),
+    (("link", 0, "quaternion"), [1, 0, 0]),
+    (("link", 1, "quaternion"), [1, 0, 0, 0]),
+    (("link", 1, "translation"), [0, 0]),
+    (("link", 1, "rotation"), {}),
+    (("sensor", 0, "plates"), []),
+    (("sensor", 0, "input_voltage"), 0),
+    (("sensor", 0, "coupling_capacitance"), -1e-12),
+    (("sensor", 0, "plates", 0, "edge_u"), [0, 0, 0]),
+    (("distance_sensor", 0, "direction"), [0, 0, 0]),
+    (("distance_sensor", 0, "full_angle_degrees"), 181),
+    (("distance_sensor", 0, "range"), 0),
+    (("object", 0, "potential"), "grounded"),
+    (("object", 0, "material", "relative_permittivity"), 0),
+    (("object", 1, "potential"), "high"),
+    (("object", 2, "shape", "size"), [0.1, 0]),
+    (("object", 2, "shape", "type"), "disc"),
+    (("object", 5, "shape", "size"), -1),
+    (("object", 6, "shape", "segments"), 2),
+    (("object", 6, "shape", "segments"), 7.5),
+    (("object", 8, "shape", "degrees"), 361),
+    (("object", 10, "shape", "scale"), 0),
+    (("object", 10, "shape", "file"), "body.dae"),
+]

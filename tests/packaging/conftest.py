@@ -1,0 +1,37 @@
+"""What the build makes for other machines, made once: an installation and a Debian package."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = ROOT / "build"
+
+SCENE = """
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+
+[[object]]
+name = "hand"
+shape = { type = "plate", size = [0.073, 0.119] }
+translation = [0.01, 0, 0.03]
+"""
+
+
+@pytest.fixture(scope="session")
+def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where everything is installed: a folder with a space."""
+    folder = tmp_path_factory.mktemp("an installation") / "prefix"
+    subprocess.run(["cmake", "--install", BUILD, "--prefix", folder], check=True, capture_output=True)
+    return folder
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "hand.toml"
+    path.write_text(SCENE)
+    return path

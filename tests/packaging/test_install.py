@@ -1,0 +1,159 @@
+"""`cmake --install`: what others build on the library with, and commands and modules that work without the build."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.packaging.conftest import BUILD, ROOT, SCENE
+
+CONSUMER = Path(__file__).with_name("consumer")
+# Only what is installed, wherever the user stands: nothing of the repository is on a path.
+ENVIRONMENT = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+PROGRAMS = ("fringe", "fringe-analysis", "fringe-geometries", "fringe-reference")
+
+
+def output_of(command: list[str | Path], folder: Path, **variables: str) -> str:
+    done = subprocess.run(
+        command,
+        cwd=folder,
+        env=ENVIRONMENT | variables,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def total(prefix: Path, scene: Path) -> float:
+    document = json.loads(output_of([prefix / "bin/fringe", "capacitance", scene, "--json"], scene.parent))
+    return float(document["sensors"][0]["total"])
+
+
+def modules(prefix: Path) -> str:
+    return str(next(prefix.glob("lib/python3*/dist-packages")))
+
+
+def test_a_project_finds_the_library_with_cmake(prefix: Path, scene: Path) -> None:
+    build = scene.parent / "build"
+    # Every public header has to come with all that it includes.
+    headers = sorted((ROOT / "model/include/fringe").glob("*.hpp"))
+    source = "".join(f'#include "fringe/{header.name}"\n' for header in headers)
+    project = scene.parent / "consumer"
+    project.mkdir()
+    (project / "CMakeLists.txt").write_text((CONSUMER / "CMakeLists.txt").read_text())
+    (project / "main.cpp").write_text(source + (CONSUMER / "main.cpp").read_text())
+    configure = ["cmake", "-S", project, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}"]
+    output_of([*configure, "-DCMAKE_BUILD_TYPE="], scene.parent)
+    output_of(["cmake", "--build", build], scene.parent)
+    version, answer = output_of([build / "consumer", scene], scene.parent).split()
+    assert version == output_of([prefix / "bin/fringe", "--version"], scene.parent).strip()
+    assert float(answer) == total(prefix, scene)
+
+
+def test_a_project_finds_the_library_with_pkg_config(prefix: Path, scene: Path) -> None:
+    flags = output_of(
+        ["pkg-config", "--cflags", "--libs", "fringe"],
+        scene.parent,
+        PKG_CONFIG_PATH=str(prefix / "lib/pkgconfig"),
+    )
+    program = scene.parent / "consumer"
+    # Through a shell, as a makefile would do it: the flags are quoted for one.
+    command = f'g++ -std=c++20 "{CONSUMER / "main.cpp"}" -o "{program}" {flags}'
+    output_of(["sh", "-c", command], scene.parent)
+    assert float(output_of([program, scene], scene.parent).split()[1]) == total(prefix, scene)
+
+
+def test_the_python_module_works_from_another_folder(prefix: Path, scene: Path) -> None:
+    code = "import fringe, sys; print(fringe.__file__, fringe.Scene.load(sys.argv[1]).capacitance()['sensors'][0]['total'], sep='\\n')"
+    printed = output_of(
+        [sys.executable, "-P", "-c", code, scene], scene.parent, PYTHONPATH=modules(prefix)
+    ).splitlines()
+    assert Path(printed[0]).is_relative_to(prefix)
+    assert float(printed[1]) == total(prefix, scene)
+
+
+def test_the_reference_works_from_another_folder(prefix: Path, scene: Path) -> None:
+    # The sensor alone, which is solved the soonest.
+    scene.write_text(SCENE.split("[[object]]")[0])
+    command = [prefix / "bin/fringe-reference", scene, "--rtol", "0.05", "--error", "estimate", "--json"]
+    # What the solver compiles is there already: it takes ten seconds.
+    document = json.loads(output_of(command, scene.parent, XDG_CACHE_HOME=str(BUILD / "cache")))
+    assert document["reached"]
+    assert document["conductors"] == ["front"]
+
+
+def test_studies_are_run_from_another_folder_into_it(prefix: Path, scene: Path) -> None:
+    """Without the reference, which has a test of its own and takes its time."""
+    study = scene.parent / "gap.toml"
+    study.write_text(
+        'name = "gap"\ntitle = "Two plates"\n[reference]\nerror = "none"\n[model]\nmethods = ["exact"]\n[[sweep]]\n'
+        'family = "parallel"\nsensor_size = [0.1, 0.1]\ntarget_size = [0.1, 0.1]\ngap = 0.05\n'
+    )
+    printed = output_of([prefix / "bin/fringe-analysis", "run", study], scene.parent)
+    results = scene.parent / "results" / "gap"
+    assert f"report: {results / 'report.html'}" in printed
+    stored = {path: path.stat().st_mtime_ns for path in results.rglob("model.json")}
+    assert len(stored) == 1
+    output_of([prefix / "bin/fringe-analysis", "run", study], scene.parent)
+    assert stored == {path: path.stat().st_mtime_ns for path in results.rglob("model.json")}
+
+
+def test_meshes_are_converted_from_another_folder(prefix: Path, tmp_path: Path) -> None:
+    (tmp_path / "face.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    output_of([prefix / "bin/fringe-geometries", "convert", "face.obj", "face.stl"], tmp_path)
+    assert (tmp_path / "face.stl").is_file()
+
+
+def test_nothing_writes_into_the_installation(prefix: Path) -> None:
+    assert not [path for path in (prefix / "share/fringe").rglob("*") if path.suffix in (".html", ".csv.tmp")]
+    assert not (prefix / "share/fringe/build").exists()
+    assert not (prefix / "share/fringe/results").exists()
+
+
+def options_of(program: Path, *command: str) -> set[str]:
+    """The long options that a help names at the beginning of a line."""
+    lines = output_of([program, *command, "--help"], program.parent).splitlines()
+    words = [word for line in lines if line.startswith("  -") for word in line.replace(",", " ").split()]
+    return {word for word in words if word.startswith("--")} - {"--help"}
+
+
+COMMANDS = {
+    "fringe": ("capacitance", "collide", "sense", "info"),
+    "fringe-analysis": ("run", "nightly", "diff", "report", "verify", "errors", "corrections", "show"),
+    "fringe-geometries": ("convert", "expand"),
+    "fringe-reference": (),
+}
+
+
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_manual_pages_and_completions_know_every_command_and_option(prefix: Path, program: str) -> None:
+    wanted = options_of(prefix / "bin" / program)
+    for command in COMMANDS[program]:
+        wanted |= options_of(prefix / "bin" / program, command)
+    assert wanted or program == "fringe-geometries"
+    page = (
+        gzip.decompress((prefix / f"share/man/man1/{program}.1.gz").read_bytes()).decode().replace(r"\-", "-")
+    )
+    bash = (prefix / "share/bash-completion/completions" / program).read_text()
+    zsh = (prefix / "share/zsh/vendor-completions" / f"_{program}").read_text()
+    for text in (page, bash, zsh):
+        for word in (*wanted, *COMMANDS[program]):
+            assert word in text
+
+
+def test_bash_completes_commands_and_options(prefix: Path) -> None:
+    script = prefix / "share/bash-completion/completions/fringe"
+    code = (
+        f'source "{script}"; COMP_WORDS=(fringe capacitance --me); COMP_CWORD=2; _shtab_fringe; '
+        'echo "${COMPREPLY[@]}"'
+    )
+    assert output_of(["bash", "-c", code], prefix).split() == ["--method"]
