@@ -12,7 +12,7 @@ import pytest
 import tomli_w
 
 import geometries
-from geometries import families, motion, reader, study, study_schema
+from geometries import families, motion, reader, scene_sweep, study, study_schema
 from geometries.errors import InputError
 from geometries.tables import Table
 from tests.geometries import schemas
@@ -214,7 +214,7 @@ def test_a_scene_of_nothing_is_refused_by_schema_and_reader(source: str) -> None
 
 def test_the_schema_of_studies_is_that_of_the_families() -> None:
     assert study_schema.FILE.read_text(encoding="utf-8") == study_schema.text()
-    assert set(families.FAMILIES) == {
+    assert {*families.FAMILIES, scene_sweep.FAMILY} == {
         sweep["properties"]["family"]["const"]
         for sweep in study_schema.schema()["properties"]["sweep"]["items"]["oneOf"]
     }
