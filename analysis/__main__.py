@@ -25,12 +25,26 @@ _INTERRUPTED = 130
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     options = _parser().parse_args(arguments)
+    before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        return _run_command(options)
+    except KeyboardInterrupt:
+        print(
+            "\nanalysis: stopped; finished cases are kept, the same command goes on from there",
+            file=sys.stderr,
+        )
+        return _INTERRUPTED
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _run_command(options: argparse.Namespace) -> int:
     continue_with("plotly" if options.command == "show" else "dolfinx")
     from geometries.errors import InputError
 
     from analysis.store import InUse
 
-    signal.signal(signal.SIGTERM, _interrupt)
     try:
         if options.command == "run":
             return _run(options)
@@ -60,12 +74,15 @@ def main(arguments: list[str] | None = None) -> int:
             raise
         print("analysis: the model is not built: ./run builds it", file=sys.stderr)
         return FAILED
-    except KeyboardInterrupt:
+    # What the machine refuses: a full or read-only file system, a folder that is gone, memory, processes.
+    except (OSError, MemoryError) as error:
+        place = f"{error.filename}: " if isinstance(error, OSError) and error.filename else ""
+        told = (error.strerror if isinstance(error, OSError) else "") or str(error) or "out of memory"
         print(
-            "\nanalysis: stopped; finished cases are kept, the same command goes on from there",
+            f"\nanalysis: {place}{told}; finished cases are kept, the same command goes on from there",
             file=sys.stderr,
         )
-        return _INTERRUPTED
+        return FAILED
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -181,6 +198,9 @@ def _count(text: str) -> int:
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
+    """Stop, once: a second signal while the running processes are ended would only leave them behind."""
+    for other in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(other, signal.SIG_IGN)
     raise KeyboardInterrupt
 
 

@@ -30,7 +30,7 @@ class TableReader {
   double number(std::string_view key);
   double positive_number(std::string_view key);
   double positive_number_or(std::string_view key, double otherwise);
-  int whole_number_or(std::string_view key, int least, int otherwise);
+  int whole_number_or(std::string_view key, int least, int most, int otherwise);
   std::vector<double> numbers(std::string_view key, std::size_t count);
   std::vector<double> positive_numbers(std::string_view key, std::size_t count);
   Eigen::Vector3d vector(std::string_view key);

@@ -1,0 +1,52 @@
+#include "fringe/plate_integral.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fringe/error.hpp"
+#include "input.hpp"
+
+namespace fringe::fuzz {
+namespace {
+
+/// The greatest distance of a vertex from a corner is above that of any two points.
+double greatest_distance(const Triangle& triangle, const Rectangle& plate) {
+  double greatest = 0;
+  for (const Eigen::Vector3d& vertex : triangle)
+    for (const int corner : {0, 1, 2, 3})
+      greatest = std::max(
+          greatest,
+          (vertex - plate.corner - (corner % 2) * plate.edge_u - (corner / 2) * plate.edge_v).stableNorm());
+  return greatest;
+}
+
+}  // namespace
+
+void plate_integral(Bytes bytes) {
+  Input input(bytes);
+  const Triangle triangle{input.point(), input.point(), input.point()};
+  Rectangle plate{input.point(), input.point(), input.point()};
+  // Bytes seldom make a right angle: mostly the second edge is turned into one, at right angles to the first.
+  if (input.byte() % 4 != 0)
+    plate.edge_v = plate.edge_u.cross(plate.edge_v);
+  try {
+    const double integral = fringe::plate_integral(triangle, plate);
+    require(integral >= 0, "the integral is a number, and not below zero");
+    const Triangle turned{triangle[1], triangle[2], triangle[0]};
+    const double again = fringe::plate_integral(turned, plate);
+    const bool comparable =
+        ordinary({triangle[0], triangle[1], triangle[2], plate.corner, plate.edge_u, plate.edge_v});
+    if (!comparable)
+      return;
+    constexpr double rounding = 1e-9;
+    require(std::isinf(integral) == std::isinf(again), "it diverges whichever vertex comes first");
+    require(std::isinf(integral) || std::abs(again - integral) <= rounding * integral,
+            "it is the same whichever vertex comes first");
+    const double least = twice_area(triangle) / 2 / greatest_distance(triangle, plate);
+    require(!(integral < least * (1 - rounding)), "it is at least area over the greatest distance");
+  } catch (const InputError&) {
+    // What is not finite, or no rectangle.
+  }
+}
+
+}  // namespace fringe::fuzz
