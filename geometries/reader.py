@@ -36,7 +36,7 @@ from geometries.shapes import (
     Shape,
     Sphere,
 )
-from geometries.tables import Table, parse, read_text
+from geometries.tables import LARGEST_NUMBER, Table, parse, read_text
 
 # How far from a right angle a plate's edges may be: |cos|, generous to coordinates written with ten digits.
 _RIGHT_ANGLE_TOLERANCE = 1e-9
@@ -259,8 +259,11 @@ def _mesh(table: Table) -> MeshShape:
         surface = read_triangles(file)
     except InputError as error:
         raise table.error("file", f"{error.file}: {error.reason}") from error
+    scale = table.positive("scale", 1.0)
+    if np.abs(surface).max() * scale > LARGEST_NUMBER:
+        raise table.error("file", f"{file}: the mesh is larger than {LARGEST_NUMBER:g}")
     digest = hashlib.sha256(file.read_bytes()).hexdigest()
-    return MeshShape(str(file), digest, table.positive("scale", 1.0), surface)
+    return MeshShape(str(file), digest, scale, surface)
 
 
 _SHAPES: dict[str, Callable[[Table], Shape]] = {

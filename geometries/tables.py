@@ -14,14 +14,14 @@ from geometries.errors import InputError
 Vector3 = tuple[float, float, float]
 
 # The squares of distances, and their products with areas, stay within the range of numbers.
-_LARGEST_NUMBER = 1e75
+LARGEST_NUMBER = 1e75
 _LINE = re.compile(r"\(at line (\d+), column \d+\)")
 
 
 def read_text(path: Path) -> str:
     """The text of a file; InputError when it is missing, unreadable or not UTF-8."""
     if not is_file(path):
-        raise InputError(str(path), "", "does not exist or is not a file")
+        raise InputError(str(path), "", "cannot be read: it does not exist or is not a file")
     try:
         # In bytes, because the line ends are TOML's affair; a byte order mark at the beginning says nothing.
         return path.read_bytes().decode("utf-8-sig")
@@ -154,8 +154,8 @@ class Table:
         number = float(value)
         if not math.isfinite(number):
             raise self.error(name, f"must be finite, not {value!r}")
-        if abs(number) > _LARGEST_NUMBER:
-            raise self.error(name, f"must be at most {_LARGEST_NUMBER:g}, not {value!r}")
+        if abs(number) > LARGEST_NUMBER:
+            raise self.error(name, f"must be at most {LARGEST_NUMBER:g}, not {value!r}")
         return number + 0.0  # the sum turns -0.0 into 0.0
 
     def as_vector(self, name: str, value: Any, length: int) -> tuple[float, ...]:

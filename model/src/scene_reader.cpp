@@ -199,8 +199,11 @@ Mesh read_mesh(TableReader& table, const std::filesystem::path& folder) {
     table.fail("file", error.what());
   }
   for (Triangle& triangle : mesh.triangles)
-    for (Vector3d& vertex : triangle)
+    for (Vector3d& vertex : triangle) {
       vertex *= mesh.scale;
+      if (!(vertex.cwiseAbs().maxCoeff() <= detail::largest_number))
+        table.fail("file", fmt::format("the mesh is larger than {:g}", detail::largest_number));
+    }
   return mesh;
 }
 

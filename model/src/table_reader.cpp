@@ -7,13 +7,6 @@
 #include "fringe/error.hpp"
 
 namespace fringe::detail {
-namespace {
-
-/// The squares of distances, and their products with areas, stay within the range of numbers.
-constexpr double largest_number = 1e75;
-
-}  // namespace
-
 std::string located_message(std::string_view file, unsigned line, std::string_view key,
                             std::string_view reason) {
   std::string message(file);

@@ -61,7 +61,7 @@ def _encodings() -> list[Case]:
 def _extremes() -> list[Case]:
     """Deep, long and many."""
     links = "".join(
-        f'[[link]]\nname = "l{k}"\n' + (f'parent = "l{k - 1}"\n' if k else "") for k in range(3000)
+        f'[[link]]\nname = "l{k}"\n' + (f'parent = "l{k - 1}"\n' if k else "") for k in range(1000)
     )
     return [
         from_text("no bytes", "", "at least one"),
@@ -70,21 +70,21 @@ def _extremes() -> list[Case]:
         from_text("arrays in arrays, 100000", f"title = {'[' * 100_000}{']' * 100_000}\n" + SENSOR, ""),
         from_text("open arrays in arrays", "title = " + "[" * 100_000, ""),
         from_text("tables in tables", f"title = {'{a=' * 100_000}1{'}' * 100_000}\n" + SENSOR, ""),
-        from_text("a key of 2000 parts", ".".join("a" * 2000) + " = 1\n" + SENSOR, "a"),
-        from_text("a table of 2000 parts", SENSOR + f"[{'.'.join('a' * 20_000)}]\n", "a"),
+        from_text("a key of 1000 parts", ".".join("a" * 1000) + " = 1\n" + SENSOR, "a"),
+        from_text("a table of 1000 parts", SENSOR + f"[{'.'.join('a' * 20_000)}]\n", "a"),
         from_text("a key of a million letters", f"{'a' * 1_000_000} = 1\n" + SENSOR, "aaa"),
         from_text("a name of a million letters", WHOLE.replace('"body"', f'"{"b" * 1_000_000}"') + "size = 1\n", "size"),
-        from_text("a hundred thousand numbers", WHOLE + f"quaternion = [{'1,' * 100_000}]\n", "quaternion"),
-        from_text("a chain of 3000 links", links + WHOLE, None),
-        from_text("a cycle of 3000 links", links.replace("\n", '\nparent = "l2999"\n', 2).replace(
-            '[[link]]\nparent = "l2999"\n', "[[link]]\n", 1) + WHOLE, "parent"),
+        from_text("fifty thousand numbers", WHOLE + f"quaternion = [{'1,' * 50_000}]\n", "quaternion"),
+        from_text("a chain of 1000 links", links + WHOLE, None),
+        from_text("a cycle of 1000 links", links.replace("\n", '\nparent = "l999"\n', 2).replace(
+            '[[link]]\nparent = "l999"\n', "[[link]]\n", 1) + WHOLE, "parent"),
         from_text("a million segments of a sphere", SENSOR + body('type = "sphere", radius = 0.1, segments = 1000000'), "segments"),
         from_text("the most segments of all", SENSOR + body(
             f'type = "cylinder", radius = 0.1, height = 1, segments = {2**31 - 1}'), "segments"),
         from_text("more segments than that", SENSOR + body(
             f'type = "arc", inner_radius = 1, outer_radius = 2, height = 1, degrees = 9, segments = {2**40}'), "segments"),
-        from_text("objects by the thousand", SENSOR + "".join(
-            body(CUBE, f"translation = [0, 0, {k}]").replace('"body"', f'"body {k}"') for k in range(1, 2001)), None),
+        from_text("objects by the hundred", SENSOR + "".join(
+            body(CUBE, f"translation = [0, 0, {k}]").replace('"body"', f'"body {k}"') for k in range(1, 501)), None),
     ]
 
 

@@ -184,11 +184,12 @@ def clock_jumps(study: Study, chance: random.Random, tally: Tally) -> None:
         FAKETIME_TIMESTAMP_FILE=str(clock),
         FAKETIME_NO_CACHE="1",
         FAKETIME_DONT_FAKE_MONOTONIC="1",
-        TOY_SECONDS="0.1",
     )
     _wait_for(study.toy.results / ".lock", process)
     while process.poll() is None:
-        clock.write_text(f"{chance.choice('+-')}{chance.randrange(1, 3000)}d")
+        following = clock.with_suffix(".following")
+        following.write_text(f"{chance.choice('+-')}{chance.randrange(1, 3000)}d")
+        following.replace(clock)
         time.sleep(chance.uniform(0, 0.2))
     done = study.finish(process)
     assert done.returncode == 0 and "Traceback" not in done.stderr, done.stderr

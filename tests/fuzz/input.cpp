@@ -1,5 +1,6 @@
 #include "input.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -34,6 +35,12 @@ double Input::number() {
 Eigen::Vector3d Input::point() {
   const double x = number(), y = number(), z = number();
   return {x, y, z};
+}
+
+bool in_a_scene(const std::vector<Eigen::Vector3d>& points) {
+  constexpr double most = 1e75;
+  return std::all_of(points.begin(), points.end(),
+                     [](const Eigen::Vector3d& point) { return point.cwiseAbs().maxCoeff() <= most; });
 }
 
 bool ordinary(const std::vector<Eigen::Vector3d>& points) {

@@ -40,6 +40,9 @@ class Input {
   bool begun_ = false;
 };
 
+/// Whether a scene may hold such numbers.
+bool in_a_scene(const std::vector<Eigen::Vector3d>& points);
+
 /// Where nothing overflows and nothing is denormal: what holds of the exact answer holds of a rounded one.
 bool ordinary(const std::vector<Eigen::Vector3d>& points);
 

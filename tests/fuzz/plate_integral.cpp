@@ -31,6 +31,12 @@ void plate_integral(Bytes bytes) {
     plate.edge_v = plate.edge_u.cross(plate.edge_v);
   try {
     const double integral = fringe::plate_integral(triangle, plate);
+    if (!in_a_scene({triangle[0], triangle[1], triangle[2], plate.corner, plate.edge_u, plate.edge_v}))
+      return;
+    if (!(integral >= 0))
+      for (const Eigen::Vector3d& point :
+           {triangle[0], triangle[1], triangle[2], plate.corner, plate.edge_u, plate.edge_v})
+        fmt::print(stderr, "({:a}, {:a}, {:a})\n", point.x(), point.y(), point.z());
     require(integral >= 0, "the integral is a number, and not below zero");
     const Triangle turned{triangle[1], triangle[2], triangle[0]};
     const double again = fringe::plate_integral(turned, plate);

@@ -81,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(Targets, Fuzz,
                          testing::Values(Named{"scene_reader", scene_reader, 3000},
                                          Named{"mesh_reader", mesh_reader, 20'000},
                                          Named{"plate_integral", plate_integral, 20'000},
-                                         Named{"gjk_intersects", gjk_intersects, 3000},
+                                         Named{"gjk_intersects", gjk_intersects, 300},
                                          Named{"cone_closest", cone_closest, 3000}),
                          [](const auto& info) { return std::string(info.param.name); });
 
