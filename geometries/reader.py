@@ -229,7 +229,9 @@ def _cube(table: Table) -> Cuboid:
 
 
 def _cylinder(table: Table) -> Cylinder:
-    return Cylinder(table.positive("radius"), table.positive("height"), _segments(table, _MOST_TRIANGLES // 4))
+    return Cylinder(
+        table.positive("radius"), table.positive("height"), _segments(table, _MOST_TRIANGLES // 4)
+    )
 
 
 def _cone(table: Table) -> Cone:

@@ -45,7 +45,9 @@ def parse(text: str, source: str) -> Table:
     try:
         values = tomllib.loads(text)
     except RecursionError as error:
-        raise InputError(source, "", "is not TOML that can be read: too many brackets in each other") from error
+        raise InputError(
+            source, "", "is not TOML that can be read: too many brackets in each other"
+        ) from error
     # Besides TOMLDecodeError plain ones, for integers of thousands of digits.
     except ValueError as error:
         found = _LINE.search(str(error))

@@ -84,7 +84,13 @@ NONZERO = {"axis", "quaternion", "edge_u", "edge_v", "direction"}
 
 def cases() -> list[Case]:
     """A command for every eighth: all read with the same reader. The model refuses the dielectric body."""
-    made = [from_text("every key", tomli_w.dumps(WHOLE), None), *_missing(), *_unknown(), *_wrong(), *_by_hand()]
+    made = [
+        from_text("every key", tomli_w.dumps(WHOLE), None),
+        *_missing(),
+        *_unknown(),
+        *_wrong(),
+        *_by_hand(),
+    ]
     asked = {0: ("collide",), 4: ("sense",)}
     return [replace(case, commands=asked.get(at % 8, ())) for at, case in enumerate(made)]
 
@@ -119,7 +125,12 @@ def _told(path: Path) -> str:
 
 def _missing() -> list[Case]:
     """Taking the links away leaves names that nothing bears."""
-    needed: dict[Path, str | None] = {("link",): "link", ("link", 0, "name"): "name", ("sensor",): None, ("object",): None}
+    needed: dict[Path, str | None] = {
+        ("link",): "link",
+        ("link", 0, "name"): "name",
+        ("sensor",): None,
+        ("object",): None,
+    }
     needed[("object", 1, "rotation", "quaternion")] = "axis"
     made = []
     for path, _ in _places(WHOLE):
@@ -137,7 +148,10 @@ def _unknown() -> list[Case]:
             tables.append(path)
         if isinstance(value, list) and isinstance(value[0], dict):
             tables += [(*path, index) for index in range(len(value))]
-    return [from_text(f"unknown key in {_told(path)}", _changed((*path, "colour"), 1), "colour") for path in tables]
+    return [
+        from_text(f"unknown key in {_told(path)}", _changed((*path, "colour"), 1), "colour")
+        for path in tables
+    ]
 
 
 def _wrong() -> Iterator[Case]:
@@ -149,7 +163,14 @@ def _wrong() -> Iterator[Case]:
 
 
 def _wrong_values(key: str, value: Any) -> Iterator[tuple[str, Any]]:
-    other_types = {"text": "1", "number": 1.5, "boolean": True, "list": [1, "2"], "table": {"x": 1}, "no list": []}
+    other_types = {
+        "text": "1",
+        "number": 1.5,
+        "boolean": True,
+        "list": [1, "2"],
+        "table": {"x": 1},
+        "no list": [],
+    }
     own = {str: "text", float: "number", bool: "boolean"}.get(type(value))
     if key in ("link", "sensor", "distance_sensor", "object") and isinstance(value, list):
         del other_types["no list"]

@@ -18,8 +18,13 @@ def cases() -> list[Case]:
 def _sizes() -> list[Case]:
     made = []
     for size in (DENORMAL, SMALLEST, "1e-160", "1e-30", "1e30", "1e75"):
-        for shape in (f"cube\", size = {size}", f"plate\", size = [{size}, {size}]", f"sphere\", radius = {size}",
-                      f"cylinder\", radius = {size}, height = 1", f"cone\", radius = 1, height = {size}"):
+        for shape in (
+            f'cube", size = {size}',
+            f'plate", size = [{size}, {size}]',
+            f'sphere", radius = {size}',
+            f'cylinder", radius = {size}, height = 1',
+            f'cone", radius = 1, height = {size}',
+        ):
             kind = shape.split('"')[0]
             made.append(from_text(f"{kind} of {size}", SENSOR + body(f'type = "{shape}'), None))
     return made
@@ -27,17 +32,21 @@ def _sizes() -> list[Case]:
 
 def _beyond() -> list[Case]:
     """Numbers whose squares are none."""
-    return [
-        from_text(f"a body of {size}", SENSOR + body(f'type = "cube", size = {size}'), "size")
-        for size in ("1.1e75", "1e160", "1e300", LARGEST)
-    ] + [
-        # The parsers themselves know no such number, and so no key either.
-        from_text(f"a body of {size}", SENSOR + body(f'type = "cube", size = {size}'), "")
-        for size in ("1e309", "1e-400")
-    ] + [
-        from_text(f"a body at {far}", SENSOR + body(more=f"translation = [0, 0, {far}]"), "translation")
-        for far in ("-1.1e75", "1e160", LARGEST)
-    ]
+    return (
+        [
+            from_text(f"a body of {size}", SENSOR + body(f'type = "cube", size = {size}'), "size")
+            for size in ("1.1e75", "1e160", "1e300", LARGEST)
+        ]
+        + [
+            # The parsers themselves know no such number, and so no key either.
+            from_text(f"a body of {size}", SENSOR + body(f'type = "cube", size = {size}'), "")
+            for size in ("1e309", "1e-400")
+        ]
+        + [
+            from_text(f"a body at {far}", SENSOR + body(more=f"translation = [0, 0, {far}]"), "translation")
+            for far in ("-1.1e75", "1e160", LARGEST)
+        ]
+    )
 
 
 def _places() -> list[Case]:
@@ -45,8 +54,12 @@ def _places() -> list[Case]:
         from_text(f"a body at {far}", SENSOR + body(more=f"translation = [0, 0, {far}]"), None)
         for far in (DENORMAL, "1e-200", "1e30", "1e75")
     ] + [
-        from_text(f"turned by {angle} degrees", SENSOR + body(
-            more=f"translation = [0, 0, 1]\nrotation = {{ axis = [1, 2, 3], degrees = {angle} }}"), None)
+        from_text(
+            f"turned by {angle} degrees",
+            SENSOR
+            + body(more=f"translation = [0, 0, 1]\nrotation = {{ axis = [1, 2, 3], degrees = {angle} }}"),
+            None,
+        )
         for angle in (DENORMAL, "1e22", "1e75")
     ]
 
@@ -85,7 +98,9 @@ def _distance_sensors() -> list[Case]:
     for size in (DENORMAL, "1e-200", "1e75"):
         eye = f'[[distance_sensor]]\nname = "eye"\napex = [0, 0, 0]\ndirection = [0, 0, {size}]\n'
         made.append(
-            from_text(f"a direction of {size}", SENSOR + eye + "full_angle_degrees = 30\nrange = 1\n" + body(), None)
+            from_text(
+                f"a direction of {size}", SENSOR + eye + "full_angle_degrees = 30\nrange = 1\n" + body(), None
+            )
         )
         for key, other in (("range", "full_angle_degrees = 30"), ("full_angle_degrees", "range = 1")):
             if key == "range" or size == "1e-200":

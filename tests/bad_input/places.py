@@ -50,7 +50,9 @@ def _scenes() -> list[Case]:
     }
     told = [_at(name, SCENE, arrange, place) for name, (arrange, place) in made.items()]
     told.append(_at("a path longer than any", "x" * 5000 + ".toml", lambda path: None, ""))
-    told.append(_at("a path through a file", f"{SCENE}/{SCENE}", lambda path: path.parent.write_text(WHOLE), ""))
+    told.append(
+        _at("a path through a file", f"{SCENE}/{SCENE}", lambda path: path.parent.write_text(WHOLE), "")
+    )
     return told
 
 
@@ -90,7 +92,12 @@ def _meshes() -> list[Case]:
         ("a directory", lambda folder: (folder / "mesh.stl").mkdir(), "mesh.stl", "file"),
         ("a pipe", lambda folder: os.mkfifo(folder / "mesh.stl"), "mesh.stl", "file"),
         ("an unreadable file", unreadable, "mesh.stl", "file"),
-        ("a device without end", lambda folder: (folder / "mesh.stl").symlink_to("/dev/zero"), "mesh.stl", "file"),
+        (
+            "a device without end",
+            lambda folder: (folder / "mesh.stl").symlink_to("/dev/zero"),
+            "mesh.stl",
+            "file",
+        ),
         ("a link", linked, "mesh.stl", None),
         ("a link to itself", lambda folder: (folder / "mesh.stl").symlink_to("mesh.stl"), "mesh.stl", "file"),
         ("in a folder with a space", deeper, "deep er/mesh.stl", None),

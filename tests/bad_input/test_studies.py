@@ -100,9 +100,7 @@ def _told_by(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
 
 
 @pytest.mark.parametrize("wrong", STUDIES)
-def test_a_study_that_cannot_be_run(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], wrong: str
-) -> None:
+def test_a_study_that_cannot_be_run(tmp_path: Path, capsys: pytest.CaptureFixture[str], wrong: str) -> None:
     path = tmp_path / "a study.toml"
     text, place = STUDIES[wrong]
     path.write_text(text, newline="")

@@ -48,11 +48,19 @@ def _encodings() -> list[Case]:
         from_bytes("NUL at the end", WHOLE.encode() + b"\0", ""),
         from_text("NUL in a name", WHOLE.replace('"body"', '"bo\\u0000dy"'), None),
         from_text("a line's end in a name", WHOLE.replace('"body"', '"bo\\ndy"'), None),
-        from_text("a line's end in a wrong object's name", WHOLE.replace('"body"', '"bo\\ndy"') + "size = 1\n", "size"),
-        from_text("letters of many alphabets in a name", WHOLE.replace('"body"', '"Hände ▢ 手 \\U0001F590"'), None),
+        from_text(
+            "a line's end in a wrong object's name",
+            WHOLE.replace('"body"', '"bo\\ndy"') + "size = 1\n",
+            "size",
+        ),
+        from_text(
+            "letters of many alphabets in a name", WHOLE.replace('"body"', '"Hände ▢ 手 \\U0001F590"'), None
+        ),
         from_text("a line's end in a key", WHOLE + '"a\\nb" = 1\n', "b"),
         *(
-            from_bytes(f"not UTF-8: {wrong.hex()}", WHOLE.replace("body", "bo!dy").encode().replace(b"!", wrong), "")
+            from_bytes(
+                f"not UTF-8: {wrong.hex()}", WHOLE.replace("body", "bo!dy").encode().replace(b"!", wrong), ""
+            )
             for wrong in NOT_UTF8
         ),
     ]
@@ -73,24 +81,57 @@ def _extremes() -> list[Case]:
         from_text("a key of 1000 parts", ".".join("a" * 1000) + " = 1\n" + SENSOR, "a"),
         from_text("a table of 1000 parts", SENSOR + f"[{'.'.join('a' * 20_000)}]\n", "a"),
         from_text("a key of a million letters", f"{'a' * 1_000_000} = 1\n" + SENSOR, "aaa"),
-        from_text("a name of a million letters", WHOLE.replace('"body"', f'"{"b" * 1_000_000}"') + "size = 1\n", "size"),
+        from_text(
+            "a name of a million letters",
+            WHOLE.replace('"body"', f'"{"b" * 1_000_000}"') + "size = 1\n",
+            "size",
+        ),
         from_text("fifty thousand numbers", WHOLE + f"quaternion = [{'1,' * 50_000}]\n", "quaternion"),
         from_text("a chain of 1000 links", links + WHOLE, None),
-        from_text("a cycle of 1000 links", links.replace("\n", '\nparent = "l999"\n', 2).replace(
-            '[[link]]\nparent = "l999"\n', "[[link]]\n", 1) + WHOLE, "parent"),
-        from_text("a million segments of a sphere", SENSOR + body('type = "sphere", radius = 0.1, segments = 1000000'), "segments"),
-        from_text("the most segments of all", SENSOR + body(
-            f'type = "cylinder", radius = 0.1, height = 1, segments = {2**31 - 1}'), "segments"),
-        from_text("more segments than that", SENSOR + body(
-            f'type = "arc", inner_radius = 1, outer_radius = 2, height = 1, degrees = 9, segments = {2**40}'), "segments"),
-        from_text("objects by the hundred", SENSOR + "".join(
-            body(CUBE, f"translation = [0, 0, {k}]").replace('"body"', f'"body {k}"') for k in range(1, 501)), None),
+        from_text(
+            "a cycle of 1000 links",
+            links.replace("\n", '\nparent = "l999"\n', 2).replace(
+                '[[link]]\nparent = "l999"\n', "[[link]]\n", 1
+            )
+            + WHOLE,
+            "parent",
+        ),
+        from_text(
+            "a million segments of a sphere",
+            SENSOR + body('type = "sphere", radius = 0.1, segments = 1000000'),
+            "segments",
+        ),
+        from_text(
+            "the most segments of all",
+            SENSOR + body(f'type = "cylinder", radius = 0.1, height = 1, segments = {2**31 - 1}'),
+            "segments",
+        ),
+        from_text(
+            "more segments than that",
+            SENSOR
+            + body(
+                f'type = "arc", inner_radius = 1, outer_radius = 2, height = 1, degrees = 9, segments = {2**40}'
+            ),
+            "segments",
+        ),
+        from_text(
+            "objects by the hundred",
+            SENSOR
+            + "".join(
+                body(CUBE, f"translation = [0, 0, {k}]").replace('"body"', f'"body {k}"')
+                for k in range(1, 501)
+            ),
+            None,
+        ),
     ]
 
 
 def _truncated() -> list[Case]:
     """Cut within a word or a bracket, never between two lines that could end a scene."""
-    places = [WHOLE.index(word) + 3 for word in ("[[sensor", "plates", "corner", "edge_v", "[[object", "shape", "cube")]
+    places = [
+        WHOLE.index(word) + 3
+        for word in ("[[sensor", "plates", "corner", "edge_v", "[[object", "shape", "cube")
+    ]
     return [from_text(f"cut after {at} bytes", WHOLE[:at], "") for at in places]
 
 

@@ -45,9 +45,7 @@ class Study:
     seconds: float
     prefix: tuple[str, ...] = ()
 
-    def start(
-        self, before: Callable[[], None] | None = None, **variables: str
-    ) -> subprocess.Popen[str]:
+    def start(self, before: Callable[[], None] | None = None, **variables: str) -> subprocess.Popen[str]:
         """`python3 -m analysis run` in a session of its own."""
         return subprocess.Popen(
             [*self.prefix, sys.executable, "-m", "analysis", "run", "study.toml"],

@@ -32,7 +32,9 @@ def main(target: Path) -> None:
 def _scenes() -> list[bytes]:
     shipped = [path.read_bytes() for path in sorted((ROOT / "geometries" / "scenes").glob("*.toml"))]
     smoke = [case.text.encode() for case in study.load(study.find("smoke")).cases()]
-    return shipped + smoke + [content for content in _made(texts) + _made(keys)[:40] if len(content) < _LARGEST]
+    return (
+        shipped + smoke + [content for content in _made(texts) + _made(keys)[:40] if len(content) < _LARGEST]
+    )
 
 
 def _meshes() -> list[bytes]:
