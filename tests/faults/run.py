@@ -61,7 +61,8 @@ def main() -> int:
         study = prepare(Path(folder))
         for kind in options.kinds:
             tally = disturb(study, kind, options.rounds, options.seed)
-            counts[kind] = asdict(tally) | {"sentences": sorted(tally.sentences)[:3]}
+            told = sorted(sentence.replace(folder, "…") for sentence in tally.sentences)
+            counts[kind] = asdict(tally) | {"sentences": told[:3]}
             print(
                 f"{kind}: {tally.skipped or f'{tally.rounds} times, {tally.during_the_run} during the run, {tally.told} told, '}"
                 f"{tally.unfinished_files} unfinished files, {tally.completed_afterwards} completed afterwards",
