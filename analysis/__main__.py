@@ -213,7 +213,7 @@ def _run(options: argparse.Namespace) -> int:
         failures = workflow.run(chosen, target, options.jobs, options.measure_model)
         failures += _verified(options, target)
         _tell(failures)
-        code = _report(target)
+        code = _own_report(target)
     return FAILED if _any_failed(failures) else code
 
 
@@ -230,7 +230,7 @@ def _nightly(options: argparse.Namespace) -> int:
         done = night.run(chosen, target, night.Options(options.profile, options.jobs, options.job_seconds))
         failures = done.failures + _verified(options, target)
         _tell(failures)
-        code = _report(target)
+        code = _own_report(target)
         moved = history.add(target, done)
         print(f"nights: {history_page.make(target)}")
         # It leads to the nights, of which this one is the last.
@@ -288,6 +288,16 @@ def _any_failed(failures: list[Failure]) -> bool:
     from analysis import reference_stage
 
     return any(failure.stage != reference_stage.SLICE for failure in failures)
+
+
+def _own_report(folder: Path) -> int:
+    """Of results that this very run has made: if they cannot be read, somebody has removed or changed them meanwhile."""
+    from geometries.errors import InputError
+
+    try:
+        return _report(folder)
+    except InputError as error:
+        raise OSError(f"the results were removed or changed while the run was on: {error}") from error
 
 
 def _report(folder: Path) -> int:

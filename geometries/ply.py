@@ -42,7 +42,7 @@ def triangles(content: bytes) -> Array:
     order, elements, body = _header(content)
     vertices = _only(elements, b"vertex", (b"x", b"y", b"z"))
     faces = _only(elements, b"face", ())
-    source = _Words(body.split()) if not order else _Bytes(body, order)
+    source: _Source = _Bytes(body, order) if order else _Words(body.split())
     points, indices = np.empty((0, 3)), []
     for element in elements:
         if element is vertices:
@@ -122,14 +122,11 @@ class _Words:
         self._at += count
         return words
 
-    def table(self, element: _Element) -> dict[bytes, list[bytes]]:
+    def columns(self, element: _Element, names: tuple[bytes, ...]) -> list[Array]:
         width = len(element.properties)
         words = self.take(width * element.count)
-        return {known.name: words[at::width] for at, known in enumerate(element.properties)}
-
-    def columns(self, element: _Element, names: tuple[bytes, ...]) -> list[Array]:
-        table = self.table(element)
-        return [decimals(table[name]) for name in names]
+        places = {known.name: at for at, known in enumerate(element.properties)}
+        return [decimals(words[places[name] :: width]) for name in names]
 
     def number(self, kind: str) -> int:
         return whole(self.take(1)[0])

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 def unit(vector: tuple[float, ...]) -> Array:
     """The vector of length 1 in the same direction. Neither a tiny nor a huge one may leave the range of numbers, so it is
     brought to the size of 1 first, by a power of 2, which changes no digit."""
-    exponent = math.frexp(max(map(abs, vector)))[1]
+    exponent = math.frexp(max(abs(value) for value in vector))[1]
     scaled = np.array([math.ldexp(value, -exponent) for value in vector])
     return np.asarray(scaled / np.linalg.norm(scaled))
 

@@ -50,7 +50,9 @@ def _of_text(content: bytes) -> Array:
     if inside:
         raise Damaged("ends before its 'endsolid'")
     for place, expected in enumerate(_WORDS):
-        for facet, word in enumerate(words[place :: len(_WORDS)] if expected else ()):
+        if expected is None:
+            continue
+        for facet, word in enumerate(words[place :: len(_WORDS)]):
             if word != expected:
                 raise Damaged(f"has {shown(word)} in the place of '{expected.decode()}' in facet {facet}")
     columns = [decimals(words[place :: len(_WORDS)]) for place in _CORNERS]

@@ -20,9 +20,7 @@ UNREADABLE = [
     for case in [*texts.cases(), *places.cases()]
     if case.place is not None and "unreadable" not in case.name
 ]
-AS_PROCESSES = [
-    case for case in UNREADABLE if case.name == "the scene is a pipe"
-]
+AS_PROCESSES = [case for case in UNREADABLE if case.name == "the scene is a pipe"]
 
 
 def _assert_told(status: int, output: str, errors: str, scene: Path, place: str) -> None:
