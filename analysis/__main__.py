@@ -26,12 +26,26 @@ _INTERRUPTED = 130
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     options = _parser(installation.command("analysis")).parse_args(arguments)
+    before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        return _run_command(options)
+    except KeyboardInterrupt:
+        print(
+            "\nanalysis: stopped; finished cases are kept, the same command goes on from there",
+            file=sys.stderr,
+        )
+        return _INTERRUPTED
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _run_command(options: argparse.Namespace) -> int:
     continue_with("plotly" if options.command == "show" else "dolfinx")
     from geometries.errors import InputError
 
     from analysis.store import InUse
 
-    signal.signal(signal.SIGTERM, _interrupt)
     try:
         if options.command == "run":
             return _run(options)
@@ -65,12 +79,15 @@ def main(arguments: list[str] | None = None) -> int:
             raise
         print("analysis: the model's Python module is missing: ./run builds it", file=sys.stderr)
         return FAILED
-    except KeyboardInterrupt:
+    # What the machine refuses: a full or read-only file system, a folder that is gone, memory, processes.
+    except (OSError, MemoryError) as error:
+        place = f"{error.filename}: " if isinstance(error, OSError) and error.filename else ""
+        told = (error.strerror if isinstance(error, OSError) else "") or str(error) or "out of memory"
         print(
-            "\nanalysis: stopped; finished cases are kept, the same command goes on from there",
+            f"\nanalysis: {place}{told}; finished cases are kept, the same command goes on from there",
             file=sys.stderr,
         )
-        return _INTERRUPTED
+        return FAILED
 
 
 def _parser(program: str) -> argparse.ArgumentParser:
@@ -206,6 +223,9 @@ def _count(text: str) -> int:
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
+    """Stop, once: a second signal while the running processes are ended would only leave them behind."""
+    for other in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(other, signal.SIG_IGN)
     raise KeyboardInterrupt
 
 
@@ -218,7 +238,7 @@ def _run(options: argparse.Namespace) -> int:
         failures = workflow.run(chosen, target, options.jobs, options.measure_model)
         failures += _verified(options, target)
         _tell(failures)
-        code = _report(target)
+        code = _own_report(target)
     return FAILED if _any_failed(failures) else code
 
 
@@ -235,7 +255,7 @@ def _nightly(options: argparse.Namespace) -> int:
         done = night.run(chosen, target, night.Options(options.profile, options.jobs, options.job_seconds))
         failures = done.failures + _verified(options, target)
         _tell(failures)
-        code = _report(target)
+        code = _own_report(target)
         moved = history.add(target, done)
         print(f"nights: {history_page.make(target)}")
         # It leads to the nights, of which this one is the last.
@@ -293,6 +313,16 @@ def _any_failed(failures: list[Failure]) -> bool:
     from analysis import reference_stage
 
     return any(failure.stage != reference_stage.SLICE for failure in failures)
+
+
+def _own_report(folder: Path) -> int:
+    """Of results that this very run has made: if they cannot be read, somebody has removed or changed them meanwhile."""
+    from geometries.errors import InputError
+
+    try:
+        return _report(folder)
+    except InputError as error:
+        raise OSError(f"the results were removed or changed while the run was on: {error}") from error
 
 
 def _report(folder: Path) -> int:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -60,6 +62,16 @@ def run_all(jobs: list[Job], workers: int, done: str = "solved", shown: bool = T
             raise
 
 
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Signals come afterwards: a bar that is half made would complain when it is thrown away."""
+    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+
+
 def remaining_seconds(total: float, done: float, elapsed: float, workers: int) -> float:
     """How long the rest takes, by the pace so far; before the first job has ended, by its expected seconds."""
     if done == 0:
@@ -76,7 +88,8 @@ class Progress:
         from tqdm import tqdm
 
         layout = "{desc} {bar} {percentage:3.0f} %, {elapsed} gone{postfix}"
-        self._bar: Any = tqdm(total=total, bar_format=layout, ncols=100, disable=not shown)
+        with _undisturbed():
+            self._bar: Any = tqdm(total=total, bar_format=layout, ncols=100, disable=not shown)
         self._count, self._workers, self._done, self._shown = count, workers, done, shown
         self.tell(0)
 

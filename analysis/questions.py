@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from analysis import (
     collision_section,
+    faults_section,
     page,
     plot_of_time,
     plots_in_space,
@@ -46,6 +47,7 @@ class Material:
     verified: dict[str, Document]
     taken_apart: list[Entry]
     corrected: Document | None
+    faults: Document | None = None
 
 
 @dataclass(frozen=True)
@@ -117,6 +119,10 @@ def _collisions(material: Material) -> list[str]:
     return [collision_section.section(material.found.collision)]
 
 
+def _faults(material: Material) -> list[str]:
+    return [faults_section.section(material.faults)] if material.faults else []
+
+
 def _set_ups(material: Material) -> list[str]:
     pictures = plots_in_space.pictures(material.rows) if material.rows else []
     return [
@@ -136,5 +142,6 @@ QUESTIONS = (
     Question("run_time", "run time", "What does accuracy cost?", _run_time),
     Question("stability", "stability", "Is the integral stable?", _stability),
     Question("collisions", "collisions", "Are collisions found, and how fast?", _collisions),
+    Question("faults", "faults", "What happens when something fails?", _faults),
     Question("set_ups", "set-ups", "Which set-ups are these, and how are they reproduced?", _set_ups),
 )

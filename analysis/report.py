@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from analysis import keys, results, statistics, table
+from analysis import faults_section, keys, results, statistics, table
 from analysis.corrections import page as corrections_page, stage as corrections_stage
 from analysis.cross_check import agreement
 from analysis.errors import records as error_records, set_ups as error_set_ups, stage as errors_stage
@@ -53,7 +53,8 @@ def make(folder: Path) -> Report:
     verified = verification_stage.load(verification_page.beside(folder))
     apart = errors_stage.load(errors_stage.beside(folder))
     corrected = corrections_stage.load(corrections_stage.beside(folder))
-    inputs = f"{_inputs(folder, found, verified, apart)} {corrections_page.inputs(corrected)}"
+    faults = faults_section.beside(folder)
+    inputs = f"{_inputs(folder, found, verified, apart)} {corrections_page.inputs(corrected)} {faults_section.inputs(faults)}"
     nights = history.load(folder)
     whole = hashlib.sha256(f"{inputs} {json.dumps(nights)}".encode()).hexdigest()
     if not ((folder / TABLE).is_file() and is_current(folder / REPORT, whole) and _is_complete(folder)):
@@ -61,7 +62,7 @@ def make(folder: Path) -> Report:
         from analysis.questions import Material
 
         entries = error_records.entries(apart, error_set_ups.all_set_ups())
-        _write(Material(found, rows, summaries, verified, entries, corrected), nights, inputs, whole)
+        _write(Material(found, rows, summaries, verified, entries, corrected, faults), nights, inputs, whole)
     solved = [case.reference for case in found.cases.values() if case.reference is not None]
     not_reached = sum(not answer.reached for answer in solved)
     return Report(folder / REPORT, summaries, not_reached, agreement.contradictions(found))

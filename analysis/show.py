@@ -11,6 +11,7 @@ from analysis.store import write_text
 from geometries import motion, reader
 from geometries.errors import InputError
 from geometries.installation import results_folder
+from geometries.tables import is_file
 
 SCENES = REPOSITORY / "geometries" / "scenes"
 MOTION_SUFFIX = ".motion.toml"
@@ -29,7 +30,7 @@ def make(name: str, motion_file: Path | None, target: Path | None) -> Path:
     scene = reader.load(path)
     if motion_file is None:
         beside = path.with_suffix("").with_suffix(MOTION_SUFFIX)
-        motion_file = beside if beside.is_file() else None
+        motion_file = beside if is_file(beside) else None
     frames = motion.load(motion_file, scene) if motion_file else (motion.at_rest(scene),)
     data = show_data.collect(path, scene, frames, model_module())
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
@@ -43,7 +44,7 @@ def _find(name: str) -> Path:
     if Path(name).suffix == ".toml":
         return Path(name)
     path = SCENES / f"{name}.toml"
-    if not path.is_file():
+    if not is_file(path):
         known = sorted(file.stem for file in SCENES.glob("*.toml") if "." not in file.stem)
         raise InputError(name, "", f"is neither a TOML file nor one of {', '.join(known)}")
     return path

@@ -19,5 +19,9 @@ def whole_file(target: Path) -> Iterator[Path]:
     try:
         yield unfinished
         os.replace(unfinished, target)
+    except OSError as error:
+        # A write that fails does not say what was written.
+        error.filename = error.filename or str(target)
+        raise
     finally:
         unfinished.unlink(missing_ok=True)

@@ -1,21 +1,33 @@
-"""Triangle meshes from files, and their conversion between formats. meshio does the reading and the writing."""
+"""Triangle meshes from files, and their conversion between formats.
+
+The formats of scenes have readers of their own, as strict as the C++ ones; meshio reads all others and writes.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import io
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from geometries import obj, ply, stl
 from geometries.errors import InputError
 from geometries.files import whole_file
+from geometries.mesh_numbers import Damaged
+from geometries.tables import is_file
 
 Array = NDArray[np.float64]
 
 # The formats that the scene file allows, because the C++ reader knows them as well.
-SCENE_FORMATS = (".stl", ".obj", ".ply")
+_READERS: dict[str, Callable[[bytes], Array]] = {
+    ".stl": stl.triangles,
+    ".obj": obj.triangles,
+    ".ply": ply.triangles,
+}
+SCENE_FORMATS = tuple(_READERS)
 _SURFACE_CELLS = ("triangle", "quad", "polygon")
 
 
@@ -25,11 +37,24 @@ def read_triangles(path: Path, key: str = "") -> Array:
     Volume meshes give the surface cells that they hold. InputError, naming `key`, when the file is missing, unreadable,
     or has no triangles, or when a vertex is missing or not finite.
     """
+    if not is_file(path):
+        raise InputError(str(path), key, "no such mesh file")
+    own = _READERS.get(path.suffix.lower())
+    if own is None:
+        return _read_by_meshio(path, key)
+    try:
+        triangles = own(path.read_bytes())
+    except OSError as error:
+        raise InputError(str(path), key, f"cannot be read: {error.strerror}") from error
+    except Damaged as damage:
+        raise InputError(str(path), key, f"is not a mesh that can be read: it {damage}") from damage
+    return _checked(triangles, path, key)
+
+
+def _read_by_meshio(path: Path, key: str) -> Array:
     # Imported here because it takes a third of a second, and most scenes have no mesh.
     import meshio
 
-    if not path.is_file():
-        raise InputError(str(path), key, "no such mesh file")
     said = io.StringIO()
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
@@ -54,7 +79,12 @@ def read_triangles(path: Path, key: str = "") -> Array:
         raise InputError(str(path), key, "holds no triangles")
     if indices.min() < 0 or indices.max() >= len(points):
         raise InputError(str(path), key, "names a vertex that it does not hold")
-    triangles: Array = points[indices]
+    return _checked(points[indices], path, key)
+
+
+def _checked(triangles: Array, path: Path, key: str) -> Array:
+    if not len(triangles):
+        raise InputError(str(path), key, "holds no triangles")
     if not np.isfinite(triangles).all():
         raise InputError(str(path), key, "holds a vertex that is not finite")
     return triangles

@@ -12,6 +12,14 @@ Vector3 = tuple[float, float, float]
 Array = NDArray[np.float64]
 
 
+def unit(vector: tuple[float, ...]) -> Array:
+    """The vector of length 1 in the same direction. Neither a tiny nor a huge one may leave the range of numbers, so it is
+    brought to the size of 1 first, by a power of 2, which changes no digit."""
+    exponent = math.frexp(max(abs(value) for value in vector))[1]
+    scaled = np.array([math.ldexp(value, -exponent) for value in vector])
+    return np.asarray(scaled / np.linalg.norm(scaled))
+
+
 @dataclass(frozen=True)
 class AxisRotation:
     """A turn by `degrees` about `axis` (any length but zero), right-handed."""
@@ -21,7 +29,7 @@ class AxisRotation:
 
     def matrix(self) -> Array:
         """The rotation matrix (3, 3), by Rodrigues' formula."""
-        x, y, z = np.asarray(self.axis) / np.linalg.norm(self.axis)
+        x, y, z = unit(self.axis)
         cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
         angle = math.radians(self.degrees)
         return np.asarray(np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * (cross @ cross))
@@ -35,7 +43,7 @@ class QuaternionRotation:
 
     def matrix(self) -> Array:
         """The rotation matrix (3, 3)."""
-        w, x, y, z = np.asarray(self.quaternion) / np.linalg.norm(self.quaternion)
+        w, x, y, z = unit(self.quaternion)
         return np.array(
             [
                 [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],

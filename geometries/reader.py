@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import cast
@@ -11,7 +12,7 @@ import numpy as np
 
 from geometries.errors import InputError
 from geometries.meshes import SCENE_FORMATS, read_triangles
-from geometries.poses import AxisRotation, Pose, QuaternionRotation, Rotation, Vector3
+from geometries.poses import AxisRotation, Pose, QuaternionRotation, Rotation, Vector3, unit
 from geometries.scene import (
     DEFAULT_COUPLING_CAPACITANCE,
     DEFAULT_INPUT_VOLTAGE,
@@ -35,10 +36,12 @@ from geometries.shapes import (
     Shape,
     Sphere,
 )
-from geometries.tables import Table, parse, read_text
+from geometries.tables import LARGEST_NUMBER, Table, parse, read_text
 
 # How far from a right angle a plate's edges may be: |cos|, generous to coordinates written with ten digits.
 _RIGHT_ANGLE_TOLERANCE = 1e-9
+# A shape of more would fill the memory; a mesh of as many is half a gigabyte.
+_MOST_TRIANGLES = 10_000_000
 _POTENTIALS = ("grounded", "floating")
 
 
@@ -100,8 +103,7 @@ def _sensor(table: Table) -> Sensor:
 
 def _plate(table: Table) -> Plate:
     plate = Plate(table.vector3("corner"), _direction(table, "edge_u"), _direction(table, "edge_v"))
-    edge_u, edge_v = np.asarray(plate.edge_u), np.asarray(plate.edge_v)
-    cosine = np.dot(edge_u / np.linalg.norm(edge_u), edge_v / np.linalg.norm(edge_v))
+    cosine = np.dot(unit(plate.edge_u), unit(plate.edge_v))
     if abs(cosine) > _RIGHT_ANGLE_TOLERANCE:
         raise table.error("edge_v", "is not at a right angle to edge_u: the plate is not a rectangle")
     table.finish()
@@ -177,7 +179,7 @@ def _quaternion(table: Table) -> QuaternionRotation:
 
 def _direction(table: Table, name: str) -> Vector3:
     direction = table.vector3(name)
-    if np.linalg.norm(direction) == 0:
+    if not any(direction):
         raise table.error(name, "must have a length greater than 0")
     return direction
 
@@ -210,8 +212,8 @@ def _size(table: Table, length: int) -> tuple[float, ...]:
     return size
 
 
-def _segments(table: Table) -> int:
-    return table.integer("segments", DEFAULT_SEGMENTS, at_least=3)
+def _segments(table: Table, most: int) -> int:
+    return table.integer("segments", DEFAULT_SEGMENTS, at_least=3, at_most=most)
 
 
 def _plate_shape(table: Table) -> PlateShape:
@@ -228,22 +230,26 @@ def _cube(table: Table) -> Cuboid:
 
 
 def _cylinder(table: Table) -> Cylinder:
-    return Cylinder(table.positive("radius"), table.positive("height"), _segments(table))
+    return Cylinder(
+        table.positive("radius"), table.positive("height"), _segments(table, _MOST_TRIANGLES // 4)
+    )
 
 
 def _cone(table: Table) -> Cone:
-    return Cone(table.positive("radius"), table.positive("height"), _segments(table))
+    return Cone(table.positive("radius"), table.positive("height"), _segments(table, _MOST_TRIANGLES // 2))
 
 
 def _arc(table: Table) -> Arc:
     inner, outer = table.positive("inner_radius"), table.positive("outer_radius")
     if outer <= inner:
         raise table.error("outer_radius", "must be greater than inner_radius")
-    return Arc(inner, outer, table.positive("height"), _angle(table, "degrees", 360.0), _segments(table))
+    segments = _segments(table, _MOST_TRIANGLES // 8)
+    return Arc(inner, outer, table.positive("height"), _angle(table, "degrees", 360.0), segments)
 
 
 def _sphere(table: Table) -> Sphere:
-    return Sphere(table.positive("radius"), _segments(table))
+    # About the square of their number.
+    return Sphere(table.positive("radius"), _segments(table, math.isqrt(_MOST_TRIANGLES)))
 
 
 def _mesh(table: Table) -> MeshShape:
@@ -256,8 +262,11 @@ def _mesh(table: Table) -> MeshShape:
         surface = read_triangles(file)
     except InputError as error:
         raise table.error("file", f"{error.file}: {error.reason}") from error
+    scale = table.positive("scale", 1.0)
+    if np.abs(surface).max() * scale > LARGEST_NUMBER:
+        raise table.error("file", f"{file}: the mesh is larger than {LARGEST_NUMBER:g}")
     digest = hashlib.sha256(file.read_bytes()).hexdigest()
-    return MeshShape(str(file), digest, table.positive("scale", 1.0), surface)
+    return MeshShape(str(file), digest, scale, surface)
 
 
 _SHAPES: dict[str, Callable[[Table], Shape]] = {
@@ -299,12 +308,16 @@ def _check_links(scene: Scene, source: str) -> None:
     for key, name in references:
         if name is not None and name not in parents:
             raise InputError(source, key, f"there is no link {name!r}")
+    rooted: set[str] = set()
     for start in parents:
-        chain, name = [start], parents[start]
-        while name is not None:
+        # A dictionary keeps the order, and finds a name at once.
+        chain: dict[str, None] = {start: None}
+        name = parents[start]
+        while name is not None and name not in rooted:
             if name in chain:
                 raise InputError(
                     source, f'link "{start}": parent', "the links make a cycle: " + " → ".join([*chain, name])
                 )
-            chain.append(name)
+            chain[name] = None
             name = parents[name]
+        rooted |= chain.keys()

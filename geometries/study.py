@@ -35,6 +35,8 @@ from __future__ import annotations
 import functools
 import inspect
 import itertools
+import math
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -46,7 +48,7 @@ from geometries import scene_sweep
 from geometries.errors import InputError
 from geometries.families import FAMILIES, Vector2
 from geometries.scene import Scene
-from geometries.tables import Table, parse, read_text
+from geometries.tables import Table, is_file, parse, read_text
 from geometries.writer import canonical_and_identity
 
 Parameter = float | Vector2 | str
@@ -56,6 +58,11 @@ NO_REFERENCE = "none"
 ERROR_KINDS = ("estimate", "enclosure", NO_REFERENCE)
 EXPERIMENTS = ("I", "II", "III", "IV", "V", "VI")
 
+_METHOD = re.compile(r"exact|split:\d{1,2}|gauss:\d{1,2}")
+# Ten times what plans in seconds and runs for months.
+_MOST_CASES = 1_000_000
+# As most file systems have it.
+_LONGEST_FOLDER_NAME = 255
 _STUDIES = Path(__file__).parent / "studies"
 IDENTITY_DIGITS = 16
 
@@ -112,9 +119,9 @@ def _empty_case(sensor_size: Parameter | None, scene: Scene) -> Case:
 def find(study: str) -> Path:
     """The file of a study given by its name in `geometries/studies` or by its path; InputError when there is none."""
     named = _STUDIES / f"{study}.toml"
-    if named.is_file():
+    if is_file(named):
         return named
-    if Path(study).is_file():
+    if is_file(Path(study)):
         return Path(study)
     known = ", ".join(sorted(path.stem for path in _STUDIES.glob("*.toml")))
     raise InputError(study, "", f"is neither a study file nor one of the studies here: {known}")
@@ -152,8 +159,10 @@ def loads(text: str, source: str = "study") -> Study:
 
 def _folder_name(root: Table) -> str:
     name = root.text("name")
-    if Path(name).name != name or name in (".", ".."):
+    if Path(name).name != name or name in (".", "..") or not name.isprintable():
         raise root.error("name", f"names the folder of the results and may hold no path, as {name!r} does")
+    if len(name.encode()) > _LONGEST_FOLDER_NAME:
+        raise root.error("name", f"names the folder of the results and may have {_LONGEST_FOLDER_NAME} bytes")
     return name
 
 
@@ -177,6 +186,9 @@ def _methods(model: Table) -> tuple[str, ...]:
     methods = model.value("methods")
     if not isinstance(methods, list) or not all(isinstance(method, str) for method in methods):
         raise model.error("methods", "must be a list of strings")
+    for method in methods:
+        if _METHOD.fullmatch(method) is None:
+            raise model.error("methods", f'must be "exact", "split:N" or "gauss:K", not {method!r}')
     if "exact" not in methods:
         raise model.error("methods", 'must hold "exact", the method that is compared with the reference')
     return tuple(methods)
@@ -204,6 +216,8 @@ def _sweep(sweep: Table) -> Iterator[Case]:
         for name in kinds
     }
     sweep.finish()
+    if combine == "product" and math.prod(map(len, values.values())) > _MOST_CASES:
+        raise sweep.error("", f"makes more than {_MOST_CASES} cases")
     for parameters in _combinations(sweep, values, combine):
         try:
             scene = function(**parameters)
@@ -243,6 +257,8 @@ def _range(table: Table) -> list[Parameter]:
     first, last, number = table.vector(kind, 3)
     if number < 2 or number != int(number):
         raise table.error(kind, f"needs an integer number of values, at least 2, not {number!r}")
+    if number > _MOST_CASES:
+        raise table.error(kind, f"makes more than {_MOST_CASES} cases")
     if kind == "geomspace" and (first <= 0 or last <= 0):
         raise table.error(kind, "needs ends greater than 0")
     count = int(number)

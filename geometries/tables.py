@@ -13,24 +13,43 @@ from geometries.errors import InputError
 
 Vector3 = tuple[float, float, float]
 
+# The squares of distances, and their products with areas, stay within the range of numbers.
+LARGEST_NUMBER = 1e75
 _LINE = re.compile(r"\(at line (\d+), column \d+\)")
 
 
 def read_text(path: Path) -> str:
     """The text of a file; InputError when it is missing, unreadable or not UTF-8."""
+    if not is_file(path):
+        raise InputError(str(path), "", "cannot be read: it does not exist or is not a file")
     try:
-        return path.read_text(encoding="utf-8")
+        # In bytes, because the line ends are TOML's affair; a byte order mark at the beginning says nothing.
+        return path.read_bytes().decode("utf-8-sig")
     except OSError as error:
         raise InputError(str(path), "", f"cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
         raise InputError(str(path), "", "is not UTF-8 text") from error
 
 
+def is_file(path: Path) -> bool:
+    """Whether a path leads to a regular file: no folder, no device, no pipe, which could take for ever to read. A path that no
+    file can have, of a loop of links for instance, leads to none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def parse(text: str, source: str) -> Table:
     """The root table of a TOML document; InputError with the line when it is not TOML."""
     try:
         values = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except RecursionError as error:
+        raise InputError(
+            source, "", "is not TOML that can be read: too many brackets in each other"
+        ) from error
+    # Besides TOMLDecodeError plain ones, for integers of thousands of digits.
+    except ValueError as error:
         found = _LINE.search(str(error))
         reason = "is not TOML: " + _LINE.sub("", str(error)).strip()
         raise InputError(source, "", reason, int(found[1]) if found else None) from error
@@ -103,7 +122,7 @@ class Table:
             raise self.error(name, f"must be true or false, not {value!r}")
         return value
 
-    def integer(self, name: str, default: int, at_least: int) -> int:
+    def integer(self, name: str, default: int, at_least: int, at_most: int) -> int:
         if not self.has(name):
             return default
         value = self.value(name)
@@ -111,6 +130,8 @@ class Table:
             raise self.error(name, f"must be an integer, not {value!r}")
         if value < at_least:
             raise self.error(name, f"must be at least {at_least}, not {value}")
+        if value > at_most:
+            raise self.error(name, f"must be at most {at_most}, not {value}")
         return value
 
     def number(self, name: str, default: float | None = None) -> float:
@@ -136,12 +157,13 @@ class Table:
         """`value`, found at `name`, as a finite number."""
         if not isinstance(value, (int, float)) or isinstance(value, bool):
             raise self.error(name, f"must be a number, not {value!r}")
-        try:
-            number = float(value)
-        except OverflowError:
-            number = math.inf
+        if isinstance(value, int) and not -(2**63) <= value < 2**63:
+            raise self.error(name, "is an integer beyond the 64 bits that TOML gives it")
+        number = float(value)
         if not math.isfinite(number):
             raise self.error(name, f"must be finite, not {value!r}")
+        if abs(number) > LARGEST_NUMBER:
+            raise self.error(name, f"must be at most {LARGEST_NUMBER:g}, not {value!r}")
         return number + 0.0  # the sum turns -0.0 into 0.0
 
     def as_vector(self, name: str, value: Any, length: int) -> tuple[float, ...]:

@@ -18,20 +18,26 @@ Eigen::Isometry3d isometry(const Eigen::Matrix3d& rotation, const Eigen::Vector3
   return pose;
 }
 
+/// Neither a tiny nor a huge vector may leave the range of numbers. Eigen's stableNormalized multiplies the
+/// length with the greatest component again, which rounds it away where numbers are denormal.
+template <class Vector>
+Vector unit(const Vector& vector) {
+  return (vector / vector.cwiseAbs().maxCoeff()).normalized();
+}
+
 }  // namespace
 
 Eigen::Isometry3d pose_from_axis(const Eigen::Vector3d& axis, double degrees,
                                  const Eigen::Vector3d& translation) {
-  // stableNormalized: neither a tiny nor a huge axis may overflow.
-  const Eigen::AngleAxisd rotation(degrees * std::numbers::pi / 180, axis.stableNormalized());
+  const Eigen::AngleAxisd rotation(degrees * std::numbers::pi / 180, unit<Eigen::Vector3d>(axis));
   return isometry(rotation.toRotationMatrix(), translation);
 }
 
 Eigen::Isometry3d pose_from_quaternion(const Eigen::Quaterniond& quaternion,
                                        const Eigen::Vector3d& translation) {
-  Eigen::Quaterniond unit = quaternion;
-  unit.coeffs() = quaternion.coeffs().stableNormalized();
-  return isometry(unit.toRotationMatrix(), translation);
+  Eigen::Quaterniond rotation = quaternion;
+  rotation.coeffs() = unit<Eigen::Vector4d>(quaternion.coeffs());
+  return isometry(rotation.toRotationMatrix(), translation);
 }
 
 Eigen::Isometry3d pose_from_matrix(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {

@@ -1,6 +1,7 @@
 #include "fringe/scene_reader.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "fringe/error.hpp"
 #include "fringe/mesh_file.hpp"
 #include "fringe/pose.hpp"
+#include "input_file.hpp"
 #include "table_reader.hpp"
 
 namespace fringe {
@@ -23,6 +25,8 @@ using Names = std::set<std::string, std::less<>>;
 
 constexpr int default_segments = 48;
 constexpr int fewest_segments = 3;
+/// A shape of more would fill the memory; a mesh of as many is half a gigabyte.
+constexpr int most_triangles = 10'000'000;
 
 Eigen::Isometry3d read_quaternion(TableReader& table, const Vector3d& translation) {
   const std::vector<double> wxyz = table.numbers("quaternion", 4);
@@ -174,13 +178,20 @@ DistanceSensor read_distance_sensor(TableReader& table, const LinkIndices& links
   return sensor;
 }
 
-int read_segments(TableReader& table) {
-  return table.whole_number_or("segments", fewest_segments, default_segments);
+/// `each`: how many triangles a segment makes.
+int read_segments(TableReader& table, int each) {
+  return table.whole_number_or("segments", fewest_segments, most_triangles / each, default_segments);
+}
+
+/// A sphere has half as many bands as segments, and makes about the square of their number of triangles.
+int read_segments_of_sphere(TableReader& table) {
+  const auto most = static_cast<int>(std::sqrt(static_cast<double>(most_triangles)));
+  return table.whole_number_or("segments", fewest_segments, most, default_segments);
 }
 
 Arc read_arc(TableReader& table) {
   const Arc arc{table.positive_number("inner_radius"), table.positive_number("outer_radius"),
-                table.positive_number("height"), table.positive_number("degrees"), read_segments(table)};
+                table.positive_number("height"), table.positive_number("degrees"), read_segments(table, 8)};
   if (arc.outer_radius <= arc.inner_radius)
     table.fail("outer_radius", "must be greater than inner_radius");
   if (arc.degrees > 360)
@@ -196,8 +207,11 @@ Mesh read_mesh(TableReader& table, const std::filesystem::path& folder) {
     table.fail("file", error.what());
   }
   for (Triangle& triangle : mesh.triangles)
-    for (Vector3d& vertex : triangle)
+    for (Vector3d& vertex : triangle) {
       vertex *= mesh.scale;
+      if (!(vertex.cwiseAbs().maxCoeff() <= detail::largest_number))
+        table.fail("file", fmt::format("the mesh is larger than {:g}", detail::largest_number));
+    }
   return mesh;
 }
 
@@ -216,13 +230,14 @@ Shape read_form(TableReader& table, const std::filesystem::path& folder) {
     return Cuboid{size, size, size};
   }
   if (type == "cylinder")
-    return Cylinder{table.positive_number("radius"), table.positive_number("height"), read_segments(table)};
+    return Cylinder{table.positive_number("radius"), table.positive_number("height"),
+                    read_segments(table, 4)};
   if (type == "cone")
-    return Cone{table.positive_number("radius"), table.positive_number("height"), read_segments(table)};
+    return Cone{table.positive_number("radius"), table.positive_number("height"), read_segments(table, 2)};
   if (type == "arc")
     return read_arc(table);
   if (type == "sphere")
-    return Sphere{table.positive_number("radius"), read_segments(table)};
+    return Sphere{table.positive_number("radius"), read_segments_of_sphere(table)};
   if (type == "mesh")
     return read_mesh(table, folder);
   table.fail("type", fmt::format("\"{}\" is not a known shape", type));
@@ -262,7 +277,7 @@ Object read_object(TableReader& table, const LinkIndices& links, Names& taken,
 }
 
 toml::table parse(const std::filesystem::path& path) {
-  if (!std::filesystem::is_regular_file(path))
+  if (!detail::is_file(path))
     throw InputError(
         detail::located_message(path.string(), 0, "", "the file does not exist or is not a file"));
   try {

@@ -1,14 +1,12 @@
 #include "table_reader.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
 #include "fringe/error.hpp"
 
 namespace fringe::detail {
-
 std::string located_message(std::string_view file, unsigned line, std::string_view key,
                             std::string_view reason) {
   std::string message(file);
@@ -51,6 +49,8 @@ double TableReader::finite(std::string_view key, const toml::node& node) const {
     fail(key, "must be a number");
   if (!std::isfinite(value))
     fail(key, "must be finite");
+  if (std::abs(value) > largest_number)
+    fail(key, fmt::format("must be at most {:g}", largest_number));
   return value;
 }
 
@@ -92,15 +92,17 @@ double TableReader::positive_number_or(std::string_view key, double otherwise) {
   return find(key) == nullptr ? otherwise : positive_number(key);
 }
 
-int TableReader::whole_number_or(std::string_view key, int least, int otherwise) {
+int TableReader::whole_number_or(std::string_view key, int least, int most, int otherwise) {
   const toml::node* node = find(key);
   if (node == nullptr)
     return otherwise;
   if (!node->is_integer())
     fail(key, "must be a whole number");
   const std::int64_t value = node->as_integer()->get();
-  if (value < least || value > std::numeric_limits<int>::max())
+  if (value < least)
     fail(key, fmt::format("must be at least {}", least));
+  if (value > most)
+    fail(key, fmt::format("must be at most {}", most));
   return static_cast<int>(value);
 }
 

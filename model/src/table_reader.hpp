@@ -14,6 +14,9 @@
 /// Reading a TOML table key by key with errors that say file, line, key and reason.
 namespace fringe::detail {
 
+/// Of a scene: the squares of distances, and their products with areas, stay within the range of numbers.
+constexpr double largest_number = 1e75;
+
 /// Wraps one table of a scene file. Every `read` names its key; what was never named is an unknown key, which
 /// `finish` reports. The required reads throw InputError when the key is missing, all of them when the value
 /// is of a wrong kind.
@@ -30,7 +33,7 @@ class TableReader {
   double number(std::string_view key);
   double positive_number(std::string_view key);
   double positive_number_or(std::string_view key, double otherwise);
-  int whole_number_or(std::string_view key, int least, int otherwise);
+  int whole_number_or(std::string_view key, int least, int most, int otherwise);
   std::vector<double> numbers(std::string_view key, std::size_t count);
   std::vector<double> positive_numbers(std::string_view key, std::size_t count);
   Eigen::Vector3d vector(std::string_view key);

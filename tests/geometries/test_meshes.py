@@ -58,7 +58,7 @@ def test_a_scene_scales_its_mesh_and_finds_it_beside_itself(tmp_path: Path) -> N
         ("words.ply", "this is not a mesh", "cannot|not a mesh"),
         ("words.obj", "v a b c\n", "is not a mesh that can be read"),
         ("index.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n", "vertex that it does not hold"),
-        ("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "not finite"),
+        ("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "finite number"),
     ],
 )
 def test_damaged_files_are_refused(tmp_path: Path, name: str, content: str, reason: str) -> None:

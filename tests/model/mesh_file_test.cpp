@@ -156,8 +156,8 @@ TEST_F(MeshFile, MustNotBeTruncated) {
 TEST_F(MeshFile, MustNotNameVerticesThatDoNotExist) {
   expect_refused("index.obj", obj + "f 1 2 99\n", "face 2 (line 9) names vertex 99 of 5");
   expect_refused("index.obj", obj + "f 1/1 2/1 \\\n0/1\n", "face 2 (line 9) names vertex 0/1 of 5");
-  expect_refused("index.obj", obj + "f -1 -2 -6\nv 0 0 0\n", "face 2 (line 9) names vertex -6 of 6");
-  expect_refused("index.obj", obj + "f 1 2 three\n", "face 2 (line 9) names vertex three of 5");
+  expect_refused("index.obj", obj + "f -1 -2 -6\nv 0 0 0\n", "face 2 (line 9) names vertex -6 of 5");
+  expect_refused("index.obj", obj + "f 1 2 three\n", "holds 'three' in the place of a whole number");
   std::string ply = ascii_ply;
   expect_refused("index.ply", ply.replace(ply.find("3 2 1 0"), 7, "3 2 1 9"), "face 1 names vertex 9 of 4");
 }
@@ -173,7 +173,7 @@ TEST_F(MeshFile, MustBeFinite) {
   expect_refused("nan.ply", ply.replace(ply.find("1 1 0"), 5, "nan 1 0"), "");
   std::string stl = ascii_stl;
   expect_refused("nan.stl", stl.replace(stl.find("vertex 1 0 0"), 12, "vertex nan 0 1"),
-                 "vertex 1 of face 1 is not finite");
+                 "holds 'nan' in the place of a finite number");
 }
 
 TEST_F(MeshFile, MayRepeatTrianglesAndHoldSomeWithoutArea) {

@@ -153,28 +153,22 @@ class Search {
   DoubleDouble visible_square_ = infinite;
 };
 
-/// Whether moving each coordinate by its rounding could bring the point to the origin.
-bool is_origin_but_for_rounding(const Vector3d& point, const Vector3d& rounding) {
-  return point.squaredNorm() <= point.cwiseAbs().dot(rounding);
-}
+/// No cone at all, in the frame that the triangles are given in: what is nearest is nearest with any.
+struct NoCone {
+  static const PreciseVector& to_frame(const PreciseVector& vector) { return vector; }
+  static PreciseVector axis() { return {{}, {}, {1, 0}}; }
+  static bool contains(const PreciseVector& /*point*/) { return false; }
+  static Crossings crossings(const PreciseLine& /*line*/) { return {}; }
+};
 
+/// The triangle in the cone's frame, its largest coordinate between 1 and 2 after the scaling by a power of
+/// two.
 template <class Method>
-std::optional<NearestPoint> nearest_of_scaled(const Triangle& triangle, const Vector3d& apex,
-                                              const Method& cone) {
-  const NearestPoint here{0, apex};
-  std::array<PreciseVector, 3> offsets;
-  double size = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    offsets[i] = exact_difference(triangle[i], apex);
-    size = std::max(size, largest_component(offsets[i]));
-  }
-  if (size == 0)
-    return here;
-  const int exponent = std::ilogb(size);
+SeenTriangle seen_from(const Vector3d& apex, const Triangle& triangle, int exponent, const Method& cone) {
   SeenTriangle seen;
   Vector3d largest = apex.cwiseAbs();
   for (std::size_t i = 0; i < 3; ++i) {
-    seen.vertices[i] = cone.to_frame(times_power_of_two(offsets[i], -exponent));
+    seen.vertices[i] = cone.to_frame(times_power_of_two(exact_difference(triangle[i], apex), -exponent));
     largest = largest.cwiseMax(triangle[i].cwiseAbs() + apex.cwiseAbs());
   }
   seen.rounding = apex_rounding * times_power_of_two(largest, -exponent);
@@ -184,9 +178,36 @@ std::optional<NearestPoint> nearest_of_scaled(const Triangle& triangle, const Ve
         cone.to_frame(times_power_of_two(exact_difference(triangle[next], triangle[i]), -exponent));
     seen.sides[i] = side_between(seen.vertices[i], seen.vertices[next], difference);
   }
+  return seen;
+}
 
+/// Whether moving each coordinate by its rounding could bring the point to the origin.
+bool is_origin_but_for_rounding(const Vector3d& point, const Vector3d& rounding) {
+  return point.squaredNorm() <= point.cwiseAbs().dot(rounding);
+}
+
+template <class Method>
+std::optional<NearestPoint> nearest_of_scaled(const Triangle& triangle, const Vector3d& apex,
+                                              const Method& cone) {
+  const NearestPoint here{0, apex};
+  double size = 0;
+  for (const Vector3d& vertex : triangle)
+    size = std::max(size, largest_component(exact_difference(vertex, apex)));
+  if (size == 0)
+    return here;
+  const int exponent = std::ilogb(size);
+  const SeenTriangle seen = seen_from(apex, triangle, exponent, cone);
   const Search<Method> search(seen, cone);
-  if (is_origin_but_for_rounding(rounded(cone.from_frame(search.nearest())), seen.rounding))
+  Vector3d nearest = rounded(cone.from_frame(search.nearest()));
+  // Turning into the cone's frame leaves a trace of rounding in every coordinate, also in one that is exactly
+  // 0 in the frame of the triangle. What is no farther than that is looked at again where the coordinates are
+  // exact.
+  if (largest_component(nearest) <= precise_noise) {
+    const NoCone anywhere;
+    const SeenTriangle exactly = seen_from(apex, triangle, exponent, anywhere);
+    nearest = rounded(Search<NoCone>(exactly, anywhere).nearest());
+  }
+  if (is_origin_but_for_rounding(nearest, seen.rounding))
     return here;
   if (!search.visible())
     return std::nullopt;

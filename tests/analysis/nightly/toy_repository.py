@@ -17,7 +17,8 @@ _REFERENCE = """
 import json, os, sys, time, tomllib
 from pathlib import Path
 from tests.analysis.synthetic import empty_document, reference_document
-time.sleep(float(os.environ.get("TOY_SECONDS", "0")))
+if "TOY_SECONDS" in os.environ:
+    time.sleep(float(os.environ["TOY_SECONDS"]))
 scene = tomllib.loads(Path(sys.argv[1]).read_text())
 height = scene["object"][0]["translation"][2] if "object" in scene else None
 if "--slice" in sys.argv:

@@ -130,6 +130,15 @@ TEST_P(ConeClosest, ApexOnTheTriangleHasDistanceZero) {
     }
 }
 
+TEST_P(ConeClosest, ApexOnATriangleInACoordinatePlaneHasDistanceZero) {
+  // Its z is exactly 0 and has no rounding, whereas in the frame of a cone across all axes it has.
+  const Triangle triangle{{{-6.3125, 0.125, 0}, {0, -1.375, 0}, {0, 0, 0}}};
+  const SensingCone cone{{-0.0625, 0, 0}, {4, 5.8125, -7.25}, 1.34375, 2.875};
+  const auto answer = closest({triangle}, cone);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->distance, 0);
+}
+
 TEST_P(ConeClosest, ApexNextToTheTriangleHasNot) {
   for (const double gap : {1e-9, 1e-15, 1e-100})
     expect_seen({{{-3, -3, gap}, {3, -3, gap}, {0, 3, gap}}}, upward_cone(), {0, 0, gap});

@@ -1,0 +1,38 @@
+"""`python3 -m tests.bad_input.corpus FOLDER`: every scene that is wrong or unusual, each in a folder of its own.
+
+The tests make the same cases; nothing of them is kept in the repository. `--long` adds those of gigabytes.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from tests.bad_input import keys, meshes, numbers, places, texts
+from tests.bad_input.case import Case
+
+
+def cases() -> list[Case]:
+    """All of them, under names that are unique."""
+    made = [case for part in (texts, keys, numbers, meshes, places) for case in part.cases()]
+    names = [case.name for case in made]
+    assert len(set(names)) == len(names), sorted(name for name in names if names.count(name) > 1)
+    return made
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path, metavar="FOLDER")
+    parser.add_argument("--long", action="store_true", help="also those of gigabytes")
+    options = parser.parse_args()
+    for number, case in enumerate(cases()):
+        if case.long and not options.long:
+            continue
+        folder = options.folder / f"{number:04}"
+        folder.mkdir(parents=True)
+        print(f"{folder.name}  {'legal' if case.place is None else 'wrong'}  {case.name}")
+        case.make(folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,216 @@
+"""A scene with every key there is, and each key in turn missing, of the wrong type, not finite, out of its range, unknown."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import tomli_w
+
+from tests.bad_input.case import Case, from_text
+
+_VECTOR = [0.1, 0.2, 0.3]
+WHOLE: dict[str, Any] = {
+    "medium": {"relative_permittivity": 1.0},
+    "room": {"size": [4.0, 3.0, 2.5], "translation": [0.0, 0.0, 1.25]},
+    "link": [
+        {"name": "base", "translation": _VECTOR, "rotation": {"axis": [0, 0, 1], "degrees": 30.0}},
+        {"name": "arm", "parent": "base", "quaternion": [1.0, 0.0, 0.0, 0.5]},
+    ],
+    "sensor": [
+        {
+            "name": "front",
+            "link": "arm",
+            "input_voltage": 2.5,
+            "coupling_capacitance": 5e-12,
+            "plates": [{"corner": [0.0, 0.0, 0.0], "edge_u": [0.1, 0.0, 0.0], "edge_v": [0.0, 0.1, 0.0]}],
+        }
+    ],
+    "distance_sensor": [
+        {
+            "name": "eye",
+            "link": "arm",
+            "apex": [0.0, 0.0, 0.0],
+            "direction": [0.0, 0.0, 1.0],
+            "full_angle_degrees": 40.0,
+            "range": 0.8,
+        }
+    ],
+    "object": [
+        {
+            "name": "ball",
+            "link": "base",
+            "shape": {"type": "sphere", "radius": 0.05, "segments": 8},
+            "translation": [0.5, 0.0, 0.02],
+            "potential": "grounded",
+            "collides": True,
+        },
+        {
+            "name": "ring",
+            "shape": {
+                "type": "arc",
+                "inner_radius": 0.1,
+                "outer_radius": 0.2,
+                "height": 0.1,
+                "degrees": 90.0,
+                "segments": 8,
+            },
+            "rotation": {"quaternion": [1.0, 0.0, 0.0, 0.5]},
+            "material": {"relative_permittivity": 3.0},
+        },
+        {"name": "post", "shape": {"type": "cylinder", "radius": 0.1, "height": 0.5, "segments": 8}},
+        {"name": "tip", "shape": {"type": "cone", "radius": 0.1, "height": 0.5, "segments": 8}},
+        {"name": "sheet", "shape": {"type": "plate", "size": [0.1, 0.2]}},
+        {"name": "box", "shape": {"type": "cuboid", "size": [0.1, 0.2, 0.3]}},
+        {"name": "die", "shape": {"type": "cube", "size": 0.1}},
+    ],
+}
+Path = tuple[str | int, ...]
+
+OPTIONAL = {
+    "medium", "relative_permittivity of medium", "room", "translation", "rotation", "quaternion", "parent", "link",
+    "input_voltage", "coupling_capacitance", "distance_sensor", "potential", "collides", "material", "segments",
+}  # fmt: skip
+# Those that have to be greater than 0; each number of a vector has.
+POSITIVE = {
+    "relative_permittivity", "size", "input_voltage", "coupling_capacitance", "full_angle_degrees", "range", "radius",
+    "height", "inner_radius", "outer_radius", "segments",
+}  # fmt: skip
+NONZERO = {"axis", "quaternion", "edge_u", "edge_v", "direction"}
+
+
+def cases() -> list[Case]:
+    """A command for every eighth: all read with the same reader. The model refuses the dielectric body."""
+    made = [
+        from_text("every key", tomli_w.dumps(WHOLE), None),
+        *_missing(),
+        *_unknown(),
+        *_wrong(),
+        *_by_hand(),
+    ]
+    asked = {0: ("collide",), 4: ("sense",)}
+    return [replace(case, commands=asked.get(at % 8, ())) for at, case in enumerate(made)]
+
+
+def _places(value: Any, path: Path = ()) -> Iterator[tuple[Path, Any]]:
+    """Every key with its value, from the outside in."""
+    for key, item in value.items():
+        yield (*path, key), item
+        inner = item if isinstance(item, list) and item and isinstance(item[0], dict) else []
+        for index, table in enumerate(inner):
+            yield from _places(table, (*path, key, index))
+        if isinstance(item, dict):
+            yield from _places(item, (*path, key))
+
+
+def _changed(path: Path, value: Any) -> str:
+    """The scene with another value at the place; None takes the key away."""
+    scene = copy.deepcopy(WHOLE)
+    table: Any = scene
+    for step in path[:-1]:
+        table = table[step]
+    if value is None:
+        del table[path[-1]]
+    else:
+        table[path[-1]] = value
+    return tomli_w.dumps(scene)
+
+
+def _told(path: Path) -> str:
+    return ".".join(map(str, path))
+
+
+def _missing() -> list[Case]:
+    """Taking the links away leaves names that nothing bears."""
+    needed: dict[Path, str | None] = {
+        ("link",): "link",
+        ("link", 0, "name"): "name",
+        ("sensor",): None,
+        ("object",): None,
+    }
+    needed[("object", 1, "rotation", "quaternion")] = "axis"
+    made = []
+    for path, _ in _places(WHOLE):
+        key = str(path[-1])
+        optional = key in OPTIONAL or f"{key} of {path[0]}" in OPTIONAL
+        place = needed.get(path, None if optional else key)
+        made.append(from_text(f"without {_told(path)}", _changed(path, None), place))
+    return made
+
+
+def _unknown() -> list[Case]:
+    tables: list[Path] = [()]
+    for path, value in _places(WHOLE):
+        if isinstance(value, dict):
+            tables.append(path)
+        if isinstance(value, list) and isinstance(value[0], dict):
+            tables += [(*path, index) for index in range(len(value))]
+    return [
+        from_text(f"unknown key in {_told(path)}", _changed((*path, "colour"), 1), "colour")
+        for path in tables
+    ]
+
+
+def _wrong() -> Iterator[Case]:
+    for path, value in _places(WHOLE):
+        for name, wrong in _wrong_values(str(path[-1]), value):
+            # The parser of C++ knows no such integer, and so no key either.
+            place = "" if "64" in name else str(path[-1])
+            yield from_text(f"{_told(path)}: {name}", _changed(path, wrong), place)
+
+
+def _wrong_values(key: str, value: Any) -> Iterator[tuple[str, Any]]:
+    other_types = {
+        "text": "1",
+        "number": 1.5,
+        "boolean": True,
+        "list": [1, "2"],
+        "table": {"x": 1},
+        "no list": [],
+    }
+    own = {str: "text", float: "number", bool: "boolean"}.get(type(value))
+    if key in ("link", "sensor", "distance_sensor", "object") and isinstance(value, list):
+        del other_types["no list"]
+    yield from ((name, wrong) for name, wrong in other_types.items() if name != own)
+    if isinstance(value, str) and key != "name":
+        yield "a name that nothing bears", "nobody"
+    if isinstance(value, str):
+        yield "no letters", ""
+    if isinstance(value, float):
+        yield from ((repr(wrong), wrong) for wrong in (math.nan, math.inf, -math.inf))
+        yield "beyond 64 bits", 2**64
+    if key in POSITIVE and not isinstance(value, list):
+        yield from ((repr(wrong), wrong) for wrong in (0, -1))
+    if isinstance(value, list) and not isinstance(value[0], dict):
+        yield "one number too few", value[:-1]
+        yield "one number too many", [*value, 1]
+        yield "with a number beyond 64 bits", [*value[:-1], 2**64]
+        for wrong in (math.nan, math.inf, True, "1", [1]) + ((0, -1) if key in POSITIVE else ()):
+            yield f"with {wrong!r}", [*value[:-1], wrong]
+        if key in NONZERO:
+            yield "zero", [0] * len(value)
+
+
+def _by_hand() -> list[Case]:
+    """What is wrong of two keys together."""
+    two = {
+        "a link that is its own parent": (("link", 0, "parent"), "base", "parent"),
+        "two links that are each other's parent": (("link", 0, "parent"), "arm", "parent"),
+        "two links of one name": (("link", 1, "name"), "base", "name"),
+        "a sensor and an object of one name": (("object", 0, "name"), "front", "name"),
+        "a distance sensor and an object of one name": (("object", 0, "name"), "eye", "name"),
+        "rotation and quaternion": (("link", 0, "quaternion"), [1, 0, 0, 0], "quaternion"),
+        "axis and quaternion": (("link", 0, "rotation", "quaternion"), [1, 0, 0, 0], "axis"),
+        "material and potential": (("object", 1, "potential"), "grounded", "material"),
+        "a plate that is no rectangle": (("sensor", 0, "plates", 0, "edge_v"), [0.01, 0.1, 0], "edge_v"),
+        "no plates": (("sensor", 0, "plates"), [], "plates"),
+        "a cone of 181 degrees": (("distance_sensor", 0, "full_angle_degrees"), 181, "full_angle_degrees"),
+        "a ring of 361 degrees": (("object", 1, "shape", "degrees"), 361, "degrees"),
+        "a ring of equal radii": (("object", 1, "shape", "outer_radius"), 0.1, "outer_radius"),
+        "two segments": (("object", 0, "shape", "segments"), 2, "segments"),
+        "segments of a plate": (("object", 4, "shape", "segments"), 8, "segments"),
+    }
+    return [from_text(name, _changed(path, value), place) for name, (path, value, place) in two.items()]

@@ -1,0 +1,251 @@
+"""Meshes: damaged files, files that say what they are not, and sound files of surfaces that bound nothing."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from pathlib import Path
+
+from tests.bad_input.case import SCENE, SENSOR, Case, from_mesh, mesh_body
+
+Point = tuple[float, float, float]
+Face = Sequence[int]
+
+# A tetrahedron whose faces are anticlockwise seen from outside.
+POINTS: list[Point] = [(0, 0, 0), (0.125, 0, 0), (0, 0.125, 0), (0, 0, 0.125)]
+FACES: list[Face] = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+
+
+def ascii_stl(points: list[Point] = POINTS, faces: Sequence[Face] = FACES, name: str = "solid body") -> str:
+    corners = ["".join(f"vertex {' '.join(map(repr, points[k]))}\n" for k in face) for face in faces]
+    facets = [f"facet normal 0 0 0\nouter loop\n{corner}endloop\nendfacet\n" for corner in corners]
+    return f"{name}\n{''.join(facets)}endsolid body\n"
+
+
+def binary_stl(
+    points: list[Point] = POINTS, faces: Sequence[Face] = FACES, header: bytes = b"", count: int | None = None
+) -> bytes:
+    facets = [struct.pack("<12fH", 0, 0, 0, *(x for k in face for x in points[k]), 0) for face in faces]
+    return (
+        header.ljust(80, b"\0") + struct.pack("<I", len(faces) if count is None else count) + b"".join(facets)
+    )
+
+
+def obj(points: list[Point] = POINTS, faces: Sequence[Face] = FACES) -> str:
+    lines = [f"v {' '.join(map(repr, point))}\n" for point in points]
+    return "".join(lines + [f"f {' '.join(str(k + 1) for k in face)}\n" for face in faces])
+
+
+def _rows(points: list[Point]) -> list[str]:
+    return [" ".join(map(repr, point)) for point in points]
+
+
+def ply(points: list[Point] = POINTS, faces: Sequence[Face] = FACES) -> str:
+    head = f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n"
+    head += "property float x\nproperty float y\nproperty float z\n"
+    head += f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    lines = [f"{row}\n" for row in _rows(points)]
+    return head + "".join(lines + [f"{len(face)} {' '.join(map(str, face))}\n" for face in faces])
+
+
+def binary_ply(order: str = "<") -> bytes:
+    name = "little" if order == "<" else "big"
+    head = ply().split("end_header\n")[0].replace("ascii", f"binary_{name}_endian") + "end_header\n"
+    points = b"".join(struct.pack(f"{order}3f", *point) for point in POINTS)
+    return head.encode() + points + b"".join(struct.pack(f"{order}B3i", 3, *face) for face in FACES)
+
+
+def cases() -> list[Case]:
+    return [*_whole(), *_stl(), *_obj(), *_ply(), *_surfaces(), _ten_million()]
+
+
+def _whole() -> list[Case]:
+    return [
+        from_mesh("stl of text", ascii_stl(), None),
+        from_mesh("stl of bytes", binary_stl(), None),
+        from_mesh("stl of text, line ends of two characters", ascii_stl().replace("\n", "\r\n"), None),
+        from_mesh("stl of text in capitals", ascii_stl().upper(), "file"),
+        from_mesh("stl of text without a name", ascii_stl(name="solid"), None),
+        from_mesh("stl of text, indented by tabs", ascii_stl().replace("\n", "\n\t\t"), None),
+        from_mesh("obj", obj(), None),
+        from_mesh("obj of line ends of two characters", obj().replace("\n", "\r\n"), None),
+        from_mesh("obj that counts backwards", obj().split("f ")[0] + "f -4 -2 -3\nf -4 -3 -1\nf -4 -1 -2\nf -3 -2 -1\n", None),
+        from_mesh("obj in groups", "o a\n" + obj().replace("f 1 2 4", "g one\nusemtl red\nf 1 2 4").replace(
+            "f 1 4 3", "g two\nusemtl blue\nf 1 4 3").replace("f 2 3 4", "g one\nusemtl red\nf 2 3 4"), None),
+        from_mesh("obj with normals and textures", obj().split("f ")[0] + "vn 0 0 1\nvt 0 0\n" + "".join(
+            f"f {' '.join(f'{k + 1}/1/1' for k in face)}\n" for face in FACES), None),
+        from_mesh("obj with colours", "".join(
+            f"{line} 1 0 0\n" if line.startswith("v ") else f"{line}\n" for line in obj().splitlines()), None),
+        from_mesh("obj with a line that goes on", obj().replace("f 1 3 2", "f 1 3 \\\n2"), None),
+        from_mesh("ply of text", ply(), None),
+        from_mesh("ply of bytes", binary_ply(), None),
+        from_mesh("ply of bytes, the big end first", binary_ply(">"), None),
+        from_mesh("ply with the key's other name", ply().replace("vertex_indices", "vertex_index"), None),
+        from_mesh("ply with comments", ply().replace("element vertex", "comment by hand\nobj_info none\nelement vertex"), None),
+        from_mesh("ply with colours", ply().replace("float z\n", "float z\nproperty uchar red\n").replace(
+            "\n".join(_rows(POINTS)), "\n".join(f"{row} 255" for row in _rows(POINTS))), None),
+        from_mesh("ply of line ends of two characters", ply().replace("\n", "\r\n"), None),
+    ]  # fmt: skip
+
+
+def _damaged(name: str, content: bytes | str, place: str = "file") -> Case:
+    return from_mesh(name, content, place)
+
+
+def _stl() -> list[Case]:
+    text, whole = ascii_stl(), binary_stl()
+    return [
+        _damaged("stl without bytes", b""),
+        _damaged("stl without facets, of text", "solid body\nendsolid body\n"),
+        _damaged("stl without facets, of bytes", binary_stl(faces=[])),
+        from_mesh("stl of bytes that begins as text does", binary_stl(header=b"solid body"), None),
+        from_mesh(
+            "stl of bytes that begins with a line of text",
+            binary_stl(header=b"solid body\nfacet normal 0 0 0\n"),
+            None,
+        ),
+        _damaged("stl of text that ends early", text[: text.rindex("vertex")]),
+        _damaged("stl of text that ends within a number", text[: text.rindex("0.125") + 2]),
+        _damaged("stl of text without its last line", text.replace("endsolid body\n", "")),
+        _damaged("stl of bytes that ends early", whole[:-1]),
+        _damaged("stl of bytes that ends a facet early", whole[:-50]),
+        _damaged("stl of bytes that ends in its count", whole[:82]),
+        _damaged("stl of bytes that ends in its header", whole[:40]),
+        _damaged("stl that counts too many", binary_stl(count=5)),
+        _damaged("stl that counts too few", binary_stl(count=3)),
+        _damaged("stl that counts none", binary_stl(count=0)),
+        _damaged("stl that counts all that can be counted", binary_stl(count=2**32 - 1)),
+        # 84 + 50 n is the file's size again, modulo 2^32.
+        _damaged("stl whose count goes round", binary_stl(count=4 + 2**31)),
+        _damaged("stl that begins as text and counts wrong", binary_stl(header=b"solid body", count=5)),
+        _damaged("stl with a facet of two corners", text.replace("vertex 0 0.125 0\n", "", 1)),
+        _damaged("stl with a facet of four corners", text.replace("endloop", "vertex 1 1 1\nendloop", 1)),
+        _damaged("stl with two coordinates", text.replace("vertex 0 0.125 0", "vertex 0 0.125", 1)),
+        _damaged("stl with a word for a number", text.replace("0.125", "far", 1)),
+        _damaged("stl with a decimal comma", text.replace("0.125", "0,125", 1)),
+        _damaged("stl with nan", text.replace("0.125", "nan", 1)),
+        _damaged("stl with inf", text.replace("0.125", "inf", 1)),
+        _damaged("stl with a number beyond all", text.replace("0.125", "1e999", 1)),
+        _damaged("stl of bytes with nan", binary_stl([*POINTS[:3], (0, 0, float("nan"))])),
+        _damaged("stl of bytes with inf", binary_stl([*POINTS[:3], (0, 0, float("inf"))])),
+        _damaged("stl that is an obj", obj()),
+        _damaged("stl that is a ply", ply()),
+        _damaged("stl that is a picture", b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 4),
+        _damaged("stl that is prose", "this is a letter\n" * 20),
+        _damaged("stl of one word", "solid"),
+    ]
+
+
+def _obj() -> list[Case]:
+    text = obj()
+    return [
+        _damaged("obj without bytes", b""),
+        _damaged("obj without faces", text.split("f ")[0]),
+        _damaged("obj without vertices", "f 1 2 3\n"),
+        _damaged("obj that is prose", "this is a letter\n" * 20),
+        _damaged("obj that is an stl of bytes", binary_stl()),
+        _damaged("obj that is an stl of text", ascii_stl()),
+        _damaged("obj with vertex 0", text.replace("f 1 3 2", "f 0 3 2")),
+        _damaged("obj with a vertex past its last", text.replace("f 1 3 2", "f 1 3 5")),
+        _damaged("obj with a vertex before its first", text.replace("f 1 3 2", "f 1 3 -5")),
+        _damaged("obj with a vertex of many digits", text.replace("f 1 3 2", "f 1 3 99999999999999999999")),
+        _damaged("obj with a word for a vertex", text.replace("f 1 3 2", "f 1 3 two")),
+        _damaged("obj with a fraction for a vertex", text.replace("f 1 3 2", "f 1 3 2.5")),
+        _damaged("obj with a face of two", text.replace("f 1 3 2", "f 1 3")),
+        _damaged("obj with a face of none", text.replace("f 1 3 2", "f")),
+        _damaged("obj with two coordinates", text.replace("v 0 0 0.125", "v 0 0")),
+        _damaged("obj with a word for a number", text.replace("v 0 0 0.125", "v 0 0 high")),
+        _damaged("obj with half a number", text.replace("v 0 0 0.125", "v 0 0 0.1x")),
+        _damaged("obj with a decimal comma", text.replace("v 0 0 0.125", "v 0 0 0,125")),
+        _damaged("obj with nan", text.replace("v 0 0 0.125", "v 0 0 nan")),
+        _damaged("obj of numbers too large to be squared", text.replace("v 0 0 0.125", "v 0 0 1e160")),
+        _damaged("obj with inf", text.replace("v 0 0 0.125", "v 0 0 inf")),
+        _damaged("obj with a number beyond all", text.replace("v 0 0 0.125", "v 0 0 1e999")),
+        _damaged("obj with NUL", text.replace("v 0 0 0.125", "v 0 0 0.1\x0025")),
+    ]
+
+
+def _ply() -> list[Case]:
+    text, whole = ply(), binary_ply()
+    return [
+        _damaged("ply without bytes", b""),
+        _damaged("ply of one word", "ply\n"),
+        _damaged("ply that ends in its header", text[:60]),
+        _damaged("ply without the end of its header", text.replace("end_header\n", "")),
+        _damaged("ply without a format", text.replace("format ascii 1.0\n", "")),
+        _damaged("ply of an unknown format", text.replace("ascii", "ebcdic")),
+        _damaged("ply of an unknown type", text.replace("float z", "quad z")),
+        _damaged("ply without vertices", ply(points=[])),
+        _damaged("ply without faces", ply(faces=[])),
+        _damaged("ply without z", text.replace("property float z\n", "")),
+        _damaged("ply without a list of vertices", text.replace("vertex_indices", "neighbours")),
+        _damaged("ply that ends early", text[:-4]),
+        _damaged("ply of bytes that ends early", whole[:-1]),
+        _damaged("ply of bytes that ends in its vertices", whole[:-70]),
+        _damaged("ply that counts too many", text.replace("face 4", "face 5")),
+        _damaged("ply that counts too many vertices", text.replace("vertex 4", "vertex 5")),
+        _damaged("ply that counts a thousand million", text.replace("face 4", "face 1000000000")),
+        _damaged("ply that counts beyond all", text.replace("vertex 4", f"vertex {2**64}")),
+        _damaged(
+            "ply of bytes that counts a thousand million", whole.replace(b"vertex 4", b"vertex 1000000000")
+        ),
+        _damaged("ply that counts below zero", text.replace("face 4", "face -4")),
+        _damaged("ply with a word for a number", text.replace("0.125 0 0", "far 0 0")),
+        _damaged(
+            "ply of numbers too large to be squared",
+            text.replace("float", "double").replace("0.125 0 0", "1e160 0 0"),
+        ),
+        _damaged("ply with nan", text.replace("0.125 0 0", "nan 0 0")),
+        _damaged("ply with a number beyond all", text.replace("0.125 0 0", "1e999 0 0")),
+        _damaged("ply with a vertex past its last", text.replace("3 0 2 1", "3 0 2 4")),
+        _damaged("ply with a vertex before its first", text.replace("3 0 2 1", "3 0 2 -1")),
+        _damaged("ply with a face of two", text.replace("3 0 2 1", "2 0 2")),
+        _damaged("ply with a face of minus one", text.replace("3 0 2 1", "-1")),
+        _damaged("ply with a face of a million", text.replace("3 0 2 1", "1000000 0 2 1")),
+        _damaged("ply that is prose", "ply\n" + "this is a letter\n" * 20),
+    ]
+
+
+def _surfaces() -> list[Case]:
+    """Any triangles are a surface to the model; the field reference asks for one that bounds a solid."""
+    other = [(x + 0.03, y + 0.03, z + 0.03) for x, y, z in POINTS]
+    flat: list[Point] = [(0, 0, 0), (0.125, 0, 0), (0.25, 0, 0)]
+    many = [*POINTS, (0.0, 0.0, -0.125)]
+    shifted = [tuple(k + 4 for k in face) for face in FACES]
+    surfaces: dict[str, tuple[list[Point], Sequence[Face]]] = {
+        "open": (POINTS, FACES[:3]),
+        "flipped": (POINTS, [face[::-1] for face in FACES]),
+        "with a flipped triangle": (POINTS, [FACES[0][::-1], *FACES[1:]]),
+        "that meets itself": (POINTS + other, [*FACES, *shifted]),
+        "with an edge of three triangles": (many, [*FACES, (0, 1, 4)]),
+        "with a triangle twice": (POINTS, [*FACES, FACES[0]]),
+        "with a triangle of two corners": (POINTS, [*FACES, (0, 0, 1)]),
+        "with a triangle of one corner": (POINTS, [*FACES, (2, 2, 2)]),
+        "of triangles on one line": (flat, [(0, 1, 2)]),
+        "of a point": ([(0, 0, 0)] * 3, [(0, 1, 2)]),
+        "of denormal size": ([(x * 1e-44, y * 1e-44, z * 1e-44) for x, y, z in POINTS], FACES),
+        "of huge size": ([(x * 1e38, y * 1e38, z * 1e38) for x, y, z in POINTS], FACES),
+    }
+    made = []
+    for name, (points, faces) in surfaces.items():
+        # A triangle without area on an edge of a solid is left out.
+        told = None if "corner" in name else "body"
+        made.append(from_mesh(f"stl {name}", binary_stl(points, faces), None, told))
+        made.append(from_mesh(f"obj {name}", obj(points, faces), None, told))
+        made.append(from_mesh(f"ply {name}", ply(points, faces), None, told))
+    return made
+
+
+def _ten_million() -> Case:
+    """A megabyte for every 20000 of them: half a gigabyte."""
+
+    def make(folder: Path) -> Path:
+        facet = binary_stl(faces=FACES[:1])[84:]
+        with (folder / "mesh.stl").open("wb") as file:
+            file.write(bytes(80) + struct.pack("<I", 10_000_000))
+            for _ in range(100):
+                file.write(facet * 100_000)
+        (folder / SCENE).write_text(SENSOR + mesh_body("mesh.stl"))
+        return folder / SCENE
+
+    return Case("ten million triangles", make, None, long=True)

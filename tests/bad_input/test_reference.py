@@ -1,0 +1,49 @@
+"""The field reference and scenes that cannot be read, or that can be read and have no capacitance: status 2, one line, nothing
+written. In one process, but for a few: the command itself takes seconds to start."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from fem_reference.__main__ import main
+from tests.bad_input import meshes, places, texts
+from tests.bad_input.case import Case
+
+ROOT = Path(__file__).resolve().parents[2]
+UNSOLVABLE = [case for case in meshes.cases() if case.unsolvable]
+UNREADABLE = [
+    case
+    for case in [*texts.cases(), *places.cases()]
+    if case.place is not None and "unreadable" not in case.name
+]
+AS_PROCESSES = [case for case in UNREADABLE if case.name == "the scene is a pipe"]
+
+
+def _assert_told(status: int, output: str, errors: str, scene: Path, place: str) -> None:
+    assert (status, output) == (2, "")
+    assert errors.startswith("fem_reference: ") and errors.endswith("\n") and errors[:-1].isprintable()
+    assert str(scene)[:200] in errors and place in errors
+
+
+@pytest.mark.parametrize("case", UNREADABLE + UNSOLVABLE, ids=lambda case: case.name)
+def test_a_scene_that_cannot_be_solved(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], case: Case
+) -> None:
+    scene = case.make(tmp_path)
+    before = sorted(tmp_path.rglob("*"))
+    status = main([str(scene), "--json"])
+    printed = capsys.readouterr()
+    _assert_told(status, printed.out, printed.err, scene, case.place or case.unsolvable or "")
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize("case", AS_PROCESSES, ids=lambda case: case.name)
+def test_the_command_itself(tmp_path: Path, case: Case) -> None:
+    scene = case.make(tmp_path)
+    command = [sys.executable, "-m", "fem_reference", str(scene)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=60)
+    _assert_told(done.returncode, done.stdout, done.stderr, scene, case.place or "")

@@ -1,0 +1,106 @@
+"""Whatever a scene file holds: both readers come to the same end, the commands say in one line what is wrong and where, within
+seconds, within bounded memory, and write nothing. `FRINGE_LONG_TESTS=1` adds the cases of gigabytes."""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analysis.model_stage import model_module
+from geometries import reader
+from geometries.errors import InputError
+from tests.bad_input.case import Case, as_root
+from tests.bad_input.corpus import cases
+
+PROGRAM = Path(__file__).resolve().parents[2] / "build" / "bin" / "fringe"
+LONG = "FRINGE_LONG_TESTS" in os.environ
+# Of a command and of a reader: far above what the cases need, far below what would trouble a machine.
+SECONDS, MEMORY = (300, 16 * 2**30) if LONG else (10, 2**30)
+LONGEST_MESSAGE = 7000
+
+
+def _command(name: str, scene: Path) -> subprocess.CompletedProcess[str]:
+    command = [PROGRAM, name, scene]
+    # A child that need not close what it does not know is made without a copy of this process, many times faster.
+    process = subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        encoding="utf-8",
+        errors="surrogateescape",
+        close_fds=False,
+    )
+    resource.prlimit(process.pid, resource.RLIMIT_AS, (MEMORY, MEMORY))
+    try:
+        output, errors = process.communicate(timeout=SECONDS)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        raise
+    return subprocess.CompletedProcess(command, process.returncode, output, errors)
+
+
+def _listing(folder: Path) -> set[tuple[str, int]]:
+    return {(str(path), path.lstat().st_mtime_ns) for path in folder.rglob("*")}
+
+
+def _assert_told(message: str, scene: Path, place: str) -> None:
+    assert len(message) < LONGEST_MESSAGE + len(str(scene))
+    assert message.removesuffix("\n").isprintable()
+    # Of a path longer than any the middle is left out.
+    assert str(scene)[:200] in message
+    assert place in message.split(scene.name)[-1]
+
+
+def _selected() -> list[Case]:
+    return [case for case in cases() if LONG or not case.long]
+
+
+@pytest.fixture
+def skipping(case: Case) -> None:
+    if "unreadable" in case.name and as_root():
+        pytest.skip("permissions do not stop root")
+
+
+@pytest.mark.usefixtures("skipping")
+@pytest.mark.parametrize("case", _selected(), ids=lambda case: case.name)
+def test_the_readers_agree_and_the_commands_say_so(tmp_path: Path, case: Case) -> None:
+    scene = case.make(tmp_path)
+    before = _listing(tmp_path)
+    start = time.monotonic()
+    try:
+        here = reader.load(scene).conductors()
+        refused = ""
+    except InputError as error:
+        refused = str(error)
+    assert time.monotonic() - start < SECONDS
+    try:
+        there = model_module().Scene.load(os.fsencode(scene).decode("utf-8", "surrogateescape")).conductors()
+        refused_there = ""
+    except ValueError as error:
+        refused_there = str(error)
+    if case.place is None:
+        assert (refused, refused_there) == ("", "")
+        assert set(here) <= set(there)
+        for name, triangles in here.items():
+            reach = np.abs(triangles).max()
+            assert triangles.shape == there[name].shape
+            assert np.abs(triangles - there[name]).max() <= 1e-12 * reach
+    else:
+        _assert_told(refused, scene, case.place)
+        _assert_told(refused_there, scene, case.place)
+    for command in case.commands:
+        done = _command(command, scene)
+        if case.place is None:
+            assert (done.returncode, done.stderr) == (0, "")
+            assert "nan" not in done.stdout.replace("nan", "", case.name.count("nan"))
+        else:
+            assert (done.returncode, done.stdout) == (2, "")
+            assert done.stderr.startswith("fringe: ") and done.stderr.endswith("\n")
+            _assert_told(done.stderr, scene, case.place)
+    assert _listing(tmp_path) == before

@@ -1,0 +1,151 @@
+"""Studies, motions and folders of results that cannot be used: one line, status 2, and nothing is written."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from analysis.__main__ import main
+from tests.bad_input.case import SCENE, SENSOR, body
+
+HEAD = """
+name = "bad"
+title = "A study"
+[reference]
+rtol = 1e-2
+max_seconds = 60
+[model]
+methods = ["exact"]
+"""
+SWEEP = """
+[[sweep]]
+family = "parallel"
+sensor_size = [0.1, 0.1]
+target_size = [0.1, 0.1]
+gap = 0.05
+"""
+WHOLE = HEAD + SWEEP
+# What is wrong, and what the message names.
+STUDIES = {
+    "nothing": ("", "reference"),
+    "prose": ("this is a letter\n", ""),
+    "NUL": (WHOLE + "\0", ""),
+    "no sweep": (HEAD, "sweep"),
+    "no name": (WHOLE.replace('name = "bad"', ""), "name"),
+    "a name that is a path": (WHOLE.replace('"bad"', '"../bad"'), "name"),
+    "a name that is the folder above": (WHOLE.replace('"bad"', '".."'), "name"),
+    "a name with NUL": (WHOLE.replace('"bad"', '"b\\u0000d"'), "name"),
+    "a name longer than any": (WHOLE.replace('"bad"', f'"{"b" * 300}"'), "name"),
+    "a title that is a number": (WHOLE.replace('"A study"', "1"), "title"),
+    "an unknown key": ("colour = 1\n" + WHOLE, "colour"),
+    "an unknown key of the reference": (WHOLE.replace("[model]", "colour = 1\n[model]"), "colour"),
+    "an unknown key of a sweep": (WHOLE + "colour = 1\n", "colour"),
+    "no accuracy": (WHOLE.replace("rtol = 1e-2", ""), "rtol"),
+    "an accuracy of zero": (WHOLE.replace("1e-2", "0"), "rtol"),
+    "an accuracy that is no number": (WHOLE.replace("1e-2", "nan"), "rtol"),
+    "time without end": (WHOLE.replace("60", "inf"), "max_seconds"),
+    "no methods": (WHOLE.replace('methods = ["exact"]', ""), "methods"),
+    "methods without the exact one": (WHOLE.replace('"exact"', '"split:2"'), "methods"),
+    "an unknown method": (WHOLE.replace('"exact"', '"exact", "guess"'), "guess"),
+    "methods that are no list": (WHOLE.replace('["exact"]', '"exact"'), "methods"),
+    "an unknown family": (WHOLE.replace('"parallel"', '"crooked"'), "crooked"),
+    "an unknown kind of error": (WHOLE.replace("[model]", 'error = "guess"\n[model]'), "guess"),
+    "an unknown experiment": ('experiment = "VII"\n' + WHOLE, "VII"),
+    "no gap": (WHOLE.replace("gap = 0.05", ""), "gap"),
+    "a gap of zero": (WHOLE.replace("0.05", "0"), "gap"),
+    "a gap below zero among others": (WHOLE.replace("0.05", "[0.1, -1]"), "gap"),
+    "a gap that is no number": (WHOLE.replace("0.05", '"wide"'), "gap"),
+    "a gap that is not finite": (WHOLE.replace("0.05", "[0.1, inf]"), "gap"),
+    "no gaps": (WHOLE.replace("0.05", "[]"), "gap"),
+    "sizes of no length": (WHOLE.replace("sensor_size = [0.1, 0.1]", "sensor_size = []"), "sensor_size"),
+    "a range of one value": (WHOLE.replace("0.05", "{ linspace = [0.1, 0.2, 1] }"), "linspace"),
+    "a range of half a value": (WHOLE.replace("0.05", "{ linspace = [0.1, 0.2, 2.5] }"), "linspace"),
+    "a range of a thousand million": (WHOLE.replace("0.05", "{ linspace = [0.1, 0.2, 1000000000] }"), "linspace"),
+    "a geometric range from zero": (WHOLE.replace("0.05", "{ geomspace = [0, 0.2, 3] }"), "geomspace"),
+    "a range of an unknown kind": (WHOLE.replace("0.05", "{ logspace = [1, 2, 3] }"), "gap"),
+    "ranges whose product is too large": (
+        WHOLE.replace("0.05", "{ linspace = [0.1, 0.2, 10000] }")
+        + "offset = ["
+        + ", ".join(f"[{k}, 0]" for k in range(200))
+        + "]\n",
+        "sweep",
+    ),
+    "lists of two lengths zipped": (
+        WHOLE.replace("0.05", "[0.1, 0.2, 0.3]") + 'offset = [[0, 0], [1, 0]]\ncombine = "zip"\n',
+        "combine",
+    ),
+}  # fmt: skip
+FRAME = '[[frame]]\nposes = [ { link = "arm", translation = [0, 0, 0.4] } ]\n'
+MOTIONS = {
+    "nothing": ("", "frame"),
+    "prose": ("this is a letter\n", ""),
+    "an unknown link": (FRAME.replace('"arm"', '"leg"'), "leg"),
+    "a link twice": (FRAME.replace("0.4] }", '0.4] }, { link = "arm" }'), "link"),
+    "an unknown key": (FRAME + "colour = 1\n", "colour"),
+    "a translation of two numbers": (FRAME.replace("[0, 0, 0.4]", "[0, 0]"), "translation"),
+    "a translation that is not finite": (FRAME.replace("0.4", "nan"), "translation"),
+    "frames that are no list": ("frame = 1\n", "frame"),
+}
+
+
+def _told_by(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    """What the command says while it refuses."""
+    assert main(arguments) == 2
+    printed = capsys.readouterr()
+    assert printed.out == "" and printed.err.startswith("analysis: ") and printed.err.endswith("\n")
+    assert printed.err[:-1].isprintable()
+    return printed.err
+
+
+@pytest.mark.parametrize("wrong", STUDIES)
+def test_a_study_that_cannot_be_run(tmp_path: Path, capsys: pytest.CaptureFixture[str], wrong: str) -> None:
+    path = tmp_path / "a study.toml"
+    text, place = STUDIES[wrong]
+    path.write_text(text, newline="")
+    told = _told_by(["run", str(path), "--results", str(tmp_path / "results")], capsys)
+    assert str(path) in told and place in told.split(str(path), 1)[1]
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("wrong", ["missing", "a folder", "a pipe", "a link to itself", "too long"])
+@pytest.mark.parametrize("command", ["run", "nightly", "show"])
+def test_a_path_that_leads_to_no_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str, wrong: str
+) -> None:
+    path = tmp_path / "study.toml"
+    if wrong == "a folder":
+        path.mkdir()
+    elif wrong == "a pipe":
+        os.mkfifo(path)
+    elif wrong == "a link to itself":
+        path.symlink_to(path)
+    elif wrong == "too long":
+        path = tmp_path / f"{'x' * 5000}.toml"
+    before = list(tmp_path.iterdir())
+    options = ["--output" if command == "show" else "--results", str(tmp_path / "results")]
+    assert str(path)[:200] in _told_by([command, str(path), *options], capsys)
+    assert list(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("wrong", MOTIONS)
+def test_a_motion_that_cannot_be_shown(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], wrong: str
+) -> None:
+    scene, path, page = (tmp_path / name for name in (SCENE, "motion.toml", "page.html"))
+    scene.write_text('[[link]]\nname = "arm"\n' + SENSOR + body())
+    text, place = MOTIONS[wrong]
+    path.write_text(text)
+    told = _told_by(["show", str(scene), "--motion", str(path), "--output", str(page)], capsys)
+    assert str(path) in told and place in told and not page.exists()
+
+
+@pytest.mark.parametrize("command", [["report"], ["diff"]])
+def test_results_that_are_none(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: list[str]
+) -> None:
+    for folder in (tmp_path / "missing", tmp_path):
+        folders = [str(folder)] * (2 if command == ["diff"] else 1)
+        assert str(folder) in _told_by([*command, *folders], capsys)
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,79 @@
+"""Same input, same bits: on one processor or several, and once more."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+ARM = ROOT / "geometries" / "scenes" / "x_ray_arm.toml"
+# A sphere of so many triangles is evaluated in batches by several threads.
+SPHERE = """
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] },
+           { corner = [0.06, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+[[distance_sensor]]
+name = "eye"
+apex = [0, 0, 0]
+direction = [0, 0, 1]
+full_angle_degrees = 40
+range = 0.8
+[[object]]
+name = "ball"
+shape = { type = "sphere", radius = 0.1, segments = 200 }
+translation = [0.01, 0.02, 0.2]
+"""
+PLATES = SPHERE.replace(
+    'type = "sphere", radius = 0.1, segments = 200', 'type = "cuboid", size = [0.1, 0.1, 0.05]'
+)
+# What is asked, in words of the command; a machine of four processors shows more than one of two.
+QUESTIONS = {
+    "exact": (SPHERE, ["capacitance"]),
+    "nearest plates": (SPHERE, ["capacitance", "--plates", "nearest"]),
+    "facing": (SPHERE, ["capacitance", "--faces", "facing"]),
+    "with a tolerance": (SPHERE, ["capacitance", "--tolerance", "1e-3"]),
+    "split": (SPHERE, ["capacitance", "--method", "split:3"]),
+    "corrected": (SPHERE, ["capacitance", "--correction", "formula"]),
+    "boundary elements": (PLATES, ["capacitance", "--method", "boundary-elements"]),
+    "reduced": (PLATES, ["capacitance", "--method", "reduced:2"]),
+    "collisions": (SPHERE, ["collide"]),
+    "distances": (SPHERE, ["sense"]),
+}
+
+
+def answer(words: list[str], scene: Path, processors: set[int]) -> dict[str, Any]:
+    """What the command answers on these processors, without the time it took."""
+    command = [ROOT / "build" / "bin" / "fringe", *words, scene, "--json"]
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, processors)
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
+    finally:
+        os.sched_setaffinity(0, before)
+    document: dict[str, Any] = json.loads(done.stdout)
+    document.pop("seconds", None)
+    return document
+
+
+@pytest.mark.parametrize("question", QUESTIONS)
+def test_the_number_of_processors_changes_no_bit(tmp_path: Path, question: str) -> None:
+    text, words = QUESTIONS[question]
+    (tmp_path / "scene.toml").write_text(text)
+    processors = sorted(os.sched_getaffinity(0))
+    numbers = [count for count in (1, 2, 4) if count <= len(processors)]
+    found = [
+        answer(words, tmp_path / "scene.toml", set(processors[:count])) for count in [*numbers, numbers[-1]]
+    ]
+    assert all(other == found[0] for other in found)
+
+
+def test_a_whole_arm_is_the_same_twice() -> None:
+    """Its parts are evaluated side by side."""
+    processors = os.sched_getaffinity(0)
+    assert answer(["capacitance"], ARM, processors) == answer(["capacitance"], ARM, processors)

@@ -1,0 +1,234 @@
+"""No dead options: every option that a command's --help knows is demonstrated, by the test named here, to change what it says.
+
+The test fails for an option that is not in the table, for one of the table that no help knows, and for a demonstration that is not
+there or says nothing of its option.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from analysis.__main__ import main
+
+ROOT = Path(__file__).resolve().parents[2]
+MODEL, REFERENCE = "model/test_command_line.py", "fem_reference/test_command_line.py"
+HERE = "end_to_end/test_options.py"
+SAID = (HERE, "test_help_and_version_are_printed_and_nothing_else")
+PASSED_ON = (HERE, "test_an_option_reaches_what_it_is_for")
+# Command → option → the demonstration, a file of tests and a function.
+OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
+    ("fringe",): {"--help": SAID, "--version": SAID},
+    ("fringe", "capacitance"): {
+        "--help": SAID,
+        "--version": SAID,
+        "--json": (MODEL, "test_capacitance_as_json"),
+        "--method": (MODEL, "test_method"),
+        "--plates": (MODEL, "test_plates_count_every_point_or_the_nearest_ones"),
+        "--faces": (MODEL, "test_faces"),
+        "--tolerance": (MODEL, "test_tolerance_is_kept_and_said"),
+        "--correction": ("model/test_corrections.py", "test_command_and_module_agree"),
+        "--rtol": ("model/test_boundary_elements.py", "test_options_that_would_change_nothing_are_refused"),
+    },
+    ("fringe", "collide"): {"--help": SAID, "--version": SAID, "--json": (HERE, "test_json_in_the_place_of_a_table")},
+    ("fringe", "info"): {"--help": SAID, "--version": SAID, "--json": (HERE, "test_json_in_the_place_of_a_table")},
+    ("fringe", "sense"): {
+        "--help": SAID,
+        "--version": SAID,
+        "--json": (HERE, "test_json_in_the_place_of_a_table"),
+        "--method": ("model/test_sense_command.py", "test_sense_as_json"),
+    },
+    ("fem_reference",): {
+        "--help": SAID,
+        "--version": SAID,
+        "--json": (REFERENCE, "test_json_is_one_document_with_the_whole_answer"),
+        "--error": (REFERENCE, "test_json_is_one_document_with_the_whole_answer"),
+        "--rtol": (REFERENCE, "test_one_level_under_a_limit_still_encloses_the_truth"),
+        "--max-seconds": (REFERENCE, "test_one_level_under_a_limit_still_encloses_the_truth"),
+        "--max-unknowns": (REFERENCE, "test_one_level_under_a_limit_still_encloses_the_truth"),
+        "--max-memory": (REFERENCE, "test_one_level_under_a_limit_still_encloses_the_truth"),
+        "--columns": (REFERENCE, "test_columns_left_out_are_named_and_unknown_ones_refused"),
+        "--output": (REFERENCE, "test_the_field_is_written_for_paraview"),
+        "--slice": (REFERENCE, "test_a_slice_of_the_potential_runs_from_the_sensor_to_the_ground"),
+    },
+    ("geometries",): {"--help": SAID},
+    ("geometries", "convert"): {"--help": SAID},
+    ("geometries", "expand"): {"--help": SAID},
+    ("analysis",): {"--help": SAID},
+    ("analysis", "run"): {
+        "--help": SAID,
+        "--results": PASSED_ON,
+        "--jobs": PASSED_ON,
+        "--measure-model": PASSED_ON,
+        "--verify": PASSED_ON,
+    },
+    ("analysis", "nightly"): {
+        "--help": SAID,
+        "--results": PASSED_ON,
+        "--jobs": PASSED_ON,
+        "--job-seconds": PASSED_ON,
+        "--profile": ("end_to_end/test_cluster.py", "test_a_study_solved_through_sbatch_has_the_table_of_a_local_run"),
+        "--verify": PASSED_ON,
+    },
+    ("analysis", "job"): {"--help": SAID},
+    ("analysis", "diff"): {
+        "--help": SAID,
+        "--output": ("analysis/nightly/test_difference.py", "test_drift_ends_with_code_1_a_table_and_a_document"),
+    },
+    ("analysis", "report"): {"--help": SAID},
+    ("analysis", "verify"): {"--help": SAID, "--output": PASSED_ON, "--jobs": PASSED_ON},
+    ("analysis", "errors"): {"--help": SAID, "--output": PASSED_ON, "--jobs": PASSED_ON},
+    ("analysis", "corrections"): {"--help": SAID, "--output": PASSED_ON},
+    ("analysis", "show"): {
+        "--help": SAID,
+        "--motion": ("analysis/test_show.py", "test_a_wrong_motion_is_refused"),
+        "--output": ("analysis/test_show.py", "test_the_example_is_shown_by_its_name"),
+    },
+}  # fmt: skip
+SCENE = """
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+[[distance_sensor]]
+name = "eye"
+apex = [0, 0, 0]
+direction = [0, 0, 1]
+full_angle_degrees = 40
+range = 0.8
+[[object]]
+name = "target"
+shape = { type = "cube", size = 0.1 }
+translation = [0, 0, 0.2]
+"""
+
+
+def run(*words: str | Path) -> subprocess.CompletedProcess[str]:
+    start = (
+        [str(ROOT / "build" / "bin" / "fringe")]
+        if words[0] == "fringe"
+        else [sys.executable, "-m", str(words[0])]
+    )
+    return subprocess.run(
+        [*start, *map(str, words[1:])], cwd=ROOT, capture_output=True, text=True, check=False, timeout=60
+    )
+
+
+def options_of(command: tuple[str, ...]) -> set[str]:
+    """What its --help lists."""
+    told = run(*command, "--help").stdout
+    return set(re.findall(r"^\s+(?:-\w, ?)?(--[a-z][a-z-]*)", told, re.MULTILINE))
+
+
+def commands_of(program: str) -> set[str]:
+    """The subcommands that its --help lists."""
+    told = run(program, "--help").stdout
+    if program == "fringe":
+        return set(re.findall(r"^  ([a-z]+)  ", told.split("Subcommands:")[1], re.MULTILINE))
+    listed = re.search(r"^  \{([a-z,]+)\}", told, re.MULTILINE)
+    return set(listed[1].split(",")) if listed else set()
+
+
+@pytest.mark.parametrize("program", ["fringe", "fem_reference", "geometries", "analysis"])
+def test_the_table_has_every_command(program: str) -> None:
+    assert {command[1] for command in OPTIONS if command[0] == program and len(command) > 1} == commands_of(
+        program
+    )
+
+
+@pytest.mark.parametrize("command", OPTIONS, ids=" ".join)
+def test_the_table_has_every_option(command: tuple[str, ...]) -> None:
+    assert set(OPTIONS[command]) == options_of(command)
+
+
+@pytest.mark.parametrize("command", OPTIONS, ids=" ".join)
+def test_every_option_has_a_demonstration(command: tuple[str, ...]) -> None:
+    for option, (file, name) in OPTIONS[command].items():
+        assert option in source_of(ROOT / "tests" / file, name), f"{file}::{name} says nothing of {option}"
+
+
+def source_of(file: Path, name: str) -> str:
+    """The text of a test with what it is parametrised by."""
+    text = file.read_text(encoding="utf-8")
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef) and node.name == name:
+            first = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+            return "\n".join(text.splitlines()[first - 1 : node.end_lineno])
+    raise AssertionError(f"{file} has no test {name}")
+
+
+@pytest.mark.parametrize("command", OPTIONS, ids=" ".join)
+def test_help_and_version_are_printed_and_nothing_else(command: tuple[str, ...]) -> None:
+    for option, sign in (("--help", "sage: "), ("--version", r"\d+\.\d+")):
+        if option in OPTIONS[command]:
+            done = run(*command, option)
+            assert done.returncode == 0 and done.stderr == ""
+            assert re.search(sign, done.stdout)
+
+
+@pytest.mark.parametrize("command", ["collide", "info", "sense"])
+def test_json_in_the_place_of_a_table(tmp_path: Path, command: str) -> None:
+    (tmp_path / "scene.toml").write_text(SCENE)
+    table = run("fringe", command, tmp_path / "scene.toml")
+    document = run("fringe", command, tmp_path / "scene.toml", "--json")
+    assert table.returncode == document.returncode == 0
+    assert document.stdout.startswith("{") and not table.stdout.startswith("{")
+
+
+class Reached(Exception):
+    """What was called stands for what it would do."""
+
+
+@pytest.mark.parametrize(
+    ("words", "function", "position", "expected"),
+    [
+        (["run", "smoke", "--results", "OUT"], "analysis.workflow.run", 1, "OUT"),
+        (["run", "smoke", "--results", "OUT", "--jobs", "3"], "analysis.workflow.run", 2, 3),
+        (["run", "smoke", "--results", "OUT"], "analysis.workflow.run", 2, None),
+        (["run", "smoke", "--results", "OUT", "--measure-model"], "analysis.workflow.run", 3, True),
+        (["run", "smoke", "--results", "OUT"], "analysis.workflow.run", 3, False),
+        (["run", "smoke", "--results", "OUT", "--verify"], "analysis.verification.stage.run", 2, None),
+        (["nightly", "smoke", "--results", "OUT"], "analysis.nightly.night.run", 1, "OUT"),
+        (["nightly", "smoke", "--results", "OUT", "--jobs", "3"], "analysis.nightly.night.run", 2, (None, 3, None)),
+        (["nightly", "smoke", "--results", "OUT", "--job-seconds", "9"], "analysis.nightly.night.run", 2, (None, None, 9)),
+        (["nightly", "smoke", "--results", "OUT", "--verify"], "analysis.verification.stage.run", 2, None),
+        (["verify", "--output", "OUT"], "analysis.verification.stage.run", 0, "OUT"),
+        (["verify", "--output", "OUT", "--jobs", "3"], "analysis.verification.stage.run", 2, 3),
+        (["errors", "--output", "OUT"], "analysis.errors.stage.run", 0, "OUT"),
+        (["errors", "--output", "OUT", "--jobs", "3"], "analysis.errors.stage.run", 2, 3),
+        (["corrections", "--output", "OUT"], "analysis.corrections.stage.run", 0, "OUT"),
+    ],
+)  # fmt: skip
+def test_an_option_reaches_what_it_is_for(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    words: list[str],
+    function: str,
+    position: int,
+    expected: Any,
+) -> None:
+    """What it changes there is shown by that function's own tests."""
+    called: list[tuple[Any, ...]] = []
+
+    def reached(*arguments: Any) -> None:
+        called.append(arguments)
+        raise Reached
+
+    for before in ("analysis.workflow.run", "analysis.nightly.night.run"):
+        if before != function:
+            monkeypatch.setattr(
+                before, lambda *_: type("Night", (), {"failures": []})() if "night." in before else []
+            )
+    monkeypatch.setattr(function, reached)
+    folder = tmp_path / "out"
+    with pytest.raises(Reached):
+        main([str(folder) if word == "OUT" else word for word in words])
+    found = called[0][position]
+    if isinstance(expected, tuple):
+        found = (found.profile, found.workers, found.job_seconds)
+    assert found == (folder if expected == "OUT" else expected)

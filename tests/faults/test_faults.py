@@ -1,0 +1,39 @@
+"""One fault of a few kinds; the others, and again and again: python3 -m tests.faults.run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from analysis import faults_section
+from tests.faults.harness import Study
+from tests.faults.run import disturb, prepare
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    return prepare(tmp_path_factory.mktemp("disturbed studies"))
+
+
+@pytest.mark.parametrize("kind", ["interrupted"])
+def test_nothing_is_lost_it_is_told_and_the_next_run_completes(study: Study, kind: str) -> None:
+    tally = disturb(study, kind, rounds=1, seed=1)
+    assert (tally.rounds, tally.told, tally.completed_afterwards) == (1, 1, 1)
+
+
+def test_the_report_says_what_was_counted(tmp_path: Path) -> None:
+    counts = {
+        "rounds": 3,
+        "during_the_run": 2,
+        "told": 3,
+        "unfinished_files": 1,
+        "completed_afterwards": 3,
+        "skipped": "",
+        "sentences": ["analysis: stopped"],
+    }
+    text = faults_section.section(
+        {"seed": 1, "kinds": {"killed": counts, "no_space": counts | {"rounds": 0}}}
+    )
+    assert "Of 3 faults, 2 while the study ran" in text and "SIGKILL" in text and "stopped" in text
+    assert faults_section.beside(tmp_path / "study") is None
