@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "charged_bodies.hpp"
 #include "fringe/error.hpp"
-#include "galerkin_system.hpp"
 #include "matrix_changes.hpp"
+#include "panel_system.hpp"
 
 namespace fringe {
 namespace {
@@ -18,8 +19,10 @@ namespace {
 using detail::changes;
 using detail::ChargedBodies;
 using detail::FaceFunctions;
-using detail::GalerkinSolution;
-using detail::GalerkinSystem;
+using detail::PanelGroup;
+using detail::PanelMesh;
+using detail::PanelSolution;
+using detail::PanelSystem;
 using detail::without_floating;
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -43,6 +46,9 @@ constexpr double finest_tolerance = 1e-13;
 /// The part of rtol that the quadratures may take.
 constexpr double quadrature_share = 0.05;
 
+/// The part of rtol at which the panels' iteration ends.
+constexpr double iteration_share = 0.003;
+
 /// With how many functions along each direction to begin.
 int first_functions(double rtol) {
   return rtol >= 0.01 ? 5 : 7;
@@ -55,7 +61,7 @@ void validate(const BoundaryElementOptions& options) {
 }
 
 /// The answer in metres, to be multiplied by 4πε.
-void tell(const GalerkinSolution& solution, const ChargedBodies& bodies, double quadrature_tolerance,
+void tell(const PanelSolution& solution, const ChargedBodies& bodies, double quadrature_tolerance,
           MaxwellMatrix& answer) {
   const MatrixXd fine = without_floating(solution.all.fine, bodies.floating);
   const MatrixXd coarse = without_floating(solution.all.coarse, bodies.floating);
@@ -63,7 +69,8 @@ void tell(const GalerkinSolution& solution, const ChargedBodies& bodies, double 
   const MatrixXd quadrature = quadrature_caution * quadrature_tolerance *
                               solution.quadrature_effect.topLeftCorner(conductors, conductors);
   answer.values = fine;
-  answer.errors = error_per_change * changes(fine, coarse) + quadrature;
+  const MatrixXd unfinished = solution.unfinished.topLeftCorner(conductors, conductors);
+  answer.errors = error_per_change * changes(fine, coarse) + quadrature + unfinished;
   answer.delta_self = fine.diagonal().head(sensors) - solution.sensors.fine.diagonal();
   const Eigen::VectorXd coarse_delta = coarse.diagonal().head(sensors) - solution.sensors.coarse.diagonal();
   const Eigen::VectorXd relative =
@@ -72,7 +79,7 @@ void tell(const GalerkinSolution& solution, const ChargedBodies& bodies, double 
       error_per_change * (answer.delta_self - coarse_delta)
                              .cwiseAbs()
                              .cwiseMax(relative.cwiseProduct(answer.delta_self).cwiseAbs()) +
-      quadrature.diagonal().head(sensors);
+      quadrature.diagonal().head(sensors) + unfinished.diagonal().head(sensors);
   answer.lower_bounds.resize(static_cast<std::size_t>(conductors));
   for (Index i = 0; i < conductors; ++i)
     answer.lower_bounds[static_cast<std::size_t>(i)] =
@@ -85,18 +92,25 @@ double largest_error(const MaxwellMatrix& answer) {
   return (answer.errors.array() / answer.values.array().abs()).maxCoeff();
 }
 
-/// More functions where the highest ones hold more than their part of the energy that may still be missing.
-/// False when none may be added.
-bool add_functions(const GalerkinSolution& solution, double excess, std::vector<FaceFunctions>& functions) {
-  /// The missing energy falls like this power of the number of functions.
-  constexpr double power = 4;
+/// The missing energy that is allowed after a refinement, by what the highest functions and the groups of
+/// panels hold.
+double allowed_energy(const PanelSolution& solution, double excess) {
   /// More than is asked, not to come back for a little.
   constexpr double margin = 2;
-  constexpr double most_growth = 2;
-  double total = 0;
+  double total = solution.group_energies.sum();
   for (const Eigen::Vector2d& highest : solution.highest)
     total += highest.sum();
-  const double allowed = total / (margin * excess * 2 * static_cast<double>(functions.size()));
+  return total / (margin * excess);
+}
+
+/// More functions where the highest ones hold more than their part of the allowed energy. False when none may
+/// be added.
+bool add_functions(const PanelSolution& solution, double allowed_of_all,
+                   std::vector<FaceFunctions>& functions) {
+  /// The missing energy falls like this power of the number of functions.
+  constexpr double power = 4;
+  constexpr double most_growth = 2;
+  const double allowed = allowed_of_all / (2 * static_cast<double>(functions.size()));
   bool added = false;
   const auto grow = [&](int& count, double energy) {
     if (!(energy > allowed) || count == detail::most_functions)
@@ -113,11 +127,66 @@ bool add_functions(const GalerkinSolution& solution, double excess, std::vector<
   return added;
 }
 
+/// The groups of panels that hold the most, as many as it takes to come below the allowed energy, or as make
+/// `most` panels more. Empty if none is to be refined.
+std::vector<bool> groups_to_refine(const PanelSolution& solution, const std::vector<PanelGroup>& groups,
+                                   double allowed, std::size_t most) {
+  /// What a refined group goes on to hold, of what it held; less where the charge is smooth.
+  constexpr double left = 0.4;
+  std::vector<std::size_t> order(groups.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto energy = [&](std::size_t group) { return solution.group_energies[static_cast<Index>(group)]; };
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return energy(a) > energy(b); });
+  double held = solution.group_energies.sum();
+  std::size_t added = 0;
+  std::vector<bool> marked(groups.size(), false);
+  double last = 0;
+  for (const std::size_t group : order) {
+    /// Groups that are alike but for rounding are refined together.
+    constexpr double alike = 1 - 1e-6;
+    if ((held <= allowed && energy(group) < alike * last) || added + PanelMesh::growth(groups[group]) > most)
+      break;
+    marked[group] = true;
+    last = energy(group);
+    added += PanelMesh::growth(groups[group]);
+    held -= (1 - left) * last;
+  }
+  return added > 0 ? marked : std::vector<bool>{};
+}
+
 std::size_t count_unknowns(const std::vector<FaceFunctions>& functions) {
   std::size_t unknowns = 0;
   for (const FaceFunctions& face : functions)
     unknowns += static_cast<std::size_t>(face.count());
   return unknowns;
+}
+
+/// False when nothing may be added.
+bool refine(PanelSystem& system, const PanelSolution& solution, double excess, std::size_t most_unknowns,
+            std::vector<FaceFunctions>& functions) {
+  const std::size_t panels = system.mesh().panels().size();
+  if (panels == 0) {
+    std::vector<FaceFunctions> more = functions;
+    if (!add_functions(solution, allowed_energy(solution, excess), more) ||
+        count_unknowns(more) > most_unknowns)
+      return false;
+    functions = more;
+    return true;
+  }
+  /// Faces and panels have half each.
+  const double allowed = allowed_energy(solution, excess) / 2;
+  bool added = add_functions(solution, allowed, functions);
+  const std::size_t used = count_unknowns(functions) + panels;
+  if (used > most_unknowns)
+    return false;
+  /// A solution takes several times as long with twice as many; what the charges tell now is worth that.
+  const std::vector<bool> marked =
+      groups_to_refine(solution, system.mesh().groups(), allowed, std::min(panels, most_unknowns - used));
+  if (!marked.empty()) {
+    system.refine_groups(marked, solution.charges);
+    added = true;
+  }
+  return added;
 }
 
 }  // namespace
@@ -130,12 +199,13 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   const std::size_t rows = bodies.names.size() - bodies.floating;
   if (rows == 0)
     throw InputError("the scene has neither a sensor nor a grounded object");
-  GalerkinSystem system(bodies);
+  PanelSystem system(bodies);
   std::vector<FaceFunctions> functions(system.faces(),
                                        {first_functions(options.rtol), first_functions(options.rtol)});
-  if (count_unknowns(functions) > options.most_unknowns)
+  const auto unknowns = [&] { return count_unknowns(functions) + system.mesh().panels().size(); };
+  if (unknowns() > options.most_unknowns)
     throw InputError(fmt::format("the scene takes {} unknowns or more: boundary elements end at {}",
-                                 count_unknowns(functions), options.most_unknowns));
+                                 unknowns(), options.most_unknowns));
 
   MaxwellMatrix answer;
   answer.conductors.assign(bodies.names.begin(), bodies.names.begin() + static_cast<std::ptrdiff_t>(rows));
@@ -144,7 +214,7 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   double tolerance = options.rtol / 10;
   while (true) {
     system.refine(functions, tolerance);
-    const GalerkinSolution solution = system.solve();
+    const PanelSolution solution = system.solve(iteration_share * options.rtol);
     if (!solution.positive_definite) {
       if (tolerance < finest_tolerance)
         throw std::runtime_error("the matrix of the boundary elements is not positive definite");
@@ -152,7 +222,7 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
       continue;
     }
     tell(solution, bodies, tolerance, answer);
-    answer.unknowns = count_unknowns(functions);
+    answer.unknowns = unknowns();
     const double excess = largest_error(answer) / options.rtol;
     answer.reached = excess <= 1;
     if (answer.reached)
@@ -166,11 +236,8 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
     const bool tightened = quadrature > quadrature_share * options.rtol;
     if (tightened)
       tolerance *= quadrature_share * options.rtol / quadrature / 2;
-    std::vector<FaceFunctions> more = functions;
-    const bool added = add_functions(solution, excess, more);
-    if ((!added && !tightened) || count_unknowns(more) > options.most_unknowns)
+    if (!refine(system, solution, excess, options.most_unknowns, functions) && !tightened)
       break;
-    functions = more;
   }
   const double factor = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
   answer.values *= factor;
