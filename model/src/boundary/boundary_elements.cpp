@@ -36,6 +36,11 @@ constexpr double loosest_rtol = 0.5;
 /// random poses (BOUNDARY_ELEMENTS.md, section 7) 1.2 times the change was met.
 constexpr double error_per_change = 1.5;
 
+/// The same with panels, whose error falls more slowly: singular edges leave the first power of their number
+/// along a direction where they are not resolved, and the shadow of a body close by as much as 1.6 times the
+/// change.
+constexpr double error_per_panel_change = 2;
+
 /// How much of what the quadratures may do to the answer at most they do: where it was looked at, 0.001 or
 /// less.
 constexpr double quadrature_caution = 0.01;
@@ -70,16 +75,16 @@ void tell(const PanelSolution& solution, const ChargedBodies& bodies, double qua
                               solution.quadrature_effect.topLeftCorner(conductors, conductors);
   answer.values = fine;
   const MatrixXd unfinished = solution.unfinished.topLeftCorner(conductors, conductors);
-  answer.errors = error_per_change * changes(fine, coarse) + quadrature + unfinished;
+  const double per_change = solution.charges.rows() > 0 ? error_per_panel_change : error_per_change;
+  answer.errors = per_change * changes(fine, coarse) + quadrature + unfinished;
   answer.delta_self = fine.diagonal().head(sensors) - solution.sensors.fine.diagonal();
   const Eigen::VectorXd coarse_delta = coarse.diagonal().head(sensors) - solution.sensors.coarse.diagonal();
   const Eigen::VectorXd relative =
       1 - coarse.diagonal().head(sensors).array() / fine.diagonal().head(sensors).array();
-  answer.delta_self_errors =
-      error_per_change * (answer.delta_self - coarse_delta)
-                             .cwiseAbs()
-                             .cwiseMax(relative.cwiseProduct(answer.delta_self).cwiseAbs()) +
-      quadrature.diagonal().head(sensors) + unfinished.diagonal().head(sensors);
+  answer.delta_self_errors = per_change * (answer.delta_self - coarse_delta)
+                                              .cwiseAbs()
+                                              .cwiseMax(relative.cwiseProduct(answer.delta_self).cwiseAbs()) +
+                             quadrature.diagonal().head(sensors) + unfinished.diagonal().head(sensors);
   answer.lower_bounds.resize(static_cast<std::size_t>(conductors));
   for (Index i = 0; i < conductors; ++i)
     answer.lower_bounds[static_cast<std::size_t>(i)] =
@@ -127,29 +132,32 @@ bool add_functions(const PanelSolution& solution, double allowed_of_all,
   return added;
 }
 
-/// The groups of panels that hold the most, as many as it takes to come below the allowed energy, or as make
-/// `most` panels more. Empty if none is to be refined.
+/// The groups of panels that hold the most, as many as it takes to come below the allowed energy, or to have
+/// the greater part of it, and no more than make `most` panels more. Empty if none is to be refined.
 std::vector<bool> groups_to_refine(const PanelSolution& solution, const std::vector<PanelGroup>& groups,
                                    double allowed, std::size_t most) {
   /// What a refined group goes on to hold, of what it held; less where the charge is smooth.
   constexpr double left = 0.4;
+  /// The rest is too little to be known to be worth refining.
+  constexpr double greater_part = 0.75;
   std::vector<std::size_t> order(groups.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto energy = [&](std::size_t group) { return solution.group_energies[static_cast<Index>(group)]; };
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return energy(a) > energy(b); });
-  double held = solution.group_energies.sum();
+  const double total = solution.group_energies.sum();
+  double taken = 0, last = 0;
   std::size_t added = 0;
   std::vector<bool> marked(groups.size(), false);
-  double last = 0;
   for (const std::size_t group : order) {
     /// Groups that are alike but for rounding are refined together.
     constexpr double alike = 1 - 1e-6;
-    if ((held <= allowed && energy(group) < alike * last) || added + PanelMesh::growth(groups[group]) > most)
+    const bool enough = total - (1 - left) * taken <= allowed || taken >= greater_part * total;
+    if ((enough && energy(group) < alike * last) || added + PanelMesh::growth(groups[group]) > most)
       break;
     marked[group] = true;
     last = energy(group);
     added += PanelMesh::growth(groups[group]);
-    held -= (1 - left) * last;
+    taken += last;
   }
   return added > 0 ? marked : std::vector<bool>{};
 }

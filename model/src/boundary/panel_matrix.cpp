@@ -87,14 +87,14 @@ class FarPairs {
     }
   }
 
-  /// The means of 1/r between one panel and the first `count`, itself and its neighbours to be replaced.
-  void fill(std::size_t panel, std::size_t count, double* means) const {
+  /// The means of 1/r between a panel and the first `count`, of which those nearby are to be replaced.
+  void fill(const Panel& panel, std::size_t count, double* means) const {
     /// A cache of 32 kB holds the distances of so many columns.
     constexpr std::size_t together = 512;
     std::array<double, points * 3> rows{};
     for (std::size_t k = 0; k < points; ++k)
       for (std::size_t axis = 0; axis < 3; ++axis)
-        rows[3 * k + axis] = columns_[(3 * k + axis) * stride_ + panel];
+        rows[3 * k + axis] = node(panel, k)[static_cast<Index>(axis)];
     std::array<double, points * together> values{};
     for (std::size_t begin = 0; begin < count; begin += together) {
       const std::size_t here = std::min(together, count - begin), stride = padded(here);
@@ -118,6 +118,12 @@ class FarPairs {
     return *std::find_if(rules.begin(), rules.end(), [](const TriangleRule& rule) {
       return static_cast<std::size_t>(rule.points) == points;
     });
+  }
+
+  static Vector3d node(const Panel& panel, std::size_t k) {
+    static const TriangleRule& used = rule();
+    const auto& [a, b, c] = panel.corners;
+    return a + used.nodes[k].second * (b - a) + used.nodes[k].third * (c - a);
   }
 
   static std::size_t padded(std::size_t count) {
@@ -179,6 +185,44 @@ void add_near(const Panel& a, const Panel& b, double tolerance, PotentialSums& s
       [&](const Vector3d& point, double weight) { sums.add(inner.corners, point, weight, sum); });
 }
 
+/// Rows of the matrix, near pairs gathered to be evaluated many at a time.
+class Rows {
+ public:
+  Rows(std::span<const Panel> panels, double tolerance)
+      : panels_(panels), tolerance_(tolerance), farthest_(1 / far_ratio(tolerance)), far_(panels),
+        sums_(tolerance) {}
+
+  /// The interactions of a panel with the first `count`, but those that `is_known` has written; complete
+  /// after flush().
+  template <class IsKnown>
+  void fill(const Panel& panel, std::size_t count, double* row, const IsKnown& is_known) {
+    far_.fill(panel, count, row);
+    for (std::size_t j = 0; j < count; ++j) {
+      const Panel& other = panels_[j];
+      const double radii = panel.radius + other.radius, reach = farthest_ * radii;
+      const double squared = (panel.centre - other.centre).squaredNorm();
+      if (squared > reach * reach || is_known(j))
+        continue;
+      row[j] = 0;
+      const std::optional<Vector3d> common =
+          squared <= radii * radii ? common_point(panel, other) : std::nullopt;
+      if (common)
+        add_touching(panel, other, *common, tolerance_, sums_, row[j]);
+      else
+        add_near(panel, other, tolerance_, sums_, row[j]);
+    }
+  }
+
+  void flush() { sums_.flush(); }
+
+ private:
+  std::span<const Panel> panels_;
+  double tolerance_;
+  double farthest_;
+  FarPairs far_;
+  PotentialSums sums_;
+};
+
 }  // namespace
 
 double panel_self(const Panel& panel) {
@@ -193,36 +237,42 @@ double panel_self(const Panel& panel) {
   return 4 * sum / 3;
 }
 
-MatrixXd panel_matrix(std::span<const Panel> panels, double tolerance) {
+MatrixXd panel_matrix(std::span<const Panel> panels, double tolerance, const KnownElements& known) {
   const auto size = static_cast<Index>(panels.size());
   MatrixXd matrix(size, size);
-  const FarPairs far(panels);
-  PotentialSums sums(tolerance / 10);
-  const double farthest = 1 / far_ratio(tolerance);
-  // The columns of the matrix are filled whole registers at a time.
-  std::vector<double> means(panels.size() + TriangleArrays::padding);
+  Rows rows(panels, tolerance);
+  const auto place = [&](std::size_t panel) { return known.places.empty() ? -1 : known.places[panel]; };
   for (std::size_t i = 0; i < panels.size(); ++i) {
-    const Panel& panel = panels[i];
-    far.fill(i, i, means.data());
     double* const column = matrix.data() + static_cast<Index>(i) * size;
-    std::copy_n(means.begin(), i, column);
-    for (std::size_t j = 0; j < i; ++j) {
-      const double radii = panel.radius + panels[j].radius, reach = farthest * radii;
-      const double squared = (panel.centre - panels[j].centre).squaredNorm();
-      if (squared > reach * reach)
-        continue;
-      column[j] = 0;
-      const std::optional<Vector3d> common =
-          squared <= radii * radii ? common_point(panel, panels[j]) : std::nullopt;
-      if (common)
-        add_touching(panel, panels[j], *common, tolerance, sums, column[j]);
-      else
-        add_near(panel, panels[j], tolerance, sums, column[j]);
-    }
-    column[i] = panel_self(panel);
+    const Index old_i = place(i);
+    rows.fill(panels[i], i, column, [&](std::size_t j) {
+      const Index old_j = place(j);
+      if (old_i < 0 || old_j < 0)
+        return false;
+      column[j] = known.matrix(std::min(old_i, old_j), std::max(old_i, old_j));
+      return true;
+    });
+    column[i] = panel_self(panels[i]);
   }
-  sums.flush();
+  rows.flush();
   return matrix;
+}
+
+MatrixXd panel_matrix(std::span<const Panel> panels, double tolerance) {
+  return panel_matrix(panels, tolerance, {MatrixXd(), {}});
+}
+
+MatrixXd panel_potentials(std::span<const Panel> targets, std::span<const Panel> panels,
+                          const MatrixXd& charges, double tolerance) {
+  MatrixXd result(static_cast<Index>(targets.size()), charges.cols());
+  Rows rows(panels, tolerance);
+  Eigen::VectorXd row(charges.rows());
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    rows.fill(targets[k], panels.size(), row.data(), [](std::size_t) { return false; });
+    rows.flush();
+    result.row(static_cast<Index>(k)) = row.transpose() * charges;
+  }
+  return result;
 }
 
 }  // namespace fringe::detail

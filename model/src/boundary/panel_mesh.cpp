@@ -134,6 +134,7 @@ void PanelMesh::add_quartered(const Triangle& triangle, std::size_t body) {
   groups_.push_back({panels_.size(), 4, body, true});
   for (const Triangle& quarter : quarters(triangle))
     panels_.push_back(make_panel(quarter));
+  places_before_.resize(panels_.size(), no_place);
 }
 
 void PanelMesh::add(std::size_t body, std::span<const Triangle> triangles) {
@@ -150,6 +151,7 @@ void PanelMesh::add(std::size_t body, std::span<const Triangle> triangles) {
     groups_.push_back({panels_.size(), members.size(), body, false});
     for (const std::size_t member : members)
       panels_.push_back(make_panel(triangles[member]));
+    places_before_.resize(panels_.size(), no_place);
   }
 }
 
@@ -162,12 +164,15 @@ void PanelMesh::refine(const std::vector<bool>& marked, const MatrixXd& charges)
   const std::vector<PanelGroup> groups = std::move(groups_);
   panels_.clear();
   groups_.clear();
+  places_before_.clear();
   for (std::size_t k = 0; k < groups.size(); ++k) {
     const PanelGroup& group = groups[k];
     if (!marked[k]) {
       groups_.push_back({panels_.size(), group.count, group.body, group.is_quartered});
-      for (std::size_t member = 0; member < group.count; ++member)
-        panels_.push_back(panels[group.first + member]);
+      for (std::size_t member = group.first; member < group.first + group.count; ++member) {
+        panels_.push_back(panels[member]);
+        places_before_.push_back(static_cast<Index>(member));
+      }
     } else if (group.is_quartered) {
       const Triangle whole{panels[group.first].corners[0], panels[group.first + 1].corners[1],
                            panels[group.first + 2].corners[2]};

@@ -8,7 +8,7 @@
 
 #include "panel.hpp"
 
-/// Bodies of triangles as panels in groups (model/BOUNDARY_ELEMENTS.md, section 8).
+/// Bodies of triangles as panels in groups (model/BOUNDARY_ELEMENTS.md, section 9).
 namespace fringe::detail {
 
 /// Panels that follow each other: neighbours, or the quarters of one triangle. The smaller space of charges
@@ -28,6 +28,10 @@ class PanelMesh {
   const std::vector<Panel>& panels() const { return panels_; }
   const std::vector<PanelGroup>& groups() const { return groups_; }
 
+  /// For every panel where it stood before the last refinement; no_place if it is new.
+  const std::vector<Eigen::Index>& places_before() const { return places_before_; }
+  static constexpr Eigen::Index no_place = -1;
+
   /// How many panels more it makes to refine a group.
   static std::size_t growth(const PanelGroup& group);
 
@@ -41,6 +45,7 @@ class PanelMesh {
 
   std::vector<Panel> panels_;
   std::vector<PanelGroup> groups_;
+  std::vector<Eigen::Index> places_before_;
 };
 
 }  // namespace fringe::detail

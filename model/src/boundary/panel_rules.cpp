@@ -88,7 +88,8 @@ void lay_on_segment(const Vector3d& from, const Vector3d& to, double share, doub
   const double away = distance(from, to) / ((to - from).norm() / 2);
   const double parameter = away + std::sqrt(1 + away * away);
   // The slope at the singularity is a logarithm: what a part at it can miss falls with its length squared.
-  const double wanted = std::log(allowed / (share * share)) / (-2 * std::log(parameter));
+  const double digits = std::log(std::max(share * share / allowed, 1.0));
+  const double wanted = digits == 0 ? 0 : digits / (2 * std::log(parameter));
   if (wanted > most_points && share > least_share) {
     const Vector3d middle = (from + to) / 2;
     lay_on_segment(from, middle, share / 2, allowed, distance, point);

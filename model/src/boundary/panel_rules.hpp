@@ -5,7 +5,7 @@
 #include "panel.hpp"
 
 /// Quadrature over panels of potentials that are singular somewhere beside them (model/BOUNDARY_ELEMENTS.md,
-/// section 8).
+/// section 9).
 namespace fringe::detail {
 
 /// A rule's error beside the power of its ratio of size to distance: in random pairs a fiftieth or less.

@@ -9,7 +9,7 @@
 #include "galerkin_system.hpp"
 #include "panel_mesh.hpp"
 
-/// The Galerkin equations of bodies of faces and bodies of panels (model/BOUNDARY_ELEMENTS.md, section 8).
+/// The Galerkin equations of bodies of faces and bodies of panels (model/BOUNDARY_ELEMENTS.md, section 9).
 namespace fringe::detail {
 
 /// What the panels' charges tell besides.
@@ -41,6 +41,7 @@ class PanelSystem {
   Unknowns number() const;
   Eigen::MatrixXd face_matrix(const Unknowns& unknowns) const;
   Nested nested_matrix(const Unknowns& unknowns, const Eigen::MatrixXd& face_matrix) const;
+  void add_unseen(const Unknowns& unknowns, const Eigen::MatrixXd& charges, PanelSolution& solution) const;
   void refine_coupling(const std::vector<FaceFunctions>& functions, double tolerance);
 
   const ChargedBodies& bodies_;
@@ -50,8 +51,9 @@ class PanelSystem {
   Eigen::MatrixXd panels_;    ///< panel_matrix of all panels
   Eigen::MatrixXd coupling_;  ///< of the faces' functions (rows), one face after the other, with the panels
   std::vector<FaceFunctions> coupled_functions_;
-  double panel_tolerance_ = 1;
-  double coupling_tolerance_ = 1;
+  bool is_refined_ = false;  ///< panels_ is of the mesh before its last refinement
+  double panel_tolerance_;
+  double coupling_tolerance_;
 };
 
 }  // namespace fringe::detail
