@@ -146,7 +146,9 @@ def test_the_module_refuses_as_the_command_does(scene: Path, options: dict[str, 
 
 def test_other_shapes_are_answered_as_their_triangles(fringe_command: Command, tmp_path: Path) -> None:
     path = tmp_path / "ball.toml"
-    path.write_text(SCENE.replace('"cuboid", size = [0.08, 0.1, 0.03]', '"sphere", radius = 0.02, segments = 12'))
+    path.write_text(
+        SCENE.replace('"cuboid", size = [0.08, 0.1, 0.03]', '"sphere", radius = 0.02, segments = 12')
+    )
     done = fringe_command("capacitance", path, "--method", "boundary-elements", "--rtol", "0.02", "--json")
     assert (done.returncode, done.stderr) == (0, "")
     answer = json.loads(done.stdout)
