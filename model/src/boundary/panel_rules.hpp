@@ -8,7 +8,8 @@
 /// section 9).
 namespace fringe::detail {
 
-/// A rule's error beside the power of its ratio of size to distance: in random pairs a fiftieth or less.
+/// How much better a rule is than twice the power of its ratio of size to distance says, at least
+/// (tests/model/boundary/panel_elements_test.cpp).
 constexpr double rule_caution = 50;
 
 /// The ratio of size to distance, of two panels together, below which three points on both of them do.
