@@ -16,8 +16,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// The panels' quadratures do much better than they have to: between a plate and a cube at a fifth of its size,
-/// at any of four levels, they changed no capacitance by more than a fiftieth of their tolerance.
+/// The panels' quadratures do much better than they have to: between a plate and a cube at a fifth of its
+/// size, at any of four levels, they changed no capacitance by more than a fiftieth of their tolerance.
 constexpr double panel_tolerances = 10;
 
 constexpr double unknown_tolerance = std::numeric_limits<double>::infinity();
