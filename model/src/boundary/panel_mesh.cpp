@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <tuple>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -31,8 +32,10 @@ std::vector<std::vector<std::size_t>> neighbours_of(std::span<const Triangle> tr
   const auto key = [](const Vector3d& p) { return Point(p.x(), p.y(), p.z()); };
   for (std::size_t k = 0; k < triangles.size(); ++k)
     for (std::size_t side = 0; side < 3; ++side) {
-      const auto ends = std::minmax(key(triangles[k][side]), key(triangles[k][(side + 1) % 3]));
-      users[{ends.first, ends.second}].push_back(k);
+      Point from = key(triangles[k][side]), to = key(triangles[k][(side + 1) % 3]);
+      if (to < from)
+        std::swap(from, to);
+      users[{from, to}].push_back(k);
     }
   std::vector<std::vector<std::size_t>> neighbours(triangles.size());
   for (const auto& [ends, sharing] : users)
