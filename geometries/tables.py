@@ -100,7 +100,7 @@ class Table:
 
     def known_format(self, known: int = 1) -> None:
         """Refuse a document that says it is written in a version of its format other than `known`."""
-        version = self.integer("format", known, at_least=1)
+        version = self.integer("format", known, at_least=1, at_most=1_000_000)
         if version != known:
             raise self.error("format", f"is {version}, and this program knows {known} only")
 

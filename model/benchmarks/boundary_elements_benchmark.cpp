@@ -1,6 +1,7 @@
 /// Boundary elements by rtol: time, true error and estimated error over set-ups whose Maxwell matrix is known
-/// from another boundary-element method, and time over boxes. Times are of this thread's processor time, the
-/// least of five; what is made once per process is made before.
+/// from another boundary-element method, and time over boxes and bodies of triangles. Times are of this
+/// thread's processor time, the least of five, of bodies of triangles of two; what is made once per process
+/// is made before.
 
 #include <algorithm>
 #include <array>
@@ -8,6 +9,7 @@
 #include <ctime>
 #include <fstream>
 #include <iterator>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,12 +17,14 @@
 #include <rapidjson/document.h>
 
 #include "fringe/boundary_elements.hpp"
+#include "fringe/triangulation.hpp"
 
 namespace {
 
 using namespace fringe;
 
 constexpr std::array rtols{1e-2, 1e-3, 1e-4, 1e-5};
+constexpr std::array mesh_rtols{1e-2, 1e-3};
 
 double processor_seconds() {
   timespec time{};
@@ -64,21 +68,22 @@ std::vector<SetUp> known_set_ups() {
   return set_ups;
 }
 
-/// A plate of 10 cm and boxes in front of it.
+/// A plate of 10 cm and a body in front of it.
+SetUp body_set_up(const std::string& name, const Shape& body, const Eigen::Vector3d& centre, double degrees) {
+  SetUp set_up;
+  set_up.name = name;
+  set_up.scene.sensors.push_back({"sensor", {}, 2.5, 5e-12, {{{-0.05, -0.05, 0}, {0.1, 0, 0}, {0, 0.1, 0}}}});
+  Object object{"body", {}, body, Eigen::Isometry3d::Identity(), Grounded{}, true};
+  object.pose.translate(centre);
+  object.pose.rotate(Eigen::AngleAxisd(degrees * EIGEN_PI / 180, Eigen::Vector3d(1, 0.5, 0.2).normalized()));
+  set_up.scene.objects.push_back(object);
+  return set_up;
+}
+
 std::vector<SetUp> box_set_ups() {
   std::vector<SetUp> set_ups;
   const auto add = [&](const std::string& name, const Cuboid& box, const Eigen::Vector3d& centre,
-                       double degrees) {
-    SetUp& set_up = set_ups.emplace_back();
-    set_up.name = name;
-    set_up.scene.sensors.push_back(
-        {"sensor", {}, 2.5, 5e-12, {{{-0.05, -0.05, 0}, {0.1, 0, 0}, {0, 0.1, 0}}}});
-    Object object{"box", {}, box, Eigen::Isometry3d::Identity(), Grounded{}, true};
-    object.pose.translate(centre);
-    object.pose.rotate(
-        Eigen::AngleAxisd(degrees * EIGEN_PI / 180, Eigen::Vector3d(1, 0.5, 0.2).normalized()));
-    set_up.scene.objects.push_back(object);
-  };
+                       double degrees) { set_ups.push_back(body_set_up(name, box, centre, degrees)); };
   add("cube 5 cm, 2 cm above", {0.05, 0.05, 0.05}, {0, 0, 0.045}, 0);
   add("cube 10 cm, 1 cm above", {0.1, 0.1, 0.1}, {0, 0, 0.06}, 0);
   add("box 4 x 8 x 2 cm, turned", {0.04, 0.08, 0.02}, {0.03, 0.02, 0.06}, 35);
@@ -87,13 +92,29 @@ std::vector<SetUp> box_set_ups() {
 }
 
 /// The answer at the strictest rtol that is quickly reached stands for what is not known.
-void solve_unknown(std::vector<SetUp>& set_ups) {
+void solve_unknown(std::vector<SetUp>& set_ups, double rtol) {
   for (SetUp& set_up : set_ups)
     if (set_up.truth.size() == 0) {
-      const MaxwellMatrix best = maxwell(set_up.scene, {.rtol = 1e-5});
+      const MaxwellMatrix best = maxwell(set_up.scene, {.rtol = rtol});
       set_up.truth = best.values;
       set_up.relative_error = (best.errors.array() / best.values.array().abs()).maxCoeff();
     }
+}
+
+/// Bodies of triangles; the truth of a cube is known from functions on its faces.
+std::vector<SetUp> mesh_set_ups() {
+  const Cuboid cube{0.05, 0.05, 0.05};
+  std::vector<SetUp> cubes{body_set_up("", cube, {0, 0, 0.045}, 0)};
+  solve_unknown(cubes, 1e-5);
+  std::vector<SetUp> set_ups{
+      body_set_up("cube of 12 triangles, 2 cm above", Mesh{"", 1, triangulate(cube)}, {0, 0, 0.045}, 0),
+      body_set_up("cylinder of 96 triangles, 1 cm above", Cylinder{0.02, 0.06, 24}, {0, 0, 0.04}, 0),
+      body_set_up("ball of 1,088 triangles, 2 cm above", Sphere{0.03, 34}, {0, 0, 0.05}, 0),
+      body_set_up("ball of 5,040 triangles, 2 cm above", Sphere{0.03, 72}, {0, 0, 0.05}, 0)};
+  set_ups[0].truth = cubes[0].truth;
+  set_ups[0].relative_error = cubes[0].relative_error;
+  solve_unknown(set_ups, 3e-4);
+  return set_ups;
 }
 
 /// What was measured of one set-up at one rtol; errors relative to the entries.
@@ -104,11 +125,11 @@ struct Measurement {
   bool covered;  ///< whether the estimate and what the truth is known to cover the error
 };
 
-Measurement measure(const SetUp& set_up, double rtol) {
+Measurement measure(const SetUp& set_up, double rtol, int repeats) {
   const BoundaryElementOptions options{.rtol = rtol};
   MaxwellMatrix answer = maxwell(set_up.scene, options);
   double seconds = 1e9;
-  for (int repeat = 0; repeat < 5; ++repeat) {
+  for (int repeat = 0; repeat < repeats; ++repeat) {
     const double start = processor_seconds();
     answer = maxwell(set_up.scene, options);
     seconds = std::min(seconds, processor_seconds() - start);
@@ -124,8 +145,9 @@ Measurement measure(const SetUp& set_up, double rtol) {
   return {rtol, 1e3 * seconds, error.abs().maxCoeff(), covered};
 }
 
-void summarise(const std::string& what, const std::vector<Measurement>& measured) {
-  for (const double rtol : rtols) {
+void summarise(const std::string& what, const std::vector<Measurement>& measured,
+               std::span<const double> asked) {
+  for (const double rtol : asked) {
     std::vector<double> times, errors;
     std::ptrdiff_t covered = 0;
     for (const Measurement& one : measured)
@@ -149,16 +171,21 @@ void summarise(const std::string& what, const std::vector<Measurement>& measured
 int main() {
   const std::vector<SetUp> plates = known_set_ups();
   std::vector<SetUp> boxes = box_set_ups();
-  solve_unknown(boxes);
+  solve_unknown(boxes, 1e-5);
+  const std::vector<SetUp> meshes = mesh_set_ups();
   fmt::print("{:<40} {:>8} {:>9} {:>8} {:>10} {:>12} {:>12} {:>12}\n", "set-up", "rtol", "unknowns",
              "reached", "ms", "error %", "known to %", "estimate %");
-  std::vector<Measurement> of_plates, of_boxes;
+  std::vector<Measurement> of_plates, of_boxes, of_meshes;
   for (const double rtol : rtols) {
     for (const SetUp& set_up : plates)
-      of_plates.push_back(measure(set_up, rtol));
+      of_plates.push_back(measure(set_up, rtol, 5));
     for (const SetUp& set_up : boxes)
-      of_boxes.push_back(measure(set_up, rtol));
+      of_boxes.push_back(measure(set_up, rtol, 5));
   }
-  summarise("plates", of_plates);
-  summarise("boxes", of_boxes);
+  for (const double rtol : mesh_rtols)
+    for (const SetUp& set_up : meshes)
+      of_meshes.push_back(measure(set_up, rtol, 2));
+  summarise("plates", of_plates, rtols);
+  summarise("boxes", of_boxes, rtols);
+  summarise("meshes", of_meshes, mesh_rtols);
 }

@@ -524,8 +524,8 @@ method.)");
            "faces"_a = "all", "tolerance"_a = 0.0, "rtol"_a = py::none(), "correction"_a = "none",
            R"(What every sensor feels, as the dictionary that `fringe capacitance --json` prints; F and V.
 
-method: "exact", "split:N" or "gauss:K", as for plate_integral; or "boundary-elements", for plates and cuboids, or
-"reduced:K", the same in microseconds for moving scenes.
+method: "exact", "split:N" or "gauss:K", as for plate_integral; or "boundary-elements", for every shape, or "reduced:K",
+for plates and cuboids, the same in microseconds for moving scenes.
 plates: "sum", every plate of a sensor counts every point of a surface; "nearest", only the plate nearest to it does.
 faces: "all", or "facing": only triangles whose outward side sees the plate, and those in contact with it.
 tolerance: what may be left out of a sensor's total, relative to it; each object's "bound" says how much of it was left
@@ -550,8 +550,8 @@ the column's, and an estimate of its error; "delta_self" by sensor, its own entr
 "lower_bounds", which entries of the diagonal are not above the truth; "floating", objects without charge and so without
 a row; "reached", whether the errors are within rtol; "unknowns", "seconds".
 
-Knows plates and cuboids. Raises InputError (a ValueError) for other shapes, dielectric objects and conductors that touch
-or cross.)")
+Round shapes are the polyhedra of their triangles here. Raises InputError (a ValueError) for dielectric objects and
+conductors that touch, cross or are inside each other, with "reduced:K" for shapes that are neither plates nor cuboids.)")
       .def(
           "formula_terms",
           [](LiveScene& live) {

@@ -110,8 +110,8 @@ std::vector<Link> read_links(TableReader& root, LinkIndices& indices) {
 
 /// A file may say which version of the format it is written in; this one is the first.
 void require_known_format(TableReader& root) {
-  constexpr int known = 1;
-  const int format = root.whole_number_or("format", 1, known);
+  constexpr int known = 1, most_formats = 1'000'000;
+  const int format = root.whole_number_or("format", 1, most_formats, known);
   if (format != known)
     root.fail("format", fmt::format("is {}, and this program knows {} only", format, known));
 }

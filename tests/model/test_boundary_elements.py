@@ -144,12 +144,23 @@ def test_the_module_refuses_as_the_command_does(scene: Path, options: dict[str, 
         fringe.Scene.load(scene).capacitance(**options)
 
 
-def test_other_shapes_are_refused_by_name(fringe_command: Command, tmp_path: Path) -> None:
+def test_other_shapes_are_answered_as_their_triangles(fringe_command: Command, tmp_path: Path) -> None:
     path = tmp_path / "ball.toml"
-    path.write_text(SCENE.replace('"cuboid", size = [0.08, 0.1, 0.03]', '"sphere", radius = 0.02'))
+    path.write_text(
+        SCENE.replace('"cuboid", size = [0.08, 0.1, 0.03]', '"sphere", radius = 0.02, segments = 12')
+    )
+    done = fringe_command("capacitance", path, "--method", "boundary-elements", "--rtol", "0.02", "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    answer = json.loads(done.stdout)
+    assert answer["sensors"][0]["objects"][0]["capacitance"] > 0
+
+
+def test_meshes_that_touch_are_refused_by_name(fringe_command: Command, tmp_path: Path) -> None:
+    path = tmp_path / "ball.toml"
+    path.write_text(SCENE.replace('"cuboid", size = [0.08, 0.1, 0.03]', '"sphere", radius = 0.051'))
     done = fringe_command("capacitance", path, "--method", "boundary-elements")
     assert (done.returncode, done.stdout) == (2, "")
-    assert f'{path}: object "palm" is neither a plate nor a cuboid' in done.stderr
+    assert f'{path}: sensor "front" plates[0] and object "palm" touch or cross' in done.stderr
 
 
 def test_an_error_that_is_not_reached_is_status_3_and_answered(

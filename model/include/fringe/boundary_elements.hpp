@@ -42,9 +42,12 @@ struct MaxwellMatrix {
 };
 
 /// The Maxwell matrix by Galerkin boundary elements (model/BOUNDARY_ELEMENTS.md), refined until the estimated
-/// errors are within rtol. Knows plates and cuboids in any pose, sensors of several plates, grounded and
-/// floating objects. Throws InputError for other shapes, dielectric objects, plates that are no rectangles,
-/// rooms, conductors that touch or cross, a scene without sensors and objects, and options out of range.
+/// errors are within rtol. Knows every shape in any pose, sensors of several plates, grounded and floating
+/// objects. Of a cylinder, cone, arc or sphere the answer is that of its triangles (triangulate()), which lie
+/// within it; meshes need not be closed. Throws InputError for dielectric objects, plates that are no
+/// rectangles, triangles without area or that are there twice, rooms, conductors that touch, cross or are
+/// inside each other, more triangles than unknowns, a scene without sensors and objects, and options out of
+/// range.
 MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options = {});
 
 /// What every sensor of the scene feels by its Maxwell matrix: an object's capacitance is `mutual`, a

@@ -32,7 +32,8 @@ std::optional<int> parse_reduced_steps(std::string_view text);
 /// (model/BOUNDARY_ELEMENTS.md, section 8). What does not depend on poses is prepared once.
 class ReducedEvaluator {
  public:
-  /// @throws InputError for what maxwell() refuses, but conductors that touch, and options out of range.
+  /// @throws InputError for what maxwell() refuses, but conductors that touch, for shapes that are neither
+  /// plates nor cuboids, and options out of range.
   explicit ReducedEvaluator(const Scene& scene, const ReducedOptions& options = {});
   ~ReducedEvaluator();
   ReducedEvaluator(ReducedEvaluator&&) noexcept;

@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "charged_bodies.hpp"
 #include "fringe/error.hpp"
-#include "galerkin_system.hpp"
 #include "matrix_changes.hpp"
+#include "panel_system.hpp"
 #include "resolution.hpp"
 
 namespace fringe {
@@ -19,8 +20,10 @@ namespace {
 using detail::changes;
 using detail::ChargedBodies;
 using detail::FaceFunctions;
-using detail::GalerkinSolution;
-using detail::GalerkinSystem;
+using detail::PanelGroup;
+using detail::PanelMesh;
+using detail::PanelSolution;
+using detail::PanelSystem;
 using detail::without_floating;
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -33,6 +36,11 @@ constexpr double loosest_rtol = 0.5;
 /// and plates on their own show the power 3.3 or more. Narrow features that are only just seen do worse: in
 /// random poses (BOUNDARY_ELEMENTS.md, section 7) 1.2 times the change was met.
 constexpr double error_per_change = 1.5;
+
+/// The same with panels, whose error falls more slowly: singular edges leave the first power of their number
+/// along a direction where they are not resolved, and the shadow of a body close by as much as 1.6 times the
+/// change.
+constexpr double error_per_panel_change = 2;
 
 /// Where there are more features than functions: two spaces that both miss them agree. In random near poses
 /// ten times the change was met.
@@ -48,6 +56,9 @@ constexpr double finest_tolerance = 1e-13;
 /// The part of rtol that the quadratures may take.
 constexpr double quadrature_share = 0.05;
 
+/// The part of rtol at which the panels' iteration ends.
+constexpr double iteration_share = 0.003;
+
 void validate(const BoundaryElementOptions& options) {
   if (!(options.rtol >= strictest_rtol && options.rtol <= loosest_rtol))
     throw InputError(
@@ -55,7 +66,7 @@ void validate(const BoundaryElementOptions& options) {
 }
 
 /// The answer in metres, to be multiplied by 4πε.
-void tell(const GalerkinSolution& solution, const ChargedBodies& bodies, double per_change,
+void tell(const PanelSolution& solution, const ChargedBodies& bodies, double per_change,
           double quadrature_tolerance, MaxwellMatrix& answer) {
   const MatrixXd fine = without_floating(solution.all.fine, bodies.floating);
   const MatrixXd coarse = without_floating(solution.all.coarse, bodies.floating);
@@ -63,7 +74,8 @@ void tell(const GalerkinSolution& solution, const ChargedBodies& bodies, double 
   const MatrixXd quadrature = quadrature_caution * quadrature_tolerance *
                               solution.quadrature_effect.topLeftCorner(conductors, conductors);
   answer.values = fine;
-  answer.errors = per_change * changes(fine, coarse) + quadrature;
+  const MatrixXd unfinished = solution.unfinished.topLeftCorner(conductors, conductors);
+  answer.errors = per_change * changes(fine, coarse) + quadrature + unfinished;
   answer.delta_self = fine.diagonal().head(sensors) - solution.sensors.fine.diagonal();
   const Eigen::VectorXd coarse_delta = coarse.diagonal().head(sensors) - solution.sensors.coarse.diagonal();
   const Eigen::VectorXd relative =
@@ -71,7 +83,7 @@ void tell(const GalerkinSolution& solution, const ChargedBodies& bodies, double 
   answer.delta_self_errors = per_change * (answer.delta_self - coarse_delta)
                                               .cwiseAbs()
                                               .cwiseMax(relative.cwiseProduct(answer.delta_self).cwiseAbs()) +
-                             quadrature.diagonal().head(sensors);
+                             quadrature.diagonal().head(sensors) + unfinished.diagonal().head(sensors);
   answer.lower_bounds.resize(static_cast<std::size_t>(conductors));
   for (Index i = 0; i < conductors; ++i)
     answer.lower_bounds[static_cast<std::size_t>(i)] =
@@ -84,18 +96,25 @@ double largest_error(const MaxwellMatrix& answer) {
   return (answer.errors.array() / answer.values.array().abs()).maxCoeff();
 }
 
-/// More functions where the highest ones hold more than their part of the energy that may still be missing.
-/// False when none may be added.
-bool add_functions(const GalerkinSolution& solution, double excess, std::vector<FaceFunctions>& functions) {
-  /// The missing energy falls like this power of the number of functions.
-  constexpr double power = 4;
+/// The missing energy that is allowed after a refinement, by what the highest functions and the groups of
+/// panels hold.
+double allowed_energy(const PanelSolution& solution, double excess) {
   /// More than is asked, not to come back for a little.
   constexpr double margin = 2;
-  constexpr double most_growth = 2;
-  double total = 0;
+  double total = solution.group_energies.sum();
   for (const Eigen::Vector2d& highest : solution.highest)
     total += highest.sum();
-  const double allowed = total / (margin * excess * 2 * static_cast<double>(functions.size()));
+  return total / (margin * excess);
+}
+
+/// More functions where the highest ones hold more than their part of the allowed energy. False when none may
+/// be added.
+bool add_functions(const PanelSolution& solution, double allowed_of_all,
+                   std::vector<FaceFunctions>& functions) {
+  /// The missing energy falls like this power of the number of functions.
+  constexpr double power = 4;
+  constexpr double most_growth = 2;
+  const double allowed = allowed_of_all / (2 * static_cast<double>(functions.size()));
   bool added = false;
   const auto grow = [&](int& count, double energy) {
     if (!(energy > allowed) || count == detail::most_functions)
@@ -112,6 +131,36 @@ bool add_functions(const GalerkinSolution& solution, double excess, std::vector<
   return added;
 }
 
+/// The groups of panels that hold the most, as many as it takes to come below the allowed energy, or to have
+/// the greater part of it, and no more than make `most` panels more. Empty if none is to be refined.
+std::vector<bool> groups_to_refine(const PanelSolution& solution, const std::vector<PanelGroup>& groups,
+                                   double allowed, std::size_t most) {
+  /// What a refined group goes on to hold, of what it held; less where the charge is smooth.
+  constexpr double left = 0.4;
+  /// The rest is too little to be known to be worth refining.
+  constexpr double greater_part = 0.75;
+  std::vector<std::size_t> order(groups.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto energy = [&](std::size_t group) { return solution.group_energies[static_cast<Index>(group)]; };
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return energy(a) > energy(b); });
+  const double total = solution.group_energies.sum();
+  double taken = 0, last = 0;
+  std::size_t added = 0;
+  std::vector<bool> marked(groups.size(), false);
+  for (const std::size_t group : order) {
+    /// Groups that are alike but for rounding are refined together.
+    constexpr double alike = 1 - 1e-6;
+    const bool enough = total - (1 - left) * taken <= allowed || taken >= greater_part * total;
+    if ((enough && energy(group) < alike * last) || added + PanelMesh::growth(groups[group]) > most)
+      break;
+    marked[group] = true;
+    last = energy(group);
+    added += PanelMesh::growth(groups[group]);
+    taken += last;
+  }
+  return added > 0 ? marked : std::vector<bool>{};
+}
+
 std::size_t count_unknowns(const std::vector<FaceFunctions>& functions) {
   std::size_t unknowns = 0;
   for (const FaceFunctions& face : functions)
@@ -125,16 +174,45 @@ struct Beginning {
   double error_per_change;
 };
 
-Beginning beginning(const ChargedBodies& bodies, const BoundaryElementOptions& options) {
+Beginning beginning(const ChargedBodies& bodies, std::size_t panels, const BoundaryElementOptions& options) {
   const int least = options.rtol >= 0.01 ? 5 : 7;
   const double features = options.rtol > 3e-3 ? 1 : 2;
-  Beginning result{detail::resolving_functions(bodies, features, least), error_per_change};
-  if (count_unknowns(result.functions) > options.most_unknowns)
+  Beginning result{detail::resolving_functions(bodies, features, least),
+                   panels > 0 ? error_per_panel_change : error_per_change};
+  if (count_unknowns(result.functions) + panels > options.most_unknowns)
     result = {detail::resolving_functions(bodies, 0, least), error_per_unresolved_change};
-  if (count_unknowns(result.functions) > options.most_unknowns)
+  if (count_unknowns(result.functions) + panels > options.most_unknowns)
     throw InputError(fmt::format("the scene takes {} unknowns or more: boundary elements end at {}",
-                                 count_unknowns(result.functions), options.most_unknowns));
+                                 count_unknowns(result.functions) + panels, options.most_unknowns));
   return result;
+}
+
+/// False when nothing may be added.
+bool refine(PanelSystem& system, const PanelSolution& solution, double excess, std::size_t most_unknowns,
+            std::vector<FaceFunctions>& functions) {
+  const std::size_t panels = system.mesh().panels().size();
+  if (panels == 0) {
+    std::vector<FaceFunctions> more = functions;
+    if (!add_functions(solution, allowed_energy(solution, excess), more) ||
+        count_unknowns(more) > most_unknowns)
+      return false;
+    functions = more;
+    return true;
+  }
+  /// Faces and panels have half each.
+  const double allowed = allowed_energy(solution, excess) / 2;
+  bool added = add_functions(solution, allowed, functions);
+  const std::size_t used = count_unknowns(functions) + panels;
+  if (used > most_unknowns)
+    return false;
+  /// A solution takes several times as long with twice as many; what the charges tell now is worth that.
+  const std::vector<bool> marked =
+      groups_to_refine(solution, system.mesh().groups(), allowed, std::min(panels, most_unknowns - used));
+  if (!marked.empty()) {
+    system.refine_groups(marked, solution.charges);
+    added = true;
+  }
+  return added;
 }
 
 }  // namespace
@@ -147,8 +225,8 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   const std::size_t rows = bodies.names.size() - bodies.floating;
   if (rows == 0)
     throw InputError("the scene has neither a sensor nor a grounded object");
-  GalerkinSystem system(bodies);
-  auto [functions, per_change] = beginning(bodies, options);
+  PanelSystem system(bodies);
+  auto [functions, per_change] = beginning(bodies, system.mesh().panels().size(), options);
 
   MaxwellMatrix answer;
   answer.conductors.assign(bodies.names.begin(), bodies.names.begin() + static_cast<std::ptrdiff_t>(rows));
@@ -157,7 +235,7 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   double tolerance = options.rtol / 10;
   while (true) {
     system.refine(functions, tolerance);
-    const GalerkinSolution solution = system.solve();
+    const PanelSolution solution = system.solve(iteration_share * options.rtol);
     if (!solution.positive_definite) {
       if (tolerance < finest_tolerance)
         throw std::runtime_error("the matrix of the boundary elements is not positive definite");
@@ -165,7 +243,7 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
       continue;
     }
     tell(solution, bodies, per_change, tolerance, answer);
-    answer.unknowns = count_unknowns(functions);
+    answer.unknowns = count_unknowns(functions) + system.mesh().panels().size();
     const double excess = largest_error(answer) / options.rtol;
     answer.reached = excess <= 1;
     if (answer.reached)
@@ -179,11 +257,8 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
     const bool tightened = quadrature > quadrature_share * options.rtol;
     if (tightened)
       tolerance *= quadrature_share * options.rtol / quadrature / 2;
-    std::vector<FaceFunctions> more = functions;
-    const bool added = add_functions(solution, excess, more);
-    if ((!added && !tightened) || count_unknowns(more) > options.most_unknowns)
+    if (!refine(system, solution, excess, options.most_unknowns, functions) && !tightened)
       break;
-    functions = more;
   }
   const double factor = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
   answer.values *= factor;

@@ -1,12 +1,16 @@
 #include "charged_bodies.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
 
 #include <fmt/format.h>
 
 #include "fringe/error.hpp"
-#include "fringe/gjk.hpp"
 #include "fringe/pose.hpp"
+#include "fringe/triangulation.hpp"
+#include "surface_contact.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -38,6 +42,30 @@ void validate_sizes(const Object& object, std::initializer_list<double> sizes) {
       throw InputError(fmt::format("object \"{}\": a size of {} is not positive", object.name, size));
 }
 
+void validate_triangles(const std::string& name, const std::vector<Triangle>& triangles) {
+  /// A height less than this part of the longest side is what rounding makes of none.
+  constexpr double no_height = 1e-10;
+  using Corner = std::array<double, 3>;
+  std::map<std::array<Corner, 3>, std::size_t> known;
+  for (std::size_t k = 0; k < triangles.size(); ++k) {
+    double longest = 0;
+    std::array<Corner, 3> corners;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vector3d& corner = triangles[k][i];
+      if (!corner.allFinite())
+        throw InputError(fmt::format("{}: triangle {} is not finite", name, k));
+      corners[i] = {corner.x(), corner.y(), corner.z()};
+      longest = std::max(longest, (triangles[k][(i + 1) % 3] - corner).squaredNorm());
+    }
+    if (!(twice_area(triangles[k]) > no_height * longest))
+      throw InputError(fmt::format("{}: triangle {} has no area", name, k));
+    std::sort(corners.begin(), corners.end());
+    const auto [other, is_new] = known.emplace(corners, k);
+    if (!is_new)
+      throw InputError(fmt::format("{}: the triangles {} and {} are the same", name, other->second, k));
+  }
+}
+
 ChargedBody body_of(const Object& object, std::size_t conductor) {
   const Eigen::Isometry3d& pose = object.pose;
   ChargedBody body{conductor, {}, Vector3d::Zero(), fmt::format("object \"{}\"", object.name), object.link};
@@ -52,8 +80,12 @@ ChargedBody body_of(const Object& object, std::size_t conductor) {
     for (const Face& face : faces_of_box(body.half_sides))
       body.faces.push_back(moved_face(face, pose));
   } else {
-    throw InputError(
-        fmt::format("{} is neither a plate nor a cuboid: boundary elements know no other shape", body.name));
+    if (!pose.matrix().allFinite())
+      throw InputError(fmt::format("{}: its pose is not finite", body.name));
+    body.triangles = triangulate(object.shape);
+    validate_triangles(body.name, body.triangles);
+    for (Triangle& triangle : body.triangles)
+      triangle = transformed(triangle, pose);
   }
   return body;
 }
@@ -66,6 +98,16 @@ std::vector<Vector3d> vertices(const ChargedBody& body) {
       for (const double v : {-face.half_v, face.half_v})
         result.emplace_back(face.centre + u * face.axis_u + v * face.axis_v);
   return result;
+}
+
+/// Convex parts: the hull of all faces, or the triangles.
+std::vector<ConvexHull> hulls_of(const ChargedBody& body) {
+  if (!body.faces.empty())
+    return {vertices(body)};
+  std::vector<ConvexHull> hulls;
+  for (const Triangle& triangle : body.triangles)
+    hulls.emplace_back(triangle.begin(), triangle.end());
+  return hulls;
 }
 
 }  // namespace
@@ -107,13 +149,23 @@ ChargedBody moved(const ChargedBody& body, const Eigen::Isometry3d& pose) {
     if (!face.centre.allFinite() || !face.axis_u.allFinite() || !face.axis_v.allFinite())
       throw InputError(fmt::format("{}: its pose is not finite", body.name));
   }
+  for (Triangle& triangle : result.triangles) {
+    triangle = transformed(triangle, pose);
+    if (!triangle[0].allFinite())
+      throw InputError(fmt::format("{}: its pose is not finite", body.name));
+  }
   return result;
 }
 
 void refuse_contact(const ChargedBody& a, const ChargedBody& b) {
-  if (gjk_intersects(vertices(a), vertices(b)).intersects)
+  const std::vector<ConvexHull> hulls_a = hulls_of(a), hulls_b = hulls_of(b);
+  if (hulls_meet(hulls_a, hulls_b))
     throw InputError(
         fmt::format("{} and {} touch or cross: boundary elements need conductors apart", a.name, b.name));
+  for (const auto& [outside, inside, points] : {std::tuple(&a, &b, &hulls_b), std::tuple(&b, &a, &hulls_a)})
+    if (is_closed(outside->triangles) && surrounds(outside->triangles, points->front().front()))
+      throw InputError(fmt::format("{} is inside {}: boundary elements need conductors apart", inside->name,
+                                   outside->name));
 }
 
 ChargedBodies charged_bodies(const Scene& scene) {

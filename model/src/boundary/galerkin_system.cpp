@@ -10,25 +10,21 @@
 #include "self_table.hpp"
 
 namespace fringe::detail {
+
+/// Where a face's functions lie in a system: those of the smaller space first, over all faces.
+struct FaceNumbering {
+  std::vector<std::vector<Eigen::Index>> places;  ///< of each face's functions
+  Eigen::Index coarse = 0;
+  Eigen::Index total = 0;
+};
+
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// Where a face's functions lie in a system: those of the smaller space first, over all faces.
-struct Numbering {
-  std::vector<std::vector<Index>> places;  ///< of each face's functions
-  Index coarse = 0;
-  Index total = 0;
-};
-
-bool is_coarse(FaceFunctions functions, int function) {
-  return function / functions.v < coarse_functions(functions.u) &&
-         function % functions.v < coarse_functions(functions.v);
-}
-
-Numbering number(const std::vector<FaceFunctions>& functions, std::size_t faces) {
-  Numbering numbering;
+FaceNumbering number(const std::vector<FaceFunctions>& functions, std::size_t faces) {
+  FaceNumbering numbering;
   numbering.places.resize(faces);
   for (std::size_t face = 0; face < faces; ++face)
     numbering.places[face].resize(static_cast<std::size_t>(functions[face].count()));
@@ -44,6 +40,18 @@ Numbering number(const std::vector<FaceFunctions>& functions, std::size_t faces)
 }
 
 }  // namespace
+
+struct GalerkinSystem::Solved {
+  FaceNumbering numbering;
+  MatrixXd charges;
+  NestedMatrix matrix;
+  bool positive_definite = true;
+};
+
+bool is_coarse(FaceFunctions functions, int function) {
+  return function / functions.v < coarse_functions(functions.u) &&
+         function % functions.v < coarse_functions(functions.v);
+}
 
 int coarse_functions(int functions) {
   // Odd, as the number of functions is: what is symmetric loses and gains as much as the rest.
@@ -114,47 +122,77 @@ void GalerkinSystem::refine_pair(std::size_t a, std::size_t b, double tolerance)
            mutual_matrix(faces_[a], functions_[a], faces_[b], functions_[b], tolerance)};
 }
 
+double GalerkinSystem::net_charge(std::size_t face) const {
+  const double net = weighted_polynomials(faces_[face].edge).net_charge();
+  return net * net;
+}
+
+std::size_t GalerkinSystem::sensor_faces() const {
+  std::size_t faces = 0;
+  while (faces < faces_.size() && conductor(faces) < bodies_.sensors)
+    ++faces;
+  return faces;
+}
+
+GalerkinSystem::Solved GalerkinSystem::solve(std::size_t faces, Index columns) const {
+  Solved solved;
+  solved.numbering = number(functions_, faces);
+  const auto& [places, coarse_size, total] = solved.numbering;
+  MatrixXd matrix(total, total);
+  MatrixXd& charges = solved.charges;
+  charges = MatrixXd::Zero(total, columns);
+  for (std::size_t a = 0; a < faces; ++a) {
+    charges(places[a][0], static_cast<Index>(conductor(a))) = net_charge(a);
+    for (std::size_t b = a; b < faces; ++b) {
+      const MatrixXd& values = block(a, b);
+      for (Index k = 0; k < values.cols(); ++k)
+        for (Index i = 0; i < values.rows(); ++i) {
+          const Index row = places[a][static_cast<std::size_t>(i)];
+          const Index column = places[b][static_cast<std::size_t>(k)];
+          matrix(std::max(row, column), std::min(row, column)) = values(i, k);
+        }
+    }
+  }
+  const Eigen::LLT<Eigen::Ref<MatrixXd>> factor(matrix);
+  if (factor.info() != Eigen::Success) {
+    solved.positive_definite = false;
+    return solved;
+  }
+  factor.matrixL().solveInPlace(charges);
+  const auto coarse = charges.topRows(coarse_size);
+  solved.matrix.coarse = coarse.transpose() * coarse;
+  solved.matrix.fine = charges.transpose() * charges;
+  factor.matrixU().solveInPlace(charges);
+  return solved;
+}
+
+NestedMatrix GalerkinSystem::solve_sensors() const {
+  return solve(sensor_faces(), static_cast<Index>(bodies_.sensors)).matrix;
+}
+
+MatrixXd GalerkinSystem::quadrature_effect(const MatrixXd& norms) const {
+  MatrixXd effect = MatrixXd::Zero(norms.cols(), norms.cols());
+  for (std::size_t a = 0; a < faces_.size(); ++a)
+    for (std::size_t b = a + 1; b < faces_.size(); ++b) {
+      if (body_of_[a] == body_of_[b])
+        continue;
+      const MatrixXd product = norms.row(static_cast<Index>(a)).transpose() *
+                               norms.row(static_cast<Index>(b)) * block(a, b).cwiseAbs().maxCoeff();
+      effect += product + product.transpose();
+    }
+  return effect;
+}
+
 GalerkinSolution GalerkinSystem::solve() const {
   GalerkinSolution solution;
   const auto conductors = static_cast<Index>(bodies_.names.size());
-  const auto sensors = static_cast<Index>(bodies_.sensors);
-  std::size_t sensor_faces = 0;
-  while (sensor_faces < faces_.size() && bodies_.bodies[body_of_[sensor_faces]].conductor < bodies_.sensors)
-    ++sensor_faces;
-
-  const auto solve_of = [&](std::size_t faces, Index columns, NestedMatrix& result) {
-    const Numbering numbering = number(functions_, faces);
-    MatrixXd matrix(numbering.total, numbering.total);
-    MatrixXd charges = MatrixXd::Zero(numbering.total, columns);
-    for (std::size_t a = 0; a < faces; ++a) {
-      const double net = weighted_polynomials(faces_[a].edge).net_charge();
-      charges(numbering.places[a][0], static_cast<Index>(bodies_.bodies[body_of_[a]].conductor)) = net * net;
-      for (std::size_t b = a; b < faces; ++b) {
-        const MatrixXd& values = blocks_[pair(a, b)].values;
-        for (Index k = 0; k < values.cols(); ++k)
-          for (Index i = 0; i < values.rows(); ++i) {
-            const Index row = numbering.places[a][static_cast<std::size_t>(i)];
-            const Index column = numbering.places[b][static_cast<std::size_t>(k)];
-            matrix(std::max(row, column), std::min(row, column)) = values(i, k);
-          }
-      }
-    }
-    const Eigen::LLT<Eigen::Ref<MatrixXd>> factor(matrix);
-    if (factor.info() != Eigen::Success) {
-      solution.positive_definite = false;
-      return std::pair(numbering, charges);
-    }
-    factor.matrixL().solveInPlace(charges);
-    const auto coarse = charges.topRows(numbering.coarse);
-    result.coarse = coarse.transpose() * coarse;
-    result.fine = charges.transpose() * charges;
-    factor.matrixU().solveInPlace(charges);
-    return std::pair(numbering, charges);
-  };
-
-  solve_of(sensor_faces, sensors, solution.sensors);
-  const auto [numbering, charges] = solve_of(faces_.size(), conductors, solution.all);
-
+  const Solved sensors = solve(sensor_faces(), static_cast<Index>(bodies_.sensors));
+  const Solved all = solve(faces_.size(), conductors);
+  solution.positive_definite = sensors.positive_definite && all.positive_definite;
+  solution.sensors = sensors.matrix;
+  solution.all = all.matrix;
+  const FaceNumbering& numbering = all.numbering;
+  const MatrixXd& charges = all.charges;
   if (!solution.positive_definite)
     return solution;
   solution.highest.assign(faces_.size(), Eigen::Vector2d::Zero());
@@ -173,17 +211,7 @@ GalerkinSolution GalerkinSystem::solve() const {
         solution.highest[face][1] += energy;
     }
   }
-  norms = norms.cwiseSqrt();
-  solution.quadrature_effect = MatrixXd::Zero(conductors, conductors);
-  for (std::size_t a = 0; a < faces_.size(); ++a)
-    for (std::size_t b = a + 1; b < faces_.size(); ++b) {
-      if (body_of_[a] == body_of_[b])
-        continue;
-      const MatrixXd product = norms.row(static_cast<Index>(a)).transpose() *
-                               norms.row(static_cast<Index>(b)) *
-                               blocks_[pair(a, b)].values.cwiseAbs().maxCoeff();
-      solution.quadrature_effect += product + product.transpose();
-    }
+  solution.quadrature_effect = quadrature_effect(norms.cwiseSqrt());
   return solution;
 }
 

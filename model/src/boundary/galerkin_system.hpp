@@ -32,6 +32,9 @@ struct GalerkinSolution {
 /// The functions of the smaller space along a direction with an odd number of functions, 3 or more.
 int coarse_functions(int functions);
 
+/// Whether a face's function is one of the smaller space.
+bool is_coarse(FaceFunctions functions, int function);
+
 class GalerkinSystem {
  public:
   explicit GalerkinSystem(const ChargedBodies& bodies);
@@ -43,6 +46,21 @@ class GalerkinSystem {
 
   GalerkinSolution solve() const;
 
+  /// The matrix of the sensors without the objects; nothing of it if the quadratures are too coarse.
+  NestedMatrix solve_sensors() const;
+
+  const Face& face(std::size_t face) const { return faces_[face]; }
+  FaceFunctions functions(std::size_t face) const { return functions_[face]; }
+  std::size_t conductor(std::size_t face) const { return bodies_.bodies[body_of_[face]].conductor; }
+  /// The net charge of a face's first function, the only one that has any.
+  double net_charge(std::size_t face) const;
+  /// The interaction of two faces a ≤ b.
+  const Eigen::MatrixXd& block(std::size_t a, std::size_t b) const { return blocks_[pair(a, b)].values; }
+
+  /// How much the mutual matrices' errors, relative to their largest elements, may change the capacitances:
+  /// by the norm of each face's coefficients (rows) for every conductor at a potential of one.
+  Eigen::MatrixXd quadrature_effect(const Eigen::MatrixXd& norms) const;
+
  private:
   struct Block {
     FaceFunctions first{0, 0};
@@ -51,6 +69,10 @@ class GalerkinSystem {
     Eigen::MatrixXd values;
   };
 
+  /// Of the first faces: the numbering of their functions, and the charges of the first conductors.
+  struct Solved;
+  Solved solve(std::size_t faces, Eigen::Index columns) const;
+  std::size_t sensor_faces() const;
   std::size_t pair(std::size_t a, std::size_t b) const { return a * faces_.size() + b; }
   void refine_body(std::size_t body);
   void refine_pair(std::size_t a, std::size_t b, double tolerance);

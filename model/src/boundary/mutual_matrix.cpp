@@ -57,15 +57,15 @@ int rounded_up(double points) {
   return std::min(static_cast<int>(std::ceil(std::min(points, 1e6))), most_points);
 }
 
-struct Panel {
+struct RulePanel {
   double from;
   double to;
   int points;
 };
 
-DirectionRule rule_of_panels(const std::vector<Panel>& panels, EdgeKind edge, int functions) {
+DirectionRule rule_of_panels(const std::vector<RulePanel>& panels, EdgeKind edge, int functions) {
   Index total = 0;
-  for (const Panel& panel : panels)
+  for (const RulePanel& panel : panels)
     total += panel.points;
   DirectionRule rule{Eigen::VectorXd(total), Eigen::MatrixXd(functions, total)};
   Index offset = 0;
@@ -91,7 +91,7 @@ class OuterDirection {
       const DirectionRule& known = whole_rule(face_.edge, whole);
       return {known.nodes, known.weights.topRows(functions_)};
     }
-    std::vector<Panel> panels;
+    std::vector<RulePanel> panels;
     halve(-1, 1, 0, panels);
     return rule_of_panels(panels, face_.edge, functions_);
   }
@@ -121,7 +121,7 @@ class OuterDirection {
     return rounded_up(1 + functions_ / 2.0 + most + std::min(2 * most, other_functions_ / 2.0));
   }
 
-  void halve(double from, double to, int halvings, std::vector<Panel>& panels) const {
+  void halve(double from, double to, int halvings, std::vector<RulePanel>& panels) const {
     const double half_length = (to - from) / 2, away = distance(from, to);
     /// Where two halves need no more points together than the whole.
     constexpr double close = 0.45;
@@ -149,7 +149,7 @@ class OuterDirection {
 /// One direction of the face over which is integrated first, seen from one point: the kernel is singular at
 /// at ± i·height in the complex plane of the coordinate.
 void inner_rule(EdgeKind edge, int functions, double at, double height, double digits,
-                std::vector<Panel>& panels, DirectionRule& rule) {
+                std::vector<RulePanel>& panels, DirectionRule& rule) {
   const int whole = rounded_up(1 + functions / 2.0 + points_for_singularity(at, height, digits));
   if (whole <= most_whole_points) {
     const DirectionRule& known = whole_rule(edge, whole);
@@ -245,7 +245,7 @@ class InnerPotential {
   Vector3d normal_;
   FaceFunctions functions_;
   double digits_;
-  std::vector<Panel> panels_;
+  std::vector<RulePanel> panels_;
   DirectionRule u_;
   DirectionRule v_;
   Eigen::ArrayXd across_;
@@ -270,18 +270,31 @@ Eigen::MatrixXd integral(const Face& outer, FaceFunctions outer_functions, const
   return result;
 }
 
+/// The ellipses tell how fast an error falls, not where from: near an edge, from three times the elements.
+double digits_for(double tolerance) {
+  constexpr double start = 10;
+  return std::log(start / tolerance);
+}
+
 }  // namespace
 
 Eigen::MatrixXd mutual_matrix(const Face& first, FaceFunctions first_functions, const Face& second,
                               FaceFunctions second_functions, double tolerance) {
-  // The ellipses tell how fast an error falls, not where from: near an edge, from three times the elements.
-  constexpr double start = 10;
-  const double digits = std::log(start / tolerance);
+  const double digits = digits_for(tolerance);
   const OuterRule over_first = outer_rule(first, first_functions, second, second_functions, digits);
   const OuterRule over_second = outer_rule(second, second_functions, first, first_functions, digits);
   if (over_first.nodes() < over_second.nodes())
     return integral(first, first_functions, over_first, second, second_functions, digits).transpose();
   return integral(second, second_functions, over_second, first, first_functions, digits);
+}
+
+Eigen::MatrixXd face_potentials(const Face& face, FaceFunctions functions, std::span<const Vector3d> points,
+                                double tolerance) {
+  InnerPotential potential(face, functions, digits_for(tolerance));
+  Eigen::MatrixXd result(functions.count(), static_cast<Index>(points.size()));
+  for (Index k = 0; k < result.cols(); ++k)
+    potential.at(points[static_cast<std::size_t>(k)], result.col(k));
+  return result;
 }
 
 }  // namespace fringe::detail

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include <Eigen/Core>
 
 #include "face.hpp"
@@ -11,5 +13,9 @@ namespace fringe::detail {
 /// relative to the largest elements (model/BOUNDARY_ELEMENTS.md, section 5).
 Eigen::MatrixXd mutual_matrix(const Face& first, FaceFunctions first_functions, const Face& second,
                               FaceFunctions second_functions, double tolerance);
+
+/// The potentials of a face's functions at points, one column for each.
+Eigen::MatrixXd face_potentials(const Face& face, FaceFunctions functions,
+                                std::span<const Eigen::Vector3d> points, double tolerance);
 
 }  // namespace fringe::detail

@@ -29,6 +29,18 @@ std::array<Segment, 4> edges_of(const Face& face) {
            {corners[3], corners[0]}}};
 }
 
+/// What the charges of a body end at or bend around: the edges of its faces, or the sides of its triangles.
+std::vector<Segment> edges_of(const ChargedBody& body) {
+  std::vector<Segment> edges;
+  for (const Face& face : body.faces)
+    for (const Segment& edge : edges_of(face))
+      edges.push_back(edge);
+  for (const Triangle& triangle : body.triangles)
+    for (std::size_t corner = 0; corner < 3; ++corner)
+      edges.push_back({triangle[corner], triangle[(corner + 1) % 3]});
+  return edges;
+}
+
 /// The logarithm of the parameter of the narrowest ellipse, with the ends of one direction of a face as foci,
 /// that a segment touches. The potential of what is beyond it is analytic inside.
 double log_parameter(const Segment& segment, const Face& face, const Vector3d& along, double half_along,
@@ -70,13 +82,12 @@ std::vector<FaceFunctions> resolving_functions(const ChargedBodies& bodies, doub
       for (const ChargedBody& other : bodies.bodies) {
         if (&other == &body)
           continue;
-        for (const Face& edged : other.faces)
-          for (const Segment& edge : edges_of(edged)) {
-            along_u = std::min(along_u,
-                               log_parameter(edge, face, face.axis_u, face.half_u, face.axis_v, face.half_v));
-            along_v = std::min(along_v,
-                               log_parameter(edge, face, face.axis_v, face.half_v, face.axis_u, face.half_u));
-          }
+        for (const Segment& edge : edges_of(other)) {
+          along_u = std::min(along_u,
+                             log_parameter(edge, face, face.axis_u, face.half_u, face.axis_v, face.half_v));
+          along_v = std::min(along_v,
+                             log_parameter(edge, face, face.axis_v, face.half_v, face.axis_u, face.half_u));
+        }
       }
       functions.push_back({functions_for(along_u, features, least), functions_for(along_v, features, least)});
     }

@@ -137,6 +137,10 @@ class ReducedEvaluator::Implementation {
     if (scene.has_room)
       throw InputError("room: boundary elements know only free space");
     bodies_ = detail::bodies_on_links(scene);
+    for (const ChargedBody& body : bodies_.bodies)
+      if (body.faces.empty())
+        throw InputError(fmt::format(
+            "{} is neither a plate nor a cuboid: the reduced method knows no other shape", body.name));
     const std::size_t rows = bodies_.names.size() - bodies_.floating;
     if (rows == 0)
       throw InputError("the scene has neither a sensor nor a grounded object");

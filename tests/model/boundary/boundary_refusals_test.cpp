@@ -23,13 +23,6 @@ std::string refusal(const std::function<void(Scene&)>& change, const BoundaryEle
   return test::refusal(change, [&](const Scene& scene) { maxwell(scene, options); });
 }
 
-TEST(BoundaryElementRefusals, OtherShapes) {
-  EXPECT_THAT(refusal([](Scene& scene) {
-                scene.objects[0].shape = Sphere{0.01, 16};
-              }),
-              HasSubstr("object \"target\" is neither a plate nor a cuboid"));
-}
-
 TEST(BoundaryElementRefusals, Dielectrics) {
   EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].role = Dielectric{3}; }),
               HasSubstr("object \"target\" is dielectric"));

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "charged_bodies.hpp"
+#include "galerkin_system.hpp"
+#include "panel_mesh.hpp"
+
+/// The Galerkin equations of bodies of faces and bodies of panels (model/BOUNDARY_ELEMENTS.md, section 9).
+namespace fringe::detail {
+
+/// What the panels' charges tell besides.
+struct PanelSolution : GalerkinSolution {
+  Eigen::MatrixXd charges;         ///< of every panel (rows) for every conductor at a potential of one
+  Eigen::VectorXd group_energies;  ///< that the groups' own densities hold more than one density would
+  Eigen::MatrixXd unfinished;      ///< what the iteration may have left of `all`
+};
+
+class PanelSystem {
+ public:
+  explicit PanelSystem(const ChargedBodies& bodies);
+
+  std::size_t faces() const { return faces_.faces(); }
+  const PanelMesh& mesh() const { return mesh_; }
+
+  /// Refines marked groups of panels, by the charges of the last solution.
+  void refine_groups(const std::vector<bool>& marked, const Eigen::MatrixXd& charges);
+
+  /// Evaluates the matrices for so many functions on each face; those that are known are kept.
+  void refine(const std::vector<FaceFunctions>& functions, double tolerance);
+
+  /// The panels' charges are iterated until a step brings a capacitance less than this part of it.
+  PanelSolution solve(double accuracy) const;
+
+ private:
+  struct Unknowns;
+  struct Nested;
+  Unknowns number() const;
+  Eigen::MatrixXd face_matrix(const Unknowns& unknowns) const;
+  Nested nested_matrix(const Unknowns& unknowns, const Eigen::MatrixXd& face_matrix) const;
+  void add_unseen(const Unknowns& unknowns, const Eigen::MatrixXd& charges, PanelSolution& solution) const;
+  void refine_coupling(const std::vector<FaceFunctions>& functions, double tolerance);
+
+  const ChargedBodies& bodies_;
+  ChargedBodies bodies_of_faces_;
+  GalerkinSystem faces_;
+  PanelMesh mesh_;
+  Eigen::MatrixXd panels_;    ///< panel_matrix of all panels
+  Eigen::MatrixXd coupling_;  ///< of the faces' functions (rows), one face after the other, with the panels
+  std::vector<FaceFunctions> coupled_functions_;
+  bool is_refined_ = false;  ///< panels_ is of the mesh before its last refinement
+  double panel_tolerance_;
+  double coupling_tolerance_;
+};
+
+}  // namespace fringe::detail
