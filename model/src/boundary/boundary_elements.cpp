@@ -56,6 +56,10 @@ constexpr double finest_tolerance = 1e-13;
 /// The part of rtol that the quadratures may take.
 constexpr double quadrature_share = 0.05;
 
+/// How much finer than rtol the quadratures begin: functions that resolve everything leave errors far below
+/// rtol, which the quadratures' must be well below in turn for a lower bound.
+constexpr double first_tolerance_part = 50;
+
 /// The part of rtol at which the panels' iteration ends.
 constexpr double iteration_share = 0.003;
 
@@ -232,7 +236,7 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   answer.conductors.assign(bodies.names.begin(), bodies.names.begin() + static_cast<std::ptrdiff_t>(rows));
   answer.floating.assign(bodies.names.begin() + static_cast<std::ptrdiff_t>(rows), bodies.names.end());
   answer.sensors = bodies.sensors;
-  double tolerance = options.rtol / 10;
+  double tolerance = options.rtol / first_tolerance_part;
   while (true) {
     system.refine(functions, tolerance);
     const PanelSolution solution = system.solve(iteration_share * options.rtol);

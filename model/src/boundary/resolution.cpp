@@ -42,7 +42,9 @@ std::vector<Segment> edges_of(const ChargedBody& body) {
 }
 
 /// The logarithm of the parameter of the narrowest ellipse, with the ends of one direction of a face as foci,
-/// that a segment touches. The potential of what is beyond it is analytic inside.
+/// that a segment touches. The potential of what is beyond it is analytic inside. A line that meets the
+/// direction at an angle is seen as from so much farther away as its distance changes more slowly; of a
+/// parallel one only the ends are seen.
 double log_parameter(const Segment& segment, const Face& face, const Vector3d& along, double half_along,
                      const Vector3d& across, double half_across) {
   const Vector3d normal = face.axis_u.cross(face.axis_v);
@@ -51,17 +53,22 @@ double log_parameter(const Segment& segment, const Face& face, const Vector3d& a
     return Vector3d(offset.dot(along), offset.dot(across), offset.dot(normal));
   };
   const Vector3d from = coordinates(segment.from), way = coordinates(segment.to) - from;
-  const double width = half_across / half_along;
+  const double width = half_across / half_along, sine = std::hypot(way.y(), way.z()) / way.norm();
   // The sum of the distances from the foci: convex along the segment.
-  const auto sum = [&](double part) {
+  const auto sum = [&](double part, double slowness) {
     const Vector3d point = from + part * way;
-    const double height = std::hypot(point.z(), std::max(std::abs(point.y()) - width, 0.0));
+    const double height = std::hypot(point.z(), std::max(std::abs(point.y()) - width, 0.0)) / slowness;
     return std::hypot(point.x() - 1, height) + std::hypot(point.x() + 1, height);
   };
+  double least = std::min(sum(0, 1), sum(1, 1));
+  /// Below, what lies between the ends is seen from as far as if it were not there.
+  constexpr double parallel = 1e-3;
   /// The logarithm decides how many functions there are: three digits are plenty.
   constexpr int bits = 10;
-  const double least =
-      std::min({sum(0), sum(1), boost::math::tools::brent_find_minima(sum, 0.0, 1.0, bits).second});
+  if (sine > parallel)
+    least = std::min(least, boost::math::tools::brent_find_minima(
+                                [&](double part) { return sum(part, sine); }, 0.0, 1.0, bits)
+                                .second);
   return std::acosh(std::max(least / 2, 1.0));
 }
 
