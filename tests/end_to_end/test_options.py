@@ -19,7 +19,8 @@ from analysis.__main__ import main
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL, REFERENCE = "model/test_command_line.py", "fem_reference/test_command_line.py"
-HERE = "end_to_end/test_options.py"
+HERE, IMPORT = "end_to_end/test_options.py", "end_to_end/test_import.py"
+TABLE = ("analysis/published/test_table.py", "test_the_options_of_the_command_reach_what_they_are_for")
 SAID = (HERE, "test_help_and_version_are_printed_and_nothing_else")
 PASSED_ON = (HERE, "test_an_option_reaches_what_it_is_for")
 # Command → option → the demonstration, a file of tests and a function.
@@ -38,6 +39,12 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
     },
     ("fringe", "collide"): {"--help": SAID, "--version": SAID, "--json": (HERE, "test_json_in_the_place_of_a_table")},
     ("fringe", "info"): {"--help": SAID, "--version": SAID, "--json": (HERE, "test_json_in_the_place_of_a_table")},
+    ("fringe", "import"): {
+        "--help": SAID,
+        "--version": SAID,
+        "--geometry": (IMPORT, "test_visual_geometries_are_taken_when_asked_for"),
+        "--package-path": (IMPORT, "test_packages_are_found_by_a_path"),
+    },
     ("fringe", "sense"): {
         "--help": SAID,
         "--version": SAID,
@@ -85,6 +92,8 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
     ("analysis", "verify"): {"--help": SAID, "--output": PASSED_ON, "--jobs": PASSED_ON},
     ("analysis", "errors"): {"--help": SAID, "--output": PASSED_ON, "--jobs": PASSED_ON},
     ("analysis", "corrections"): {"--help": SAID, "--output": PASSED_ON},
+    ("analysis", "documentation"): {"--help": SAID, "--output": PASSED_ON},
+    ("analysis", "table"): {"--help": SAID, "--answers": TABLE, "--output": TABLE, "--jobs": TABLE},
     ("analysis", "show"): {
         "--help": SAID,
         "--motion": ("analysis/test_show.py", "test_a_wrong_motion_is_refused"),
@@ -202,6 +211,7 @@ class Reached(Exception):
         (["errors", "--output", "OUT"], "analysis.errors.stage.run", 0, "OUT"),
         (["errors", "--output", "OUT", "--jobs", "3"], "analysis.errors.stage.run", 2, 3),
         (["corrections", "--output", "OUT"], "analysis.corrections.stage.run", 0, "OUT"),
+        (["documentation", "--output", "OUT"], "analysis.documentation.make.build", 0, "OUT"),
     ],
 )  # fmt: skip
 def test_an_option_reaches_what_it_is_for(
