@@ -31,7 +31,8 @@ class AxisRotation:
         """The rotation matrix (3, 3), by Rodrigues' formula."""
         x, y, z = unit(self.axis)
         cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-        angle = math.radians(self.degrees)
+        # Whole turns are taken off where that is exact: in degrees.
+        angle = math.radians(math.remainder(self.degrees, 360.0))
         return np.asarray(np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * (cross @ cross))
 
 

@@ -13,8 +13,8 @@ from geometries.errors import InputError
 
 Vector3 = tuple[float, float, float]
 
-# The squares of distances, and their products with areas, stay within the range of numbers.
-LARGEST_NUMBER = 1e75
+# Beyond, products of lengths in the integrals begin to leave the range of numbers.
+LARGEST_NUMBER = 1e30
 _LINE = re.compile(r"\(at line (\d+), column \d+\)")
 
 

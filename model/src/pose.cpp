@@ -29,7 +29,9 @@ Vector unit(const Vector& vector) {
 
 Eigen::Isometry3d pose_from_axis(const Eigen::Vector3d& axis, double degrees,
                                  const Eigen::Vector3d& translation) {
-  const Eigen::AngleAxisd rotation(degrees * std::numbers::pi / 180, unit<Eigen::Vector3d>(axis));
+  // Whole turns are taken off where that is exact: in degrees.
+  const Eigen::AngleAxisd rotation(std::remainder(degrees, 360.0) * std::numbers::pi / 180,
+                                   unit<Eigen::Vector3d>(axis));
   return isometry(rotation.toRotationMatrix(), translation);
 }
 

@@ -14,8 +14,8 @@
 /// Reading a TOML table key by key with errors that say file, line, key and reason.
 namespace fringe::detail {
 
-/// Of a scene: the squares of distances, and their products with areas, stay within the range of numbers.
-constexpr double largest_number = 1e75;
+/// Of a scene: beyond, products of lengths in the integrals begin to leave the range of numbers.
+constexpr double largest_number = 1e30;
 
 /// Wraps one table of a scene file. Every `read` names its key; what was never named is an unknown key, which
 /// `finish` reports. The required reads throw InputError when the key is missing, all of them when the value

@@ -224,7 +224,7 @@ def _surfaces() -> list[Case]:
         "of triangles on one line": (flat, [(0, 1, 2)]),
         "of a point": ([(0, 0, 0)] * 3, [(0, 1, 2)]),
         "of denormal size": ([(x * 1e-44, y * 1e-44, z * 1e-44) for x, y, z in POINTS], FACES),
-        "of huge size": ([(x * 1e38, y * 1e38, z * 1e38) for x, y, z in POINTS], FACES),
+        "of huge size": ([(x * 1e29, y * 1e29, z * 1e29) for x, y, z in POINTS], FACES),
     }
     made = []
     for name, (points, faces) in surfaces.items():

@@ -17,7 +17,7 @@ def cases() -> list[Case]:
 
 def _sizes() -> list[Case]:
     made = []
-    for size in (DENORMAL, SMALLEST, "1e-160", "1e-30", "1e30", "1e75"):
+    for size in (DENORMAL, SMALLEST, "1e-160", "1e-30", "1e30"):
         for shape in (
             f'cube", size = {size}',
             f'plate", size = [{size}, {size}]',
@@ -35,7 +35,7 @@ def _beyond() -> list[Case]:
     return (
         [
             from_text(f"a body of {size}", SENSOR + body(f'type = "cube", size = {size}'), "size")
-            for size in ("1.1e75", "1e160", "1e300", LARGEST)
+            for size in ("1.1e30", "1e160", "1e300", LARGEST)
         ]
         + [
             # The parsers themselves know no such number, and so no key either.
@@ -44,7 +44,7 @@ def _beyond() -> list[Case]:
         ]
         + [
             from_text(f"a body at {far}", SENSOR + body(more=f"translation = [0, 0, {far}]"), "translation")
-            for far in ("-1.1e75", "1e160", LARGEST)
+            for far in ("-1.1e30", "1e160", LARGEST)
         ]
     )
 
@@ -52,7 +52,7 @@ def _beyond() -> list[Case]:
 def _places() -> list[Case]:
     return [
         from_text(f"a body at {far}", SENSOR + body(more=f"translation = [0, 0, {far}]"), None)
-        for far in (DENORMAL, "1e-200", "1e30", "1e75")
+        for far in (DENORMAL, "1e-200", "1e30")
     ] + [
         from_text(
             f"turned by {angle} degrees",
@@ -60,13 +60,13 @@ def _places() -> list[Case]:
             + body(more=f"translation = [0, 0, 1]\nrotation = {{ axis = [1, 2, 3], degrees = {angle} }}"),
             None,
         )
-        for angle in (DENORMAL, "1e22", "1e75")
+        for angle in (DENORMAL, "1e22", "1e30")
     ]
 
 
 def _directions() -> list[Case]:
     made = []
-    for size in (DENORMAL, "1e-320", "1e-200", "1e75"):
+    for size in (DENORMAL, "1e-320", "1e-200", "1e30"):
         turned = f"translation = [0, 0, 1]\nrotation = {{ axis = [{size}, {size}, 0], degrees = 30 }}"
         made.append(from_text(f"an axis of {size}", SENSOR + body(more=turned), None))
         turned = f"translation = [0, 0, 1]\nquaternion = [{size}, 0, {size}, 0]"
@@ -76,26 +76,26 @@ def _directions() -> list[Case]:
 
 def _sensors() -> list[Case]:
     made = []
-    for size in (DENORMAL, "1e-320", "1e-200", "1e-30", "1e30", "1e75"):
+    for size in (DENORMAL, "1e-320", "1e-200", "1e-30", "1e30"):
         plate = SENSOR.replace("[0.1, 0, 0]", f"[{size}, 0, 0]").replace("[0, 0.1, 0]", f"[0, {size}, 0]")
         made.append(from_text(f"a plate of {size}", plate + body(), None))
     skew = SENSOR.replace("[0.1, 0, 0]", "[1e-200, 0, 0]").replace("[0, 0.1, 0]", "[1e-202, 1e-200, 0]")
     made.append(from_text("a tiny plate that is no rectangle", skew + body(), "edge_v"))
-    skew = SENSOR.replace("[0.1, 0, 0]", "[1e70, 0, 0]").replace("[0, 0.1, 0]", "[1e68, 1e70, 0]")
+    skew = SENSOR.replace("[0.1, 0, 0]", "[1e29, 0, 0]").replace("[0, 0.1, 0]", "[1e27, 1e29, 0]")
     made.append(from_text("a huge plate that is no rectangle", skew + body(), "edge_v"))
     long = SENSOR.replace("[0.1, 0, 0]", f"[{LARGEST}, {LARGEST}, 0]").replace("[0, 0.1, 0]", "[0, 0, 1]")
     made.append(from_text("an edge longer than any number", long + body(), "edge_"))
     for key in ("input_voltage", "coupling_capacitance"):
         made += [
             from_text(f"{key} of {size}", SENSOR + f"{key} = {size}\n" + body(), None)
-            for size in (DENORMAL, "1e75")
+            for size in (DENORMAL, "1e30")
         ]
     return made
 
 
 def _distance_sensors() -> list[Case]:
     made = []
-    for size in (DENORMAL, "1e-200", "1e75"):
+    for size in (DENORMAL, "1e-200", "1e30"):
         eye = f'[[distance_sensor]]\nname = "eye"\napex = [0, 0, 0]\ndirection = [0, 0, {size}]\n'
         made.append(
             from_text(

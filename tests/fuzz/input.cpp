@@ -38,7 +38,7 @@ Eigen::Vector3d Input::point() {
 }
 
 bool in_a_scene(const std::vector<Eigen::Vector3d>& points) {
-  constexpr double most = 1e75;
+  constexpr double most = 1e30;
   return std::all_of(points.begin(), points.end(),
                      [](const Eigen::Vector3d& point) { return point.cwiseAbs().maxCoeff() <= most; });
 }
