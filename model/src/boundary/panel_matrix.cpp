@@ -152,10 +152,11 @@ std::optional<Vector3d> common_point(const Panel& a, const Panel& b) {
 /// other's sides, times how fast these move.
 void add_touching(const Panel& a, const Panel& b, const Vector3d& common, double tolerance,
                   PotentialSums& sums, double& sum) {
-  for (const auto& [moving, source] : {std::pair(&a, &b), std::pair(&b, &a)})
+  for (const auto& pair : {std::pair(&a, &b), std::pair(&b, &a)})
     for (std::size_t side = 0; side < 3; ++side) {
-      const Vector3d &from = moving->corners[side], &to = moving->corners[(side + 1) % 3];
-      const double swept = (from - common).cross(to - common).norm() / moving->area;
+      const Panel &moving = *pair.first, &source = *pair.second;
+      const Vector3d &from = moving.corners[side], &to = moving.corners[(side + 1) % 3];
+      const double swept = (from - common).cross(to - common).norm() / moving.area;
       // The common point lies in the triangle or on its outline: no side moves inwards.
       constexpr double none = 1e-8;
       if (swept <= none)
@@ -163,12 +164,12 @@ void add_touching(const Panel& a, const Panel& b, const Vector3d& common, double
       for_each_point(
           from, to, tolerance,
           [&](const Vector3d& p, const Vector3d& q) {
-            const Triangle& c = source->corners;
+            const Triangle& c = source.corners;
             return std::min({segment_distance(p, q, c[0], c[1]), segment_distance(p, q, c[1], c[2]),
                              segment_distance(p, q, c[2], c[0])});
           },
           [&](const Vector3d& point, double weight) {
-            sums.add(source->corners, point, weight * swept / 3, sum);
+            sums.add(source.corners, point, weight * swept / 3, sum);
           });
     }
 }

@@ -54,7 +54,7 @@ std::vector<std::vector<std::size_t>> grouped(std::span<const Triangle> triangle
   std::vector<Vector3d> normals, centres;
   for (const Triangle& triangle : triangles) {
     normals.push_back((triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized());
-    centres.push_back((triangle[0] + triangle[1] + triangle[2]) / 3);
+    centres.emplace_back((triangle[0] + triangle[1] + triangle[2]) / 3);
   }
   const std::size_t none = triangles.size();
   std::vector<std::size_t> group_of(triangles.size(), none);
