@@ -14,7 +14,8 @@ include_patterns = [
     "README.md",
     "analysis/**/*.md",
     "fem_reference/*.md",
-    "geometries/**/*.md",
+    "geometries/*.md",
+    "geometries/schemas/*.md",
     "model/*.md",
 ]
 html_theme = "furo"
