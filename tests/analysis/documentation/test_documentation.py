@@ -63,7 +63,7 @@ def test_the_tutorial_leads_from_two_stl_files_to_a_report(tmp_path: Path) -> No
             continue
         # Building is what comes before the tests.
         block = block.replace(
-            "$FRINGE/run study.toml", "python3 -m analysis run study.toml --results results"
+            '"$FRINGE/run" study.toml', "python3 -m analysis run study.toml --results results"
         )
         block = block.replace("show scene.toml", "show scene.toml --output show.html")
         block = re.sub(r"\bpython3\b", sys.executable, block)
