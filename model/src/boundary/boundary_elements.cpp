@@ -152,8 +152,8 @@ std::vector<bool> groups_to_refine(const PanelSolution& solution, const std::vec
   std::size_t added = 0;
   std::vector<bool> marked(groups.size(), false);
   for (const std::size_t group : order) {
-    /// Groups that are alike but for rounding are refined together.
-    constexpr double alike = 1 - 1e-6;
+    /// Groups that are alike but for the quadratures' errors are refined together.
+    constexpr double alike = 0.99;
     const bool enough = total - (1 - left) * taken <= allowed || taken >= greater_part * total;
     if ((enough && energy(group) < alike * last) || added + PanelMesh::growth(groups[group]) > most)
       break;
