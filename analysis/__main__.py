@@ -405,11 +405,10 @@ def _show(scene: str, motion: Path | None, target: Path | None) -> int:
 
 
 def _table(answers: Path | None, target: Path | None, jobs: int | None) -> int:
-    from analysis.keys import REPOSITORY
     from analysis.published import files, stage, table
     from analysis.store import exclusive
 
-    place, output = answers or REPOSITORY / "results" / stage.FOLDER, target or table.PLACE
+    place, output = answers or installation.results_folder() / stage.FOLDER, target or table.PLACE
     with exclusive(place):
         made = table.make(place, output, jobs)
     _tell(made.failures)

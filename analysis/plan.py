@@ -50,7 +50,9 @@ def missing(study: Study, cases: list[Case], folder: Path) -> list[Work]:
         wanted = {}
         if study.error != NO_REFERENCE:
             wanted[REFERENCE] = keys.reference_key(case.identity, study, reference)
-            wanted[BOUNDARY] = keys.boundary_key(case.identity, cross_check.rtol(study.rtol), model)
+            wanted[BOUNDARY] = keys.boundary_key(
+                case.identity, cross_check.rtol(study.rtol, case.scene), model
+            )
         if case.family != EMPTY and knows(case.scene):
             wanted[MODEL] = keys.model_key(case.identity, study, model)
         if case.id in pictured:

@@ -172,9 +172,8 @@ def model_command(results: Results, case: str, method: str = COMPARED_METHOD) ->
 
 def boundary_command(results: Results, case: str) -> str:
     """The command, from the repository's folder, that computes the boundary elements' answer for a case."""
-    scene = from_repository(results.folder / "cases" / case / SCENE)
-    rtol = cross_check.rtol(results.rtol)
-    return f"build/bin/fringe capacitance {scene} --method boundary-elements --rtol {rtol:g}"
+    rtol = cross_check.rtol(results.rtol, results.cases[case].scene)
+    return f"{model_command(results, case, 'boundary-elements')} --rtol {rtol:g}"
 
 
 def to_csv(found: list[Row], methods: tuple[str, ...]) -> str:

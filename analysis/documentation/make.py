@@ -13,6 +13,7 @@ from analysis.keys import REPOSITORY
 from geometries.installation import is_installed
 
 HERE = Path(__file__).parent
+_MADE_BY_SPHINX = ".buildinfo"
 
 
 class DocumentationError(Exception):
@@ -20,9 +21,12 @@ class DocumentationError(Exception):
 
 
 def build(folder: Path) -> Path:
-    """Make the site in a folder, which it replaces as a whole; returns its first page. Raises DocumentationError for any warning."""
+    """Make the site in a folder, which is replaced as a whole if it holds one; returns its first page. Raises DocumentationError
+    for any warning, and for a folder that holds something else."""
     if is_installed():
         raise DocumentationError("the notes are not installed: the repository makes the site of them")
+    if folder.exists() and not (folder / _MADE_BY_SPHINX).is_file():
+        raise DocumentationError(f"{folder} is there, and no site that could be replaced")
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent) as name:
         site = Path(name) / "site"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,9 @@ from analysis import report, results, store
 from analysis.cross_check import agreement, section, stage
 from analysis.model_stage import model_module
 from analysis.results import Results
-from geometries import families
+from geometries import families, reader
 from geometries.scene import Scene
+from geometries.shapes import Sphere
 from geometries.writer import canonical
 from tests.analysis.synthetic import PICO, boundary_document, make_results, reference_document, report_text
 
@@ -121,11 +123,12 @@ def test_the_page_of_a_case_has_both_matrices(tmp_path: Path) -> None:
     assert f"cases/{case.id}/scene.toml --method boundary-elements --rtol 0.0001" in page
 
 
-def stored(scene: Scene, folder: Path, rtol: float = 1e-3) -> dict[str, Any]:
+def stored(scene: Scene, folder: Path, asked: float = 1e-2) -> dict[str, Any]:
     """What the stage stores of a scene."""
     store.write_text(folder / "scene.toml", canonical(scene))
     assert (
-        stage.evaluate(folder / "scene.toml", folder / "boundary.json", "a key", rtol, model_module()) is None
+        stage.evaluate(folder / "scene.toml", folder / "boundary.json", "a key", asked, model_module())
+        is None
     )
     document = store.read_current(folder / "boundary.json", "a key")
     assert document is not None
@@ -146,3 +149,20 @@ def test_what_boundary_elements_do_not_know_is_kept_with_the_reason(tmp_path: Pa
     refused = stored(dielectric, tmp_path)
     assert set(refused) == {"key", "rtol", "refused"}
     assert "target" in refused["refused"] and str(tmp_path) not in refused["refused"]
+
+
+def test_round_bodies_are_not_compared_since_their_polyhedra_are_other_bodies(tmp_path: Path) -> None:
+    plates = families.parallel((0.1, 0.1), (0.1, 0.1), 0.04)
+    ball = replace(plates, objects=(replace(plates.objects[0], shape=Sphere(0.02)),))
+    assert "polyhedron" in stored(ball, tmp_path)["refused"]
+
+
+def test_of_meshes_no_more_is_asked_than_of_the_field_solver(tmp_path: Path) -> None:
+    plates = families.parallel((0.1, 0.1), (0.1, 0.1), 0.04)
+    (tmp_path / "wall.obj").write_text("v 0 0 0\nv .05 0 0\nv .05 .05 0\nv 0 .05 0\nf 1 2 3 4\n")
+    scene = canonical(plates).split("[object.shape]")[0]
+    store.write_text(tmp_path / "scene.toml", scene + '[object.shape]\ntype = "mesh"\nfile = "wall.obj"\n')
+    mesh = reader.load(tmp_path / "scene.toml")
+    assert (stage.rtol(1e-2, plates), stage.rtol(1e-2, mesh)) == (1e-3, 1e-2)
+    answer = stored(mesh, tmp_path / "stored")
+    assert answer["rtol"] == 1e-2 and answer["reached"]

@@ -48,6 +48,13 @@ def test_the_site_is_made_without_a_warning(tmp_path: Path) -> None:
     assert any((first.parent / "cpp").glob("*boundary__elements*.html"))
 
 
+def test_a_folder_of_something_else_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "letters").write_text("dear")
+    with pytest.raises(make.DocumentationError, match="no site"):
+        make.build(tmp_path)
+    assert (tmp_path / "letters").is_file()
+
+
 def test_the_tutorial_leads_from_two_stl_files_to_a_report(tmp_path: Path) -> None:
     _write_box(tmp_path / "sensor.stl", (100, 80, 1), (0, 0, -0.5))
     _write_box(tmp_path / "target.stl", (60, 60, 20), (0, 0, 0))
