@@ -67,12 +67,14 @@ details { margin: .8rem 0; } summary { cursor: pointer; color: var(--accent); }
 _FIT_TO_PAPER = """
 addEventListener("beforeprint", () => document.querySelectorAll(".js-plotly-plot").forEach(p => Plotly.Plots.resize(p)));
 """
-# A point that stands for a case has the case's id with it.
+# A point that stands for a case has the case's id with it, and one of a page of set-ups the set-up's name.
 _OPEN_CASES = """
 addEventListener("DOMContentLoaded", () => document.querySelectorAll("[data-cases] .js-plotly-plot").forEach(plot =>
   plot.on("plotly_click", event => {
     const id = event.points[0].customdata;
-    if (/^[0-9a-f]{16}$/.test(id)) location.href = `${plot.closest("[data-cases]").dataset.cases}/${id}/case.html`;
+    const place = plot.closest("[data-cases]").dataset;
+    if (place.setUps && /^[0-9A-Za-z_-]+$/.test(id)) location.href = `${place.setUps}#${id}`;
+    else if (/^[0-9a-f]{16}$/.test(id)) location.href = `${place.cases}/${id}/case.html`;
   })));
 """
 _HEIGHT = 400
@@ -122,15 +124,17 @@ def plot_section(plot: Plot) -> str:
     return section(plot.title, *parts)
 
 
-def figures(panels: list[Panel], cases: str = CASES) -> str:
-    """Panels side by side. `cases` is the folder of the cases that their points open, as seen from the page."""
+def figures(panels: list[Panel], cases: str = CASES, set_ups: str = "") -> str:
+    """Panels side by side. `cases` is the folder of the cases that their points open, as seen from the page; where they open set-ups
+    that are all on one page (analysis.set_ups_page), `set_ups` is its file."""
     drawn = "\n".join(
         f'<figure class="panel"><figcaption>{escape(panel.caption)}</figcaption>{_figure(panel.figure)}</figure>'
         for panel in panels
     )
     # Said by a class, since a figure is drawn while the page is still being read and its siblings are unknown.
     kind = "panels single" if len(panels) == 1 else "panels"
-    return f'<div class="{kind}" data-cases="{cases}">{drawn}</div>'
+    one_page = f' data-set-ups="{escape(set_ups)}"' if set_ups else ""
+    return f'<div class="{kind}" data-cases="{cases}"{one_page}>{drawn}</div>'
 
 
 def finding(text: str) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
@@ -47,13 +49,20 @@ def _role(body: Object) -> str:
     return body.potential if body.relative_permittivity is None else "dielectric"
 
 
-def _triangles(scene: Scene) -> dict[str, Array]:
+def triangles(scene: Scene) -> dict[str, Array]:
     """Name → triangles (n, 3, 3) in the world frame: the sensors', then those of all objects, dielectric ones too."""
     conductors = scene.conductors()
     found = {sensor.name: conductors[sensor.name] for sensor in scene.sensors}
     for body in scene.objects:
         found[body.name] = Transform(*scene.pose_of_object(body.name)).points(body.shape.triangles())
     return found
+
+
+def aspect(bodies: Iterable[Array]) -> list[float]:
+    """Sides of the box around triangles (n, 3, 3) over the largest; none below FLATTEST."""
+    extent = np.ptp(np.concatenate([own.reshape(-1, 3) for own in bodies]), axis=0)
+    sides: list[float] = np.maximum(extent / extent.max(), FLATTEST).tolist()
+    return sides
 
 
 def in_space(scene: Scene) -> Panel:
@@ -91,11 +100,10 @@ def _picture(row: Row) -> Plot:
 
 def _space(scene: Scene) -> go.Figure:
     sensors = {sensor.name for sensor in scene.sensors}
-    bodies = _triangles(scene)
-    extent = np.ptp(np.concatenate([triangles.reshape(-1, 3) for triangles in bodies.values()]), axis=0)
+    bodies = triangles(scene)
     traces: list[object] = []
-    for name, triangles in bodies.items():
-        vertices = triangles.reshape(-1, 3) / CENTIMETRE
+    for name, own in bodies.items():
+        vertices = own.reshape(-1, 3) / CENTIMETRE
         first, second, third = np.arange(len(vertices)).reshape(-1, 3).T
         colour = SENSOR_COLOUR if name in sensors else TARGET_COLOUR
         x, y, z = vertices.T
@@ -118,7 +126,7 @@ def _space(scene: Scene) -> go.Figure:
         "yaxis": {"title": "y (cm)"},
         "zaxis": {"title": "z (cm)", "nticks": 4},
         "aspectmode": "manual",
-        "aspectratio": dict(zip("xyz", np.maximum(extent / extent.max(), FLATTEST).tolist())),
+        "aspectratio": dict(zip("xyz", aspect(bodies.values()))),
         "camera": {"eye": {"x": 1.1, "y": -1.55, "z": 1.0}},
     }
     return figure(traces, {}, {}, height=420, scene=view, margin={"l": 0, "r": 0, "t": 0, "b": 0})
@@ -153,9 +161,9 @@ def _cuts(case: CaseResult, origin: Array, direction: Array) -> list[go.Scatter]
     sensors = {sensor.name for sensor in case.scene.sensors}
     across_plane = np.array([-direction[1], direction[0]])
     traces = []
-    for name, triangles in _triangles(case.scene).items():
-        horizontal = triangles[..., :2] - origin
-        local = np.stack([horizontal @ direction, horizontal @ across_plane, triangles[..., 2]], axis=-1)
+    for name, own in triangles(case.scene).items():
+        horizontal = own[..., :2] - origin
+        local = np.stack([horizontal @ direction, horizontal @ across_plane, own[..., 2]], axis=-1)
         along: list[float | None] = []
         upwards: list[float | None] = []
         for triangle in local:

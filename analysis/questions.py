@@ -26,6 +26,7 @@ from analysis.errors import records as error_records, section as errors_section
 from analysis.errors.records import Entry
 from analysis.experiments import section as experiments_section
 from analysis.plot import Plot
+from analysis.published import section as published_section
 from analysis.store import Document
 from analysis.trade_off import section as trade_off_section, stage as trade_off
 from analysis.verification import page as verification_page
@@ -35,6 +36,10 @@ CROSS_CHECK = "cross_check"
 """The page that a disagreement is told on."""
 ERRORS_CASES = "../../errors/cases"
 """The cases of `python3 -m analysis errors`, as seen from a page of a study's report."""
+CORRECTIONS, PUBLISHED = "corrections", "published"
+"""The pages whose points open set-ups that are no cases of the study …"""
+CORRECTIONS_SET_UPS, PUBLISHED_SET_UPS = (f"set_ups/{name}.html" for name in (CORRECTIONS, PUBLISHED))
+"""… and the page that shows these, as seen from there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +95,11 @@ def _parts(material: Material) -> list[str]:
 
 
 def _corrections(material: Material) -> list[str]:
-    return [corrections_section.section(material.corrected)]
+    return [corrections_section.section(material.corrected, CORRECTIONS_SET_UPS)]
+
+
+def _published(material: Material) -> list[str]:
+    return [published_section.section(PUBLISHED_SET_UPS)]
 
 
 def _reference(material: Material) -> list[str]:
@@ -104,7 +113,7 @@ def _cross_check(material: Material) -> list[str]:
 
 
 def _run_time(material: Material) -> list[str]:
-    parts = [trade_off_section.section(trade_off.load(material.found.folder), material.found)]
+    parts = [trade_off_section.section(trade_off.load(material.found.folder), material.found, page.CASES)]
     if not parts[0] and material.rows:
         parts = [page.plot_section(plot_of_time.time_against_error(material.rows))]
     parts.append(run_times_section.section(material.found.run_times))
@@ -136,7 +145,8 @@ QUESTIONS = (
     Question("experiment", "experiment", "What does the experiment find?", _experiment),
     Question("model_error", "model error", "How wrong is the model, and where?", _model_error),
     Question("error_parts", "parts of the error", "Where does the model's error come from?", _parts),
-    Question("corrections", "corrections", "What can be corrected, and at what cost?", _corrections),
+    Question(CORRECTIONS, "corrections", "What can be corrected, and at what cost?", _corrections),
+    Question(PUBLISHED, "published table", "Which values can others be held against?", _published),
     Question("reference", "reference", "How sure is the reference?", _reference),
     Question(CROSS_CHECK, "cross-check", "Do two independent methods agree?", _cross_check),
     Question("run_time", "run time", "What does accuracy cost?", _run_time),

@@ -13,6 +13,7 @@ from analysis import faults_section, keys, results, statistics, table
 from analysis.corrections import page as corrections_page, stage as corrections_stage
 from analysis.cross_check import agreement
 from analysis.errors import records as error_records, set_ups as error_set_ups, stage as errors_stage
+from analysis.published import table as published
 from analysis.store import Document, read_json, write_json, write_text
 from analysis.trade_off import stage as trade_off
 from analysis.verification import page as verification_page, stage as verification_stage
@@ -55,6 +56,7 @@ def make(folder: Path) -> Report:
     corrected = corrections_stage.load(corrections_stage.beside(folder))
     faults = faults_section.beside(folder)
     inputs = f"{_inputs(folder, found, verified, apart)} {corrections_page.inputs(corrected)} {faults_section.inputs(faults)}"
+    inputs += f" {published.digest()}"
     nights = history.load(folder)
     whole = hashlib.sha256(f"{inputs} {json.dumps(nights)}".encode()).hexdigest()
     if not ((folder / TABLE).is_file() and is_current(folder / REPORT, whole) and _is_complete(folder)):
@@ -119,23 +121,28 @@ def _write(material: Material, nights: list[Document], inputs: str, whole: str) 
         )
     headline = cross_check_section.warning(material.found, f"{PAGES}/{CROSS_CHECK}.html")
     headline += sections.headline(material.found, material.summaries)
-    headline += trade_off_section.section(trade_off.load(folder), material.found)
+    headline += trade_off_section.section(trade_off.load(folder), material.found, "cases")
     rest = [sections.failures(material.found), page.soft(sections.FILES)]
     write_text(folder / REPORT, index_page.document(material.found.title, whole, headline, cards, rest))
 
 
 def _pages(material: Material, inputs: str) -> list[Card]:
     """Write the pages unless they are up to date; returns them as the index shows them."""
-    from analysis import case_page, index_page, page
+    from analysis import case_page, index_page, page, pages_of_set_ups
 
     place = material.found.folder / PAGES
     known = read_json(place / _FINDINGS)
     if known is not None and known["made_from"] == inputs:
         cards = [index_page.Card(**card) for card in known["pages"]]
-        if all((place.parent / card.target).is_file() for card in cards):
+        needed = [place.parent / card.target for card in cards] + list(
+            pages_of_set_ups.writers(material.corrected, place)
+        )
+        if all(path.is_file() for path in needed):
             return cards
     page.provide_script(place.parent)
     cards = _question_pages(material, inputs)
+    for target, write in pages_of_set_ups.writers(material.corrected, place).items():
+        write(target)
     rows: dict[str, list[table.Row]] = {}
     for row in material.rows:
         rows.setdefault(row.case.id, []).append(row)
@@ -162,7 +169,9 @@ def _question_pages(material: Material, inputs: str) -> list[Card]:
     cards = []
     for question in asked:
         file = f"{question.name}.html"
-        hint = page.soft(_HINT) if _CASES_IN_FIGURE.search(bodies[question]) else ""
+        # Pages of set-ups that are no cases say themselves what their points open.
+        cases = _CASES_IN_FIGURE.search(bodies[question]) and "data-set-ups" not in bodies[question]
+        hint = page.soft(_HINT) if cases else ""
         way = index_page.navigation(title, around, file)
         head = f"{way}<header><h1>{escape(question.title)}</h1>{hint}</header>"
         text = page.document(

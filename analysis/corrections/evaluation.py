@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analysis.corrections import estimates, fit, gaussian_process
 from analysis.corrections.estimates import Array, Errors, Estimates
 from analysis.corrections.gaussian_process import Discrepancy
-from analysis.corrections.set_ups import SetUp, set_ups
+from analysis.corrections.set_ups import SetUp
 
 _FORMULA, _WITHOUT_CONSTANTS = "formula", "recommended"
 
@@ -39,9 +39,8 @@ class Evaluated:
     discrepancy: Discrepancy
 
 
-def evaluate(module: Any) -> Evaluated:
-    """Evaluate the whole registry; half a minute."""
-    chosen = list(set_ups(module))
+def evaluate(module: Any, chosen: list[SetUp]) -> Evaluated:
+    """Evaluate the whole registry on the set-ups; half a minute."""
     found = estimates.estimate(module, estimates.names(module), chosen)
     families = np.array(found.families)
     left_out = {

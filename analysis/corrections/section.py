@@ -7,7 +7,7 @@ from html import escape
 import plotly.graph_objects as go
 
 from analysis import page
-from analysis.corrections import stage
+from analysis.corrections import cases_section, stage
 from analysis.plot import Panel, figure, power_axis, series_colour
 from analysis.store import Document
 
@@ -16,16 +16,19 @@ ABSENT = f"Not evaluated yet: {stage.COMMAND} does it in a minute."
 _PLAIN, _BEST, _RECOMMENDED = "none", "formula", "recommended"
 
 
-def section(document: Document | None) -> str:
-    """The section of a document of analysis.corrections.stage; one sentence without one."""
+def section(document: Document | None, set_ups: str) -> str:
+    """The section of a document of analysis.corrections.stage; one sentence without one. `set_ups` is the file of the page of its
+    set-ups, as seen from the page."""
     if document is None:
         return page.section(TITLE, page.paragraph(ABSENT))
     return page.section(
         TITLE,
         page.finding(finding(document)),
-        page.figures(_panels(document)),
+        page.figures(_panels(document), set_ups=set_ups),
+        page.soft("A click on a triangle opens the set-up in which that correction is worst."),
         _table(document),
         _families(document),
+        cases_section.section(document["cases"], set_ups),
         page.folded("Formulas, sources, constants", _registry(document)),
         page.soft(_explanation(document)),
     )
@@ -61,6 +64,7 @@ def _panels(document: Document) -> list[Panel]:
                     x=[times[entry["name"]] for entry in document["corrections"]],
                     y=[100 * entry["sealed"][quantity] for entry in document["corrections"]],
                     text=[entry["name"] for entry in document["corrections"]],
+                    customdata=_worst_cases(document) if quantity == "worst" else None,
                     mode="markers+text" if quantity == "rms" else "markers",
                     textposition="top center",
                     cliponaxis=False,
@@ -74,6 +78,11 @@ def _panels(document: Document) -> list[Panel]:
             Panel(caption, figure(traces, power_axis("ns per triangle"), power_axis("error in mutual, %")))
         )
     return panels
+
+
+def _worst_cases(document: Document) -> list[str]:
+    """For each correction the sealed set-up in which it is worst."""
+    return [cases_section.worst(document["cases"], name, sealed=True) for name in _names(document)]
 
 
 def _table(document: Document) -> str:

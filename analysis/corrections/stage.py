@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from analysis import keys, machine
-from analysis.corrections import evaluation
+from analysis.corrections import cases, evaluation
+from analysis.corrections.set_ups import set_ups
 from analysis.corrections.truths import FILE
 from analysis.jobs import Failure
 from analysis.keys import REPOSITORY
@@ -48,8 +49,9 @@ def run(folder: Path, module: Any) -> list[Failure]:
 
 
 def load(folder: Path) -> Document | None:
-    """The document in a folder; None without one."""
-    return read_json(folder / DOCUMENT)
+    """The document in a folder; None without one, or with one of an earlier form, which knows nothing of single set-ups."""
+    document = read_json(folder / DOCUMENT)
+    return document if document is not None and "cases" in document else None
 
 
 def beside(results: Path) -> Path:
@@ -59,7 +61,8 @@ def beside(results: Path) -> Path:
 
 def evaluated(module: Any) -> Document:
     """The errors of every correction, with what the registry says of it, as a document."""
-    found = evaluation.evaluate(module)
+    chosen = list(set_ups(module))
+    found = evaluation.evaluate(module, chosen)
     registry = {str(entry["name"]): entry for entry in module.corrections()}
     return {
         "truths": FILE.relative_to(REPOSITORY).as_posix(),
@@ -70,6 +73,7 @@ def evaluated(module: Any) -> Document:
             for entry in found.evaluations
         ],
         "discrepancy": {name.rstrip("_"): value for name, value in asdict(found.discrepancy).items()},
+        "cases": cases.documents(module, found.estimates, chosen),
     }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,6 +37,12 @@ def make(answers: Path, target: Path, workers: int | None = None) -> Made:
     # The page tells what is in the files, so what was written is read.
     write_text(target / files.PAGE, page.text(*files.load(target)))
     return Made([], page.headline(*files.load(target)))
+
+
+def digest() -> str:
+    """A hash of the table as published and of its checks."""
+    contents = [(PLACE / name).read_bytes() for name in (files.TABLE, files.CHECKS)]
+    return hashlib.sha256(b"".join(contents)).hexdigest()
 
 
 def collected(answers: Path) -> tuple[list[Row], list[Check]]:

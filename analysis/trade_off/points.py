@@ -21,13 +21,14 @@ _LEAST_SHARE = 0.5
 @dataclass(frozen=True)
 class Point:
     """A method over the set-ups: the median of the seconds for one pose, and of the errors in `mutual` relative to the truth, with
-    the error that 95 % of the set-ups stay below."""
+    the error that 95 % of the set-ups stay below; `worst` is the case with the largest."""
 
     kind: str
     name: str
     seconds: float
     error: float
     percentile_95: float
+    worst: str
 
 
 def points(document: Document, results: Results) -> list[Point]:
@@ -38,7 +39,7 @@ def points(document: Document, results: Results) -> list[Point]:
             entry["kind"],
             entry["name"],
             [entry["seconds"][case] for case in truths],
-            [entry["values"][case] / truth - 1 for case, truth in truths.items()],
+            {case: entry["values"][case] / truth - 1 for case, truth in truths.items()},
         )
         for entry in document["methods"]
     ]
@@ -70,25 +71,31 @@ def _is_solved(results: Results, case: str) -> bool:
 
 def _meshes(solved: list[tuple[CaseResult, float]]) -> list[Point]:
     found = []
-    levels = [(case.reference.levels, truth) for case, truth in solved if case.reference is not None]
-    for depth in range(max((len(each) for each, _ in levels), default=0)):
-        there = [(each[depth], truth) for each, truth in levels if len(each) > depth]
+    levels = [(case.id, case.reference.levels, truth) for case, truth in solved if case.reference is not None]
+    for depth in range(max((len(each) for _, each, _ in levels), default=0)):
+        there = [(case, each[depth], truth) for case, each, truth in levels if len(each) > depth]
         if len(there) >= _LEAST_SHARE * len(levels):
-            errors = [-level.maxwell[0, 1] / truth - 1 for level, truth in there]
-            found.append(_point(MESH, f"{depth + 1}", [level.seconds for level, _ in there], errors))
+            errors = {case: -level.maxwell[0, 1] / truth - 1 for case, level, truth in there}
+            found.append(_point(MESH, f"{depth + 1}", [level.seconds for _, level, _ in there], errors))
     return found
 
 
 def _answers(solved: list[tuple[CaseResult, float]]) -> list[Point]:
-    pairs = [(case.reference, truth) for case, truth in solved if case.reference is not None]
+    pairs = [(case.id, case.reference, truth) for case, truth in solved if case.reference is not None]
     if not pairs:
         return []
-    errors = [-answer.maxwell[0, 1] / truth - 1 for answer, truth in pairs]
-    return [_point(ANSWER, "answer", [answer.seconds for answer, _ in pairs], errors)]
+    errors = {case: -answer.maxwell[0, 1] / truth - 1 for case, answer, truth in pairs}
+    return [_point(ANSWER, "answer", [answer.seconds for _, answer, _ in pairs], errors)]
 
 
-def _point(kind: str, name: str, seconds: list[float], errors: list[float]) -> Point:
-    size = np.abs(errors)
+def _point(kind: str, name: str, seconds: list[float], errors: dict[str, float]) -> Point:
+    """`errors` by case."""
+    size = np.abs(list(errors.values()))
     return Point(
-        kind, name, float(np.median(seconds)), float(np.median(size)), float(np.quantile(size, 0.95))
+        kind,
+        name,
+        float(np.median(seconds)),
+        float(np.median(size)),
+        float(np.quantile(size, 0.95)),
+        max(errors, key=lambda case: abs(errors[case])),
     )

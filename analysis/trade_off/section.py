@@ -28,15 +28,15 @@ _NAMED_OF_SPLITS = ("split:0", "split:4", "split:8")
 _BETTER_THAN_PLAIN = 0.75
 
 
-def section(document: Document | None, results: Results) -> str:
-    """Finding, plot and what it shows; empty without a measurement."""
+def section(document: Document | None, results: Results, cases: str) -> str:
+    """Finding, plot and what it shows; empty without a measurement. `cases` is the folder of the cases as seen from the page."""
     if document is None or not document["truths"]:
         return ""
     found = points.points(document, results)
     return page.section(
         TITLE,
         page.finding(finding(found, document, results)),
-        page.figures([Panel(_caption(document), plot(found, points.known_to(document)))]),
+        page.figures([Panel(_caption(document), plot(found, points.known_to(document)))], cases),
         page.soft(_explanation(document, results)),
     )
 
@@ -137,7 +137,8 @@ def _series(
         text=[_label(point, plain) for point in members],
         textposition="bottom center" if members[0].kind == "correction" else "top right",
         textfont={"size": 10},
-        customdata=[point.name for point in members],
+        customdata=[point.worst for point in members],
+        hovertext=[point.name for point in members],
         cliponaxis=False,
         marker={
             "color": series_colour(colour),
@@ -146,7 +147,7 @@ def _series(
         },
         line={"color": series_colour(colour)},
         name=name,
-        hovertemplate="%{customdata}: %{x:.2g} s, %{y:.1e}<extra>" + name + "</extra>",
+        hovertemplate="%{hovertext}: %{x:.2g} s, %{y:.1e}<extra>" + name + "</extra>",
     )
 
 
@@ -170,6 +171,7 @@ def _explanation(document: Document, results: Results) -> str:
         f"the median; it lies within the field solver's error bar in {agreeing} of {total} set-ups."
     )
     return (
+        "A click on a point opens the case in which that method is worst. "
         f"{truth} Times of the model, the corrections, reduced:K and boundary elements: one core, one run, methods taking turns at "
         "every pose, after a move, bodies known; the smallest of several. Those of the field solver are the seconds of each mesh when "
         f"the study was solved, and of the whole answer. {document['processor']} with {document['instruction_sets']}. Again, from the "

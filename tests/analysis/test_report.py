@@ -69,7 +69,9 @@ def test_every_question_has_a_page_that_the_report_leads_to_with_its_finding(fol
 
 def test_every_page_leads_only_to_files_that_are_there(folder: Path) -> None:
     pages = pages_of(folder)
-    assert len(pages) == 1 + 9 + 6  # the report, the questions, the cases with the sensor alone
+    assert (
+        len(pages) == 1 + 10 + 1 + 6
+    )  # the report, the questions, the published set-ups, the cases with the sensor alone
     for page in pages:
         targets = re.findall(r'(?:href|src)="([^"]*)"', page.read_text())
         assert targets
@@ -109,6 +111,24 @@ def test_the_page_of_a_case_has_its_drawing_its_numbers_and_its_commands(folder:
         assert f"cases/{case.id}/scene.toml --rtol 0.001 --max-seconds 60" in page
         assert f"cases/{case.id}/scene.toml --method exact" in page
         assert 'href="fem.json"' in page
+
+
+def test_points_of_the_published_table_open_its_set_ups_on_one_page(folder: Path) -> None:
+    report.make(folder)
+    page = (folder / "report" / "published.html").read_text()
+    assert 'data-set-ups="set_ups/published.html"' in page and "A click on a point opens its set-up." in page
+    opened = (folder / "report" / "set_ups" / "published.html").read_text()
+    assert 'href="../published.html"' in opened
+    points = set(re.findall(r'"([0-9a-f]{16})"', page))
+    assert len(points) == 530 and all(f'"name":"{point}"' in opened for point in points)
+
+
+def test_a_page_of_set_ups_that_is_gone_is_made_again(folder: Path) -> None:
+    report.make(folder)
+    (folder / "report" / "set_ups" / "published.html").unlink()
+    (folder / "report.html").unlink()
+    report.make(folder)
+    assert (folder / "report" / "set_ups" / "published.html").is_file()
 
 
 def test_only_the_page_of_a_case_that_changed_is_made_again(folder: Path) -> None:

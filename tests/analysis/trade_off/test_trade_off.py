@@ -91,6 +91,16 @@ def test_points_are_medians_and_meshes_those_that_most_cases_came_to(found: Resu
     assert points.agreement(document(found, **ERRORS), found) == (5, 5)
 
 
+def test_a_point_opens_the_case_in_which_its_method_is_worst(found: Results) -> None:
+    told = document(found, **ERRORS)
+    worst = found.compared()[2].id
+    told["methods"][1]["values"][worst] *= 0.5
+    made = points.points(told, found)
+    assert {point.name: point.worst for point in made}["exact"] == worst
+    text = section.section(told, found, "cases")
+    assert 'data-cases="cases"' in text and f'"customdata":["{worst}"]' in text
+
+
 def test_the_front_ends_where_the_truth_is_known_to(found: Results) -> None:
     made = points.points(document(found, **ERRORS), found)
     names = [point.name for point in section.front(made, 1e-6)]

@@ -1,0 +1,70 @@
+"use strict";
+// Shows the set-up that the address names after the #, or else the first.
+(() => {
+  const data = JSON.parse(document.getElementById("set-ups").textContent);
+  const at = id => document.getElementById(id);
+  const places = new Map(data.setUps.map((each, index) => [each.name, index]));
+  const textColumns = [...document.querySelectorAll("th")].map(cell => cell.className);
+
+  function element(kind, text, className = "") {
+    const made = document.createElement(kind);
+    made.textContent = text;
+    made.className = className;
+    return made;
+  }
+
+  // Each triangle has vertices of its own: shared ones would be lit as if edges were round.
+  function mesh(body, look) {
+    const corners = body.triangles.flat().map(number => body.vertices[number]);
+    const every = step => body.triangles.map((_, index) => 3 * index + step);
+    const [x, y, z] = [0, 1, 2].map(axis => corners.map(corner => corner[axis]));
+    return { ...look, x, y, z, i: every(0), j: every(1), k: every(2) };
+  }
+
+  function draw(setUp) {
+    const [x, y, z] = setUp.aspect;
+    const layout = structuredClone(data.layout);
+    layout.scene.aspectratio = { x, y, z };
+    layout.height = at("scene").clientHeight;
+    const meshes = setUp.bodies.map((body, index) => mesh(body, data.looks[Math.min(index, data.looks.length - 1)]));
+    Plotly.react("scene", meshes, layout, { responsive: true, displaylogo: false, displayModeBar: false });
+  }
+
+  function commands(setUp) {
+    const file = `${setUp.name}.toml`;
+    const asked = data.commands.map(command => command.replace("FILE", file));
+    return [`cat >${file} <<'END'`, (data.heads[setUp.head] + setUp.scene).trimEnd(), "END", ...asked].join("\n");
+  }
+
+  function step(link, index) {
+    const there = index >= 0 && index < data.setUps.length;
+    at(link).hidden = !there;
+    if (there) at(link).href = `#${data.setUps[index].name}`;
+  }
+
+  function show() {
+    const index = places.get(decodeURIComponent(location.hash.slice(1))) ?? 0;
+    const setUp = data.setUps[index];
+    document.title = `${setUp.family} ${setUp.name}`;
+    at("family").textContent = setUp.family;
+    at("name").textContent = setUp.name;
+    at("told").textContent = setUp.told;
+    at("choice").value = setUp.name;
+    at("findings").replaceChildren(...setUp.findings.map(text => element("p", text, "finding")));
+    const rows = setUp.rows.map(cells => {
+      const row = document.createElement("tr");
+      row.append(...cells.map((text, column) => element("td", text, textColumns[column])));
+      return row;
+    });
+    document.querySelector("tbody").replaceChildren(...rows);
+    at("commands").textContent = commands(setUp);
+    step("previous", index - 1);
+    step("next", index + 1);
+    draw(setUp);
+  }
+
+  at("choice").append(...data.setUps.map(each => element("option", each.name)));
+  at("choice").addEventListener("change", event => { location.hash = event.target.value; });
+  addEventListener("hashchange", show);
+  show();
+})();
