@@ -231,10 +231,12 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     from analysis import workflow
+    from analysis.nightly import cluster
     from analysis.store import exclusive
 
     chosen, target = _study(options.study, options.results)
     with exclusive(target):
+        cluster.end_left_over(target)
         failures = workflow.run(chosen, target, options.jobs, options.measure_model)
         failures += _verified(options, target)
         _tell(failures)

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis import plan, reference_stage, workflow
-from analysis.nightly import chunks
+from analysis.nightly import chunks, cluster
 from analysis.jobs import Failure, Progress, parallel_jobs
 from analysis.keys import REPOSITORY
 from analysis.plan import Work
@@ -56,22 +56,27 @@ class Night:
 
 
 def run(study: Study, folder: Path, options: Options) -> Night:
-    """Bring every case of the study up to date in `folder`. KeyboardInterrupt ends it at once; what was finished stays."""
+    """Bring every case of the study up to date in `folder`. KeyboardInterrupt ends it at once, with its jobs on a cluster; what was
+    finished stays."""
     start = time.monotonic()
     workers = options.workers or parallel_jobs()
     seconds = options.job_seconds or (_SECONDS_ON_A_CLUSTER if options.profile else _SECONDS_HERE)
+    profile = find_profile(options.profile) if options.profile else None
+    cluster.begin(folder, profile)
     cases = study.cases()
     works = plan.missing(study, cases, folder)
     prepared = prepare(works, study, folder, seconds, workers)
     workflow.measure(folder, wanted=False)
     trade_off.run(folder, [case.identity for case in cases], wanted=False)
     failures: list[Failure] = []
-    if prepared:
-        _carry(prepared, folder, command(folder, options.profile, workers), workers)
-        failures = chunks.failures(prepared, folder)
-        # A job that never began has left none, and the report tells what it was to solve.
-        workflow.write_scenes(works, folder)
-    shutil.rmtree(folder / chunks.FOLDER, ignore_errors=True)
+    try:
+        if prepared:
+            _carry(prepared, folder, command(folder, profile, workers), workers)
+            failures = chunks.failures(prepared, folder)
+            # A job that never began has left none, and the report tells what it was to solve.
+            workflow.write_scenes(works, folder)
+    finally:
+        cluster.end(folder)
     write_manifest(folder, study, failures)
     return Night(len(works), failures, time.monotonic() - start)
 
@@ -89,10 +94,10 @@ def prepare(
     return grouped
 
 
-def command(folder: Path, profile: str | None, workers: int) -> list[str]:
+def command(folder: Path, profile: Path | None, workers: int) -> list[str]:
     """Snakemake's command line for the jobs in a folder."""
     job = [*ENDS_WITH_US, sys.executable, "-P", "-m", "analysis", "job"]
-    where = ["--cores", str(workers)] if profile is None else ["--profile", str(find_profile(profile))]
+    where = ["--cores", str(workers)] if profile is None else ["--profile", str(profile)]
     return [
         *(sys.executable, "-m", "snakemake", "--snakefile", str(_SNAKEFILE)),
         *("--directory", str((folder / chunks.FOLDER).resolve())),
@@ -124,7 +129,7 @@ def _carry(jobs: list[chunks.Chunk], folder: Path, command: list[str], workers: 
 
     def snakemake() -> None:
         try:
-            finished = processes.run(command, REPOSITORY, _environment())
+            finished = processes.run(command, REPOSITORY, _environment(folder))
             told.extend([finished.output, finished.errors])
         finally:
             ended.set()
@@ -141,9 +146,9 @@ def _carry(jobs: list[chunks.Chunk], folder: Path, command: list[str], workers: 
     write_text(folder / LOG, "\n".join([shlex.join(command), *told]))
 
 
-def _environment() -> dict[str, str]:
+def _environment(folder: Path) -> dict[str, str]:
     path = os.pathsep.join(filter(None, [str(REPOSITORY), os.environ.get("PYTHONPATH", "")]))
-    return os.environ | {"PYTHONPATH": path}
+    return os.environ | {"PYTHONPATH": path, cluster.NAME_VARIABLE: cluster.name(folder)}
 
 
 def _show(jobs: list[chunks.Chunk], folder: Path, workers: int, ended: threading.Event) -> None:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from analysis.set_up import Rectangle, rectangles
 from analysis.store import Document
-from fem_reference.enclosure import enclosure
 from geometries.study import Case
 
 Array = NDArray[np.float64]
@@ -76,6 +75,9 @@ def alone(boundary: Document, upper: Document) -> Alone:
 
 def row(case: Case, boundary: Document, upper: Document, sensor_alone: Alone) -> Row:
     """The row of a set-up; ValueError when a best value is outside its bounds, which would prove an error in one of the two."""
+    # Imported here: who only reads the table needs nothing of the field solver.
+    from fem_reference.enclosure import enclosure
+
     plates = rectangles(case.scene)
     assert plates is not None
     best, error = np.array(boundary["maxwell"]), np.array(boundary["error"])

@@ -1,5 +1,5 @@
 """A copy of the project in which the reference and the model answer at once: the commands are the real ones, in processes of
-their own, and every solve is written down."""
+their own, every solve is written down, and two solves of a case at the same time."""
 
 from __future__ import annotations
 
@@ -14,9 +14,17 @@ from tests.analysis.synthetic import HEAD
 
 ROOT = Path(__file__).resolve().parents[3]
 _REFERENCE = """
-import json, os, sys, time, tomllib
+import fcntl, json, os, sys, time, tomllib
 from pathlib import Path
 from tests.analysis.synthetic import empty_document, reference_document
+case = Path(sys.argv[1]).parent.name
+Path("locks").mkdir(exist_ok=True)
+lock = open(f"locks/{case}{'.slice' if '--slice' in sys.argv else ''}", "w")
+try:
+    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+except BlockingIOError:
+    with open("twice_at_once.txt", "a") as log:
+        log.write(case + "\\n")
 if "TOY_SECONDS" in os.environ:
     time.sleep(float(os.environ["TOY_SECONDS"]))
 scene = tomllib.loads(Path(sys.argv[1]).read_text())
@@ -30,7 +38,7 @@ if height == float(os.environ.get("TOY_FAILS_AT", "nan")):
 mutual = 2 if height is None else 1e-2 / height + float(os.environ.get("TOY_SHIFT", "0"))
 document = empty_document() if height is None else reference_document(mutual, mutual / 2)
 with open("solved.txt", "a") as log:
-    log.write(Path(sys.argv[1]).parent.name + "\\n")
+    log.write(case + "\\n")
 print(json.dumps(document))
 """
 _MODEL = """
@@ -111,3 +119,8 @@ class ToyRepository:
         """How often each case was solved to its end."""
         log = self.folder / "solved.txt"
         return Counter(log.read_text().split()) if log.is_file() else Counter()
+
+    def solved_twice_at_once(self) -> list[str]:
+        """The cases that one solve was begun of while another was not at its end."""
+        log = self.folder / "twice_at_once.txt"
+        return log.read_text().split() if log.is_file() else []
