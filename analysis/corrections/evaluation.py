@@ -42,14 +42,18 @@ class Evaluated:
 def evaluate(module: Any, chosen: list[SetUp]) -> Evaluated:
     """Evaluate the whole registry on the set-ups; half a minute."""
     found = estimates.estimate(module, estimates.names(module), chosen)
+    return Evaluated(found, evaluations(module, found, chosen), gaussian_process.discrepancy(found, _FORMULA))
+
+
+def evaluations(module: Any, found: Estimates, chosen: list[SetUp]) -> tuple[Evaluation, ...]:
+    """The errors of all corrections in the set-ups, whose estimates are given."""
     families = np.array(found.families)
     left_out = {
         name: _factor_left_out(found.errors(name), families, found.sealed) for name in found.by_correction
     }
     left_out[_WITHOUT_CONSTANTS] = found.errors(_WITHOUT_CONSTANTS)
     left_out[_FORMULA] = _formula_left_out(module, chosen, families, found.sealed)
-    evaluations = tuple(_evaluation(found, name, left_out[name]) for name in found.by_correction)
-    return Evaluated(found, evaluations, gaussian_process.discrepancy(found, _FORMULA))
+    return tuple(_evaluation(found, name, left_out[name]) for name in found.by_correction)
 
 
 def _evaluation(found: Estimates, name: str, left_out: Array) -> Evaluation:
