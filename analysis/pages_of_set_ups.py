@@ -2,33 +2,54 @@
 
 from __future__ import annotations
 
-import functools
+import hashlib
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
-from analysis import page, questions
-from analysis.corrections import page as corrections_page
-from analysis.published import section as published_section
+from analysis import keys, page, questions
+from analysis.corrections import cases_section, page as corrections_page
+from analysis.published import section as published_section, table as published
 from analysis.store import Document, write_text
 
 _SCRIPT = f"../{Path(page.SCRIPT).name}"
 
 
-def writers(corrected: Document | None, place: Path) -> dict[Path, Callable[[Path], None]]:
-    """Where each page belongs, and what writes it there. `place` is the folder of the report's pages, `corrected` the document of the
-    corrections."""
-    found: dict[Path, Callable[[Path], None]] = {place / questions.PUBLISHED_SET_UPS: _write_published}
+@dataclass(frozen=True)
+class SetUpsPage:
+    """`file` in the folder of the report's pages, `inputs`, a hash of what it is made from, and what makes its text."""
+
+    file: str
+    inputs: str
+    text: Callable[[str], str]
+
+
+def pages(corrected: Document | None) -> list[SetUpsPage]:
+    """Those that there are; `corrected` is the document of the corrections."""
+
+    def of_published(inputs: str) -> str:
+        return published_section.set_ups_document(*_back(questions.PUBLISHED), inputs, _SCRIPT)
+
+    table = hashlib.sha256(f"{published.digest()} {keys.report_code()}".encode()).hexdigest()
+    found = [SetUpsPage(questions.PUBLISHED_SET_UPS, table, of_published)]
     if corrected is not None:
-        found[place / questions.CORRECTIONS_SET_UPS] = functools.partial(_write_corrections, corrected)
+        cases, back = corrected["cases"], _back(questions.CORRECTIONS)
+
+        def of_corrections(inputs: str) -> str:
+            return cases_section.set_ups_document(cases, *back, inputs, _SCRIPT)
+
+        inputs = corrections_page.inputs(corrected)
+        found.append(SetUpsPage(questions.CORRECTIONS_SET_UPS, inputs, of_corrections))
     return found
 
 
-def _write_published(target: Path) -> None:
-    write_text(target, published_section.set_ups_document(*_back(questions.PUBLISHED), _SCRIPT))
+def write(corrected: Document | None, place: Path) -> None:
+    """Write those that are not up to date into the folder of the report's pages."""
+    from analysis.report import is_current
 
-
-def _write_corrections(document: Document, target: Path) -> None:
-    corrections_page.make_set_ups(document, target, *_back(questions.CORRECTIONS), _SCRIPT)
+    for each in pages(corrected):
+        if not is_current(place / each.file, each.inputs):
+            write_text(place / each.file, each.text(each.inputs))
 
 
 def _back(name: str) -> tuple[str, str]:

@@ -134,15 +134,13 @@ def _pages(material: Material, inputs: str) -> list[Card]:
     known = read_json(place / _FINDINGS)
     if known is not None and known["made_from"] == inputs:
         cards = [index_page.Card(**card) for card in known["pages"]]
-        needed = [place.parent / card.target for card in cards] + list(
-            pages_of_set_ups.writers(material.corrected, place)
-        )
+        needed = [place.parent / card.target for card in cards]
+        needed += [place / each.file for each in pages_of_set_ups.pages(material.corrected)]
         if all(path.is_file() for path in needed):
             return cards
     page.provide_script(place.parent)
     cards = _question_pages(material, inputs)
-    for target, write in pages_of_set_ups.writers(material.corrected, place).items():
-        write(target)
+    pages_of_set_ups.write(material.corrected, place)
     rows: dict[str, list[table.Row]] = {}
     for row in material.rows:
         rows.setdefault(row.case.id, []).append(row)

@@ -41,7 +41,7 @@ def section(set_ups: str) -> str:
 
 
 @functools.cache
-def set_ups_document(back: str, back_title: str, script: str) -> str:
+def set_ups_document(back: str, back_title: str, inputs: str, script: str) -> str:
     """The page of the table's set-ups; `back` is the file of the page that leads to it."""
     found, _ = _published()
     texts = {case.id: case for case in stage.cases()}

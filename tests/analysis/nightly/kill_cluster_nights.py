@@ -27,6 +27,7 @@ from tests.analysis.nightly.toy_repository import ROOT, ToyRepository
 SCRIPT = ROOT / "tests" / "end_to_end" / "one_machine_slurm"
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch")
 CASES = 8
+_SIGNALS_OF_A_STUDY = 10
 # Long beside what starting a job takes, so that signals meet jobs at work.
 _SOLVE_SECONDS = "1"
 _INTERRUPTED = 130
@@ -107,7 +108,11 @@ def kill_nights(folder: Path, configuration: str, signals: int, seed: int) -> Ta
             assert process.returncode in (0, _INTERRUPTED, -number), process.returncode
         tally.left_jobs += bool(left)
         check_nothing_again(toy, before, solved)
-        if len(toy.answers()) == CASES + 1 or tally.signals == signals:
+        if (
+            len(toy.answers()) == CASES + 1
+            or tally.signals % _SIGNALS_OF_A_STUDY == 0
+            or tally.signals == signals
+        ):
             _finish(toy, whole, configuration)
             shutil.rmtree(toy.results)
             tally.studies += 1
