@@ -34,7 +34,7 @@ def section(set_ups: str) -> str:
         page.finding(headline(found, checks)),
         page.figures(panels, set_ups=set_ups),
         page.soft(
-            f"A click on a point opens its set-up. {check_finding(checks)} The table is {place / files.TABLE}, explained in "
+            f"A click on a point opens its set-up. {check_finding(checks).replace('`', '')} The table is {place / files.TABLE}, explained in "
             f"{files.PAGE} beside it; to make it anew: {COMMAND}."
         ),
     )
