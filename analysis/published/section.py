@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 
+import numpy as np
 import plotly.graph_objects as go
 
 from analysis import page, set_ups_page
@@ -117,12 +118,14 @@ def _shown(row: Row, case: Case) -> Shown:
                 f"{value.high:.7g}",
             )
         )
-    return Shown(row.case, row.family, _told(row), (finding,), tuple(numbers), case.scene, case.text)
+    return Shown(row.case, row.family, _told(row, case), (finding,), tuple(numbers), case.scene, case.text)
 
 
-def _told(row: Row) -> str:
+def _told(row: Row, case: Case) -> str:
     """Its parameters in words."""
-    told = ["Sensor 10 × 10 cm"]
+    (plate,) = case.scene.sensors[0].plates
+    sides = (f"{np.linalg.norm(edge) / _CENTIMETRE:g}" for edge in (plate.edge_u, plate.edge_v))
+    told = [f"Sensor {' × '.join(sides)} cm"]
     for name, value in row.parameters.items():
         label = name.replace("_", " ")
         if name.endswith("_degrees"):
