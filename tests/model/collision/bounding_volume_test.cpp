@@ -208,7 +208,7 @@ std::vector<KnownShape> known_shapes() {
 TEST(OrientedBox, TightIsWithinTwoPercentOfTheSmallestKnownInAnyRotation) {
   Random random(3);
   for (const auto& [name, points, smallest] : known_shapes())
-    for (int i = 0; i < 10; ++i) {
+    for (int i = 0; i < draws(10); ++i) {
       const OrientedBox box = oriented_box(turned(points, random.rigid_motion()), {}, BoxMethod::tight);
       EXPECT_LE(volume(box), 1.02 * smallest) << name;
     }
