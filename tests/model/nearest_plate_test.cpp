@@ -15,6 +15,7 @@ namespace fringe::detail {
 namespace {
 
 using Eigen::Vector3d;
+using test::draws;
 using test::Random;
 using test::total_integral;
 

@@ -17,6 +17,7 @@ namespace fringe {
 namespace {
 
 using Eigen::Vector3d;
+using test::draws;
 using test::Points;
 using test::Random;
 using Rational = boost::multiprecision::cpp_rational;
