@@ -26,6 +26,16 @@ inline double total_integral(const std::vector<Triangle>& triangles, const Recta
   return sum;
 }
 
+/// How many random cases a test takes: a tenth without optimisation and under sanitizers, where one takes ten
+/// times as long.
+constexpr int draws(int optimised) {
+#ifdef NDEBUG
+  return optimised;
+#else
+  return optimised / 10;
+#endif
+}
+
 /// Random numbers that are the same with every standard library: the engine is fixed by the standard, the
 /// distributions are not.
 class Random {

@@ -15,6 +15,7 @@ namespace fringe::detail {
 namespace {
 
 using Eigen::Vector3d;
+using test::draws;
 using test::Random;
 using test::total_integral;
 
@@ -63,7 +64,7 @@ double area_of(const Slice& slice) {
 
 TEST(Slices, CoverTheTriangleAndKeepToTheirSides) {
   Random random(1);
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < draws(300); ++i) {
     const Triangle triangle = random.triangle_in_box({-1, -1, -1}, {1, 1, 1});
     const Vector3d direction = random.in_box({-1, -1, -1}, {1, 1, 1});
     const Vector3d values(direction.dot(triangle[0]), direction.dot(triangle[1]), direction.dot(triangle[2]));
@@ -105,7 +106,7 @@ TEST(NearestPlates, OfOnePlateIsThatPlate) {
   Random random(2);
   std::vector<Triangle> triangles;
   triangles.reserve(100);
-  for (int i = 0; i < 100; ++i)
+  for (int i = 0; i < draws(100); ++i)
     triangles.push_back(random.triangle_in_box({-1, -1, 0.1}, {2, 2, 1}));
   const std::vector<Rectangle> plates = tiles(1, 1, Eigen::Isometry3d::Identity());
   NearestPlates division(plates);
@@ -119,7 +120,7 @@ TEST(NearestPlates, OfOnePlateIsThatPlate) {
 TEST(NearestPlates, OfTilesIsThePlateTheyMakeUp) {
   // A union of rectangles that is a rectangle is at the same distance from every point as that.
   Random random(3);
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < draws(200); ++i) {
     const Eigen::Isometry3d pose = random.rigid_motion();
     const Rectangle whole{pose.translation(), 3 * pose.linear().col(0), 2 * pose.linear().col(1)};
     Triangle triangle = random.triangle_in_box({-2, -2, 0.05}, {5, 4, 1});
@@ -135,7 +136,7 @@ TEST(NearestPlates, OfTilesIsThePlateTheyMakeUp) {
 
 TEST(NearestPlates, OfTheSamePlateTwiceIsThatPlate) {
   Random random(4);
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < draws(100); ++i) {
     const Rectangle plate = any_plate(random);
     const Triangle triangle = random.triangle_in_box({3, 3, 3}, {4, 4, 4});
     const double expected = plate_integral(triangle, plate);
@@ -207,7 +208,7 @@ TEST(NearestPlates, IsWhatFineNodesFind) {
   // The sum over centroids converges like the square of their spacing, kinks or not: what a level changes is
   // three times what remains.
   Random random(5);
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < draws(40); ++i) {
     const auto [plates, triangle] = any_case(random, 2 + i % 4);
     std::vector<PlateFrame> frames;
     frames.reserve(plates.size());
@@ -222,7 +223,7 @@ TEST(NearestPlates, IsWhatFineNodesFind) {
 
 TEST(NearestPlates, StaysWithinItsBoundAndTheBoundWithinTheTolerance) {
   Random random(6);
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < draws(200); ++i) {
     const auto [plates, triangle] = any_case(random, 2 + i % 5);
     const Division accurate = divide({triangle}, plates, 1e-13);
     EXPECT_LE(accurate.bound, 1e-13 * accurate.integral);
@@ -239,7 +240,7 @@ TEST(NearestPlates, StaysWithinItsBoundAndTheBoundWithinTheTolerance) {
 
 TEST(NearestPlates, LiesBetweenTheLargestOfThePlatesAndTheirSum) {
   Random random(7);
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < draws(200); ++i) {
     const auto [plates, triangle] = any_case(random, 2);
     const double first = plate_integral(triangle, plates[0]), second = plate_integral(triangle, plates[1]);
     const double found = divide({triangle}, plates, 1e-12).integral;
@@ -250,7 +251,7 @@ TEST(NearestPlates, LiesBetweenTheLargestOfThePlatesAndTheirSum) {
 
 TEST(NearestPlates, DoesNotChangeWhenEverythingMoves) {
   Random random(8);
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < draws(100); ++i) {
     auto [plates, triangle] = any_case(random, 3);
     const double expected = divide({triangle}, plates, 1e-12).integral;
     const Eigen::Isometry3d motion = random.rigid_motion();

@@ -1,6 +1,8 @@
 // GCC takes the undefined register in its own headers' intrinsics for an error of ours.
+#ifndef __clang__
 #pragma GCC diagnostic ignored "-Wuninitialized"
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 #include "../batch/lanes_avx512.hpp"
 #include "quick_search_template.hpp"
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "quick_search.hpp"
@@ -23,15 +24,20 @@ class QuickSearchFor {
   /// The largest gap along the fifteen axes, those of pairs of edges not brought to length one. Overflow
   /// leaves it NaN.
   static double box_gap(const BoxNumbers& a, const BoxNumbers& b) {
-    const auto loaded = [](const double* from, Four& four) { __builtin_memcpy(&four, from, sizeof(Four)); };
+    // Four numbers from a place within the box's bytes: the fourth is a neighbour of another array.
+    const auto loaded = [](const BoxNumbers& box, std::size_t place, Four& four) {
+      __builtin_memcpy(&four, reinterpret_cast<const char*>(&box) + place, sizeof(Four));
+    };
     BoxLanes lanes_a, lanes_b;
     for (std::size_t k = 0; k < 3; ++k) {
-      loaded(a.axes + 3 * k, lanes_a.axes[k]);
-      loaded(b.axes + 3 * k, lanes_b.axes[k]);
+      const std::size_t axis = offsetof(BoxNumbers, axes) + 3 * k * sizeof(double);
+      loaded(a, axis, lanes_a.axes[k]);
+      loaded(b, axis, lanes_b.axes[k]);
     }
     // What stands before them goes to the lane without a meaning.
-    loaded(a.half_widths - 1, lanes_a.half);
-    loaded(b.half_widths - 1, lanes_b.half);
+    constexpr std::size_t before_half = offsetof(BoxNumbers, half_widths) - sizeof(double);
+    loaded(a, before_half, lanes_a.half);
+    loaded(b, before_half, lanes_b.half);
     lanes_a.half = __builtin_shufflevector(lanes_a.half, lanes_a.half, 1, 2, 3, 0);
     lanes_b.half = __builtin_shufflevector(lanes_b.half, lanes_b.half, 1, 2, 3, 0);
     return gap(lanes_a, lanes_b,

@@ -17,6 +17,7 @@ namespace fringe {
 namespace {
 
 using Eigen::Vector3d;
+using test::draws;
 using test::Points;
 using test::Random;
 using Rational = boost::multiprecision::cpp_rational;
@@ -208,7 +209,7 @@ std::vector<KnownShape> known_shapes() {
 TEST(OrientedBox, TightIsWithinTwoPercentOfTheSmallestKnownInAnyRotation) {
   Random random(3);
   for (const auto& [name, points, smallest] : known_shapes())
-    for (int i = 0; i < 10; ++i) {
+    for (int i = 0; i < draws(10); ++i) {
       const OrientedBox box = oriented_box(turned(points, random.rigid_motion()), {}, BoxMethod::tight);
       EXPECT_LE(volume(box), 1.02 * smallest) << name;
     }

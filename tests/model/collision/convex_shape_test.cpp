@@ -18,6 +18,7 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
+using test::draws;
 using test::Points;
 using test::Random;
 
@@ -82,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(Pairs, HullsOnClass,
 TEST(ConvexShapes, OfEveryKindProveTheirAnswersInAnyPose) {
   Random random(12);
   int meeting = 0;
-  constexpr int pairs = 4000;
+  constexpr int pairs = draws(4000);
   for (int i = 0; i < pairs; ++i) {
     const ConvexShape a = any_primitive(random), b = any_primitive(random);
     const Isometry3d pose_a = random.rigid_motion();
@@ -193,7 +194,7 @@ TEST(ConvexShapes, OfManyVerticesHaveTheirFarthestOnesInEveryCell) {
     }
     const ConvexShape hull = ConvexShape::hull(points);
     ASSERT_GT(hull.data().cells.resolution, 1);
-    for (int i = 0; i < 20000; ++i) {
+    for (int i = 0; i < draws(20000); ++i) {
       Vector3d direction = random.in_box({-1, -1, -1}, {1, 1, 1});
       if (i % 2 == 0)
         for (double& coordinate : direction)

@@ -167,8 +167,9 @@ TEST(CollisionDetector, FindsWhatAllPairsOfTrianglesShowWhileLinksMove) {
       parent = test::below(random, i);
     scene.links.push_back({"link " + std::to_string(i), parent, random.rigid_motion()});
     for (std::size_t k = 0; k < objects_per_link; ++k) {
+      const Isometry3d pose = random.rigid_motion();
       scene.objects.push_back(
-          object(std::to_string(i) + "," + std::to_string(k), any_flat_shape(random), random.rigid_motion()));
+          object(std::to_string(i) + "," + std::to_string(k), any_flat_shape(random), pose));
       scene.objects.back().link = i;
     }
   }
