@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from analysis.corrections import set_ups as corrections_set_ups
-from analysis.errors import set_ups as errors_set_ups
 from analysis.model_stage import model_module
 from tests.bad_input import corpus
 
@@ -94,7 +93,9 @@ def test_the_python_example_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 def test_the_values_of_the_options_are_known_and_the_first_is_the_default(tmp_path: Path) -> None:
     path = example(tmp_path)
-    rows = dict(re.findall(r"^\| `(\w+)` \| ([^|]+) \|", README, re.MULTILINE))
+    rows = dict(
+        re.findall(r"^\| `(\w+)` \| ([^|]+) \|", README.split("| option |")[1].split("\n\n")[0], re.MULTILINE)
+    )
     assert set(rows) == {"method", "plates", "faces", "tolerance", "correction"}
     scene = model_module().Scene.load(str(path))
     options = scene.capacitance()["options"]
@@ -119,25 +120,16 @@ def test_the_errors_of_the_reduced_method_are_its_steps(tmp_path: Path) -> None:
         assert np.abs(found["maxwell"] / best - 1).max() <= float(per_cent) / 100
 
 
-@pytest.mark.parametrize("file", ["README.md", "analysis/errors/ERRORS.md"])
-def test_there_are_as_many_set_ups_taken_apart_as_is_told(file: str) -> None:
-    text = (ROOT / file).read_text(encoding="utf-8")
-    count = re.search(r"(\d+) set-ups (?:against boundary elements|into results/errors)", text)
-    assert count is not None and int(count[1]) == len(errors_set_ups.all_set_ups())
-
-
 @pytest.mark.parametrize("file", ["README.md", "analysis/documentation/algorithms/05_corrections.md"])
 def test_there_are_as_many_set_ups_corrected_as_is_told(file: str) -> None:
     text = (ROOT / file).read_text(encoding="utf-8")
-    count = re.search(r"(\d+) set-ups, a third", text)
     chosen = list(corrections_set_ups.set_ups(model_module()))
-    assert count is not None and int(count[1]) == len(chosen)
-    assert sum(set_up.sealed for set_up in chosen) == pytest.approx(len(chosen) / 3, rel=0.05)
+    assert f"{len(chosen)} set-ups, {sum(set_up.sealed for set_up in chosen)} of them" in text
 
 
 def test_the_corpus_of_bad_input_is_of_a_thousand() -> None:
     assert "a corpus of a thousand" in README
-    assert len(corpus.cases()) == pytest.approx(1000, rel=0.1)
+    assert round(len(corpus.cases()), -3) == 1000
 
 
 def test_the_differences_that_the_readme_states_follow_from_its_numbers() -> None:
