@@ -64,6 +64,7 @@ ELSEWHERE = {
     "fringe import SOURCE SCENE": (IMPORT, "test_links_and_joints_at_zero_are_links_and_poses", "import"),
     "fringe import": (IMPORT, "test_links_and_joints_at_zero_are_links_and_poses", "import"),
     "fringe sense SCENE": ("model/test_sense_command.py", "test_sense_as_json", "sense"),
+    "fringe capacitance … --output FILE.vtu": ("model/test_output_file.py", "test_the_triangles_of_an_object_add_up_to_its_capacitance", "--output"),
     "fringe … --json": (OPTIONS, "test_json_in_the_place_of_a_table", "--json"),
     "pkg-config fringe": (INSTALL, "test_a_project_finds_the_library_with_pkg_config", "pkg-config"),
     "python3 -m analysis corrections": ("analysis/corrections/test_corrections.py", "test_the_section_tells_the_errors_and_the_times", "corrections"),
