@@ -60,8 +60,8 @@ class Arrays {
   /// `type`: the attributes that say what the numbers are.
   template <typename Number>
   std::string add(const std::string& type, const std::string& name, const std::vector<Number>& numbers) {
-    const std::string text = fmt::format("<DataArray {} Name=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
-                                         type, escaped(name), bytes_.size());
+    std::string text = fmt::format("<DataArray {} Name=\"{}\" format=\"appended\" offset=\"{}\"/>\n", type,
+                                   escaped(name), bytes_.size());
     const std::uint64_t size = numbers.size() * sizeof(Number);
     bytes_.append(reinterpret_cast<const char*>(&size), sizeof size);
     bytes_.append(reinterpret_cast<const char*>(numbers.data()), size);
@@ -124,14 +124,14 @@ void write_vtu(const Scene& scene, const CapacitanceOptions& options, const fs::
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"{}\" "
       "header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
       std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian", 3 * count, count);
-  head += "<Points>\n" + arrays.add("type=\"Float64\" NumberOfComponents=\"3\"", "Points", points) +
+  head += "<Points>\n" + arrays.add(R"(type="Float64" NumberOfComponents="3")", "Points", points) +
           "</Points>\n<Cells>\n";
-  head += arrays.add("type=\"Int64\"", "connectivity", corners);
-  head += arrays.add("type=\"Int64\"", "offsets", ends);
-  head += arrays.add("type=\"UInt8\"", "types", std::vector<std::uint8_t>(count, vtk_triangle));
-  head += "</Cells>\n<CellData>\n" + arrays.add("type=\"Int32\"", "body", bodies);
+  head += arrays.add(R"(type="Int64")", "connectivity", corners);
+  head += arrays.add(R"(type="Int64")", "offsets", ends);
+  head += arrays.add(R"(type="UInt8")", "types", std::vector<std::uint8_t>(count, vtk_triangle));
+  head += "</Cells>\n<CellData>\n" + arrays.add(R"(type="Int32")", "body", bodies);
   for (std::size_t sensor = 0; sensor < shares.size(); ++sensor)
-    head += arrays.add("type=\"Float64\"", "capacitance " + scene.sensors[sensor].name, shares[sensor]);
+    head += arrays.add(R"(type="Float64")", "capacitance " + scene.sensors[sensor].name, shares[sensor]);
   head += "</CellData>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
   write_whole(target, head, arrays.bytes(), "\n</AppendedData>\n</VTKFile>\n");
 }
