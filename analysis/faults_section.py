@@ -44,7 +44,6 @@ def section(document: Document) -> str:
         "while it ran",
         "unfinished files left",
         "completed by the next run",
-        "told as",
     ]
     rows = [
         [
@@ -53,7 +52,6 @@ def section(document: Document) -> str:
                 str(counts[key])
                 for key in ("rounds", "during_the_run", "unfinished_files", "completed_afterwards")
             ),
-            escape(counts["sentences"][0].removeprefix("analysis: ") if counts["sentences"] else ""),
         ]
         for name, counts in kinds.items()
     ]
@@ -61,6 +59,7 @@ def section(document: Document) -> str:
         TITLE,
         page.finding(finding(document)),
         page.table(header, rows),
+        page.folded("How the user is told", _told(kinds)),
         page.soft(
             "Reference and model answer at once here; the commands and all that they write are the real ones. After every fault "
             "each file under its own name was whole, no finished answer was lost or changed, and the same command, left alone, "
@@ -69,10 +68,19 @@ def section(document: Document) -> str:
     )
 
 
+def _told(kinds: dict[str, Document]) -> str:
+    """The first sentence of every kind that had one."""
+    return "".join(
+        page.paragraph(f"{_KINDS.get(name, name)}: “{counts['sentences'][0].removeprefix('analysis: ')}”")
+        for name, counts in kinds.items()
+        if counts["sentences"]
+    )
+
+
 def finding(document: Document) -> str:
     counts = [entry for entry in document["kinds"].values() if entry["rounds"]]
     made, completed = (sum(entry[key] for entry in counts) for key in ("rounds", "completed_afterwards"))
     return (
         f"Of {made} faults, {sum(entry['during_the_run'] for entry in counts)} while the study ran, none lost or damaged a finished "
-        f"answer, and the next run completed the study after {completed}."
+        f"answer, and after {completed} of them the next run completed the study."
     )

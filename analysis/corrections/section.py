@@ -158,8 +158,8 @@ def _registry(document: Document) -> str:
 def _explanation(document: Document) -> str:
     both = document["discrepancy"]
     return (
-        f"{document['set_ups']} set-ups with truths by boundary elements to 1e-4 ({document['truths']}); a third, {document['sealed']}, is sealed "
-        "by a hash of its name: no constant was fitted on it. Errors are relative to the truth. Family left out: each family with "
+        f"{document['set_ups']} set-ups with truths by boundary elements to 1e-4 ({document['truths']}); {document['sealed']} of them are sealed "
+        "by a hash of their names: no constant was fitted on them. Errors are relative to the truth. Family left out: each family with "
         "the formula's constants fitted to the others, recommended as it is; for the rest, with the others' mean factor divided out. The process' row has the open set-ups in the places of all, each "
         f"predicted from the other folds; there its 95 % intervals hold the truth in {both['open_coverage']:.0%}. Times: one "
         f"core, one run, new pose each time. Repeat: {stage.COMMAND}."

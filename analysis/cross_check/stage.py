@@ -8,6 +8,7 @@ from typing import Any
 from analysis.jobs import Failure
 from analysis.store import Document, write_json
 from geometries import reader
+from geometries.errors import InputError
 from geometries.scene import Scene
 from geometries.shapes import Arc, Cone, Cylinder, MeshShape, Sphere
 
@@ -32,7 +33,11 @@ def evaluate(scene: Path, target: Path, key: str, asked: float, module: Any) -> 
     field solver's relative accuracy. Returns why, when there is neither."""
     try:
         described = reader.load(scene)
-        wanted = rtol(asked, described)
+    except InputError as error:
+        # It was written by this program: somebody has removed or changed it meanwhile.
+        return Failure(scene.parent.name, STAGE, str(error))
+    wanted = rtol(asked, described)
+    try:
         if any(isinstance(body.shape, Arc | Cone | Cylinder | Sphere) for body in described.objects):
             answer: Document = {"refused": _ROUND}
         else:

@@ -22,6 +22,7 @@
 #include "json_text.hpp"
 #include "maxwell_text.hpp"
 #include "table_text.hpp"
+#include "vtu_file.hpp"
 
 namespace {
 
@@ -37,6 +38,7 @@ struct Request {
   std::string plates = "sum";
   std::string faces = "all";
   std::string correction = "none";
+  std::optional<std::string> output;
   double tolerance = 0;
   double rtol = BoundaryElementOptions{}.rtol;
   bool json = false;
@@ -88,6 +90,8 @@ std::string answer_capacitance(const Request& request) {
   const auto start = std::chrono::steady_clock::now();
   const SceneCapacitance answer = of_file(request.scene, [&] { return capacitance(scene, options); });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  if (request.output)
+    cli::write_vtu(scene, options, *request.output);
   return request.json ? cli::capacitance_json(answer, options, elapsed.count())
                       : cli::capacitance_table(answer, options, elapsed.count());
 }
@@ -116,7 +120,7 @@ MaxwellAnswer answer_maxwell(const Request& request, std::optional<int> reduced_
 /// Every method has options of its own; one that would change nothing is refused.
 void refuse_options_of_other_methods(const CLI::App& command, const std::string& method,
                                      bool boundary_elements) {
-  for (const char* option : {"--plates", "--faces", "--tolerance", "--correction"})
+  for (const char* option : {"--plates", "--faces", "--tolerance", "--correction", "--output"})
     if (boundary_elements && command.count(option) > 0)
       throw InputError(
           fmt::format("{} is an option of the triangle-integral methods, not of {}", option, method));
@@ -180,6 +184,13 @@ int run(int argument_count, char** arguments) {
           "--correction", request.correction,
           "none, or what takes the place of the integral: a name of model/CORRECTIONS.md, or recommended")
       ->capture_default_str();
+  capacitance_command
+      ->add_option("--output", request.output,
+                   "Also write the triangles with what each adds to every sensor's capacitance, for ParaView")
+      ->type_name("FILE.vtu")
+      ->check([](const std::string& name) {
+        return name.ends_with(".vtu") ? std::string() : fmt::format("'{}' does not end in .vtu", name);
+      });
   capacitance_command->add_option(
       "--rtol", request.rtol,
       "The relative error to be reached in every entry; only with boundary-elements (if not given "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import math
+import os
 import struct
 import subprocess
 from pathlib import Path
@@ -62,7 +63,13 @@ ROBOT = """<?xml version="1.0"?>
 
 
 def fringe_import(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    command = [ROOT / "build/bin/fringe", "import", *arguments]
+    # tests/clean/run lets valgrind watch.
+    command = [
+        *os.environ.get("FRINGE_WATCHED_BY", "").split(),
+        ROOT / "build/bin/fringe",
+        "import",
+        *arguments,
+    ]
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
 
 

@@ -35,6 +35,7 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
         "--faces": (MODEL, "test_faces"),
         "--tolerance": (MODEL, "test_tolerance_is_kept_and_said"),
         "--correction": ("model/test_corrections.py", "test_command_and_module_agree"),
+        "--output": ("model/test_output_file.py", "test_the_triangles_of_an_object_add_up_to_its_capacitance"),
         "--rtol": ("model/test_boundary_elements.py", "test_options_that_would_change_nothing_are_refused"),
     },
     ("fringe", "collide"): {"--help": SAID, "--version": SAID, "--json": (HERE, "test_json_in_the_place_of_a_table")},

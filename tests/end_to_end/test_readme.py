@@ -6,6 +6,15 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+
+from analysis.corrections import set_ups as corrections_set_ups
+from analysis.model_stage import model_module
+from tests.bad_input import corpus
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -44,6 +53,83 @@ def test_the_reference_agrees_with_what_the_readme_shows(tmp_path: Path) -> None
     assert len(expected) == len(found) == 5
     for (value, error), (new, _) in zip(expected, found):
         assert abs(float(new) - float(value)) <= float(error)
+
+
+def test_boundary_elements_print_what_the_readme_shows(tmp_path: Path) -> None:
+    """Every value within the error beside it, as for the reference: the last digits belong to the machine."""
+    command = [ROOT / "build/bin/fringe", "capacitance", example(tmp_path), "--method", "boundary-elements"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    shown = "\n".join(printed_after("build/bin/fringe capacitance hand.toml --method boundary-elements"))
+    expected, found = VALUE_AND_ERROR.findall(shown), VALUE_AND_ERROR.findall(done.stdout)
+    assert len(expected) == 4 and len(found) >= 4
+    for (value, error), (new, new_error) in zip(expected, found):
+        assert abs(float(new) - float(value)) <= 0.1 * float(error)
+        assert float(new_error) == pytest.approx(float(error), rel=0.1)
+
+
+def test_the_file_for_paraview_is_written(tmp_path: Path) -> None:
+    """`--output triangles.vtu`"""
+    command = [ROOT / "build/bin/fringe", "capacitance", example(tmp_path), "--output", "triangles.vtu"]
+    assert command[-2] + " " + command[-1] in README
+    subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
+    assert {"body", "capacitance front"} == set(meshio.read(tmp_path / "triangles.vtu").cell_data)
+
+
+def test_the_python_example_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    block = re.search(r"```python\n(.*?)```", README, re.DOTALL)
+    assert block is not None
+    example(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    model_module()
+    found: dict[str, Any] = {}
+    exec(block[1], found)
+    scene = found["scene"]
+    assert scene.conductors()["hand"].shape == (2, 3, 3)
+    exact, split = (
+        scene.capacitance(method=method)["sensors"][0]["total"] for method in ("exact", "split:4")
+    )
+    assert exact != split and exact == pytest.approx(split, rel=1e-2)
+
+
+def test_the_values_of_the_options_are_known_and_the_first_is_the_default(tmp_path: Path) -> None:
+    path = example(tmp_path)
+    rows = dict(
+        re.findall(r"^\| `(\w+)` \| ([^|]+) \|", README.split("| option |")[1].split("\n\n")[0], re.MULTILINE)
+    )
+    assert set(rows) == {"method", "plates", "faces", "tolerance", "correction"}
+    scene = model_module().Scene.load(str(path))
+    options = scene.capacitance()["options"]
+    for option, values in rows.items():
+        first, *others = re.findall(r"`([\w:-]+)`", values) or [values]
+        assert str(options[option]) == first or float(options[option]) == float(first)
+        for value in others[: None if option != "correction" else 7]:
+            asked = {option: value.replace(":N", ":2").replace(":K", ":3")}
+            assert scene.capacitance(**asked)["options"][option] == asked[option]
+
+
+def test_the_errors_of_the_reduced_method_are_its_steps(tmp_path: Path) -> None:
+    scene = model_module().Scene.load(str(example(tmp_path)))
+    told = re.search(
+        r"in microseconds per pose: ([\d.]+) %, ([\d.]+) % and ([\d.]+) % for\s+K = 1, 2 and 3", README
+    )
+    assert told is not None
+    best = scene.maxwell(rtol=1e-5)["maxwell"]
+    for steps, per_cent in enumerate(told.groups(), 1):
+        found = scene.maxwell(method=f"reduced:{steps}")
+        assert found["reached"] and found["rtol"] == float(per_cent) / 100
+        assert np.abs(found["maxwell"] / best - 1).max() <= float(per_cent) / 100
+
+
+@pytest.mark.parametrize("file", ["README.md", "analysis/documentation/algorithms/05_corrections.md"])
+def test_there_are_as_many_set_ups_corrected_as_is_told(file: str) -> None:
+    text = (ROOT / file).read_text(encoding="utf-8")
+    chosen = list(corrections_set_ups.set_ups(model_module()))
+    assert f"{len(chosen)} set-ups, {sum(set_up.sealed for set_up in chosen)} of them" in text
+
+
+def test_the_corpus_of_bad_input_is_of_a_thousand() -> None:
+    assert "a corpus of a thousand" in README
+    assert round(len(corpus.cases()), -3) == 1000
 
 
 def test_the_differences_that_the_readme_states_follow_from_its_numbers() -> None:

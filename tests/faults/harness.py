@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -128,6 +129,18 @@ def make_slower(toy: ToyRepository) -> None:
     )
     assert slower != written
     files.write_text(slower)
+
+
+def at_work(process: subprocess.Popen[str]) -> bool:
+    """Whether it has the lock of a folder: the file of that name stays when its owner ends."""
+    locks = (line.split() for line in Path("/proc/locks").read_text().splitlines())
+    return any(words[1] == "FLOCK" and words[4] == str(process.pid) for words in locks if "->" not in words)
+
+
+def wait_until_at_work(process: subprocess.Popen[str]) -> None:
+    """Or until it has ended."""
+    while process.poll() is None and not at_work(process):
+        time.sleep(0.01)
 
 
 @contextmanager

@@ -20,6 +20,7 @@ from tests.faults.harness import (
     expect_told,
     sentences,
     small_file_system,
+    wait_until_at_work,
 )
 
 FAILED, INTERRUPTED = 1, 130
@@ -50,8 +51,8 @@ def interrupted(study: Study, chance: random.Random, tally: Tally) -> None:
 
 def _stopped(study: Study, chance: random.Random, tally: Tally, number: signal.Signals) -> None:
     before, process = answers(study.toy), study.start()
-    # Once the folder is in use; what ends before then has done nothing.
-    _wait_for(study.toy.results / ".lock", process)
+    # What ends before then has done nothing.
+    wait_until_at_work(process)
     time.sleep(chance.uniform(0, study.seconds))
     running = process.poll() is None
     process.send_signal(number)
@@ -75,8 +76,11 @@ def _stopped(study: Study, chance: random.Random, tally: Tally, number: signal.S
 
 def two_at_once(study: Study, chance: random.Random, tally: Tally) -> None:
     """A second run of the same study beside the first: it is refused, the first one does not notice."""
+    # Without work the first one would be at its end before the second comes.
+    for answer in sorted(study.toy.results.glob("cases/*/fem.json"))[:4]:
+        answer.unlink()
     first = study.start(TOY_SECONDS="1")
-    _wait_for(study.toy.results / ".lock", first)
+    wait_until_at_work(first)
     time.sleep(chance.uniform(0, 0.5))
     second = study.finish(study.start())
     tally.during_the_run += first.poll() is None
@@ -93,7 +97,7 @@ def two_at_once(study: Study, chance: random.Random, tally: Tally) -> None:
 def folder_removed(study: Study, chance: random.Random, tally: Tally) -> None:
     """The folder of the results vanishes while the study runs."""
     process = study.start()
-    _wait_for(study.toy.results / ".lock", process)
+    wait_until_at_work(process)
     time.sleep(chance.uniform(0, study.seconds))
     tally.during_the_run += process.poll() is None
     shutil.rmtree(study.toy.results, ignore_errors=True)
@@ -188,7 +192,7 @@ def clock_jumps(study: Study, chance: random.Random, tally: Tally) -> None:
         FAKETIME_NO_CACHE="1",
         FAKETIME_DONT_FAKE_MONOTONIC="1",
     )
-    _wait_for(study.toy.results / ".lock", process)
+    wait_until_at_work(process)
     while process.poll() is None:
         following = clock.with_suffix(".following")
         following.write_text(f"{chance.choice('+-')}{chance.randrange(1, 3000)}d")
@@ -220,8 +224,3 @@ def _signal_group(process: subprocess.Popen[str], number: signal.Signals) -> Non
         os.killpg(process.pid, number)
     except ProcessLookupError:
         pass
-
-
-def _wait_for(path: Path, process: subprocess.Popen[str]) -> None:
-    while not path.exists() and process.poll() is None:
-        time.sleep(0.01)

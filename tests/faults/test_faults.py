@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from analysis import faults_section
-from tests.faults.harness import Study
+from tests.faults.harness import Study, wait_until_at_work
 from tests.faults.run import disturb, prepare
 
 
@@ -20,6 +20,19 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
 def test_nothing_is_lost_it_is_told_and_the_next_run_completes(study: Study, kind: str) -> None:
     tally = disturb(study, kind, rounds=1, seed=1)
     assert (tally.rounds, tally.told, tally.completed_afterwards) == (1, 1, 1)
+
+
+def test_a_lock_that_is_left_behind_is_not_one_that_is_held(study: Study) -> None:
+    """The run that came first goes on, the second is refused, although the file of the lock was there before both."""
+    study.toy.results.mkdir(parents=True, exist_ok=True)
+    (study.toy.results / ".lock").touch()
+    first = study.start(TOY_SECONDS="1")
+    wait_until_at_work(first)
+    assert first.poll() is None
+    second = study.finish(study.start())
+    assert (second.returncode, first.poll()) == (1, None) and "in use" in second.stderr
+    first.kill()
+    first.communicate()
 
 
 def test_the_report_says_what_was_counted(tmp_path: Path) -> None:

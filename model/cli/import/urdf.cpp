@@ -78,6 +78,13 @@ class Reader {
  public:
   Reader(const fs::path& path, UrdfGeometry geometry, const std::vector<fs::path>& package_paths)
       : path_(path), geometry_(geometry), package_paths_(package_paths), model_(parse(path)) {}
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+  /// The parser's links own their children: those in a circle would own each other for ever.
+  ~Reader() {
+    for (const auto& [name, link] : model_->links_)
+      link->child_links.clear();
+  }
 
   Scene read() {
     if (model_->links_.size() > most_links)

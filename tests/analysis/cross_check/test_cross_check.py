@@ -166,3 +166,10 @@ def test_of_meshes_no_more_is_asked_than_of_the_field_solver(tmp_path: Path) -> 
     assert (stage.rtol(1e-2, plates), stage.rtol(1e-2, mesh)) == (1e-3, 1e-2)
     answer = stored(mesh, tmp_path / "stored")
     assert answer["rtol"] == 1e-2 and answer["reached"]
+
+
+def test_a_scene_that_is_gone_meanwhile_fails_and_nothing_is_stored(tmp_path: Path) -> None:
+    target = tmp_path / "boundary.json"
+    failure = stage.evaluate(tmp_path / "scene.toml", target, "key", 1e-2, model_module())
+    assert failure is not None and "scene.toml" in failure.reason
+    assert not target.exists()

@@ -1,0 +1,139 @@
+#include "vtu_file.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <fstream>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "fringe/conductors.hpp"
+#include "fringe/error.hpp"
+#include "fringe/triangulation.hpp"
+
+namespace fringe::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Each evaluated triangle is an object for a moment, of about a kilobyte.
+constexpr std::size_t triangles_at_once = 4096;
+
+/// For each sensor what each triangle of an object adds (F).
+using Shares = std::vector<std::vector<double>>;
+
+/// The triangles are objects of their own here, so that every option means what it means for the whole.
+void add_shares(const Scene& scene, const Object& object, const CapacitanceOptions& options, Shares& shares) {
+  const std::vector<Triangle> triangles = triangulate(object.shape);
+  Scene part{scene.medium, scene.has_room, scene.links, scene.sensors, {}, {}};
+  for (std::size_t first = 0; first < triangles.size(); first += triangles_at_once) {
+    part.objects.clear();
+    for (std::size_t i = first; i < std::min(first + triangles_at_once, triangles.size()); ++i)
+      part.objects.push_back(
+          {object.name, object.link, Mesh{{}, 1, {triangles[i]}}, object.pose, object.role, false});
+    const SceneCapacitance answer = capacitance(part, options);
+    for (std::size_t sensor = 0; sensor < shares.size(); ++sensor)
+      for (const ObjectCapacitance& single : answer.sensors[sensor].objects)
+        shares[sensor].push_back(single.capacitance);
+  }
+}
+
+/// Text within an attribute; what XML has no place for becomes a question mark.
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char letter : text)
+    if (letter == '&' || letter == '<' || letter == '"')
+      result += fmt::format("&#{};", static_cast<int>(letter));
+    else
+      result += static_cast<unsigned char>(letter) < 0x20 ? '?' : letter;
+  return result;
+}
+
+/// The arrays of a file: the text that names them, and the bytes behind it that they refer to.
+class Arrays {
+ public:
+  /// `type`: the attributes that say what the numbers are.
+  template <typename Number>
+  std::string add(const std::string& type, const std::string& name, const std::vector<Number>& numbers) {
+    std::string text = fmt::format("<DataArray {} Name=\"{}\" format=\"appended\" offset=\"{}\"/>\n", type,
+                                   escaped(name), bytes_.size());
+    const std::uint64_t size = numbers.size() * sizeof(Number);
+    bytes_.append(reinterpret_cast<const char*>(&size), sizeof size);
+    bytes_.append(reinterpret_cast<const char*>(numbers.data()), size);
+    return text;
+  }
+
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+void write_whole(const fs::path& target, const std::string& head, const std::string& bytes,
+                 const std::string& tail) {
+  const fs::path unfinished =
+      target.parent_path() / fmt::format(".{}.unfinished", target.filename().string());
+  std::ofstream file(unfinished, std::ios::binary);
+  file << head << bytes << tail;
+  file.close();
+  std::error_code failure;
+  if (file)
+    fs::rename(unfinished, target, failure);
+  if (file && !failure)
+    return;
+  std::error_code ignored;
+  fs::remove(unfinished, ignored);
+  throw std::runtime_error(fmt::format("{}: cannot be written", target.string()));
+}
+
+}  // namespace
+
+void write_vtu(const Scene& scene, const CapacitanceOptions& options, const fs::path& target) {
+  if (options.tolerance > 0 || options.correction != Correction::none)
+    throw InputError("--output: with a tolerance or a correction no triangle has a part of its own");
+  std::vector<double> points;
+  std::vector<std::int32_t> bodies;
+  for (const Conductor& conductor : conductors(scene)) {
+    const std::int32_t body = bodies.empty() ? 1 : bodies.back() + 1;
+    bodies.insert(bodies.end(), conductor.triangles.size(), body);
+    for (const Triangle& triangle : conductor.triangles)
+      for (const Eigen::Vector3d& vertex : triangle)
+        points.insert(points.end(), vertex.begin(), vertex.end());
+  }
+  std::size_t own = 0;
+  for (const Sensor& sensor : scene.sensors)
+    own += 2 * sensor.plates.size();
+  Shares shares(scene.sensors.size(), std::vector<double>(own));
+  for (const Object& object : scene.objects)
+    add_shares(scene, object, options, shares);
+
+  const std::size_t count = bodies.size();
+  std::vector<std::int64_t> corners(3 * count), ends(count);
+  std::iota(corners.begin(), corners.end(), 0);
+  for (std::size_t i = 0; i < count; ++i)
+    ends[i] = static_cast<std::int64_t>(3 * (i + 1));
+  constexpr std::uint8_t vtk_triangle = 5;
+
+  Arrays arrays;
+  std::string head = fmt::format(
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"{}\" "
+      "header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
+      std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian", 3 * count, count);
+  head += "<Points>\n" + arrays.add(R"(type="Float64" NumberOfComponents="3")", "Points", points) +
+          "</Points>\n<Cells>\n";
+  head += arrays.add(R"(type="Int64")", "connectivity", corners);
+  head += arrays.add(R"(type="Int64")", "offsets", ends);
+  head += arrays.add(R"(type="UInt8")", "types", std::vector<std::uint8_t>(count, vtk_triangle));
+  head += "</Cells>\n<CellData>\n" + arrays.add(R"(type="Int32")", "body", bodies);
+  for (std::size_t sensor = 0; sensor < shares.size(); ++sensor)
+    head += arrays.add(R"(type="Float64")", "capacitance " + scene.sensors[sensor].name, shares[sensor]);
+  head += "</CellData>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
+  write_whole(target, head, arrays.bytes(), "\n</AppendedData>\n</VTKFile>\n");
+}
+
+}  // namespace fringe::cli

@@ -1,0 +1,184 @@
+"""Every command that README and notes give is run: small here, or by the test that is named.
+
+The test fails for a command that is not in the table and for one of the table that nothing gives. `FRINGE_LONG_TESTS=1` runs them as they
+are written, and those of minutes, too.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+LONG = "FRINGE_LONG_TESTS" in os.environ
+HAND = "analysis/documentation/hand.toml"
+README, INSTALL = "end_to_end/test_readme.py", "packaging/test_install.py"
+OPTIONS, IMPORT, RUN = (
+    "end_to_end/test_options.py",
+    "end_to_end/test_import.py",
+    "end_to_end/test_run_script.py",
+)
+GOOGLE = "--benchmark_min_time=0 --benchmark_filter="
+# Command → how it is run here, in the place of what takes longer; {out} is an empty folder.
+SMALL = {
+    "build/bin/collision_benchmark": "build/bin/collision_benchmark 1",
+    "build/bin/collision_stress": "build/bin/collision_stress --count 300",
+    "build/bin/correction_benchmark": f"build/bin/correction_benchmark {GOOGLE}plate",
+    "build/bin/distance_sensor_benchmark": f"build/bin/distance_sensor_benchmark {GOOGLE}one_triangle",
+    "build/bin/plate_integral_benchmark": f"build/bin/plate_integral_benchmark {GOOGLE}exact",
+    "build/bin/plate_integral_stress": "build/bin/plate_integral_stress --count 300",
+    "build/bin/scene_collision_benchmark": "build/bin/scene_collision_benchmark 1",
+    "build/bin/scene_evaluator_benchmark": f"build/bin/scene_evaluator_benchmark {GOOGLE}bodies:25/tolerance:0.01",
+    "build/bin/surface_tree_benchmark": f"build/bin/surface_tree_benchmark {GOOGLE}build/100$",
+    "fringe capacitance --correction NAME": f"build/bin/fringe capacitance --correction formula {HAND}",
+    "fringe collide SCENE": f"build/bin/fringe collide {HAND}",
+    "python3 -m analysis show x_ray_arm": "python3 -m analysis show x_ray_arm --output {out}/show.html",
+    "python3 -m geometries convert IN OUT": "python3 -m geometries convert {out}/in.vtu {out}/out.stl",
+    "python3 -m tests.bad_input.corpus FOLDER": "python3 -m tests.bad_input.corpus {out}/corpus",
+    "python3 -m tests.model.random_boundary_elements --count 150 --seed 1": "python3 -m tests.model.random_boundary_elements --count 2",
+    "python3 -m tests.model.random_boundary_elements --meshes --count 25 --seed 1": "python3 -m tests.model.random_boundary_elements --meshes --count 1",
+    "sha256sum reference_table.csv": "sha256sum analysis/published/reference_table.csv",
+}  # fmt: skip
+# Command → a file of tests, one of them, and what of the command this file must hold.
+ELSEWHERE = {
+    "(cd build && cpack)": ("packaging/test_debian_package.py", "test_it_says_what_it_is", "cpack"),
+    "./run STUDY": (RUN, "test_what_it_asks_of_the_analysis", "./run"),
+    "./run": (RUN, "test_what_it_asks_of_the_analysis", "./run"),
+    "./run experiment_1": (RUN, "test_what_it_asks_of_the_analysis", "experiment_1"),
+    "./run nightly": (RUN, "test_what_it_asks_of_the_analysis", "nightly"),
+    "./run nightly --profile slurm": (RUN, "test_what_it_asks_of_the_analysis", "--profile slurm"),
+    "build/bin/fringe capacitance hand.toml": (README, "test_the_model_prints_what_the_readme_shows", "capacitance hand.toml"),
+    "build/bin/fringe capacitance hand.toml --method boundary-elements": (README, "test_boundary_elements_print_what_the_readme_shows", "--method boundary-elements"),
+    "build/bin/fringe capacitance hand.toml --output triangles.vtu": (README, "test_the_file_for_paraview_is_written", "--output triangles.vtu"),
+    "build/bin/fringe capacitance results/published/cases/CASE/scene.toml --method boundary-elements --rtol 1e-05": ("analysis/published/test_table.py", "test_rows_drawn_by_chance_are_found_again", ""),
+    "cmake --install build --prefix /usr/local": ("packaging/conftest.py", "prefix", "--prefix"),
+    "fringe capacitance --method boundary-elements": ("model/test_boundary_elements.py", "test_options_that_would_change_nothing_are_refused", "boundary-elements"),
+    "fringe capacitance": ("model/test_command_line.py", "test_capacitance_as_json", "capacitance"),
+    "fringe import SOURCE SCENE": (IMPORT, "test_links_and_joints_at_zero_are_links_and_poses", "import"),
+    "fringe import": (IMPORT, "test_links_and_joints_at_zero_are_links_and_poses", "import"),
+    "fringe sense SCENE": ("model/test_sense_command.py", "test_sense_as_json", "sense"),
+    "fringe capacitance … --output FILE.vtu": ("model/test_output_file.py", "test_the_triangles_of_an_object_add_up_to_its_capacitance", "--output"),
+    "fringe … --json": (OPTIONS, "test_json_in_the_place_of_a_table", "--json"),
+    "pkg-config fringe": (INSTALL, "test_a_project_finds_the_library_with_pkg_config", "pkg-config"),
+    "python3 -m analysis corrections": ("analysis/corrections/test_corrections.py", "test_the_section_tells_the_errors_and_the_times", "corrections"),
+    "python3 -m analysis diff OLD NEW --output difference.json": ("analysis/nightly/test_difference.py", "test_drift_ends_with_code_1_a_table_and_a_document", "diff"),
+    "python3 -m analysis documentation": ("analysis/documentation/test_documentation.py", "test_the_site_is_made_without_a_warning", "documentation"),
+    "python3 -m analysis errors": ("analysis/errors/test_set_ups_and_stage.py", "test_the_command_goes_on_from_what_is_there_and_tells_what_failed", "errors"),
+    "python3 -m analysis nightly STUDY": ("analysis/nightly/test_night.py", "test_the_next_night_solves_only_what_is_missing_and_tells_what_is_new", "nightly"),
+    "python3 -m analysis run STUDY --measure-model": (OPTIONS, "test_an_option_reaches_what_it_is_for", "--measure-model"),
+    "python3 -m analysis run STUDY": ("end_to_end/test_run.py", "", "run"),
+    "python3 -m analysis table": ("analysis/published/test_table.py", "test_the_options_of_the_command_reach_what_they_are_for", "table"),
+    "python3 -m analysis verify": (OPTIONS, "test_an_option_reaches_what_it_is_for", "verify"),
+    "python3 -m analysis.corrections.fit": ("analysis/corrections/test_corrections.py", "test_the_formula_written_a_second_time_agrees_and_its_constants_are_those_of_the_fit", "fit"),
+    "python3 -m analysis.corrections.truths": ("analysis/corrections/test_corrections.py", "test_stored_truths_are_what_boundary_elements_say", "truths"),
+    "python3 -m fem_reference analysis/documentation/hand.toml --error estimate --rtol 1e-3": ("fem_reference/test_command_line.py", "test_json_is_one_document_with_the_whole_answer", "estimate"),
+    "python3 -m fem_reference analysis/documentation/hand.toml --rtol 2e-3": (README, "test_the_reference_agrees_with_what_the_readme_shows", "fem_reference"),
+    "python3 -m fem_reference hand.toml": (README, "test_the_reference_agrees_with_what_the_readme_shows", "fem_reference"),
+    "python3 -m fem_reference results/published/cases/CASE/scene.toml": ("analysis/published/test_table.py", "test_the_field_solvers_own_best_values_agree", ""),
+    "python3 -m geometries.study_schema": ("geometries/test_schemas.py", "test_the_schema_of_studies_is_that_of_the_families", "study_schema"),
+    "python3 -m tests.analysis.nightly.kill_nights": ("analysis/nightly/test_night.py", "test_nights_that_are_killed_lose_nothing_and_leave_nothing_in_the_way", "kill_nights"),
+    "python3 -m tests.faults.run": ("faults/test_faults.py", "test_nothing_is_lost_it_is_told_and_the_next_run_completes", "faults.run"),
+    "python3 -m tests.model.instruction_counts": ("model/test_instruction_counts.py", "test_recording_tells_every_change", "instruction_counts"),
+    "reduced_benchmark results/default/cases/*/scene.toml": ("end_to_end/test_documented_commands.py", "test_a_command_works", "reduced_benchmark"),
+    "tests/end_to_end/one_machine_slurm start results/slurm": ("end_to_end/test_cluster.py", "test_a_study_solved_through_sbatch_has_the_table_of_a_local_run", "one_machine_slurm"),
+    "tests/end_to_end/one_machine_slurm stop results/slurm": ("end_to_end/test_cluster.py", "test_a_study_solved_through_sbatch_has_the_table_of_a_local_run", "one_machine_slurm"),
+    "tests/end_to_end/one_machine_slurm": ("end_to_end/test_cluster.py", "test_a_study_solved_through_sbatch_has_the_table_of_a_local_run", "one_machine_slurm"),
+}  # fmt: skip
+# Of minutes, also when they are asked for little.
+MINUTES = {
+    "python3 -m tests.fem_reference.random_set_ups": "python3 -m tests.fem_reference.random_set_ups --count 2",
+    "build/bin/boundary_elements_benchmark": "build/bin/boundary_elements_benchmark",
+    "build/bin/reduced_benchmark SCENE…": f"build/bin/reduced_benchmark {HAND}",
+    "python3 -m analysis.nightly.planning_benchmark": "python3 -m analysis.nightly.planning_benchmark --planned 500 --idle 4",
+    "tests/clean/run": "tests/clean/run valgrind",
+    "tests/fuzz/run SECONDS": "tests/fuzz/run 20",
+}
+# What these tests run on, and in.
+ABOVE = {"./check", "cmake --preset release && cmake --build build"}
+_STARTS = re.compile(
+    r"\./run|\./check|build/bin/|python3 -m [a-z]|tests/[\w/]+(?=[ `]|$)|fringe [a-z…]|cmake |\(cd build|pkg-config |sha256sum |[a-z_]+_benchmark"
+)
+
+
+def given() -> dict[str, set[str]]:
+    """Every command in the repository's notes, and where it is; the tutorial's have a test that runs them all."""
+    found: dict[str, set[str]] = {}
+    listed = subprocess.run(["git", "ls-files", "*.md"], cwd=ROOT, capture_output=True, text=True, check=True)
+    for file in listed.stdout.split():
+        text = re.sub(r"```.*?```", "", (ROOT / file).read_text(encoding="utf-8"), flags=re.DOTALL)
+        blocks = [
+            re.split(r" {2,}#", line.strip().removeprefix("$ "))[0].strip()
+            for line in text.splitlines()
+            if line.startswith("    ")
+        ]
+        for command in [*blocks, *re.findall(r"`([^`\n]+)`", text)]:
+            if _STARTS.match(command):
+                found.setdefault(command, set()).add(file)
+    return found
+
+
+def is_tested(command: str) -> bool:
+    """Whether it names tests, or a program by its bare name that others give with its place."""
+    if command.startswith("python3 -m pytest -s "):
+        return all((ROOT / file).is_file() for file in command.split()[4:])
+    return (ROOT / command).is_dir() or f"build/bin/{command}" in {
+        name.split()[0] for name in [*SMALL, *MINUTES]
+    }
+
+
+def test_the_table_has_every_command_and_no_other() -> None:
+    known = {*SMALL, *ELSEWHERE, *MINUTES, *ABOVE}
+    commands = given()
+    assert not {
+        command: commands[command] for command in commands if command not in known and not is_tested(command)
+    }
+    assert not known - set(commands)
+
+
+@pytest.mark.parametrize("command", ELSEWHERE)
+def test_a_command_has_its_test(command: str) -> None:
+    file, name, word = ELSEWHERE[command]
+    text = (ROOT / "tests" / file).read_text(encoding="utf-8")
+    assert f"def {name}" in text
+    assert word in command and word.removeprefix("./") in text
+
+
+@pytest.mark.parametrize("command", SMALL)
+def test_a_command_works(tmp_path: Path, command: str) -> None:
+    small = command if LONG and "SCENE" not in command and "FOLDER" not in command else SMALL[command]
+    if "convert" in command:
+        import meshio
+
+        meshio.write(
+            tmp_path / "in.vtu", meshio.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [("triangle", [[0, 1, 2]])])
+        )
+        small = SMALL[command]
+    run(small.replace("{out}", shlex.quote(str(tmp_path))))
+
+
+@pytest.mark.parametrize("command", MINUTES)
+def test_a_command_of_minutes_works(command: str) -> None:
+    if LONG:
+        run(MINUTES[command])
+    elif command.startswith("python3 -m "):
+        assert (ROOT / f"{command.split()[2].replace('.', '/')}.py").is_file()
+    else:
+        assert os.access(ROOT / command.split()[0], os.X_OK)
+
+
+def run(command: str) -> None:
+    words = shlex.split(command)
+    if words[0] == "python3":
+        words[0] = sys.executable
+    assert shutil.which(words[0], path=f"{ROOT}:{os.environ['PATH']}") or (ROOT / words[0]).is_file(), words[
+        0
+    ]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=7200 if LONG else 600)
+    assert done.returncode == 0 and (done.stdout or done.stderr), done.stderr

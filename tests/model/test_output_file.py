@@ -1,0 +1,157 @@
+"""`fringe capacitance --output FILE.vtu`: what each triangle adds to what each sensor feels, read back by meshio."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+
+Command = Callable[..., "subprocess.CompletedProcess[str]"]
+
+# Everything is moved, so that a frame that is mistaken for another one shows.
+SCENE = """
+[[link]]
+name = "arm"
+translation = [0.3, 0.1, 0.2]
+rotation = { axis = [1, 1, 0], degrees = 40 }
+
+[[sensor]]
+name = 'a "quoted" <name> & more'
+link = "arm"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.05, 0, 0], edge_v = [0, 0.1, 0] },
+           { corner = [0, -0.05, 0], edge_u = [0.04, 0, 0.03], edge_v = [0, 0.1, 0] } ]
+
+[[sensor]]
+name = "back"
+plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+
+[[object]]
+name = "ball"
+link = "arm"
+shape = { type = "sphere", radius = 0.03, segments = 9 }
+translation = [0, 0, 0.1]
+
+[[object]]
+name = "box"
+shape = { type = "cuboid", size = [0.1, 0.2, 0.05] }
+translation = [0.1, 0.3, 0.4]
+rotation = { axis = [0, 0, 1], degrees = 20 }
+"""
+SENSORS = ['a "quoted" <name> & more', "back"]
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    return path
+
+
+@pytest.mark.parametrize(
+    "options", [[], ["--method", "split:2"], ["--plates", "nearest"], ["--faces", "facing"]]
+)
+def test_the_triangles_of_an_object_add_up_to_its_capacitance(
+    fringe_command: Command, scene: Path, options: list[str]
+) -> None:
+    target = scene.with_name("shares.vtu")
+    done = fringe_command("capacitance", scene, "--json", *options, "--output", target)
+    assert (done.returncode, done.stderr) == (0, "")
+    found = meshio.read(target)
+    (block,) = found.cells
+    (body,) = found.cell_data["body"]
+    assert block.type == "triangle" and set(found.cell_data) == {
+        "body",
+        *(f"capacitance {n}" for n in SENSORS),
+    }
+    for sensor in json.loads(done.stdout)["sensors"]:
+        (shares,) = found.cell_data[f"capacitance {sensor['name']}"]
+        assert not shares[body <= len(SENSORS)].any()
+        for number, part in enumerate(sensor["objects"], len(SENSORS) + 1):
+            assert shares[body == number].sum() == pytest.approx(part["capacitance"], rel=1e-12)
+    assert not list(scene.parent.glob(".*"))
+
+
+def test_the_triangles_are_where_the_conductors_are(fringe_command: Command, scene: Path) -> None:
+    import fringe
+
+    target = scene.with_name("shares.vtu")
+    assert fringe_command("capacitance", scene, "--output", target).returncode == 0
+    found = meshio.read(target)
+    corners, (body,) = found.points[found.cells_dict["triangle"]], found.cell_data["body"]
+    for number, triangles in enumerate(fringe.Scene.load(str(scene)).conductors().values(), 1):
+        np.testing.assert_array_equal(corners[body == number], triangles)
+
+
+def test_a_triangle_in_contact_is_infinite_and_the_others_are_not(
+    fringe_command: Command, tmp_path: Path
+) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        SCENE[SCENE.index('[[sensor]]\nname = "back"') : SCENE.index('[[object]]\nname = "ball"')]
+    )
+    with path.open("a") as file:
+        file.write(
+            '[[object]]\nname = "box"\nshape = { type = "cube", size = 0.02 }\ntranslation = [0.02, 0.02, 0.01]'
+        )
+    assert fringe_command("capacitance", path, "--output", tmp_path / "shares.vtu").returncode == 0
+    ((shares,),) = [meshio.read(tmp_path / "shares.vtu").cell_data["capacitance back"]]
+    # The base, and the sides' lower triangles, which have an edge on the plate.
+    assert np.isinf(shares).sum() == 2 + 4 and (shares[~np.isinf(shares)] >= 0).all()
+    assert shares.max() == math.inf
+
+
+def test_more_triangles_than_are_evaluated_at_once_come_in_their_order(
+    fringe_command: Command, scene: Path
+) -> None:
+    scene.write_text(SCENE.replace("segments = 9", "segments = 150"))
+    target = scene.with_name("shares.vtu")
+    done = fringe_command("capacitance", scene, "--json", "--output", target)
+    found = meshio.read(target)
+    (body,), (shares,) = found.cell_data["body"], found.cell_data["capacitance back"]
+    assert (body == 3).sum() > 2 * 4096
+    ball = json.loads(done.stdout)["sensors"][1]["objects"][0]["capacitance"]
+    assert shares[body == 3].sum() == pytest.approx(ball, rel=1e-12)
+    # ε∫dA/d of a small triangle is ε times its area over its distance.
+    corners = found.points[found.cells_dict["triangle"]][body == 3]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+    middles = corners.mean(axis=1)
+    distance = np.linalg.norm(middles - np.clip(middles, 0, [0.1, 0.1, 0]), axis=1)
+    np.testing.assert_allclose(shares[body == 3], 8.8541878128e-12 * area / distance, rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (
+            ["--tolerance", "1e-3"],
+            "--output: with a tolerance or a correction no triangle has a part of its own",
+        ),
+        (["--correction", "formula"], "--output: with a tolerance or a correction"),
+        (["--method", "boundary-elements"], "--output is an option of the triangle-integral methods"),
+        (["--output", "shares.txt"], "'shares.txt' does not end in .vtu"),
+    ],
+)
+def test_what_would_have_no_meaning_is_refused(
+    fringe_command: Command, scene: Path, options: list[str], told: str
+) -> None:
+    output = [] if "--output" in options else ["--output", scene.with_name("shares.vtu")]
+    done = fringe_command("capacitance", scene, *options, *output)
+    assert (done.returncode, done.stdout) == (2, "") and told in done.stderr
+    assert list(scene.parent.iterdir()) == [scene]
+
+
+def test_a_file_that_cannot_be_written_is_told_and_leaves_nothing(
+    fringe_command: Command, scene: Path
+) -> None:
+    (scene.parent / "taken.vtu").mkdir()
+    for target in (scene.parent / "missing" / "shares.vtu", scene.parent / "taken.vtu"):
+        done = fringe_command("capacitance", scene, "--output", target)
+        assert (done.returncode, done.stdout) == (1, "")
+        assert done.stderr == f"fringe: {target}: cannot be written\n"
+    assert {path.name for path in scene.parent.iterdir()} == {"scene.toml", "taken.vtu"}
