@@ -17,6 +17,7 @@ from fem_reference.round_bodies import Arc, Cone, Cylinder, Sphere
 from fem_reference.scene_bodies import Conductors, Dielectric, normalised
 from fem_reference.sizing import Sizing
 from fem_reference.solve import Charges, FieldProblem, charges
+from fem_reference.symmetry import mirror_planes
 from geometries import shapes
 from geometries.poses import AxisRotation
 
@@ -123,3 +124,18 @@ def test_the_size_in_a_gap_to_a_mesh_is_the_gap() -> None:
     sizes = np.linalg.norm(nodes[cells[:, 1:]] - nodes[cells[:, :1]], axis=2).max(axis=1)
     near = np.linalg.norm(nodes[cells].mean(axis=1) - under, axis=1) < 0.05 / problem.unit
     assert near.sum() >= 3 and np.median(sizes[near]) * problem.unit < 0.2
+
+
+def test_between_parallel_plates_cells_are_wider_than_the_gap() -> None:
+    """Wherever no edge is near: cells as small as the gap everywhere would be many more."""
+    plates: list[Body] = [
+        Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("s", 0.0), ("p", 0.02))
+    ]
+    problem = normalised(["s", "p"], 1, plates, [0, 1])
+    planes = mirror_planes(problem.bodies, problem.owner)
+    count, as_the_gap = (
+        tagged_mesh(problem.bodies, problem.owner, sizing, straight=True, planes=planes).cell_count
+        for sizing in (Sizing(), Sizing(gap_between_faces=1.0))
+    )
+    print(f"\nparallel plates, gap/size 0.02: {count} cells, {as_the_gap} if as small as the gap")
+    assert count < as_the_gap / 1.5
