@@ -104,13 +104,12 @@ def test_what_is_no_box_is_none() -> None:
 
 
 def cell_count(target: Body) -> int:
-    """Of the first mesh beside a plate close by."""
-    plate = Rectangle("s", np.array([0.1, -0.2, 0.3]) + [0, 0, -0.25], np.eye(3), (0.1, 0.1))
+    """Of a coarse mesh, with a plate close by."""
+    plate = Rectangle("s", np.array([0.1, -0.2, 0.3]) + [0, 0, -0.3], np.eye(3), (0.1, 0.1))
     problem = normalised(["s", "t"], 1, [plate, target], [0, 1])
-    return tagged_mesh(problem.bodies, problem.owner, Sizing(), straight=True).cell_count
+    return tagged_mesh(problem.bodies, problem.owner, Sizing(edge=0.2), straight=True).cell_count
 
 
 def test_the_mesh_around_a_box_of_triangles_is_as_coarse_as_around_the_cuboid() -> None:
     cuboid = cell_count(Cuboid("t", np.array([0.1, -0.2, 0.3]), TURNED, (0.15, 0.1, 0.05)))
-    for count in (1, 6):
-        assert cell_count(polyhedron("t", finer(BOX, count))) < 1.05 * cuboid
+    assert cell_count(polyhedron("t", finer(BOX, 4))) < 1.05 * cuboid

@@ -126,16 +126,23 @@ def test_the_size_in_a_gap_to_a_mesh_is_the_gap() -> None:
     assert near.sum() >= 3 and np.median(sizes[near]) * problem.unit < 0.2
 
 
-def test_between_parallel_plates_cells_are_wider_than_the_gap() -> None:
-    """Wherever no edge is near: cells as small as the gap everywhere would be many more."""
+def test_between_parallel_plates_cells_are_wider_than_the_gap_unless_an_edge_is_near() -> None:
+    """Within half a gap of the edges they are smaller than it, in the middle several times as wide."""
+    gap = 0.03
     plates: list[Body] = [
-        Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("s", 0.0), ("p", 0.02))
+        Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("s", 0.0), ("p", gap))
     ]
     problem = normalised(["s", "p"], 1, plates, [0, 1])
     planes = mirror_planes(problem.bodies, problem.owner)
-    count, as_the_gap = (
-        tagged_mesh(problem.bodies, problem.owner, sizing, straight=True, planes=planes).cell_count
-        for sizing in (Sizing(), Sizing(gap_between_faces=1.0))
+    tagged = tagged_mesh(problem.bodies, problem.owner, Sizing(), straight=True, planes=planes)
+    corners = (
+        problem.centre
+        + problem.unit * tagged.mesh.geometry.x[tagged.mesh.geometry.dofmap.array.reshape(-1, 4)]
     )
-    print(f"\nparallel plates, gap/size 0.02: {count} cells, {as_the_gap} if as small as the gap")
-    assert count < as_the_gap / 1.5
+    widths = np.linalg.norm(corners[:, :, None] - corners[:, None], axis=3).max(axis=(1, 2)) / gap
+    middle = corners.mean(axis=1)
+    to_edges = 0.5 - np.abs(middle[:, :2]).max(axis=1)
+    between = (middle[:, 2] > 0) & (middle[:, 2] < gap)
+    inner, outer = (widths[between & near] for near in (to_edges > 0.3, np.abs(to_edges) < gap / 2))
+    print(f"\ncells over the gap: {np.median(inner):.1f} inside, {np.median(outer):.1f} at the edges")
+    assert np.median(inner) > 3 and np.median(outer) < 1
