@@ -15,7 +15,7 @@ Vector = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 MOST_TRIANGLES = 5000
-"""Every triangle becomes a face of the geometry; NUMERICS.md section 8 has the time that takes."""
+"""Every triangle of a round surface becomes a face of the geometry; NUMERICS.md section 8 has the time that takes."""
 SAME_POINT = 1e-6
 """Vertices closer than this, over the surface's extent, are one: mesh files keep single precision."""
 SHARP_DEGREES = 30.0
