@@ -1,7 +1,6 @@
-"""Mesh-size fields for bodies whose distance is no closed form: gmsh's distances to sampled faces and edges of polyhedra.
+"""Mesh-size fields of gmsh: expressions, and the distances to sampled faces and edges of polyhedra that these refer to.
 
-gmsh 4.8 hangs on expressions that refer to other fields, so sizes are put together by Threshold (a line through a
-distance), Min and Max fields. Where the closed forms add two lengths, the larger one stands here: at most half as much.
+gmsh 4.8 hangs on expressions that refer to other expressions, not on those that refer to distances.
 """
 
 from __future__ import annotations
@@ -10,11 +9,10 @@ from collections.abc import Sequence
 
 import gmsh
 import numpy as np
+from numpy.typing import NDArray
 
 from fem_reference.polyhedron import Polyhedron
 
-FAR = 1e4
-"""A distance beyond the outer sphere."""
 POINTS_PER_CURVE = 200
 
 
@@ -27,20 +25,9 @@ def smallest(fields: Sequence[int]) -> int:
     return _combined("Min", fields)
 
 
-def largest(fields: Sequence[int]) -> int:
-    return _combined("Max", fields)
-
-
-def line(distance: int, offset: float, slope: float) -> int:
-    """offset + slope·distance."""
-    numbers = {
-        "IField": distance,
-        "DistMin": 0,
-        "DistMax": FAR,
-        "LcMin": offset,
-        "LcMax": offset + slope * FAR,
-    }
-    return _field("Threshold", numbers, {})
+def name(field: int) -> str:
+    """The field as a part of an expression; it must not be one itself."""
+    return f"F{field}"
 
 
 def surface_distance(volumes: Sequence[int], spacing: float) -> int:
@@ -61,20 +48,28 @@ def surface_distance(volumes: Sequence[int], spacing: float) -> int:
 
 def edge_distance(body: Polyhedron, volumes: Sequence[int]) -> int | None:
     """Distance to the sharp edges of a polyhedron; None when it has none."""
-    sharp = body.vertices[body.edges].mean(axis=1)
+    ends = body.vertices[body.edges]
     faces = gmsh.model.getBoundary([(3, tag) for tag in volumes], oriented=False)
     curves = {tag for _, tag in gmsh.model.getBoundary(faces, combined=False, oriented=False)}
     chosen = []
     for curve in sorted(curves):
-        ends = gmsh.model.getBoundary([(1, curve)], combined=False, oriented=False)
-        middle = np.mean([gmsh.model.getValue(0, point, []) for _, point in ends], axis=0)
-        if len(sharp) and np.linalg.norm(sharp - middle, axis=1).min() < 1e-6 * body.size:
+        points = gmsh.model.getBoundary([(1, curve)], combined=False, oriented=False)
+        middle = np.mean([gmsh.model.getValue(0, point, []) for _, point in points], axis=0)
+        if _is_on(middle, ends, 1e-6 * body.size):
             chosen.append(curve)
     if not chosen:
         return None
     field = _field("Distance", {"NNodesByEdge": POINTS_PER_CURVE}, {})
     gmsh.model.mesh.field.setNumbers(field, "EdgesList", chosen)
     return field
+
+
+def _is_on(point: NDArray[np.float64], segments: NDArray[np.float64], tolerance: float) -> bool:
+    """Whether a point (3,) lies on one of the segments (n, 2, 3)."""
+    along = segments[:, 1] - segments[:, 0]
+    to = point - segments[:, 0]
+    share = np.clip(np.einsum("ij,ij->i", to, along) / np.einsum("ij,ij->i", along, along), 0, 1)
+    return bool((np.linalg.norm(to - share[:, None] * along, axis=1) < tolerance).any())
 
 
 def _combined(kind: str, fields: Sequence[int]) -> int:

@@ -43,6 +43,9 @@ WALL = 1e-9
 MESH_ADAPT = 1
 """gmsh's most robust way to mesh a surface, twice as slow as the one it takes by itself."""
 
+TETRAHEDRON = 4
+"""gmsh's number of the straight one."""
+
 GO_ON, RAISE = 0, 2
 """gmsh's General.AbortOnError."""
 
@@ -176,7 +179,10 @@ def tagged_mesh(
 
 
 def _generate() -> None:
-    """Tetrahedra for the current gmsh model, with a second try where the triangles of two surfaces cross each other."""
+    """Tetrahedra for the current gmsh model, with a second try where the triangles of two surfaces cross each other.
+
+    Other triangles help too where a tetrahedron has all of its corners in a plane of symmetry, in a narrow gap.
+    """
     if _errors_of_meshing():
         gmsh.model.mesh.clear()
         gmsh.option.setNumber("Mesh.Algorithm", MESH_ADAPT)
@@ -191,20 +197,38 @@ def _errors_of_meshing() -> list[str]:
     gmsh.logger.start()
     try:
         gmsh.model.mesh.generate(3)
-        return [line for line in gmsh.logger.get() if line.startswith("Error")]
+        errors = [line for line in gmsh.logger.get() if line.startswith("Error")]
     finally:
         gmsh.logger.stop()
         gmsh.option.setNumber("General.AbortOnError", RAISE)
+    return errors or _without_volume(_corners())
+
+
+def _corners() -> NDArray[np.float64]:
+    """The corners (n, 4, 3) of the tetrahedra of the current gmsh model."""
+    tags, points, _ = gmsh.model.mesh.getNodes()
+    place = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+    place[tags] = np.arange(len(tags))
+    _, nodes = gmsh.model.mesh.getElementsByType(TETRAHEDRON)
+    return np.asarray(points.reshape(-1, 3)[place[nodes]].reshape(-1, 4, 3))
+
+
+def _without_volume(corners: NDArray[np.float64]) -> list[str]:
+    """What is wrong with cells (n, 4, 3), in words: nothing, or that some have no volume and where."""
+    edges = corners[:, 1:] - corners[:, :1]
+    volume = np.abs(np.linalg.det(edges))
+    flat = volume < FLAT * np.linalg.norm(edges, axis=2).max(axis=1) ** 3
+    if not flat.any():
+        return []
+    places = np.round(corners[flat].mean(axis=1), 3).tolist()
+    return [f"tetrahedra without volume at {places[:3]}"]
 
 
 def _refuse_flat_cells(corners: NDArray[np.float64]) -> None:
     """Raise RuntimeError when one of the cells (n, 4, 3) has no volume: the equations would make no sense."""
-    edges = corners[:, 1:] - corners[:, :1]
-    volume = np.abs(np.linalg.det(edges))
-    flat = volume < FLAT * np.linalg.norm(edges, axis=2).max(axis=1) ** 3
-    if MPI.COMM_WORLD.allreduce(bool(flat.any()), op=MPI.LOR):
-        places = np.round(corners[flat].mean(axis=1), 3).tolist()
-        raise RuntimeError(f"meshing failed: tetrahedra without volume at {places[:3]}")
+    errors = _without_volume(corners)
+    if MPI.COMM_WORLD.allreduce(bool(errors), op=MPI.LOR):
+        raise RuntimeError(f"meshing failed: {''.join(errors)}")
 
 
 @contextmanager

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from fem_reference.bodies import Body, Cuboid, Disc, Rectangle
+from fem_reference.plane_faces import plane_faces
 from fem_reference.polyhedron import Polyhedron
 from fem_reference.round_bodies import Arc, Cone, Cylinder, RoundBody, Sphere
 from fem_reference.symmetry import Plane
@@ -98,20 +99,22 @@ def _parallelotope(body: Rectangle | Cuboid) -> Entity:
     points = [occ.addPoint(*corner) for corner in body.corners]
     lines: dict[frozenset[int], int] = {}
     if isinstance(body, Rectangle):
-        return (2, _polygon(points, lines))
+        return (2, _polygon([points], lines))
     quads = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
-    faces = [_polygon([points[k] for k in quad], lines) for quad in quads]
+    faces = [_polygon([[points[k] for k in quad]], lines) for quad in quads]
     return (3, occ.addVolume([occ.addSurfaceLoop(faces)]))
 
 
 def _polyhedron(body: Polyhedron) -> list[Entity]:
-    """One volume for each part; every triangle is a plane face, and shares its edges with its neighbours."""
+    """One volume for each part; its plane faces share their edges with their neighbours."""
     occ = gmsh.model.occ
-    points = [occ.addPoint(*vertex) for vertex in body.vertices]
+    parts = plane_faces(body)
+    used = sorted({vertex for part in parts for face in part for loop in face for vertex in loop})
+    points = {vertex: occ.addPoint(*body.vertices[vertex]) for vertex in used}
     lines: dict[frozenset[int], int] = {}
     volumes = []
-    for part in body.parts:
-        faces = [_polygon([points[k] for k in triangle], lines) for triangle in body.triangles[part]]
+    for part in parts:
+        faces = [_polygon([[points[k] for k in loop] for loop in face], lines) for face in part]
         volumes.append((3, occ.addVolume([occ.addSurfaceLoop(faces)])))
     return volumes
 
@@ -156,14 +159,17 @@ def _sector(arc: Arc) -> Entity:
     return (int(entity[0]), int(entity[1]))
 
 
-def _polygon(points: Sequence[int], lines: dict[frozenset[int], int]) -> int:
-    """A plane face through the points; edges found in `lines` are shared, others are added to it."""
+def _polygon(loops: Sequence[Sequence[int]], lines: dict[frozenset[int], int]) -> int:
+    """A plane face between loops of points, the outline first; edges found in `lines` are shared, others are added to it."""
     occ = gmsh.model.occ
-    loop = []
-    for start, end in zip(points, [*points[1:], points[0]]):
-        key = frozenset((start, end))
-        if key not in lines:
-            lines[key] = occ.addLine(start, end)
-        loop.append(lines[key])
-    face: int = occ.addPlaneSurface([occ.addCurveLoop(loop)])
+    curves = []
+    for points in loops:
+        loop = []
+        for start, end in zip(points, [*points[1:], points[0]]):
+            key = frozenset((start, end))
+            if key not in lines:
+                lines[key] = occ.addLine(start, end)
+            loop.append(lines[key])
+        curves.append(occ.addCurveLoop(loop))
+    face: int = occ.addPlaneSurface(curves)
     return face

@@ -15,12 +15,16 @@ Vector = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 MOST_TRIANGLES = 5000
-"""Every triangle becomes a face of the geometry; NUMERICS.md section 8 has the time that takes."""
+"""Every triangle of a round surface becomes a face of the geometry; NUMERICS.md section 8 has the time that takes."""
 SAME_POINT = 1e-6
 """Vertices closer than this, over the surface's extent, are one: mesh files keep single precision."""
 SHARP_DEGREES = 30.0
 """Faces that meet at a larger angle make an edge that the mesh is refined towards. At a flatter one, of a faceted round
 surface, the singularity is weaker than 0.15 in the power of the distance."""
+
+FLAT_DEGREES = 0.05
+"""Triangles that meet at a smaller angle are parts of one plane face: what single precision turns small triangles by is less,
+and no faceted round surface of MOST_TRIANGLES is that fine."""
 
 
 class NotASolid(ValueError):
@@ -53,13 +57,27 @@ class Polyhedron:
     def edges(self) -> Indices:
         """The sharp convex edges (k, 2), where the charge is singular; numbers of vertices."""
         corners = self.vertices[self.triangles]
-        normals = _normals(corners)
-        pairs, faces = _edges_with_faces(self.triangles)
-        first, second = normals[faces[:, 0]], normals[faces[:, 1]]
-        angle = np.degrees(np.arccos(np.clip(np.einsum("ij,ij->i", first, second), -1, 1)))
+        pairs, faces, angle = self.folds
         outward = corners[faces[:, 1]].mean(axis=1) - corners[faces[:, 0]].mean(axis=1)
-        convex = np.einsum("ij,ij->i", outward, first) < 0
+        convex = np.einsum("ij,ij->i", outward, _normals(corners)[faces[:, 0]]) < 0
         return np.asarray(pairs[convex & (angle > SHARP_DEGREES)])
+
+    @property
+    def rounded(self) -> NDArray[np.bool_]:
+        """Which triangles (m,) are parts of a faceted round surface: they meet others at angles that are neither flat nor sharp."""
+        _, faces, angle = self.folds
+        found = np.zeros(len(self.triangles), dtype=bool)
+        found[faces[(angle > FLAT_DEGREES) & (angle <= SHARP_DEGREES)]] = True
+        return found
+
+    @property
+    def folds(self) -> tuple[Indices, Indices, Vector]:
+        """All edges (k, 2), the two triangles (k, 2) at each, and the angle (k,) between their normals in degrees."""
+        normals = _normals(self.vertices[self.triangles])
+        pairs, faces = _edges_with_faces(self.triangles)
+        cosine = np.einsum("ij,ij->i", normals[faces[:, 0]], normals[faces[:, 1]])
+        sine = np.linalg.norm(np.cross(normals[faces[:, 0]], normals[faces[:, 1]]), axis=1)
+        return pairs, faces, np.degrees(np.arctan2(sine, cosine))
 
     def holds(self, points: Vector) -> NDArray[np.bool_]:
         """Whether each of the points (n, 3) is inside: the solid angle of the surface is 4π there, else 0."""

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_reference.bodies import Body, Cuboid, Rectangle
+from fem_reference.boxes import cuboid_of
 from fem_reference.distances import TOUCHING, distance, gap_to_walls, holds, touch_with_faces
 from fem_reference.mesh import bounding_sphere
 from fem_reference.polyhedron import NotASolid, Polyhedron, polyhedron
@@ -225,9 +226,10 @@ def _object_body(scene: Scene, body: Object, source: str) -> Body:
     rotation, translation = scene.pose_of_object(body.name)
     if isinstance(body.shape, MeshShape):
         try:
-            return polyhedron(body.name, body.shape.triangles() @ rotation.T + translation)
+            solid = polyhedron(body.name, body.shape.triangles() @ rotation.T + translation)
         except NotASolid as reason:
             raise InputError(source, f"{key}: shape.file", f"{body.shape.file} {reason}") from reason
+        return cuboid_of(solid) or solid
     return _placed(body.name, body.shape, rotation.T, translation)
 
 

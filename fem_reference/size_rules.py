@@ -16,6 +16,9 @@ class Sizing:
     the convergent range."""
     gap: float = 1.0
     """Size in a gap over its width. Cubic elements resolve the smooth field in a gap with one."""
+    gap_between_faces: float = 5.0
+    """The same between two bodies with plane faces only: the field that straight faces have between them is nearly linear
+    across, however wide the cells are, and where it is not an edge is near, from which the size grows."""
     curvature: float = 0.3
     """Size on a curved surface over its radius of curvature, on the coarsest level."""
     growth: float = 0.4

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -66,7 +67,21 @@ def test_running_out_of_memory_is_not_disguised() -> None:
         raise MemoryError
 
 
-def test_a_mesh_whose_surfaces_cross_is_made_another_way(monkeypatch: pytest.MonkeyPatch) -> None:
+def report_crossing() -> None:
+    gmsh.logger.write("PLC Error: a segment and a facet intersect", "error")
+
+
+def flatten_a_tetrahedron() -> None:
+    """Its first corner moves into the face of the others."""
+    corners = gmsh.model.mesh.getElementsByType(mesh.TETRAHEDRON)[1][:4]
+    others = [gmsh.model.mesh.getNode(corner)[0] for corner in corners[1:]]
+    gmsh.model.mesh.setNode(corners[0], np.mean(others, axis=0), [])
+
+
+@pytest.mark.parametrize("fault", [report_crossing, flatten_a_tetrahedron])
+def test_a_mesh_whose_surfaces_cross_or_with_flat_cells_is_made_another_way(
+    fault: Callable[[], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
     algorithms: list[float] = []
     generate = gmsh.model.mesh.generate
 
@@ -74,7 +89,7 @@ def test_a_mesh_whose_surfaces_cross_is_made_another_way(monkeypatch: pytest.Mon
         algorithms.append(gmsh.option.getNumber("Mesh.Algorithm"))
         generate(dimension)
         if len(algorithms) == 1:
-            gmsh.logger.write("PLC Error: a segment and a facet intersect", "error")
+            fault()
 
     monkeypatch.setattr(gmsh.model.mesh, "generate", fail_once)
     plate = Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))

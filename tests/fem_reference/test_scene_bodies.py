@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from fem_reference.bodies import Cuboid
 from fem_reference.distances import distance
 from fem_reference.round_bodies import Sphere
 from fem_reference.scene_bodies import conductors
@@ -43,6 +44,11 @@ def mesh_scene(folder: Path, triangles: NDArray[np.float64]) -> str:
 def test_sensors_come_first_and_bodies_know_their_conductor() -> None:
     found = conductors(loads(target()))
     assert found.names == ("sensor", "target") and found.sensors == 1 and found.owner == (0, 1)
+
+
+def test_a_mesh_file_of_a_box_is_a_cuboid(tmp_path: Path) -> None:
+    found = conductors(loads(mesh_scene(tmp_path, CUBE))).bodies[1]
+    assert isinstance(found, Cuboid) and found.name == "target"
 
 
 def test_numbers_go_through_sensors_grounded_and_floating_objects() -> None:

@@ -17,6 +17,7 @@ from fem_reference.round_bodies import Arc, Cone, Cylinder, Sphere
 from fem_reference.scene_bodies import Conductors, Dielectric, normalised
 from fem_reference.sizing import Sizing
 from fem_reference.solve import Charges, FieldProblem, charges
+from fem_reference.symmetry import mirror_planes
 from geometries import shapes
 from geometries.poses import AxisRotation
 
@@ -123,3 +124,25 @@ def test_the_size_in_a_gap_to_a_mesh_is_the_gap() -> None:
     sizes = np.linalg.norm(nodes[cells[:, 1:]] - nodes[cells[:, :1]], axis=2).max(axis=1)
     near = np.linalg.norm(nodes[cells].mean(axis=1) - under, axis=1) < 0.05 / problem.unit
     assert near.sum() >= 3 and np.median(sizes[near]) * problem.unit < 0.2
+
+
+def test_between_parallel_plates_cells_are_wider_than_the_gap_unless_an_edge_is_near() -> None:
+    """Within half a gap of the edges they are smaller than it, in the middle several times as wide."""
+    gap = 0.03
+    plates: list[Body] = [
+        Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("s", 0.0), ("p", gap))
+    ]
+    problem = normalised(["s", "p"], 1, plates, [0, 1])
+    planes = mirror_planes(problem.bodies, problem.owner)
+    tagged = tagged_mesh(problem.bodies, problem.owner, Sizing(), straight=True, planes=planes)
+    corners = (
+        problem.centre
+        + problem.unit * tagged.mesh.geometry.x[tagged.mesh.geometry.dofmap.array.reshape(-1, 4)]
+    )
+    widths = np.linalg.norm(corners[:, :, None] - corners[:, None], axis=3).max(axis=(1, 2)) / gap
+    middle = corners.mean(axis=1)
+    to_edges = 0.5 - np.abs(middle[:, :2]).max(axis=1)
+    between = (middle[:, 2] > 0) & (middle[:, 2] < gap)
+    inner, outer = (widths[between & near] for near in (to_edges > 0.3, np.abs(to_edges) < gap / 2))
+    print(f"\ncells over the gap: {np.median(inner):.1f} inside, {np.median(outer):.1f} at the edges")
+    assert np.median(inner) > 3 and np.median(outer) < 1
