@@ -335,6 +335,31 @@ MatrixXd ReducedSystem::resolution(std::size_t active, std::size_t conductors) {
               std::max(solution_.body_resolution[signed_of(body)], change / own[signed_of(c)]);
       }
     }
+    if (!prepared.missing.empty())
+      result += missing(body, conductors);
+  }
+  return result;
+}
+
+/// What finer triangles would add to a body's energies.
+MatrixXd ReducedSystem::missing(std::size_t body, std::size_t conductors) {
+  const NodeKernels& kernels = best_node_kernels();
+  const PreparedLevel& prepared = level(body);
+  const auto padded = static_cast<std::size_t>(prepared.padded);
+  const auto size = signed_of(conductors);
+  MatrixXd result(size, size);
+  highest_.assign(conductors * padded, 0.0F);
+  stiff_.resize(padded);
+  for (std::size_t c = 0; c < conductors; ++c) {
+    float* const charge = highest_.data() + c * padded;
+    for (std::size_t k = 0; k < extended_; ++k)
+      if (vectors_[k].body == body)
+        kernels.add(static_cast<float>(charges_(signed_of(k), signed_of(c))), vectors_[k].charge, charge,
+                    prepared.padded);
+    kernels.multiply(prepared.missing.data(), prepared.count, charge, stiff_.data());
+    for (std::size_t d = 0; d <= c; ++d)
+      result(signed_of(c), signed_of(d)) = result(signed_of(d), signed_of(c)) =
+          kernels.dot(highest_.data() + d * padded, stiff_.data(), prepared.padded) / bodies_[body].scale;
   }
   return result;
 }
