@@ -1,8 +1,10 @@
 #include "recommended.hpp"
 
 #include <cmath>
+#include <variant>
 
 #include "fringe/error.hpp"
+#include "fringe/triangulation.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -11,9 +13,27 @@ namespace {
 /// formula is off (rms).
 constexpr double most_stated_error = 0.1;
 
+/// A body of fewer triangles takes more than ten times as long as the integral over them.
+constexpr std::size_t fewest_triangles = 400;
+
+/// Whether a pose takes no more than ten times what the integral takes: with plates and boxes, and one body
+/// of many triangles at most. Two would take each other's distances, too.
+bool is_cheap(const Scene& scene) {
+  std::size_t meshes = 0;
+  for (const Object& object : scene.objects) {
+    if (std::holds_alternative<Plate>(object.shape) || std::holds_alternative<Cuboid>(object.shape))
+      continue;
+    if (++meshes > 1 || triangulate(object.shape).size() <= fewest_triangles)
+      return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Recommended::Recommended(const Scene& scene) {
+  if (!is_cheap(scene))
+    return;
   try {
     evaluator_.emplace(scene, ReducedOptions{1, std::nullopt});
   } catch (const InputError&) {

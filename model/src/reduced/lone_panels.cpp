@@ -138,7 +138,8 @@ LonePanels lone_panels(std::span<const Triangle> triangles, double accuracy, std
       return panels;
     const MatrixXd before = std::move(panels.matrix);
     panels.mesh.refine(marked, responses);
-    panels.matrix = panel_matrix(panels.mesh.panels(), panels.tolerance, {before, panels.mesh.places_before()});
+    panels.matrix =
+        panel_matrix(panels.mesh.panels(), panels.tolerance, {before, panels.mesh.places_before()});
   }
 }
 
@@ -175,7 +176,7 @@ MatrixXd missing_energies(const LonePanels& panels, const MatrixXd& potentials, 
     }
     missing += gained * (static_cast<double>(undivided.size()) / static_cast<double>(samples));
   }
-  return error_per_change * (missing + missing.transpose()) / 2;
+  return (missing + missing.transpose()) / 2;
 }
 
 }  // namespace fringe::detail

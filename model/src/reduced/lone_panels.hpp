@@ -19,17 +19,16 @@ struct LonePanels {
   double tolerance;  ///< of the matrix's elements
 };
 
-/// Panels that are refined until the energies of the charges which potentials of degree 0 and 1 induce have an
-/// error less than `accuracy`, as far as `most_panels` panels allow.
+/// Panels that are refined until the energies of the charges which potentials of degree 0 and 1 induce have
+/// an error less than `accuracy`, as far as `most_panels` panels allow.
 /// @throws std::runtime_error if the matrix is not positive definite.
 LonePanels lone_panels(std::span<const Triangle> triangles, double accuracy, std::size_t most_panels);
 
-/// What the energies of charges lack because panels are not smaller: a symmetric matrix. `responses` are
-/// the panels' charges (rows) for so many potentials (columns), `potentials` their means on the panels, and
-/// `at` returns the potentials at a point.
-Eigen::MatrixXd
-missing_energies(const LonePanels& panels, const Eigen::MatrixXd& potentials,
-                 const Eigen::MatrixXd& responses,
-                 const std::function<Eigen::RowVectorXd(const Eigen::Vector3d&)>& at);
+/// What charges of one density on each group lack of energies, and undivided panels of those of their
+/// quarters: a symmetric matrix. `responses` are the panels' charges (rows) for so many potentials (columns),
+/// `potentials` their means on the panels, and `at` returns the potentials at a point.
+Eigen::MatrixXd missing_energies(const LonePanels& panels, const Eigen::MatrixXd& potentials,
+                                 const Eigen::MatrixXd& responses,
+                                 const std::function<Eigen::RowVectorXd(const Eigen::Vector3d&)>& at);
 
 }  // namespace fringe::detail

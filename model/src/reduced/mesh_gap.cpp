@@ -17,8 +17,7 @@ using Eigen::Vector3d;
 
 BoxNumbers placed_box(const PlacedBody& body, const BoxNumbers& box) {
   const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> axes(box.axes);
-  const Vector3d centre =
-      body.centre + body.axes * (body.scale * Eigen::Map<const Vector3d>(box.centre));
+  const Vector3d centre = body.centre + body.axes * (body.scale * Eigen::Map<const Vector3d>(box.centre));
   const Matrix3d turned = body.axes * axes;
   BoxNumbers result{};
   for (Index row = 0; row < 3; ++row) {
@@ -46,8 +45,8 @@ struct Piece {
 std::vector<Piece> pieces_of(const PlacedBody& body) {
   std::vector<Piece> pieces;
   if (body.shape->mesh() == nullptr) {
-    pieces.push_back({placed_box(body, own_box(*body.shape)), body.centre,
-                      body.scale * body.shape->half_sides().norm()});
+    pieces.push_back(
+        {placed_box(body, own_box(*body.shape)), body.centre, body.scale * body.shape->half_sides().norm()});
     return pieces;
   }
   for (const PanelCluster& cluster : body.shape->mesh()->panels().clusters)

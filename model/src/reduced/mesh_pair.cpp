@@ -39,9 +39,13 @@ double distance_to(const std::vector<std::array<Vector3d, 2>>& edges, const Vect
   return least;
 }
 
-/// At least that of a cluster's panels from edges.
+/// At least that of a cluster's panels from the edges of a body, of which they are at least `away`.
 double edge_distance(const PreparedMesh& mesh, const PanelCluster& cluster,
-                     const std::vector<std::array<Vector3d, 2>>& edges) {
+                     const std::vector<std::array<Vector3d, 2>>& edges, double away) {
+  /// So far off, in panels, edges do not matter.
+  constexpr double far_panels = 8;
+  if (away > far_panels * cluster.panel_radius)
+    return away;
   const double centre = distance_to(edges, cluster.centre);
   if (centre > 2 * cluster.radius)
     return centre - cluster.radius;
@@ -119,6 +123,8 @@ MeshPair::Band& MeshPair::next_band() {
 
 /// So many quarterings that the points of panels at a distance are near enough to each other.
 int MeshPair::fineness(double panel_radius, double distance, QuadratureDigits digits) {
+  /// One point for each panel errs like the square of this; the digits ask for a part of it, as errors of
+  /// many panels differ in sign.
   const double most = 1.4 * std::exp(-digits.outer / 2);
   int result = 0;
   double ratio = panel_radius / std::max(distance, 1e-9);
@@ -134,12 +140,12 @@ void MeshPair::place_beside_faces(const PlacedBody& faces, int functions, Quadra
   const std::vector<std::array<Vector3d, 2>> edges = placed_edges(faces);
   std::array<std::vector<MeshPart>, band_ends.size() + 1> parts;
   for (const PanelCluster& cluster : mesh.panels().clusters) {
-    const double away = (distance_to(faces, cluster.centre) - cluster.radius) / faces.scale;
+    const double away = distance_to(faces, cluster.centre) - cluster.radius;
     std::size_t at = 0;
-    while (at < band_ends.size() && away > band_ends[at])
+    while (at < band_ends.size() && away > band_ends[at] * faces.scale)
       ++at;
     parts[at].push_back(
-        {&cluster, fineness(cluster.panel_radius, edge_distance(mesh, cluster, edges), digits)});
+        {&cluster, fineness(cluster.panel_radius, edge_distance(mesh, cluster, edges, away), digits)});
   }
   double missing = 0;
   std::vector<NodePoints> points;
@@ -156,6 +162,7 @@ void MeshPair::place_beside_faces(const PlacedBody& faces, int functions, Quadra
     fill(band, band.faces.points());
   }
   is_cut_short_ |= missing > 0;
+  /// More than was met: at a twentieth of the size of three bodies above a plate.
   constexpr double per_square = 0.004;
   relative_error_ = error_left(digits.inner - missing) + per_square * coarsest_ * coarsest_;
 }
@@ -184,6 +191,7 @@ void MeshPair::place_beside_mesh(const PlacedBody& other, QuadratureDigits digit
         {&others[l], fineness(other.scale * others[l].panel_radius, from_there[l], digits)});
   lay_inner(other);
   fill(band, {inner_points_[0].data(), inner_points_[1].data(), inner_points_[2].data(), inner_count_});
+  /// Panels of both may come to lie above each other.
   constexpr double per_square = 0.02;
   relative_error_ = error_left(16) + per_square * coarsest_ * coarsest_;
 }

@@ -145,8 +145,7 @@ void choose_grids(NodeSide& side, const PlacedBody& body, int functions, std::sp
   side.functions = functions;
   side.grids.clear();
   for (const Face& face : body.shape->faces()) {
-    FaceSmoothness smooth =
-        face_smoothness(body, face, points[0], origin, Eigen::Matrix3d::Identity(), 1);
+    FaceSmoothness smooth = face_smoothness(body, face, points[0], origin, Eigen::Matrix3d::Identity(), 1);
     for (const NodePoints& more : points.subspan(1))
       narrow(smooth, face_smoothness(body, face, more, origin, Eigen::Matrix3d::Identity(), 1));
     side.grids.push_back(
@@ -195,8 +194,8 @@ void NodePair::place(const PlacedBody& a, const BodySmoothness& a_smoothness, in
     is_cut_short_ = mesh_->is_cut_short();
     return;
   }
-  const auto grids_of = [&](NodeSide& side, const PlacedBody& body, int functions, const BodySmoothness& smooth,
-                            double wanted, int most, double& missing) {
+  const auto grids_of = [&](NodeSide& side, const PlacedBody& body, int functions,
+                            const BodySmoothness& smooth, double wanted, int most, double& missing) {
     side.functions = functions;
     side.grids.clear();
     std::ptrdiff_t count = 0;
@@ -226,8 +225,7 @@ void NodePair::place(const PlacedBody& a, const BodySmoothness& a_smoothness, in
   choose_grids(sides_[1], inner, a_is_outer_ ? functions_b : functions_a, {&outer_points, 1}, inner.centre,
                digits.inner, missing_inner);
   const double missing_outer = std::min(missing_a, missing_b);
-  relative_error_ =
-      error_left(std::min(2 * (digits.outer - missing_outer), digits.inner - missing_inner));
+  relative_error_ = error_left(std::min(2 * (digits.outer - missing_outer), digits.inner - missing_inner));
   is_cut_short_ = missing_outer > 0 || missing_inner > 0;
   sides_[1].lay(inner, inner.centre);
   const std::size_t size =

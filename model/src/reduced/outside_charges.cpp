@@ -64,9 +64,8 @@ std::vector<OutsideCharge> outside_charges(std::span<const Triangle> triangles,
   for (const Shell& shell : shells) {
     std::vector<Vector3d> candidates;
     for (const Panel& panel : panels) {
-      const Vector3d normal = (panel.corners[1] - panel.corners[0])
-                                  .cross(panel.corners[2] - panel.corners[0])
-                                  .normalized();
+      const Vector3d normal =
+          (panel.corners[1] - panel.corners[0]).cross(panel.corners[2] - panel.corners[0]).normalized();
       for (const double side : {1.0, -1.0})
         candidates.emplace_back(panel.centre + side * shell.distance * normal);
     }
@@ -83,7 +82,8 @@ std::vector<OutsideCharge> outside_charges(std::span<const Triangle> triangles,
   }
   for (int k = 0; k < far_charges; ++k) {
     // Along a spiral by the golden angle: evenly spread.
-    const double height = 1 - (2 * k + 1.0) / far_charges, angle = std::numbers::pi * (3 - std::sqrt(5.0)) * k;
+    const double height = 1 - (2 * k + 1.0) / far_charges,
+                 angle = std::numbers::pi * (3 - std::sqrt(5.0)) * k;
     const double radius = std::sqrt(1 - height * height);
     charges.push_back(
         {far_distance * Vector3d(radius * std::cos(angle), radius * std::sin(angle), height), far_distance});

@@ -98,7 +98,11 @@ PanelClusters cluster_panels(std::span<const Panel> panels) {
   PanelClusters result;
   for (const std::span<std::size_t> range : ranges) {
     PanelCluster cluster{static_cast<std::ptrdiff_t>(result.panels.size()),
-                         whole_blocks(static_cast<std::ptrdiff_t>(range.size())), Vector3d::Zero(), 0, 0, {}};
+                         whole_blocks(static_cast<std::ptrdiff_t>(range.size())),
+                         Vector3d::Zero(),
+                         0,
+                         0,
+                         {}};
     std::vector<Vector3d> corners;
     Eigen::AlignedBox3d box;
     for (std::size_t k = 0; k < static_cast<std::size_t>(cluster.count); ++k) {

@@ -21,9 +21,6 @@ using Eigen::VectorXd;
 
 constexpr std::array<int, PreparedShape::levels> mesh_functions{16, 36, 72, 128};
 
-/// With more the preparation takes many seconds.
-constexpr std::size_t most_panels = 2000;
-
 RowVectorXd potentials_at(const Vector3d& point, const std::vector<OutsideCharge>& charges) {
   RowVectorXd potentials(static_cast<Index>(charges.size()));
   for (std::size_t k = 0; k < charges.size(); ++k)
@@ -33,8 +30,7 @@ RowVectorXd potentials_at(const Vector3d& point, const std::vector<OutsideCharge
 
 /// Means over the panels, by their quarters' centres.
 MatrixXd potentials_on(const std::vector<Panel>& panels, const std::vector<OutsideCharge>& charges) {
-  MatrixXd potentials =
-      MatrixXd::Zero(static_cast<Index>(panels.size()), static_cast<Index>(charges.size()));
+  MatrixXd potentials = MatrixXd::Zero(static_cast<Index>(panels.size()), static_cast<Index>(charges.size()));
   for (std::size_t k = 0; k < panels.size(); ++k)
     for (const auto& [a, b, c] : quarters(panels[k].corners))
       potentials.row(static_cast<Index>(k)) += potentials_at((a + b + c) / 3, charges) / 4;
@@ -83,8 +79,9 @@ std::vector<Vector3d> corners_of(const std::vector<Triangle>& triangles) {
 }  // namespace
 
 PreparedMesh::PreparedMesh(std::vector<Triangle> triangles, double accuracy)
-    : triangles_(std::move(triangles)), is_closed_(fringe::is_closed(triangles_)), box_(box_around(corners_of(triangles_))) {
-  const LonePanels panels = lone_panels(triangles_, accuracy, most_panels);
+    : triangles_(std::move(triangles)), is_closed_(fringe::is_closed(triangles_)),
+      box_(box_around(corners_of(triangles_))) {
+  const LonePanels panels = lone_panels(triangles_, accuracy, most_mesh_panels);
   const std::vector<Panel>& all = panels.mesh.panels();
   const std::vector<OutsideCharge> charges = outside_charges(triangles_, all);
   const MatrixXd outside = potentials_on(all, charges);
@@ -114,8 +111,7 @@ Vector3d PreparedMesh::point(std::ptrdiff_t place) const {
 }
 
 PreparedLevel PreparedMesh::level(int index) const {
-  const Index count =
-      std::min(Index{mesh_functions[static_cast<std::size_t>(index)]}, missing_.rows());
+  const Index count = std::min(Index{mesh_functions[static_cast<std::size_t>(index)]}, missing_.rows());
   VectorXd first = VectorXd::Zero(count);
   first[0] = 1;
   PreparedLevel level{};

@@ -10,15 +10,19 @@
 #include "panel_clusters.hpp"
 #include "prepared_shape.hpp"
 
-/// What of a body of triangles does not change when it moves or grows (model/BOUNDARY_ELEMENTS.md, section 8).
+/// What of a body of triangles does not change when it moves or grows (model/BOUNDARY_ELEMENTS.md, section
+/// 8).
 namespace fringe::detail {
+
+/// With more the preparation takes many seconds.
+constexpr std::size_t most_mesh_panels = 2000;
 
 /// The charges with which a body of triangles answers others, most needed first, each a density for every
 /// panel. They have the energy one and none in common.
 class PreparedMesh {
  public:
-  /// `triangles` about the origin, their largest coordinate about 1. The panels are to be so fine that energies
-  /// are within `accuracy`.
+  /// `triangles` about the origin, their largest coordinate about 1. The panels are to be so fine that
+  /// energies are within `accuracy`.
   PreparedMesh(std::vector<Triangle> triangles, double accuracy);
 
   const std::vector<Triangle>& triangles() const { return triangles_; }
@@ -45,8 +49,8 @@ class PreparedMesh {
   BoxNumbers box_;
   PanelClusters panels_;
   std::vector<float> functions_;
-  double root_ = 0;           ///< of the capacitance
-  Eigen::MatrixXd missing_;   ///< energies by which the functions' charges may fall short
+  double root_ = 0;          ///< of the capacitance
+  Eigen::MatrixXd missing_;  ///< energies that coarser panels lack
 };
 
 }  // namespace fringe::detail

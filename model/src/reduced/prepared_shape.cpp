@@ -86,9 +86,18 @@ std::unique_ptr<PreparedLevel> prepare(const std::vector<Face>& faces, const Vec
     for (Index column = 0; column < high; ++column)
       block(row, column) =
           inverse(highest[static_cast<std::size_t>(row)], highest[static_cast<std::size_t>(column)]);
-  return std::make_unique<PreparedLevel>(PreparedLevel{
-      functions, count, whole_blocks(count), stored(inverse), stored(net), stored(charge / root),
-      stored(net / root), root, highest, stored(block.llt().solve(MatrixXd::Identity(high, high))), {}});
+  return std::make_unique<PreparedLevel>(
+      PreparedLevel{functions,
+                    count,
+                    whole_blocks(count),
+                    stored(inverse),
+                    stored(net),
+                    stored(charge / root),
+                    stored(net / root),
+                    root,
+                    highest,
+                    stored(block.llt().solve(MatrixXd::Identity(high, high))),
+                    {}});
 }
 
 }  // namespace

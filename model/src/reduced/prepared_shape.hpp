@@ -26,7 +26,7 @@ struct PreparedLevel {
   double root;                     ///< of the capacitance: the net charge of `equilibrium`
   std::vector<int> highest;        ///< the functions that the smaller space does not have
   std::vector<float> stiffness;    ///< their energy when the others adapt: the inverse of inverse's block
-  std::vector<float> missing;      ///< of triangles: the energies that finer ones would add; else empty
+  std::vector<float> missing;      ///< of triangles: the energies that coarser ones lack; else empty
 };
 
 class PreparedMesh;

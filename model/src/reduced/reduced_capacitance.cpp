@@ -52,9 +52,6 @@ constexpr double quadrature_share = 0.3;
 /// Of the error that is asked for, what the triangles' size may take of a body's energies.
 constexpr double triangle_share = 0.25;
 
-/// A body of more takes too long to prepare.
-constexpr std::size_t most_triangles = 2000;
-
 /// As many steps more than asked as near contact needs.
 constexpr int most_steps = 12;
 
@@ -123,6 +120,18 @@ UnitTriangles in_unit(std::vector<Triangle> triangles) {
   return {std::move(triangles), unit.centre, unit.scale};
 }
 
+/// Throws InputError for a body of more triangles than are prepared.
+void refuse_large(const ChargedBody& body) {
+  detail::PanelMesh mesh;
+  if (body.triangles.size() <= detail::most_mesh_panels)
+    mesh.add(0, body.triangles);
+  if (std::max(body.triangles.size(), mesh.panels().size()) > detail::most_mesh_panels)
+    throw InputError(fmt::format("{} has {} triangles, hence {} panels: the reduced method ends at {}",
+                                 body.name, body.triangles.size(),
+                                 std::max(body.triangles.size(), mesh.panels().size()),
+                                 detail::most_mesh_panels));
+}
+
 /// The objects in the order of bodies_on_links.
 std::vector<const Object*> ordered_objects(const Scene& scene) {
   std::vector<const Object*> objects;
@@ -184,9 +193,7 @@ class ReducedEvaluator::Implementation {
       throw InputError("room: boundary elements know only free space");
     bodies_ = detail::bodies_on_links(scene);
     for (const ChargedBody& body : bodies_.bodies)
-      if (body.triangles.size() > most_triangles)
-        throw InputError(fmt::format("{} has {} triangles: the reduced method ends at {}", body.name,
-                                     body.triangles.size(), most_triangles));
+      refuse_large(body);
     const std::size_t rows = bodies_.names.size() - bodies_.floating;
     if (rows == 0)
       throw InputError("the scene has neither a sensor nor a grounded object");
@@ -201,9 +208,8 @@ class ReducedEvaluator::Implementation {
     double largest = 0;
     for (std::size_t k = 0; k < bodies_.bodies.size(); ++k) {
       const ChargedBody& body = bodies_.bodies[k];
-      rigid_.push_back(body.faces.empty()
-                           ? rigid_mesh(*objects[k + objects.size() - bodies_.bodies.size()])
-                           : rigid_faces(body));
+      rigid_.push_back(body.faces.empty() ? rigid_mesh(*objects[k + objects.size() - bodies_.bodies.size()])
+                                          : rigid_faces(body));
       largest = std::max(largest, rigid_.back().scale);
     }
     // A power of two: what is computed in it is what would be computed in metres.
@@ -314,9 +320,8 @@ class ReducedEvaluator::Implementation {
       return box;
     };
     const bool has_mesh = placed_[a].shape->mesh() != nullptr || placed_[b].shape->mesh() != nullptr;
-    const double gap = has_mesh
-                           ? detail::mesh_gap(placed_[a], placed_[b])
-                           : detail::best_search().box_gap(box_of(placed_[a]), box_of(placed_[b]));
+    const double gap = has_mesh ? detail::mesh_gap(placed_[a], placed_[b])
+                                : detail::best_search().box_gap(box_of(placed_[a]), box_of(placed_[b]));
     if (!(gap > surely_apart))
       detail::refuse_contact(detail::moved(bodies_.bodies[a], motion_.world_pose(bodies_.bodies[a].link)),
                              detail::moved(bodies_.bodies[b], motion_.world_pose(bodies_.bodies[b].link)));
@@ -360,7 +365,8 @@ class ReducedEvaluator::Implementation {
 
   /// Beyond, a box takes too long to prepare.
   int most_levels(std::size_t body) const {
-    return rigid_[body].shape->faces().size() != detail::box_faces ? PreparedShape::levels : PreparedShape::levels - 1;
+    return rigid_[body].shape->faces().size() != detail::box_faces ? PreparedShape::levels
+                                                                   : PreparedShape::levels - 1;
   }
 
   bool raise_levels(const ReducedSolution& solution) {
@@ -393,9 +399,8 @@ class ReducedEvaluator::Implementation {
   /// Along every direction of a face, or of all of a body of triangles.
   int functions_of(std::size_t body) {
     const int level = system_->bodies()[body].level;
-    return rigid_[body].shape->mesh() != nullptr
-               ? static_cast<int>(rigid_[body].shape->level(level).count)
-               : detail::functions_of_level(level);
+    return rigid_[body].shape->mesh() != nullptr ? static_cast<int>(rigid_[body].shape->level(level).count)
+                                                 : detail::functions_of_level(level);
   }
 
   void lay_nodes(double digits) {

@@ -78,7 +78,7 @@ class ReducedSystem {
   bool add_residuals(std::size_t active, std::size_t conductors);
   void iterate(const ReductionLimits& limits, std::size_t active, std::size_t conductors);
   Eigen::MatrixXd resolution(std::size_t active, std::size_t conductors);
-  Eigen::MatrixXd missing(std::size_t body, std::size_t conductors);
+  Eigen::MatrixXd missing();
   double coupling(std::size_t first, std::size_t second) const;
   void judge_truncation();
   void estimate_quadrature();

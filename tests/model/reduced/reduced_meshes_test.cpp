@@ -162,9 +162,8 @@ TEST(ReducedMeshes, AMovedLinkGivesWhatASceneThereGives) {
   ReducedEvaluator evaluator(above_sensor(shape, at(0, 0, 0.2)), {.steps = 1, .rtol = {}});
   for (const double height : {0.05, 0.03, 0.1}) {
     evaluator.set_pose("arm", at(0.01, 0, height));
-    EXPECT_EQ(
-        evaluator.maxwell().values,
-        reduced_capacitance(above_sensor(shape, at(0.01, 0, height)), {.steps = 1, .rtol = {}}).values);
+    EXPECT_EQ(evaluator.maxwell().values,
+              reduced_capacitance(above_sensor(shape, at(0.01, 0, height)), {.steps = 1, .rtol = {}}).values);
   }
 }
 
@@ -202,14 +201,13 @@ TEST(ReducedMeshes, ContactsAreRefusedAndForgotten) {
 TEST(ReducedMeshes, TheGapIsNoMoreThanTheDistance) {
   using detail::PlacedBody;
   const detail::PreparedShape ball(mesh_of(Sphere{1, 10}).triangles, 0.02);
-  const detail::PreparedShape plate({{Vector3d::Zero(), Vector3d::UnitX(), Vector3d::UnitY(), 1, 1,
-                                      detail::EdgeKind::thin}},
-                                    {1, 1, 0});
+  const detail::PreparedShape plate(
+      {{Vector3d::Zero(), Vector3d::UnitX(), Vector3d::UnitY(), 1, 1, detail::EdgeKind::thin}}, {1, 1, 0});
   Random random(3);
   int known = 0;
   for (int k = 0; k < 200; ++k) {
-    const Isometry3d pose =
-        random.turned({random(-2, 2), random(-2, 2), random(-2, 2)}), back = pose.inverse();
+    const Isometry3d pose = random.turned({random(-2, 2), random(-2, 2), random(-2, 2)}),
+                     back = pose.inverse();
     double distance = 1e9;
     for (const Triangle& triangle : ball.mesh()->triangles())
       for (const Vector3d& corner : triangle)
