@@ -232,7 +232,7 @@ void measure_meshes(int count) {
 }  // namespace
 
 int main(int argument_count, char** arguments) {
-  constexpr int mesh_count = 100;
+  constexpr int mesh_count = 40;
   if (argument_count == 3 && std::string(arguments[1]) == "--meshes") {
     measure_meshes(std::stoi(arguments[2]));
     return 0;

@@ -32,10 +32,9 @@ bool is_cheap(const Scene& scene) {
 }  // namespace
 
 Recommended::Recommended(const Scene& scene) {
-  if (!is_cheap(scene))
-    return;
   try {
-    evaluator_.emplace(scene, ReducedOptions{1, std::nullopt});
+    if (is_cheap(scene))
+      evaluator_.emplace(scene, ReducedOptions{1, std::nullopt});
   } catch (const InputError&) {
     // Shapes, rooms and sensors that it does not know are the formula's; what is wrong in itself, the formula
     // refuses too.

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <numeric>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "../boundary/panel_matrix.hpp"
+#include "fringe/error.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -106,10 +106,18 @@ MatrixXd plain_potentials(const PanelMesh& mesh) {
   return potentials;
 }
 
+/// With finer quadratures where these make the matrix none of energies.
 void factorise(LonePanels& panels) {
+  /// Below this, rounding decides over the elements.
+  constexpr double finest_tolerance = 1e-13;
   panels.factor.compute(panels.matrix.transpose());
-  if (panels.factor.info() != Eigen::Success)
-    throw std::runtime_error("the matrix of a body's panels is not positive definite");
+  while (panels.factor.info() != Eigen::Success) {
+    if (panels.tolerance < finest_tolerance)
+      throw InputError("its triangles lie upon each other");
+    panels.tolerance /= 100;
+    panels.matrix = panel_matrix(panels.mesh.panels(), panels.tolerance);
+    panels.factor.compute(panels.matrix.transpose());
+  }
 }
 
 }  // namespace

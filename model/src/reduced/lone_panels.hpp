@@ -21,7 +21,7 @@ struct LonePanels {
 
 /// Panels that are refined until the energies of the charges which potentials of degree 0 and 1 induce have
 /// an error less than `accuracy`, as far as `most_panels` panels allow.
-/// @throws std::runtime_error if the matrix is not positive definite.
+/// @throws InputError for triangles that lie upon each other.
 LonePanels lone_panels(std::span<const Triangle> triangles, double accuracy, std::size_t most_panels);
 
 /// What charges of one density on each group lack of energies, and undivided panels of those of their

@@ -12,6 +12,7 @@
 
 #include "../boundary/charged_bodies.hpp"
 #include "../boundary/matrix_changes.hpp"
+#include "../boundary/panel_mesh.hpp"
 #include "../collision/quick_search.hpp"
 #include "../link_motion.hpp"
 #include "fringe/capacitance.hpp"
@@ -273,8 +274,12 @@ class ReducedEvaluator::Implementation {
 
   RigidBody rigid_mesh(const Object& object) {
     const UnitTriangles unit = in_unit(triangulate(object.shape));
-    return {shapes_.find(unit.triangles, triangle_share * rtol_), unit.scale,
-            object.pose * Eigen::Translation3d(unit.centre)};
+    try {
+      return {shapes_.find(unit.triangles, triangle_share * rtol_), unit.scale,
+              object.pose * Eigen::Translation3d(unit.centre)};
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("object \"{}\": {}", object.name, error.what()));
+    }
   }
 
   /// Of the inner quadrature; the outer takes half.
