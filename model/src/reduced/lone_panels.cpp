@@ -28,26 +28,35 @@ Index at_index(std::size_t k) {
   return static_cast<Index>(k);
 }
 
-/// A density on each group: the charges of all panels (rows) for a charge of one on each group (columns).
-MatrixXd group_densities(const PanelMesh& mesh) {
-  MatrixXd densities = MatrixXd::Zero(at_index(mesh.panels().size()), at_index(mesh.groups().size()));
-  for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
-    const PanelGroup& group = mesh.groups()[g];
-    double area = 0;
+/// The panels' shares in their groups' areas.
+VectorXd area_shares(const PanelMesh& mesh) {
+  VectorXd shares(at_index(mesh.panels().size()));
+  for (const PanelGroup& group : mesh.groups()) {
+    const auto first = at_index(group.first), count = at_index(group.count);
     for (std::size_t k = group.first; k < group.first + group.count; ++k)
-      area += mesh.panels()[k].area;
-    for (std::size_t k = group.first; k < group.first + group.count; ++k)
-      densities(at_index(k), at_index(g)) = mesh.panels()[k].area / area;
+      shares[at_index(k)] = mesh.panels()[k].area;
+    shares.segment(first, count) /= shares.segment(first, count).sum();
   }
-  return densities;
+  return shares;
 }
 
 /// The energies that charges of one density on each group reach.
 MatrixXd group_energies(const LonePanels& panels, const MatrixXd& potentials) {
-  const MatrixXd densities = group_densities(panels.mesh);
-  const MatrixXd felt = panels.matrix.selfadjointView<Eigen::Upper>() * densities;
-  const MatrixXd reached =
-      (densities.transpose() * felt).llt().matrixL().solve(densities.transpose() * potentials);
+  const auto& groups = panels.mesh.groups();
+  const VectorXd shares = area_shares(panels.mesh);
+  const MatrixXd all = panels.matrix.selfadjointView<Eigen::Upper>();
+  MatrixXd felt(all.rows(), at_index(groups.size())), own(felt.cols(), felt.cols()),
+      asked(felt.cols(), potentials.cols());
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const auto first = at_index(groups[g].first), count = at_index(groups[g].count);
+    felt.col(at_index(g)) = all.middleCols(first, count) * shares.segment(first, count);
+    asked.row(at_index(g)) = shares.segment(first, count).transpose() * potentials.middleRows(first, count);
+  }
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const auto first = at_index(groups[g].first), count = at_index(groups[g].count);
+    own.row(at_index(g)) = shares.segment(first, count).transpose() * felt.middleRows(first, count);
+  }
+  const MatrixXd reached = own.llt().matrixL().solve(asked);
   return reached.transpose() * reached;
 }
 

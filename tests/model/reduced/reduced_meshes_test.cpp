@@ -70,6 +70,9 @@ Scene above_sensor(const Shape& shape, const Isometry3d& pose) {
   return scene;
 }
 
+/// So few triangles as to be prepared quickly.
+const ReducedOptions loose{.steps = 1, .rtol = 0.1};
+
 bool covers(const MaxwellMatrix& answer, const MaxwellMatrix& truth) {
   return ((answer.values - truth.values).array().abs() <= (answer.errors + truth.errors).array()).all() &&
          ((answer.delta_self - truth.delta_self).array().abs() <=
@@ -82,9 +85,9 @@ TEST(ReducedMeshes, ALoneCubeIsTheCubesCapacitance) {
   scene.objects = {object("cube", mesh_of(Cuboid{0.02, 0.02, 0.02}), at(1, 2, 3))};
   const MaxwellMatrix answer = reduced_capacitance(scene, {.steps = 1, .rtol = {}});
   // Helsing and Perfekt 2013.
-  const double difference = 0.66067815409957 - per_length(answer.values(0, 0), 0.02);
-  EXPECT_GT(difference, 0) << "charges on triangles hold less energy than the truth";
-  EXPECT_LE(difference, per_length(answer.errors(0, 0), 0.02));
+  constexpr double truth = 0.66067815409957;
+  EXPECT_NEAR(per_length(answer.values(0, 0), 0.02), truth, per_length(answer.errors(0, 0), 0.02));
+  EXPECT_NEAR(per_length(answer.values(0, 0), 0.02), truth, 1e-3 * truth);
   EXPECT_TRUE(answer.reached);
 }
 
@@ -118,6 +121,17 @@ TEST(ReducedMeshes, TheStatedErrorCoversThatOfABoxInRandomPoses) {
   EXPECT_GT(answered, count / 2);
   EXPECT_GE(covered, 0.99 * answered);
   EXPECT_GE(reached, 0.7 * answered) << "an honest answer that is none is of little use";
+
+  // Near contact it is right or not reached.
+  for (const double gap : {4e-3, 1e-3, 1e-4, 1e-6}) {
+    const Isometry3d pose = at(0, 0, 0.01 + gap);
+    evaluator.set_pose("arm", pose);
+    const MaxwellMatrix& answer = evaluator.maxwell();
+    if (gap >= 1e-3)
+      EXPECT_TRUE(covers(answer, maxwell(above_sensor(box, pose), {.rtol = 1e-3}))) << gap;
+    else
+      EXPECT_FALSE(answer.reached) << gap;
+  }
 }
 
 TEST(ReducedMeshes, SeveralBodiesTogether) {
@@ -125,7 +139,7 @@ TEST(ReducedMeshes, SeveralBodiesTogether) {
   scene.objects.push_back(object("cylinder", Cylinder{0.015, 0.05, 12}, at(0.05, 0.01, 0.05)));
   scene.objects.push_back(object("box", Cuboid{0.03, 0.04, 0.02}, at(0, 0.07, 0.04), Floating{}));
   const MaxwellMatrix answer = reduced_capacitance(scene, {.steps = 1, .rtol = {}});
-  const MaxwellMatrix truth = maxwell(scene, {.rtol = 5e-3});
+  const MaxwellMatrix truth = maxwell(scene, {.rtol = 1e-2});
   EXPECT_EQ(answer.conductors, truth.conductors);
   EXPECT_TRUE(answer.reached);
   EXPECT_TRUE(covers(answer, truth));
@@ -135,21 +149,21 @@ TEST(ReducedMeshes, SeveralBodiesTogether) {
 TEST(ReducedMeshes, ASheetIsThePlateItStandsFor) {
   const Isometry3d pose = pose_from_axis({1, 0.5, 0}, 30, {0.02, 0, 0.06});
   const MaxwellMatrix sheet =
-      reduced_capacitance(above_sensor(mesh_of(Plate{0.08, 0.06}), pose), {.steps = 1, .rtol = {}});
+      reduced_capacitance(above_sensor(mesh_of(Plate{0.08, 0.06}), pose), {.steps = 1, .rtol = 0.03});
+  EXPECT_TRUE(sheet.reached);
   EXPECT_TRUE(covers(sheet, maxwell(above_sensor(Plate{0.08, 0.06}, pose), {.rtol = 1e-4})));
 }
 
 TEST(ReducedMeshes, DependOnlyOnProportionsAndRelativePoses) {
   const Shape shape = mesh_of(Cylinder{0.02, 0.04, 10});
-  const ReducedOptions options{.steps = 1, .rtol = {}};
-  const MaxwellMatrix answer = reduced_capacitance(above_sensor(shape, at(0, 0.01, 0.05)), options);
+  const MaxwellMatrix answer = reduced_capacitance(above_sensor(shape, at(0, 0.01, 0.05)), loose);
 
   Scene larger = above_sensor(shape, at(0, 0.02, 0.1));
   larger.sensors = {sensor("front", {square(0.2, 0)})};
   for (Triangle& triangle : std::get<Mesh>(larger.objects[0].shape).triangles)
     for (Vector3d& corner : triangle)
       corner *= 2;
-  EXPECT_LT((reduced_capacitance(larger, options).values - 2 * answer.values).norm(),
+  EXPECT_LT((reduced_capacitance(larger, loose).values - 2 * answer.values).norm(),
             1e-5 * answer.values.norm());
 
   Scene moved = above_sensor(shape, at(0, 0.01, 0.05));
@@ -157,34 +171,21 @@ TEST(ReducedMeshes, DependOnlyOnProportionsAndRelativePoses) {
   moved.links.push_back({"all", {}, motion});
   moved.links[0].parent = 1;
   moved.sensors[0].link = 1;
-  EXPECT_LT((reduced_capacitance(moved, options).values - answer.values).norm(), 1e-5 * answer.values.norm());
+  EXPECT_LT((reduced_capacitance(moved, loose).values - answer.values).norm(), 1e-5 * answer.values.norm());
 }
 
 TEST(ReducedMeshes, AMovedLinkGivesWhatASceneThereGives) {
   const Shape shape = Sphere{0.02, 10};
-  ReducedEvaluator evaluator(above_sensor(shape, at(0, 0, 0.2)), {.steps = 1, .rtol = {}});
+  ReducedEvaluator evaluator(above_sensor(shape, at(0, 0, 0.2)), loose);
   for (const double height : {0.05, 0.03, 0.1}) {
     evaluator.set_pose("arm", at(0.01, 0, height));
     EXPECT_EQ(evaluator.maxwell().values,
-              reduced_capacitance(above_sensor(shape, at(0.01, 0, height)), {.steps = 1, .rtol = {}}).values);
-  }
-}
-
-TEST(ReducedMeshes, NearContactIsRightOrNotReached) {
-  const Cuboid box{0.04, 0.04, 0.02};
-  ReducedEvaluator evaluator(above_sensor(mesh_of(box), at(0, 0, 1)), {.steps = 1, .rtol = {}});
-  for (const double gap : {4e-3, 1e-3, 1e-4, 1e-6}) {
-    evaluator.set_pose("arm", at(0, 0, 0.01 + gap));
-    const MaxwellMatrix& answer = evaluator.maxwell();
-    if (gap >= 1e-3)
-      EXPECT_TRUE(covers(answer, maxwell(above_sensor(box, at(0, 0, 0.01 + gap)), {.rtol = 1e-3}))) << gap;
-    else
-      EXPECT_FALSE(answer.reached) << gap;
+              reduced_capacitance(above_sensor(shape, at(0.01, 0, height)), loose).values);
   }
 }
 
 TEST(ReducedMeshes, ContactsAreRefusedAndForgotten) {
-  ReducedEvaluator evaluator(above_sensor(Sphere{0.02, 10}, at(0, 0, 0.05)), {.steps = 1, .rtol = {}});
+  ReducedEvaluator evaluator(above_sensor(Sphere{0.02, 10}, at(0, 0, 0.05)), loose);
   const MatrixXd before = evaluator.maxwell().values;
   evaluator.set_pose("arm", at(0, 0, 0.01));
   try {
@@ -197,8 +198,7 @@ TEST(ReducedMeshes, ContactsAreRefusedAndForgotten) {
   EXPECT_EQ(evaluator.maxwell().values, before);
 
   Scene holding = above_sensor(mesh_of(Cuboid{0.2, 0.2, 0.2}), at(0, 0, 0));
-  EXPECT_THROW(reduced_capacitance(holding, {.steps = 1, .rtol = {}}), InputError)
-      << "the plate is inside the box";
+  EXPECT_THROW(reduced_capacitance(holding, loose), InputError) << "the plate is inside the box";
 }
 
 TEST(ReducedMeshes, TheGapIsNoMoreThanTheDistance) {
