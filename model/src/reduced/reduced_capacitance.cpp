@@ -248,7 +248,7 @@ class ReducedEvaluator::Implementation {
         continue;
       }
       tell(solution);
-      if (answer_.reached)
+      if (answer_.reached || triangles_are_too_coarse(solution))
         break;
       const double more_digits = missing_digits(solution);
       const bool tightened = more_digits > 0 && digits < most_digits;
@@ -385,6 +385,14 @@ class ReducedEvaluator::Implementation {
       raised = true;
     }
     return raised;
+  }
+
+  /// Whether more functions and nodes are in vain.
+  bool triangles_are_too_coarse(const ReducedSolution& solution) const {
+    const Index rows = answer_.values.rows();
+    return ((error_per_resolution * solution.coarser).topLeftCorner(rows, rows).array().abs() >
+            rtol_ * solution.values.topLeftCorner(rows, rows).array().abs())
+        .any();
   }
 
   /// What the quadratures lack to take no more than their part of the error.

@@ -419,16 +419,16 @@ const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
   solution_.values.noalias() = found.transpose() * found;
   solution_.values += solution_.truncation;
   solution_.resolution = resolution(bodies_.size(), conductors_);
-  const MatrixXd finer = missing();
-  solution_.values += likely_missing * finer;
-  solution_.resolution += finer;
+  solution_.coarser = missing();
+  solution_.values += likely_missing * solution_.coarser;
+  solution_.resolution += solution_.coarser;
   if (sensor_bodies_ > 0) {
     const Eigen::VectorXd truncation = solution_.truncation.diagonal().head(sensors);
     solution_.delta_self =
         found.bottomRows(signed_of(extended_) - alone).leftCols(sensors).colwise().squaredNorm();
     solution_.delta_self += truncation - truncation_alone;
     // Sensors are plates: without the objects there are no triangles.
-    solution_.delta_self += likely_missing * finer.diagonal().head(sensors);
+    solution_.delta_self += likely_missing * solution_.coarser.diagonal().head(sensors);
     solution_.delta_truncation = truncation + truncation_alone;
     solution_.delta_resolution =
         (solution_.resolution.diagonal().head(sensors) - resolution_alone).cwiseAbs();
