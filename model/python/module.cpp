@@ -541,7 +541,8 @@ Raises InputError (a ValueError) for unknown or inconsistent options and for obj
            R"(The Maxwell matrix of the sensors and objects in free space, by boundary elements. F.
 
 method: "boundary-elements"; or "reduced:K", K from 1 to 3, which seeks every body's charge among few distributions that
-follow its pose. What it prepares of a body, milliseconds, of triangles seconds, is kept while set_pose moves links; a pose takes microseconds.
+follow its pose. What it prepares of a body, in milliseconds, of triangles in seconds, is kept while set_pose moves
+links; a pose takes microseconds.
 rtol: the error to be reached in every entry, relative to it; from 1e-6 to 0.5, if not given 1e-3. With "reduced:K" from
 1e-4, if not given 1e-2, 1e-3 and 3e-4 for K = 1, 2 and 3.
 
