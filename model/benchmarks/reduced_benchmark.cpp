@@ -1,6 +1,7 @@
 /// The reduced method by its steps: error, time per pose and whether the stated error covers the true one,
-/// over random poses of plates and of boxes, and over the scene files that are named. The truth is that of
-/// boundary elements at rtol = 1e-4; where that is not reached, the set-up is left out.
+/// over random poses of plates, of boxes and of bodies of triangles, and over the scene files that are named;
+/// with --meshes COUNT only over so many poses of the bodies of triangles. The truth is that of boundary
+/// elements at rtol = 1e-4, of triangles less; where that is not reached, the set-up is left out.
 /// Methods take turns; times are of this thread's processor, the least of five moves to the same pose.
 
 #include <algorithm>
@@ -17,6 +18,7 @@
 #include "fringe/reduced_capacitance.hpp"
 #include "fringe/scene_evaluator.hpp"
 #include "fringe/scene_reader.hpp"
+#include "mesh_poses.hpp"
 
 namespace {
 
@@ -116,6 +118,51 @@ struct Measurements {
   std::size_t unknown = 0;
 };
 
+/// Moves a link and asks for the answer, which is held against the truth.
+Measurement measured_answer(ReducedEvaluator& evaluator, const std::string& link,
+                            const Eigen::Isometry3d& pose, const MaxwellMatrix& truth) {
+  evaluator.set_pose(link, pose);
+  const MaxwellMatrix answer = evaluator.maxwell();
+  const Eigen::ArrayXXd difference = (answer.values - truth.values).array().abs();
+  const Eigen::ArrayXd delta = (answer.delta_self - truth.delta_self).array().abs();
+  const double microseconds = quickest([&] {
+    evaluator.set_pose(link, pose);
+    evaluator.maxwell();
+  });
+  return {(difference / truth.values.array().abs()).maxCoeff(), microseconds, answer.reached,
+          (difference <= answer.errors.array() + truth.errors.array()).all() &&
+              (delta <= answer.delta_self_errors.array() + truth.delta_self_errors.array()).all()};
+}
+
+void measure_integral(const Scene& scene, const std::string& link, const Eigen::Isometry3d& pose,
+                      Measurements& measured) {
+  SceneEvaluator evaluator(scene);
+  measured.triangle_integral.push_back(quickest([&] {
+    evaluator.set_pose(link, pose);
+    evaluator.capacitance();
+  }));
+}
+
+/// One body in many poses: it is prepared once.
+void measure_body(const benchmarks::MeshBody& body, int count, Measurements& measured) {
+  Scene known = benchmarks::mesh_scene(body.known);
+  const Scene scene = benchmarks::mesh_scene(body.shape);
+  std::vector<ReducedEvaluator> evaluators;
+  for (int steps = 1; steps <= most_reduced_steps; ++steps)
+    evaluators.emplace_back(scene, ReducedOptions{.steps = steps, .rtol = {}});
+  for (const Eigen::Isometry3d& pose : benchmarks::mesh_poses(body.shape, count, 1)) {
+    known.links[0].pose = pose;
+    const MaxwellMatrix truth = maxwell(known, {.rtol = body.known_to});
+    if (!truth.reached) {
+      ++measured.unknown;
+      continue;
+    }
+    for (std::size_t k = 0; k < evaluators.size(); ++k)
+      measured.by_steps[k].push_back(measured_answer(evaluators[k], "body", pose, truth));
+    measure_integral(scene, "body", pose, measured);
+  }
+}
+
 void measure(const Scene& from, Measurements& measured) {
   const Scene scene = movable(from);
   MaxwellMatrix truth;
@@ -131,20 +178,10 @@ void measure(const Scene& from, Measurements& measured) {
   const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
   for (int steps = 1; steps <= most_reduced_steps; ++steps) {
     ReducedEvaluator evaluator(scene, {.steps = steps, .rtol = {}});
-    const MaxwellMatrix answer = evaluator.maxwell();
-    const Eigen::ArrayXXd difference = (answer.values - truth.values).array().abs();
     measured.by_steps[static_cast<std::size_t>(steps - 1)].push_back(
-        {(difference / truth.values.array().abs()).maxCoeff(), quickest([&] {
-           evaluator.set_pose(mover, here);
-           evaluator.maxwell();
-         }),
-         answer.reached, (difference <= answer.errors.array() + truth.errors.array()).all()});
+        measured_answer(evaluator, mover, here, truth));
   }
-  SceneEvaluator evaluator(scene);
-  measured.triangle_integral.push_back(quickest([&] {
-    evaluator.set_pose(mover, here);
-    evaluator.capacitance();
-  }));
+  measure_integral(scene, mover, here, measured);
 }
 
 double quantile(std::vector<double> values, double part) {
@@ -184,9 +221,22 @@ void summarise(const std::string& what, const Measurements& measured) {
   }
 }
 
+void measure_meshes(int count) {
+  for (const benchmarks::MeshBody& body : benchmarks::mesh_bodies()) {
+    Measurements measured;
+    measure_body(body, count, measured);
+    summarise(body.name + ", random poses", measured);
+  }
+}
+
 }  // namespace
 
 int main(int argument_count, char** arguments) {
+  constexpr int mesh_count = 40;
+  if (argument_count == 3 && std::string(arguments[1]) == "--meshes") {
+    measure_meshes(std::stoi(arguments[2]));
+    return 0;
+  }
   Measurements of_files;
   for (int k = 1; k < argument_count; ++k)
     measure(load_scene(arguments[k]), of_files);
@@ -199,4 +249,5 @@ int main(int argument_count, char** arguments) {
       measure(scenes.next(), measured);
     summarise(what, measured);
   }
+  measure_meshes(mesh_count);
 }

@@ -164,8 +164,8 @@ int run(int argument_count, char** arguments) {
       "matrix by boundary elements");
   capacitance_command
       ->add_option("--method", request.method,
-                   "exact, split:N or gauss:K; or boundary-elements, for every shape, or reduced:K, for "
-                   "plates and cuboids, the same in microseconds for moving scenes")
+                   "exact, split:N or gauss:K; or boundary-elements, for every shape, or reduced:K, the same "
+                   "in microseconds for moving scenes")
       ->capture_default_str();
   capacitance_command
       ->add_option("--plates", request.plates,

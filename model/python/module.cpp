@@ -525,7 +525,7 @@ method.)");
            R"(What every sensor feels, as the dictionary that `fringe capacitance --json` prints; F and V.
 
 method: "exact", "split:N" or "gauss:K", as for plate_integral; or "boundary-elements", for every shape, or "reduced:K",
-for plates and cuboids, the same in microseconds for moving scenes.
+the same in microseconds for moving scenes.
 plates: "sum", every plate of a sensor counts every point of a surface; "nearest", only the plate nearest to it does.
 faces: "all", or "facing": only triangles whose outward side sees the plate, and those in contact with it.
 tolerance: what may be left out of a sensor's total, relative to it; each object's "bound" says how much of it was left
@@ -541,7 +541,8 @@ Raises InputError (a ValueError) for unknown or inconsistent options and for obj
            R"(The Maxwell matrix of the sensors and objects in free space, by boundary elements. F.
 
 method: "boundary-elements"; or "reduced:K", K from 1 to 3, which seeks every body's charge among few distributions that
-follow its pose. What it prepares of a body, milliseconds, is kept while set_pose moves links; a pose takes microseconds.
+follow its pose. What it prepares of a body, in milliseconds, of triangles in seconds, is kept while set_pose moves
+links; a pose takes microseconds.
 rtol: the error to be reached in every entry, relative to it; from 1e-6 to 0.5, if not given 1e-3. With "reduced:K" from
 1e-4, if not given 1e-2, 1e-3 and 3e-4 for K = 1, 2 and 3.
 
@@ -551,7 +552,7 @@ the column's, and an estimate of its error; "delta_self" by sensor, its own entr
 a row; "reached", whether the errors are within rtol; "unknowns", "seconds".
 
 Round shapes are the polyhedra of their triangles here. Raises InputError (a ValueError) for dielectric objects and
-conductors that touch, cross or are inside each other, with "reduced:K" for shapes that are neither plates nor cuboids.)")
+conductors that touch, cross or are inside each other, with "reduced:K" for bodies of more than 2,000 triangles.)")
       .def(
           "formula_terms",
           [](LiveScene& live) {

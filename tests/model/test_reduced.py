@@ -109,12 +109,23 @@ def test_the_module_refuses_as_the_command_does(scene: Path) -> None:
         fringe.Scene.load(scene).maxwell(method="exact")
 
 
-def test_other_shapes_are_refused_by_name(fringe_command: Command, tmp_path: Path) -> None:
+def test_a_ball_is_known_by_its_triangles(tmp_path: Path) -> None:
     path = tmp_path / "ball.toml"
-    path.write_text(SCENE.replace('"cuboid", size = [0.08, 0.1, 0.03]', '"sphere", radius = 0.02'))
+    ball = '"sphere", radius = 0.02, segments = 12'
+    path.write_text(SCENE.replace('"cuboid", size = [0.08, 0.1, 0.03]', ball))
+    scene = fringe.Scene.load(path)
+    answer, truth = scene.maxwell(method="reduced:1"), scene.maxwell(rtol=5e-3)
+    assert answer["reached"]
+    assert np.all(np.abs(answer["maxwell"] - truth["maxwell"]) <= answer["error"] + truth["error"])
+
+
+def test_too_many_triangles_are_refused_by_name(fringe_command: Command, tmp_path: Path) -> None:
+    path = tmp_path / "ball.toml"
+    ball = '"sphere", radius = 0.02, segments = 72'
+    path.write_text(SCENE.replace('"cuboid", size = [0.08, 0.1, 0.03]', ball))
     done = fringe_command("capacitance", path, "--method", "reduced:2")
     assert (done.returncode, done.stdout) == (2, "")
-    assert f'{path}: object "palm" is neither a plate nor a cuboid' in done.stderr
+    assert f'{path}: object "palm" has 5040 triangles' in done.stderr
 
 
 def test_near_contact_is_not_reached_status_3_and_answered(fringe_command: Command, tmp_path: Path) -> None:

@@ -32,8 +32,9 @@ std::optional<int> parse_reduced_steps(std::string_view text);
 /// (model/BOUNDARY_ELEMENTS.md, section 8). What does not depend on poses is prepared once.
 class ReducedEvaluator {
  public:
-  /// @throws InputError for what maxwell() refuses, but conductors that touch, for shapes that are neither
-  /// plates nor cuboids, and options out of range.
+  /// Bodies of triangles, round ones among them, are prepared here: a second or two each.
+  /// @throws InputError for what maxwell() refuses, but conductors that touch, for bodies of more than 2,000
+  /// triangles, and options out of range.
   explicit ReducedEvaluator(const Scene& scene, const ReducedOptions& options = {});
   ~ReducedEvaluator();
   ReducedEvaluator(ReducedEvaluator&&) noexcept;

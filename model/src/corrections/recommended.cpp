@@ -1,8 +1,10 @@
 #include "recommended.hpp"
 
 #include <cmath>
+#include <variant>
 
 #include "fringe/error.hpp"
+#include "fringe/triangulation.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -11,11 +13,29 @@ namespace {
 /// formula is off (rms).
 constexpr double most_stated_error = 0.1;
 
+/// With as many a pose takes seven times as long as the integral over them, with half as many eleven times
+/// (model/CORRECTIONS.md, section 5).
+constexpr std::size_t fewest_triangles = 96;
+
+/// Whether a pose takes no more than ten times what the integral takes: with plates and boxes, and one body
+/// of many triangles at most. Two would take each other's distances, too.
+bool is_cheap(const Scene& scene) {
+  std::size_t meshes = 0;
+  for (const Object& object : scene.objects) {
+    if (std::holds_alternative<Plate>(object.shape) || std::holds_alternative<Cuboid>(object.shape))
+      continue;
+    if (++meshes > 1 || triangulate(object.shape).size() < fewest_triangles)
+      return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Recommended::Recommended(const Scene& scene) {
   try {
-    evaluator_.emplace(scene, ReducedOptions{1, std::nullopt});
+    if (is_cheap(scene))
+      evaluator_.emplace(scene, ReducedOptions{1, std::nullopt});
   } catch (const InputError&) {
     // Shapes, rooms and sensors that it does not know are the formula's; what is wrong in itself, the formula
     // refuses too.

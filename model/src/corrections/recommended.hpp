@@ -15,7 +15,7 @@ namespace fringe::detail {
 /// than the formula does (model/CORRECTIONS.md, section 5).
 class Recommended {
  public:
-  /// A scene that the reduced method refuses gets no answers.
+  /// A scene that the reduced method refuses, or whose bodies of triangles cost too much, gets no answers.
   explicit Recommended(const Scene& scene);
 
   /// Replaces a link's pose relative to its parent. The link must exist.

@@ -35,10 +35,12 @@ constexpr std::array registry{
                    "one polygon and two integrals per facing triangle, 36 × 36 distances"},
     CorrectionInfo{
         Correction::recommended, "recommended",
-        "the Maxwell matrix by reduced boundary elements; formula where it states an error above 10 % or a "
-        "shape is not known to it",
+        "the Maxwell matrix by reduced boundary elements; formula where it states an error above 10 %, and "
+        "for "
+        "meshes of less than 96 or more than 2,000 triangles, or several",
         "model/BOUNDARY_ELEMENTS.md, section 8", "",
-        "some microseconds for plates and boxes, all bodies together; else that of formula"},
+        "some microseconds for plates and boxes, all bodies together, ten integrals for a mesh; else that of "
+        "formula"},
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "../boundary/patch_distance.hpp"
+#include "mesh_pair.hpp"
 #include "node_rules.hpp"
 
 namespace fringe::detail {
@@ -102,16 +103,6 @@ class NearestPoints {
   std::ptrdiff_t count_;
 };
 
-/// What the digits leave.
-double error_left(QuadratureDigits digits, double missing_outer, double missing_inner) {
-  /// In random poses the potentials were this much better than the digits say.
-  constexpr double share = 0.02;
-  /// Of what is computed in single precision.
-  constexpr double rounding = 1e-6;
-  return share * std::exp(-std::min(2 * (digits.outer - missing_outer), digits.inner - missing_inner)) +
-         rounding;
-}
-
 }  // namespace
 
 PairSmoothness smoothness(const PlacedBody& a, const PlacedBody& b, double gap) {
@@ -141,17 +132,40 @@ double least(const BodySmoothness& smoothness, std::size_t faces) {
   return least;
 }
 
-void NodePair::lay(Side& side, const PlacedBody& body, const Vector3d& origin) {
-  side.count = 0;
-  for (const NodeGrid& grid : side.grids)
-    side.count += grid.u.points * grid.v.points;
-  const auto room = static_cast<std::size_t>(whole_blocks(side.count) + 2 * node_block);
-  if (side.x.size() < room)
-    for (std::vector<float>* array : {&side.x, &side.y, &side.z, &side.charges, &side.potentials})
+double error_left(double inner_digits) {
+  /// In random poses the potentials were this much better than the digits say.
+  constexpr double share = 0.02;
+  /// Of what is computed in single precision.
+  constexpr double rounding = 1e-6;
+  return share * std::exp(-inner_digits) + rounding;
+}
+
+void choose_grids(NodeSide& side, const PlacedBody& body, int functions, std::span<const NodePoints> points,
+                  const Vector3d& origin, double digits, double& missing) {
+  side.functions = functions;
+  side.grids.clear();
+  for (const Face& face : body.shape->faces()) {
+    FaceSmoothness smooth = face_smoothness(body, face, points[0], origin, Eigen::Matrix3d::Identity(), 1);
+    for (const NodePoints& more : points.subspan(1))
+      narrow(smooth, face_smoothness(body, face, more, origin, Eigen::Matrix3d::Identity(), 1));
+    side.grids.push_back(
+        {functions,
+         stored_rule(face.edge, points_for(smooth.u, digits, functions, most_node_points, missing)).view(),
+         stored_rule(face.edge, points_for(smooth.v, digits, functions, most_node_points, missing)).view()});
+  }
+}
+
+void NodeSide::lay(const PlacedBody& body, const Vector3d& origin) {
+  count = 0;
+  for (const NodeGrid& grid : grids)
+    count += grid.u.points * grid.v.points;
+  const auto room = static_cast<std::size_t>(whole_blocks(count) + 2 * node_block);
+  if (x.size() < room)
+    for (std::vector<float>* array : {&x, &y, &z, &charges, &potentials})
       array->resize(room);
   std::ptrdiff_t at = 0;
-  for (std::size_t k = 0; k < side.grids.size(); ++k) {
-    const NodeGrid& grid = side.grids[k];
+  for (std::size_t k = 0; k < grids.size(); ++k) {
+    const NodeGrid& grid = grids[k];
     const Face& face = body.shape->faces()[k];
     const Vector3d centre = body.centre + body.axes * (body.scale * face.centre) - origin;
     const Vector3d u = body.axes * (body.scale * face.half_u * face.axis_u);
@@ -162,18 +176,26 @@ void NodePair::lay(Side& side, const PlacedBody& body, const Vector3d& origin) {
       placed.u[axis] = static_cast<float>(u[axis]);
       placed.v[axis] = static_cast<float>(v[axis]);
     }
-    best_node_kernels().lay(grid, placed, side.x.data() + at, side.y.data() + at, side.z.data() + at);
+    best_node_kernels().lay(grid, placed, x.data() + at, y.data() + at, z.data() + at);
     at += grid.u.points * grid.v.points;
   }
-  for (std::vector<float>* array : {&side.x, &side.y, &side.z})
-    std::fill(array->begin() + side.count, array->begin() + whole_blocks(side.count), far_away);
+  for (std::vector<float>* array : {&x, &y, &z})
+    std::fill(array->begin() + count, array->begin() + whole_blocks(count), far_away);
 }
 
 void NodePair::place(const PlacedBody& a, const BodySmoothness& a_smoothness, int functions_a,
                      const PlacedBody& b, const BodySmoothness& b_smoothness, int functions_b,
                      QuadratureDigits digits) {
-  const auto grids_of = [&](Side& side, const PlacedBody& body, int functions, const BodySmoothness& smooth,
-                            double wanted, int most, double& missing) {
+  if (a.shape->mesh() != nullptr || b.shape->mesh() != nullptr) {
+    if (!mesh_)
+      mesh_ = std::make_unique<MeshPair>();
+    mesh_->place(a, functions_a, b, functions_b, digits);
+    relative_error_ = mesh_->relative_error();
+    is_cut_short_ = mesh_->is_cut_short();
+    return;
+  }
+  const auto grids_of = [&](NodeSide& side, const PlacedBody& body, int functions,
+                            const BodySmoothness& smooth, double wanted, int most, double& missing) {
     side.functions = functions;
     side.grids.clear();
     std::ptrdiff_t count = 0;
@@ -196,62 +218,63 @@ void NodePair::place(const PlacedBody& a, const BodySmoothness& a_smoothness, in
   if (!a_is_outer_)
     std::swap(sides_[0], sides_[1]);
   const PlacedBody &outer = a_is_outer_ ? a : b, &inner = a_is_outer_ ? b : a;
-  lay(sides_[0], outer, inner.centre);
+  sides_[0].lay(outer, inner.centre);
 
   double missing_inner = 0;
-  BodySmoothness seen{};
-  for (std::size_t k = 0; k < inner.shape->faces().size(); ++k) {
-    seen[k] = face_smoothness(inner, inner.shape->faces()[k],
-                              {sides_[0].x.data(), sides_[0].y.data(), sides_[0].z.data(), sides_[0].count},
-                              inner.centre, Eigen::Matrix3d::Identity(), 1);
-  }
-  grids_of(sides_[1], inner, a_is_outer_ ? functions_b : functions_a, seen, digits.inner, most_node_points,
-           missing_inner);
+  const NodePoints outer_points = sides_[0].points();
+  choose_grids(sides_[1], inner, a_is_outer_ ? functions_b : functions_a, {&outer_points, 1}, inner.centre,
+               digits.inner, missing_inner);
   const double missing_outer = std::min(missing_a, missing_b);
-  relative_error_ = error_left(digits, missing_outer, missing_inner);
+  relative_error_ = error_left(std::min(2 * (digits.outer - missing_outer), digits.inner - missing_inner));
   is_cut_short_ = missing_outer > 0 || missing_inner > 0;
-  lay(sides_[1], inner, inner.centre);
+  sides_[1].lay(inner, inner.centre);
   const std::size_t size =
       static_cast<std::size_t>(sides_[0].count) * static_cast<std::size_t>(whole_blocks(sides_[1].count));
   if (matrix_.size() < size)
     matrix_.resize(size);
-  const auto points = [](const Side& side) {
-    return NodePoints{side.x.data(), side.y.data(), side.z.data(), side.count};
-  };
-  best_node_kernels().fill(points(sides_[0]), points(sides_[1]), matrix_.data());
+  best_node_kernels().fill(sides_[0].points(), sides_[1].points(), matrix_.data());
 }
 
-void NodePair::spread(Side& side, const float* coefficients) {
-  float* to = side.charges.data();
-  for (const NodeGrid& grid : side.grids) {
+void NodeSide::spread(const float* coefficients) {
+  float* to = charges.data();
+  for (const NodeGrid& grid : grids) {
     best_node_kernels().spread(grid, coefficients, to);
     to += grid.u.points * grid.v.points;
     coefficients += grid.functions * grid.functions;
   }
-  std::fill(side.charges.begin() + side.count, side.charges.begin() + whole_blocks(side.count), 0.0F);
+  std::fill(charges.begin() + count, charges.begin() + whole_blocks(count), 0.0F);
 }
 
-void NodePair::gather(const Side& side, float* moments) {
-  const float* from = side.potentials.data();
-  const std::ptrdiff_t square = side.functions * side.functions;
-  for (const NodeGrid& grid : side.grids) {
+void NodeSide::gather(float* moments) const {
+  const float* from = potentials.data();
+  const std::ptrdiff_t square = functions * functions;
+  for (const NodeGrid& grid : grids) {
     best_node_kernels().gather(grid, from, moments);
     from += grid.u.points * grid.v.points;
     moments += square;
   }
-  const std::ptrdiff_t count = square * static_cast<std::ptrdiff_t>(side.grids.size());
-  std::fill(moments, moments + whole_blocks(count) - count, 0.0F);
+  const std::ptrdiff_t all = square * static_cast<std::ptrdiff_t>(grids.size());
+  std::fill(moments, moments + whole_blocks(all) - all, 0.0F);
 }
+
+NodePair::NodePair() = default;
+NodePair::~NodePair() = default;
+NodePair::NodePair(NodePair&&) noexcept = default;
+NodePair& NodePair::operator=(NodePair&&) noexcept = default;
 
 void NodePair::potentials(const float* charges_a, const float* charges_b, float* moments_a,
                           float* moments_b) {
-  Side &outer = sides_[0], &inner = sides_[1];
-  spread(outer, a_is_outer_ ? charges_a : charges_b);
-  spread(inner, a_is_outer_ ? charges_b : charges_a);
+  if (mesh_) {
+    mesh_->potentials(charges_a, charges_b, moments_a, moments_b);
+    return;
+  }
+  NodeSide &outer = sides_[0], &inner = sides_[1];
+  outer.spread(a_is_outer_ ? charges_a : charges_b);
+  inner.spread(a_is_outer_ ? charges_b : charges_a);
   best_node_kernels().apply({matrix_.data(), outer.count, inner.count}, outer.charges.data(),
                             inner.charges.data(), outer.potentials.data(), inner.potentials.data());
-  gather(outer, a_is_outer_ ? moments_a : moments_b);
-  gather(inner, a_is_outer_ ? moments_b : moments_a);
+  outer.gather(a_is_outer_ ? moments_a : moments_b);
+  inner.gather(a_is_outer_ ? moments_b : moments_a);
 }
 
 }  // namespace fringe::detail

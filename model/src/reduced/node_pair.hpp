@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -47,10 +49,43 @@ PairSmoothness smoothness(const PlacedBody& a, const PlacedBody& b, double gap);
 /// The least of all faces and directions.
 double least(const BodySmoothness& smoothness, std::size_t faces);
 
+/// The nodes of a body's faces, and charges and potentials there.
+struct NodeSide {
+  std::vector<NodeGrid> grids;  ///< of each face
+  std::ptrdiff_t functions = 0;
+  std::ptrdiff_t count = 0;
+  std::vector<float> x, y, z, charges, potentials;
+
+  NodePoints points() const { return {x.data(), y.data(), z.data(), count}; }
+
+  /// Lays the nodes of the grids, seen from an origin.
+  void lay(const PlacedBody& body, const Eigen::Vector3d& origin);
+  void spread(const float* coefficients);
+  void gather(float* moments) const;
+};
+
+/// The rules of all faces of a body as seen from points whose coordinates begin at an origin. `digits` are to
+/// be won; where a rule would need more points than it may have, `missing` grows to those that are not.
+void choose_grids(NodeSide& side, const PlacedBody& body, int functions, std::span<const NodePoints> points,
+                  const Eigen::Vector3d& origin, double digits, double& missing);
+
+/// What digits leave of the potentials, relative to the largest.
+double error_left(double inner_digits);
+
+class MeshPair;
+
 /// Two bodies' nodes, and 1/distance between them.
 class NodePair {
  public:
-  /// `a_smoothness`: of a as seen from b; functions: along every direction of each face.
+  NodePair();
+  ~NodePair();
+  NodePair(NodePair&&) noexcept;
+  NodePair& operator=(NodePair&&) noexcept;
+  NodePair(const NodePair&) = delete;
+  NodePair& operator=(const NodePair&) = delete;
+
+  /// `a_smoothness`: of a as seen from b; functions: along every direction of each face, or
+  /// of all of a body of triangles.
   void place(const PlacedBody& a, const BodySmoothness& a_smoothness, int functions_a, const PlacedBody& b,
              const BodySmoothness& b_smoothness, int functions_b, QuadratureDigits digits);
 
@@ -65,19 +100,9 @@ class NodePair {
   double relative_error() const { return relative_error_; }
 
  private:
-  struct Side {
-    std::vector<NodeGrid> grids;  ///< of each face
-    std::ptrdiff_t functions = 0;
-    std::ptrdiff_t count = 0;
-    std::vector<float> x, y, z, charges, potentials;
-  };
-
-  static void lay(Side& side, const PlacedBody& body, const Eigen::Vector3d& origin);
-  static void spread(Side& side, const float* coefficients);
-  static void gather(const Side& side, float* moments);
-
+  std::unique_ptr<MeshPair> mesh_;  ///< if a body is of triangles
   bool a_is_outer_ = true;
-  std::array<Side, 2> sides_;  ///< the outer one first
+  std::array<NodeSide, 2> sides_;  ///< the outer one first
   std::vector<float> matrix_;
   double relative_error_ = 0;
   bool is_cut_short_ = false;

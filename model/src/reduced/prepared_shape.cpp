@@ -10,6 +10,7 @@
 #include "../boundary/galerkin_system.hpp"
 #include "../boundary/self_table.hpp"
 #include "node_kernels.hpp"
+#include "prepared_mesh.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -22,6 +23,9 @@ using Eigen::VectorXd;
 constexpr std::array<int, PreparedShape::levels> level_functions{5, 7, 11, most_reduced_functions};
 
 constexpr int edge_parts = 8;
+
+/// Of the places of a cluster's panels every fourth.
+constexpr std::ptrdiff_t surface_step = 4;
 
 void add_outline(const Face& face, std::vector<std::array<Vector3d, 2>>& edges) {
   const auto at = [&](double x, double y) {
@@ -58,18 +62,6 @@ MatrixXd self_matrix(const std::vector<Face>& faces, const Vector3d& half_sides,
   return box_matrix(half_sides, all);
 }
 
-/// Columns of whole blocks.
-std::vector<float> stored(const MatrixXd& matrix) {
-  const auto rows = static_cast<std::size_t>(matrix.rows());
-  const auto padded = static_cast<std::size_t>(whole_blocks(matrix.rows()));
-  std::vector<float> result(padded * static_cast<std::size_t>(matrix.cols()) + node_block, 0.0F);
-  for (std::size_t column = 0; column < static_cast<std::size_t>(matrix.cols()); ++column)
-    for (std::size_t row = 0; row < rows; ++row)
-      result[column * padded + row] =
-          static_cast<float>(matrix(static_cast<Index>(row), static_cast<Index>(column)));
-  return result;
-}
-
 std::unique_ptr<PreparedLevel> prepare(const std::vector<Face>& faces, const Vector3d& half_sides,
                                        int functions) {
   const MatrixXd self = self_matrix(faces, half_sides, functions);
@@ -94,12 +86,32 @@ std::unique_ptr<PreparedLevel> prepare(const std::vector<Face>& faces, const Vec
     for (Index column = 0; column < high; ++column)
       block(row, column) =
           inverse(highest[static_cast<std::size_t>(row)], highest[static_cast<std::size_t>(column)]);
-  return std::make_unique<PreparedLevel>(PreparedLevel{
-      functions, count, whole_blocks(count), stored(inverse), stored(net), stored(charge / root),
-      stored(net / root), root, highest, stored(block.llt().solve(MatrixXd::Identity(high, high)))});
+  return std::make_unique<PreparedLevel>(
+      PreparedLevel{functions,
+                    count,
+                    whole_blocks(count),
+                    stored(inverse),
+                    stored(net),
+                    stored(charge / root),
+                    stored(net / root),
+                    root,
+                    highest,
+                    stored(block.llt().solve(MatrixXd::Identity(high, high))),
+                    {}});
 }
 
 }  // namespace
+
+std::vector<float> stored(const MatrixXd& matrix) {
+  const auto rows = static_cast<std::size_t>(matrix.rows());
+  const auto padded = static_cast<std::size_t>(whole_blocks(matrix.rows()));
+  std::vector<float> result(padded * static_cast<std::size_t>(matrix.cols()) + node_block, 0.0F);
+  for (std::size_t column = 0; column < static_cast<std::size_t>(matrix.cols()); ++column)
+    for (std::size_t row = 0; row < rows; ++row)
+      result[column * padded + row] =
+          static_cast<float>(matrix(static_cast<Index>(row), static_cast<Index>(column)));
+  return result;
+}
 
 int functions_of_level(int level) {
   return level_functions[static_cast<std::size_t>(level)];
@@ -112,6 +124,25 @@ PreparedShape::PreparedShape(std::vector<Face> faces, Vector3d half_sides)
   for (const auto& [from, to] : edges_)
     for (int k = 0; k < edge_parts; ++k)
       points.emplace_back(from + (to - from) * k / edge_parts);
+  set_edge_points(std::move(points));
+}
+
+PreparedShape::PreparedShape(std::vector<Triangle> triangles, double accuracy)
+    : half_sides_(Vector3d::Zero()), levels_(levels),
+      mesh_(std::make_unique<PreparedMesh>(std::move(triangles), accuracy)) {
+  std::vector<Vector3d> points;
+  for (const Triangle& triangle : mesh_->triangles())
+    for (const Vector3d& corner : triangle)
+      half_sides_ = half_sides_.cwiseMax(corner.cwiseAbs());
+  for (const PanelCluster& cluster : mesh_->panels().clusters)
+    for (std::ptrdiff_t place = 0; place < cluster.count; place += surface_step)
+      points.push_back(mesh_->point(cluster.first + place));
+  set_edge_points(std::move(points));
+}
+
+PreparedShape::~PreparedShape() = default;
+
+void PreparedShape::set_edge_points(std::vector<Vector3d> points) {
   edge_point_count_ = static_cast<std::ptrdiff_t>(points.size());
   points.resize(static_cast<std::size_t>(whole_blocks(edge_point_count_)), points.back());
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -125,6 +156,8 @@ NodePoints PreparedShape::edge_points() const {
 
 const PreparedLevel& PreparedShape::level(int index) {
   std::unique_ptr<PreparedLevel>& wanted = levels_[static_cast<std::size_t>(index)];
+  if (!wanted && mesh_)
+    wanted = std::make_unique<PreparedLevel>(mesh_->level(index));
   if (!wanted)
     wanted = prepare(faces_, half_sides_, functions_of_level(index));
   return *wanted;

@@ -12,10 +12,14 @@
 
 #include "../boundary/charged_bodies.hpp"
 #include "../boundary/matrix_changes.hpp"
+#include "../boundary/panel_mesh.hpp"
 #include "../collision/quick_search.hpp"
 #include "../link_motion.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
+#include "fringe/triangulation.hpp"
+#include "mesh_gap.hpp"
+#include "prepared_mesh.hpp"
 #include "reduced_system.hpp"
 
 namespace fringe {
@@ -45,6 +49,9 @@ constexpr double error_per_resolution = 1.25;
 /// Parts of the error that is asked for.
 constexpr double truncation_share = 0.3;
 constexpr double quadrature_share = 0.3;
+
+/// Of the error that is asked for, what the triangles' size may take of a body's energies.
+constexpr double triangle_share = 0.25;
 
 /// As many steps more than asked as near contact needs.
 constexpr int most_steps = 12;
@@ -95,9 +102,58 @@ std::vector<Face> faces_of(std::size_t count, const Vector3d& half_sides) {
   return {faces.begin(), faces.end()};
 }
 
+/// A body's triangles about the origin, in units of their extent.
+struct UnitTriangles {
+  std::vector<Triangle> triangles;
+  Vector3d centre;
+  double scale;
+};
+
+UnitTriangles in_unit(std::vector<Triangle> triangles) {
+  Eigen::AlignedBox3d box;
+  for (const Triangle& triangle : triangles)
+    for (const Vector3d& corner : triangle)
+      box.extend(corner);
+  const UnitTriangles unit{{}, box.center(), box.sizes().maxCoeff() / 2};
+  for (Triangle& triangle : triangles)
+    for (Vector3d& corner : triangle)
+      corner = (corner - unit.centre) / unit.scale;
+  return {std::move(triangles), unit.centre, unit.scale};
+}
+
+/// Throws InputError for a body of more triangles than are prepared.
+void refuse_large(const ChargedBody& body) {
+  detail::PanelMesh mesh;
+  if (body.triangles.size() <= detail::most_mesh_panels)
+    mesh.add(0, body.triangles);
+  if (std::max(body.triangles.size(), mesh.panels().size()) > detail::most_mesh_panels)
+    throw InputError(fmt::format("{} has {} triangles, hence {} panels: the reduced method ends at {}",
+                                 body.name, body.triangles.size(),
+                                 std::max(body.triangles.size(), mesh.panels().size()),
+                                 detail::most_mesh_panels));
+}
+
+/// The objects in the order of bodies_on_links.
+std::vector<const Object*> ordered_objects(const Scene& scene) {
+  std::vector<const Object*> objects;
+  for (const bool floating : {false, true})
+    for (const Object& object : scene.objects)
+      if (std::holds_alternative<Floating>(object.role) == floating)
+        objects.push_back(&object);
+  return objects;
+}
+
 /// Shapes by their proportions.
 class Shapes {
  public:
+  PreparedShape* find(const std::vector<Triangle>& triangles, double accuracy) {
+    for (const auto& shape : shapes_)
+      if (shape->mesh() != nullptr && shape->mesh()->triangles() == triangles)
+        return shape.get();
+    shapes_.push_back(std::make_unique<PreparedShape>(triangles, accuracy));
+    return shapes_.back().get();
+  }
+
   PreparedShape* find(std::size_t faces, const Vector3d& half_sides) {
     for (const auto& shape : shapes_)
       if (shape->faces().size() == faces && shape->half_sides() == half_sides)
@@ -138,9 +194,7 @@ class ReducedEvaluator::Implementation {
       throw InputError("room: boundary elements know only free space");
     bodies_ = detail::bodies_on_links(scene);
     for (const ChargedBody& body : bodies_.bodies)
-      if (body.faces.empty())
-        throw InputError(fmt::format(
-            "{} is neither a plate nor a cuboid: the reduced method knows no other shape", body.name));
+      refuse_large(body);
     const std::size_t rows = bodies_.names.size() - bodies_.floating;
     if (rows == 0)
       throw InputError("the scene has neither a sensor nor a grounded object");
@@ -151,21 +205,25 @@ class ReducedEvaluator::Implementation {
     answer_.lower_bounds.assign(rows, false);
     factor_ = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
 
+    const std::vector<const Object*> objects = ordered_objects(scene);
     double largest = 0;
-    for (const ChargedBody& body : bodies_.bodies)
-      largest = std::max(largest, half_sides_of(body).maxCoeff());
+    for (std::size_t k = 0; k < bodies_.bodies.size(); ++k) {
+      const ChargedBody& body = bodies_.bodies[k];
+      rigid_.push_back(body.faces.empty() ? rigid_mesh(*objects[k + objects.size() - bodies_.bodies.size()])
+                                          : rigid_faces(body));
+      largest = std::max(largest, rigid_.back().scale);
+    }
     // A power of two: what is computed in it is what would be computed in metres.
     unit_ = std::exp2(std::ilogb(largest));
     std::vector<detail::ReducedBody> reduced;
-    for (const ChargedBody& body : bodies_.bodies) {
-      const Vector3d half_sides = half_sides_of(body);
-      const double scale = half_sides.maxCoeff();
-      rigid_.push_back({shapes_.find(body.faces.size(), half_sides / scale), scale / unit_, frame_of(body)});
-      reduced.push_back({rigid_.back().shape, rigid_.back().scale, body.conductor, 0});
+    for (std::size_t k = 0; k < rigid_.size(); ++k) {
+      rigid_[k].scale /= unit_;
+      reduced.push_back({rigid_[k].shape, rigid_[k].scale, bodies_.bodies[k].conductor, 0});
     }
     const std::size_t count = rigid_.size();
     placed_.resize(count);
     smoothness_.resize(count * count);
+    gaps_.resize(count * count);
     functions_.resize(count * count, {0, 0});
     system_.emplace(std::move(reduced), bodies_.sensors, bodies_.names.size());
   }
@@ -190,7 +248,7 @@ class ReducedEvaluator::Implementation {
         continue;
       }
       tell(solution);
-      if (answer_.reached)
+      if (answer_.reached || triangles_are_too_coarse(solution))
         break;
       const double more_digits = missing_digits(solution);
       const bool tightened = more_digits > 0 && digits < most_digits;
@@ -207,6 +265,22 @@ class ReducedEvaluator::Implementation {
  private:
   /// More than single precision can use.
   static constexpr double most_digits = 16;
+
+  RigidBody rigid_faces(const ChargedBody& body) {
+    const Vector3d half_sides = half_sides_of(body);
+    const double scale = half_sides.maxCoeff();
+    return {shapes_.find(body.faces.size(), half_sides / scale), scale, frame_of(body)};
+  }
+
+  RigidBody rigid_mesh(const Object& object) {
+    const UnitTriangles unit = in_unit(triangulate(object.shape));
+    try {
+      return {shapes_.find(unit.triangles, triangle_share * rtol_), unit.scale,
+              object.pose * Eigen::Translation3d(unit.centre)};
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("object \"{}\": {}", object.name, error.what()));
+    }
+  }
 
   /// Of the inner quadrature; the outer takes half.
   double first_digits() const { return std::max(6 - 2 * std::log10(rtol_ / 1e-3), 3.0); }
@@ -228,6 +302,7 @@ class ReducedEvaluator::Implementation {
         if (!moved(a, b))
           continue;
         const double gap = gap_or_refusal(a, b);
+        gaps_[pair(a, b)] = gaps_[pair(b, a)] = gap;
         const detail::PairSmoothness smoothness = detail::smoothness(placed_[a], placed_[b], gap);
         smoothness_[pair(a, b)] = smoothness.a;
         smoothness_[pair(b, a)] = smoothness.b;
@@ -249,7 +324,9 @@ class ReducedEvaluator::Implementation {
       }
       return box;
     };
-    const double gap = detail::best_search().box_gap(box_of(placed_[a]), box_of(placed_[b]));
+    const bool has_mesh = placed_[a].shape->mesh() != nullptr || placed_[b].shape->mesh() != nullptr;
+    const double gap = has_mesh ? detail::mesh_gap(placed_[a], placed_[b])
+                                : detail::best_search().box_gap(box_of(placed_[a]), box_of(placed_[b]));
     if (!(gap > surely_apart))
       detail::refuse_contact(detail::moved(bodies_.bodies[a], motion_.world_pose(bodies_.bodies[a].link)),
                              detail::moved(bodies_.bodies[b], motion_.world_pose(bodies_.bodies[b].link)));
@@ -265,6 +342,8 @@ class ReducedEvaluator::Implementation {
     const int first = rtol_ > 3e-3 ? 0 : 1;
     for (std::size_t a = 0; a < rigid_.size(); ++a) {
       int level = first;
+      if (rigid_[a].shape->mesh() != nullptr)
+        level = mesh_level(a);
       // More functions on all six faces are for the error to ask for.
       const bool is_plate = rigid_[a].shape->faces().size() == 1;
       for (std::size_t b = 0; b < rigid_.size(); ++b)
@@ -278,9 +357,21 @@ class ReducedEvaluator::Implementation {
     }
   }
 
+  /// The nearer the others, the more functions a body of triangles needs.
+  int mesh_level(std::size_t body) const {
+    constexpr std::array<double, PreparedShape::levels - 1> gaps{0.6, 0.25, 0.1};
+    double gap = std::numeric_limits<double>::infinity();
+    for (std::size_t other = 0; other < rigid_.size(); ++other)
+      if (other != body)
+        gap = std::min(gap, gaps_[pair(body, other)] / rigid_[body].scale);
+    const auto level = std::find_if(gaps.begin(), gaps.end(), [&](double end) { return gap > end; });
+    return static_cast<int>(level - gaps.begin());
+  }
+
   /// Beyond, a box takes too long to prepare.
   int most_levels(std::size_t body) const {
-    return rigid_[body].shape->faces().size() == 1 ? PreparedShape::levels : PreparedShape::levels - 1;
+    return rigid_[body].shape->faces().size() != detail::box_faces ? PreparedShape::levels
+                                                                   : PreparedShape::levels - 1;
   }
 
   bool raise_levels(const ReducedSolution& solution) {
@@ -294,6 +385,14 @@ class ReducedEvaluator::Implementation {
       raised = true;
     }
     return raised;
+  }
+
+  /// Whether more functions and nodes are in vain.
+  bool triangles_are_too_coarse(const ReducedSolution& solution) const {
+    const Index rows = answer_.values.rows();
+    return ((error_per_resolution * solution.coarser).topLeftCorner(rows, rows).array().abs() >
+            rtol_ * solution.values.topLeftCorner(rows, rows).array().abs())
+        .any();
   }
 
   /// What the quadratures lack to take no more than their part of the error.
@@ -310,11 +409,17 @@ class ReducedEvaluator::Implementation {
     return excess > 1 ? std::log(excess) + 0.5 : 0;
   }
 
+  /// Along every direction of a face, or of all of a body of triangles.
+  int functions_of(std::size_t body) {
+    const int level = system_->bodies()[body].level;
+    return rigid_[body].shape->mesh() != nullptr ? static_cast<int>(rigid_[body].shape->level(level).count)
+                                                 : detail::functions_of_level(level);
+  }
+
   void lay_nodes(double digits) {
     for (std::size_t a = 0; a < rigid_.size(); ++a)
       for (std::size_t b = a + 1; b < rigid_.size(); ++b) {
-        const int of_a = detail::functions_of_level(system_->bodies()[a].level);
-        const int of_b = detail::functions_of_level(system_->bodies()[b].level);
+        const int of_a = functions_of(a), of_b = functions_of(b);
         const std::array<int, 2> functions{of_a, of_b};
         if (functions_[pair(a, b)] == functions && digits == digits_)
           continue;
@@ -380,6 +485,7 @@ class ReducedEvaluator::Implementation {
   std::vector<RigidBody> rigid_;
   std::vector<PlacedBody> placed_;
   std::vector<BodySmoothness> smoothness_;     ///< of every body as seen by every other
+  std::vector<double> gaps_;                   ///< between any two, at least
   std::vector<std::array<int, 2>> functions_;  ///< that the pairs' nodes are for; 0: there are none
   double digits_ = 0;
   bool known_ = false;  ///< whether there was an answer before

@@ -35,6 +35,7 @@ struct ReducedSolution {
   Eigen::MatrixXd truncation;  ///< what the last residuals added to `values`
   double truncation_left = 0;  ///< the part of it that may still be missing
   Eigen::MatrixXd resolution;  ///< what the highest functions added, or somewhat more
+  Eigen::MatrixXd coarser;     ///< what coarser triangles would lack: a part of `resolution`
   Eigen::MatrixXd quadrature;  ///< what the errors of the quadratures may do
   /// Of each body, the largest of its part of `resolution`, relative to the conductor's own capacitance.
   Eigen::VectorXd body_resolution;
@@ -78,6 +79,7 @@ class ReducedSystem {
   bool add_residuals(std::size_t active, std::size_t conductors);
   void iterate(const ReductionLimits& limits, std::size_t active, std::size_t conductors);
   Eigen::MatrixXd resolution(std::size_t active, std::size_t conductors);
+  Eigen::MatrixXd missing();
   double coupling(std::size_t first, std::size_t second) const;
   void judge_truncation();
   void estimate_quadrature();

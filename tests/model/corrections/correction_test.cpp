@@ -113,6 +113,18 @@ TEST(Recommended, IsTheFormulaWhereTheReducedMethodKnowsNothing) {
               felt(scene, Correction::formula).front().capacitance);
 }
 
+TEST(Recommended, IsTheReducedMethodsMutualOfOneBodyOfManyTriangles) {
+  Scene scene = before_sensor(0.1, Sphere{0.03, 12}, at(0.01, 0, 0.05));
+  const double mutual = reduced_capacitance(scene, {1, std::nullopt}).mutual(0, 1);
+  EXPECT_NEAR(felt(scene, Correction::recommended)[0].capacitance / mutual, 1, 1e-12);
+}
+
+TEST(Recommended, IsTheFormulaForBodiesOfFewTriangles) {
+  const Scene scene = before_sensor(0.1, Sphere{0.03, 8}, at(0.01, 0, 0.05));
+  EXPECT_EQ(felt(scene, Correction::recommended)[0].capacitance,
+            felt(scene, Correction::formula)[0].capacitance);
+}
+
 TEST(Recommended, KnowsThatAnotherObjectMoved) {
   Scene scene = before_sensor(0.1, Plate{0.1, 0.1}, at(0, 0, 0.02));
   scene.objects.push_back({"fixed", std::nullopt, Plate{0.1, 0.1}, at(0, 0, 0.06), Grounded{}, true});

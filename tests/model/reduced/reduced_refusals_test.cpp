@@ -20,11 +20,11 @@ std::string refusal(const std::function<void(Scene&)>& change, const ReducedOpti
   return test::refusal(change, [&](const Scene& scene) { reduced_capacitance(scene, options); });
 }
 
-TEST(ReducedRefusals, OtherShapesByName) {
+TEST(ReducedRefusals, TooManyTrianglesByName) {
   EXPECT_THAT(refusal([](Scene& scene) {
-                scene.objects[0].shape = Sphere{0.01, 16};
+                scene.objects[0].shape = Sphere{0.01, 72};
               }),
-              HasSubstr("object \"target\" is neither a plate nor a cuboid"));
+              HasSubstr("object \"target\" has 5040 triangles"));
 }
 
 TEST(ReducedRefusals, DielectricsAndRooms) {

@@ -1,0 +1,101 @@
+#include "mesh_gap.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "../collision/quick_search.hpp"
+#include "prepared_mesh.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+BoxNumbers placed_box(const PlacedBody& body, const BoxNumbers& box) {
+  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> axes(box.axes);
+  const Vector3d centre = body.centre + body.axes * (body.scale * Eigen::Map<const Vector3d>(box.centre));
+  const Matrix3d turned = body.axes * axes;
+  BoxNumbers result{};
+  for (Index row = 0; row < 3; ++row) {
+    result.centre[row] = centre[row];
+    result.half_widths[row] = body.scale * box.half_widths[row];
+    for (Index axis = 0; axis < 3; ++axis)
+      result.axes[3 * row + axis] = turned(row, axis);
+  }
+  return result;
+}
+
+/// Of a plate or box in its own frame.
+BoxNumbers own_box(const PreparedShape& shape) {
+  const Vector3d& half = shape.half_sides();
+  return {{0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, {half.x(), half.y(), half.z()}};
+}
+
+/// A part of a body: a box that holds it, and its sphere.
+struct Piece {
+  BoxNumbers box;
+  Vector3d centre;
+  double radius;
+};
+
+std::vector<Piece> pieces_of(const PlacedBody& body) {
+  std::vector<Piece> pieces;
+  if (body.shape->mesh() == nullptr) {
+    pieces.push_back(
+        {placed_box(body, own_box(*body.shape)), body.centre, body.scale * body.shape->half_sides().norm()});
+    return pieces;
+  }
+  for (const PanelCluster& cluster : body.shape->mesh()->panels().clusters)
+    pieces.push_back({placed_box(body, cluster.box), body.centre + body.axes * (body.scale * cluster.centre),
+                      body.scale * cluster.radius});
+  return pieces;
+}
+
+/// Whether a closed body of triangles may hold the other: it does not if a point of that is outside its box.
+bool may_hold(const PlacedBody& outer, const BoxNumbers& box, const PlacedBody& other) {
+  if (outer.shape->mesh() == nullptr || !outer.shape->mesh()->is_closed())
+    return false;
+  const NodePoints points = other.shape->edge_points();
+  for (std::ptrdiff_t k = 0; k < points.count; ++k) {
+    const Vector3d point =
+        other.centre + other.axes * (other.scale * Vector3d(points.x[k], points.y[k], points.z[k]));
+    for (Index axis = 0; axis < 3; ++axis) {
+      double along = 0;
+      for (Index row = 0; row < 3; ++row)
+        along += box.axes[3 * row + axis] * (point[row] - box.centre[row]);
+      if (std::abs(along) > box.half_widths[axis])
+        return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+double mesh_gap(const PlacedBody& a, const PlacedBody& b) {
+  const auto whole = [](const PlacedBody& body) {
+    return placed_box(body, body.shape->mesh() != nullptr ? body.shape->mesh()->box() : own_box(*body.shape));
+  };
+  const QuickSearch& search = best_search();
+  const BoxNumbers box_a = whole(a), box_b = whole(b);
+  const double apart = search.box_gap(box_a, box_b);
+  if (apart > 0)
+    return apart;
+  if (may_hold(a, box_a, b) || may_hold(b, box_b, a))
+    return 0;
+  const std::vector<Piece> pieces_a = pieces_of(a), pieces_b = pieces_of(b);
+  double least = std::numeric_limits<double>::infinity();
+  for (const Piece& one : pieces_a)
+    for (const Piece& other : pieces_b) {
+      const double spheres = (one.centre - other.centre).norm() - one.radius - other.radius;
+      if (spheres < least)
+        least = std::min(least, std::max(spheres, search.box_gap(one.box, other.box)));
+    }
+  return least;
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,307 @@
+#include "mesh_pair.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "../boundary/panel.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Vector3d;
+
+/// What the other body looks like to one at the origin whose unit is its own scale.
+PlacedBody seen_from(const PlacedBody& body, const PlacedBody& other) {
+  return {other.shape, other.scale / body.scale,
+          body.axes.transpose() * (other.centre - body.centre) / body.scale,
+          body.axes.transpose() * other.axes};
+}
+
+std::vector<std::array<Vector3d, 2>> placed_edges(const PlacedBody& body) {
+  std::vector<std::array<Vector3d, 2>> edges = body.shape->edges();
+  for (std::array<Vector3d, 2>& edge : edges)
+    for (Vector3d& end : edge)
+      end = body.centre + body.axes * (body.scale * end);
+  return edges;
+}
+
+/// From a point to a plate or box.
+double distance_to(const PlacedBody& body, const Vector3d& point) {
+  const Vector3d local = body.axes.transpose() * (point - body.centre);
+  return (local.cwiseAbs() - body.scale * body.shape->half_sides()).cwiseMax(0).norm();
+}
+
+double distance_to(const std::vector<std::array<Vector3d, 2>>& edges, const Vector3d& point) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& [from, to] : edges)
+    least = std::min(least, segment_distance(point, from, to));
+  return least;
+}
+
+/// At least that of a cluster's panels from the edges of a body, of which they are at least `away`.
+double edge_distance(const PreparedMesh& mesh, const PanelCluster& cluster,
+                     const std::vector<std::array<Vector3d, 2>>& edges, double away) {
+  /// So far off, in panels, edges do not matter.
+  constexpr double far_panels = 8;
+  if (away > far_panels * cluster.panel_radius)
+    return away;
+  const double centre = distance_to(edges, cluster.centre);
+  if (centre > 2 * cluster.radius)
+    return centre - cluster.radius;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::ptrdiff_t place = cluster.first; place < cluster.first + cluster.count; ++place)
+    least = std::min(least, distance_to(edges, mesh.point(place)));
+  return least;
+}
+
+/// Far enough that a body's clusters are of one band, in largest half sides of the faces.
+constexpr std::array<double, 2> band_ends{0.35, 1.0};
+
+}  // namespace
+
+void MeshSide::set(const PreparedMesh& mesh, std::ptrdiff_t functions, double factor) {
+  mesh_ = &mesh;
+  functions_ = functions;
+  factor_ = static_cast<float>(factor);
+  charges.resize(static_cast<std::size_t>(mesh.places()));
+  potentials.resize(static_cast<std::size_t>(mesh.places()));
+  unused_.assign(static_cast<std::size_t>(mesh.places()), 0.0F);
+  coefficients_.assign(static_cast<std::size_t>(whole_blocks(functions)), 0.0F);
+}
+
+void MeshSide::spread(const float* coefficients) {
+  for (std::ptrdiff_t k = 0; k < functions_; ++k)
+    coefficients_[static_cast<std::size_t>(k)] = factor_ * coefficients[k];
+  std::fill(unused_.begin(), unused_.end(), 0.0F);
+  std::vector<float>& sums = potentials;
+  best_node_kernels().apply(mesh_->functions(functions_), coefficients_.data(), unused_.data(), sums.data(),
+                            charges.data());
+}
+
+void MeshSide::gather(float* moments) {
+  std::fill(coefficients_.begin(), coefficients_.end(), 0.0F);
+  best_node_kernels().apply(mesh_->functions(functions_), coefficients_.data(), potentials.data(), moments,
+                            unused_.data());
+  for (std::ptrdiff_t k = 0; k < functions_; ++k)
+    moments[k] *= factor_;
+  std::fill(moments + functions_, moments + whole_blocks(functions_), 0.0F);
+}
+
+NodePoints MeshPart::points(const PanelClusters& panels) const {
+  const auto& of_fineness = panels.points[static_cast<std::size_t>(fineness)];
+  const std::ptrdiff_t at = repeats() * cluster->first;
+  return {of_fineness[0].data() + at, of_fineness[1].data() + at, of_fineness[2].data() + at, count()};
+}
+
+void MeshPair::place(const PlacedBody& a, int functions_a, const PlacedBody& b, int functions_b,
+                     QuadratureDigits digits) {
+  a_is_outer_ = a.shape->mesh() != nullptr;
+  const PlacedBody &first = a_is_outer_ ? a : b, &second = a_is_outer_ ? b : a;
+  const PlacedBody other = seen_from(first, second);
+  outer_.set(*first.shape->mesh(), a_is_outer_ ? functions_a : functions_b, 1 / first.scale);
+  inner_has_faces_ = second.shape->mesh() == nullptr;
+  used_ = 0;
+  coarsest_ = 0;
+  is_cut_short_ = false;
+  if (inner_has_faces_) {
+    place_beside_faces(other, a_is_outer_ ? functions_b : functions_a, digits);
+  } else {
+    inner_.set(*second.shape->mesh(), functions_b, 1);
+    place_beside_mesh(other, digits);
+  }
+}
+
+MeshPair::Band& MeshPair::next_band() {
+  if (used_ == bands_.size())
+    bands_.emplace_back();
+  Band& band = bands_[used_++];
+  band.outer.clear();
+  band.count = 0;
+  return band;
+}
+
+/// So many quarterings that the points of panels at a distance are near enough to each other.
+int MeshPair::fineness(double panel_radius, double distance, QuadratureDigits digits) {
+  /// One point for each panel errs like the square of this; the digits ask for a part of it, as errors of
+  /// many panels differ in sign.
+  const double most = 1.4 * std::exp(-digits.outer / 2);
+  int result = 0;
+  double ratio = panel_radius / std::max(distance, 1e-9);
+  for (; ratio > most && result < PanelClusters::finest; ++result)
+    ratio /= 2;
+  coarsest_ = std::max(coarsest_, ratio);
+  is_cut_short_ |= ratio > most;
+  return result;
+}
+
+void MeshPair::place_beside_faces(const PlacedBody& faces, int functions, QuadratureDigits digits) {
+  const PreparedMesh& mesh = outer_.mesh();
+  const std::vector<std::array<Vector3d, 2>> edges = placed_edges(faces);
+  std::array<std::vector<MeshPart>, band_ends.size() + 1> parts;
+  for (const PanelCluster& cluster : mesh.panels().clusters) {
+    const double away = distance_to(faces, cluster.centre) - cluster.radius;
+    std::size_t at = 0;
+    while (at < band_ends.size() && away > band_ends[at] * faces.scale)
+      ++at;
+    parts[at].push_back(
+        {&cluster, fineness(cluster.panel_radius, edge_distance(mesh, cluster, edges, away), digits)});
+  }
+  double missing = 0;
+  std::vector<NodePoints> points;
+  for (std::vector<MeshPart>& here : parts) {
+    if (here.empty())
+      continue;
+    points.clear();
+    for (const MeshPart& part : here)
+      points.push_back(part.points(mesh.panels()));
+    Band& band = next_band();
+    band.outer.swap(here);
+    choose_grids(band.faces, faces, functions, points, Vector3d::Zero(), digits.inner, missing);
+    band.faces.lay(faces, Vector3d::Zero());
+    fill(band, band.faces.points());
+  }
+  is_cut_short_ |= missing > 0;
+  /// More than was met: at a twentieth of the size of three bodies above a plate.
+  constexpr double per_square = 0.004;
+  relative_error_ = error_left(digits.inner - missing) + per_square * coarsest_ * coarsest_;
+}
+
+void MeshPair::place_beside_mesh(const PlacedBody& other, QuadratureDigits digits) {
+  const PreparedMesh &mesh = outer_.mesh(), &second = inner_.mesh();
+  const auto& clusters = mesh.panels().clusters;
+  const auto& others = second.panels().clusters;
+  std::vector<double> from_here(clusters.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> from_there(others.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t l = 0; l < others.size(); ++l) {
+    const Vector3d centre = other.centre + other.axes * (other.scale * others[l].centre);
+    for (std::size_t k = 0; k < clusters.size(); ++k) {
+      const double away =
+          (clusters[k].centre - centre).norm() - clusters[k].radius - other.scale * others[l].radius;
+      from_here[k] = std::min(from_here[k], away);
+      from_there[l] = std::min(from_there[l], away);
+    }
+  }
+  Band& band = next_band();
+  for (std::size_t k = 0; k < clusters.size(); ++k)
+    band.outer.push_back({&clusters[k], fineness(clusters[k].panel_radius, from_here[k], digits)});
+  inner_parts_.clear();
+  for (std::size_t l = 0; l < others.size(); ++l)
+    inner_parts_.push_back(
+        {&others[l], fineness(other.scale * others[l].panel_radius, from_there[l], digits)});
+  lay_inner(other);
+  fill(band, {inner_points_[0].data(), inner_points_[1].data(), inner_points_[2].data(), inner_count_});
+  /// Panels of both may come to lie above each other.
+  constexpr double per_square = 0.02;
+  relative_error_ = error_left(16) + per_square * coarsest_ * coarsest_;
+}
+
+void MeshPair::lay_inner(const PlacedBody& other) {
+  inner_count_ = 0;
+  for (const MeshPart& part : inner_parts_)
+    inner_count_ += part.count();
+  for (std::vector<float>& coordinates : inner_points_)
+    coordinates.resize(static_cast<std::size_t>(inner_count_));
+  inner_charges_.resize(static_cast<std::size_t>(inner_count_));
+  inner_potentials_.resize(static_cast<std::size_t>(inner_count_));
+  const Eigen::Matrix3f axes = (other.scale * other.axes).cast<float>();
+  const Eigen::Vector3f centre = other.centre.cast<float>();
+  std::ptrdiff_t at = 0;
+  for (const MeshPart& part : inner_parts_) {
+    const NodePoints points = part.points(inner_.mesh().panels());
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      float* const to = inner_points_[static_cast<std::size_t>(axis)].data() + at;
+      for (std::ptrdiff_t k = 0; k < points.count; ++k)
+        to[k] = centre[axis] + axes(axis, 0) * points.x[k] + axes(axis, 1) * points.y[k] +
+                axes(axis, 2) * points.z[k];
+    }
+    at += points.count;
+  }
+}
+
+void MeshPair::fill(Band& band, const NodePoints& inner) {
+  for (const MeshPart& part : band.outer)
+    band.count += part.count();
+  const auto rows = static_cast<std::size_t>(band.count);
+  const auto columns = static_cast<std::size_t>(whole_blocks(inner.count));
+  if (band.matrix.size() < rows * columns)
+    band.matrix.resize(rows * columns);
+  if (band.charges.size() < rows) {
+    band.charges.resize(rows);
+    band.potentials.resize(rows);
+  }
+  float* to = band.matrix.data();
+  for (const MeshPart& part : band.outer) {
+    const NodePoints points = part.points(outer_.mesh().panels());
+    best_node_kernels().fill(points, inner, to);
+    to += static_cast<std::size_t>(points.count) * columns;
+  }
+}
+
+namespace {
+
+/// From the charges of places to those of the parts' points.
+void spread_parts(const std::vector<MeshPart>& parts, const std::vector<float>& places, float* to) {
+  for (const MeshPart& part : parts) {
+    const float share = 1.0F / static_cast<float>(part.repeats());
+    const float* const from = places.data() + part.cluster->first;
+    for (std::ptrdiff_t repeat = 0; repeat < part.repeats(); ++repeat, to += part.cluster->count)
+      for (std::ptrdiff_t k = 0; k < part.cluster->count; ++k)
+        to[k] = share * from[k];
+  }
+}
+
+/// From the potentials at the parts' points to their means at places.
+void gather_parts(const std::vector<MeshPart>& parts, const float* from, std::vector<float>& places) {
+  for (const MeshPart& part : parts) {
+    const float share = 1.0F / static_cast<float>(part.repeats());
+    float* const to = places.data() + part.cluster->first;
+    std::fill(to, to + part.cluster->count, 0.0F);
+    for (std::ptrdiff_t repeat = 0; repeat < part.repeats(); ++repeat, from += part.cluster->count)
+      for (std::ptrdiff_t k = 0; k < part.cluster->count; ++k)
+        to[k] += share * from[k];
+  }
+}
+
+}  // namespace
+
+void MeshPair::potentials(const float* charges_a, const float* charges_b, float* moments_a,
+                          float* moments_b) {
+  const float* const inner_charges = a_is_outer_ ? charges_b : charges_a;
+  float* const inner_moments = a_is_outer_ ? moments_b : moments_a;
+  outer_.spread(a_is_outer_ ? charges_a : charges_b);
+  if (!inner_has_faces_) {
+    inner_.spread(inner_charges);
+    spread_parts(inner_parts_, inner_.charges, inner_charges_.data());
+  }
+  bool is_first = true;
+  for (std::size_t k = 0; k < used_; ++k) {
+    Band& band = bands_[k];
+    spread_parts(band.outer, outer_.charges, band.charges.data());
+    if (inner_has_faces_) {
+      NodeSide& faces = band.faces;
+      faces.spread(inner_charges);
+      best_node_kernels().apply({band.matrix.data(), band.count, faces.count}, band.charges.data(),
+                                faces.charges.data(), band.potentials.data(), faces.potentials.data());
+      if (is_first) {
+        faces.gather(inner_moments);
+      } else {
+        const std::ptrdiff_t padded =
+            whole_blocks(faces.functions * faces.functions * static_cast<std::ptrdiff_t>(faces.grids.size()));
+        moments_.resize(static_cast<std::size_t>(padded + node_block));
+        faces.gather(moments_.data());
+        best_node_kernels().add(1, moments_.data(), inner_moments, padded);
+      }
+      is_first = false;
+    } else {
+      best_node_kernels().apply({band.matrix.data(), band.count, inner_count_}, band.charges.data(),
+                                inner_charges_.data(), band.potentials.data(), inner_potentials_.data());
+      gather_parts(inner_parts_, inner_potentials_.data(), inner_.potentials);
+      inner_.gather(inner_moments);
+    }
+    gather_parts(band.outer, band.potentials.data(), outer_.potentials);
+  }
+  outer_.gather(a_is_outer_ ? moments_a : moments_b);
+}
+
+}  // namespace fringe::detail

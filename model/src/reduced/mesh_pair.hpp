@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "node_pair.hpp"
+#include "prepared_mesh.hpp"
+
+namespace fringe::detail {
+
+/// What the functions of a body of triangles make of charges and potentials at its panels.
+class MeshSide {
+ public:
+  /// The body with so many functions, and a factor between its potentials and those in its own unit.
+  void set(const PreparedMesh& mesh, std::ptrdiff_t functions, double factor);
+
+  const PreparedMesh& mesh() const { return *mesh_; }
+
+  /// The charges of all places.
+  void spread(const float* coefficients);
+  /// The moments of the potentials at all places; in whole blocks.
+  void gather(float* moments);
+
+  std::vector<float> charges, potentials;
+
+ private:
+  const PreparedMesh* mesh_ = nullptr;
+  std::ptrdiff_t functions_ = 0;
+  float factor_ = 1;
+  std::vector<float> coefficients_, unused_;
+};
+
+/// Points on the panels of some of a body's clusters, so many quarterings fine.
+struct MeshPart {
+  const PanelCluster* cluster;
+  int fineness;
+
+  std::ptrdiff_t repeats() const { return std::ptrdiff_t{1} << (2 * fineness); }
+  std::ptrdiff_t count() const { return repeats() * cluster->count; }
+  NodePoints points(const PanelClusters& panels) const;
+};
+
+/// The nodes of a pair of bodies of which one or both are of triangles, as NodePair's. All is seen from the
+/// first body of triangles and in its unit.
+class MeshPair {
+ public:
+  void place(const PlacedBody& a, int functions_a, const PlacedBody& b, int functions_b,
+             QuadratureDigits digits);
+  void potentials(const float* charges_a, const float* charges_b, float* moments_a, float* moments_b);
+
+  bool is_cut_short() const { return is_cut_short_; }
+  double relative_error() const { return relative_error_; }
+
+ private:
+  /// Clusters that are about as far from the other body, and its nodes for them.
+  struct Band {
+    std::vector<MeshPart> outer;
+    std::ptrdiff_t count = 0;  ///< of the outer points
+    std::vector<float> charges, potentials;
+    NodeSide faces;  ///< the inner nodes, if the other has faces
+    std::vector<float> matrix;
+  };
+
+  void place_beside_faces(const PlacedBody& faces, int functions, QuadratureDigits digits);
+  void place_beside_mesh(const PlacedBody& other, QuadratureDigits digits);
+  void lay_inner(const PlacedBody& other);
+  Band& next_band();
+  void fill(Band& band, const NodePoints& inner);
+  int fineness(double panel_radius, double distance, QuadratureDigits digits);
+
+  bool a_is_outer_ = true;
+  bool inner_has_faces_ = true;
+  MeshSide outer_, inner_;
+  std::vector<Band> bands_;
+  std::size_t used_ = 0;
+  std::vector<MeshPart> inner_parts_;
+  std::array<std::vector<float>, 3> inner_points_;
+  std::ptrdiff_t inner_count_ = 0;
+  std::vector<float> inner_charges_, inner_potentials_, moments_;
+  double coarsest_ = 0;  ///< the largest ratio of a panel's part to its distance
+  double relative_error_ = 0;
+  bool is_cut_short_ = false;
+};
+
+}  // namespace fringe::detail

@@ -1,0 +1,127 @@
+#include "panel_clusters.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include "node_kernels.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Of panels in a cluster: a multiple of a block.
+constexpr std::size_t cluster_size = 2 * static_cast<std::size_t>(node_block);
+
+/// Halves the range across its longest direction, until there is one cluster.
+void divide(std::span<const Panel> panels, std::span<std::size_t> range,
+            std::vector<std::span<std::size_t>>& clusters) {
+  if (range.size() <= cluster_size) {
+    clusters.push_back(range);
+    return;
+  }
+  Eigen::AlignedBox3d box;
+  for (const std::size_t panel : range)
+    box.extend(panels[panel].centre);
+  Eigen::Index axis = 0;
+  box.sizes().maxCoeff(&axis);
+  // Only the last cluster is not full.
+  const std::size_t whole = (range.size() + cluster_size - 1) / cluster_size;
+  const std::size_t half = whole / 2 * cluster_size;
+  std::nth_element(range.begin(), range.begin() + static_cast<std::ptrdiff_t>(half), range.end(),
+                   [&](std::size_t a, std::size_t b) {
+                     const double at_a = panels[a].centre[axis], at_b = panels[b].centre[axis];
+                     return at_a != at_b ? at_a < at_b : a < b;
+                   });
+  divide(panels, range.first(half), clusters);
+  divide(panels, range.subspan(half), clusters);
+}
+
+/// The centres of a triangle's parts after so many quarterings.
+void add_centres(const Triangle& triangle, int quarterings, std::vector<Vector3d>& centres) {
+  if (quarterings == 0) {
+    centres.emplace_back((triangle[0] + triangle[1] + triangle[2]) / 3);
+    return;
+  }
+  for (const Triangle& quarter : quarters(triangle))
+    add_centres(quarter, quarterings - 1, centres);
+}
+
+void add_points(std::span<const Panel> panels, const PanelCluster& cluster, PanelClusters& result) {
+  for (int fineness = 0; fineness <= PanelClusters::finest; ++fineness) {
+    std::vector<std::vector<Vector3d>> centres(static_cast<std::size_t>(cluster.count));
+    for (std::size_t k = 0; k < centres.size(); ++k)
+      add_centres(panels[result.panels[static_cast<std::size_t>(cluster.first) + k]].corners, fineness,
+                  centres[k]);
+    for (std::size_t part = 0; part < centres[0].size(); ++part)
+      for (const std::vector<Vector3d>& of_panel : centres)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          result.points[static_cast<std::size_t>(fineness)][axis].push_back(
+              static_cast<float>(of_panel[part][static_cast<Eigen::Index>(axis)]));
+  }
+}
+
+}  // namespace
+
+BoxNumbers box_around(std::span<const Vector3d> points) {
+  Vector3d mean = Vector3d::Zero();
+  for (const Vector3d& point : points)
+    mean += point / static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Vector3d& point : points)
+    spread += (point - mean) * (point - mean).transpose();
+  const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& point : points)
+    box.extend(Vector3d(axes.transpose() * point));
+  const Vector3d centre = axes * box.center();
+  BoxNumbers result{};
+  for (Eigen::Index row = 0; row < 3; ++row) {
+    result.centre[row] = centre[row];
+    result.half_widths[row] = box.sizes()[row] / 2;
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      result.axes[3 * row + axis] = axes(row, axis);
+  }
+  return result;
+}
+
+PanelClusters cluster_panels(std::span<const Panel> panels) {
+  std::vector<std::size_t> order(panels.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::vector<std::span<std::size_t>> ranges;
+  divide(panels, order, ranges);
+
+  PanelClusters result;
+  for (const std::span<std::size_t> range : ranges) {
+    PanelCluster cluster{static_cast<std::ptrdiff_t>(result.panels.size()),
+                         whole_blocks(static_cast<std::ptrdiff_t>(range.size())),
+                         Vector3d::Zero(),
+                         0,
+                         0,
+                         {}};
+    std::vector<Vector3d> corners;
+    Eigen::AlignedBox3d box;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(cluster.count); ++k) {
+      const Panel& panel = panels[range[std::min(k, range.size() - 1)]];
+      result.panels.push_back(range[std::min(k, range.size() - 1)]);
+      result.is_repeated.push_back(k >= range.size());
+      corners.insert(corners.end(), panel.corners.begin(), panel.corners.end());
+      cluster.panel_radius = std::max(cluster.panel_radius, panel.radius);
+    }
+    for (const Vector3d& corner : corners)
+      box.extend(corner);
+    cluster.centre = box.center();
+    for (const Vector3d& corner : corners)
+      cluster.radius = std::max(cluster.radius, (corner - cluster.centre).norm());
+    cluster.box = box_around(corners);
+    add_points(panels, cluster, result);
+    result.clusters.push_back(cluster);
+  }
+  return result;
+}
+
+}  // namespace fringe::detail

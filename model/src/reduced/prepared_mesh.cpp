@@ -1,0 +1,134 @@
+#include "prepared_mesh.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+
+#include "lone_panels.hpp"
+#include "outside_charges.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::RowVectorXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr std::array<int, PreparedShape::levels> mesh_functions{16, 36, 72, 128};
+
+RowVectorXd potentials_at(const Vector3d& point, const std::vector<OutsideCharge>& charges) {
+  RowVectorXd potentials(static_cast<Index>(charges.size()));
+  for (std::size_t k = 0; k < charges.size(); ++k)
+    potentials[static_cast<Index>(k)] = charges[k].charge / (point - charges[k].point).norm();
+  return potentials;
+}
+
+/// Means over the panels, by their quarters' centres.
+MatrixXd potentials_on(const std::vector<Panel>& panels, const std::vector<OutsideCharge>& charges) {
+  MatrixXd potentials = MatrixXd::Zero(static_cast<Index>(panels.size()), static_cast<Index>(charges.size()));
+  for (std::size_t k = 0; k < panels.size(); ++k)
+    for (const auto& [a, b, c] : quarters(panels[k].corners))
+      potentials.row(static_cast<Index>(k)) += potentials_at((a + b + c) / 3, charges) / 4;
+  return potentials;
+}
+
+/// Potentials as sums of a constant and those of outside charges: a column for each.
+struct Loads {
+  RowVectorXd constants;
+  MatrixXd charges;
+};
+
+/// The loads to which the body's answers are orthonormal, the constant first, then those which the outside
+/// charges ask for most.
+Loads principal_loads(const LonePanels& panels, const MatrixXd& potentials, Index most) {
+  const VectorXd alone = panels.factor.matrixL().solve(VectorXd::Ones(potentials.rows()));
+  const MatrixXd all = panels.factor.matrixL().solve(potentials);
+  const RowVectorXd common = alone.transpose() * all / alone.squaredNorm();
+  const MatrixXd others = all - alone * common;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(others.transpose() * others);
+  /// Energies below are rounding's.
+  constexpr double least_energy = 1e-11;
+  const double largest = solver.eigenvalues().tail(1)[0];
+  const Index sources = potentials.cols();
+  Index count = 1;
+  while (count < std::min(most, sources + 1) &&
+         solver.eigenvalues()[sources - count] > least_energy * largest)
+    ++count;
+  Loads loads{RowVectorXd::Zero(count), MatrixXd::Zero(sources, count)};
+  loads.constants[0] = 1 / alone.norm();
+  for (Index k = 1; k < count; ++k) {
+    const double root = std::sqrt(solver.eigenvalues()[sources - k]);
+    loads.charges.col(k) = solver.eigenvectors().col(sources - k) / root;
+    loads.constants[k] = -common.dot(loads.charges.col(k));
+  }
+  return loads;
+}
+
+std::vector<Vector3d> corners_of(const std::vector<Triangle>& triangles) {
+  std::vector<Vector3d> corners;
+  for (const Triangle& triangle : triangles)
+    corners.insert(corners.end(), triangle.begin(), triangle.end());
+  return corners;
+}
+
+}  // namespace
+
+PreparedMesh::PreparedMesh(std::vector<Triangle> triangles, double accuracy)
+    : triangles_(std::move(triangles)), is_closed_(fringe::is_closed(triangles_)),
+      box_(box_around(corners_of(triangles_))) {
+  const LonePanels panels = lone_panels(triangles_, accuracy, most_mesh_panels);
+  const std::vector<Panel>& all = panels.mesh.panels();
+  const std::vector<OutsideCharge> charges = outside_charges(triangles_, all);
+  const MatrixXd outside = potentials_on(all, charges);
+  const Loads loads = principal_loads(panels, outside, mesh_functions.back());
+  MatrixXd potentials = outside * loads.charges;
+  potentials.rowwise() += loads.constants;
+  const MatrixXd responses = panels.factor.solve(potentials);
+  missing_ = missing_energies(panels, potentials, responses, [&](const Vector3d& point) -> RowVectorXd {
+    return potentials_at(point, charges) * loads.charges + loads.constants;
+  });
+  root_ = responses.col(0).sum();
+
+  panels_ = cluster_panels(all);
+  const auto count = static_cast<std::size_t>(responses.cols());
+  functions_.assign((count + 1) * static_cast<std::size_t>(places()), 0.0F);
+  for (std::size_t function = 0; function < count; ++function)
+    for (std::size_t place = 0; place < panels_.panels.size(); ++place)
+      if (!panels_.is_repeated[place])
+        functions_[function * panels_.panels.size() + place] = static_cast<float>(
+            responses(static_cast<Index>(panels_.panels[place]), static_cast<Index>(function)));
+}
+
+Vector3d PreparedMesh::point(std::ptrdiff_t place) const {
+  const auto at = static_cast<std::size_t>(place);
+  const auto& points = panels_.points[0];
+  return {points[0][at], points[1][at], points[2][at]};
+}
+
+PreparedLevel PreparedMesh::level(int index) const {
+  const Index count = std::min(Index{mesh_functions[static_cast<std::size_t>(index)]}, missing_.rows());
+  VectorXd first = VectorXd::Zero(count);
+  first[0] = 1;
+  PreparedLevel level{};
+  level.count = count;
+  level.padded = whole_blocks(count);
+  level.inverse = stored(MatrixXd::Identity(count, count));
+  level.net = stored(root_ * first);
+  level.equilibrium = stored(first);
+  level.potential = stored(first);
+  level.root = root_;
+  // As many as tell whether more are needed: a third.
+  const Index kept = count - count / 3;
+  for (Index k = kept; k < count; ++k)
+    level.highest.push_back(static_cast<int>(k));
+  level.stiffness = stored(MatrixXd::Identity(count - kept, count - kept));
+  level.missing = stored(missing_.topLeftCorner(count, count));
+  return level;
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,228 @@
+/// The reduced method with bodies of triangles: against boundary elements, and against the same bodies by
+/// functions on their faces.
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "boundary/panel.hpp"
+#include "boundary/scenes.hpp"
+#include "fringe/error.hpp"
+#include "fringe/pose.hpp"
+#include "fringe/reduced_capacitance.hpp"
+#include "fringe/triangulation.hpp"
+#include "reduced/mesh_gap.hpp"
+#include "reduced/prepared_mesh.hpp"
+
+namespace fringe {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using test::at;
+using test::object;
+using test::per_length;
+using test::sensor;
+using test::square;
+using testing::HasSubstr;
+
+/// The standard library's distributions differ from one to the other.
+class Random {
+ public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  double operator()(double from, double to) {
+    return from + (to - from) * static_cast<double>(engine_() >> 11) * 0x1p-53;
+  }
+  Isometry3d turned(const Vector3d& to) {
+    Isometry3d pose(Eigen::Translation3d{to});
+    pose.rotate(Eigen::AngleAxisd((*this)(0, 3), Vector3d((*this)(-1, 1), (*this)(-1, 1), 0.3).normalized()));
+    return pose;
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+/// The triangles of a shape, each cut into four so many times.
+Mesh mesh_of(const Shape& shape, int quarterings = 0) {
+  Mesh mesh{"", 1, triangulate(shape)};
+  for (; quarterings > 0; --quarterings) {
+    std::vector<Triangle> finer;
+    for (const Triangle& triangle : mesh.triangles)
+      for (const Triangle& quarter : detail::quarters(triangle))
+        finer.push_back(quarter);
+    mesh.triangles = finer;
+  }
+  return mesh;
+}
+
+Scene above_sensor(const Shape& shape, const Isometry3d& pose) {
+  Scene scene;
+  scene.links = {{"arm", {}, pose}};
+  scene.sensors = {sensor("front", {square(0.1, 0)})};
+  scene.objects = {object("target", shape, at(0, 0, 0))};
+  scene.objects[0].link = 0;
+  return scene;
+}
+
+/// So few triangles as to be prepared quickly.
+const ReducedOptions loose{.steps = 1, .rtol = 0.1};
+
+bool covers(const MaxwellMatrix& answer, const MaxwellMatrix& truth) {
+  return ((answer.values - truth.values).array().abs() <= (answer.errors + truth.errors).array()).all() &&
+         ((answer.delta_self - truth.delta_self).array().abs() <=
+          (answer.delta_self_errors + truth.delta_self_errors).array())
+             .all();
+}
+
+TEST(ReducedMeshes, ALoneCubeIsTheCubesCapacitance) {
+  Scene scene;
+  scene.objects = {object("cube", mesh_of(Cuboid{0.02, 0.02, 0.02}), at(1, 2, 3))};
+  const MaxwellMatrix answer = reduced_capacitance(scene, {.steps = 1, .rtol = {}});
+  // Helsing and Perfekt 2013.
+  constexpr double truth = 0.66067815409957;
+  EXPECT_NEAR(per_length(answer.values(0, 0), 0.02), truth, per_length(answer.errors(0, 0), 0.02));
+  EXPECT_NEAR(per_length(answer.values(0, 0), 0.02), truth, 1e-3 * truth);
+  EXPECT_TRUE(answer.reached);
+}
+
+TEST(ReducedMeshes, TheStatedErrorCoversThatOfABoxInRandomPoses) {
+  constexpr int count = 40;
+  const Cuboid box{0.06, 0.04, 0.02};
+  Random random(1);
+  int answered = 0, covered = 0, reached = 0;
+  ReducedEvaluator evaluator(above_sensor(mesh_of(box), at(0, 0, 1)), {.steps = 1, .rtol = {}});
+  for (int k = 0; k < count; ++k) {
+    const Isometry3d pose =
+        random.turned({random(-0.08, 0.08), random(-0.08, 0.08), 0.015 + 0.05 * random(0, 1)});
+    MaxwellMatrix truth;
+    try {
+      truth = maxwell(above_sensor(box, pose), {.rtol = 1e-3});
+    } catch (const InputError&) {
+      continue;
+    }
+    evaluator.set_pose("arm", pose);
+    const MaxwellMatrix& answer = evaluator.maxwell();
+    ++answered;
+    covered += covers(answer, truth);
+    if (!answer.reached)
+      continue;
+    ++reached;
+    EXPECT_TRUE(((answer.values - truth.values).array().abs() <=
+                 truth.errors.array() + 1e-2 * truth.values.array().abs())
+                    .all())
+        << k;
+  }
+  EXPECT_GT(answered, count / 2);
+  EXPECT_GE(covered, 0.99 * answered);
+  EXPECT_GE(reached, 0.7 * answered) << "an honest answer that is none is of little use";
+
+  // Near contact it is right or not reached.
+  for (const double gap : {4e-3, 1e-3, 1e-4, 1e-6}) {
+    const Isometry3d pose = at(0, 0, 0.01 + gap);
+    evaluator.set_pose("arm", pose);
+    const MaxwellMatrix& answer = evaluator.maxwell();
+    if (gap >= 1e-3)
+      EXPECT_TRUE(covers(answer, maxwell(above_sensor(box, pose), {.rtol = 1e-3}))) << gap;
+    else
+      EXPECT_FALSE(answer.reached) << gap;
+  }
+}
+
+TEST(ReducedMeshes, SeveralBodiesTogether) {
+  Scene scene = above_sensor(Sphere{0.02, 12}, at(-0.02, 0, 0.035));
+  scene.objects.push_back(object("cylinder", Cylinder{0.015, 0.05, 12}, at(0.05, 0.01, 0.05)));
+  scene.objects.push_back(object("box", Cuboid{0.03, 0.04, 0.02}, at(0, 0.07, 0.04), Floating{}));
+  const MaxwellMatrix answer = reduced_capacitance(scene, {.steps = 1, .rtol = {}});
+  const MaxwellMatrix truth = maxwell(scene, {.rtol = 1e-2});
+  EXPECT_EQ(answer.conductors, truth.conductors);
+  EXPECT_TRUE(answer.reached);
+  EXPECT_TRUE(covers(answer, truth));
+  EXPECT_LT((answer.values - answer.values.transpose()).cwiseAbs().maxCoeff(), 1e-12 * answer.values.norm());
+}
+
+TEST(ReducedMeshes, ASheetIsThePlateItStandsFor) {
+  const Isometry3d pose = pose_from_axis({1, 0.5, 0}, 30, {0.02, 0, 0.06});
+  const MaxwellMatrix sheet =
+      reduced_capacitance(above_sensor(mesh_of(Plate{0.08, 0.06}), pose), {.steps = 1, .rtol = 0.03});
+  EXPECT_TRUE(sheet.reached);
+  EXPECT_TRUE(covers(sheet, maxwell(above_sensor(Plate{0.08, 0.06}, pose), {.rtol = 1e-4})));
+}
+
+TEST(ReducedMeshes, DependOnlyOnProportionsAndRelativePoses) {
+  const Shape shape = mesh_of(Cylinder{0.02, 0.04, 10});
+  const MaxwellMatrix answer = reduced_capacitance(above_sensor(shape, at(0, 0.01, 0.05)), loose);
+
+  Scene larger = above_sensor(shape, at(0, 0.02, 0.1));
+  larger.sensors = {sensor("front", {square(0.2, 0)})};
+  for (Triangle& triangle : std::get<Mesh>(larger.objects[0].shape).triangles)
+    for (Vector3d& corner : triangle)
+      corner *= 2;
+  EXPECT_LT((reduced_capacitance(larger, loose).values - 2 * answer.values).norm(),
+            1e-5 * answer.values.norm());
+
+  Scene moved = above_sensor(shape, at(0, 0.01, 0.05));
+  const Isometry3d motion = pose_from_axis({1, 2, 3}, 70, {0.5, 2, -1});
+  moved.links.push_back({"all", {}, motion});
+  moved.links[0].parent = 1;
+  moved.sensors[0].link = 1;
+  EXPECT_LT((reduced_capacitance(moved, loose).values - answer.values).norm(), 1e-5 * answer.values.norm());
+}
+
+TEST(ReducedMeshes, AMovedLinkGivesWhatASceneThereGives) {
+  const Shape shape = Sphere{0.02, 10};
+  ReducedEvaluator evaluator(above_sensor(shape, at(0, 0, 0.2)), loose);
+  for (const double height : {0.05, 0.03, 0.1}) {
+    evaluator.set_pose("arm", at(0.01, 0, height));
+    EXPECT_EQ(evaluator.maxwell().values,
+              reduced_capacitance(above_sensor(shape, at(0.01, 0, height)), loose).values);
+  }
+}
+
+TEST(ReducedMeshes, ContactsAreRefusedAndForgotten) {
+  ReducedEvaluator evaluator(above_sensor(Sphere{0.02, 10}, at(0, 0, 0.05)), loose);
+  const MatrixXd before = evaluator.maxwell().values;
+  evaluator.set_pose("arm", at(0, 0, 0.01));
+  try {
+    evaluator.maxwell();
+    ADD_FAILURE() << "the sphere crosses the plate";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("sensor \"front\" plates[0] and object \"target\" touch or cross"));
+  }
+  evaluator.set_pose("arm", at(0, 0, 0.05));
+  EXPECT_EQ(evaluator.maxwell().values, before);
+
+  Scene holding = above_sensor(mesh_of(Cuboid{0.2, 0.2, 0.2}), at(0, 0, 0));
+  EXPECT_THROW(reduced_capacitance(holding, loose), InputError) << "the plate is inside the box";
+}
+
+TEST(ReducedMeshes, TheGapIsNoMoreThanTheDistance) {
+  using detail::PlacedBody;
+  const detail::PreparedShape ball(mesh_of(Sphere{1, 10}).triangles, 0.02);
+  const detail::Face face{Vector3d::Zero(),      Vector3d::UnitX(), Vector3d::UnitY(), 1, 1,
+                          detail::EdgeKind::thin};
+  const detail::PreparedShape plate(std::vector<detail::Face>{face}, Vector3d(1, 1, 0));
+  Random random(3);
+  int known = 0;
+  for (int k = 0; k < 200; ++k) {
+    const Isometry3d pose = random.turned({random(-2, 2), random(-2, 2), random(-2, 2)}),
+                     back = pose.inverse();
+    double distance = 1e9;
+    for (const Triangle& triangle : ball.mesh()->triangles())
+      for (const Vector3d& corner : triangle)
+        distance = std::min(distance, ((back * corner).cwiseAbs() - Vector3d(1, 1, 0)).cwiseMax(0).norm());
+    const double gap = detail::mesh_gap(PlacedBody{&ball, 1, Vector3d::Zero(), Eigen::Matrix3d::Identity()},
+                                        PlacedBody{&plate, 1, pose.translation(), pose.linear()});
+    EXPECT_LE(gap, distance + 1e-9) << k;
+    known += gap > 0;
+  }
+  EXPECT_GT(known, 60);
+}
+
+}  // namespace
+}  // namespace fringe
