@@ -1,7 +1,7 @@
 /// Boundary elements by rtol: time, true error and estimated error over set-ups whose Maxwell matrix is known
 /// from another boundary-element method, and time over boxes and bodies of triangles. Times are of this
 /// thread's processor time, the least of five, of bodies of triangles of two; what is made once per process
-/// is made before.
+/// is made before. At the end come the tables of model/BOUNDARY_ELEMENTS.md, to be pasted as they are.
 
 #include <algorithm>
 #include <array>
@@ -113,15 +113,19 @@ std::vector<SetUp> mesh_set_ups() {
       body_set_up("ball of 5,040 triangles, 2 cm above", Sphere{0.03, 72}, {0, 0, 0.05}, 0)};
   set_ups[0].truth = cubes[0].truth;
   set_ups[0].relative_error = cubes[0].relative_error;
-  solve_unknown(set_ups, 3e-4);
+  solve_unknown(set_ups, 1e-3);
   return set_ups;
 }
 
 /// What was measured of one set-up at one rtol; errors relative to the entries.
 struct Measurement {
+  std::string name;
   double rtol;
+  std::size_t unknowns;
   double milliseconds;
   double error;
+  double known_to;
+  double stated;
   bool covered;  ///< whether the estimate and what the truth is known to cover the error
 };
 
@@ -142,28 +146,49 @@ Measurement measure(const SetUp& set_up, double rtol, int repeats) {
   const bool covered = ((answer.values - set_up.truth).array().abs() <=
                         answer.errors.array() + set_up.relative_error * set_up.truth.array().abs())
                            .all();
-  return {rtol, 1e3 * seconds, error.abs().maxCoeff(), covered};
+  return {set_up.name,           rtol,     answer.unknowns, 1e3 * seconds, error.abs().maxCoeff(),
+          set_up.relative_error, estimate, covered};
 }
 
-void summarise(const std::string& what, const std::vector<Measurement>& measured,
-               std::span<const double> asked) {
+std::string written(double rtol) {
+  const int power = static_cast<int>(std::lround(std::log10(rtol)));
+  return fmt::format("1e{}", power);
+}
+
+/// Two digits.
+std::string rounded(double value) {
+  const double power = std::floor(std::log10(value)), unit = std::pow(10, power - 1);
+  return fmt::format("{:.{}f}", std::round(value / unit) * unit, std::max(0, 1 - static_cast<int>(power)));
+}
+
+/// The rows of some set-ups, one for every rtol.
+void print_rows(const std::string& what, const std::vector<Measurement>& measured,
+                std::span<const double> asked) {
   for (const double rtol : asked) {
     std::vector<double> times, errors;
-    std::ptrdiff_t covered = 0;
     for (const Measurement& one : measured)
       if (one.rtol == rtol) {
         times.push_back(one.milliseconds);
         errors.push_back(100 * one.error);
-        covered += one.covered;
       }
     std::sort(times.begin(), times.end());
     std::sort(errors.begin(), errors.end());
-    fmt::print(
-        "{:<8} rtol {:.0e}: error % median {:.4f}, worst {:.4f}; ms median {:.2f}, worst {:.1f}; {} of {} "
-        "within their estimate\n",
-        what, rtol, errors[errors.size() / 2], errors.back(), times[times.size() / 2], times.back(), covered,
-        times.size());
+    fmt::print("| {} | {} | {} / {} | {} / {} |\n", rtol == asked.front() ? what : "", written(rtol),
+               rounded(errors[errors.size() / 2]), rounded(errors.back()), rounded(times[times.size() / 2]),
+               rounded(times.back()));
   }
+}
+
+/// Bodies of triangles, a row for each; where the truth is not known better than to the error, without it.
+void print_rows(const std::vector<Measurement>& measured) {
+  for (const Measurement& one : measured)
+    fmt::print("| {} | {} | {} | {} / {} / {} | {} |\n", one.name, written(one.rtol), one.unknowns,
+               one.known_to < one.error ? rounded(100 * one.error) : "–", rounded(100 * one.known_to),
+               rounded(100 * one.stated), rounded(one.milliseconds));
+}
+
+std::ptrdiff_t count_covered(const std::vector<Measurement>& measured) {
+  return std::count_if(measured.begin(), measured.end(), [](const Measurement& one) { return one.covered; });
 }
 
 }  // namespace
@@ -185,7 +210,12 @@ int main() {
   for (const double rtol : mesh_rtols)
     for (const SetUp& set_up : meshes)
       of_meshes.push_back(measure(set_up, rtol, 2));
-  summarise("plates", of_plates, rtols);
-  summarise("boxes", of_boxes, rtols);
-  summarise("meshes", of_meshes, mesh_rtols);
+  fmt::print("\n| | rtol | error %, median / worst | ms, median / longest |\n|---|---|---|---|\n");
+  print_rows("plates", of_plates, rtols);
+  print_rows("boxes", of_boxes, std::span(rtols).first(3));
+  fmt::print("\n| | rtol | unknowns | error %, true / known to / stated | ms |\n|---|---|---|---|---|\n");
+  print_rows(of_meshes);
+  fmt::print("\n{} of {} answers within their stated error\n",
+             count_covered(of_plates) + count_covered(of_boxes) + count_covered(of_meshes),
+             of_plates.size() + of_boxes.size() + of_meshes.size());
 }

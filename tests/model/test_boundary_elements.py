@@ -75,6 +75,29 @@ def test_plates_against_another_boundary_element_method(case: dict[str, Any], tm
         assert np.all(np.diag(answer["maxwell"]) <= np.diag(truth) + np.diag(unsure))
 
 
+def stated_errors() -> dict[float, tuple[float, float]]:
+    """What model/BOUNDARY_ELEMENTS.md states of the plates: median and worst error by rtol, in per cent."""
+    text = (Path(__file__).parents[2] / "model" / "BOUNDARY_ELEMENTS.md").read_text()
+    rows = text[text.index("| plates |") : text.index("| boxes |")].splitlines()
+    cells = [[cell.strip() for cell in row.split("|")] for row in rows]
+    errors = [row[3].split("/") for row in cells]
+    return {float(row[2]): (float(pair[0]), float(pair[1])) for row, pair in zip(cells, errors)}
+
+
+@pytest.mark.parametrize("rtol", [1e-2, 1e-3])
+def test_the_errors_that_the_table_states(rtol: float, tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    errors = []
+    for case in SET_UPS:
+        path.write_text(scene_of(case))
+        truth = 1e-12 * np.array(case["maxwell_pF"])
+        errors.append(100 * np.max(np.abs(fringe.Scene.load(path).maxwell(rtol=rtol)["maxwell"] / truth - 1)))
+    errors.sort()
+    for measured, stated in zip((errors[len(errors) // 2], errors[-1]), stated_errors()[rtol]):
+        # Two digits are stated.
+        assert math.isclose(measured, stated, rel_tol=0.05)
+
+
 def test_the_module_answers_like_the_command(fringe_command: Command, scene: Path) -> None:
     done = fringe_command("capacitance", scene, "--method", "boundary-elements", "--rtol", "2e-3", "--json")
     assert (done.returncode, done.stderr) == (0, "")

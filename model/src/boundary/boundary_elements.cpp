@@ -63,6 +63,13 @@ constexpr double first_tolerance_part = 50;
 /// The part of rtol at which the panels' iteration ends.
 constexpr double iteration_share = 0.003;
 
+/// The part of rtol that panels graded towards sharp edges may miss, one density on each group. It is about
+/// the change from the smaller space to the whole.
+constexpr double grading_part = 1.0 / 3;
+
+/// Grading alone takes no more than one in so many of the unknowns there may be.
+constexpr std::size_t most_graded_part = 4;
+
 void validate(const BoundaryElementOptions& options) {
   if (!(options.rtol >= strictest_rtol && options.rtol <= loosest_rtol))
     throw InputError(
@@ -100,31 +107,34 @@ double largest_error(const MaxwellMatrix& answer) {
   return (answer.errors.array() / answer.values.array().abs()).maxCoeff();
 }
 
+/// More than is asked, not to come back for a little.
+constexpr double excess_margin = 1.25;
+
 /// The missing energy that is allowed after a refinement, by what the highest functions and the groups of
 /// panels hold.
 double allowed_energy(const PanelSolution& solution, double excess) {
-  /// More than is asked, not to come back for a little.
-  constexpr double margin = 2;
   double total = solution.group_energies.sum();
   for (const Eigen::Vector2d& highest : solution.highest)
     total += highest.sum();
-  return total / (margin * excess);
+  return total / (excess_margin * excess);
 }
 
 /// More functions where the highest ones hold more than their part of the allowed energy. False when none may
 /// be added.
-bool add_functions(const PanelSolution& solution, double allowed_of_all,
+bool add_functions(const PanelSolution& solution, double allowed_of_all, double excess,
                    std::vector<FaceFunctions>& functions) {
   /// The missing energy falls like this power of the number of functions.
   constexpr double power = 4;
-  constexpr double most_growth = 2;
+  /// The whole error falls at least like the third, faster where features are only just resolved.
+  const double most_growth = std::min(std::cbrt(excess_margin * excess), 2.0);
   const double allowed = allowed_of_all / (2 * static_cast<double>(functions.size()));
   bool added = false;
   const auto grow = [&](int& count, double energy) {
     if (!(energy > allowed) || count == detail::most_functions)
       return;
     const double growth = std::min(std::pow(energy / allowed, 1 / power), most_growth);
-    const int wanted = static_cast<int>(std::ceil(growth * count)) | 1;
+    // The nearest odd number.
+    const int wanted = 2 * static_cast<int>(growth * count / 2) + 1;
     count = std::min(std::max(wanted, count + 2), detail::most_functions);
     added = true;
   };
@@ -197,7 +207,7 @@ bool refine(PanelSystem& system, const PanelSolution& solution, double excess, s
   const std::size_t panels = system.mesh().panels().size();
   if (panels == 0) {
     std::vector<FaceFunctions> more = functions;
-    if (!add_functions(solution, allowed_energy(solution, excess), more) ||
+    if (!add_functions(solution, allowed_energy(solution, excess), excess, more) ||
         count_unknowns(more) > most_unknowns)
       return false;
     functions = more;
@@ -205,7 +215,7 @@ bool refine(PanelSystem& system, const PanelSolution& solution, double excess, s
   }
   /// Faces and panels have half each.
   const double allowed = allowed_energy(solution, excess) / 2;
-  bool added = add_functions(solution, allowed, functions);
+  bool added = add_functions(solution, allowed, excess, functions);
   const std::size_t used = count_unknowns(functions) + panels;
   if (used > most_unknowns)
     return false;
@@ -229,7 +239,7 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   const std::size_t rows = bodies.names.size() - bodies.floating;
   if (rows == 0)
     throw InputError("the scene has neither a sensor nor a grounded object");
-  PanelSystem system(bodies);
+  PanelSystem system(bodies, {grading_part * options.rtol, options.most_unknowns / most_graded_part});
   auto [functions, per_change] = beginning(bodies, system.mesh().panels().size(), options);
 
   MaxwellMatrix answer;

@@ -183,35 +183,47 @@ MatrixXd GalerkinSystem::quadrature_effect(const MatrixXd& norms) const {
   return effect;
 }
 
-GalerkinSolution GalerkinSystem::solve() const {
-  GalerkinSolution solution;
-  const auto conductors = static_cast<Index>(bodies_.names.size());
-  const Solved sensors = solve(sensor_faces(), static_cast<Index>(bodies_.sensors));
-  const Solved all = solve(faces_.size(), conductors);
-  solution.positive_definite = sensors.positive_definite && all.positive_definite;
-  solution.sensors = sensors.matrix;
-  solution.all = all.matrix;
-  const FaceNumbering& numbering = all.numbering;
-  const MatrixXd& charges = all.charges;
-  if (!solution.positive_definite)
-    return solution;
-  solution.highest.assign(faces_.size(), Eigen::Vector2d::Zero());
-  MatrixXd norms = MatrixXd::Zero(static_cast<Index>(faces_.size()), conductors);
+FaceEnergies GalerkinSystem::energies(const std::vector<MatrixXd>& charges,
+                                      const Eigen::VectorXd& own) const {
+  FaceEnergies result{MatrixXd::Zero(static_cast<Index>(faces_.size()), own.size()),
+                      {faces_.size(), Eigen::Vector2d::Zero()}};
   for (std::size_t face = 0; face < faces_.size(); ++face) {
     const FaceFunctions functions = functions_[face];
     for (int k = 0; k < functions.count(); ++k) {
-      const auto row = charges.row(numbering.places[face][static_cast<std::size_t>(k)]);
-      norms.row(static_cast<Index>(face)) += row.cwiseAbs2();
+      const auto row = charges[face].row(k);
+      result.norms.row(static_cast<Index>(face)) += row.cwiseAbs2();
       const double energy =
-          (row.cwiseAbs2().array() / solution.all.fine.diagonal().transpose().array()).maxCoeff() *
-          blocks_[pair(face, face)].values(k, k);
+          (row.cwiseAbs2().array() / own.transpose().array()).maxCoeff() * block(face, face)(k, k);
       if (k / functions.v >= coarse_functions(functions.u))
-        solution.highest[face][0] += energy;
+        result.highest[face][0] += energy;
       if (k % functions.v >= coarse_functions(functions.v))
-        solution.highest[face][1] += energy;
+        result.highest[face][1] += energy;
     }
   }
-  solution.quadrature_effect = quadrature_effect(norms.cwiseSqrt());
+  result.norms = result.norms.cwiseSqrt().eval();
+  return result;
+}
+
+GalerkinSolution GalerkinSystem::solve() const {
+  GalerkinSolution solution;
+  const auto conductors = static_cast<Index>(bodies_.names.size());
+  const Solved all = solve(faces_.size(), conductors);
+  solution.positive_definite = all.positive_definite;
+  solution.all = all.matrix;
+  solution.sensors = all.matrix;
+  if (sensor_faces() < faces_.size()) {
+    const Solved sensors = solve(sensor_faces(), static_cast<Index>(bodies_.sensors));
+    solution.positive_definite &= sensors.positive_definite;
+    solution.sensors = sensors.matrix;
+  }
+  if (!solution.positive_definite)
+    return solution;
+  std::vector<MatrixXd> charges;
+  for (std::size_t face = 0; face < faces_.size(); ++face)
+    charges.emplace_back(all.charges(all.numbering.places[face], Eigen::all));
+  const FaceEnergies found = energies(charges, solution.all.fine.diagonal());
+  solution.highest = found.highest;
+  solution.quadrature_effect = quadrature_effect(found.norms);
   return solution;
 }
 

@@ -29,6 +29,12 @@ struct GalerkinSolution {
   std::vector<Eigen::Vector2d> highest;
 };
 
+/// What the charges on faces tell.
+struct FaceEnergies {
+  Eigen::MatrixXd norms;  ///< of each face's coefficients (rows) for every conductor at a potential of one
+  std::vector<Eigen::Vector2d> highest;  ///< as GalerkinSolution has them
+};
+
 /// The functions of the smaller space along a direction with an odd number of functions, 3 or more.
 int coarse_functions(int functions);
 
@@ -56,6 +62,9 @@ class GalerkinSystem {
   double net_charge(std::size_t face) const;
   /// The interaction of two faces a ≤ b.
   const Eigen::MatrixXd& block(std::size_t a, std::size_t b) const { return blocks_[pair(a, b)].values; }
+
+  /// For every face its coefficients, a column for every conductor; `own` the conductors' own capacitances.
+  FaceEnergies energies(const std::vector<Eigen::MatrixXd>& charges, const Eigen::VectorXd& own) const;
 
   /// How much the mutual matrices' errors, relative to their largest elements, may change the capacitances:
   /// by the norm of each face's coefficients (rows) for every conductor at a potential of one.

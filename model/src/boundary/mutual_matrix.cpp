@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "charge_kernels.hpp"
 #include "patch_distance.hpp"
 
 namespace fringe::detail {
@@ -29,7 +30,7 @@ constexpr double panel_growth = 3.5;
 /// The points of a Gauss rule on [−1, 1] whose integrand is singular at the complex x + iy: its error falls
 /// by the square of the ellipse's parameter with every point.
 double points_for_singularity(double x, double y, double digits) {
-  const double sum = std::hypot(x - 1, y) + std::hypot(x + 1, y);
+  const double sum = std::sqrt((x - 1) * (x - 1) + y * y) + std::sqrt((x + 1) * (x + 1) + y * y);
   const double parameter = (sum + std::sqrt(std::max(sum * sum - 4, 0.0))) / 2;
   return digits / (2 * std::log(std::max(parameter, 1 + 1e-12)));
 }
@@ -63,17 +64,20 @@ struct RulePanel {
   int points;
 };
 
-DirectionRule rule_of_panels(const std::vector<RulePanel>& panels, EdgeKind edge, int functions) {
+Index count_points(const std::vector<RulePanel>& panels) {
   Index total = 0;
   for (const RulePanel& panel : panels)
     total += panel.points;
-  DirectionRule rule{Eigen::VectorXd(total), Eigen::MatrixXd(functions, total)};
+  return total;
+}
+
+/// Into a rule with room for all their points.
+void lay_panels(const std::vector<RulePanel>& panels, EdgeKind edge, int functions, DirectionRule& rule) {
   Index offset = 0;
   for (const auto& [from, to, points] : panels) {
     add_panel(rule, offset, edge, functions, from, to, points);
     offset += points;
   }
-  return rule;
 }
 
 /// One direction of the face over which is integrated last. The potential of the other face's charge is
@@ -93,7 +97,10 @@ class OuterDirection {
     }
     std::vector<RulePanel> panels;
     halve(-1, 1, 0, panels);
-    return rule_of_panels(panels, face_.edge, functions_);
+    const Index points = count_points(panels);
+    DirectionRule laid{Eigen::VectorXd(points), Eigen::MatrixXd(functions_, points)};
+    lay_panels(panels, face_.edge, functions_, laid);
+    return laid;
   }
 
  private:
@@ -146,48 +153,76 @@ class OuterDirection {
   double digits_;
 };
 
-/// One direction of the face over which is integrated first, seen from one point: the kernel is singular at
-/// at ± i·height in the complex plane of the coordinate.
-void inner_rule(EdgeKind edge, int functions, double at, double height, double digits,
-                std::vector<RulePanel>& panels, DirectionRule& rule) {
-  const int whole = rounded_up(1 + functions / 2.0 + points_for_singularity(at, height, digits));
-  if (whole <= most_whole_points) {
-    const DirectionRule& known = whole_rule(edge, whole);
-    rule.nodes = known.nodes;
-    rule.weights = known.weights.topRows(functions);
-    return;
+/// One direction of the face over which is integrated first, seen from one point after the other: the kernel
+/// is singular at at ± i·height in the complex plane of the coordinate.
+class InnerDirection {
+ public:
+  InnerDirection(EdgeKind edge, int functions, double digits)
+      : edge_(edge), functions_(functions),
+        digits_(digits), own_{{}, Eigen::MatrixXd(whole_face_blocks(functions), 0)} {}
+
+  /// Good until the next call.
+  FaceRule seen_from(double at, double height) {
+    const int whole = rounded_up(1 + functions_ / 2.0 + points_for_singularity(at, height, digits_));
+    if (whole <= most_whole_points)
+      return view(whole_rule(edge_, whole), whole);
+    cut(at, height);
+    return view(own_, lay(panels_));
   }
-  panels.clear();
-  // One panel must not reach from end to end: the weight is singular at both.
-  const double first = std::clamp(2 * height, std::ldexp(1.0, -most_halvings), 1.0);
-  // A panel that ends close to an end would meet the weight's singularity there.
-  double centre = std::clamp(at, -1.0, 1.0);
-  if (1 - std::abs(centre) < first / 2)
-    centre = std::copysign(1.0, centre);
-  for (const double side : {-1.0, 1.0}) {
-    const double length = 1 - side * centre;
-    if (length == 0)
-      continue;
-    // Equal ratios from the first panel's end to the end of the face.
-    const int more = length <= 1.5 * first
-                         ? 0
-                         : static_cast<int>(std::ceil(std::log(length / first) / std::log(panel_growth)));
-    const double growth = more == 0 ? 1 : std::pow(length / first, 1.0 / more);
-    double near = centre;
-    for (int k = 0; k <= more; ++k) {
-      // The end itself, for add_panel to know it.
-      const double far = k == more ? side : centre + side * first * std::pow(growth, k);
-      const auto [from, to] = std::minmax(near, far);
-      const double middle = (from + to) / 2, half_length = (to - from) / 2;
-      const double singular =
-          std::max(points_for_singularity((at - middle) / half_length, height / half_length, digits),
-                   points_for_weight(from, to, digits));
-      panels.push_back({from, to, rounded_up(1 + points_for_degree(functions, from, to) + singular)});
-      near = far;
+
+ private:
+  FaceRule view(const DirectionRule& rule, Index points) const {
+    return {points, functions_, rule.weights.rows(), rule.nodes.data(), rule.weights.data()};
+  }
+
+  Index lay(const std::vector<RulePanel>& panels) {
+    const Index points = count_points(panels);
+    if (points > own_.nodes.size()) {
+      own_.nodes.resize(2 * points);
+      own_.weights.setZero(own_.weights.rows(), 2 * points);
+    }
+    lay_panels(panels, edge_, functions_, own_);
+    return points;
+  }
+
+  void cut(double at, double height) {
+    panels_.clear();
+    // One panel must not reach from end to end: the weight is singular at both.
+    const double first = std::clamp(2 * height, std::ldexp(1.0, -most_halvings), 1.0);
+    // A panel that ends close to an end would meet the weight's singularity there.
+    double centre = std::clamp(at, -1.0, 1.0);
+    if (1 - std::abs(centre) < first / 2)
+      centre = std::copysign(1.0, centre);
+    for (const double side : {-1.0, 1.0}) {
+      const double length = 1 - side * centre;
+      if (length == 0)
+        continue;
+      // Equal ratios from the first panel's end to the end of the face.
+      const int more = length <= 1.5 * first
+                           ? 0
+                           : static_cast<int>(std::ceil(std::log(length / first) / std::log(panel_growth)));
+      const double growth = more == 0 ? 1 : std::pow(length / first, 1.0 / more);
+      double near = centre;
+      for (int k = 0; k <= more; ++k) {
+        // The end itself, for add_panel to know it.
+        const double far = k == more ? side : centre + side * first * std::pow(growth, k);
+        const auto [from, to] = std::minmax(near, far);
+        const double middle = (from + to) / 2, half_length = (to - from) / 2;
+        const double singular =
+            std::max(points_for_singularity((at - middle) / half_length, height / half_length, digits_),
+                     points_for_weight(from, to, digits_));
+        panels_.push_back({from, to, rounded_up(1 + points_for_degree(functions_, from, to) + singular)});
+        near = far;
+      }
     }
   }
-  rule = rule_of_panels(panels, edge, functions);
-}
+
+  EdgeKind edge_;
+  int functions_;
+  double digits_;
+  std::vector<RulePanel> panels_;
+  DirectionRule own_;  ///< with room for more nodes than there are
+};
 
 Corners corners_seen_from(const Face& face, const Face& other) {
   const Vector3d normal = face.axis_u.cross(face.axis_v);
@@ -217,57 +252,56 @@ OuterRule outer_rule(const Face& face, FaceFunctions functions, const Face& othe
 class InnerPotential {
  public:
   InnerPotential(const Face& face, FaceFunctions functions, double digits)
-      : face_(face), normal_(face.axis_u.cross(face.axis_v)), functions_(functions), digits_(digits) {}
+      : face_(face), normal_(face.axis_u.cross(face.axis_v)), u_(face.edge, functions.u, digits),
+        v_(face.edge, functions.v, digits) {}
 
   /// Element l + k·functions.v is the potential of f_k(x)·f_l(y).
-  void at(const Vector3d& point, Eigen::Ref<Eigen::VectorXd> potentials) {
+  void at(const Vector3d& point, double* potentials) {
     const Vector3d offset = point - face_.centre;
     const double x = offset.dot(face_.axis_u), y = offset.dot(face_.axis_v), z = offset.dot(normal_);
     const double beside_u = std::max(std::abs(x) - face_.half_u, 0.0);
     const double beside_v = std::max(std::abs(y) - face_.half_v, 0.0);
-    inner_rule(face_.edge, functions_.u, x / face_.half_u, std::hypot(z, beside_v) / face_.half_u, digits_,
-               panels_, u_);
-    inner_rule(face_.edge, functions_.v, y / face_.half_v, std::hypot(z, beside_u) / face_.half_v, digits_,
-               panels_, v_);
-    across_ = (face_.half_v * v_.nodes.array() - y).square() + z * z;
-    kernel_.resize(v_.nodes.size(), u_.nodes.size());
-    for (Index q = 0; q < u_.nodes.size(); ++q) {
-      const double along = face_.half_u * u_.nodes[q] - x;
-      kernel_.col(q) = (across_ + along * along).sqrt().inverse();
-    }
-    half_way_.noalias() = v_.weights * kernel_;
-    Eigen::Map<Eigen::MatrixXd>(potentials.data(), functions_.v, functions_.u).noalias() =
-        half_way_ * u_.weights.transpose();
+    const FaceRule along_u = u_.seen_from(x / face_.half_u, std::hypot(z, beside_v) / face_.half_u);
+    const FaceRule along_v = v_.seen_from(y / face_.half_v, std::hypot(z, beside_u) / face_.half_v);
+    if (const std::size_t room = face_scratch(along_u, along_v); room > scratch_.size())
+      scratch_.resize(2 * room);
+    best_charge_kernels().face_potentials({x, y, z, face_.half_u, face_.half_v}, along_u, along_v,
+                                          scratch_.data(), potentials);
   }
 
  private:
   const Face& face_;
   Vector3d normal_;
-  FaceFunctions functions_;
-  double digits_;
-  std::vector<RulePanel> panels_;
-  DirectionRule u_;
-  DirectionRule v_;
-  Eigen::ArrayXd across_;
-  Eigen::MatrixXd kernel_;
-  Eigen::MatrixXd half_way_;
+  InnerDirection u_;
+  InnerDirection v_;
+  std::vector<double> scratch_;
 };
 
 /// Rows are the inner face's functions, columns the outer's.
 Eigen::MatrixXd integral(const Face& outer, FaceFunctions outer_functions, const OuterRule& rule,
                          const Face& inner, FaceFunctions inner_functions, double digits) {
+  const ChargeKernels& kernels = best_charge_kernels();
   InnerPotential potential(inner, inner_functions, digits);
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(inner_functions.count(), outer_functions.count());
-  Eigen::MatrixXd along_v(inner_functions.count(), rule.v.nodes.size());
-  for (Index i = 0; i < rule.u.nodes.size(); ++i) {
-    const Vector3d line = outer.centre + outer.half_u * rule.u.nodes[i] * outer.axis_u;
-    for (Index j = 0; j < rule.v.nodes.size(); ++j)
-      potential.at(line + outer.half_v * rule.v.nodes[j] * outer.axis_v, along_v.col(j));
-    const Eigen::MatrixXd row = along_v * rule.v.weights.transpose();
-    for (int m = 0; m < outer_functions.u; ++m)
-      result.middleCols(Index{m} * outer_functions.v, outer_functions.v) += rule.u.weights(m, i) * row;
+  const Index count = whole_face_blocks(inner_functions.count());
+  /// Lines whose sums stay in the cache until they are added up.
+  constexpr Index lines = 8;
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(count, outer_functions.count());
+  Eigen::MatrixXd along_v = Eigen::MatrixXd::Zero(count, rule.v.nodes.size());
+  Eigen::MatrixXd summed(count * outer_functions.v, lines);
+  for (Index first = 0; first < rule.u.nodes.size(); first += lines) {
+    const Index here = std::min(lines, rule.u.nodes.size() - first);
+    summed.setZero();
+    for (Index i = 0; i < here; ++i) {
+      const Vector3d line = outer.centre + outer.half_u * rule.u.nodes[first + i] * outer.axis_u;
+      for (Index j = 0; j < rule.v.nodes.size(); ++j)
+        potential.at(line + outer.half_v * rule.v.nodes[j] * outer.axis_v, along_v.col(j).data());
+      kernels.add_combinations(along_v.data(), count, rule.v.nodes.size(), rule.v.weights.data(),
+                               rule.v.weights.rows(), summed.col(i).data(), outer_functions.v);
+    }
+    kernels.add_combinations(summed.data(), summed.rows(), here, rule.u.weights.col(first).data(),
+                             rule.u.weights.rows(), result.data(), outer_functions.u);
   }
-  return result;
+  return result.topRows(inner_functions.count());
 }
 
 /// The ellipses tell how fast an error falls, not where from: near an edge, from three times the elements.
@@ -293,7 +327,7 @@ Eigen::MatrixXd face_potentials(const Face& face, FaceFunctions functions, std::
   InnerPotential potential(face, functions, digits_for(tolerance));
   Eigen::MatrixXd result(functions.count(), static_cast<Index>(points.size()));
   for (Index k = 0; k < result.cols(); ++k)
-    potential.at(points[static_cast<std::size_t>(k)], result.col(k));
+    potential.at(points[static_cast<std::size_t>(k)], result.col(k).data());
   return result;
 }
 

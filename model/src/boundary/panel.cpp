@@ -1,6 +1,7 @@
 #include "panel.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace fringe::detail {
@@ -40,6 +41,32 @@ std::size_t longest_side(const Triangle& triangle) {
     }
   }
   return longest;
+}
+
+std::size_t side_to_halve(const Triangle& triangle, const Eigen::MatrixXd& quarter_charges) {
+  /// A triangle is not made longer, in terms of its height, than this.
+  constexpr double slimmest = 60;
+  const double longest =
+      (triangle[(longest_side(triangle) + 1) % 3] - triangle[longest_side(triangle)]).norm();
+  std::array<double, 3> changes{};
+  for (std::size_t side = 0; side < 3; ++side) {
+    const auto from = static_cast<Eigen::Index>(side), to = static_cast<Eigen::Index>((side + 1) % 3);
+    changes[side] = (quarter_charges.row(from) - quarter_charges.row(to)).norm();
+  }
+  const double largest = *std::max_element(changes.begin(), changes.end());
+  /// Of sides along which it changes about as much the longest is taken.
+  constexpr double about = 0.8;
+  std::size_t chosen = longest_side(triangle);
+  double length = changes[chosen] >= about * largest ? longest : 0;
+  for (std::size_t side = 0; side < 3; ++side) {
+    const double here = (triangle[(side + 1) % 3] - triangle[side]).norm();
+    if (changes[side] >= about * largest && here > (1 + 1e-6) * length) {
+      chosen = side;
+      length = here;
+    }
+  }
+  const double height = twice_area(triangle) / longest;
+  return longest > slimmest * height ? longest_side(triangle) : chosen;
 }
 
 double segment_distance(const Vector3d& point, const Vector3d& from, const Vector3d& to) {

@@ -27,6 +27,10 @@ std::array<Triangle, 2> halves(const Triangle& triangle, std::size_t side);
 /// The side, by the corner it begins at, that is the longest; of several the first.
 std::size_t longest_side(const Triangle& triangle);
 
+/// The side of a triangle across which to halve it: along which the densities of its quarters at the corners
+/// differ most, by their charges (rows) for any number of cases (columns).
+std::size_t side_to_halve(const Triangle& triangle, const Eigen::MatrixXd& quarter_charges);
+
 /// The shortest distance from a point to a segment, given by its ends.
 double segment_distance(const Eigen::Vector3d& point, const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
-#include "../batch/choices.hpp"
 #include "../batch/kernels.hpp"
 #include "../batch/triangle_rules.hpp"
-#include "../kernel.hpp"
+#include "charge_kernels.hpp"
 #include "panel_rules.hpp"
 #include "patch_distance.hpp"
 
@@ -24,8 +23,6 @@ using Eigen::Vector3d;
 /// Sums of a panel's potential at points, evaluated many at a time.
 class PotentialSums {
  public:
-  explicit PotentialSums(double tolerance) : choices_(tolerance) {}
-
   /// Adds weight·(the potential of the panel at the point) to `sum`, by the next flush at the latest.
   void add(const Triangle& source, const Vector3d& point, double weight, double& sum) {
     if (size_ == capacity)
@@ -34,36 +31,23 @@ class PotentialSums {
       for (std::size_t axis = 0; axis < 3; ++axis)
         components_[3 * corner + axis][size_] =
             source[corner][static_cast<Index>(axis)] - point[static_cast<Index>(axis)];
-    // The potential of a charge of one is 2·K.
-    weights_[size_] = 2 * weight;
+    weights_[size_] = weight;
     sums_[size_++] = &sum;
   }
 
   void flush() {
-    VirtualTriangles triangles{};
+    const double* components[9];
     for (std::size_t k = 0; k < 9; ++k)
-      triangles.components[k] = components_[k].data();
-    triangles.weight = weights_.data();
-    std::array<double, capacity> values{};
-    std::array<std::uint32_t, capacity> left{};
-    const std::size_t left_count =
-        best_kernels().integrate_virtual(triangles, size_, choices_.choices(), values.data(), left.data());
-    for (std::size_t k = 0; k < left_count; ++k) {
-      const std::size_t at = left[k];
-      const auto corner = [&](std::size_t which) {
-        return Vector3d(components_[3 * which][at], components_[3 * which + 1][at],
-                        components_[3 * which + 2][at]);
-      };
-      values[at] = weights_[at] * kernel(corner(0), corner(1), corner(2));
-    }
+      components[k] = components_[k].data();
+    std::array<double, capacity> potentials{};
+    best_charge_kernels().triangle_potentials(components, size_, potentials.data());
     for (std::size_t k = 0; k < size_; ++k)
-      *sums_[k] += values[k];
+      *sums_[k] += weights_[k] * potentials[k];
     size_ = 0;
   }
 
  private:
   static constexpr std::size_t capacity = 256;
-  PreparedChoices choices_;
   std::array<std::array<double, capacity>, 9> components_{};
   std::array<double, capacity> weights_{};
   std::array<double*, capacity> sums_{};
@@ -177,21 +161,20 @@ void add_touching(const Panel& a, const Panel& b, const Vector3d& common, double
 void add_near(const Panel& a, const Panel& b, double tolerance, PotentialSums& sums, double& sum) {
   const Panel &outer = a.radius < b.radius ? a : b, &inner = a.radius < b.radius ? b : a;
   const double safe = 2 * inner.radius;
-  for_each_point(
-      outer.corners, tolerance,
-      [&](const Vector3d& point) {
-        const double centres = (point - inner.centre).norm();
-        return centres > safe ? centres - inner.radius : outline_distance(inner.corners, point);
-      },
-      [&](const Vector3d& point, double weight) { sums.add(inner.corners, point, weight, sum); });
+  const auto distance = [&](const Vector3d& point) {
+    const double centres = (point - inner.centre).norm();
+    return centres > safe ? centres - inner.radius : outline_distance(inner.corners, point);
+  };
+  const auto lay = [&](const Vector3d& point, double weight) { sums.add(inner.corners, point, weight, sum); };
+  // References: what a lambda holds would be copied for every pair.
+  for_each_point(outer.corners, tolerance, std::ref(distance), std::ref(lay));
 }
 
 /// Rows of the matrix, near pairs gathered to be evaluated many at a time.
 class Rows {
  public:
   Rows(std::span<const Panel> panels, double tolerance)
-      : panels_(panels), tolerance_(tolerance), farthest_(1 / far_ratio(tolerance)), far_(panels),
-        sums_(tolerance) {}
+      : panels_(panels), tolerance_(tolerance), farthest_(1 / far_ratio(tolerance)), far_(panels) {}
 
   /// The interactions of a panel with the first `count`, but those that `is_known` has written; complete
   /// after flush().

@@ -9,6 +9,8 @@
 
 #include <Eigen/Geometry>
 
+#include "graded_triangles.hpp"
+
 namespace fringe::detail {
 namespace {
 
@@ -21,9 +23,6 @@ constexpr std::size_t few_triangles = 400;
 
 /// As many triangles as a triangle has quarters.
 constexpr std::size_t group_size = 4;
-
-/// A triangle is not made longer, in terms of its height, than this.
-constexpr double slimmest = 60;
 
 /// The triangles that share a side with each one.
 std::vector<std::vector<std::size_t>> neighbours_of(std::span<const Triangle> triangles) {
@@ -106,31 +105,6 @@ std::vector<std::vector<std::size_t>> grouped(std::span<const Triangle> triangle
   return groups;
 }
 
-/// The side of a quartered triangle along which the densities of its corners differ most.
-std::size_t side_to_halve(const Triangle& triangle, const MatrixXd& quarter_charges) {
-  const double longest =
-      (triangle[(longest_side(triangle) + 1) % 3] - triangle[longest_side(triangle)]).norm();
-  std::array<double, 3> changes{};
-  for (std::size_t side = 0; side < 3; ++side) {
-    const auto from = static_cast<Index>(side), to = static_cast<Index>((side + 1) % 3);
-    changes[side] = (quarter_charges.row(from) - quarter_charges.row(to)).norm();
-  }
-  const double largest = *std::max_element(changes.begin(), changes.end());
-  /// Of sides along which it changes about as much the longest is taken.
-  constexpr double about = 0.8;
-  std::size_t chosen = longest_side(triangle);
-  double length = changes[chosen] >= about * largest ? longest : 0;
-  for (std::size_t side = 0; side < 3; ++side) {
-    const double here = (triangle[(side + 1) % 3] - triangle[side]).norm();
-    if (changes[side] >= about * largest && here > (1 + 1e-6) * length) {
-      chosen = side;
-      length = here;
-    }
-  }
-  const double height = twice_area(triangle) / longest;
-  return longest > slimmest * height ? longest_side(triangle) : chosen;
-}
-
 }  // namespace
 
 void PanelMesh::add_quartered(const Triangle& triangle, std::size_t body) {
@@ -140,9 +114,10 @@ void PanelMesh::add_quartered(const Triangle& triangle, std::size_t body) {
   places_before_.resize(panels_.size(), no_place);
 }
 
-void PanelMesh::add(std::size_t body, std::span<const Triangle> triangles) {
+void PanelMesh::add(std::size_t body, std::span<const Triangle> triangles, const PanelGrading& grading) {
   if (triangles.size() <= few_triangles) {
-    for (const Triangle& triangle : triangles)
+    for (const Triangle& triangle :
+         graded_triangles(triangles, grading.missing, grading.most_panels / group_size))
       add_quartered(triangle, body);
     return;
   }

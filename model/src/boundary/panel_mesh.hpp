@@ -20,10 +20,17 @@ struct PanelGroup {
   bool is_quartered;  ///< one triangle, whose quarters the panels are, as `quarters` has them
 };
 
+/// How far panels are divided towards sharp edges before anything is solved for.
+struct PanelGrading {
+  double missing = 1;  ///< the part of a body's energy that one density on each group may miss
+  std::size_t most_panels = 0;
+};
+
 class PanelMesh {
  public:
-  /// A surface of many triangles begins with its own triangles as panels, one of few with their quarters.
-  void add(std::size_t body, std::span<const Triangle> triangles);
+  /// A surface of many triangles begins with its own triangles as panels, one of few with the quarters of
+  /// these or, towards sharp edges, of their parts.
+  void add(std::size_t body, std::span<const Triangle> triangles, const PanelGrading& grading = {});
 
   const std::vector<Panel>& panels() const { return panels_; }
   const std::vector<PanelGroup>& groups() const { return groups_; }

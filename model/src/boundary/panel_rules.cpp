@@ -30,7 +30,10 @@ const TriangleRule* rule_for(double ratio, double allowed) {
     // The rule of one point sees no slope; everything counts twice that it misses.
     if (rule.degree < 2 || (ratio > near_ratio && rule.degree < lowest_near_degree))
       continue;
-    if (std::pow(std::min(ratio, 1.0), rule.degree + 1) <= allowed)
+    double missed = 1;
+    for (int k = 0; k <= rule.degree; ++k)
+      missed *= std::min(ratio, 1.0);
+    if (missed <= allowed)
       return &rule;
   }
   return nullptr;
@@ -49,8 +52,11 @@ class TrianglePoints {
       : allowed_(rule_caution * tolerance / 2), distance_(distance), point_(point) {}
 
   void lay(const Triangle& triangle, double share, int halvings) const {
-    const Panel panel = make_panel(triangle);
-    const TriangleRule* rule = rule_for(panel.radius / distance_(panel.centre), allowed_ / share);
+    const Vector3d centre = (triangle[0] + triangle[1] + triangle[2]) / 3;
+    const double squared_radius =
+        std::max({(triangle[0] - centre).squaredNorm(), (triangle[1] - centre).squaredNorm(),
+                  (triangle[2] - centre).squaredNorm()});
+    const TriangleRule* rule = rule_for(std::sqrt(squared_radius) / distance_(centre), allowed_ / share);
     if (rule == nullptr && halvings < most_triangle_halvings) {
       for (const Triangle& half : halves(triangle, longest_side(triangle)))
         lay(half, share / 2, halvings + 1);

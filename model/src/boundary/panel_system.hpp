@@ -7,6 +7,7 @@
 
 #include "charged_bodies.hpp"
 #include "galerkin_system.hpp"
+#include "panel_equations.hpp"
 #include "panel_mesh.hpp"
 
 /// The Galerkin equations of bodies of faces and bodies of panels (model/BOUNDARY_ELEMENTS.md, section 9).
@@ -21,7 +22,7 @@ struct PanelSolution : GalerkinSolution {
 
 class PanelSystem {
  public:
-  explicit PanelSystem(const ChargedBodies& bodies);
+  explicit PanelSystem(const ChargedBodies& bodies, const PanelGrading& grading = {});
 
   std::size_t faces() const { return faces_.faces(); }
   const PanelMesh& mesh() const { return mesh_; }
@@ -36,12 +37,9 @@ class PanelSystem {
   PanelSolution solve(double accuracy) const;
 
  private:
-  struct Unknowns;
-  struct Nested;
-  Unknowns number() const;
-  Eigen::MatrixXd face_matrix(const Unknowns& unknowns) const;
-  Nested nested_matrix(const Unknowns& unknowns, const Eigen::MatrixXd& face_matrix) const;
-  void add_unseen(const Unknowns& unknowns, const Eigen::MatrixXd& charges, PanelSolution& solution) const;
+  Eigen::MatrixXd face_matrix(const PanelUnknowns& unknowns) const;
+  Eigen::MatrixXd quadrature_effect(const PanelUnknowns& unknowns, const Eigen::MatrixXd& charges,
+                                    const Eigen::MatrixXd& norms) const;
   void refine_coupling(const std::vector<FaceFunctions>& functions, double tolerance);
 
   const ChargedBodies& bodies_;

@@ -7,6 +7,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "charge_kernels.hpp"
+
 namespace fringe::detail {
 namespace {
 
@@ -54,7 +56,7 @@ const JacobiRule& panel_rule(Touches touches, int points) {
 DirectionRule make_whole_rule(EdgeKind edge, int points) {
   const double exponent = edge_exponent(edge);
   const JacobiRule rule = jacobi_rule(points, exponent, exponent);
-  DirectionRule result{rule.nodes, Eigen::MatrixXd(most_functions, points)};
+  DirectionRule result{rule.nodes, Eigen::MatrixXd::Zero(whole_face_blocks(most_functions), points)};
   for (int i = 0; i < points; ++i) {
     weighted_polynomials(edge).evaluate(rule.nodes[i], most_functions, result.weights.col(i).data());
     result.weights.col(i) *= rule.weights[i];

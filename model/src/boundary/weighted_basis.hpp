@@ -64,8 +64,9 @@ JacobiRule jacobi_rule(int points, double right, double left);
 
 /// A rule along one direction of a face: nodes, and weights that contain the functions' values.
 struct DirectionRule {
-  Eigen::VectorXd nodes;    ///< in [−1, 1]
-  Eigen::MatrixXd weights;  ///< (functions, nodes): weight·(1 − x²)^α·p_k(x)
+  Eigen::VectorXd nodes;  ///< in [−1, 1]
+  /// (functions, nodes): weight·(1 − x²)^α·p_k(x). There may be more rows, up to a whole face_block.
+  Eigen::MatrixXd weights;
 };
 
 /// The most points of a rule on the whole of [−1, 1]; what needs more is cut into panels.
