@@ -188,10 +188,14 @@ struct Beginning {
   double error_per_change;
 };
 
+/// See detail::resolving_functions.
+double features(const BoundaryElementOptions& options) {
+  return options.rtol > 3e-3 ? 1 : 2;
+}
+
 Beginning beginning(const ChargedBodies& bodies, std::size_t panels, const BoundaryElementOptions& options) {
   const int least = options.rtol >= 0.01 ? 5 : 7;
-  const double features = options.rtol > 3e-3 ? 1 : 2;
-  Beginning result{detail::resolving_functions(bodies, features, least),
+  Beginning result{detail::resolving_functions(bodies, features(options), least),
                    panels > 0 ? error_per_panel_change : error_per_change};
   if (count_unknowns(result.functions) + panels > options.most_unknowns)
     result = {detail::resolving_functions(bodies, 0, least), error_per_unresolved_change};
@@ -229,22 +233,15 @@ bool refine(PanelSystem& system, const PanelSolution& solution, double excess, s
   return added;
 }
 
-}  // namespace
-
-MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options) {
-  validate(options);
-  if (scene.has_room)
-    throw InputError("room: boundary elements know only free space");
-  const ChargedBodies bodies = detail::charged_bodies(scene);
-  const std::size_t rows = bodies.names.size() - bodies.floating;
-  if (rows == 0)
-    throw InputError("the scene has neither a sensor nor a grounded object");
+/// The answer in metres, to be multiplied by 4πε.
+MaxwellMatrix solve(const ChargedBodies& bodies, const BoundaryElementOptions& options) {
   PanelSystem system(bodies, {grading_part * options.rtol, options.most_unknowns / most_graded_part});
   auto [functions, per_change] = beginning(bodies, system.mesh().panels().size(), options);
 
   MaxwellMatrix answer;
-  answer.conductors.assign(bodies.names.begin(), bodies.names.begin() + static_cast<std::ptrdiff_t>(rows));
-  answer.floating.assign(bodies.names.begin() + static_cast<std::ptrdiff_t>(rows), bodies.names.end());
+  const auto rows = static_cast<std::ptrdiff_t>(bodies.names.size() - bodies.floating);
+  answer.conductors.assign(bodies.names.begin(), bodies.names.begin() + rows);
+  answer.floating.assign(bodies.names.begin() + rows, bodies.names.end());
   answer.sensors = bodies.sensors;
   double tolerance = options.rtol / first_tolerance_part;
   while (true) {
@@ -274,6 +271,30 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
     if (!refine(system, solution, excess, options.most_unknowns, functions) && !tightened)
       break;
   }
+  return answer;
+}
+
+}  // namespace
+
+MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options) {
+  validate(options);
+  if (scene.has_room)
+    throw InputError("room: boundary elements know only free space");
+  ChargedBodies bodies = detail::charged_bodies(scene);
+  if (bodies.names.size() == bodies.floating)
+    throw InputError("the scene has neither a sensor nor a grounded object");
+  /// Two spaces that both miss what is twice as narrow as their functions agree, whatever is asked.
+  constexpr double hopeless = 2 * detail::most_functions;
+  if (auto others = detail::with_triangles_beyond(bodies, features(options), hopeless))
+    bodies = *std::move(others);
+  MaxwellMatrix answer = solve(bodies, options);
+  if (!answer.reached)
+    if (const auto others =
+            detail::with_triangles_beyond(bodies, features(options), detail::most_functions)) {
+      MaxwellMatrix other = solve(*others, options);
+      if (largest_error(other) < largest_error(answer))
+        answer = std::move(other);
+    }
   const double factor = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
   answer.values *= factor;
   answer.errors *= factor;

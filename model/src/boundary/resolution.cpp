@@ -79,26 +79,71 @@ int functions_for(double parameter, double features, int least) {
   return std::clamp(wanted, least, most_functions);
 }
 
+/// log_parameter along both directions of a face, the least over all other bodies' edges.
+Eigen::Vector2d least_parameters(const Face& face, const ChargedBody& body, const ChargedBodies& bodies) {
+  Eigen::Vector2d least = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  for (const ChargedBody& other : bodies.bodies) {
+    if (&other == &body)
+      continue;
+    for (const Segment& edge : edges_of(other)) {
+      least[0] =
+          std::min(least[0], log_parameter(edge, face, face.axis_u, face.half_u, face.axis_v, face.half_v));
+      least[1] =
+          std::min(least[1], log_parameter(edge, face, face.axis_v, face.half_v, face.axis_u, face.half_u));
+    }
+  }
+  return least;
+}
+
+/// The faces' corners, each once: what differs by rounding is the same.
+std::vector<Triangle> triangles_of(const std::vector<Face>& faces) {
+  std::vector<Vector3d> corners;
+  std::vector<Triangle> triangles;
+  for (const Face& face : faces) {
+    /// Far above rounding, and far below the length of an edge.
+    const double same = 1e-9 * std::min(face.half_u, face.half_v);
+    std::array<Vector3d, 4> own;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Vector3d corner = edges_of(face)[k].from;
+      const auto known = std::find_if(corners.begin(), corners.end(),
+                                      [&](const Vector3d& other) { return (other - corner).norm() < same; });
+      own[k] = known == corners.end() ? corners.emplace_back(corner) : *known;
+    }
+    triangles.push_back({own[0], own[1], own[2]});
+    triangles.push_back({own[0], own[2], own[3]});
+  }
+  return triangles;
+}
+
 }  // namespace
 
 std::vector<FaceFunctions> resolving_functions(const ChargedBodies& bodies, double features, int least) {
   std::vector<FaceFunctions> functions;
   for (const ChargedBody& body : bodies.bodies)
     for (const Face& face : body.faces) {
-      double along_u = std::numeric_limits<double>::infinity(), along_v = along_u;
-      for (const ChargedBody& other : bodies.bodies) {
-        if (&other == &body)
-          continue;
-        for (const Segment& edge : edges_of(other)) {
-          along_u = std::min(along_u,
-                             log_parameter(edge, face, face.axis_u, face.half_u, face.axis_v, face.half_v));
-          along_v = std::min(along_v,
-                             log_parameter(edge, face, face.axis_v, face.half_v, face.axis_u, face.half_u));
-        }
-      }
-      functions.push_back({functions_for(along_u, features, least), functions_for(along_v, features, least)});
+      const Eigen::Vector2d parameters = least_parameters(face, body, bodies);
+      functions.push_back(
+          {functions_for(parameters[0], features, least), functions_for(parameters[1], features, least)});
     }
   return functions;
+}
+
+std::optional<ChargedBodies> with_triangles_beyond(const ChargedBodies& bodies, double features,
+                                                   double most) {
+  ChargedBodies result = bodies;
+  bool changed = false;
+  for (std::size_t k = 0; k < bodies.bodies.size(); ++k) {
+    const ChargedBody& body = bodies.bodies[k];
+    const bool beyond = std::any_of(body.faces.begin(), body.faces.end(), [&](const Face& face) {
+      return features > least_parameters(face, body, bodies).minCoeff() * (most - 1);
+    });
+    if (!beyond)
+      continue;
+    result.bodies[k].triangles = triangles_of(body.faces);
+    result.bodies[k].faces.clear();
+    changed = true;
+  }
+  return changed ? std::optional(std::move(result)) : std::nullopt;
 }
 
 }  // namespace fringe::detail

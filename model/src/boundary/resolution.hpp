@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "charged_bodies.hpp"
@@ -11,5 +12,10 @@ namespace fringe::detail {
 ///
 /// @param features how many of the lengths over which the charge changes go with one function at least
 std::vector<FaceFunctions> resolving_functions(const ChargedBodies& bodies, double features, int least);
+
+/// The bodies with triangles in the place of the faces of all that would take more than `most` functions
+/// along a direction of one: before a body far smaller than they are, close to the middle. Nothing if there
+/// are none.
+std::optional<ChargedBodies> with_triangles_beyond(const ChargedBodies& bodies, double features, double most);
 
 }  // namespace fringe::detail

@@ -233,30 +233,10 @@ class ReducedEvaluator::Implementation {
   const MaxwellMatrix& maxwell() {
     motion_.update();
     place();
-    double digits = first_digits();
-    choose_levels();
-    while (true) {
-      lay_nodes(digits);
-      const detail::ReductionLimits limits{options_.steps, most_steps, truncation_share * rtol_};
-      const ReducedSolution& solution = system_->solve(limits);
-      if (!solution.positive_definite) {
-        if (digits >= most_digits) {
-          tell_nothing();
-          break;
-        }
-        digits = most_digits;
-        continue;
-      }
-      tell(solution);
-      if (answer_.reached || triangles_are_too_coarse(solution))
-        break;
-      const double more_digits = missing_digits(solution);
-      const bool tightened = more_digits > 0 && digits < most_digits;
-      if (tightened)
-        digits = std::min(digits + more_digits, most_digits);
-      if (!raise_levels(solution) && !tightened)
-        break;
-    }
+    if (is_too_narrow_for_functions())
+      tell_nothing();
+    else
+      refine_until_reached();
     motion_.settle();
     known_ = true;
     return answer_;
@@ -287,6 +267,45 @@ class ReducedEvaluator::Implementation {
 
   bool moved(std::size_t a, std::size_t b) const {
     return !known_ || !motion_.rigid(bodies_.bodies[a].link, bodies_.bodies[b].link);
+  }
+
+  /// Whether a body casts a shadow on a plate or box that is narrower than any function there: fewer
+  /// functions and more then miss it alike, and their difference tells nothing of the error.
+  bool is_too_narrow_for_functions() const {
+    const double functions = detail::functions_of_level(PreparedShape::levels - 1);
+    for (std::size_t large = 0; large < rigid_.size(); ++large)
+      for (std::size_t small = 0; small < rigid_.size(); ++small)
+        if (large != small && rigid_[large].shape->mesh() == nullptr &&
+            functions * (rigid_[small].scale + gaps_[pair(small, large)]) < rigid_[large].scale)
+          return true;
+    return false;
+  }
+
+  void refine_until_reached() {
+    double digits = first_digits();
+    choose_levels();
+    while (true) {
+      lay_nodes(digits);
+      const detail::ReductionLimits limits{options_.steps, most_steps, truncation_share * rtol_};
+      const ReducedSolution& solution = system_->solve(limits);
+      if (!solution.positive_definite) {
+        if (digits >= most_digits) {
+          tell_nothing();
+          break;
+        }
+        digits = most_digits;
+        continue;
+      }
+      tell(solution);
+      if (answer_.reached || triangles_are_too_coarse(solution))
+        break;
+      const double more_digits = missing_digits(solution);
+      const bool tightened = more_digits > 0 && digits < most_digits;
+      if (tightened)
+        digits = std::min(digits + more_digits, most_digits);
+      if (!raise_levels(solution) && !tightened)
+        break;
+    }
   }
 
   /// Brings the bodies to where they are; throws InputError for two that touch.

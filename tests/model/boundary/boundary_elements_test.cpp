@@ -78,6 +78,23 @@ TEST(BoundaryElements, WithTooFewUnknownsForTheFeaturesStateLargerErrors) {
   EXPECT_TRUE(((answer.values - truth.values).cwiseAbs().array() <= answer.errors.array()).all());
 }
 
+TEST(BoundaryElements, BeforeAWallFeelWhatIsFeltBeforeTheMirrorImage) {
+  // Functions of the whole wall would not see the sensor: triangles take their place.
+  constexpr double gap = 0.01, corner_of_the_wall = 1e-3;
+  Scene wall, box, image;
+  wall.sensors = box.sensors = image.sensors = {sensor("sensor", {square(0.1, 0)})};
+  wall.objects = {object("wall", Plate{4, 4}, at(0, 0, gap))};
+  box.objects = {object("wall", Cuboid{4, 4, 0.2}, at(0, 0, gap + 0.1))};
+  image.objects = {object("image", Plate{0.1, 0.1}, at(0, 0, 2 * gap))};
+  const MaxwellMatrix mirrored = maxwell(image, {.rtol = 1e-4});
+  const double plane = mirrored.values(0, 0) - mirrored.values(0, 1);
+  for (const Scene& scene : {wall, box}) {
+    const MaxwellMatrix answer = maxwell(scene, {.rtol = 1e-2});
+    EXPECT_TRUE(answer.reached);
+    EXPECT_NEAR(answer.values(0, 0), plane, answer.errors(0, 0) + corner_of_the_wall * plane);
+  }
+}
+
 TEST(BoundaryElements, SquarePlate) {
   Scene scene;
   scene.sensors = {sensor("plate", {square(0.1, 0)})};

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <utility>
 
@@ -193,6 +194,18 @@ TEST(Reduced, NearContactIsRightOrNotReached) {
   // Two-terminal capacitance is more than that of the field between the plates alone, which these miss.
   for (const double gap : {1e-4, 1e-6, 1e-9})
     EXPECT_FALSE(reduced_capacitance(plate_above_sensor(gap)).reached) << gap;
+}
+
+TEST(Reduced, KnowsNothingOfAShadowNarrowerThanItsFunctions) {
+  Scene scene = plate_above_sensor(0.01);
+  for (const double side : {2.0, 4.0}) {
+    scene.objects[0].shape = Plate{side, side};
+    const MaxwellMatrix answer = reduced_capacitance(scene);
+    EXPECT_FALSE(answer.reached);
+    EXPECT_TRUE((answer.errors.array() == std::numeric_limits<double>::infinity()).all());
+  }
+  scene.objects[0].shape = Plate{0.5, 0.5};
+  EXPECT_TRUE(covers(reduced_capacitance(scene), maxwell(scene, {.rtol = 1e-2})));
 }
 
 /// A plate or a box of 1 to 30 cm near a sensor of 10 cm, moved at random, sometimes almost touching it.
