@@ -134,6 +134,8 @@ std::optional<ChargedBodies> with_triangles_beyond(const ChargedBodies& bodies, 
   bool changed = false;
   for (std::size_t k = 0; k < bodies.bodies.size(); ++k) {
     const ChargedBody& body = bodies.bodies[k];
+    if (body.conductor < bodies.sensors)
+      continue;
     const bool beyond = std::any_of(body.faces.begin(), body.faces.end(), [&](const Face& face) {
       return features > least_parameters(face, body, bodies).minCoeff() * (most - 1);
     });
