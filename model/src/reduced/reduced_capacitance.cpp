@@ -383,8 +383,7 @@ class ReducedEvaluator::Implementation {
     for (std::size_t other = 0; other < rigid_.size(); ++other)
       if (other != body)
         gap = std::min(gap, gaps_[pair(body, other)] / rigid_[body].scale);
-    const auto level = std::find_if(gaps.begin(), gaps.end(), [&](double end) { return gap > end; });
-    return static_cast<int>(level - gaps.begin());
+    return static_cast<int>(std::count_if(gaps.begin(), gaps.end(), [&](double end) { return gap <= end; }));
   }
 
   /// Beyond, a box takes too long to prepare.
