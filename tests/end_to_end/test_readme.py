@@ -110,7 +110,7 @@ def test_the_values_of_the_options_are_known_and_the_first_is_the_default(tmp_pa
 def test_the_errors_of_the_reduced_method_are_its_steps(tmp_path: Path) -> None:
     scene = model_module().Scene.load(str(example(tmp_path)))
     told = re.search(
-        r"in microseconds per pose: ([\d.]+) %, ([\d.]+) % and ([\d.]+) % for\s+K = 1, 2 and 3", README
+        r"in microseconds per pose: ([\d.]+) %, ([\d.]+) % and\s+([\d.]+) % for\s+K = 1, 2 and 3", README
     )
     assert told is not None
     best = scene.maxwell(rtol=1e-5)["maxwell"]

@@ -280,25 +280,28 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   validate(options);
   if (scene.has_room)
     throw InputError("room: boundary elements know only free space");
-  ChargedBodies bodies = detail::charged_bodies(scene);
+  const ChargedBodies bodies = detail::charged_bodies(scene);
   if (bodies.names.size() == bodies.floating)
     throw InputError("the scene has neither a sensor nor a grounded object");
-  /// Two spaces that both miss what is twice as narrow as their functions agree, whatever is asked.
-  constexpr double hopeless = 2 * detail::most_functions;
-  if (auto others = detail::with_triangles_beyond(bodies, features(options), hopeless))
-    bodies = *std::move(others);
-  MaxwellMatrix answer = solve(bodies, options);
   /// What triangles in the place of faces reach in seconds; with less they would take minutes.
   constexpr double reached_by_triangles = 1e-3;
-  const double rtol = std::max(options.rtol, reached_by_triangles);
-  if (largest_error(answer) > rtol)
-    if (const auto others =
-            detail::with_triangles_beyond(bodies, features(options), detail::most_functions)) {
-      MaxwellMatrix other = solve(*others, {rtol, options.most_unknowns});
-      if (largest_error(other) < largest_error(answer))
+  const BoundaryElementOptions by_triangles{std::max(options.rtol, reached_by_triangles),
+                                            options.most_unknowns};
+  /// Two spaces that both miss what is twice as narrow as their functions agree, whatever is asked.
+  constexpr double hopeless = 2 * detail::most_functions;
+  MaxwellMatrix answer;
+  if (const auto others = detail::with_triangles_beyond(bodies, features(options), hopeless)) {
+    answer = solve(*others, by_triangles);
+  } else {
+    answer = solve(bodies, options);
+    const auto narrow = largest_error(answer) > by_triangles.rtol
+                            ? detail::with_triangles_beyond(bodies, features(options), detail::most_functions)
+                            : std::nullopt;
+    if (narrow)
+      if (MaxwellMatrix other = solve(*narrow, by_triangles); largest_error(other) < largest_error(answer))
         answer = std::move(other);
-      answer.reached = largest_error(answer) <= options.rtol;
-    }
+  }
+  answer.reached = largest_error(answer) <= options.rtol;
   const double factor = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
   answer.values *= factor;
   answer.errors *= factor;
