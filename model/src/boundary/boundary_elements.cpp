@@ -294,7 +294,9 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
     answer = solve(*others, by_triangles);
   } else {
     answer = solve(bodies, options);
-    const auto narrow = largest_error(answer) > by_triangles.rtol
+    /// An answer that is better than this is not worth the seconds.
+    constexpr double useless = 1e-2;
+    const auto narrow = largest_error(answer) > std::max(useless, options.rtol)
                             ? detail::with_triangles_beyond(bodies, features(options), detail::most_functions)
                             : std::nullopt;
     if (narrow)
