@@ -43,7 +43,7 @@ def section(set_ups: str) -> str:
 
 @functools.cache
 def set_ups_document(back: str, back_title: str, inputs: str, script: str) -> str:
-    """The page of the table's set-ups; `back` is the file of the page that leads to it."""
+    """The page of the table's set-ups; `back` is the file of the page that leads to it, `inputs` the hash of what it is made from."""
     found, _ = _published()
     texts = {case.id: case for case in stage.cases()}
     around = Around(
@@ -55,9 +55,7 @@ def set_ups_document(back: str, back_title: str, inputs: str, script: str) -> st
         f"table anew: {installation.command('analysis')} table",
         (f"--method boundary-elements --rtol {min(stage.RTOLS):g}",),
     )
-    return set_ups_page.document(
-        around, [_shown(row, texts[row.case]) for row in found], table.digest(), script
-    )
+    return set_ups_page.document(around, [_shown(row, texts[row.case]) for row in found], inputs, script)
 
 
 @functools.cache

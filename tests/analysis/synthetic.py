@@ -8,7 +8,7 @@ from typing import Any
 
 from analysis import results, store
 from analysis.jobs import Failure
-from geometries import study
+from geometries import families, study
 from geometries.writer import canonical
 
 HEAD = """
@@ -101,6 +101,57 @@ def model_document(exact: float, coarse: float | None = None) -> dict[str, Any]:
             }
             for method, value in values.items()
         },
+    }
+
+
+def corrections_document() -> dict[str, Any]:
+    """The document of the corrections: three of them in two sealed set-ups, which leave the formula 1 % and -6 % off."""
+    errors = {"count": 9, "rms": 0.02, "median": 0.01, "percentile_95": 0.04, "worst": 0.07}
+    entries = [
+        {
+            "name": name,
+            "formula": "f < g",
+            "source": "s",
+            "constants": "",
+            "cost": "c",
+            "all": errors,
+            "open": errors,
+            "sealed": {**errors, "rms": rms},
+            "left_out": errors,
+            "families": {"parallel": errors},
+        }
+        for name, rms in (("none", 0.5), ("formula", 0.021), ("recommended", 0.001))
+    ]
+    return {
+        "key": "",
+        "truths": "truths.csv",
+        "set_ups": 9,
+        "sealed": 3,
+        "corrections": entries,
+        "discrepancy": {
+            "correction": "formula",
+            "open": errors,
+            "sealed": errors,
+            "open_coverage": 0.95,
+            "sealed_coverage": 0.94,
+        },
+        "nanoseconds": {"plate": {"none": 100.0, "formula": 220.0, "recommended": 900.0}},
+        "cases": [_corrected("parallel-000", 0.01), _corrected("parallel-001", -0.06)],
+    }
+
+
+def _corrected(name: str, error: float) -> dict[str, Any]:
+    """A set-up in which the formula is off by so much."""
+    return {
+        "name": name,
+        "family": "parallel",
+        "sealed": True,
+        "distance": 0.02,
+        "sensor_size": 0.1,
+        "truth": PICO,
+        "error": 1e-4 * PICO,
+        "estimates": {"none": 0.5 * PICO, "formula": (1 + error) * PICO, "recommended": PICO},
+        "scene": canonical(families.parallel((0.1, 0.1), (0.1, 0.1), 0.02)),
     }
 
 

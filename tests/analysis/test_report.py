@@ -9,12 +9,19 @@ from pathlib import Path
 import pytest
 
 from analysis import plot_of_time, report, results, store, table
+from analysis.corrections import stage as corrections_stage
 from analysis.jobs import Failure
 from analysis.nightly import history_page
 from analysis.page import SCRIPT
 from analysis.questions import QUESTIONS
 from geometries.errors import InputError
-from tests.analysis.synthetic import make_results, model_document, reference_document, report_text
+from tests.analysis.synthetic import (
+    corrections_document,
+    make_results,
+    model_document,
+    reference_document,
+    report_text,
+)
 
 
 @pytest.fixture
@@ -129,6 +136,24 @@ def test_a_page_of_set_ups_that_is_gone_is_made_again(folder: Path) -> None:
     (folder / "report.html").unlink()
     report.make(folder)
     assert (folder / "report" / "set_ups" / "published.html").is_file()
+
+
+def test_pages_of_set_ups_are_made_again_only_when_what_they_show_has_changed(tmp_path: Path) -> None:
+    folder = make_results(tmp_path / "results")
+    corrections = corrections_stage.beside(folder) / corrections_stage.DOCUMENT
+    document = corrections_document()
+    store.write_json(corrections, document)
+    report.make(folder)
+    pages = [folder / "report" / "set_ups" / f"{name}.html" for name in ("corrections", "published")]
+    before = [page.stat().st_mtime_ns for page in pages]
+    (folder / "report.html").unlink()
+    (folder / "report" / "pages.json").unlink()
+    report.make(folder)
+    assert [page.stat().st_mtime_ns for page in pages] == before
+    store.write_json(corrections, {**document, "sealed": 2})
+    report.make(folder)
+    after = [page.stat().st_mtime_ns for page in pages]
+    assert after[0] != before[0] and after[1] == before[1]
 
 
 def test_only_the_page_of_a_case_that_changed_is_made_again(folder: Path) -> None:
