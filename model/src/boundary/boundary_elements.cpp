@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "charged_bodies.hpp"
 #include "fringe/error.hpp"
+#include "group_densities.hpp"
+#include "groups_to_refine.hpp"
 #include "matrix_changes.hpp"
 #include "panel_system.hpp"
 #include "resolution.hpp"
@@ -20,8 +21,6 @@ namespace {
 using detail::changes;
 using detail::ChargedBodies;
 using detail::FaceFunctions;
-using detail::PanelGroup;
-using detail::PanelMesh;
 using detail::PanelSolution;
 using detail::PanelSystem;
 using detail::without_floating;
@@ -36,11 +35,6 @@ constexpr double loosest_rtol = 0.5;
 /// and plates on their own show the power 3.3 or more. Narrow features that are only just seen do worse: in
 /// random poses (BOUNDARY_ELEMENTS.md, section 7) 1.2 times the change was met.
 constexpr double error_per_change = 1.5;
-
-/// The same with panels, whose error falls more slowly: singular edges leave the first power of their number
-/// along a direction where they are not resolved, and the shadow of a body close by as much as 1.6 times the
-/// change.
-constexpr double error_per_panel_change = 2;
 
 /// Where there are more features than functions: two spaces that both miss them agree. In random near poses
 /// ten times the change was met.
@@ -145,36 +139,6 @@ bool add_functions(const PanelSolution& solution, double allowed_of_all, double 
   return added;
 }
 
-/// The groups of panels that hold the most, as many as it takes to come below the allowed energy, or to have
-/// the greater part of it, and no more than make `most` panels more. Empty if none is to be refined.
-std::vector<bool> groups_to_refine(const PanelSolution& solution, const std::vector<PanelGroup>& groups,
-                                   double allowed, std::size_t most) {
-  /// What a refined group goes on to hold, of what it held; less where the charge is smooth.
-  constexpr double left = 0.4;
-  /// The rest is too little to be known to be worth refining.
-  constexpr double greater_part = 0.75;
-  std::vector<std::size_t> order(groups.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto energy = [&](std::size_t group) { return solution.group_energies[static_cast<Index>(group)]; };
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return energy(a) > energy(b); });
-  const double total = solution.group_energies.sum();
-  double taken = 0, last = 0;
-  std::size_t added = 0;
-  std::vector<bool> marked(groups.size(), false);
-  for (const std::size_t group : order) {
-    /// Groups that are alike but for the quadratures' errors are refined together.
-    constexpr double alike = 0.99;
-    const bool enough = total - (1 - left) * taken <= allowed || taken >= greater_part * total;
-    if ((enough && energy(group) < alike * last) || added + PanelMesh::growth(groups[group]) > most)
-      break;
-    marked[group] = true;
-    last = energy(group);
-    added += PanelMesh::growth(groups[group]);
-    taken += last;
-  }
-  return added > 0 ? marked : std::vector<bool>{};
-}
-
 std::size_t count_unknowns(const std::vector<FaceFunctions>& functions) {
   std::size_t unknowns = 0;
   for (const FaceFunctions& face : functions)
@@ -196,7 +160,7 @@ double features(const BoundaryElementOptions& options) {
 Beginning beginning(const ChargedBodies& bodies, std::size_t panels, const BoundaryElementOptions& options) {
   const int least = options.rtol >= 0.01 ? 5 : 7;
   Beginning result{detail::resolving_functions(bodies, features(options), least),
-                   panels > 0 ? error_per_panel_change : error_per_change};
+                   panels > 0 ? detail::error_per_panel_change : error_per_change};
   if (count_unknowns(result.functions) + panels > options.most_unknowns)
     result = {detail::resolving_functions(bodies, 0, least), error_per_unresolved_change};
   if (count_unknowns(result.functions) + panels > options.most_unknowns)
@@ -224,8 +188,8 @@ bool refine(PanelSystem& system, const PanelSolution& solution, double excess, s
   if (used > most_unknowns)
     return false;
   /// A solution takes several times as long with twice as many; what the charges tell now is worth that.
-  const std::vector<bool> marked =
-      groups_to_refine(solution, system.mesh().groups(), allowed, std::min(panels, most_unknowns - used));
+  const std::vector<bool> marked = detail::groups_to_refine(system.mesh().groups(), solution.group_energies,
+                                                            allowed, std::min(panels, most_unknowns - used));
   if (!marked.empty()) {
     system.refine_groups(marked, solution.charges);
     added = true;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "group_densities.hpp"
+
 namespace fringe::detail {
 
 using Eigen::Index;
@@ -10,24 +12,11 @@ using Eigen::VectorXd;
 
 NestedSpace::NestedSpace(const PanelEquations& equations)
     : equations_(equations), group_count_(index_of(equations.mesh.groups().size())),
-      coarse_(index_of(equations.unknowns.coarse.size())) {
-  find_shares();
+      coarse_(index_of(equations.unknowns.coarse.size())), shares_(area_shares(equations.mesh)) {
   factor_.compute(matrix());
   is_positive_definite_ = factor_.info() == Eigen::Success;
   for (const auto& group : groups_)
     is_positive_definite_ &= group.info() == Eigen::Success;
-}
-
-void NestedSpace::find_shares() {
-  const std::vector<Panel>& panels = equations_.mesh.panels();
-  shares_.resize(index_of(panels.size()));
-  for (const PanelGroup& group : equations_.mesh.groups()) {
-    double area = 0;
-    for (std::size_t k = 0; k < group.count; ++k)
-      area += panels[group.first + k].area;
-    for (std::size_t k = 0; k < group.count; ++k)
-      shares_[index_of(group.first + k)] = panels[group.first + k].area / area;
-  }
 }
 
 /// Of the faces' functions, those of the smaller space first.
@@ -45,22 +34,15 @@ MatrixXd NestedSpace::matrix() {
   for (std::size_t column = 0; column < functions.size(); ++column)
     for (std::size_t row = column; row < functions.size(); ++row)
       matrix(place(row), place(column)) = equations_.faces(functions[row], functions[column]);
+  matrix.block(coarse_, coarse_, group_count_, group_count_).triangularView<Eigen::Lower>() =
+      group_matrix(equations_.mesh, shares_, equations_.panels);
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const auto first = index_of(groups[g].first), count = index_of(groups[g].count);
-    const auto shares = shares_.segment(first, count);
-    const VectorXd with_faces = equations_.coupling.middleCols(first, count) * shares;
+    const VectorXd with_faces = equations_.coupling.middleCols(first, count) * shares_.segment(first, count);
     const Index at = coarse_ + index_of(g);
     for (std::size_t k = 0; k < functions.size(); ++k)
       matrix(std::max(place(k), at), std::min(place(k), at)) = with_faces[functions[k]];
-    // The groups before: whole columns above the diagonal.
-    const VectorXd column = equations_.panels.middleCols(first, count).topRows(first) * shares;
-    for (std::size_t h = 0; h < g; ++h)
-      matrix(at, coarse_ + index_of(h)) =
-          column.segment(index_of(groups[h].first), index_of(groups[h].count))
-              .dot(shares_.segment(index_of(groups[h].first), index_of(groups[h].count)));
-    const MatrixXd own = equations_.panels.block(first, first, count, count).selfadjointView<Eigen::Upper>();
-    matrix(at, at) = shares.dot(own * shares);
-    groups_.emplace_back(own);
+    groups_.emplace_back(matrix_of_group(groups[g], equations_.panels));
   }
   return matrix;
 }
@@ -71,11 +53,7 @@ VectorXd NestedSpace::restricted(const VectorXd& full) const {
   VectorXd result(unknowns.functions + group_count_);
   for (Index k = 0; k < coarse_; ++k)
     result[k] = full[unknowns.coarse[static_cast<std::size_t>(k)]];
-  for (Index g = 0; g < group_count_; ++g) {
-    const PanelGroup& group = equations_.mesh.groups()[static_cast<std::size_t>(g)];
-    const auto first = index_of(group.first), count = index_of(group.count);
-    result[coarse_ + g] = full.segment(unknowns.functions + first, count).dot(shares_.segment(first, count));
-  }
+  result.segment(coarse_, group_count_) = group_means(equations_.mesh, shares_, full.tail(shares_.size()));
   for (std::size_t k = 0; k < unknowns.highest.size(); ++k)
     result[coarse_ + group_count_ + index_of(k)] = full[unknowns.highest[k]];
   return result;

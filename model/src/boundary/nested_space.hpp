@@ -28,7 +28,6 @@ class NestedSpace {
   Eigen::VectorXd preconditioned(const Eigen::VectorXd& residual) const;
 
  private:
-  void find_shares();
   Eigen::MatrixXd matrix();
   Eigen::Index place(std::size_t function) const;
   Eigen::VectorXd restricted(const Eigen::VectorXd& full) const;

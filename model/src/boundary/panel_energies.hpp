@@ -4,16 +4,18 @@
 
 #include "panel_equations.hpp"
 
-/// What the charges of faces and panels tell of the energy that is missing. `charges` are those of all
-/// unknowns, a column for every conductor at a potential of one, `own` the conductors' own capacitances.
+/// What the charges of faces and panels tell of the energy that is missing. `charges` have a column for every
+/// case, as a conductor at a potential of one, `own` the cases' energies.
 namespace fringe::detail {
 
 /// For every group of panels, what their own densities hold more than one density would, relative to the
-/// conductors' energies. `shares` are the panels' parts of their groups' areas.
-Eigen::VectorXd group_energies(const PanelEquations& equations, const Eigen::VectorXd& shares,
-                               const Eigen::MatrixXd& charges, const Eigen::VectorXd& own);
+/// cases' energies, the largest of them. `panels` is panel_matrix, `shares` area_shares, and `charges` are
+/// the panels'.
+Eigen::VectorXd group_energies(const PanelMesh& mesh, const Eigen::MatrixXd& panels,
+                               const Eigen::VectorXd& shares, const Eigen::MatrixXd& charges,
+                               const Eigen::VectorXd& own);
 
-/// What the panels that were never divided would gain if they were.
+/// What the panels that were never divided would gain if they were. `charges` are those of all unknowns.
 struct UnseenEnergy {
   Eigen::MatrixXd gained;  ///< by every pair of conductors, all panels together; empty if none is undivided
   Eigen::VectorXd groups;  ///< by every group, as group_energies() has them

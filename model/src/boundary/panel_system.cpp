@@ -146,7 +146,7 @@ PanelSolution PanelSystem::solve(double accuracy) const {
     of_faces.emplace_back(found.charges.middleRows(unknowns.first[face], faces_.functions(face).count()));
   const FaceEnergies of_highest = faces_.energies(of_faces, own);
   solution.highest = of_highest.highest;
-  solution.group_energies = group_energies(equations, nested.shares(), found.charges, own);
+  solution.group_energies = group_energies(mesh_, panels_, nested.shares(), solution.charges, own);
   const UnseenEnergy unseen = unseen_energy(equations, found.charges, own, panel_tolerance_);
   if (unseen.gained.size() > 0) {
     solution.all.coarse -= unseen.gained;
