@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -15,6 +14,7 @@
 #include "fringe/pose.hpp"
 #include "fringe/reduced_capacitance.hpp"
 #include "fringe/triangulation.hpp"
+#include "random_poses.hpp"
 #include "reduced/mesh_gap.hpp"
 #include "reduced/prepared_mesh.hpp"
 
@@ -25,28 +25,13 @@ using Eigen::Isometry3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using test::at;
+using test::covers;
 using test::object;
 using test::per_length;
+using test::Random;
 using test::sensor;
 using test::square;
 using testing::HasSubstr;
-
-/// The standard library's distributions differ from one to the other.
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double operator()(double from, double to) {
-    return from + (to - from) * static_cast<double>(engine_() >> 11) * 0x1p-53;
-  }
-  Isometry3d turned(const Vector3d& to) {
-    Isometry3d pose(Eigen::Translation3d{to});
-    pose.rotate(Eigen::AngleAxisd((*this)(0, 3), Vector3d((*this)(-1, 1), (*this)(-1, 1), 0.3).normalized()));
-    return pose;
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 /// The triangles of a shape, each cut into four so many times.
 Mesh mesh_of(const Shape& shape, int quarterings = 0) {
@@ -73,13 +58,6 @@ Scene above_sensor(const Shape& shape, const Isometry3d& pose) {
 /// So few triangles as to be prepared quickly.
 const ReducedOptions loose{.steps = 1, .rtol = 0.1};
 
-bool covers(const MaxwellMatrix& answer, const MaxwellMatrix& truth) {
-  return ((answer.values - truth.values).array().abs() <= (answer.errors + truth.errors).array()).all() &&
-         ((answer.delta_self - truth.delta_self).array().abs() <=
-          (answer.delta_self_errors + truth.delta_self_errors).array())
-             .all();
-}
-
 TEST(ReducedMeshes, ALoneCubeIsTheCubesCapacitance) {
   Scene scene;
   scene.objects = {object("cube", mesh_of(Cuboid{0.02, 0.02, 0.02}), at(1, 2, 3))};
@@ -99,7 +77,7 @@ TEST(ReducedMeshes, TheStatedErrorCoversThatOfABoxInRandomPoses) {
   ReducedEvaluator evaluator(above_sensor(mesh_of(box), at(0, 0, 1)), {.steps = 1, .rtol = {}});
   for (int k = 0; k < count; ++k) {
     const Isometry3d pose =
-        random.turned({random(-0.08, 0.08), random(-0.08, 0.08), 0.015 + 0.05 * random(0, 1)});
+        test::turned_at(random.in_box({-0.08, -0.08, 0.015}, {0.08, 0.08, 0.065}), random);
     MaxwellMatrix truth;
     try {
       truth = maxwell(above_sensor(box, pose), {.rtol = 1e-3});
@@ -210,7 +188,7 @@ TEST(ReducedMeshes, TheGapIsNoMoreThanTheDistance) {
   Random random(3);
   int known = 0;
   for (int k = 0; k < 200; ++k) {
-    const Isometry3d pose = random.turned({random(-2, 2), random(-2, 2), random(-2, 2)}),
+    const Isometry3d pose = test::turned_at(random.in_box({-2, -2, -2}, {2, 2, 2}), random),
                      back = pose.inverse();
     double distance = 1e9;
     for (const Triangle& triangle : ball.mesh()->triangles())
