@@ -12,26 +12,24 @@
 
 #include "../boundary/charged_bodies.hpp"
 #include "../boundary/matrix_changes.hpp"
-#include "../boundary/panel_mesh.hpp"
 #include "../collision/quick_search.hpp"
 #include "../link_motion.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
-#include "fringe/triangulation.hpp"
 #include "mesh_gap.hpp"
-#include "prepared_mesh.hpp"
 #include "reduced_system.hpp"
+#include "rigid_bodies.hpp"
+#include "shared_shapes.hpp"
 
 namespace fringe {
 namespace {
 
 using detail::BodySmoothness;
 using detail::ChargedBodies;
-using detail::ChargedBody;
-using detail::Face;
 using detail::PlacedBody;
 using detail::PreparedShape;
 using detail::ReducedSolution;
+using detail::RigidBody;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
@@ -69,103 +67,6 @@ void validate_options(const ReducedOptions& options) {
         fmt::format("rtol {} must be from {} to {}", rtol, strictest_reduced_rtol, loosest_reduced_rtol));
 }
 
-/// A body in the frame of its link, as the shape it shares with others of its kind.
-struct RigidBody {
-  PreparedShape* shape;
-  double scale;
-  Eigen::Isometry3d on_link;
-};
-
-Vector3d half_sides_of(const ChargedBody& body) {
-  return body.faces.size() == 1 ? Vector3d(body.faces[0].half_u, body.faces[0].half_v, 0) : body.half_sides;
-}
-
-Eigen::Isometry3d frame_of(const ChargedBody& body) {
-  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
-  if (body.faces.size() == 1) {
-    const Face& face = body.faces[0];
-    frame.linear() << face.axis_u, face.axis_v, face.axis_u.cross(face.axis_v);
-    frame.translation() = face.centre;
-    return frame;
-  }
-  // The faces −x and −z, as faces_of_box has them.
-  frame.linear() << body.faces[4].axis_u, body.faces[0].axis_u, body.faces[0].axis_v;
-  frame.translation() = (body.faces[0].centre + body.faces[1].centre) / 2;
-  return frame;
-}
-
-std::vector<Face> faces_of(std::size_t count, const Vector3d& half_sides) {
-  if (count == 1)
-    return {{Vector3d::Zero(), Vector3d::UnitX(), Vector3d::UnitY(), half_sides.x(), half_sides.y(),
-             detail::EdgeKind::thin}};
-  const auto faces = detail::faces_of_box(half_sides);
-  return {faces.begin(), faces.end()};
-}
-
-/// A body's triangles about the origin, in units of their extent.
-struct UnitTriangles {
-  std::vector<Triangle> triangles;
-  Vector3d centre;
-  double scale;
-};
-
-UnitTriangles in_unit(std::vector<Triangle> triangles) {
-  Eigen::AlignedBox3d box;
-  for (const Triangle& triangle : triangles)
-    for (const Vector3d& corner : triangle)
-      box.extend(corner);
-  const UnitTriangles unit{{}, box.center(), box.sizes().maxCoeff() / 2};
-  for (Triangle& triangle : triangles)
-    for (Vector3d& corner : triangle)
-      corner = (corner - unit.centre) / unit.scale;
-  return {std::move(triangles), unit.centre, unit.scale};
-}
-
-/// Throws InputError for a body of more triangles than are prepared.
-void refuse_large(const ChargedBody& body) {
-  detail::PanelMesh mesh;
-  if (body.triangles.size() <= detail::most_mesh_panels)
-    mesh.add(0, body.triangles);
-  if (std::max(body.triangles.size(), mesh.panels().size()) > detail::most_mesh_panels)
-    throw InputError(fmt::format("{} has {} triangles, hence {} panels: the reduced method ends at {}",
-                                 body.name, body.triangles.size(),
-                                 std::max(body.triangles.size(), mesh.panels().size()),
-                                 detail::most_mesh_panels));
-}
-
-/// The objects in the order of bodies_on_links.
-std::vector<const Object*> ordered_objects(const Scene& scene) {
-  std::vector<const Object*> objects;
-  for (const bool floating : {false, true})
-    for (const Object& object : scene.objects)
-      if (std::holds_alternative<Floating>(object.role) == floating)
-        objects.push_back(&object);
-  return objects;
-}
-
-/// Shapes by their proportions.
-class Shapes {
- public:
-  PreparedShape* find(const std::vector<Triangle>& triangles, double accuracy) {
-    for (const auto& shape : shapes_)
-      if (shape->mesh() != nullptr && shape->mesh()->triangles() == triangles)
-        return shape.get();
-    shapes_.push_back(std::make_unique<PreparedShape>(triangles, accuracy));
-    return shapes_.back().get();
-  }
-
-  PreparedShape* find(std::size_t faces, const Vector3d& half_sides) {
-    for (const auto& shape : shapes_)
-      if (shape->faces().size() == faces && shape->half_sides() == half_sides)
-        return shape.get();
-    shapes_.push_back(std::make_unique<PreparedShape>(faces_of(faces, half_sides), half_sides));
-    return shapes_.back().get();
-  }
-
- private:
-  std::vector<std::unique_ptr<PreparedShape>> shapes_;
-};
-
 }  // namespace
 
 double rtol_of(const ReducedOptions& options) {
@@ -193,8 +94,6 @@ class ReducedEvaluator::Implementation {
     if (scene.has_room)
       throw InputError("room: boundary elements know only free space");
     bodies_ = detail::bodies_on_links(scene);
-    for (const ChargedBody& body : bodies_.bodies)
-      refuse_large(body);
     const std::size_t rows = bodies_.names.size() - bodies_.floating;
     if (rows == 0)
       throw InputError("the scene has neither a sensor nor a grounded object");
@@ -205,14 +104,10 @@ class ReducedEvaluator::Implementation {
     answer_.lower_bounds.assign(rows, false);
     factor_ = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
 
-    const std::vector<const Object*> objects = ordered_objects(scene);
+    rigid_ = detail::rigid_bodies(scene, bodies_, triangle_share * rtol_, shapes_);
     double largest = 0;
-    for (std::size_t k = 0; k < bodies_.bodies.size(); ++k) {
-      const ChargedBody& body = bodies_.bodies[k];
-      rigid_.push_back(body.faces.empty() ? rigid_mesh(*objects[k + objects.size() - bodies_.bodies.size()])
-                                          : rigid_faces(body));
-      largest = std::max(largest, rigid_.back().scale);
-    }
+    for (const RigidBody& body : rigid_)
+      largest = std::max(largest, body.scale);
     // A power of two: what is computed in it is what would be computed in metres.
     unit_ = std::exp2(std::ilogb(largest));
     std::vector<detail::ReducedBody> reduced;
@@ -245,22 +140,6 @@ class ReducedEvaluator::Implementation {
  private:
   /// More than single precision can use.
   static constexpr double most_digits = 16;
-
-  RigidBody rigid_faces(const ChargedBody& body) {
-    const Vector3d half_sides = half_sides_of(body);
-    const double scale = half_sides.maxCoeff();
-    return {shapes_.find(body.faces.size(), half_sides / scale), scale, frame_of(body)};
-  }
-
-  RigidBody rigid_mesh(const Object& object) {
-    const UnitTriangles unit = in_unit(triangulate(object.shape));
-    try {
-      return {shapes_.find(unit.triangles, triangle_share * rtol_), unit.scale,
-              object.pose * Eigen::Translation3d(unit.centre)};
-    } catch (const InputError& error) {
-      throw InputError(fmt::format("object \"{}\": {}", object.name, error.what()));
-    }
-  }
 
   /// Of the inner quadrature; the outer takes half.
   double first_digits() const { return std::max(6 - 2 * std::log10(rtol_ / 1e-3), 3.0); }
@@ -499,7 +378,7 @@ class ReducedEvaluator::Implementation {
   ChargedBodies bodies_;
   double unit_ = 1;  ///< of length, in metres
   double factor_ = 1;
-  Shapes shapes_;
+  detail::SharedShapes shapes_;
   std::vector<RigidBody> rigid_;
   std::vector<PlacedBody> placed_;
   std::vector<BodySmoothness> smoothness_;     ///< of every body as seen by every other
