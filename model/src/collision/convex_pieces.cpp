@@ -28,14 +28,6 @@ AlignedBox3d centred_box(double x, double y, double z) {
   return enlarged({Vector3d(-x, -y, -z), Vector3d(x, y, z)});
 }
 
-OrientedBox oriented(const AlignedBox3d& box) {
-  return {box.center(), Eigen::Matrix3d::Identity(), enlarged(box).sizes() / 2};
-}
-
-ConvexPieces single(ConvexShape shape, const AlignedBox3d& box) {
-  return {{{std::move(shape)}}, BoxTree({&box, 1}), oriented(box)};
-}
-
 /// Around the sector of a ring from −half to +half (radians).
 AlignedBox3d sector_box(double inner, double outer, double height, double half) {
   constexpr double quarter = std::numbers::pi / 2;
@@ -44,28 +36,70 @@ AlignedBox3d sector_box(double inner, double outer, double height, double half) 
   return enlarged({Vector3d(low_x, -y, -height / 2), Vector3d(outer, y, height / 2)});
 }
 
+AlignedBox3d box_of(const Plate& plate) {
+  return centred_box(plate.size_x / 2, plate.size_y / 2, 0);
+}
+
+AlignedBox3d box_of(const Cuboid& cuboid) {
+  return centred_box(cuboid.size_x / 2, cuboid.size_y / 2, cuboid.size_z / 2);
+}
+
+AlignedBox3d box_of(const Cylinder& cylinder) {
+  return centred_box(cylinder.radius, cylinder.radius, cylinder.height / 2);
+}
+
+AlignedBox3d box_of(const Cone& cone) {
+  return centred_box(cone.radius, cone.radius, cone.height / 2);
+}
+
+AlignedBox3d box_of(const Sphere& sphere) {
+  return centred_box(sphere.radius, sphere.radius, sphere.radius);
+}
+
+AlignedBox3d box_of(const Arc& arc) {
+  return sector_box(arc.inner_radius, arc.outer_radius, arc.height, arc.degrees / 2 * std::numbers::pi / 180);
+}
+
+template <typename Form>
+OrientedBox enclosing_box_of(const Form& form) {
+  const AlignedBox3d box = box_of(form);
+  return {box.center(), Eigen::Matrix3d::Identity(), enlarged(box).sizes() / 2};
+}
+
+OrientedBox enclosing_box_of(const Mesh& mesh) {
+  std::vector<Vector3d> vertices;
+  std::vector<Face> faces;
+  for (const Triangle& triangle : mesh.triangles) {
+    faces.push_back({vertices.size(), vertices.size() + 1, vertices.size() + 2});
+    vertices.insert(vertices.end(), triangle.begin(), triangle.end());
+  }
+  return oriented_box(vertices, faces, BoxMethod::tight);
+}
+
+template <typename Form>
+ConvexPieces single(ConvexShape shape, const Form& form) {
+  const AlignedBox3d box = box_of(form);
+  return {{{std::move(shape)}}, BoxTree({&box, 1})};
+}
+
 ConvexPieces pieces_of(const Plate& plate) {
-  return single(ConvexShape::cuboid({plate.size_x, plate.size_y, 0}),
-                centred_box(plate.size_x / 2, plate.size_y / 2, 0));
+  return single(ConvexShape::cuboid({plate.size_x, plate.size_y, 0}), plate);
 }
 
 ConvexPieces pieces_of(const Cuboid& cuboid) {
-  return single(ConvexShape::cuboid({cuboid.size_x, cuboid.size_y, cuboid.size_z}),
-                centred_box(cuboid.size_x / 2, cuboid.size_y / 2, cuboid.size_z / 2));
+  return single(ConvexShape::cuboid({cuboid.size_x, cuboid.size_y, cuboid.size_z}), cuboid);
 }
 
 ConvexPieces pieces_of(const Cylinder& cylinder) {
-  return single(ConvexShape::cylinder(cylinder.radius, cylinder.height),
-                centred_box(cylinder.radius, cylinder.radius, cylinder.height / 2));
+  return single(ConvexShape::cylinder(cylinder.radius, cylinder.height), cylinder);
 }
 
 ConvexPieces pieces_of(const Cone& cone) {
-  return single(ConvexShape::cone(cone.radius, cone.height),
-                centred_box(cone.radius, cone.radius, cone.height / 2));
+  return single(ConvexShape::cone(cone.radius, cone.height), cone);
 }
 
 ConvexPieces pieces_of(const Sphere& sphere) {
-  return single(ConvexShape::ball(sphere.radius), centred_box(sphere.radius, sphere.radius, sphere.radius));
+  return single(ConvexShape::ball(sphere.radius), sphere);
 }
 
 ConvexPieces pieces_of(const Arc& arc) {
@@ -85,29 +119,26 @@ ConvexPieces pieces_of(const Arc& arc) {
     boxes.push_back(enlarged(own_box.transformed(pose)));
   }
   pieces.tree = BoxTree(boxes);
-  pieces.box = oriented(
-      sector_box(arc.inner_radius, arc.outer_radius, arc.height, arc.degrees / 2 * std::numbers::pi / 180));
   return pieces;
 }
 
 ConvexPieces pieces_of(const Mesh& mesh) {
   ConvexPieces pieces;
   std::vector<AlignedBox3d> boxes;
-  std::vector<Vector3d> vertices;
-  std::vector<Face> faces;
   for (const Triangle& triangle : mesh.triangles) {
     pieces.pieces.push_back({ConvexShape::hull(triangle)});
     boxes.push_back(axis_aligned_box(triangle));
-    faces.push_back({vertices.size(), vertices.size() + 1, vertices.size() + 2});
-    vertices.insert(vertices.end(), triangle.begin(), triangle.end());
   }
   pieces.tree = BoxTree(boxes);
-  pieces.box = oriented_box(vertices, faces, BoxMethod::tight);
   pieces.bounds_volume = is_closed(mesh.triangles);
   return pieces;
 }
 
 }  // namespace
+
+OrientedBox enclosing_box(const Shape& shape) {
+  return std::visit([](const auto& form) { return enclosing_box_of(form); }, shape);
+}
 
 ConvexPieces convex_pieces(const Shape& shape) {
   return std::visit([](const auto& form) { return pieces_of(form); }, shape);

@@ -17,16 +17,17 @@ struct ConvexPiece {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< from the piece's frame to the shape's
 };
 
-/// A shape as pieces whose union it is (or its surface, of a mesh), with what encloses it; all in the shape's
-/// frame.
+/// A shape as pieces whose union it is (or its surface, of a mesh), in the shape's frame.
 struct ConvexPieces {
   std::vector<ConvexPiece> pieces;
-  BoxTree tree;     ///< over the pieces
-  OrientedBox box;  ///< around all
+  BoxTree tree;  ///< over the pieces
 
   /// Whether the pieces are triangles that bound a volume, which then belongs to the shape.
   bool bounds_volume = false;
 };
+
+/// Around a shape, in its frame; it costs a mesh little beside its pieces.
+OrientedBox enclosing_box(const Shape& shape);
 
 /// An arc becomes a piece for each of its segments, a mesh one for each triangle.
 ConvexPieces convex_pieces(const Shape& shape);

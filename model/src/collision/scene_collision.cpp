@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "../link_motion.hpp"
 #include "box_overlap.hpp"
@@ -37,63 +39,70 @@ AlignedBox3d enclosing(const OrientedBox& box) {
   return {box.centre - reach - margin, box.centre + reach + margin};
 }
 
-/// An object that can collide.
+/// An object that can collide with another.
 struct Body {
-  std::size_t object;  ///< index in the scene
-  ConvexPieces pieces;
-  Isometry3d pose;  ///< in the world
-  OrientedBox box;  ///< in the world
+  std::size_t index;  ///< in the scene
+  Object object;
+  OrientedBox own_box;                       ///< around the shape, in its frame
+  std::optional<ConvexPieces> pieces = {};   ///< of the shape, once its box has met another's
+  Isometry3d pose = Isometry3d::Identity();  ///< in the world
+  OrientedBox box = {};                      ///< in the world
 };
 
-/// Whether two bodies have a point in common, by the pieces whose boxes meet.
+/// Whether two bodies have a point in common, by the pieces whose boxes meet; they must have been cut into
+/// them.
 class NarrowPhase {
  public:
-  NarrowPhase(const Body& a, const Body& b, CollisionTests& tests) : a_(a), b_(b), tests_(tests) {}
+  NarrowPhase(const Body& a, const Body& b, CollisionTests& tests)
+      : a_(*a.pieces), b_(*b.pieces), pose_a_(a.pose), pose_b_(b.pose), tests_(tests) {}
 
   bool meet() {
-    return !a_.pieces.tree.empty() && !b_.pieces.tree.empty() &&
-           (meet_below_roots() || is_within(a_, b_) || is_within(b_, a_));
+    return !a_.tree.empty() && !b_.tree.empty() &&
+           (meet_below_roots() || is_within(a_, pose_a_, b_, pose_b_) || is_within(b_, pose_b_, a_, pose_a_));
   }
 
  private:
   bool meet_below_roots() {
-    const BoxTree::Node& a = a_.pieces.tree.root();
-    const BoxTree::Node& b = b_.pieces.tree.root();
+    const BoxTree::Node& a = a_.tree.root();
+    const BoxTree::Node& b = b_.tree.root();
     // The boxes of single pieces have been tried already.
     return a.is_leaf() && b.is_leaf() ? meet(a, b) : meet_within(a, b);
   }
 
   /// Whether a body whose surface the other does not meet is inside of it.
-  bool is_within(const Body& inner, const Body& outer) {
-    if (!outer.pieces.bounds_volume)
+  bool is_within(const ConvexPieces& inner, const Isometry3d& pose_inner, const ConvexPieces& outer,
+                 const Isometry3d& pose_outer) {
+    if (!outer.bounds_volume)
       return false;
     ++tests_.narrow;
-    const detail::ConvexPiece& piece = inner.pieces.pieces.front();
-    const Vector3d point = inner.pose * piece.pose * Vector3d(piece.shape.data().support.middle);
-    return detail::encloses(outer.pieces, outer.pose.inverse(Eigen::Isometry) * point);
+    const detail::ConvexPiece& piece = inner.pieces.front();
+    const Vector3d point = pose_inner * piece.pose * Vector3d(piece.shape.data().support.middle);
+    return detail::encloses(outer, pose_outer.inverse(Eigen::Isometry) * point);
   }
 
   bool meet(const BoxTree::Node& leaf_a, const BoxTree::Node& leaf_b) {
     ++tests_.narrow;
-    const detail::ConvexPiece& a = a_.pieces.pieces[leaf_a.item];
-    const detail::ConvexPiece& b = b_.pieces.pieces[leaf_b.item];
-    return intersect(a.shape, a_.pose * a.pose, b.shape, b_.pose * b.pose);
+    const detail::ConvexPiece& a = a_.pieces[leaf_a.item];
+    const detail::ConvexPiece& b = b_.pieces[leaf_b.item];
+    return intersect(a.shape, pose_a_ * a.pose, b.shape, pose_b_ * b.pose);
   }
 
   bool meet_within(const BoxTree::Node& a, const BoxTree::Node& b) {
     ++tests_.broad;
-    if (!detail::overlap_within(moved(a.box, a_.pose), moved(b.box, b_.pose), margin_of_boxes))
+    if (!detail::overlap_within(moved(a.box, pose_a_), moved(b.box, pose_b_), margin_of_boxes))
       return false;
     if (a.is_leaf() && b.is_leaf())
       return meet(a, b);
     const bool open_a = b.is_leaf() || (!a.is_leaf() && a.box.diagonal().norm() >= b.box.diagonal().norm());
     if (open_a)
-      return meet_within(a_.pieces.tree.left(a), b) || meet_within(a_.pieces.tree.right(a), b);
-    return meet_within(a, b_.pieces.tree.left(b)) || meet_within(a, b_.pieces.tree.right(b));
+      return meet_within(a_.tree.left(a), b) || meet_within(a_.tree.right(a), b);
+    return meet_within(a, b_.tree.left(b)) || meet_within(a, b_.tree.right(b));
   }
 
-  const Body& a_;
-  const Body& b_;
+  const ConvexPieces& a_;
+  const ConvexPieces& b_;
+  const Isometry3d& pose_a_;
+  const Isometry3d& pose_b_;
   CollisionTests& tests_;
 };
 
@@ -130,10 +139,15 @@ std::vector<ObjectPair> all_pairs(const SceneCollision& answer, const Scene& sce
 
 class CollisionDetector::Implementation {
  public:
-  explicit Implementation(const Scene& scene) : objects_(scene.objects), motion_(scene.links) {
-    for (std::size_t i = 0; i < objects_.size(); ++i)
-      if (objects_[i].collides)
-        bodies_.push_back({i, detail::convex_pieces(objects_[i].shape), {}, {}});
+  explicit Implementation(const Scene& scene) : motion_(scene.links) {
+    const std::vector<Object>& objects = scene.objects;
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      const auto is_partner = [&](const Object& other) {
+        return &other != &objects[i] && can_collide(objects[i], other);
+      };
+      if (std::any_of(objects.begin(), objects.end(), is_partner))
+        bodies_.push_back({i, objects[i], detail::enclosing_box(objects[i].shape)});
+    }
   }
 
   void set_pose(std::string_view link, const Isometry3d& pose) { motion_.set_pose(link, pose); }
@@ -157,16 +171,15 @@ class CollisionDetector::Implementation {
   }
 
  private:
-  std::optional<std::size_t> link_of(std::size_t body) const { return objects_[bodies_[body].object].link; }
+  std::optional<std::size_t> link_of(std::size_t body) const { return bodies_[body].object.link; }
 
   bool can_have_changed(std::size_t a, std::size_t b) const {
     return is_first_ || !motion_.rigid(link_of(a), link_of(b));
   }
 
   void place(Body& body) {
-    const Object& object = objects_[body.object];
-    body.pose = motion_.world_pose(object.link) * object.pose;
-    body.box = ::fringe::moved(body.pieces.box, body.pose);
+    body.pose = motion_.world_pose(body.object.link) * body.object.pose;
+    body.box = ::fringe::moved(body.own_box, body.pose);
   }
 
   /// The bodies that have moved; at first that is all of them.
@@ -209,7 +222,7 @@ class CollisionDetector::Implementation {
     }
     const std::size_t other = node.item;
     if (other != body && !done[other] && can_have_changed(body, other) &&
-        can_collide(objects_[bodies_[body].object], objects_[bodies_[other].object]))
+        can_collide(bodies_[body].object, bodies_[other].object))
       look_at(std::min(body, other), std::max(body, other));
   }
 
@@ -217,6 +230,10 @@ class CollisionDetector::Implementation {
     ++answer_.tests.broad;
     if (!detail::overlap_within(bodies_[a].box, bodies_[b].box, margin_of_boxes))
       return;
+    // Not before: a large mesh takes gigabytes and minutes.
+    for (Body* body : {&bodies_[a], &bodies_[b]})
+      if (!body->pieces)
+        body->pieces = detail::convex_pieces(body->object.shape);
     const bool meet = NarrowPhase(bodies_[a], bodies_[b], answer_.tests).meet();
     marks_[{a, b}] = meet ? PairStatus::collision : PairStatus::bounds;
   }
@@ -224,10 +241,9 @@ class CollisionDetector::Implementation {
   void write_marks() {
     answer_.marked.clear();
     for (const auto& [pair, status] : marks_)
-      answer_.marked.push_back({bodies_[pair.first].object, bodies_[pair.second].object, status});
+      answer_.marked.push_back({bodies_[pair.first].index, bodies_[pair.second].index, status});
   }
 
-  std::vector<Object> objects_;
   detail::LinkMotion motion_;
   std::vector<Body> bodies_;
   BoxTree tree_;  ///< over the bodies' boxes in the world

@@ -1,5 +1,6 @@
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -102,6 +103,39 @@ TEST(Collide, LeavesOutObjectsOfOneLinkAndThoseThatDoNotCollide) {
   EXPECT_THAT(collide(scene).marked, SizeIs(2));
   scene.objects[2].collides = false;
   EXPECT_THAT(all_pairs(collide(scene), scene), IsEmpty());
+}
+
+/// A shape that has a box, from 0.85 to 1 along x, and no pieces, its inner radius being the larger: it is
+/// refused as soon as it is cut.
+const Shape without_pieces = Arc{1.2, 1, 1, 90, 3};
+
+TEST(CollisionDetector, CutsIntoPiecesOnlyWhatABoxMeets) {
+  Scene scene;
+  scene.links = {{"arm", std::nullopt, moved_by(9, 0, 0)}};
+  scene.objects = {object("a", cube), object("b", without_pieces)};
+  scene.objects[0].link = 0;
+  CollisionDetector detector(scene);
+  EXPECT_THAT(detector.collide().marked, IsEmpty());
+  detector.set_pose("arm", moved_by(1, 0, 0));
+  EXPECT_THROW(detector.collide(), InputError);
+  detector.set_pose("arm", moved_by(9, 0, 0));
+  EXPECT_THAT(detector.collide().marked, IsEmpty()) << "and what was refused is forgotten";
+}
+
+TEST(CollisionDetector, DoesNotEvenLookForTheBoxOfWhatHasNoPartner) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  const Shape without_box = Mesh{"", 1, {{Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0, infinite, 0)}}};
+  Scene scene = three_cubes();
+  scene.objects[0].shape = without_box;
+  EXPECT_THROW(collide(scene), InputError);
+  scene.objects[1].link = 0;
+  scene.objects[2].collides = false;
+  EXPECT_THAT(collide(scene).marked, IsEmpty()) << "its only neighbour is on the same link";
+  scene.objects.resize(1);
+  EXPECT_THAT(collide(scene).marked, IsEmpty());
+  scene.objects = {object("a", without_box), object("b", cube)};
+  scene.objects[0].collides = false;
+  EXPECT_THAT(collide(scene).marked, IsEmpty());
 }
 
 TEST(CollisionDetector, LooksOnlyAtWhatMoved) {
