@@ -47,9 +47,9 @@ bool can_collide(const Object& a, const Object& b);
 std::vector<ObjectPair> all_pairs(const SceneCollision& answer, const Scene& scene);
 
 /// Which objects of a scene collide, answered again and again while links move. Only pairs that can have
-/// changed are looked at, and of those only the ones whose boxes in a tree over all objects meet. A shape is
-/// made ready for more when its box meets another's for the first time, which for millions of triangles takes
-/// long; an object that none can collide with costs nothing.
+/// changed are looked at, and of those only the ones whose boxes in a tree over all objects meet. What
+/// it takes to look closer is found when something comes close for the first time, which for millions of
+/// triangles takes a minute; an object that none can collide with costs nothing.
 ///
 /// Cylinders, cones, spheres and the outside of arcs are truly round here, whatever `segments` says; the
 /// inside of an arc is flat between its segments. Of a mesh whose triangles bound a volume

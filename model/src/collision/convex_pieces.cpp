@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "convex_shape_data.hpp"
@@ -138,6 +139,16 @@ ConvexPieces pieces_of(const Mesh& mesh) {
 
 OrientedBox enclosing_box(const Shape& shape) {
   return std::visit([](const auto& form) { return enclosing_box_of(form); }, shape);
+}
+
+BoundingSphere ball_around_box(const Mesh& mesh) {
+  /// More than √3: along no axes is the box wider than a ball around the triangles.
+  constexpr double box_in_ball = 1.74;
+  AlignedBox3d box;
+  for (const Triangle& triangle : mesh.triangles)
+    box.extend(axis_aligned_box(std::span<const Vector3d>(triangle)));
+  const AlignedBox3d held = enlarged(box);
+  return {held.center(), box_in_ball * held.diagonal().stableNorm() / 2};
 }
 
 ConvexPieces convex_pieces(const Shape& shape) {

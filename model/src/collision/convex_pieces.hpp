@@ -26,8 +26,11 @@ struct ConvexPieces {
   bool bounds_volume = false;
 };
 
-/// Around a shape, in its frame; it costs a mesh little beside its pieces.
+/// Around a shape, in its frame.
 OrientedBox enclosing_box(const Shape& shape);
+
+/// A ball around enclosing_box of a mesh, which is looked for long where there are millions of triangles.
+BoundingSphere ball_around_box(const Mesh& mesh);
 
 /// An arc becomes a piece for each of its segments, a mesh one for each triangle.
 ConvexPieces convex_pieces(const Shape& shape);

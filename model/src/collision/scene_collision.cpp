@@ -43,11 +43,29 @@ AlignedBox3d enclosing(const OrientedBox& box) {
 struct Body {
   std::size_t index;  ///< in the scene
   Object object;
-  OrientedBox own_box;                       ///< around the shape, in its frame
-  std::optional<ConvexPieces> pieces = {};   ///< of the shape, once its box has met another's
+  BoundingSphere ball = {};                  ///< of a mesh, around the box, in its frame
+  std::optional<OrientedBox> own_box = {};   ///< in its frame; of a mesh, once its ball has met another body
+  std::optional<ConvexPieces> pieces = {};   ///< once the box has met another's
   Isometry3d pose = Isometry3d::Identity();  ///< in the world
-  OrientedBox box = {};                      ///< in the world
+  OrientedBox box = {};                      ///< in the world, where own_box is known
 };
+
+Body body_of(std::size_t index, const Object& object) {
+  Body body{index, object};
+  if (const Mesh* mesh = std::get_if<Mesh>(&object.shape))
+    body.ball = detail::ball_around_box(*mesh);
+  else
+    body.own_box = detail::enclosing_box(object.shape);
+  return body;
+}
+
+/// In the world, by what is known of the body.
+AlignedBox3d enclosing(const Body& body) {
+  if (body.own_box)
+    return enclosing(body.box);
+  return enclosing(OrientedBox{body.pose * body.ball.centre, Eigen::Matrix3d::Identity(),
+                               Vector3d::Constant(body.ball.radius)});
+}
 
 /// Whether two bodies have a point in common, by the pieces whose boxes meet; they must have been cut into
 /// them.
@@ -146,7 +164,7 @@ class CollisionDetector::Implementation {
         return &other != &objects[i] && can_collide(objects[i], other);
       };
       if (std::any_of(objects.begin(), objects.end(), is_partner))
-        bodies_.push_back({i, objects[i], detail::enclosing_box(objects[i].shape)});
+        bodies_.push_back(body_of(i, objects[i]));
     }
   }
 
@@ -160,8 +178,7 @@ class CollisionDetector::Implementation {
                   [&](const auto& mark) { return can_have_changed(mark.first.first, mark.first.second); });
     std::vector<bool> done(bodies_.size(), false);
     for (const std::size_t body : moved) {
-      const AlignedBox3d box = tree_.leaf_of(body).box;
-      look_for_partners(body, box, tree_.root(), done);
+      look_for_partners(body, tree_.root(), done);
       done[body] = true;
     }
     motion_.settle();
@@ -179,7 +196,8 @@ class CollisionDetector::Implementation {
 
   void place(Body& body) {
     body.pose = motion_.world_pose(body.object.link) * body.object.pose;
-    body.box = ::fringe::moved(body.own_box, body.pose);
+    if (body.own_box)
+      body.box = ::fringe::moved(*body.own_box, body.pose);
   }
 
   /// The bodies that have moved; at first that is all of them.
@@ -191,7 +209,7 @@ class CollisionDetector::Implementation {
       place(bodies_[i]);
       moved.push_back(i);
       if (!is_first_)
-        tree_.move(i, enclosing(bodies_[i].box));
+        tree_.move(i, enclosing(bodies_[i]));
     }
     // What has moved apart makes for large nodes.
     constexpr double worth_building_anew = 1.5;
@@ -204,20 +222,19 @@ class CollisionDetector::Implementation {
     std::vector<AlignedBox3d> boxes;
     boxes.reserve(bodies_.size());
     for (const Body& body : bodies_)
-      boxes.push_back(enclosing(body.box));
+      boxes.push_back(enclosing(body));
     tree_ = BoxTree(boxes);
     cost_when_built_ = tree_.cost();
   }
 
   /// Looks at the pairs of a body with those below a node that are not done.
-  void look_for_partners(std::size_t body, const AlignedBox3d& box, const BoxTree::Node& node,
-                         const std::vector<bool>& done) {
+  void look_for_partners(std::size_t body, const BoxTree::Node& node, const std::vector<bool>& done) {
     ++answer_.tests.broad;
-    if (!overlap(box, node.box))
+    if (!overlap(tree_.leaf_of(body).box, node.box))
       return;
     if (!node.is_leaf()) {
-      look_for_partners(body, box, tree_.left(node), done);
-      look_for_partners(body, box, tree_.right(node), done);
+      look_for_partners(body, tree_.left(node), done);
+      look_for_partners(body, tree_.right(node), done);
       return;
     }
     const std::size_t other = node.item;
@@ -226,11 +243,26 @@ class CollisionDetector::Implementation {
       look_at(std::min(body, other), std::max(body, other));
   }
 
-  void look_at(std::size_t a, std::size_t b) {
+  /// Whether the oriented boxes meet of two bodies whose boxes in the tree do.
+  bool oriented_boxes_meet(std::size_t a, std::size_t b) {
+    for (const std::size_t index : {a, b}) {
+      Body& body = bodies_[index];
+      if (body.own_box)
+        continue;
+      body.own_box = detail::enclosing_box(body.object.shape);
+      place(body);
+      tree_.move(index, enclosing(body));
+      ++answer_.tests.broad;
+      if (!overlap(tree_.leaf_of(a).box, tree_.leaf_of(b).box))
+        return false;
+    }
     ++answer_.tests.broad;
-    if (!detail::overlap_within(bodies_[a].box, bodies_[b].box, margin_of_boxes))
+    return detail::overlap_within(bodies_[a].box, bodies_[b].box, margin_of_boxes);
+  }
+
+  void look_at(std::size_t a, std::size_t b) {
+    if (!oriented_boxes_meet(a, b))
       return;
-    // Not before: a large mesh takes gigabytes and minutes.
     for (Body* body : {&bodies_[a], &bodies_[b]})
       if (!body->pieces)
         body->pieces = detail::convex_pieces(body->object.shape);

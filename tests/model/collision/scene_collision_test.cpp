@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "fringe/bounding_volume.hpp"
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
 #include "fringe/pose.hpp"
@@ -103,6 +104,35 @@ TEST(Collide, LeavesOutObjectsOfOneLinkAndThoseThatDoNotCollide) {
   EXPECT_THAT(collide(scene).marked, SizeIs(2));
   scene.objects[2].collides = false;
   EXPECT_THAT(all_pairs(collide(scene), scene), IsEmpty());
+}
+
+/// Of two triangles.
+OrientedBox tight_box(const Mesh& mesh, const Isometry3d& pose) {
+  std::vector<Vector3d> corners;
+  for (const Triangle& triangle : mesh.triangles)
+    corners.insert(corners.end(), triangle.begin(), triangle.end());
+  const OrientedBox box = oriented_box(corners, std::vector<Face>{{0, 1, 2}, {3, 4, 5}}, BoxMethod::tight);
+  return {pose * box.centre, box.axes * pose.linear().transpose(), box.half_widths};
+}
+
+TEST(Collide, BoundsOfMeshesAreTheTightBoxes) {
+  Random random(9);
+  const auto any_mesh = [&] {
+    const Vector3d low(-0.5, -0.5, -0.1), high(0.5, 0.5, 0.1);
+    const Triangle first = random.triangle_in_box(low, high);
+    return Mesh{"", 1, {first, random.triangle_in_box(low, high)}};
+  };
+  int clear = 0, near = 0;
+  for (int k = 0; k < 400; ++k) {
+    const Mesh a = any_mesh(), b = any_mesh();
+    Isometry3d pose = random.rigid_motion();
+    pose.translation() *= 0.7;
+    const bool meet = overlap(tight_box(a, Isometry3d::Identity()), tight_box(b, pose));
+    ASSERT_EQ(status_of(a, b, pose) != PairStatus::clear, meet) << k;
+    ++(meet ? near : clear);
+  }
+  EXPECT_GT(clear, 100);
+  EXPECT_GT(near, 50);
 }
 
 /// A shape that has a box, from 0.85 to 1 along x, and no pieces, its inner radius being the larger: it is
