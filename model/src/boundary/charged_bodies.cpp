@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "../surrounds.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"

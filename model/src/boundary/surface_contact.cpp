@@ -1,9 +1,5 @@
 #include "surface_contact.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include <Eigen/Geometry>
 
 #include "fringe/gjk.hpp"
@@ -38,17 +34,6 @@ bool hulls_meet(std::span<const ConvexHull> a, std::span<const ConvexHull> b) {
         return true;
   }
   return false;
-}
-
-bool surrounds(std::span<const Triangle> surface, const Vector3d& point) {
-  double angle = 0;
-  for (const Triangle& triangle : surface) {
-    const Vector3d a = (triangle[0] - point).normalized(), b = (triangle[1] - point).normalized(),
-                   c = (triangle[2] - point).normalized();
-    // The solid angle of a triangle (van Oosterom and Strackee 1983).
-    angle += 2 * std::atan2(a.dot(b.cross(c)), 1 + a.dot(b) + b.dot(c) + c.dot(a));
-  }
-  return std::abs(angle) > 2 * std::numbers::pi;
 }
 
 }  // namespace fringe::detail

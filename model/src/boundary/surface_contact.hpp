@@ -5,8 +5,6 @@
 
 #include <Eigen/Core>
 
-#include "fringe/triangle.hpp"
-
 namespace fringe::detail {
 
 /// The vertices of a convex part of a body.
@@ -14,8 +12,5 @@ using ConvexHull = std::vector<Eigen::Vector3d>;
 
 /// Whether any part of one body has a point in common with any of the other; exact.
 bool hulls_meet(std::span<const ConvexHull> a, std::span<const ConvexHull> b);
-
-/// Whether a point off a closed surface is enclosed by it.
-bool surrounds(std::span<const Triangle> surface, const Eigen::Vector3d& point);
 
 }  // namespace fringe::detail

@@ -7,7 +7,6 @@
 #include <span>
 #include <utility>
 
-#include "convex_shape_data.hpp"
 #include "fringe/triangle.hpp"
 
 namespace fringe::detail {
@@ -153,22 +152,6 @@ BoundingSphere ball_around_box(const Mesh& mesh) {
 
 ConvexPieces convex_pieces(const Shape& shape) {
   return std::visit([](const auto& form) { return pieces_of(form); }, shape);
-}
-
-bool encloses(const ConvexPieces& shape, const Vector3d& point) {
-  if (!shape.bounds_volume)
-    return false;
-  // The solid angles of the triangles, halved (A. Van Oosterom and J. Strackee, IEEE Transactions on
-  // Biomedical Engineering 30, 1983, 125), add up to 2π for each time the surface goes around the point.
-  double sum = 0;
-  for (const ConvexPiece& piece : shape.pieces) {
-    const std::vector<Vector3d>& corners = piece.shape.data().vertices;
-    const Vector3d a = corners[0] - point, b = corners[1] - point, c = corners[2] - point;
-    const double length_a = a.norm(), length_b = b.norm(), length_c = c.norm();
-    sum += std::atan2(a.dot(b.cross(c)), length_a * length_b * length_c + a.dot(b) * length_c +
-                                             b.dot(c) * length_a + c.dot(a) * length_b);
-  }
-  return std::abs(sum) > std::numbers::pi;
 }
 
 }  // namespace fringe::detail

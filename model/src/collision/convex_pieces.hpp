@@ -35,8 +35,4 @@ BoundingSphere ball_around_box(const Mesh& mesh);
 /// An arc becomes a piece for each of its segments, a mesh one for each triangle.
 ConvexPieces convex_pieces(const Shape& shape);
 
-/// Whether the triangles of a shape that bound a volume go around a point off its surface. False for other
-/// shapes.
-bool encloses(const ConvexPieces& shape, const Eigen::Vector3d& point);
-
 }  // namespace fringe::detail

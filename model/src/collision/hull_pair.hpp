@@ -25,6 +25,10 @@ struct HullPair {
   double coordinate_error = 0;
 };
 
+/// The coordinate_error of vertices that a pose has moved, where the extent is that of the rotated vertices
+/// and the way between the poses: four roundings of what is at most the extent, and those of the sums.
+constexpr double coordinate_error_of_moved = 8;
+
 /// Throws InputError for an empty set and for a vertex that is not finite; the message has the set's name.
 void check_vertices(Vertices vertices, char name);
 

@@ -8,9 +8,6 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// Four roundings of what is at most the extent, and those of the sums.
-constexpr double coordinate_error = 8;
-
 std::vector<Vector3d> moved(const std::vector<Vector3d>& vertices, const Isometry3d& pose,
                             const Vector3d& offset) {
   std::vector<Vector3d> result;
@@ -29,7 +26,7 @@ PosedHulls::PosedHulls(const ConvexShape& a, const Isometry3d& pose_a, const Con
       rounded_{on_a_, on_b_, Vector3d::Zero(),
                (pose_a.translation() - pose_b.translation()).lpNorm<1>() + a.data().support.reach +
                    b.data().support.reach,
-               coordinate_error},
+               coordinate_error_of_moved},
       exact_(exact_hulls(rounded_, ExactVertices(a.data().vertices, pose_a),
                          ExactVertices(b.data().vertices, pose_b))) {}
 

@@ -91,14 +91,13 @@ ShapeAnswer round_search(const ConvexShape& a, const Isometry3d& pose_a, const C
   const double extent = offset.lpNorm<1>() + a.data().support.reach + b.data().support.reach;
   // What a support value is off at most, as in the quick search, and what is drawn inwards.
   const double error = 0x1p-45 * extent;
-  constexpr double coordinate_error = 8;
   PairSimplex simplex;
   ShapesUndecided undecided{};
   undecided.overlap = std::numeric_limits<double>::infinity();
   // Some twenty are needed where the shapes all but touch. What is left then is said, not guessed.
   constexpr int most_rounds = 300;
   for (int round = 0; round < most_rounds; ++round) {
-    const HullPair hulls{on_a.positions, on_b.positions, Vector3d::Zero(), extent, coordinate_error};
+    const HullPair hulls{on_a.positions, on_b.positions, Vector3d::Zero(), extent, coordinate_error_of_moved};
     double distance = 0;
     const ExactNearest nearest = nearest_of(hulls, on_a, on_b, simplex, distance);
     simplex = nearest.simplex;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "../link_motion.hpp"
+#include "../surrounds.hpp"
 #include "box_overlap.hpp"
 #include "convex_pieces.hpp"
 #include "convex_shape_data.hpp"
@@ -72,55 +73,55 @@ AlignedBox3d enclosing(const Body& body) {
 class NarrowPhase {
  public:
   NarrowPhase(const Body& a, const Body& b, CollisionTests& tests)
-      : a_(*a.pieces), b_(*b.pieces), pose_a_(a.pose), pose_b_(b.pose), tests_(tests) {}
+      : a_(a), b_(b), pieces_a_(*a.pieces), pieces_b_(*b.pieces), tests_(tests) {}
 
   bool meet() {
-    return !a_.tree.empty() && !b_.tree.empty() &&
-           (meet_below_roots() || is_within(a_, pose_a_, b_, pose_b_) || is_within(b_, pose_b_, a_, pose_a_));
+    return !pieces_a_.tree.empty() && !pieces_b_.tree.empty() &&
+           (meet_below_roots() || is_within(a_, b_) || is_within(b_, a_));
   }
 
  private:
   bool meet_below_roots() {
-    const BoxTree::Node& a = a_.tree.root();
-    const BoxTree::Node& b = b_.tree.root();
+    const BoxTree::Node& a = pieces_a_.tree.root();
+    const BoxTree::Node& b = pieces_b_.tree.root();
     // The boxes of single pieces have been tried already.
     return a.is_leaf() && b.is_leaf() ? meet(a, b) : meet_within(a, b);
   }
 
   /// Whether a body whose surface the other does not meet is inside of it.
-  bool is_within(const ConvexPieces& inner, const Isometry3d& pose_inner, const ConvexPieces& outer,
-                 const Isometry3d& pose_outer) {
-    if (!outer.bounds_volume)
+  bool is_within(const Body& inner, const Body& outer) {
+    if (!outer.pieces->bounds_volume)
       return false;
     ++tests_.narrow;
-    const detail::ConvexPiece& piece = inner.pieces.front();
-    const Vector3d point = pose_inner * piece.pose * Vector3d(piece.shape.data().support.middle);
-    return detail::encloses(outer, pose_outer.inverse(Eigen::Isometry) * point);
+    const detail::ConvexPiece& piece = inner.pieces->pieces.front();
+    const Vector3d point = inner.pose * piece.pose * Vector3d(piece.shape.data().support.middle);
+    return detail::surrounds(std::get<Mesh>(outer.object.shape).triangles,
+                             outer.pose.inverse(Eigen::Isometry) * point);
   }
 
   bool meet(const BoxTree::Node& leaf_a, const BoxTree::Node& leaf_b) {
     ++tests_.narrow;
-    const detail::ConvexPiece& a = a_.pieces[leaf_a.item];
-    const detail::ConvexPiece& b = b_.pieces[leaf_b.item];
-    return intersect(a.shape, pose_a_ * a.pose, b.shape, pose_b_ * b.pose);
+    const detail::ConvexPiece& a = pieces_a_.pieces[leaf_a.item];
+    const detail::ConvexPiece& b = pieces_b_.pieces[leaf_b.item];
+    return intersect(a.shape, a_.pose * a.pose, b.shape, b_.pose * b.pose);
   }
 
   bool meet_within(const BoxTree::Node& a, const BoxTree::Node& b) {
     ++tests_.broad;
-    if (!detail::overlap_within(moved(a.box, pose_a_), moved(b.box, pose_b_), margin_of_boxes))
+    if (!detail::overlap_within(moved(a.box, a_.pose), moved(b.box, b_.pose), margin_of_boxes))
       return false;
     if (a.is_leaf() && b.is_leaf())
       return meet(a, b);
     const bool open_a = b.is_leaf() || (!a.is_leaf() && a.box.diagonal().norm() >= b.box.diagonal().norm());
     if (open_a)
-      return meet_within(a_.tree.left(a), b) || meet_within(a_.tree.right(a), b);
-    return meet_within(a, b_.tree.left(b)) || meet_within(a, b_.tree.right(b));
+      return meet_within(pieces_a_.tree.left(a), b) || meet_within(pieces_a_.tree.right(a), b);
+    return meet_within(a, pieces_b_.tree.left(b)) || meet_within(a, pieces_b_.tree.right(b));
   }
 
-  const ConvexPieces& a_;
-  const ConvexPieces& b_;
-  const Isometry3d& pose_a_;
-  const Isometry3d& pose_b_;
+  const Body& a_;
+  const Body& b_;
+  const ConvexPieces& pieces_a_;
+  const ConvexPieces& pieces_b_;
   CollisionTests& tests_;
 };
 

@@ -18,14 +18,6 @@ PlacedBody seen_from(const PlacedBody& body, const PlacedBody& other) {
           body.axes.transpose() * other.axes};
 }
 
-std::vector<std::array<Vector3d, 2>> placed_edges(const PlacedBody& body) {
-  std::vector<std::array<Vector3d, 2>> edges = body.shape->edges();
-  for (std::array<Vector3d, 2>& edge : edges)
-    for (Vector3d& end : edge)
-      end = body.centre + body.axes * (body.scale * end);
-  return edges;
-}
-
 /// From a point to a plate or box.
 double distance_to(const PlacedBody& body, const Vector3d& point) {
   const Vector3d local = body.axes.transpose() * (point - body.centre);
@@ -137,7 +129,7 @@ int MeshPair::fineness(double panel_radius, double distance, QuadratureDigits di
 
 void MeshPair::place_beside_faces(const PlacedBody& faces, int functions, QuadratureDigits digits) {
   const PreparedMesh& mesh = outer_.mesh();
-  const std::vector<std::array<Vector3d, 2>> edges = placed_edges(faces);
+  const std::vector<std::array<Vector3d, 2>> edges = placed_edges(faces, Vector3d::Zero());
   std::array<std::vector<MeshPart>, band_ends.size() + 1> parts;
   for (const PanelCluster& cluster : mesh.panels().clusters) {
     const double away = distance_to(faces, cluster.centre) - cluster.radius;

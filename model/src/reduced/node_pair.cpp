@@ -67,14 +67,7 @@ void narrow(FaceSmoothness& smoothness, const FaceSmoothness& other) {
 class NearestPoints {
  public:
   NearestPoints(const PlacedBody& a, const PlacedBody& b) {
-    const auto edges_of = [&](const PlacedBody& body) {
-      std::vector<std::array<Vector3d, 2>> edges = body.shape->edges();
-      for (std::array<Vector3d, 2>& edge : edges)
-        for (Vector3d& end : edge)
-          end = body.centre - b.centre + body.axes * (body.scale * end);
-      return edges;
-    };
-    const auto edges_a = edges_of(a), edges_b = edges_of(b);
+    const auto edges_a = placed_edges(a, b.centre), edges_b = placed_edges(b, b.centre);
     std::size_t at = 0;
     for (const auto& edge : edges_a)
       for (const auto& other : edges_b) {
@@ -103,7 +96,22 @@ class NearestPoints {
   std::ptrdiff_t count_;
 };
 
+/// A face's rules that win so many digits.
+NodeGrid grid_of(const Face& face, const FaceSmoothness& smooth, int functions, double digits, int most,
+                 double& missing) {
+  return {functions, stored_rule(face.edge, points_for(smooth.u, digits, functions, most, missing)).view(),
+          stored_rule(face.edge, points_for(smooth.v, digits, functions, most, missing)).view()};
+}
+
 }  // namespace
+
+std::vector<std::array<Vector3d, 2>> placed_edges(const PlacedBody& body, const Vector3d& origin) {
+  std::vector<std::array<Vector3d, 2>> edges = body.shape->edges();
+  for (std::array<Vector3d, 2>& edge : edges)
+    for (Vector3d& end : edge)
+      end = body.centre - origin + body.axes * (body.scale * end);
+  return edges;
+}
 
 PairSmoothness smoothness(const PlacedBody& a, const PlacedBody& b, double gap) {
   PairSmoothness result{};
@@ -148,10 +156,7 @@ void choose_grids(NodeSide& side, const PlacedBody& body, int functions, std::sp
     FaceSmoothness smooth = face_smoothness(body, face, points[0], origin, Eigen::Matrix3d::Identity(), 1);
     for (const NodePoints& more : points.subspan(1))
       narrow(smooth, face_smoothness(body, face, more, origin, Eigen::Matrix3d::Identity(), 1));
-    side.grids.push_back(
-        {functions,
-         stored_rule(face.edge, points_for(smooth.u, digits, functions, most_node_points, missing)).view(),
-         stored_rule(face.edge, points_for(smooth.v, digits, functions, most_node_points, missing)).view()});
+    side.grids.push_back(grid_of(face, smooth, functions, digits, most_node_points, missing));
   }
 }
 
@@ -200,12 +205,9 @@ void NodePair::place(const PlacedBody& a, const BodySmoothness& a_smoothness, in
     side.grids.clear();
     std::ptrdiff_t count = 0;
     for (std::size_t k = 0; k < body.shape->faces().size(); ++k) {
-      const EdgeKind edge = body.shape->faces()[k].edge;
-      const NodeGrid grid{
-          functions, stored_rule(edge, points_for(smooth[k].u, wanted, functions, most, missing)).view(),
-          stored_rule(edge, points_for(smooth[k].v, wanted, functions, most, missing)).view()};
+      const NodeGrid& grid = side.grids.emplace_back(
+          grid_of(body.shape->faces()[k], smooth[k], functions, wanted, most, missing));
       count += grid.u.points * grid.v.points;
-      side.grids.push_back(grid);
     }
     return count;
   };

@@ -22,6 +22,10 @@ struct PlacedBody {
   Eigen::Matrix3d axes;
 };
 
+/// The ends of a plate's or box's edges, seen from an origin.
+std::vector<std::array<Eigen::Vector3d, 2>> placed_edges(const PlacedBody& body,
+                                                         const Eigen::Vector3d& origin);
+
 /// How many powers of e the quadratures are to win from their points.
 struct QuadratureDigits {
   double outer;

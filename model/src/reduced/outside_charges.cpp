@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "../boundary/surface_contact.hpp"
+#include "../surrounds.hpp"
 
 namespace fringe::detail {
 namespace {

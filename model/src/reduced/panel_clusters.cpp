@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "../collision/covariance.hpp"
 #include "node_kernels.hpp"
 
 namespace fringe::detail {
@@ -67,22 +67,19 @@ void add_points(std::span<const Panel> panels, const PanelCluster& cluster, Pane
 
 }  // namespace
 
-BoxNumbers box_around(std::span<const Vector3d> points) {
-  Vector3d mean = Vector3d::Zero();
-  for (const Vector3d& point : points)
-    mean += point / static_cast<double>(points.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Vector3d& point : points)
-    spread += (point - mean) * (point - mean).transpose();
-  const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
+BoxNumbers box_around(const std::vector<Vector3d>& points) {
+  const Eigen::Matrix3d axes = axes_of_vertices(points).transpose();
   Eigen::AlignedBox3d box;
   for (const Vector3d& point : points)
     box.extend(Vector3d(axes.transpose() * point));
-  const Vector3d centre = axes * box.center();
+  return box_along(axes, axes * box.center(), box.sizes() / 2);
+}
+
+BoxNumbers box_along(const Eigen::Matrix3d& axes, const Vector3d& centre, const Vector3d& half_widths) {
   BoxNumbers result{};
   for (Eigen::Index row = 0; row < 3; ++row) {
     result.centre[row] = centre[row];
-    result.half_widths[row] = box.sizes()[row] / 2;
+    result.half_widths[row] = half_widths[row];
     for (Eigen::Index axis = 0; axis < 3; ++axis)
       result.axes[3 * row + axis] = axes(row, axis);
   }

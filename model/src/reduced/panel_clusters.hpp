@@ -39,6 +39,10 @@ struct PanelClusters {
 PanelClusters cluster_panels(std::span<const Panel> panels);
 
 /// A box around points along the axes of their spread.
-BoxNumbers box_around(std::span<const Eigen::Vector3d> points);
+BoxNumbers box_around(const std::vector<Eigen::Vector3d>& points);
+
+/// A box along the columns of `axes`.
+BoxNumbers box_along(const Eigen::Matrix3d& axes, const Eigen::Vector3d& centre,
+                     const Eigen::Vector3d& half_widths);
 
 }  // namespace fringe::detail

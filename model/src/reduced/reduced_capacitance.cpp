@@ -12,11 +12,10 @@
 
 #include "../boundary/charged_bodies.hpp"
 #include "../boundary/matrix_changes.hpp"
-#include "../collision/quick_search.hpp"
 #include "../link_motion.hpp"
+#include "body_gap.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
-#include "mesh_gap.hpp"
 #include "reduced_system.hpp"
 #include "rigid_bodies.hpp"
 #include "shared_shapes.hpp"
@@ -212,19 +211,7 @@ class ReducedEvaluator::Implementation {
   double gap_or_refusal(std::size_t a, std::size_t b) {
     /// Where rounding may hide a contact, the exact test decides.
     constexpr double surely_apart = 1e-9;
-    const auto box_of = [&](const PlacedBody& body) {
-      detail::BoxNumbers box{};
-      for (Index row = 0; row < 3; ++row) {
-        box.centre[row] = body.centre[row];
-        box.half_widths[row] = body.scale * body.shape->half_sides()[row];
-        for (Index axis = 0; axis < 3; ++axis)
-          box.axes[3 * row + axis] = body.axes(row, axis);
-      }
-      return box;
-    };
-    const bool has_mesh = placed_[a].shape->mesh() != nullptr || placed_[b].shape->mesh() != nullptr;
-    const double gap = has_mesh ? detail::mesh_gap(placed_[a], placed_[b])
-                                : detail::best_search().box_gap(box_of(placed_[a]), box_of(placed_[b]));
+    const double gap = detail::body_gap(placed_[a], placed_[b]);
     if (!(gap > surely_apart))
       detail::refuse_contact(detail::moved(bodies_.bodies[a], motion_.world_pose(bodies_.bodies[a].link)),
                              detail::moved(bodies_.bodies[b], motion_.world_pose(bodies_.bodies[b].link)));

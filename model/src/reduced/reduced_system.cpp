@@ -35,6 +35,13 @@ Index signed_of(std::size_t k) {
   return static_cast<Index>(k);
 }
 
+/// Adds to an entry of a symmetric matrix.
+void add(MatrixXd& matrix, std::size_t row, std::size_t column, double change) {
+  matrix(signed_of(row), signed_of(column)) += change;
+  if (row != column)
+    matrix(signed_of(column), signed_of(row)) += change;
+}
+
 }  // namespace
 
 ReducedSystem::ReducedSystem(std::vector<ReducedBody> bodies, std::size_t sensors, std::size_t conductors)
@@ -218,9 +225,7 @@ void ReducedSystem::find_residuals(std::size_t active, std::size_t conductors) {
       }
       for (std::size_t d = 0; d <= c; ++d) {
         const double change = kernels.dot(residuals_[body * conductors_ + d], correction, prepared.padded);
-        solution_.truncation(signed_of(c), signed_of(d)) += change;
-        if (d != c)
-          solution_.truncation(signed_of(d), signed_of(c)) += change;
+        add(solution_.truncation, c, d, change);
       }
     }
   }
@@ -331,10 +336,8 @@ MatrixXd ReducedSystem::resolution(std::size_t active, std::size_t conductors) {
       for (std::size_t d = 0; d <= c; ++d) {
         const double change =
             kernels.dot(highest_.data() + d * padded, stiff_.data(), signed_of(padded)) / bodies_[body].scale;
-        result(signed_of(c), signed_of(d)) += change;
-        if (d != c)
-          result(signed_of(d), signed_of(c)) += change;
-        else
+        add(result, c, d, change);
+        if (d == c)
           solution_.body_resolution[signed_of(body)] =
               std::max(solution_.body_resolution[signed_of(body)], change / own[signed_of(c)]);
       }
@@ -365,9 +368,7 @@ MatrixXd ReducedSystem::missing() {
       for (std::size_t d = 0; d <= c; ++d) {
         const double change =
             kernels.dot(highest_.data() + d * padded, stiff_.data(), prepared.padded) / bodies_[body].scale;
-        result(signed_of(c), signed_of(d)) += change;
-        if (d != c)
-          result(signed_of(d), signed_of(c)) += change;
+        add(result, c, d, change);
       }
     }
   }

@@ -15,7 +15,7 @@
 #include "fringe/reduced_capacitance.hpp"
 #include "fringe/triangulation.hpp"
 #include "random_poses.hpp"
-#include "reduced/mesh_gap.hpp"
+#include "reduced/body_gap.hpp"
 #include "reduced/prepared_mesh.hpp"
 
 namespace fringe {
@@ -194,7 +194,7 @@ TEST(ReducedMeshes, TheGapIsNoMoreThanTheDistance) {
     for (const Triangle& triangle : ball.mesh()->triangles())
       for (const Vector3d& corner : triangle)
         distance = std::min(distance, ((back * corner).cwiseAbs() - Vector3d(1, 1, 0)).cwiseMax(0).norm());
-    const double gap = detail::mesh_gap(PlacedBody{&ball, 1, Vector3d::Zero(), Eigen::Matrix3d::Identity()},
+    const double gap = detail::body_gap(PlacedBody{&ball, 1, Vector3d::Zero(), Eigen::Matrix3d::Identity()},
                                         PlacedBody{&plate, 1, pose.translation(), pose.linear()});
     EXPECT_LE(gap, distance + 1e-9) << k;
     known += gap > 0;

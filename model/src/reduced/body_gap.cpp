@@ -1,4 +1,4 @@
-#include "mesh_gap.hpp"
+#include "body_gap.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,27 +12,20 @@ namespace fringe::detail {
 namespace {
 
 using Eigen::Index;
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 BoxNumbers placed_box(const PlacedBody& body, const BoxNumbers& box) {
   const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> axes(box.axes);
-  const Vector3d centre = body.centre + body.axes * (body.scale * Eigen::Map<const Vector3d>(box.centre));
-  const Matrix3d turned = body.axes * axes;
-  BoxNumbers result{};
-  for (Index row = 0; row < 3; ++row) {
-    result.centre[row] = centre[row];
-    result.half_widths[row] = body.scale * box.half_widths[row];
-    for (Index axis = 0; axis < 3; ++axis)
-      result.axes[3 * row + axis] = turned(row, axis);
-  }
-  return result;
+  return box_along(body.axes * axes,
+                   body.centre + body.axes * (body.scale * Eigen::Map<const Vector3d>(box.centre)),
+                   body.scale * Eigen::Map<const Vector3d>(box.half_widths));
 }
 
-/// Of a plate or box in its own frame.
-BoxNumbers own_box(const PreparedShape& shape) {
-  const Vector3d& half = shape.half_sides();
-  return {{0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, {half.x(), half.y(), half.z()}};
+/// Around all of a body.
+BoxNumbers whole_box(const PlacedBody& body) {
+  return body.shape->mesh() != nullptr
+             ? placed_box(body, body.shape->mesh()->box())
+             : box_along(body.axes, body.centre, body.scale * body.shape->half_sides());
 }
 
 /// A part of a body: a box that holds it, and its sphere.
@@ -45,8 +38,7 @@ struct Piece {
 std::vector<Piece> pieces_of(const PlacedBody& body) {
   std::vector<Piece> pieces;
   if (body.shape->mesh() == nullptr) {
-    pieces.push_back(
-        {placed_box(body, own_box(*body.shape)), body.centre, body.scale * body.shape->half_sides().norm()});
+    pieces.push_back({whole_box(body), body.centre, body.scale * body.shape->half_sides().norm()});
     return pieces;
   }
   for (const PanelCluster& cluster : body.shape->mesh()->panels().clusters)
@@ -76,12 +68,9 @@ bool may_hold(const PlacedBody& outer, const BoxNumbers& box, const PlacedBody& 
 
 }  // namespace
 
-double mesh_gap(const PlacedBody& a, const PlacedBody& b) {
-  const auto whole = [](const PlacedBody& body) {
-    return placed_box(body, body.shape->mesh() != nullptr ? body.shape->mesh()->box() : own_box(*body.shape));
-  };
+double body_gap(const PlacedBody& a, const PlacedBody& b) {
   const QuickSearch& search = best_search();
-  const BoxNumbers box_a = whole(a), box_b = whole(b);
+  const BoxNumbers box_a = whole_box(a), box_b = whole_box(b);
   const double apart = search.box_gap(box_a, box_b);
   if (apart > 0)
     return apart;
