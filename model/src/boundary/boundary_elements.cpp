@@ -21,11 +21,13 @@ namespace {
 using detail::changes;
 using detail::ChargedBodies;
 using detail::FaceFunctions;
+using detail::NestedMatrix;
 using detail::PanelSolution;
 using detail::PanelSystem;
 using detail::without_floating;
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 constexpr double strictest_rtol = 1e-6;
 constexpr double loosest_rtol = 0.5;
@@ -70,29 +72,53 @@ void validate(const BoundaryElementOptions& options) {
         fmt::format("rtol {} must be from {} to {}", options.rtol, strictest_rtol, loosest_rtol));
 }
 
+void require_positive_definite(const PanelSolution& solution) {
+  if (!solution.positive_definite)
+    throw std::runtime_error("the matrix of the boundary elements is not positive definite");
+}
+
+/// What the quadratures may do to the first conductors' entries.
+MatrixXd quadrature_errors(const PanelSolution& solution, double tolerance, Index conductors) {
+  return quadrature_caution * tolerance * solution.quadrature_effect.topLeftCorner(conductors, conductors);
+}
+
 /// The answer in metres, to be multiplied by 4πε.
-void tell(const PanelSolution& solution, const ChargedBodies& bodies, double per_change,
-          double quadrature_tolerance, MaxwellMatrix& answer) {
+void tell(const PanelSolution& solution, const ChargedBodies& bodies, double per_change, double tolerance,
+          MaxwellMatrix& answer) {
   const MatrixXd fine = without_floating(solution.all.fine, bodies.floating);
   const MatrixXd coarse = without_floating(solution.all.coarse, bodies.floating);
-  const Index conductors = fine.rows(), sensors = solution.sensors.fine.rows();
-  const MatrixXd quadrature = quadrature_caution * quadrature_tolerance *
-                              solution.quadrature_effect.topLeftCorner(conductors, conductors);
+  const Index conductors = fine.rows();
+  const MatrixXd quadrature = quadrature_errors(solution, tolerance, conductors);
   answer.values = fine;
-  const MatrixXd unfinished = solution.unfinished.topLeftCorner(conductors, conductors);
-  answer.errors = per_change * changes(fine, coarse) + quadrature + unfinished;
-  answer.delta_self = fine.diagonal().head(sensors) - solution.sensors.fine.diagonal();
-  const Eigen::VectorXd coarse_delta = coarse.diagonal().head(sensors) - solution.sensors.coarse.diagonal();
-  const Eigen::VectorXd relative =
-      1 - coarse.diagonal().head(sensors).array() / fine.diagonal().head(sensors).array();
-  answer.delta_self_errors = per_change * (answer.delta_self - coarse_delta)
-                                              .cwiseAbs()
-                                              .cwiseMax(relative.cwiseProduct(answer.delta_self).cwiseAbs()) +
-                             quadrature.diagonal().head(sensors) + unfinished.diagonal().head(sensors);
+  answer.errors = per_change * changes(fine, coarse) + quadrature +
+                  solution.unfinished.topLeftCorner(conductors, conductors);
   answer.lower_bounds.resize(static_cast<std::size_t>(conductors));
   for (Index i = 0; i < conductors; ++i)
     answer.lower_bounds[static_cast<std::size_t>(i)] =
         quadrature(i, i) <= quadrature_share * answer.errors(i, i);
+}
+
+/// What the objects add to the sensors' own entries, in metres. The errors of a sensor's edges, which it has
+/// without the objects, too, are not in the difference.
+void tell_delta(const PanelSystem& system, const PanelSolution& solution, const ChargedBodies& bodies,
+                double per_change, double tolerance, double accuracy, MaxwellMatrix& answer) {
+  const auto sensors = static_cast<Index>(bodies.sensors);
+  NestedMatrix alone = solution.sensors;
+  VectorXd others = quadrature_errors(solution, tolerance, sensors).diagonal() +
+                    solution.unfinished.diagonal().head(sensors);
+  if (detail::sensors_have_panels(bodies)) {
+    const PanelSolution again = system.solve_sensors(accuracy);
+    require_positive_definite(again);
+    alone = again.all;
+    others += quadrature_errors(again, tolerance, sensors).diagonal() + again.unfinished.diagonal();
+  }
+  const VectorXd fine = answer.values.diagonal().head(sensors);
+  const VectorXd coarse = without_floating(solution.all.coarse, bodies.floating).diagonal().head(sensors);
+  answer.delta_self = fine - alone.fine.diagonal();
+  const VectorXd change = answer.delta_self - (coarse - alone.coarse.diagonal());
+  const VectorXd relative = 1 - coarse.array() / fine.array();
+  answer.delta_self_errors =
+      per_change * change.cwiseAbs().cwiseMax(relative.cwiseProduct(answer.delta_self).cwiseAbs()) + others;
 }
 
 /// The largest error of an entry, relative to it; of delta_self relative to the sensor's own entry, as a far
@@ -208,12 +234,14 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const BoundaryElementOptions& o
   answer.floating.assign(bodies.names.begin() + rows, bodies.names.end());
   answer.sensors = bodies.sensors;
   double tolerance = options.rtol / first_tolerance_part;
+  const double accuracy = iteration_share * options.rtol;
+  PanelSolution solution;
   while (true) {
     system.refine(functions, tolerance);
-    const PanelSolution solution = system.solve(iteration_share * options.rtol);
+    solution = system.solve(accuracy);
     if (!solution.positive_definite) {
       if (tolerance < finest_tolerance)
-        throw std::runtime_error("the matrix of the boundary elements is not positive definite");
+        require_positive_definite(solution);
       tolerance /= 100;
       continue;
     }
@@ -235,6 +263,32 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const BoundaryElementOptions& o
     if (!refine(system, solution, excess, options.most_unknowns, functions) && !tightened)
       break;
   }
+  tell_delta(system, solution, bodies, per_change, tolerance, accuracy, answer);
+  return answer;
+}
+
+/// solve() for bodies some of which have triangles in the place of their faces.
+MaxwellMatrix solve_in_triangles(const ChargedBodies& bodies, BoundaryElementOptions options) {
+  /// What they reach in seconds; less would take minutes.
+  constexpr double reached_by_triangles = 1e-3;
+  options.rtol = std::max(options.rtol, reached_by_triangles);
+  return solve(bodies, options);
+}
+
+/// The answer, with triangles in the place of faces whose functions would see nothing of what is before
+/// them: two spaces that both miss something agree.
+MaxwellMatrix solve_as_needed(const ChargedBodies& bodies, const BoundaryElementOptions& options) {
+  if (const auto others = detail::with_triangles_under_narrow_shadows(bodies))
+    return solve_in_triangles(*others, options);
+  MaxwellMatrix answer = solve(bodies, options);
+  /// An answer that is better than this is not worth the seconds.
+  constexpr double useless = 1e-2;
+  if (largest_error(answer) <= std::max(useless, options.rtol))
+    return answer;
+  if (const auto others = detail::with_triangles_beyond(bodies, features(options), detail::most_functions))
+    if (MaxwellMatrix other = solve_in_triangles(*others, options);
+        largest_error(other) < largest_error(answer))
+      return other;
   return answer;
 }
 
@@ -247,26 +301,7 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   const ChargedBodies bodies = detail::charged_bodies(scene);
   if (bodies.names.size() == bodies.floating)
     throw InputError("the scene has neither a sensor nor a grounded object");
-  /// What triangles in the place of faces reach in seconds; with less they would take minutes.
-  constexpr double reached_by_triangles = 1e-3;
-  const BoundaryElementOptions by_triangles{std::max(options.rtol, reached_by_triangles),
-                                            options.most_unknowns};
-  /// Two spaces that both miss what is twice as narrow as their functions agree, whatever is asked.
-  constexpr double hopeless = 2 * detail::most_functions;
-  MaxwellMatrix answer;
-  if (const auto others = detail::with_triangles_beyond(bodies, features(options), hopeless)) {
-    answer = solve(*others, by_triangles);
-  } else {
-    answer = solve(bodies, options);
-    /// An answer that is better than this is not worth the seconds.
-    constexpr double useless = 1e-2;
-    const auto narrow = largest_error(answer) > std::max(useless, options.rtol)
-                            ? detail::with_triangles_beyond(bodies, features(options), detail::most_functions)
-                            : std::nullopt;
-    if (narrow)
-      if (MaxwellMatrix other = solve(*narrow, by_triangles); largest_error(other) < largest_error(answer))
-        answer = std::move(other);
-  }
+  MaxwellMatrix answer = solve_as_needed(bodies, options);
   answer.reached = largest_error(answer) <= options.rtol;
   const double factor = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
   answer.values *= factor;

@@ -113,6 +113,12 @@ std::vector<ConvexHull> hulls_of(const ChargedBody& body) {
 
 }  // namespace
 
+bool sensors_have_panels(const ChargedBodies& bodies) {
+  return std::any_of(bodies.bodies.begin(), bodies.bodies.end(), [&](const ChargedBody& body) {
+    return body.conductor < bodies.sensors && body.faces.empty();
+  });
+}
+
 ChargedBodies bodies_on_links(const Scene& scene) {
   ChargedBodies result;
   for (const Sensor& sensor : scene.sensors) {

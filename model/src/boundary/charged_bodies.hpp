@@ -32,6 +32,9 @@ struct ChargedBodies {
   std::vector<ChargedBody> bodies;
 };
 
+/// Whether a sensor is made of triangles.
+bool sensors_have_panels(const ChargedBodies& bodies);
+
 /// The bodies in the frames of their links. Throws InputError for a dielectric object, for rectangles that
 /// are none, for triangles without area and those that are there twice.
 ChargedBodies bodies_on_links(const Scene& scene);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include <Eigen/Core>
 
 #include "weighted_basis.hpp"
@@ -16,6 +18,12 @@ struct Face {
   double half_v;
   EdgeKind edge;
 };
+
+/// The corners in their order around the face.
+inline std::array<Eigen::Vector3d, 4> corners_of(const Face& face) {
+  const Eigen::Vector3d u = face.half_u * face.axis_u, v = face.half_v * face.axis_v;
+  return {face.centre - u - v, face.centre + u - v, face.centre + u + v, face.centre - u + v};
+}
 
 /// How many functions a face has along its two directions.
 struct FaceFunctions {

@@ -105,6 +105,12 @@ std::vector<std::vector<std::size_t>> grouped(std::span<const Triangle> triangle
   return groups;
 }
 
+/// What the panels of a group are the quarters of.
+Triangle quartered_triangle(const std::vector<Panel>& panels, const PanelGroup& group) {
+  return {panels[group.first].corners[0], panels[group.first + 1].corners[1],
+          panels[group.first + 2].corners[2]};
+}
+
 }  // namespace
 
 void PanelMesh::add_quartered(const Triangle& triangle, std::size_t body) {
@@ -137,6 +143,26 @@ std::size_t PanelMesh::growth(const PanelGroup& group) {
   return group.is_quartered ? group.count : 3 * group.count;
 }
 
+PanelMesh PanelMesh::of_first(std::size_t bodies) const {
+  PanelMesh mesh;
+  for (const PanelGroup& group : groups_)
+    if (group.body < bodies)
+      mesh.groups_.push_back(group);
+  const std::size_t panels = mesh.groups_.empty() ? 0 : mesh.groups_.back().first + mesh.groups_.back().count;
+  mesh.panels_.assign(panels_.begin(), panels_.begin() + static_cast<std::ptrdiff_t>(panels));
+  mesh.places_before_.resize(panels, no_place);
+  return mesh;
+}
+
+std::vector<Triangle> PanelMesh::triangles(const PanelGroup& group) const {
+  if (group.is_quartered)
+    return {quartered_triangle(panels_, group)};
+  std::vector<Triangle> triangles;
+  for (std::size_t member = group.first; member < group.first + group.count; ++member)
+    triangles.push_back(panels_[member].corners);
+  return triangles;
+}
+
 void PanelMesh::refine(const std::vector<bool>& marked, const MatrixXd& charges) {
   const std::vector<Panel> panels = std::move(panels_);
   const std::vector<PanelGroup> groups = std::move(groups_);
@@ -152,8 +178,7 @@ void PanelMesh::refine(const std::vector<bool>& marked, const MatrixXd& charges)
         places_before_.push_back(static_cast<Index>(member));
       }
     } else if (group.is_quartered) {
-      const Triangle whole{panels[group.first].corners[0], panels[group.first + 1].corners[1],
-                           panels[group.first + 2].corners[2]};
+      const Triangle whole = quartered_triangle(panels, group);
       const MatrixXd own =
           charges.middleRows(static_cast<Index>(group.first), static_cast<Index>(group.count));
       for (const Triangle& half : halves(whole, side_to_halve(whole, own)))

@@ -35,6 +35,12 @@ class PanelMesh {
   const std::vector<Panel>& panels() const { return panels_; }
   const std::vector<PanelGroup>& groups() const { return groups_; }
 
+  /// The panels of so many bodies, the first.
+  PanelMesh of_first(std::size_t bodies) const;
+
+  /// What a group is made of: the triangle that was quartered, or its panels.
+  std::vector<Triangle> triangles(const PanelGroup& group) const;
+
   /// For every panel where it stood before the last refinement; no_place if it is new.
   const std::vector<Eigen::Index>& places_before() const { return places_before_; }
   static constexpr Eigen::Index no_place = -1;

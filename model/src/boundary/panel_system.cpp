@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <utility>
 
 #include "panel_coupling.hpp"
 #include "panel_energies.hpp"
 #include "panel_equations.hpp"
 #include "panel_iteration.hpp"
 #include "panel_matrix.hpp"
+#include "shadow.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -29,6 +32,16 @@ ChargedBodies with_faces(const ChargedBodies& bodies) {
   return result;
 }
 
+/// As objects, for there are none beside them.
+ChargedBodies sensors_of(const ChargedBodies& bodies) {
+  ChargedBodies sensors;
+  sensors.names.assign(bodies.names.begin(),
+                       bodies.names.begin() + static_cast<std::ptrdiff_t>(bodies.sensors));
+  std::copy_if(bodies.bodies.begin(), bodies.bodies.end(), std::back_inserter(sensors.bodies),
+               [&](const ChargedBody& body) { return body.conductor < bodies.sensors; });
+  return sensors;
+}
+
 }  // namespace
 
 PanelSystem::PanelSystem(const ChargedBodies& bodies, const PanelGrading& grading)
@@ -37,6 +50,35 @@ PanelSystem::PanelSystem(const ChargedBodies& bodies, const PanelGrading& gradin
   for (std::size_t body = 0; body < bodies.bodies.size(); ++body)
     if (bodies.bodies[body].faces.empty())
       mesh_.add(body, bodies.bodies[body].triangles, grading);
+  divide_under_shadows(grading.most_panels);
+}
+
+PanelSystem::PanelSystem(const ChargedBodies& bodies, PanelMesh mesh)
+    : bodies_(bodies), bodies_of_faces_(with_faces(bodies)), faces_(bodies_of_faces_), mesh_(std::move(mesh)),
+      panel_tolerance_(unknown_tolerance), coupling_tolerance_(unknown_tolerance) {}
+
+void PanelSystem::divide_under_shadows(std::size_t most_panels) {
+  if (mesh_.panels().empty())
+    return;
+  const std::vector<Shadow> shadows = shadows_of(bodies_);
+  const auto is_too_large = [&](const PanelGroup& group) {
+    const std::vector<Triangle> triangles = mesh_.triangles(group);
+    for (std::size_t body = 0; body < shadows.size(); ++body)
+      if (body != group.body)
+        for (const Triangle& triangle : triangles)
+          if (shadows[body].is_narrow_on(triangle))
+            return true;
+    return false;
+  };
+  while (mesh_.panels().size() < most_panels) {
+    std::vector<bool> marked;
+    for (const PanelGroup& group : mesh_.groups())
+      marked.push_back(is_too_large(group));
+    if (std::find(marked.begin(), marked.end(), true) == marked.end())
+      break;
+    // Charges that are alike: across the longest sides.
+    mesh_.refine(marked, MatrixXd::Ones(index_of(mesh_.panels().size()), 1));
+  }
 }
 
 void PanelSystem::refine_groups(const std::vector<bool>& marked, const MatrixXd& charges) {
@@ -122,9 +164,11 @@ PanelSolution PanelSystem::solve(double accuracy) const {
   const MatrixXd matrix = face_matrix(unknowns);
   const PanelEquations equations{faces_, mesh_, unknowns, matrix, panels_, coupling_};
   const NestedSpace nested(equations);
-  solution.sensors = faces_.solve_sensors();
-  solution.positive_definite =
-      nested.is_positive_definite() && (bodies_.sensors == 0 || solution.sensors.fine.size() > 0);
+  solution.positive_definite = nested.is_positive_definite();
+  if (bodies_.sensors > 0 && !sensors_have_panels(bodies_)) {
+    solution.sensors = faces_.solve_sensors();
+    solution.positive_definite &= solution.sensors.fine.size() > 0;
+  }
   if (!solution.positive_definite)
     return solution;
   const IteratedCharges found = iterate(equations, nested, accuracy);
@@ -154,6 +198,16 @@ PanelSolution PanelSystem::solve(double accuracy) const {
   }
   solution.quadrature_effect = quadrature_effect(unknowns, found.charges, of_highest.norms);
   return solution;
+}
+
+PanelSolution PanelSystem::solve_sensors(double accuracy) const {
+  const ChargedBodies sensors = sensors_of(bodies_);
+  PanelSystem alone(sensors, mesh_.of_first(sensors.bodies.size()));
+  std::vector<FaceFunctions> functions;
+  for (std::size_t face = 0; face < alone.faces(); ++face)
+    functions.push_back(faces_.functions(face));
+  alone.refine(functions, coupling_tolerance_);
+  return alone.solve(accuracy);
 }
 
 }  // namespace fringe::detail

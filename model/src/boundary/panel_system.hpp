@@ -13,7 +13,8 @@
 /// The Galerkin equations of bodies of faces and bodies of panels (model/BOUNDARY_ELEMENTS.md, section 9).
 namespace fringe::detail {
 
-/// What the panels' charges tell besides.
+/// What the panels' charges tell besides. Of the sensors without the objects there is nothing where a sensor
+/// has panels.
 struct PanelSolution : GalerkinSolution {
   Eigen::MatrixXd charges;         ///< of every panel (rows) for every conductor at a potential of one
   Eigen::VectorXd group_energies;  ///< that the groups' own densities hold more than one density would
@@ -36,10 +37,16 @@ class PanelSystem {
   /// The panels' charges are iterated until a step brings a capacitance less than this part of it.
   PanelSolution solve(double accuracy) const;
 
+  /// The sensors without the objects, by the functions and panels that they have beside them.
+  PanelSolution solve_sensors(double accuracy) const;
+
  private:
+  PanelSystem(const ChargedBodies& bodies, PanelMesh mesh);
   Eigen::MatrixXd face_matrix(const PanelUnknowns& unknowns) const;
   Eigen::MatrixXd quadrature_effect(const PanelUnknowns& unknowns, const Eigen::MatrixXd& charges,
                                     const Eigen::MatrixXd& norms) const;
+  /// Halves what is so large that it would not see another body before it.
+  void divide_under_shadows(std::size_t most_panels);
   void refine_coupling(const std::vector<FaceFunctions>& functions, double tolerance);
 
   const ChargedBodies& bodies_;

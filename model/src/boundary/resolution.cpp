@@ -8,6 +8,8 @@
 
 #include <boost/math/tools/minima.hpp>
 
+#include "shadow.hpp"
+
 namespace fringe::detail {
 namespace {
 
@@ -20,9 +22,7 @@ struct Segment {
 
 /// The edges of a face; those of a box come twice.
 std::array<Segment, 4> edges_of(const Face& face) {
-  const Vector3d u = face.half_u * face.axis_u, v = face.half_v * face.axis_v;
-  const Vector3d corners[]{face.centre - u - v, face.centre + u - v, face.centre + u + v,
-                           face.centre - u + v};
+  const std::array<Vector3d, 4> corners = corners_of(face);
   return {{{corners[0], corners[1]},
            {corners[1], corners[2]},
            {corners[2], corners[3]},
@@ -115,6 +115,24 @@ std::vector<Triangle> triangles_of(const std::vector<Face>& faces) {
   return triangles;
 }
 
+/// The bodies with triangles in the place of the faces of those that have one for which they are needed.
+/// Nothing if there are none.
+template <typename Needed>
+std::optional<ChargedBodies> with_triangles_where(const ChargedBodies& bodies, const Needed& needed) {
+  ChargedBodies result = bodies;
+  bool changed = false;
+  for (ChargedBody& body : result.bodies) {
+    const ChargedBody& before = bodies.bodies[static_cast<std::size_t>(&body - result.bodies.data())];
+    if (std::none_of(before.faces.begin(), before.faces.end(),
+                     [&](const Face& face) { return needed(face, before); }))
+      continue;
+    body.triangles = triangles_of(before.faces);
+    body.faces.clear();
+    changed = true;
+  }
+  return changed ? std::optional(std::move(result)) : std::nullopt;
+}
+
 }  // namespace
 
 std::vector<FaceFunctions> resolving_functions(const ChargedBodies& bodies, double features, int least) {
@@ -130,22 +148,20 @@ std::vector<FaceFunctions> resolving_functions(const ChargedBodies& bodies, doub
 
 std::optional<ChargedBodies> with_triangles_beyond(const ChargedBodies& bodies, double features,
                                                    double most) {
-  ChargedBodies result = bodies;
-  bool changed = false;
-  for (std::size_t k = 0; k < bodies.bodies.size(); ++k) {
-    const ChargedBody& body = bodies.bodies[k];
-    if (body.conductor < bodies.sensors)
-      continue;
-    const bool beyond = std::any_of(body.faces.begin(), body.faces.end(), [&](const Face& face) {
-      return features > least_parameters(face, body, bodies).minCoeff() * (most - 1);
-    });
-    if (!beyond)
-      continue;
-    result.bodies[k].triangles = triangles_of(body.faces);
-    result.bodies[k].faces.clear();
-    changed = true;
-  }
-  return changed ? std::optional(std::move(result)) : std::nullopt;
+  return with_triangles_where(bodies, [&](const Face& face, const ChargedBody& body) {
+    return features > least_parameters(face, body, bodies).minCoeff() * (most - 1);
+  });
+}
+
+std::optional<ChargedBodies> with_triangles_under_narrow_shadows(const ChargedBodies& bodies) {
+  const std::vector<Shadow> shadows = shadows_of(bodies);
+  return with_triangles_where(bodies, [&](const Face& face, const ChargedBody& body) {
+    const auto own = static_cast<std::size_t>(&body - bodies.bodies.data());
+    for (std::size_t k = 0; k < shadows.size(); ++k)
+      if (k != own && shadows[k].is_narrow_on(face))
+        return true;
+    return false;
+  });
 }
 
 }  // namespace fringe::detail

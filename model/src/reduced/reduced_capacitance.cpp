@@ -147,13 +147,13 @@ class ReducedEvaluator::Implementation {
     return !known_ || !motion_.rigid(bodies_.bodies[a].link, bodies_.bodies[b].link);
   }
 
-  /// Whether a body casts a shadow on a plate or box that is narrower than any function there: fewer
+  /// Whether a body casts a shadow on another that is narrower than any function there: fewer
   /// functions and more then miss it alike, and their difference tells nothing of the error.
   bool is_too_narrow_for_functions() const {
     const double functions = detail::functions_of_level(PreparedShape::levels - 1);
     for (std::size_t large = 0; large < rigid_.size(); ++large)
       for (std::size_t small = 0; small < rigid_.size(); ++small)
-        if (large != small && rigid_[large].shape->mesh() == nullptr &&
+        if (large != small &&
             functions * (rigid_[small].scale + gaps_[pair(small, large)]) < rigid_[large].scale)
           return true;
     return false;

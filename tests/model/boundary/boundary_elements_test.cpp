@@ -12,6 +12,7 @@
 
 #include "boundary/charged_bodies.hpp"
 #include "boundary/galerkin_system.hpp"
+#include "fringe/triangulation.hpp"
 #include "scenes.hpp"
 
 namespace fringe {
@@ -92,6 +93,62 @@ TEST(BoundaryElements, BeforeAWallFeelWhatIsFeltBeforeTheMirrorImage) {
     const MaxwellMatrix answer = maxwell(scene, {.rtol = 1e-2});
     EXPECT_TRUE(answer.reached);
     EXPECT_NEAR(answer.values(0, 0), plane, answer.errors(0, 0) + corner_of_the_wall * plane);
+  }
+}
+
+TEST(BoundaryElements, ALargeSensorIsFeltByASmallPlateAsAWallIs) {
+  Scene scene;
+  scene.sensors = {sensor("wall", {square(4, 0)})};
+  scene.objects = {object("plate", Plate{0.1, 0.1}, at(0, 0, 0.01))};
+  Scene reversed;
+  reversed.sensors = {sensor("plate", {square(0.1, 0.01)})};
+  reversed.objects = {object("wall", Plate{4, 4}, at(0, 0, 0))};
+  const MaxwellMatrix answer = maxwell(scene, {.rtol = 1e-2}), other = maxwell(reversed, {.rtol = 1e-2});
+  EXPECT_TRUE(answer.reached);
+  EXPECT_NEAR(answer.values(0, 1), other.values(1, 0), answer.errors(0, 1) + other.errors(1, 0));
+  EXPECT_EQ(answer.sensors, 1U);
+  // Without charge of its own so small a plate along the wall would hardly be felt: what is felt is its
+  // charge.
+  const double felt = std::pow(answer.values(0, 1), 2) / answer.values(1, 1);
+  EXPECT_NEAR(answer.delta_self[0], felt, answer.delta_self_errors[0]);
+  EXPECT_LT(answer.delta_self_errors[0], 0.02 * felt);
+}
+
+TEST(BoundaryElements, APlateFourThousandTimesSmallerIsSeen) {
+  // Smaller than anything the large one is made of before it is divided. Known from the mirror image.
+  constexpr double side = 1e-3;
+  const Shape large = Plate{4, 4};
+  for (const double gap : {1e-4, 1e-3})
+    for (const Shape& wall : {large, Shape(Mesh{"", 1, triangulate(large)})}) {
+      Scene scene, image;
+      scene.sensors = image.sensors = {sensor("small", {square(side, 0)})};
+      scene.objects = {object("wall", wall, at(0.1, -0.1, -gap))};
+      image.objects = {object("image", Plate{side, side}, at(0, 0, -2 * gap))};
+      const MaxwellMatrix mirrored = maxwell(image, {.rtol = 1e-4}), answer = maxwell(scene, {.rtol = 1e-2});
+      const double plane = mirrored.values(0, 0) - mirrored.values(0, 1);
+      EXPECT_TRUE(answer.reached);
+      EXPECT_NEAR(answer.values(0, 0), plane, answer.errors(0, 0)) << gap;
+    }
+}
+
+TEST(BoundaryElements, ANarrowStripAcrossALargePlateIsSeen) {
+  // As long as a quarter of the plate and an eight hundredth of its width. Known from its mirror image.
+  constexpr double gap = 5e-4, width = 2.5e-4, edge_of_the_plate = 1e-3;
+  for (const double turn : {0.0, 0.6}) {
+    const auto turned = [&](double height) {
+      Eigen::Isometry3d pose = at(0, 0, height);
+      pose.rotate(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
+      return pose;
+    };
+    Scene scene, image;
+    scene.sensors = {sensor("plate", {square(0.2, 0)})};
+    scene.objects = {object("strip", Plate{0.05, width}, turned(gap))};
+    image.objects = {object("strip", Plate{0.05, width}, turned(gap)),
+                     object("image", Plate{0.05, width}, turned(-gap))};
+    const MaxwellMatrix mirrored = maxwell(image, {.rtol = 1e-4}), answer = maxwell(scene, {.rtol = 3e-2});
+    const double plane = mirrored.values(0, 0) - mirrored.values(0, 1);
+    EXPECT_TRUE(answer.reached);
+    EXPECT_NEAR(answer.values(1, 1), plane, answer.errors(1, 1) + edge_of_the_plate * plane);
   }
 }
 

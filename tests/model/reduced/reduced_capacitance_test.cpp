@@ -12,6 +12,7 @@
 
 #include "boundary/scenes.hpp"
 #include "fringe/error.hpp"
+#include "fringe/triangulation.hpp"
 #include "random_poses.hpp"
 
 namespace fringe {
@@ -194,8 +195,9 @@ TEST(Reduced, NearContactIsRightOrNotReached) {
 
 TEST(Reduced, KnowsNothingOfAShadowNarrowerThanItsFunctions) {
   Scene scene = plate_above_sensor(0.01);
-  for (const double side : {2.0, 4.0}) {
-    scene.objects[0].shape = Plate{side, side};
+  const Shape wall = Plate{4, 4};
+  for (const Shape& shape : {Shape(Plate{2, 2}), wall, Shape(Mesh{"", 1, triangulate(wall)})}) {
+    scene.objects[0].shape = shape;
     const MaxwellMatrix answer = reduced_capacitance(scene);
     EXPECT_FALSE(answer.reached);
     EXPECT_TRUE((answer.errors.array() == std::numeric_limits<double>::infinity()).all());
