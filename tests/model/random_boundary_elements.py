@@ -1,9 +1,9 @@
 """Random poses: are the errors that boundary elements state errors? `python3 -m tests.model.random_boundary_elements`.
 
 A sensor of 10 cm, and plates and boxes of 1 to 30 cm; a third of the poses parallel, a third at right angles; centres 1 to 150 mm
-above or below the sensor's plane. The answer at rtol = 1e-3 is held against that at 3e-5, as far as that was reached. With
+above or below the sensor's plane. The answer at rtol = 1e-3 is held against that at 5e-5, as far as that was reached. With
 `--meshes` the same bodies are also given as triangles, whose answer at rtol = 1e-2 is held against that of their faces at 1e-4. With
-`--sizes` the bodies have sides of 0.5 mm to 4 m and start at 0.2 mm, and the answer at rtol = 1e-2 is held against that at 2e-3.
+`--sizes` the bodies have sides of 5 mm to 2 m and start at 0.5 mm, and the answer at rtol = 1e-2 is held against that at 2e-3.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "build" / "python")
 
 import fringe  # noqa: E402
 
-ASKED, STRICT = 1e-3, 3e-5
+ASKED, STRICT = 1e-3, 5e-5
 ASKED_OF_MESHES, STRICT_BESIDE_MESHES = 1e-2, 1e-4
 ASKED_OF_SIZES, STRICT_OF_SIZES = 1e-2, 2e-3
 
@@ -44,7 +44,7 @@ shape = {{ type = "mesh", file = "{file}" }}
 
 
 def random_scene(random: np.random.Generator, any_size: bool) -> str:
-    smallest, largest, nearest = (5e-4, 4, 2e-4) if any_size else (0.01, 0.3, 0.001)
+    smallest, largest, nearest = (5e-3, 2, 5e-4) if any_size else (0.01, 0.3, 0.001)
     size = np.exp(random.uniform(np.log(smallest), np.log(largest), 3))
     box = random.random() < 0.35
     axis = random.normal(size=3) if random.random() < 0.6 else np.eye(3)[random.integers(1, 3)]
