@@ -92,7 +92,7 @@ TEST(MutualMatrix, KeepsItsToleranceCloseTogether) {
 TEST(SegmentDistance, IsTheLeastOverManyPoints) {
   test::Random random(7);
   const auto point = [&] { return random.in_box({-1, -1, -1}, {1, 1, 1}); };
-  for (int trial = 0; trial < 50; ++trial) {
+  for (int trial = 0; trial < test::draws(50); ++trial) {
     const Vector3d a0 = point(), a1 = point(), b0 = point(), b1 = point();
     double least = 10;
     constexpr int steps = 200;

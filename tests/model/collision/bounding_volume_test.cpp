@@ -99,7 +99,7 @@ constexpr BoxMethod methods[] = {BoxMethod::vertices, BoxMethod::triangles, BoxM
 
 TEST(BoundingVolumes, HoldEveryVertexStrictly) {
   Random random(1);
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < draws(200); ++i) {
     const Points points = random_points(random);
     for (const int exponent : {0, -900, 900}) {
       const Points scaled = test::placed({points, {}}, std::ldexp(1.0, exponent), Vector3d::Zero()).a;
@@ -149,7 +149,7 @@ TEST(BoundingSphere, IsTheKnownSmallestOne) {
 TEST(BoundingSphere, HasItsCentreInTheHullOfThePointsOnItsBoundary) {
   // That makes it the smallest: moving the centre any way takes it farther from one of them.
   Random random(2);
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < draws(300); ++i) {
     const Points points = random_points(random);
     const BoundingSphere sphere = bounding_sphere(points);
     double largest = 0;
@@ -217,7 +217,7 @@ TEST(OrientedBox, TightIsWithinTwoPercentOfTheSmallestKnownInAnyRotation) {
 
 TEST(OrientedBox, TightOfACubeIsTheCube) {
   Random random(4);
-  for (int i = 0; i < 50; ++i) {
+  for (int i = 0; i < draws(50); ++i) {
     const OrientedBox box =
         oriented_box(turned(box_corners({1, 1, 1}), random.rigid_motion()), {}, BoxMethod::tight);
     for (const double half_width : box.half_widths)
@@ -253,7 +253,7 @@ Points corners_of(const OrientedBox& box) {
 TEST(Overlap, OfOrientedBoxesAgreesWithTheirHulls) {
   Random random(5);
   int overlapping = 0;
-  constexpr int repetitions = 20'000;
+  constexpr int repetitions = draws(20'000);
   for (int i = 0; i < repetitions; ++i) {
     const auto any_box = [&] {
       const Eigen::Isometry3d motion = random.rigid_motion();
@@ -297,7 +297,7 @@ TEST(Overlap, OfOrientedBoxesIsTheSameForEveryInstructionSet) {
 
 TEST(Overlap, IsNeverDeniedWhenVerticesAreShared) {
   Random random(6);
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < draws(3000); ++i) {
     Points a = random_points(random), b = random_points(random);
     const Vector3d offset = a[0] - b[0];
     for (Vector3d& point : b)

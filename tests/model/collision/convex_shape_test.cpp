@@ -68,7 +68,7 @@ class HullsOnClass : public testing::TestWithParam<test::PairClass> {};
 
 TEST_P(HullsOnClass, AnswerAsTheirVerticesDo) {
   Random random(11);
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < draws(300); ++i) {
     const auto [a, b] = GetParam().make(random);
     const bool expected = gjk_intersects(a, b).intersects;
     const ConvexShape hull_a = ConvexShape::hull(a), hull_b = ConvexShape::hull(b);
@@ -101,7 +101,7 @@ TEST(ConvexShapes, OfEveryKindProveTheirAnswersInAnyPose) {
 
 TEST(ConvexShapes, AreTheSameForEveryInstructionSet) {
   Random random(13);
-  for (int i = 0; i < 4000; ++i) {
+  for (int i = 0; i < draws(4000); ++i) {
     const ConvexShape a = any_primitive(random), b = any_primitive(random);
     const Isometry3d pose_a = random.rigid_motion();
     const Isometry3d pose_b = moved_by(random.in_box({-1, -1, -1}, {1, 1, 1})) * random.rigid_motion();

@@ -14,6 +14,7 @@ namespace fringe {
 namespace {
 
 using Eigen::Vector3d;
+using test::draws;
 using test::Points;
 using test::Random;
 /// Digits enough for the squares and products of distances of 1e-15 to have thirty left.
@@ -117,7 +118,7 @@ TEST_P(GjkDistanceOnClass, AgreesWithAllPairsOfFeatures) {
   constexpr double three_units = 3 * std::numeric_limits<double>::epsilon();
   Random random(3);
   int disjoint = 0;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < draws(60); ++i) {
     auto [a, b] = GetParam().make(random);
     a.resize(std::min(a.size(), most_vertices));
     b.resize(std::min(b.size(), most_vertices));
@@ -136,7 +137,7 @@ TEST_P(GjkDistanceOnClass, AgreesWithAllPairsOfFeatures) {
 
 TEST_P(GjkDistanceOnClass, WitnessesLieInTheHullsAndAreSoFarApart) {
   Random random(4);
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < draws(200); ++i) {
     const auto [a, b] = GetParam().make(random);
     const auto [distance, on_a, on_b] = gjk_distance(a, b);
     // One unit in the last place of each coordinate.

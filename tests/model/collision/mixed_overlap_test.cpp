@@ -14,9 +14,10 @@ namespace {
 using Eigen::AlignedBox3d;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
+using test::draws;
 using test::Random;
 
-constexpr int pairs = 20000;
+constexpr int pairs = draws(20000);
 
 OrientedBox any_box(Random& random) {
   const Isometry3d motion = random.rigid_motion();
