@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
+import platform
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 
@@ -13,9 +14,13 @@ from pathlib import Path
 def whole_file(target: Path) -> Iterator[Path]:
     """A temporary name beside `target`, of the same suffix, to write to: renamed at the end, removed after an error.
 
-    Unlike tempfile's, the file gets the permissions that the user's umask gives to any other.
+    What a writer of the same file left that was killed on this machine is removed, too. Unlike tempfile's, the file gets the
+    permissions that the user's umask gives to any other.
     """
-    unfinished = target.with_name(f".{target.stem}.{os.getpid()}.{threading.get_ident()}{target.suffix}")
+    head = f".{target.stem}.{platform.node()}."
+    unfinished = target.with_name(f"{head}{os.getpid()}.{threading.get_ident()}{target.suffix}")
+    with suppress(OSError):
+        _remove_left(target.parent, head, target.suffix)
     try:
         yield unfinished
         os.replace(unfinished, target)
@@ -25,3 +30,21 @@ def whole_file(target: Path) -> Iterator[Path]:
         raise
     finally:
         unfinished.unlink(missing_ok=True)
+
+
+def _remove_left(folder: Path, head: str, suffix: str) -> None:
+    for name in os.listdir(folder):
+        if name.startswith(head) and name.endswith(suffix):
+            process = name.removeprefix(head).partition(".")[0]
+            if process.isdecimal() and not _is_running(int(process)):
+                (folder / name).unlink(missing_ok=True)
+
+
+def _is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True
