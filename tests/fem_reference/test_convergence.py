@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from fem_reference.convergence import LEAST_FRACTION, UNCHECKED_SAFETY, estimate, open_boundary_error
+from fem_reference.convergence import (
+    LEAST_FRACTION,
+    LEAST_OF_TWO_LEVELS,
+    UNCHECKED_SAFETY,
+    estimate,
+    open_boundary_error,
+)
+
+AGREEING_BY_CHANCE = (2.683719, 2.683916, 2.681565, 2.681252), 2.680950
+"""C11 of equal plates, pF, on four meshes of the set-up parallel-018 of the corrections; by boundary elements to 1e-5."""
 
 
 def of(*values: float) -> tuple[float, float, bool]:
@@ -17,6 +26,17 @@ def test_one_level_knows_nothing() -> None:
 
 def test_two_levels_are_not_extrapolated() -> None:
     assert of(3.0, 2.5) == (2.5, 1.0, False)
+
+
+def test_two_levels_may_agree_by_chance() -> None:
+    """Plates half their size apart: pF on the first three meshes, of which the third is far from the others, and the truth."""
+    levels, truth = AGREEING_BY_CHANCE
+    value, error, extrapolated = of(*levels[:2])
+    assert abs(levels[1] - levels[0]) < abs(value - truth) / 5
+    assert not extrapolated and abs(value - truth) <= error == LEAST_OF_TWO_LEVELS * value
+    for count in (3, 4):
+        value, error, _ = of(*levels[:count])
+        assert abs(value - truth) <= error
 
 
 def test_linear_convergence_is_extrapolated_to_its_limit() -> None:

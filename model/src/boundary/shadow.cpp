@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../collision/covariance.hpp"
+#include "fringe/bounding_volume.hpp"
 #include "fringe/gjk.hpp"
 #include "panel.hpp"
 
@@ -24,11 +24,13 @@ std::vector<Vector3d> corners_of(const ChargedBody& body) {
   return corners;
 }
 
-Matrix3d half_edges_of_hull(const std::vector<Vector3d>& corners, const Eigen::Matrix3Xd& offsets) {
-  const Matrix3d axes = axes_of_vertices(corners);
-  const Eigen::Matrix3Xd along = axes * offsets;
-  const Vector3d halves = (along.rowwise().maxCoeff() - along.rowwise().minCoeff()) / 2;
-  return axes.transpose() * halves.asDiagonal();
+/// Of a box around triangles, given by their corners.
+Matrix3d half_edges_of_hull(const std::vector<Vector3d>& corners) {
+  std::vector<fringe::Face> triangles;
+  for (std::size_t first = 0; first < corners.size(); first += 3)
+    triangles.push_back({first, first + 1, first + 2});
+  const OrientedBox box = oriented_box(corners, triangles, BoxMethod::triangles);
+  return box.axes.transpose() * box.half_widths.asDiagonal();
 }
 
 /// Half the longest way through a box's projection onto a plane along one of two directions at right angles
@@ -54,10 +56,9 @@ Shadow::Shadow(const ChargedBody& body) : corners_(corners_of(body)) {
   const Eigen::Map<const Eigen::Matrix3Xd> points(corners_.front().data(), 3,
                                                   static_cast<Index>(corners_.size()));
   centre_ = points.rowwise().mean();
-  const Eigen::Matrix3Xd offsets = points.colwise() - centre_;
-  radius_ = offsets.colwise().norm().maxCoeff();
+  radius_ = (points.colwise() - centre_).colwise().norm().maxCoeff();
   if (body.faces.empty()) {
-    half_edges_ = half_edges_of_hull(corners_, offsets);
+    half_edges_ = half_edges_of_hull(corners_);
   } else {
     const Face& face = body.faces.front();
     half_edges_ << face.half_u * face.axis_u, face.half_v * face.axis_v, face.centre - centre_;

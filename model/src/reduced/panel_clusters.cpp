@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "../collision/covariance.hpp"
+#include "fringe/bounding_volume.hpp"
 #include "node_kernels.hpp"
 
 namespace fringe::detail {
@@ -68,11 +68,8 @@ void add_points(std::span<const Panel> panels, const PanelCluster& cluster, Pane
 }  // namespace
 
 BoxNumbers box_around(const std::vector<Vector3d>& points) {
-  const Eigen::Matrix3d axes = axes_of_vertices(points).transpose();
-  Eigen::AlignedBox3d box;
-  for (const Vector3d& point : points)
-    box.extend(Vector3d(axes.transpose() * point));
-  return box_along(axes, axes * box.center(), box.sizes() / 2);
+  const OrientedBox box = oriented_box(points, {}, BoxMethod::vertices);
+  return box_along(box.axes.transpose(), box.centre, box.half_widths);
 }
 
 BoxNumbers box_along(const Eigen::Matrix3d& axes, const Vector3d& centre, const Vector3d& half_widths) {
