@@ -13,10 +13,10 @@ from scipy.constants import epsilon_0
 from fem_reference.enclosure import Enclosure, enclosure, widened
 from fem_reference.flux import flux_energies
 from fem_reference.limits import peak_memory
-from fem_reference.mesh import tagged_mesh
+from fem_reference.mesh import TaggedMesh, tagged_mesh
 from fem_reference.scene_bodies import Conductors
 from fem_reference.sizing import Sizing
-from fem_reference.solve import FieldProblem, charges, without_floating
+from fem_reference.solve import Charges, FieldProblem, charges, release_unused, without_floating
 from fem_reference.stages import stage
 from fem_reference.symmetry import Plane
 from fem_reference.upper_energy import upper_energies
@@ -64,16 +64,9 @@ def solve_level(
         planes=planes,
         room=problem.room,
     )
-    system = FieldProblem(mesh, problem.parts, problem.permittivities)
-    found = charges(
-        system, problem.sensors, len(problem.floating), len(problem.grounded), problem.grounded_sensors
-    )
     farads = epsilon_0 * relative_permittivity * problem.unit * mesh.copies
-    done = time.monotonic()
-    interval = None
-    if with_enclosure:
-        with stage("bounding the energies"):
-            interval = _enclosure(problem, system, found.potentials, farads)
+    found, done, interval = _answers(problem, mesh, farads, with_enclosure)
+    release_unused(mesh.mesh.comm)
     smallest = min(body.size for body in problem.bodies)
     end = time.monotonic()
     return Level(
@@ -88,6 +81,21 @@ def solve_level(
         end - done,
         interval,
     )
+
+
+def _answers(
+    problem: Conductors, mesh: TaggedMesh, farads: float, with_enclosure: bool
+) -> tuple[Charges, float, Enclosure | None]:
+    """The charges, when they were known, and where they lie when that is asked for. Refers to no matrix any more."""
+    system = FieldProblem(mesh, problem.parts, problem.permittivities)
+    found = charges(
+        system, problem.sensors, len(problem.floating), len(problem.grounded), problem.grounded_sensors
+    )
+    done = time.monotonic()
+    if not with_enclosure:
+        return found, done, None
+    with stage("bounding the energies"):
+        return found, done, _enclosure(problem, system, found.potentials, farads)
 
 
 def _enclosure(

@@ -10,6 +10,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 from dolfinx.fem.petsc import assemble_matrix
+from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
@@ -247,6 +248,16 @@ def _wall_dofs(tagged: TaggedMesh, space: fem.FunctionSpace) -> NDArray[np.int32
     walls = tagged.facets.find(OUTER_SURFACE) if tagged.in_room else np.empty(0, dtype=np.int32)
     known = fem.locate_dofs_topological(space, 2, walls)
     return np.asarray(known[known < space.dofmap.index_map.size_local], dtype=PETSc.IntType)
+
+
+def release_unused(communicator: MPI.Comm) -> None:
+    """Free the matrices and vectors of a mesh's communicator, and of each process by itself, that nothing refers to any more.
+
+    petsc4py keeps what Python drops until all processes of its communicator say that they have dropped it. The communicator is the
+    mesh's own: once the mesh is gone too, nobody can say so.
+    """
+    for scope in (communicator, MPI.COMM_SELF):
+        PETSc.garbage_cleanup(scope)
 
 
 def set_options(solver: PETSc.KSP, options: Mapping[str, str | float | int]) -> None:

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from analysis.store import Document, write_json
-from fem_reference.mesh import tagged_mesh
-from fem_reference.scene_bodies import conductors
+from fem_reference.mesh import TaggedMesh, tagged_mesh
+from fem_reference.scene_bodies import Conductors, conductors
 from fem_reference.size_rules import Sizing
-from fem_reference.solve import FieldProblem
+from fem_reference.solve import FieldProblem, release_unused
 from fem_reference.symmetry import mirror_planes
 from fem_reference.upper_energy import upper_energies
 from geometries import reader
@@ -46,12 +46,18 @@ def bound(scene: Path, refinement: float) -> Bound:
     problem = conductors(reader.load(scene), str(scene))
     planes = mirror_planes(problem.bodies, problem.owner, problem.room)
     mesh = tagged_mesh(problem.bodies, problem.owner, Sizing(refinement=refinement), planes=planes)
+    above, value, unknowns = _energies(problem, mesh)
+    release_unused(mesh.mesh.comm)
+    farads = epsilon_0 * problem.unit * mesh.copies
+    return Bound(farads * above, farads * value, unknowns, time.monotonic() - start)
+
+
+def _energies(problem: Conductors, mesh: TaggedMesh) -> tuple[Array, Array, int]:
+    """The bound, the value and the number of unknowns, of one side of the planes and for ε = 1."""
     system = FieldProblem(mesh, problem.parts)
     every = range(problem.driven)
     potentials = system.potentials(every, len(every))
-    farads = epsilon_0 * problem.unit * mesh.copies
-    above, value = farads * upper_energies(system, potentials), farads * system.energies(potentials)
-    return Bound(above, value, system.unknowns, time.monotonic() - start)
+    return upper_energies(system, potentials), system.energies(potentials), system.unknowns
 
 
 def document(found: Bound) -> Document:
