@@ -1,15 +1,27 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "clipping.hpp"
 
 namespace fringe::detail {
 
+/// The triangle with its vertices sorted by their coordinates.
+inline LocalTriangle sorted(LocalTriangle triangle) {
+  std::sort(triangle.begin(), triangle.end(), [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return a.x() != b.x() ? a.x() < b.x() : a.y() != b.y() ? a.y() < b.y() : a.z() < b.z();
+  });
+  return triangle;
+}
+
 /// Cuts a triangle at a plate's border planes and calls visit(cell, a, b, c, share) for every triangle of one
 /// cell: its corners in the plate's coordinates, and its area as a share of the whole triangle's, above 0.
+/// The pieces do not depend on which vertex comes first: next to the plate rounding decides between a finite
+/// integral and an infinite one.
 template <class Visit>
-void for_each_piece(const PlateFrame& plate, const LocalTriangle& triangle, const Visit& visit) {
+void for_each_piece(const PlateFrame& plate, const LocalTriangle& in_any_order, const Visit& visit) {
+  const LocalTriangle triangle = sorted(in_any_order);
   const Piece uncut = whole(triangle);
   const Extent extent_u = extent(uncut, 0), extent_v = extent(uncut, 1);
   const std::optional<Strip> only_u = only_strip(extent_u, plate.length_u);

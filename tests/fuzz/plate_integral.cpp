@@ -22,8 +22,8 @@ double greatest_distance(const Triangle& triangle, const Rectangle& plate) {
   return greatest;
 }
 
-/// Relative to the size of the set-up.
-constexpr double near_contact = 1e-6;
+/// Relative to the size of the set-up and its square.
+constexpr double near_contact = 1e-6, thin = 1e-6;
 
 double distance_between(const Triangle& triangle, const Rectangle& plate) {
   const std::array<Eigen::Vector3d, 4> corners{plate.corner, plate.corner + plate.edge_u,
@@ -60,12 +60,13 @@ void plate_integral(Bytes bytes) {
     const double greatest = greatest_distance(triangle, plate);
     require(!(integral < twice_area(triangle) / 2 / greatest * (1 - rounding)),
             "it is at least area over the greatest distance");
-    // Contact, and how near to it the logarithms are, is a matter of rounding where the plate is not along
-    // the axes.
-    if (distance_between(triangle, plate) < near_contact * greatest)
-      return;
-    require(std::isfinite(integral), "it is finite without contact");
-    require(std::abs(again - integral) <= rounding * integral, "it is the same whichever vertex comes first");
+    // Next to contact rounding decides, the same whichever vertex comes first; but whether points on a line
+    // but for rounding have an area, and which, it decides anew.
+    const bool apart = distance_between(triangle, plate) >= near_contact * greatest;
+    if (apart || twice_area(triangle) >= thin * greatest * greatest)
+      require(again == integral || std::abs(again - integral) <= rounding * integral,
+              "it is the same whichever vertex comes first");
+    require(std::isfinite(integral) || !apart, "it is finite without contact");
   } catch (const InputError&) {
     // What is not finite, or no rectangle.
   }

@@ -101,8 +101,9 @@ class BatchIntegration {
   static constexpr int width = Lanes::width;
   static constexpr unsigned all_lanes = (1U << width) - 1;
 
-  BatchIntegration(const Choices& choices, double* values, std::uint32_t* left)
-      : choices_(choices), values_(values), left_(left) {}
+  /// @param least_height in region I, what is nearer to the plate's plane than this is left out
+  BatchIntegration(const Choices& choices, double* values, std::uint32_t* left, double least_height)
+      : choices_(choices), values_(values), left_(left), least_height_(least_height) {}
 
   /// Triangles in a plate's coordinates, of any cells.
   void integrate(const PlateCoordinates& plate, const Vector3<V> (&local)[3], const V& twice_area,
@@ -284,7 +285,8 @@ class BatchIntegration {
 
   void add_in_front(const V& z0, const V& z1, const V& z2, const V& weight, const Places<Lanes>& places,
                     unsigned lanes) {
-    const Mask one_side = (min(z0, min(z1, z2)) > V(0)) | (max(z0, max(z1, z2)) < V(0));
+    const Mask one_side =
+        (min(z0, min(z1, z2)) > V(least_height_)) | (max(z0, max(z1, z2)) < V(-least_height_));
     const unsigned clear = Lanes::bits(one_side) & lanes;
     if (clear != lanes)
       leave(places, lanes & ~clear);
@@ -459,6 +461,7 @@ class BatchIntegration {
   double* values_;
   std::uint32_t* left_;
   std::size_t left_count_ = 0;
+  double least_height_;
   Queue<Lanes> near_, along_height_, straddling_;
 };
 
@@ -468,6 +471,10 @@ struct KernelsFor {
   using V = typename Lanes::Vector;
   using Mask = typename Lanes::Mask;
   static constexpr int width = Lanes::width;
+
+  /// Above how far rounding in a plate's coordinates takes a point in front of the plate, as a share of the
+  /// plate's lengths: a few units of 2^−53.
+  static constexpr double rounding = 0x1p-44;
 
   static void measure(const double* const (&coordinates)[9], std::size_t count, double* twice_area,
                       double* squared_size) {
@@ -485,7 +492,8 @@ struct KernelsFor {
   static std::size_t integrate(const TriangleArrays& triangles, std::size_t count,
                                const PlateCoordinates& plate, const Choices& choices, double* values,
                                std::uint32_t* left) {
-    BatchIntegration<Lanes> batch(choices, values, left);
+    // Contact is not decided here: where rounding may have made it, one order of the vertices decides.
+    BatchIntegration<Lanes> batch(choices, values, left, rounding * (plate.length_u + plate.length_v));
     const PlateLanes frame(plate);
     Places<Lanes> places;
     places.consecutive = true;
@@ -508,7 +516,7 @@ struct KernelsFor {
 
   static std::size_t integrate_virtual(const VirtualTriangles& triangles, std::size_t count,
                                        const Choices& choices, double* values, std::uint32_t* left) {
-    BatchIntegration<Lanes> batch(choices, values, left);
+    BatchIntegration<Lanes> batch(choices, values, left, 0);
     Places<Lanes> places;
     places.consecutive = true;
     for (std::size_t i = 0; i < count; i += width) {
