@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "distance_sensor/box_tree.hpp"
+#include "distance_sensor/triangle_tree.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
@@ -25,7 +25,7 @@ struct SensedObject {
   std::string name;
   std::optional<std::size_t> link;
   Eigen::Isometry3d on_link;
-  detail::BoxTree tree;
+  detail::TriangleTree tree;
 };
 
 }  // namespace
@@ -37,7 +37,7 @@ class SceneSensing::Implementation {
     for (const Object& object : scene.objects) {
       try {
         objects_.push_back(
-            {object.name, object.link, object.pose, detail::BoxTree(triangulate(object.shape))});
+            {object.name, object.link, object.pose, detail::TriangleTree(triangulate(object.shape))});
       } catch (const InputError& error) {
         throw InputError(fmt::format("object \"{}\": {}", object.name, error.what()));
       }

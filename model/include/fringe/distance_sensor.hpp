@@ -58,7 +58,7 @@ std::optional<VisiblePoint> cone_closest(std::span<const Triangle> triangles, co
                                          ConeMethod method = ConeMethod::field_of_view);
 
 namespace detail {
-class BoxTree;
+class TriangleTree;
 }
 
 /// A surface of many triangles, prepared once for cones anywhere: only triangles near the answer are looked
@@ -79,7 +79,7 @@ class SensedSurface {
                                       const Eigen::Isometry3d& pose = Eigen::Isometry3d::Identity()) const;
 
  private:
-  std::unique_ptr<const detail::BoxTree> tree_;
+  std::unique_ptr<const detail::TriangleTree> tree_;
 };
 
 }  // namespace fringe

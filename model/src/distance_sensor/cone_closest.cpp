@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "box_tree.hpp"
 #include "cone_bounds.hpp"
 #include "fringe/distance_sensor.hpp"
 #include "fringe/error.hpp"
+#include "triangle_tree.hpp"
 
 namespace fringe {
 namespace {
@@ -57,7 +57,7 @@ std::optional<VisiblePoint> cone_closest(std::span<const Triangle> triangles, co
 }
 
 SensedSurface::SensedSurface(std::span<const Triangle> triangles)
-    : tree_(std::make_unique<const detail::BoxTree>(triangles)) {}
+    : tree_(std::make_unique<const detail::TriangleTree>(triangles)) {}
 SensedSurface::~SensedSurface() = default;
 SensedSurface::SensedSurface(SensedSurface&&) noexcept = default;
 SensedSurface& SensedSurface::operator=(SensedSurface&&) noexcept = default;

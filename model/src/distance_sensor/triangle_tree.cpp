@@ -1,4 +1,4 @@
-#include "box_tree.hpp"
+#include "triangle_tree.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -27,7 +27,7 @@ Eigen::AlignedBox3d box_of(const Triangle& triangle) {
 
 }  // namespace
 
-BoxTree::BoxTree(std::span<const Triangle> triangles) : indices_(triangles.size()) {
+TriangleTree::TriangleTree(std::span<const Triangle> triangles) : indices_(triangles.size()) {
   if (triangles.size() > std::numeric_limits<std::uint32_t>::max() / 2)
     throw InputError("a surface may have at most 2^31 triangles");
   std::vector<Vector3d> centres;
@@ -49,7 +49,7 @@ BoxTree::BoxTree(std::span<const Triangle> triangles) : indices_(triangles.size(
 }
 
 /// Adds the node of some of the triangles, halved at the median along the longest side of their centres' box.
-void BoxTree::build(std::size_t first, std::size_t last, std::span<const Vector3d> centres) {
+void TriangleTree::build(std::size_t first, std::size_t last, std::span<const Vector3d> centres) {
   const std::size_t node = nodes_.size();
   nodes_.emplace_back();
   Eigen::AlignedBox3d box, spread;
@@ -76,7 +76,7 @@ void BoxTree::build(std::size_t first, std::size_t last, std::span<const Vector3
   build(middle, last, centres);
 }
 
-void BoxTree::search(ConeQuery& query, const Eigen::Isometry3d& pose, std::size_t surface) const {
+void TriangleTree::search(ConeQuery& query, const Eigen::Isometry3d& pose, std::size_t surface) const {
   if (nodes_.empty())
     return;
   const Vector3d farthest = nodes_[0].box.min().cwiseAbs().cwiseMax(nodes_[0].box.max().cwiseAbs());

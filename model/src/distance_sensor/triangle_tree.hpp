@@ -13,10 +13,10 @@
 namespace fringe::detail {
 
 /// Axis-aligned boxes around ever fewer triangles of a surface.
-class BoxTree {
+class TriangleTree {
  public:
   /// Throws InputError for a vertex that is not finite.
-  explicit BoxTree(std::span<const Triangle> triangles);
+  explicit TriangleTree(std::span<const Triangle> triangles);
 
   /// Offers the triangles, moved by the pose, that could be the query's answer, by their indices.
   void search(ConeQuery& query, const Eigen::Isometry3d& pose, std::size_t surface) const;
