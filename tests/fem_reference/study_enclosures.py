@@ -1,0 +1,91 @@
+"""Enclosures of a study's cases against boundary elements: python3 -m tests.fem_reference.study_enclosures [STUDY] [--cases N].
+
+Prints one line for each case, then how wide the intervals are and how far in them the best values are off; fails when a matrix is not
+enclosed as far as boundary elements know it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.model_stage import model_module
+from fem_reference import reference
+from geometries import study
+from geometries.study import Case
+
+Array = NDArray[np.float64]
+
+TRUTH_RTOL = 5e-6
+"""Of boundary elements; they state what they reach."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Matrices (n, n): the interval's relative width, and the best value's error, relative and no less than the truth's."""
+
+    inside: bool
+    width: Array
+    error: Array
+    seconds: float
+    """Of the processor."""
+
+
+def outcome(case: Case) -> Outcome:
+    with TemporaryDirectory() as folder:
+        scene = Path(folder) / "scene.toml"
+        scene.write_text(case.text, encoding="utf-8")
+        known = model_module().Scene.load(scene).maxwell(rtol=TRUTH_RTOL)
+    truth, slack = known["maxwell"], known["error"]
+    start = time.process_time()
+    found = reference.maxwell(case.scene, source=case.id)
+    seconds = time.process_time() - start
+    inside = np.all(found.lower <= truth + slack) and np.all(truth - slack <= found.upper)
+    off = np.maximum(np.abs(found.maxwell.value - truth), slack)
+    return Outcome(bool(inside), (found.upper - found.lower) / np.abs(truth), off / np.abs(truth), seconds)
+
+
+def summary(outcomes: list[Outcome]) -> str:
+    own = np.concatenate([np.diag(each.width) for each in outcomes])
+    mutual = np.concatenate([each.width[np.triu_indices(len(each.width), 1)] for each in outcomes])
+    times = np.concatenate([(each.width / each.error)[np.triu_indices(len(each.width))] for each in outcomes])
+    lines = [
+        f"{sum(each.inside for each in outcomes)} of {len(outcomes)} enclosed",
+        f"own entries: median width {np.median(own):.1e}, widest {own.max():.1e}",
+        f"best values: their errors are 1/{np.median(times):.0f} of the widths (median), 1/{times.min():.0f} at worst",
+        f"processor time: median {np.median([each.seconds for each in outcomes]):.0f} s, "
+        f"longest {max(each.seconds for each in outcomes):.0f} s",
+    ]
+    if len(mutual):
+        lines.insert(2, f"mutuals: median width {np.median(mutual):.1e}, widest {mutual.max():.1e}")
+    return "\n".join(lines)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("study", nargs="?", default="default")
+    parser.add_argument("--cases", type=int, help="only so many of the first")
+    options = parser.parse_args()
+    outcomes = []
+    for case in islice(study.load(study.find(options.study)).cases(), options.cases):
+        found = outcome(case)
+        outcomes.append(found)
+        word = "inside" if found.inside else "OUTSIDE"
+        print(
+            f"{case.id} {case.family}: {word}, widest {found.width.max():.1e}, {found.seconds:.0f} s",
+            flush=True,
+        )
+    print(summary(outcomes))
+    return 0 if all(each.inside for each in outcomes) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
