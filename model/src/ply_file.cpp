@@ -243,12 +243,13 @@ std::vector<Eigen::Vector3d> read_vertices(const Element& element, Values& value
 }
 
 /// Three vertices for each triangle, checked once all vertices are known.
-struct Corners {
+struct FanCorners {
   std::vector<std::int64_t> vertices;
   std::vector<std::uint64_t> faces;
 };
 
-void append_fan(Corners& corners, std::uint64_t face, std::int64_t length, const Type& type, Values& values) {
+void append_fan(FanCorners& corners, std::uint64_t face, std::int64_t length, const Type& type,
+                Values& values) {
   if (length < 3)
     throw InputError(fmt::format("face {} has fewer than three vertices", face));
   const std::int64_t first = values.whole_number(type);
@@ -261,8 +262,8 @@ void append_fan(Corners& corners, std::uint64_t face, std::int64_t length, const
   }
 }
 
-Corners read_faces(const Element& element, Values& values) {
-  Corners corners;
+FanCorners read_faces(const Element& element, Values& values) {
+  FanCorners corners;
   for (std::uint64_t face = 0; face < element.count; ++face)
     for (const Property& property : element.properties) {
       if (lists_vertices(property))
@@ -281,7 +282,7 @@ void skip_element(const Element& element, Values& values) {
       values.skip(property);
 }
 
-std::vector<Triangle> assemble(const std::vector<Eigen::Vector3d>& vertices, const Corners& corners) {
+std::vector<Triangle> assemble(const std::vector<Eigen::Vector3d>& vertices, const FanCorners& corners) {
   std::vector<Triangle> triangles(corners.faces.size());
   for (std::size_t i = 0; i < corners.vertices.size(); ++i) {
     const std::int64_t vertex = corners.vertices[i];
@@ -305,7 +306,7 @@ std::vector<Triangle> read_ply(std::string_view content) {
       fail_header("vertices are named by fractions");
   Values values(content, *header.format);
   std::vector<Eigen::Vector3d> vertices;
-  Corners corners;
+  FanCorners corners;
   for (const Element& element : header.elements) {
     if (&element == &vertex_element)
       vertices = read_vertices(element, values);

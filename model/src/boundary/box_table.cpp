@@ -60,8 +60,8 @@ double mirrored(int k, bool mirror) {
 
 }  // namespace
 
-std::array<Face, box_faces> faces_of_box(const Eigen::Vector3d& half_sides) {
-  std::array<Face, box_faces> faces;
+std::array<ChargedFace, box_faces> faces_of_box(const Eigen::Vector3d& half_sides) {
+  std::array<ChargedFace, box_faces> faces;
   for (std::size_t k = 0; k < box_faces; ++k) {
     const auto axis = static_cast<Eigen::Index>(k / 2);
     const Eigen::Index u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
@@ -126,10 +126,10 @@ Eigen::MatrixXd adjacent_faces(FaceFunctions first, FaceFunctions second, double
 namespace {
 
 /// The functions of a face along an axis, or those across it.
-int along_axis(const Face& face, FaceFunctions functions, Eigen::Index axis) {
+int along_axis(const ChargedFace& face, FaceFunctions functions, Eigen::Index axis) {
   return face.axis_u[axis] == 1 ? functions.u : functions.v;
 }
-int across_axis(const Face& face, FaceFunctions functions, Eigen::Index axis) {
+int across_axis(const ChargedFace& face, FaceFunctions functions, Eigen::Index axis) {
   return face.axis_u[axis] == 1 ? functions.v : functions.u;
 }
 
@@ -137,7 +137,7 @@ int across_axis(const Face& face, FaceFunctions functions, Eigen::Index axis) {
 /// many functions, both mirrored to meet at their end −1.
 class AdjacentFaces {
  public:
-  AdjacentFaces(const Eigen::Vector3d& half_sides, const std::array<Face, box_faces>& faces,
+  AdjacentFaces(const Eigen::Vector3d& half_sides, const std::array<ChargedFace, box_faces>& faces,
                 const std::array<FaceFunctions, box_faces>& functions, std::size_t axis_a, std::size_t axis_b)
       : shared_(static_cast<Eigen::Index>(3 - axis_a - axis_b)) {
     for (const std::size_t face : {2 * axis_a, 2 * axis_a + 1}) {
@@ -155,8 +155,8 @@ class AdjacentFaces {
 
   /// `positive_a` and `positive_b`: whether the faces are those at the positive ends of their axes. A face
   /// meets the other at its end +1 when the other is a positive one.
-  Eigen::MatrixXd block(const Face& a, FaceFunctions in_a, bool positive_a, const Face& b, FaceFunctions in_b,
-                        bool positive_b) const {
+  Eigen::MatrixXd block(const ChargedFace& a, FaceFunctions in_a, bool positive_a, const ChargedFace& b,
+                        FaceFunctions in_b, bool positive_b) const {
     Eigen::MatrixXd result(in_a.count(), in_b.count());
     const bool a_along_u = a.axis_u[shared_] == 1, b_along_u = b.axis_u[shared_] == 1;
     for (int row = 0; row < in_a.count(); ++row)
@@ -184,7 +184,7 @@ Eigen::MatrixXd box_matrix(const Eigen::Vector3d& half_sides,
   std::array<Eigen::Index, box_faces + 1> starts{};
   for (std::size_t k = 0; k < box_faces; ++k)
     starts[k + 1] = starts[k] + functions[k].count();
-  const std::array<Face, box_faces> faces = faces_of_box(half_sides);
+  const std::array<ChargedFace, box_faces> faces = faces_of_box(half_sides);
   Eigen::MatrixXd result(starts[box_faces], starts[box_faces]);
   const auto place = [&](std::size_t a, std::size_t b, const Eigen::MatrixXd& block) {
     result.block(starts[a], starts[b], block.rows(), block.cols()) = block;

@@ -13,7 +13,7 @@ constexpr std::size_t box_faces = 6;
 
 /// The faces of a box at the origin, its sides along the axes: −x, +x, −y, +y, −z, +z. Those of x run along y
 /// and z, those of y along x and z, those of z along x and y.
-std::array<Face, box_faces> faces_of_box(const Eigen::Vector3d& half_sides);
+std::array<ChargedFace, box_faces> faces_of_box(const Eigen::Vector3d& half_sides);
 
 /// The interaction of two opposite faces of half sides a and b, `distance` apart; rows and columns as in
 /// SelfTable::matrix.

@@ -19,7 +19,7 @@ constexpr std::ptrdiff_t whole_face_blocks(std::ptrdiff_t count) {
 }
 
 /// A rule along one direction of a face.
-struct FaceRule {
+struct RuleView {
   std::ptrdiff_t points;
   std::ptrdiff_t functions;
   std::ptrdiff_t stride;  ///< whole_face_blocks(functions) or more
@@ -37,7 +37,7 @@ struct FacePoint {
 };
 
 /// Room for what a kernel keeps on the way.
-constexpr std::size_t face_scratch(const FaceRule& u, const FaceRule& v) {
+constexpr std::size_t face_scratch(const RuleView& u, const RuleView& v) {
   return static_cast<std::size_t>((1 + face_block) * u.points +
                                   (1 + u.functions) * whole_face_blocks(v.points));
 }
@@ -46,7 +46,7 @@ struct ChargeKernels {
   std::string_view instruction_set;
 
   /// Element l + k·v.functions is the potential of f_k(x)·f_l(y) at the point.
-  void (*face_potentials)(const FacePoint& point, const FaceRule& u, const FaceRule& v, double* scratch,
+  void (*face_potentials)(const FacePoint& point, const RuleView& u, const RuleView& v, double* scratch,
                           double* result);
 
   /// The potentials of triangles, each with a charge of one spread evenly, at points: of any shape, also in

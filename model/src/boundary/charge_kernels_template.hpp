@@ -11,7 +11,7 @@ class ChargeKernelsFor {
   using Count = std::ptrdiff_t;
 
  public:
-  static void face_potentials(const FacePoint& point, const FaceRule& u, const FaceRule& v, double* scratch,
+  static void face_potentials(const FacePoint& point, const RuleView& u, const RuleView& v, double* scratch,
                               double* result) {
     const Count padded = whole_face_blocks(v.points);
     double* const along = scratch;
@@ -125,7 +125,7 @@ class ChargeKernelsFor {
   static constexpr Count together = 8;
 
   /// half_way[k·padded + q] = Σ_p f_k(x_p)·weight/distance: for all nodes along v.
-  static void sum_over_u(const FaceRule& u, const FaceRule& v, Count padded, const double* along,
+  static void sum_over_u(const RuleView& u, const RuleView& v, Count padded, const double* along,
                          const double* across, double* inverse, double* half_way) {
     const Count parts = (u.functions + together - 1) / together;
     for (Count q = 0; q < v.points; q += width)
@@ -138,7 +138,7 @@ class ChargeKernelsFor {
 
   /// Chooses the loop for exactly so many functions.
   template <Count most>
-  static void columns(Count count, const FaceRule& u, Count from, const double* along, const Vector& across,
+  static void columns(Count count, const RuleView& u, Count from, const double* along, const Vector& across,
                       bool is_first, double* inverse, double* half_way, Count padded) {
     if constexpr (most > 1) {
       if (count < most) {
@@ -166,7 +166,7 @@ class ChargeKernelsFor {
   }
 
   /// result[k·functions + l] = Σ_q half_way[k·padded + q]·f_l(y_q)·weight.
-  static void sum_over_v(const FaceRule& u, const FaceRule& v, Count padded, const double* half_way,
+  static void sum_over_v(const RuleView& u, const RuleView& v, Count padded, const double* half_way,
                          double* result) {
     constexpr Count rows = 4;
     for (Count l = 0; l < v.functions; l += width) {
@@ -180,7 +180,7 @@ class ChargeKernelsFor {
   }
 
   template <Count rows>
-  static void tile(const FaceRule& v, Count padded, const double* half_way, Count l, Count here,
+  static void tile(const RuleView& v, Count padded, const double* half_way, Count l, Count here,
                    double* result) {
     Vector sums[rows];
     for (Count k = 0; k < rows; ++k)

@@ -18,7 +18,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-Face face_of(const Rectangle& rectangle) {
+ChargedFace face_of(const Rectangle& rectangle) {
   const double length_u = rectangle.edge_u.norm(), length_v = rectangle.edge_v.norm();
   const Vector3d axis_u = rectangle.edge_u / length_u;
   // What is left of a right angle's error must not make the faces' frames oblique.
@@ -31,7 +31,7 @@ Face face_of(const Rectangle& rectangle) {
           EdgeKind::thin};
 }
 
-Face moved_face(const Face& face, const Eigen::Isometry3d& pose) {
+ChargedFace moved_face(const ChargedFace& face, const Eigen::Isometry3d& pose) {
   return {
       pose * face.centre, pose.linear() * face.axis_u, pose.linear() * face.axis_v, face.half_u, face.half_v,
       face.edge};
@@ -78,7 +78,7 @@ ChargedBody body_of(const Object& object, std::size_t conductor) {
   } else if (const auto* cuboid = std::get_if<Cuboid>(&object.shape)) {
     validate_sizes(object, {cuboid->size_x, cuboid->size_y, cuboid->size_z});
     body.half_sides = Vector3d(cuboid->size_x, cuboid->size_y, cuboid->size_z) / 2;
-    for (const Face& face : faces_of_box(body.half_sides))
+    for (const ChargedFace& face : faces_of_box(body.half_sides))
       body.faces.push_back(moved_face(face, pose));
   } else {
     if (!pose.matrix().allFinite())
@@ -94,7 +94,7 @@ ChargedBody body_of(const Object& object, std::size_t conductor) {
 /// The vertices of all faces; their convex hull is the body.
 std::vector<Vector3d> vertices(const ChargedBody& body) {
   std::vector<Vector3d> result;
-  for (const Face& face : body.faces)
+  for (const ChargedFace& face : body.faces)
     for (const double u : {-face.half_u, face.half_u})
       for (const double v : {-face.half_v, face.half_v})
         result.emplace_back(face.centre + u * face.axis_u + v * face.axis_v);
@@ -151,7 +151,7 @@ ChargedBodies bodies_on_links(const Scene& scene) {
 
 ChargedBody moved(const ChargedBody& body, const Eigen::Isometry3d& pose) {
   ChargedBody result = body;
-  for (Face& face : result.faces) {
+  for (ChargedFace& face : result.faces) {
     face = moved_face(face, pose);
     if (!face.centre.allFinite() || !face.axis_u.allFinite() || !face.axis_v.allFinite())
       throw InputError(fmt::format("{}: its pose is not finite", body.name));

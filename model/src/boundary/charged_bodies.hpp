@@ -17,9 +17,9 @@ namespace fringe::detail {
 /// or any triangles.
 struct ChargedBody {
   std::size_t conductor;
-  std::vector<Face> faces;     ///< in the world, or in the link's frame
-  Eigen::Vector3d half_sides;  ///< of a box
-  std::string name;            ///< for messages
+  std::vector<ChargedFace> faces;  ///< in the world, or in the link's frame
+  Eigen::Vector3d half_sides;      ///< of a box
+  std::string name;                ///< for messages
   std::optional<std::size_t> link;
   std::vector<Triangle> triangles = {};  ///< where the faces are; of a body without faces
 };

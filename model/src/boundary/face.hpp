@@ -10,7 +10,7 @@ namespace fringe::detail {
 
 /// A flat rectangle that carries charge: the points centre + x·half_u·axis_u + y·half_v·axis_v with x and y
 /// in [−1, 1]. What is charged per area is Σ c_ij·f_i(x)·f_j(y)/(half_u·half_v).
-struct Face {
+struct ChargedFace {
   Eigen::Vector3d centre;
   Eigen::Vector3d axis_u;  ///< of length 1, as axis_v, and at right angles to it
   Eigen::Vector3d axis_v;
@@ -20,7 +20,7 @@ struct Face {
 };
 
 /// The corners in their order around the face.
-inline std::array<Eigen::Vector3d, 4> corners_of(const Face& face) {
+inline std::array<Eigen::Vector3d, 4> corners_of(const ChargedFace& face) {
   const Eigen::Vector3d u = face.half_u * face.axis_u, v = face.half_v * face.axis_v;
   return {face.centre - u - v, face.centre + u - v, face.centre + u + v, face.centre - u + v};
 }

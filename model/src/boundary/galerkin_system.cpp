@@ -62,7 +62,7 @@ int coarse_functions(int functions) {
 GalerkinSystem::GalerkinSystem(const ChargedBodies& bodies) : bodies_(bodies) {
   for (std::size_t body = 0; body < bodies.bodies.size(); ++body) {
     first_face_.push_back(faces_.size());
-    for (const Face& face : bodies.bodies[body].faces) {
+    for (const ChargedFace& face : bodies.bodies[body].faces) {
       faces_.push_back(face);
       body_of_.push_back(body);
     }
@@ -93,7 +93,7 @@ void GalerkinSystem::refine_body(std::size_t body) {
     return;
   if (count == 1) {
     const auto [u, v] = functions_[first];
-    const Face& face = faces_[first];
+    const ChargedFace& face = faces_[first];
     blocks_[pair(first, first)] = {
         functions_[first], functions_[first], 0,
         self_table(face.edge, std::max(u, v)).matrix(u, v, face.half_u, face.half_v)};

@@ -55,7 +55,7 @@ class GalerkinSystem {
   /// The matrix of the sensors without the objects; nothing of it if the quadratures are too coarse.
   NestedMatrix solve_sensors() const;
 
-  const Face& face(std::size_t face) const { return faces_[face]; }
+  const ChargedFace& face(std::size_t face) const { return faces_[face]; }
   FaceFunctions functions(std::size_t face) const { return functions_[face]; }
   std::size_t conductor(std::size_t face) const { return bodies_.bodies[body_of_[face]].conductor; }
   /// The net charge of a face's first function, the only one that has any.
@@ -87,7 +87,7 @@ class GalerkinSystem {
   void refine_pair(std::size_t a, std::size_t b, double tolerance);
 
   const ChargedBodies& bodies_;
-  std::vector<Face> faces_;
+  std::vector<ChargedFace> faces_;
   std::vector<std::size_t> body_of_;     ///< of each face
   std::vector<std::size_t> first_face_;  ///< of each body
   std::vector<FaceFunctions> functions_;

@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector4d;
 
 /// A part of a triangle of the surface, with the charges of its quarters as far as they are known.
-struct Piece {
+struct GradedPiece {
   Triangle corners;
   std::size_t triangle;
   Vector4d charges;
@@ -27,10 +27,10 @@ class Grading {
  public:
   explicit Grading(std::span<const Triangle> triangles) : density_(triangles) {}
 
-  Piece piece(const Triangle& corners, std::size_t triangle) const {
+  GradedPiece piece(const Triangle& corners, std::size_t triangle) const {
     /// Of elements that only say where to divide.
     constexpr double tolerance = 0.01;
-    Piece result{corners, triangle, Vector4d::Zero(), 0};
+    GradedPiece result{corners, triangle, Vector4d::Zero(), 0};
     std::array<Panel, 4> panels;
     for (std::size_t k = 0; const Triangle& quarter : quarters(corners)) {
       panels[k] = make_panel(quarter);
@@ -60,10 +60,10 @@ class Grading {
 std::vector<Triangle> graded_triangles(std::span<const Triangle> triangles, double missing,
                                        std::size_t most) {
   const Grading grading(triangles);
-  std::vector<Piece> pieces;
+  std::vector<GradedPiece> pieces;
   double energy = 0, charge = 0, largest = 0;
   for (std::size_t k = 0; k < triangles.size(); ++k) {
-    const Piece& piece = pieces.emplace_back(grading.piece(triangles[k], k));
+    const GradedPiece& piece = pieces.emplace_back(grading.piece(triangles[k], k));
     energy += piece.energy;
     charge += piece.charges.sum();
   }
@@ -73,18 +73,18 @@ std::vector<Triangle> graded_triangles(std::span<const Triangle> triangles, doub
     /// All that hold about as much as the one that holds the most: as many steps as there are sizes.
     constexpr double about = 0.5;
     largest = 0;
-    for (const Piece& piece : pieces)
+    for (const GradedPiece& piece : pieces)
       largest = std::max(largest, piece.energy);
-    std::vector<Piece> finer;
+    std::vector<GradedPiece> finer;
     energy = charge = 0;
-    for (const Piece& piece : pieces) {
+    for (const GradedPiece& piece : pieces) {
       if (piece.energy < about * largest)
         finer.push_back(piece);
       else
         for (const Triangle& half : halves(piece.corners, side_to_halve(piece.corners, piece.charges)))
           finer.push_back(grading.piece(half, piece.triangle));
     }
-    for (const Piece& piece : finer) {
+    for (const GradedPiece& piece : finer) {
       energy += piece.energy;
       charge += piece.charges.sum();
     }
@@ -92,7 +92,7 @@ std::vector<Triangle> graded_triangles(std::span<const Triangle> triangles, doub
   }
   std::vector<Triangle> result;
   result.reserve(pieces.size());
-  for (const Piece& piece : pieces)
+  for (const GradedPiece& piece : pieces)
     result.push_back(piece.corners);
   return result;
 }

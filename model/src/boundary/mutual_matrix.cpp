@@ -54,7 +54,7 @@ double points_for_weight(double from, double to, double digits) {
   return points;
 }
 
-int rounded_up(double points) {
+int limited_count(double points) {
   return std::min(static_cast<int>(std::ceil(std::min(points, 1e6))), most_points);
 }
 
@@ -84,8 +84,8 @@ void lay_panels(const std::vector<RulePanel>& panels, EdgeKind edge, int functio
 /// smooth there but near the other face's edges.
 class OuterDirection {
  public:
-  OuterDirection(const Face& face, bool along_u, int functions, int other_functions, const Corners& other,
-                 double digits)
+  OuterDirection(const ChargedFace& face, bool along_u, int functions, int other_functions,
+                 const RectangleCorners& other, double digits)
       : face_(face), along_u_(along_u), functions_(functions), other_functions_(other_functions),
         other_(other), digits_(digits) {}
 
@@ -125,7 +125,7 @@ class OuterDirection {
         const double away = distance(std::min(near, far), std::max(near, far));
         most = std::max(most, points_for_singularity(cuts[k], away, digits_));
       }
-    return rounded_up(1 + functions_ / 2.0 + most + std::min(2 * most, other_functions_ / 2.0));
+    return limited_count(1 + functions_ / 2.0 + most + std::min(2 * most, other_functions_ / 2.0));
   }
 
   void halve(double from, double to, int halvings, std::vector<RulePanel>& panels) const {
@@ -142,14 +142,14 @@ class OuterDirection {
     const double others = std::max(0.2 * other_functions_, points_for_degree(other_functions_, from, to));
     const double singular = std::max(points_for_singularity(0, away / half_length, digits_),
                                      points_for_weight(from, to, digits_));
-    panels.push_back({from, to, rounded_up(1 + own + singular + others)});
+    panels.push_back({from, to, limited_count(1 + own + singular + others)});
   }
 
-  const Face& face_;
+  const ChargedFace& face_;
   bool along_u_;
   int functions_;
   int other_functions_;
-  const Corners& other_;
+  const RectangleCorners& other_;
   double digits_;
 };
 
@@ -162,8 +162,8 @@ class InnerDirection {
         digits_(digits), own_{{}, Eigen::MatrixXd(whole_face_blocks(functions), 0)} {}
 
   /// Good until the next call.
-  FaceRule seen_from(double at, double height) {
-    const int whole = rounded_up(1 + functions_ / 2.0 + points_for_singularity(at, height, digits_));
+  RuleView seen_from(double at, double height) {
+    const int whole = limited_count(1 + functions_ / 2.0 + points_for_singularity(at, height, digits_));
     if (whole <= most_whole_points)
       return view(whole_rule(edge_, whole), whole);
     cut(at, height);
@@ -171,7 +171,7 @@ class InnerDirection {
   }
 
  private:
-  FaceRule view(const DirectionRule& rule, Index points) const {
+  RuleView view(const DirectionRule& rule, Index points) const {
     return {points, functions_, rule.weights.rows(), rule.nodes.data(), rule.weights.data()};
   }
 
@@ -211,7 +211,7 @@ class InnerDirection {
         const double singular =
             std::max(points_for_singularity((at - middle) / half_length, height / half_length, digits_),
                      points_for_weight(from, to, digits_));
-        panels_.push_back({from, to, rounded_up(1 + points_for_degree(functions_, from, to) + singular)});
+        panels_.push_back({from, to, limited_count(1 + points_for_degree(functions_, from, to) + singular)});
         near = far;
       }
     }
@@ -224,7 +224,7 @@ class InnerDirection {
   DirectionRule own_;  ///< with room for more nodes than there are
 };
 
-Corners corners_seen_from(const Face& face, const Face& other) {
+RectangleCorners corners_seen_from(const ChargedFace& face, const ChargedFace& other) {
   const Vector3d normal = face.axis_u.cross(face.axis_v);
   const auto seen = [&](double u, double v) {
     const Vector3d point =
@@ -240,9 +240,9 @@ struct OuterRule {
   Index nodes() const { return u.nodes.size() * v.nodes.size(); }
 };
 
-OuterRule outer_rule(const Face& face, FaceFunctions functions, const Face& other,
+OuterRule outer_rule(const ChargedFace& face, FaceFunctions functions, const ChargedFace& other,
                      FaceFunctions other_functions, double digits) {
-  const Corners corners = corners_seen_from(face, other);
+  const RectangleCorners corners = corners_seen_from(face, other);
   const int degree = std::max(other_functions.u, other_functions.v);
   return {OuterDirection(face, true, functions.u, degree, corners, digits).rule(),
           OuterDirection(face, false, functions.v, degree, corners, digits).rule()};
@@ -251,7 +251,7 @@ OuterRule outer_rule(const Face& face, FaceFunctions functions, const Face& othe
 /// The potential of every function of a face at points.
 class InnerPotential {
  public:
-  InnerPotential(const Face& face, FaceFunctions functions, double digits)
+  InnerPotential(const ChargedFace& face, FaceFunctions functions, double digits)
       : face_(face), normal_(face.axis_u.cross(face.axis_v)), u_(face.edge, functions.u, digits),
         v_(face.edge, functions.v, digits) {}
 
@@ -261,8 +261,8 @@ class InnerPotential {
     const double x = offset.dot(face_.axis_u), y = offset.dot(face_.axis_v), z = offset.dot(normal_);
     const double beside_u = std::max(std::abs(x) - face_.half_u, 0.0);
     const double beside_v = std::max(std::abs(y) - face_.half_v, 0.0);
-    const FaceRule along_u = u_.seen_from(x / face_.half_u, std::hypot(z, beside_v) / face_.half_u);
-    const FaceRule along_v = v_.seen_from(y / face_.half_v, std::hypot(z, beside_u) / face_.half_v);
+    const RuleView along_u = u_.seen_from(x / face_.half_u, std::hypot(z, beside_v) / face_.half_u);
+    const RuleView along_v = v_.seen_from(y / face_.half_v, std::hypot(z, beside_u) / face_.half_v);
     if (const std::size_t room = face_scratch(along_u, along_v); room > scratch_.size())
       scratch_.resize(2 * room);
     best_charge_kernels().face_potentials({x, y, z, face_.half_u, face_.half_v}, along_u, along_v,
@@ -270,7 +270,7 @@ class InnerPotential {
   }
 
  private:
-  const Face& face_;
+  const ChargedFace& face_;
   Vector3d normal_;
   InnerDirection u_;
   InnerDirection v_;
@@ -278,8 +278,8 @@ class InnerPotential {
 };
 
 /// Rows are the inner face's functions, columns the outer's.
-Eigen::MatrixXd integral(const Face& outer, FaceFunctions outer_functions, const OuterRule& rule,
-                         const Face& inner, FaceFunctions inner_functions, double digits) {
+Eigen::MatrixXd integral(const ChargedFace& outer, FaceFunctions outer_functions, const OuterRule& rule,
+                         const ChargedFace& inner, FaceFunctions inner_functions, double digits) {
   const ChargeKernels& kernels = best_charge_kernels();
   InnerPotential potential(inner, inner_functions, digits);
   const Index count = whole_face_blocks(inner_functions.count());
@@ -312,8 +312,8 @@ double digits_for(double tolerance) {
 
 }  // namespace
 
-Eigen::MatrixXd mutual_matrix(const Face& first, FaceFunctions first_functions, const Face& second,
-                              FaceFunctions second_functions, double tolerance) {
+Eigen::MatrixXd mutual_matrix(const ChargedFace& first, FaceFunctions first_functions,
+                              const ChargedFace& second, FaceFunctions second_functions, double tolerance) {
   const double digits = digits_for(tolerance);
   const OuterRule over_first = outer_rule(first, first_functions, second, second_functions, digits);
   const OuterRule over_second = outer_rule(second, second_functions, first, first_functions, digits);
@@ -322,8 +322,8 @@ Eigen::MatrixXd mutual_matrix(const Face& first, FaceFunctions first_functions, 
   return integral(second, second_functions, over_second, first, first_functions, digits);
 }
 
-Eigen::MatrixXd face_potentials(const Face& face, FaceFunctions functions, std::span<const Vector3d> points,
-                                double tolerance) {
+Eigen::MatrixXd face_potentials(const ChargedFace& face, FaceFunctions functions,
+                                std::span<const Vector3d> points, double tolerance) {
   InnerPotential potential(face, functions, digits_for(tolerance));
   Eigen::MatrixXd result(functions.count(), static_cast<Index>(points.size()));
   for (Index k = 0; k < result.cols(); ++k)

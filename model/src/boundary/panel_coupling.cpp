@@ -12,7 +12,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-MatrixXd panel_coupling(const Face& face, FaceFunctions functions, std::span<const Panel> panels,
+MatrixXd panel_coupling(const ChargedFace& face, FaceFunctions functions, std::span<const Panel> panels,
                         double tolerance) {
   const Vector3d u = face.half_u * face.axis_u, v = face.half_v * face.axis_v;
   const std::array<Vector3d, 4> corners{face.centre - u - v, face.centre + u - v, face.centre + u + v,

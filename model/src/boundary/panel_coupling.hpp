@@ -11,7 +11,7 @@ namespace fringe::detail {
 
 /// The interaction of a face's functions (rows) with panels of a charge of one (columns) that do not touch
 /// it. `tolerance` is the error aimed at, relative to the largest elements of a column.
-Eigen::MatrixXd panel_coupling(const Face& face, FaceFunctions functions, std::span<const Panel> panels,
-                               double tolerance);
+Eigen::MatrixXd panel_coupling(const ChargedFace& face, FaceFunctions functions,
+                               std::span<const Panel> panels, double tolerance);
 
 }  // namespace fringe::detail

@@ -171,9 +171,9 @@ void add_near(const Panel& a, const Panel& b, double tolerance, PotentialSums& s
 }
 
 /// Rows of the matrix, near pairs gathered to be evaluated many at a time.
-class Rows {
+class MatrixRows {
  public:
-  Rows(std::span<const Panel> panels, double tolerance)
+  MatrixRows(std::span<const Panel> panels, double tolerance)
       : panels_(panels), tolerance_(tolerance), farthest_(1 / far_ratio(tolerance)), far_(panels) {}
 
   /// The interactions of a panel with the first `count`, but those that `is_known` has written; complete
@@ -224,7 +224,7 @@ double panel_self(const Panel& panel) {
 MatrixXd panel_matrix(std::span<const Panel> panels, double tolerance, const KnownElements& known) {
   const auto size = static_cast<Index>(panels.size());
   MatrixXd matrix(size, size);
-  Rows rows(panels, tolerance);
+  MatrixRows rows(panels, tolerance);
   const auto place = [&](std::size_t panel) { return known.places.empty() ? -1 : known.places[panel]; };
   for (std::size_t i = 0; i < panels.size(); ++i) {
     double* const column = matrix.data() + static_cast<Index>(i) * size;
@@ -249,7 +249,7 @@ MatrixXd panel_matrix(std::span<const Panel> panels, double tolerance) {
 MatrixXd panel_potentials(std::span<const Panel> targets, std::span<const Panel> panels,
                           const MatrixXd& charges, double tolerance) {
   MatrixXd result(static_cast<Index>(targets.size()), charges.cols());
-  Rows rows(panels, tolerance);
+  MatrixRows rows(panels, tolerance);
   Eigen::VectorXd row(charges.rows());
   for (std::size_t k = 0; k < targets.size(); ++k) {
     rows.fill(targets[k], panels.size(), row.data(), [](std::size_t) { return false; });

@@ -33,11 +33,11 @@ double segment_distance(const Eigen::Vector3d& a0, const Eigen::Vector3d& a1, co
 }
 
 double edge_distance(const Eigen::Vector2d& low, const Eigen::Vector2d& high, Eigen::Index axis,
-                     const Corners& other) {
+                     const RectangleCorners& other) {
   /// The sine of an angle that a singularity is moved out of sight by.
   constexpr double parallel = 1e-9;
-  const Corners own{Eigen::Vector3d(low.x(), low.y(), 0), Eigen::Vector3d(high.x(), low.y(), 0),
-                    Eigen::Vector3d(high.x(), high.y(), 0), Eigen::Vector3d(low.x(), high.y(), 0)};
+  const RectangleCorners own{Eigen::Vector3d(low.x(), low.y(), 0), Eigen::Vector3d(high.x(), low.y(), 0),
+                             Eigen::Vector3d(high.x(), high.y(), 0), Eigen::Vector3d(low.x(), high.y(), 0)};
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < 4; ++k) {
     const Eigen::Vector2d nearest = other[k].head<2>().cwiseMax(low).cwiseMin(high);

@@ -21,7 +21,7 @@ struct Segment {
 };
 
 /// The edges of a face; those of a box come twice.
-std::array<Segment, 4> edges_of(const Face& face) {
+std::array<Segment, 4> edges_of(const ChargedFace& face) {
   const std::array<Vector3d, 4> corners = corners_of(face);
   return {{{corners[0], corners[1]},
            {corners[1], corners[2]},
@@ -32,7 +32,7 @@ std::array<Segment, 4> edges_of(const Face& face) {
 /// What the charges of a body end at or bend around: the edges of its faces, or the sides of its triangles.
 std::vector<Segment> edges_of(const ChargedBody& body) {
   std::vector<Segment> edges;
-  for (const Face& face : body.faces)
+  for (const ChargedFace& face : body.faces)
     for (const Segment& edge : edges_of(face))
       edges.push_back(edge);
   for (const Triangle& triangle : body.triangles)
@@ -45,8 +45,8 @@ std::vector<Segment> edges_of(const ChargedBody& body) {
 /// that a segment touches. The potential of what is beyond it is analytic inside. A line that meets the
 /// direction at an angle is seen as from so much farther away as its distance changes more slowly; of a
 /// parallel one only the ends are seen.
-double log_parameter(const Segment& segment, const Face& face, const Vector3d& along, double half_along,
-                     const Vector3d& across, double half_across) {
+double log_parameter(const Segment& segment, const ChargedFace& face, const Vector3d& along,
+                     double half_along, const Vector3d& across, double half_across) {
   const Vector3d normal = face.axis_u.cross(face.axis_v);
   const auto coordinates = [&](const Vector3d& point) {
     const Vector3d offset = (point - face.centre) / half_along;
@@ -80,7 +80,8 @@ int functions_for(double parameter, double features, int least) {
 }
 
 /// log_parameter along both directions of a face, the least over all other bodies' edges.
-Eigen::Vector2d least_parameters(const Face& face, const ChargedBody& body, const ChargedBodies& bodies) {
+Eigen::Vector2d least_parameters(const ChargedFace& face, const ChargedBody& body,
+                                 const ChargedBodies& bodies) {
   Eigen::Vector2d least = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
   for (const ChargedBody& other : bodies.bodies) {
     if (&other == &body)
@@ -96,10 +97,10 @@ Eigen::Vector2d least_parameters(const Face& face, const ChargedBody& body, cons
 }
 
 /// The faces' corners, each once: what differs by rounding is the same.
-std::vector<Triangle> triangles_of(const std::vector<Face>& faces) {
+std::vector<Triangle> triangles_of(const std::vector<ChargedFace>& faces) {
   std::vector<Vector3d> corners;
   std::vector<Triangle> triangles;
-  for (const Face& face : faces) {
+  for (const ChargedFace& face : faces) {
     /// Far above rounding, and far below the length of an edge.
     const double same = 1e-9 * std::min(face.half_u, face.half_v);
     std::array<Vector3d, 4> own;
@@ -124,7 +125,7 @@ std::optional<ChargedBodies> with_triangles_where(const ChargedBodies& bodies, c
   for (ChargedBody& body : result.bodies) {
     const ChargedBody& before = bodies.bodies[static_cast<std::size_t>(&body - result.bodies.data())];
     if (std::none_of(before.faces.begin(), before.faces.end(),
-                     [&](const Face& face) { return needed(face, before); }))
+                     [&](const ChargedFace& face) { return needed(face, before); }))
       continue;
     body.triangles = triangles_of(before.faces);
     body.faces.clear();
@@ -138,7 +139,7 @@ std::optional<ChargedBodies> with_triangles_where(const ChargedBodies& bodies, c
 std::vector<FaceFunctions> resolving_functions(const ChargedBodies& bodies, double features, int least) {
   std::vector<FaceFunctions> functions;
   for (const ChargedBody& body : bodies.bodies)
-    for (const Face& face : body.faces) {
+    for (const ChargedFace& face : body.faces) {
       const Eigen::Vector2d parameters = least_parameters(face, body, bodies);
       functions.push_back(
           {functions_for(parameters[0], features, least), functions_for(parameters[1], features, least)});
@@ -148,14 +149,14 @@ std::vector<FaceFunctions> resolving_functions(const ChargedBodies& bodies, doub
 
 std::optional<ChargedBodies> with_triangles_beyond(const ChargedBodies& bodies, double features,
                                                    double most) {
-  return with_triangles_where(bodies, [&](const Face& face, const ChargedBody& body) {
+  return with_triangles_where(bodies, [&](const ChargedFace& face, const ChargedBody& body) {
     return features > least_parameters(face, body, bodies).minCoeff() * (most - 1);
   });
 }
 
 std::optional<ChargedBodies> with_triangles_under_narrow_shadows(const ChargedBodies& bodies) {
   const std::vector<Shadow> shadows = shadows_of(bodies);
-  return with_triangles_where(bodies, [&](const Face& face, const ChargedBody& body) {
+  return with_triangles_where(bodies, [&](const ChargedFace& face, const ChargedBody& body) {
     const auto own = static_cast<std::size_t>(&body - bodies.bodies.data());
     for (std::size_t k = 0; k < shadows.size(); ++k)
       if (k != own && shadows[k].is_narrow_on(face))

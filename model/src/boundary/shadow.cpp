@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 std::vector<Vector3d> corners_of(const ChargedBody& body) {
   std::vector<Vector3d> corners;
-  for (const Face& face : body.faces)
+  for (const ChargedFace& face : body.faces)
     for (const Vector3d& corner : corners_of(face))
       corners.push_back(corner);
   for (const Triangle& triangle : body.triangles)
@@ -60,7 +60,7 @@ Shadow::Shadow(const ChargedBody& body) : corners_(corners_of(body)) {
   if (body.faces.empty()) {
     half_edges_ = half_edges_of_hull(corners_);
   } else {
-    const Face& face = body.faces.front();
+    const ChargedFace& face = body.faces.front();
     half_edges_ << face.half_u * face.axis_u, face.half_v * face.axis_v, face.centre - centre_;
   }
   Vector3d lengths = half_edges_.colwise().norm();
@@ -68,7 +68,7 @@ Shadow::Shadow(const ChargedBody& body) : corners_(corners_of(body)) {
   half_width_ = lengths[1];
 }
 
-bool Shadow::is_narrow_on(const Face& face) const {
+bool Shadow::is_narrow_on(const ChargedFace& face) const {
   const Vector3d normal = face.axis_u.cross(face.axis_v);
   // What stands upright is felt from about as far as it is high.
   const double height = (normal.transpose() * half_edges_).cwiseAbs().sum();

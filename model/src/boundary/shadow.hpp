@@ -16,7 +16,7 @@ class Shadow {
   explicit Shadow(const ChargedBody& body);
 
   /// Whether it is over within less than the largest number of functions can see along a direction of a face.
-  bool is_narrow_on(const Face& face) const;
+  bool is_narrow_on(const ChargedFace& face) const;
 
   /// Whether it is so much smaller than a triangle that the triangle's parts would not see it.
   bool is_narrow_on(const Triangle& triangle) const;

@@ -23,22 +23,22 @@ constexpr double quadrature_tolerance = 1e-3;
 constexpr double lateral_weight = 1.62;
 
 /// A flat convex face, and its outline.
-struct Face {
+struct FlatFace {
   std::vector<Vector3d> corners;
   Vector3d normal;
 };
 
-std::vector<Face> faces_of(std::span<const Rectangle> plates) {
-  std::vector<Face> faces;
+std::vector<FlatFace> faces_of(std::span<const Rectangle> plates) {
+  std::vector<FlatFace> faces;
   for (const auto& [corner, u, v] : plates)
     faces.push_back({{corner, corner + u, corner + u + v, corner + v}, u.cross(v).normalized()});
   return faces;
 }
 
 /// Two triangles that make a parallelogram are one face.
-std::vector<Face> faces_of(const ChargedSurface& surface) {
+std::vector<FlatFace> faces_of(const ChargedSurface& surface) {
   constexpr double rounding = 1e-9;
-  std::vector<Face> faces;
+  std::vector<FlatFace> faces;
   const auto& triangles = surface.triangles;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const auto& [p, q, r] = triangles[i];
@@ -62,7 +62,7 @@ Vector3d nearest_on_segment(const Vector3d& a, const Vector3d& b, const Vector3d
 }
 
 /// How far a point in a face's plane is outside of the face.
-double lateral_distance(const Face& face, const Vector3d& point) {
+double lateral_distance(const FlatFace& face, const Vector3d& point) {
   double squared = infinity;
   bool inside = true;
   for (std::size_t i = 0; i < face.corners.size(); ++i) {
@@ -73,9 +73,9 @@ double lateral_distance(const Face& face, const Vector3d& point) {
   return inside ? 0 : std::sqrt(squared);
 }
 
-double distance(std::span<const Face> faces, const Vector3d& point) {
+double distance(std::span<const FlatFace> faces, const Vector3d& point) {
   double least = infinity;
-  for (const Face& face : faces) {
+  for (const FlatFace& face : faces) {
     const double height = face.normal.dot(point - face.corners[0]);
     least = std::min(least, std::hypot(height, lateral_distance(face, point - height * face.normal)));
   }
@@ -83,9 +83,9 @@ double distance(std::span<const Face> faces, const Vector3d& point) {
 }
 
 /// The arc from a point of a surface with the normal to the nearest of the faces.
-double front_length(std::span<const Face> faces, const Vector3d& point, const Vector3d& normal) {
+double front_length(std::span<const FlatFace> faces, const Vector3d& point, const Vector3d& normal) {
   double least = infinity;
-  for (const Face& face : faces) {
+  for (const FlatFace& face : faces) {
     const double height = face.normal.dot(point - face.corners[0]);
     const double lateral = lateral_distance(face, point - height * face.normal);
     const double sine = normal.cross(face.normal).norm(), cosine = std::abs(normal.dot(face.normal));
@@ -97,7 +97,7 @@ double front_length(std::span<const Face> faces, const Vector3d& point, const Ve
 
 /// Around the edge of a sheet, half a turn with the point's distance from the edge as radius; at the edge of
 /// a body, a quarter.
-double back_length(const Face& own, bool closed, std::span<const Face> faces, const Vector3d& point) {
+double back_length(const FlatFace& own, bool closed, std::span<const FlatFace> faces, const Vector3d& point) {
   double least = infinity;
   for (std::size_t i = 0; i < own.corners.size(); ++i) {
     const Vector3d &a = own.corners[i], &b = own.corners[(i + 1) % own.corners.size()];
@@ -109,8 +109,8 @@ double back_length(const Face& own, bool closed, std::span<const Face> faces, co
   return least;
 }
 
-bool sees(const Face& face, std::span<const Face> others) {
-  for (const Face& other : others)
+bool sees(const FlatFace& face, std::span<const FlatFace> others) {
+  for (const FlatFace& other : others)
     for (const Vector3d& corner : other.corners)
       if (side_of_plane(face.corners[0], face.corners[1], face.corners[2], corner) > 0)
         return true;
@@ -118,7 +118,7 @@ bool sees(const Face& face, std::span<const Face> others) {
 }
 
 template <class Function>
-double integral_over(const Face& face, const Function& function) {
+double integral_over(const FlatFace& face, const Function& function) {
   double sum = 0;
   for (std::size_t i = 2; i < face.corners.size(); ++i) {
     const Triangle part{face.corners[0], face.corners[i - 1], face.corners[i]};
@@ -129,9 +129,9 @@ double integral_over(const Face& face, const Function& function) {
   return sum;
 }
 
-double arcs_over(std::span<const Face> surface, bool closed, std::span<const Face> others) {
+double arcs_over(std::span<const FlatFace> surface, bool closed, std::span<const FlatFace> others) {
   double sum = 0;
-  for (const Face& face : surface)
+  for (const FlatFace& face : surface)
     sum += integral_over(face, [&](const Vector3d& point) {
       const bool front = !closed || sees(face, others), back = !closed || !front;
       return (front ? 1 / front_length(others, point, face.normal) : 0) +
@@ -144,18 +144,18 @@ double arcs_over(std::span<const Face> surface, bool closed, std::span<const Fac
 
 double reciprocal_integral(const ChargedSurface& object, std::span<const Rectangle> plates,
                            double on_object) {
-  const std::vector<Face> object_faces = faces_of(object);
+  const std::vector<FlatFace> object_faces = faces_of(object);
   double on_sensor = 0;
-  for (const Face& plate : faces_of(plates))
+  for (const FlatFace& plate : faces_of(plates))
     on_sensor +=
         integral_over(plate, [&](const Vector3d& point) { return 1 / distance(object_faces, point); });
   return std::sqrt(on_object * on_sensor);
 }
 
 double two_sided_arcs(const ChargedSurface& object, std::span<const Rectangle> plates) {
-  const std::vector<Face> sensor_faces = faces_of(plates), object_faces = faces_of(object);
-  std::vector<Face> seen;
-  for (const Face& face : object_faces)
+  const std::vector<FlatFace> sensor_faces = faces_of(plates), object_faces = faces_of(object);
+  std::vector<FlatFace> seen;
+  for (const FlatFace& face : object_faces)
     if (!object.closed || sees(face, sensor_faces))
       seen.push_back(face);
   return std::sqrt(arcs_over(object_faces, object.closed, sensor_faces) *

@@ -22,7 +22,7 @@ double log_parameter(double sum) {
 }
 
 /// For points p at origin + axes·(scale·p).
-FaceSmoothness face_smoothness(const PlacedBody& body, const Face& face, const NodePoints& points,
+FaceSmoothness face_smoothness(const PlacedBody& body, const ChargedFace& face, const NodePoints& points,
                                const Vector3d& origin, const Eigen::Matrix3d& axes, double scale) {
   const double half_u = face.half_u * body.scale, half_v = face.half_v * body.scale;
   const Vector3d u = body.axes * face.axis_u, v = body.axes * face.axis_v;
@@ -97,8 +97,8 @@ class NearestPoints {
 };
 
 /// A face's rules that win so many digits.
-NodeGrid grid_of(const Face& face, const FaceSmoothness& smooth, int functions, double digits, int most,
-                 double& missing) {
+NodeGrid grid_of(const ChargedFace& face, const FaceSmoothness& smooth, int functions, double digits,
+                 int most, double& missing) {
   return {functions, stored_rule(face.edge, points_for(smooth.u, digits, functions, most, missing)).view(),
           stored_rule(face.edge, points_for(smooth.v, digits, functions, most, missing)).view()};
 }
@@ -152,7 +152,7 @@ void choose_grids(NodeSide& side, const PlacedBody& body, int functions, std::sp
                   const Vector3d& origin, double digits, double& missing) {
   side.functions = functions;
   side.grids.clear();
-  for (const Face& face : body.shape->faces()) {
+  for (const ChargedFace& face : body.shape->faces()) {
     FaceSmoothness smooth = face_smoothness(body, face, points[0], origin, Eigen::Matrix3d::Identity(), 1);
     for (const NodePoints& more : points.subspan(1))
       narrow(smooth, face_smoothness(body, face, more, origin, Eigen::Matrix3d::Identity(), 1));
@@ -171,7 +171,7 @@ void NodeSide::lay(const PlacedBody& body, const Vector3d& origin) {
   std::ptrdiff_t at = 0;
   for (std::size_t k = 0; k < grids.size(); ++k) {
     const NodeGrid& grid = grids[k];
-    const Face& face = body.shape->faces()[k];
+    const ChargedFace& face = body.shape->faces()[k];
     const Vector3d centre = body.centre + body.axes * (body.scale * face.centre) - origin;
     const Vector3d u = body.axes * (body.scale * face.half_u * face.axis_u);
     const Vector3d v = body.axes * (body.scale * face.half_v * face.axis_v);

@@ -27,7 +27,7 @@ constexpr int edge_parts = 8;
 /// Of the places of a cluster's panels every fourth.
 constexpr std::ptrdiff_t surface_step = 4;
 
-void add_outline(const Face& face, std::vector<std::array<Vector3d, 2>>& edges) {
+void add_outline(const ChargedFace& face, std::vector<std::array<Vector3d, 2>>& edges) {
   const auto at = [&](double x, double y) {
     return Vector3d(face.centre + x * face.half_u * face.axis_u + y * face.half_v * face.axis_v);
   };
@@ -37,7 +37,8 @@ void add_outline(const Face& face, std::vector<std::array<Vector3d, 2>>& edges) 
   edges.push_back({at(-1, 1), at(-1, -1)});
 }
 
-std::vector<std::array<Vector3d, 2>> edges_of(const std::vector<Face>& faces, const Vector3d& half_sides) {
+std::vector<std::array<Vector3d, 2>> edges_of(const std::vector<ChargedFace>& faces,
+                                              const Vector3d& half_sides) {
   std::vector<std::array<Vector3d, 2>> edges;
   if (faces.size() == 1) {
     add_outline(faces[0], edges);
@@ -53,7 +54,7 @@ std::vector<std::array<Vector3d, 2>> edges_of(const std::vector<Face>& faces, co
   return edges;
 }
 
-MatrixXd self_matrix(const std::vector<Face>& faces, const Vector3d& half_sides, int functions) {
+MatrixXd self_matrix(const std::vector<ChargedFace>& faces, const Vector3d& half_sides, int functions) {
   if (faces.size() == 1)
     return self_table(faces[0].edge, functions)
         .matrix(functions, functions, faces[0].half_u, faces[0].half_v);
@@ -62,7 +63,7 @@ MatrixXd self_matrix(const std::vector<Face>& faces, const Vector3d& half_sides,
   return box_matrix(half_sides, all);
 }
 
-std::unique_ptr<PreparedLevel> prepare(const std::vector<Face>& faces, const Vector3d& half_sides,
+std::unique_ptr<PreparedLevel> prepare(const std::vector<ChargedFace>& faces, const Vector3d& half_sides,
                                        int functions) {
   const MatrixXd self = self_matrix(faces, half_sides, functions);
   const Index count = self.rows();
@@ -117,7 +118,7 @@ int functions_of_level(int level) {
   return level_functions[static_cast<std::size_t>(level)];
 }
 
-PreparedShape::PreparedShape(std::vector<Face> faces, Vector3d half_sides)
+PreparedShape::PreparedShape(std::vector<ChargedFace> faces, Vector3d half_sides)
     : faces_(std::move(faces)), half_sides_(std::move(half_sides)), levels_(levels) {
   edges_ = edges_of(faces_, half_sides_);
   std::vector<Vector3d> points;

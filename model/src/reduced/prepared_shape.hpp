@@ -35,13 +35,13 @@ class PreparedMesh;
 class PreparedShape {
  public:
   /// The faces at the origin, as in ChargedBody.
-  PreparedShape(std::vector<Face> faces, Eigen::Vector3d half_sides);
+  PreparedShape(std::vector<ChargedFace> faces, Eigen::Vector3d half_sides);
   /// A body of triangles, as PreparedMesh has them.
   PreparedShape(std::vector<Triangle> triangles, double accuracy);
   ~PreparedShape();
 
   /// None of a body of triangles.
-  const std::vector<Face>& faces() const { return faces_; }
+  const std::vector<ChargedFace>& faces() const { return faces_; }
   /// nullptr for a plate or box.
   const PreparedMesh* mesh() const { return mesh_.get(); }
   const Eigen::Vector3d& half_sides() const { return half_sides_; }
@@ -60,7 +60,7 @@ class PreparedShape {
  private:
   void set_edge_points(std::vector<Eigen::Vector3d> points);
 
-  std::vector<Face> faces_;
+  std::vector<ChargedFace> faces_;
   Eigen::Vector3d half_sides_;
   std::array<std::vector<float>, 3> edge_points_;  ///< in whole blocks, the last one repeated
   std::ptrdiff_t edge_point_count_;

@@ -22,7 +22,7 @@ Vector3d half_sides_of(const ChargedBody& body) {
 Eigen::Isometry3d frame_of(const ChargedBody& body) {
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
   if (body.faces.size() == 1) {
-    const Face& face = body.faces[0];
+    const ChargedFace& face = body.faces[0];
     frame.linear() << face.axis_u, face.axis_v, face.axis_u.cross(face.axis_v);
     frame.translation() = face.centre;
     return frame;

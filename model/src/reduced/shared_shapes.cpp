@@ -8,7 +8,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-std::vector<Face> faces_of(std::size_t count, const Vector3d& half_sides) {
+std::vector<ChargedFace> faces_of(std::size_t count, const Vector3d& half_sides) {
   if (count == 1)
     return {{Vector3d::Zero(), Vector3d::UnitX(), Vector3d::UnitY(), half_sides.x(), half_sides.y(),
              EdgeKind::thin}};

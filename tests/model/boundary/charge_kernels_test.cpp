@@ -23,7 +23,7 @@ using Eigen::Vector3d;
 
 class ChargeKernelsTest : public testing::TestWithParam<const ChargeKernels*> {};
 
-FaceRule view(const DirectionRule& rule, int functions) {
+RuleView view(const DirectionRule& rule, int functions) {
   return {rule.nodes.size(), functions, rule.weights.rows(), rule.nodes.data(), rule.weights.data()};
 }
 
@@ -34,7 +34,7 @@ TEST_P(ChargeKernelsTest, SumTheInverseDistancesOverAFace) {
       for (const int points : {1, 5, 16, 33}) {
         const DirectionRule &u = whole_rule(EdgeKind::thin, points),
                             &v = whole_rule(EdgeKind::right_angle, points + 2);
-        const FaceRule along_u = view(u, functions_u), along_v = view(v, functions_v);
+        const RuleView along_u = view(u, functions_u), along_v = view(v, functions_v);
         std::vector<double> scratch(face_scratch(along_u, along_v));
         MatrixXd result(functions_v, functions_u);
         GetParam()->face_potentials(point, along_u, along_v, scratch.data(), result.data());

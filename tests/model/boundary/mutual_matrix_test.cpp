@@ -16,8 +16,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-Face face(const Vector3d& centre, const Eigen::Quaterniond& turn, double half_u, double half_v,
-          EdgeKind edge = EdgeKind::thin) {
+ChargedFace face(const Vector3d& centre, const Eigen::Quaterniond& turn, double half_u, double half_v,
+                 EdgeKind edge = EdgeKind::thin) {
   return {centre, turn * Vector3d::UnitX(), turn * Vector3d::UnitY(), half_u, half_v, edge};
 }
 
@@ -26,8 +26,8 @@ Eigen::Quaterniond turn(double degrees, const Vector3d& axis) {
 }
 
 /// Gauss–Jacobi points on both faces, as many as the distance takes.
-Eigen::MatrixXd by_product_rule(const Face& a, FaceFunctions in_a, const Face& b, FaceFunctions in_b,
-                                int points) {
+Eigen::MatrixXd by_product_rule(const ChargedFace& a, FaceFunctions in_a, const ChargedFace& b,
+                                FaceFunctions in_b, int points) {
   const DirectionRule& rule_a = whole_rule(a.edge, points);
   const DirectionRule& rule_b = whole_rule(b.edge, points - 1);
   const Eigen::Index n = rule_a.nodes.size(), m = rule_b.nodes.size();
@@ -53,10 +53,10 @@ double difference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 }
 
 TEST(MutualMatrix, IsThatOfAProductRuleWithManyPoints) {
-  const Face below = face({0, 0, 0}, turn(0, {0, 0, 1}), 1, 0.7);
+  const ChargedFace below = face({0, 0, 0}, turn(0, {0, 0, 1}), 1, 0.7);
   for (const EdgeKind edge : {EdgeKind::thin, EdgeKind::right_angle})
     for (const double height : {0.6, 1.5, 6.0}) {
-      const Face above = face({0.3, 0.4, height}, turn(20, {1, 2, 3}), 0.5, 0.9, edge);
+      const ChargedFace above = face({0.3, 0.4, height}, turn(20, {1, 2, 3}), 0.5, 0.9, edge);
       const Eigen::MatrixXd truth = by_product_rule(below, {4, 3}, above, {3, 5}, 44);
       for (const double tolerance : {1e-4, 1e-8})
         EXPECT_LT(difference(mutual_matrix(below, {4, 3}, above, {3, 5}, tolerance), truth), tolerance)
@@ -65,8 +65,8 @@ TEST(MutualMatrix, IsThatOfAProductRuleWithManyPoints) {
 }
 
 TEST(MutualMatrix, IsTransposedWhenTheFacesAreExchanged) {
-  const Face a = face({0, 0, 0}, turn(0, {0, 0, 1}), 1, 0.7);
-  const Face b = face({0.1, 0.2, 0.05}, turn(2, {1, 0.3, 0}), 0.3, 1.4);
+  const ChargedFace a = face({0, 0, 0}, turn(0, {0, 0, 1}), 1, 0.7);
+  const ChargedFace b = face({0.1, 0.2, 0.05}, turn(2, {1, 0.3, 0}), 0.3, 1.4);
   EXPECT_LT(difference(mutual_matrix(a, {4, 5}, b, {3, 4}, 1e-9),
                        mutual_matrix(b, {3, 4}, a, {4, 5}, 1e-9).transpose()),
             1e-9);
@@ -74,9 +74,9 @@ TEST(MutualMatrix, IsTransposedWhenTheFacesAreExchanged) {
 
 /// Faces close to each other in ways that miss a sampling of the face: flat, on edge, corner to the middle.
 TEST(MutualMatrix, KeepsItsToleranceCloseTogether) {
-  const Face below = face({0, 0, 0}, turn(0, {0, 0, 1}), 1, 1);
+  const ChargedFace below = face({0, 0, 0}, turn(0, {0, 0, 1}), 1, 1);
   for (const double gap : {0.1, 0.02}) {
-    const std::array<Face, 4> others{
+    const std::array<ChargedFace, 4> others{
         face({0.2, -0.1, gap}, turn(0, {0, 0, 1}), 1, 0.6),
         face({0.37, 0.11, 0.5 + gap}, turn(90, {1, 0, 0}), 0.3, 0.5),
         face({1 + gap + 0.4, 0, 0}, turn(0, {0, 0, 1}), 0.4, 2, EdgeKind::right_angle),

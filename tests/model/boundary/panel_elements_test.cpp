@@ -73,7 +73,7 @@ TEST(PanelElements, WithItselfAsWell) {
 }
 
 TEST(PanelElements, WithAFaceAreThePotentialsMeans) {
-  const Face face{Vector3d(0, 0, 0), Vector3d::UnitX(), Vector3d::UnitY(), 1, 0.6, EdgeKind::thin};
+  const ChargedFace face{Vector3d(0, 0, 0), Vector3d::UnitX(), Vector3d::UnitY(), 1, 0.6, EdgeKind::thin};
   const std::array<Panel, 1> panel{
       make_panel({Vector3d(-0.3, 0, 0.1), Vector3d(0.9, 0.2, 0.15), Vector3d(0, 0.5, 0.4)})};
   std::vector<Panel> parts{panel[0]};
