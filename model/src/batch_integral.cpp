@@ -11,6 +11,7 @@
 
 #include "batch/chunks.hpp"
 #include "fringe/error.hpp"
+#include "loop_order.hpp"
 
 namespace fringe {
 namespace {
@@ -37,13 +38,17 @@ void for_each_chunk(std::size_t count, int threads, const Work& work) {
   }
   const int offered = tbb::info::default_concurrency();
   tbb::task_arena arena(threads == 0 ? offered : std::min(threads, offered));
+  const LoopOrder order;
   arena.execute([&] {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, chunks_per_task),
                       [&](const tbb::blocked_range<std::size_t>& range) {
+                        order.part_begins();
                         for (std::size_t i = range.begin(); i < range.end(); ++i)
                           work(i);
+                        order.part_ends();
                       });
   });
+  order.loop_ended();
 }
 
 /// The choices for the tolerance: prepared for this call, or those for full precision.
