@@ -26,7 +26,7 @@ std::vector<Vector3d> corners_of(const ChargedBody& body) {
 
 /// Of a box around triangles, given by their corners.
 Matrix3d half_edges_of_hull(const std::vector<Vector3d>& corners) {
-  std::vector<fringe::Face> triangles;
+  std::vector<Face> triangles;
   for (std::size_t first = 0; first < corners.size(); first += 3)
     triangles.push_back({first, first + 1, first + 2});
   const OrientedBox box = oriented_box(corners, triangles, BoxMethod::triangles);

@@ -14,6 +14,7 @@ namespace fringe {
 namespace {
 
 using detail::ChargedBody;
+using detail::ChargedFace;
 using detail::EdgeKind;
 using detail::most_functions;
 using detail::Shadow;
@@ -24,24 +25,24 @@ constexpr double seen = large / (most_functions / 2.0);  ///< the narrowest that
 constexpr double close = seen / 100;
 
 /// A face along the plane z = height, turned about the z axis.
-detail::Face face(double half_u, double half_v, double height, double turn = 0) {
+ChargedFace face(double half_u, double half_v, double height, double turn = 0) {
   const Eigen::AngleAxisd turned(turn, Vector3d::UnitZ());
   return {{0, 0, height}, turned * Vector3d::UnitX(), turned * Vector3d::UnitY(), half_u, half_v,
           EdgeKind::thin};
 }
 
-Shadow shadow_of(const detail::Face& plate) {
+Shadow shadow_of(const ChargedFace& plate) {
   return Shadow(ChargedBody{0, {plate}, {}, "plate", {}});
 }
 
 /// The same plate as a body of two triangles.
-Shadow shadow_of_triangles(const detail::Face& plate) {
+Shadow shadow_of_triangles(const ChargedFace& plate) {
   const auto [a, b, c, d] = detail::corners_of(plate);
   return Shadow(ChargedBody{0, {}, {}, "mesh", {}, {{a, b, c}, {a, c, d}}});
 }
 
 TEST(Shadow, OfASmallPlateIsNarrowOnAFaceUntilTheGapIsWide) {
-  const detail::Face wall = face(large, large, 0);
+  const ChargedFace wall = face(large, large, 0);
   for (const auto shadow : {shadow_of, shadow_of_triangles}) {
     EXPECT_TRUE(shadow(face(0.5 * seen, 0.4 * seen, close)).is_narrow_on(wall));
     EXPECT_TRUE(shadow(face(0.5 * seen, 0.4 * seen, 0.4 * seen)).is_narrow_on(wall));
@@ -51,7 +52,7 @@ TEST(Shadow, OfASmallPlateIsNarrowOnAFaceUntilTheGapIsWide) {
 }
 
 TEST(Shadow, OfAStripIsAsNarrowAsTheStripHoweverItIsTurned) {
-  const detail::Face wall = face(large, large, 0);
+  const ChargedFace wall = face(large, large, 0);
   for (const double turn : {0.0, 0.6, 1.57}) {
     EXPECT_TRUE(shadow_of(face(0.5 * large, 0.1 * seen, close, turn)).is_narrow_on(wall)) << turn;
     EXPECT_TRUE(shadow_of_triangles(face(0.5 * large, 0.1 * seen, close, turn)).is_narrow_on(wall)) << turn;
@@ -68,12 +69,12 @@ TEST(Shadow, OfAStripIsNotNarrowOnAStripBesideIt) {
 
 TEST(Shadow, OfAnUprightPlateIsAsWideAsItIsHigh) {
   const auto upright = [](double half_height) {
-    return detail::Face{{0, 0, half_height + close},
-                        Vector3d::UnitX(),
-                        Vector3d::UnitZ(),
-                        large,
-                        half_height,
-                        EdgeKind::thin};
+    return ChargedFace{{0, 0, half_height + close},
+                       Vector3d::UnitX(),
+                       Vector3d::UnitZ(),
+                       large,
+                       half_height,
+                       EdgeKind::thin};
   };
   EXPECT_TRUE(shadow_of(upright(0.5 * seen)).is_narrow_on(face(large, large, 0)));
   EXPECT_FALSE(shadow_of(upright(1.1 * seen)).is_narrow_on(face(large, large, 0)));
