@@ -20,6 +20,8 @@ LEAST_RATIO = 1.5
 LEAST_FRACTION = 0.75
 """The error of an extrapolated value is never stated below this fraction of the larger of the two predictions of what is left.
 Meshes are generated anew, so their errors scatter: NUMERICS.md section 3."""
+LEAST_FRACTION_CHECKED_TWICE = 0.6
+"""The same where the two differences before fell as they should, too: least at which it covers an order of convergence of two."""
 UNCHECKED_SAFETY = 1.5
 """Factor on the error predicted from the last differences where they do not fall as they should."""
 LEAST_OF_TWO_LEVELS = 3e-3
@@ -60,11 +62,17 @@ def estimate(levels: Sequence[Array]) -> Estimate:
     previous = levels[-2] - levels[-3]
     predicted, last_size = previous / 2, np.abs(last)
     largest = np.maximum(np.abs(predicted), last_size)
-    # Not as a quotient: both may be 0.
-    falls = previous * np.sign(last) >= LEAST_RATIO * last_size
-    error = np.maximum(LEAST_FRACTION * largest, np.abs(last - predicted))
+    falls = _falls(previous, last)
+    twice = _falls(levels[-3] - levels[-4], previous) if len(levels) > 3 else unchecked
+    fraction = np.where(twice, LEAST_FRACTION_CHECKED_TWICE, LEAST_FRACTION)
+    error = np.maximum(fraction * largest, np.abs(last - predicted))
     value = finest + (last + predicted) / 2
     return Estimate(np.where(falls, value, finest), np.where(falls, error, UNCHECKED_SAFETY * largest), falls)
+
+
+def _falls(before: Array, after: Array) -> NDArray[np.bool_]:
+    """Whether a difference follows one before as it should; not as a quotient, since both may be 0."""
+    return np.asarray(before * np.sign(after) >= LEAST_RATIO * np.abs(after))
 
 
 def shared_error(growth: float) -> float:

@@ -5,6 +5,7 @@ import pytest
 
 from fem_reference.convergence import (
     LEAST_FRACTION,
+    LEAST_FRACTION_CHECKED_TWICE,
     LEAST_OF_TWO_LEVELS,
     UNCHECKED_SAFETY,
     estimate,
@@ -44,10 +45,17 @@ def test_linear_convergence_is_extrapolated_to_its_limit() -> None:
     assert of(5.0, 3.0, 2.0) == (1.0, LEAST_FRACTION, True)
 
 
+def test_a_fourth_level_is_trusted_more_where_the_differences_fall_twice() -> None:
+    """The step 1 is the scale of the error in both; in the second the first two differences are the same."""
+    assert of(9.0, 5.0, 3.0, 2.0) == (1.0, LEAST_FRACTION_CHECKED_TWICE, True)
+    assert of(7.0, 5.0, 3.0, 2.0) == (1.0, LEAST_FRACTION, True)
+
+
+@pytest.mark.parametrize("edge_sizes", [(4.0, 2.0, 1.0), (8.0, 4.0, 2.0, 1.0)])
 @pytest.mark.parametrize("order", [0.8, 1.0, 4 / 3, 1.5, 2.0, 3.0])
-def test_the_error_covers_other_orders_of_convergence(order: float) -> None:
+def test_the_error_covers_other_orders_of_convergence(order: float, edge_sizes: tuple[float, ...]) -> None:
     """1 + h^order: the limit 1 stays inside although it is extrapolated as if the order were one."""
-    value, error, extrapolated = of(*(1 + h**order for h in (4.0, 2.0, 1.0)))
+    value, error, extrapolated = of(*(1 + h**order for h in edge_sizes))
     assert extrapolated and abs(value - 1) <= error
 
 
