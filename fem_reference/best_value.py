@@ -13,7 +13,7 @@ from fem_reference.level import Level
 LEAST_NARROWING = 1.5
 """Width over the next one's, 2 for each halving in theory. Below it one of the two meshes is bad in a place that spoils one bound
 more than the other, and the middle is better."""
-LEAST_FRACTION_OF_WIDTH = 0.1
+LEAST_FRACTION_OF_WIDTH = 0.25
 """The error of a value between bounds is never stated below this fraction of their distance: NUMERICS.md section 5."""
 
 

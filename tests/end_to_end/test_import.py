@@ -179,6 +179,16 @@ WRONG_ROBOTS = {
     "collada": (ROBOT.replace("hand.obj", "hand.dae"), "hand.dae was not found"),
     "no such link": (ROBOT.replace('<child link="hand"/>', '<child link="foot"/>'), "foot"),
     "mimics nothing": (ROBOT.replace('mimic joint="shoulder"', 'mimic joint="hip"'), 'joint "wrist": mimics "hip"'),
+    "moved nowhere": (ROBOT.replace('axis xyz="0 2 0"', 'axis xyz="0 0 0"'), 'joint "wrist": its axis must not be zero'),
+    "no such file": (ROBOT.replace("package://arm_description/meshes/", "../"), 'link "hand": mesh: there is no file'),
+    "no geometry given": (ROBOT.replace('<sphere radius="0.07"/>', ""), "arm.urdf: "),
+    "more links than any robot": (
+        '<robot name="r"><link name="a"/>' + "".join(
+            f'<link name="l{i}"/><joint name="j{i}" type="fixed"><parent link="a"/><child link="l{i}"/></joint>'
+            for i in range(10000)
+        ) + "</robot>",
+        "robot: has more than 10000 links",
+    ),
     "mimics itself": (ROBOT.replace('mimic joint="shoulder"', 'mimic joint="wrist"'), "mimics itself"),
 }  # fmt: skip
 
@@ -187,6 +197,41 @@ WRONG_ROBOTS = {
 def test_robots_that_are_none_are_refused_and_leave_nothing(robot: Path, text: str, told: str) -> None:
     robot.write_text(text)
     assert_refused(robot, told)
+
+
+def test_meshes_are_found_beside_the_robot_and_by_their_full_path(robot: Path) -> None:
+    expected = imported(robot).conductors()["hand"]
+    full = (robot.parents[1] / "meshes" / "hand.obj").as_posix()
+    for name in ("../meshes/hand.obj", "file://" + full):
+        robot.write_text(ROBOT.replace("package://arm_description/meshes/hand.obj", name))
+        assert imported(robot).conductors()["hand"] == pytest.approx(expected, abs=0)
+
+
+def test_a_damaged_mesh_is_told_with_its_link(robot: Path) -> None:
+    (robot.parents[1] / "meshes" / "hand.obj").write_text("v 0 0 0\nf 1 2 3\n")
+    assert_refused(robot, 'link "hand": mesh: ')
+
+
+def test_what_cannot_be_imported_leaves_what_was_imported_before(robot: Path) -> None:
+    """The second robot's mesh has the first one's name, and a box that no scene may have."""
+    imported(robot)
+    target = robot.with_name("scene.toml")
+    before = {path: path.read_bytes() for path in robot.parent.rglob("*") if path.is_file() and path != robot}
+    robot.write_text(ROBOT.replace("0.01 0.02 0.03", "1e40 1 1").replace("-0.002", "0.001"))
+    done = fringe_import(robot, target)
+    assert done.returncode == 2 and done.stderr
+    assert {path: path.read_bytes() for path in before} == before
+    assert set(robot.parent.rglob("*")) == {*before, robot, robot.with_name("scene_meshes")}
+
+
+def test_a_new_import_takes_the_place_of_the_old_one(robot: Path) -> None:
+    first = imported(robot).conductors()
+    robot.write_text(ROBOT.replace("-0.002", "0.001"))
+    changed = imported(robot).conductors()
+    assert changed["hand"] != pytest.approx(first["hand"], abs=1e-6)
+    robot.write_text(ROBOT)
+    assert imported(robot).conductors()["hand"] == pytest.approx(first["hand"], abs=0)
+    assert {path.name for path in robot.parent.iterdir()} == {"arm.urdf", "scene.toml", "scene_meshes"}
 
 
 def assert_refused(source: Path, told: str) -> None:
@@ -248,6 +293,7 @@ def written(tmp_path: Path, document: dict[str, Any]) -> Path:
 
 
 HALF = math.sqrt(0.5)
+MESH: list[dict[str, Any]] = [{"mesh": 0}]
 NODES: list[dict[str, Any]] = [
     {"name": "base", "children": [1, 3], "translation": [1, 2, 3], "rotation": [0, 0, HALF, HALF]},
     {"name": "arm", "children": [2], "scale": [2, 3, -1], "translation": [0.5, 0, 0], "mesh": 0},
@@ -303,14 +349,74 @@ def test_a_binary_model_is_read_as_a_text_is(tmp_path: Path) -> None:
         assert triangles == pytest.approx(expected[name], abs=0)
 
 
+@pytest.mark.parametrize(("component", "letter"), [(5121, "B"), (5123, "H"), (5125, "I")])
+def test_indices_are_whole_numbers_of_any_width(tmp_path: Path, component: int, letter: str) -> None:
+    document = model(MESH)
+    data = base64.b64decode(document["buffers"][0]["uri"].split(",")[1])[:48] + struct.pack(
+        f"<6{letter}", 0, 1, 2, 0, 2, 3
+    )
+    document["buffers"] = [
+        {
+            "byteLength": len(data),
+            "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(),
+        }
+    ]
+    document["bufferViews"][1]["byteLength"] = len(data) - 48
+    document["accessors"][1]["componentType"] = component
+    assert imported(written(tmp_path, document)).conductors()["node 0"] == pytest.approx(TRIANGLES)
+
+
+def test_names_of_any_letters_come_through(tmp_path: Path) -> None:
+    name = 'left "arm" \\ 1\t\x7fé'
+    scene = imported(written(tmp_path, model([{"name": name, "mesh": 0}])))
+    assert [link.name for link in scene.links] == [name] == list(scene.conductors())
+
+
+def test_a_folder_that_is_not_there_is_told(tmp_path: Path) -> None:
+    done = fringe_import(written(tmp_path, model([{"mesh": 0}])), tmp_path / "none" / "scene.toml")
+    assert done.returncode == 1 and "none" in done.stderr and not (tmp_path / "none").exists()
+
+
 def _accessor(number: int, **changes: Any) -> list[dict[str, Any]]:
     accessors: list[dict[str, Any]] = model([])["accessors"]
     accessors[number] |= changes
     return accessors
 
 
-MESH: list[dict[str, Any]] = [{"mesh": 0}]
+def _primitive(**changes: Any) -> list[dict[str, Any]]:
+    return [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1} | changes]}]
+
+
+def _not_finite() -> list[dict[str, Any]]:
+    data = struct.pack("<12f", 0, 0, 0, 1, 0, 0, 0, math.nan, 0, 0, 0, 3) + struct.pack(
+        "<6H", 0, 1, 2, 0, 2, 3
+    )
+    uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+    return [{"byteLength": len(data), "uri": uri}]
+
+
 WRONG_MODELS = {
+    "signed indices": (model(MESH, accessors=_accessor(1, componentType=5122)), "accessor 1: indices must be whole"),
+    "sparse": (
+        model(MESH, accessors=_accessor(0, sparse={
+            "count": 1,
+            "indices": {"bufferView": 1, "componentType": 5123},
+            "values": {"bufferView": 0},
+        })),
+        "accessor 0: is sparse",
+    ),
+    "no such accessor": (model(MESH, meshes=_primitive(indices=7)), "indices accessor out of bounds"),
+    "no buffer": (model(MESH, bufferViews=[{"buffer": 3, "byteLength": 48}] * 2), "model.gltf"),
+    "no vertices": (model(MESH, accessors=_accessor(0, count=0)), "model.gltf"),
+    "vertex that is not finite": (model(MESH, buffers=_not_finite()), "accessor 0: vertex 2 is not finite"),
+    "morph targets": (model(MESH, meshes=_primitive(targets=[{"POSITION": 0}])), "has morph targets"),
+    "no positions": (model(MESH, meshes=_primitive(attributes={"NORMAL": 0})), "has no positions"),
+    "endless matrix": (model([{"mesh": 0, "matrix": [1e308 * 10] * 16}]), "model.gltf"),
+    "endless place": (model([{"mesh": 0, "scale": [1e300, 1e300, 1e300], "translation": [1e308, 0, 0]}]), "node 0"),
+    "too deep": (
+        model([*({"children": [i + 1]} for i in range(1100)), {"mesh": 0}]),
+        "node 1001: is below more than 1000 others",
+    ),
     "no triangles": (model([{"mesh": 3}]), "holds no triangles"),
     "below itself": (model([{"children": [0]}]), "node 0: is below two nodes, or below itself"),
     "no such node": (model([{"children": [7]}]), "node 7: does not exist"),

@@ -22,7 +22,7 @@ def test_bounds_that_narrow_in_proportion_meet_in_the_truth(narrowing: float) ->
     """Whatever the meshes make of the ratio, which says nothing else."""
     found = best_value([level(0.07, 0.1), level(0.07 / narrowing, 0.1 / narrowing)])
     assert found.value[0, 0] == pytest.approx(1, abs=1e-14) and found.extrapolated[0, 0]
-    assert 0 < found.error[0, 0] < 0.1
+    assert found.error[0, 0] == pytest.approx(0.17 / narrowing / 4)
 
 
 def test_levels_without_bounds_between_do_not_matter() -> None:

@@ -5,10 +5,11 @@
 #include <bit>
 #include <cctype>
 #include <cstdint>
-#include <deque>
 #include <fstream>
+#include <map>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -23,23 +24,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Files that are removed at the end unless they are kept.
+/// A file or folder with all that is in it, which is removed at the end.
 class Unfinished {
  public:
-  Unfinished() = default;
+  explicit Unfinished(fs::path path) : path_(std::move(path)) {}
   Unfinished(const Unfinished&) = delete;
   Unfinished& operator=(const Unfinished&) = delete;
   ~Unfinished() {
     std::error_code ignored;
-    for (const fs::path& path : paths_)
-      fs::remove(path, ignored);
+    fs::remove_all(path_, ignored);
   }
 
-  void add(const fs::path& path) { paths_.push_front(path); }
-  void keep() { paths_.clear(); }
+  const fs::path& path() const { return path_; }
 
  private:
-  std::deque<fs::path> paths_;  // the last first: a folder after what is in it
+  fs::path path_;
 };
 
 /// A basic string of TOML.
@@ -159,40 +158,61 @@ std::string heading(const Scene& scene, const std::string& source) {
                      quoted(source), link);
 }
 
-}  // namespace
+/// The mesh files by the number of their object.
+using MeshNames = std::map<std::size_t, std::string>;
 
-void write_scene_file(const Scene& scene, const fs::path& target, const std::string& source) {
-  Unfinished unfinished;
-  const fs::path folder = target.stem().string() + "_meshes";
-  const fs::path place = target.parent_path() / folder;
+/// Writes the meshes of a scene into a folder, which is made when there are any.
+MeshNames write_meshes(const Scene& scene, const fs::path& folder) {
+  MeshNames written;
+  UniqueNames names;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const auto* mesh = std::get_if<Mesh>(&scene.objects[i].shape);
+    if (mesh == nullptr)
+      continue;
+    fs::create_directories(folder);
+    written[i] = names.take(file_name(scene.objects[i].name)) + ".stl";
+    write_bytes(folder / written[i], stl(mesh->triangles));
+  }
+  return written;
+}
+
+/// The scene file, its meshes in a folder beside it.
+std::string scene_text(const Scene& scene, const std::string& source, const fs::path& folder,
+                       const MeshNames& meshes) {
   std::string text = heading(scene, source);
   for (const Link& link : scene.links)
     text += link_text(link, scene);
-  UniqueNames names;
-  for (const Object& object : scene.objects) {
-    std::string mesh_file;
-    if (const auto* mesh = std::get_if<Mesh>(&object.shape)) {
-      if (fs::create_directories(place))
-        unfinished.add(place);
-      const std::string name = names.take(file_name(object.name)) + ".stl";
-      mesh_file = (folder / name).string();
-      unfinished.add(place / name);
-      write_bytes(place / name, stl(mesh->triangles));
-    }
-    text += object_text(object, scene, mesh_file);
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const auto mesh = meshes.find(i);
+    text +=
+        object_text(scene.objects[i], scene, mesh == meshes.end() ? "" : (folder / mesh->second).string());
   }
-  const fs::path temporary = target.parent_path() / fmt::format(".{}.unfinished", target.filename().string());
-  Unfinished scene_file;
-  scene_file.add(temporary);
-  write_bytes(temporary, text);
+  return text;
+}
+
+}  // namespace
+
+void write_scene_file(const Scene& scene, const fs::path& target, const std::string& source) {
+  const fs::path beside = fs::absolute(target).parent_path();
+  if (!fs::is_directory(beside))
+    throw std::runtime_error(fmt::format("{}: there is no folder {}", target.string(), beside.string()));
+  const std::string meshes = target.stem().string() + "_meshes";
+  const Unfinished scene_file(beside / fmt::format(".{}.unfinished", target.filename().string()));
+  const Unfinished mesh_folder(beside / fmt::format(".{}.unfinished", meshes));
+  const MeshNames names = write_meshes(scene, mesh_folder.path());
+  write_bytes(scene_file.path(), scene_text(scene, source, mesh_folder.path().filename(), names));
   try {
-    load_scene(temporary);
+    load_scene(scene_file.path());
   } catch (const InputError& error) {
     throw InputError(fmt::format("{} makes no scene: {}", source, error.what()));
   }
-  fs::rename(temporary, target);
-  scene_file.keep();
-  unfinished.keep();
+  // What was there before stays until all of this is known to be a scene.
+  write_bytes(scene_file.path(), scene_text(scene, source, meshes, names));
+  if (!names.empty())
+    fs::create_directories(beside / meshes);
+  for (const auto& [object, name] : names)
+    fs::rename(mesh_folder.path() / name, beside / meshes / name);
+  fs::rename(scene_file.path(), target);
 }
 
 }  // namespace fringe::cli
