@@ -17,6 +17,7 @@ include_patterns = [
     "geometries/*.md",
     "geometries/schemas/*.md",
     "model/*.md",
+    "tests/clean/*.md",
 ]
 html_theme = "furo"
 html_title = "fringe"
