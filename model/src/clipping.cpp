@@ -31,18 +31,63 @@ double inside_by(const PieceVertex& vertex, int axis, double bound, Side side) {
   return side == Side::upper ? above : -above;
 }
 
-/// All of a piece or nothing of it, for the side that it reaches farther into; one that is flat goes to
-/// either, because the caller has chosen.
-Piece all_or_nothing(const Piece& piece, int axis, double bound, Side side) {
-  double innermost = 0, outermost = 0;
-  for (std::size_t i = 0; i < piece.size; ++i) {
-    const double inside = inside_by(piece.vertices[i], axis, bound, side);
-    innermost = std::max(innermost, inside);
-    outermost = std::min(outermost, inside);
+/// Whether each corner is inside, so that the outline changes sides at most twice: the corners nearest to the
+/// plane are not asked, and go with the next that is.
+std::array<bool, most_corners> sides(std::array<double, most_corners> inside, std::size_t size) {
+  const auto next_asked = [&](std::size_t i) {
+    do
+      i = i + 1 < size ? i + 1 : 0;
+    while (inside[i] == 0);
+    return i;
+  };
+  const auto changes = [&] {
+    int count = 0;
+    for (std::size_t i = 0; i < size; ++i)
+      count += inside[i] != 0 && (inside[i] > 0) != (inside[next_asked(i)] > 0);
+    return count;
+  };
+  while (changes() > 2) {
+    std::size_t nearest = next_asked(0);
+    for (std::size_t i = 0; i < size; ++i)
+      if (inside[i] != 0 && std::abs(inside[i]) < std::abs(inside[nearest]))
+        nearest = i;
+    inside[nearest] = 0;
   }
-  const bool belongs =
-      outermost == 0 || innermost > -outermost || (innermost == -outermost && side == Side::upper);
-  return belongs ? piece : Piece{};
+  std::array<bool, most_corners> result{};
+  for (std::size_t i = 0; i < size; ++i)
+    result[i] = inside[inside[i] == 0 ? next_asked(i) : i] > 0;
+  return result;
+}
+
+/// The part of a piece on one side, which it shares with the other along one chord whatever rounding says.
+Piece clip_along_chord(const Piece& piece, int axis, double bound, Side side) {
+  std::array<double, most_corners> inside{};
+  bool flat = true;
+  for (std::size_t i = 0; i < piece.size; ++i) {
+    inside[i] = inside_by(piece.vertices[i], axis, bound, side);
+    flat = flat && inside[i] == 0;
+  }
+  // It goes to either side, because the caller has chosen.
+  if (flat)
+    return piece;
+  const std::array<bool, most_corners> is_inside = sides(inside, piece.size);
+  Piece kept;
+  for (std::size_t i = 0; i < piece.size; ++i) {
+    const std::size_t next = i + 1 < piece.size ? i + 1 : 0;
+    if (is_inside[i])
+      kept.vertices[kept.size++] = piece.vertices[i];
+    if (is_inside[i] == is_inside[next])
+      continue;
+    // A corner on the wrong side is on the plane but for rounding.
+    const auto distance = [&](std::size_t corner) {
+      return (inside[corner] > 0) == is_inside[corner] ? std::abs(inside[corner]) : 0.0;
+    };
+    const double from = distance(i), to = distance(next);
+    kept.vertices[kept.size++] = from + to > 0
+                                     ? cut(piece.vertices[i], piece.vertices[next], from, -to, axis, bound)
+                                     : piece.vertices[next];
+  }
+  return kept;
 }
 
 /// The part of a convex piece on one side of coordinate = bound (Sutherland and Hodgman).
@@ -57,11 +102,11 @@ Piece clip(const Piece& piece, int axis, double bound, Side side) {
     const PieceVertex& next = piece.vertices[i + 1 < piece.size ? i + 1 : 0];
     const double current_inside = std::exchange(next_inside, inside_by(next, axis, bound, side));
     const bool crosses = (current_inside > 0 && next_inside < 0) || (current_inside < 0 && next_inside > 0);
-    // A plane that divides a convex outline meets it twice. If more often, the piece lies in the plane but
-    // for rounding, and its two parts would overlap.
+    // A plane that divides a convex outline meets it twice. If more often, the piece has an edge in the plane
+    // but for rounding, or all of it, and its two parts might overlap.
     if ((crosses || current_inside == 0) && ++meetings > 2) {
       // Assigned, not returned: with one variable to return, the piece is built in place.
-      kept = all_or_nothing(piece, axis, bound, side);
+      kept = clip_along_chord(piece, axis, bound, side);
       return kept;
     }
     if (current_inside >= 0)

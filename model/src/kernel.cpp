@@ -39,7 +39,11 @@ HeightSplit split_at_height(const Vector3d& v0, const Vector3d& v1, const Vector
   // needs no care.
   if ((*m - *a).squaredNorm() > (*m - *b).squaredNorm())
     std::swap(a, b);
-  const double squared_length = std::max({opposite0, opposite1, opposite2});
+  // Of two edges as long as each other but for rounding, the one whose foot lies on it: between a and m,
+  // 1/distance may be so large that even a share of 1e-17 counts.
+  if ((*m - *a).dot(*b - *a) < 0)
+    std::swap(a, m);
+  const double squared_length = (*b - *a).squaredNorm();
   const double share =
       squared_length > 0 ? std::clamp((*m - *a).dot(*b - *a) / squared_length, 0.0, 1.0) : 0.0;
   return {*a, *b, *m, squared_length, share, *a + share * (*b - *a) - *m};

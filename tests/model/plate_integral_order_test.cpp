@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 constexpr double rounding = 0x1p-49;
 
 /// A triangle next to a plate.
-struct Scene {
+struct Touching {
   Rectangle plate;
   Triangle triangle;
 };
@@ -30,33 +30,37 @@ enum class Contact { edge_on_edge, edge_beside_edge, in_plane, in_border_plane, 
 constexpr std::array contacts{Contact::edge_on_edge, Contact::edge_beside_edge, Contact::in_plane,
                               Contact::in_border_plane, Contact::across_edge};
 
-Scene touching(Contact contact, test::Random& random) {
+Touching touching(Contact contact, test::Random& random) {
   const Eigen::Isometry3d turn = random.rigid_motion();
   const double length_u = random.uniform(0.5, 2), length_v = random.uniform(0.5, 2);
   const Rectangle plate{turn.translation(), turn.linear() * Vector3d(length_u, 0, 0),
                         turn.linear() * Vector3d(0, length_v, 0)};
-  // In units of the plate's edges and of 1 along its normal
-  const auto at = [&](double u, double v, double height) -> Vector3d {
-    return plate.corner + u * plate.edge_u + v * plate.edge_v + height * turn.linear().col(2);
+  // In units of the plate's edges and of 1 along its normal. Braces draw their numbers in order, whatever the
+  // compiler.
+  const auto at = [&](const Vector3d& place) -> Vector3d {
+    return plate.corner + place.x() * plate.edge_u + place.y() * plate.edge_v +
+           place.z() * turn.linear().col(2);
   };
   const auto multiple = [&] { return std::floor(random.uniform(-4, 9)) / 4; };
   const auto anywhere = [&] {
-    return at(random.uniform(-1, 2), random.uniform(-1, 2), random.uniform(-1, 1));
+    return at({random.uniform(-1, 2), random.uniform(-1, 2), random.uniform(-1, 1)});
   };
   switch (contact) {
   case Contact::edge_on_edge:
     return {plate, {plate.corner, plate.corner + plate.edge_u, anywhere()}};
   case Contact::edge_beside_edge:
-    return {plate, {at(multiple(), 0, 0), at(multiple(), 0, 0), anywhere()}};
+    return {plate, {at({multiple(), 0, 0}), at({multiple(), 0, 0}), anywhere()}};
   case Contact::in_plane:
-    return {plate, {at(multiple(), 0, 0), at(multiple(), multiple(), 0), at(multiple(), multiple(), 0)}};
-  case Contact::in_border_plane:
     return {plate,
-            {at(1, multiple(), multiple()), at(1, multiple(), multiple()), at(1, multiple(), multiple())}};
+            {at({multiple(), 0, 0}), at({multiple(), multiple(), 0}), at({multiple(), multiple(), 0})}};
+  case Contact::in_border_plane:
+    return {
+        plate,
+        {at({1, multiple(), multiple()}), at({1, multiple(), multiple()}), at({1, multiple(), multiple()})}};
   case Contact::across_edge:
     return {plate,
-            {at(multiple(), 0, -random.uniform(0, 1)), at(multiple(), 0, random.uniform(0, 1)),
-             at(multiple(), 0, random.uniform(0, 1))}};
+            {at({multiple(), 0, -random.uniform(0, 1)}), at({multiple(), 0, random.uniform(0, 1)}),
+             at({multiple(), 0, random.uniform(0, 1)})}};
   }
   return {};
 }
@@ -77,7 +81,7 @@ void for_touching_triangles(const Check& check) {
   for (const Contact contact : contacts) {
     int infinite = 0, finite = 0;
     for (int i = 0; i < test::draws(3000); ++i) {
-      const Scene scene = touching(contact, random);
+      const Touching scene = touching(contact, random);
       if (twice_area(scene.triangle) < 1e-9)
         continue;
       const double integral = plate_integral(scene.triangle, scene.plate);
@@ -89,7 +93,7 @@ void for_touching_triangles(const Check& check) {
 }
 
 TEST(PlateIntegralAtATurnedPlate, IsTheSameWhicheverVertexComesFirst) {
-  for_touching_triangles([](const Scene& scene, double integral) {
+  for_touching_triangles([](const Touching& scene, double integral) {
     for (const Triangle& triangle : in_all_orders(scene.triangle)) {
       const double value = plate_integral(triangle, scene.plate);
       // What is left is the rounding of the area.
@@ -101,7 +105,7 @@ TEST(PlateIntegralAtATurnedPlate, IsTheSameWhicheverVertexComesFirst) {
 }
 
 TEST(PlateIntegralAtATurnedPlate, IsTheSameAloneAndInABatch) {
-  for_touching_triangles([](const Scene& scene, double integral) {
+  for_touching_triangles([](const Touching& scene, double integral) {
     for (const double value : plate_integrals(in_all_orders(scene.triangle), scene.plate)) {
       if (value != integral) {
         ASSERT_NEAR(value, integral, 1e-13 * integral);
@@ -111,7 +115,7 @@ TEST(PlateIntegralAtATurnedPlate, IsTheSameAloneAndInABatch) {
 }
 
 TEST(PlateIntegralAtATurnedPlate, IsInfiniteOnlyWithinRoundingOfContact) {
-  for_touching_triangles([](const Scene& scene, double integral) {
+  for_touching_triangles([](const Touching& scene, double integral) {
     if (std::isfinite(integral))
       return;
     const auto& [corner, u, v] = scene.plate;
@@ -121,7 +125,7 @@ TEST(PlateIntegralAtATurnedPlate, IsInfiniteOnlyWithinRoundingOfContact) {
 }
 
 TEST(PlateIntegralAtATurnedPlate, IsAtLeastThatOfTheTriangleMovedAwayByMoreThanRounding) {
-  for_touching_triangles([](const Scene& scene, double integral) {
+  for_touching_triangles([](const Touching& scene, double integral) {
     const auto& [corner, u, v] = scene.plate;
     double least = std::numeric_limits<double>::infinity();
     for (const Vector3d& along : {u.normalized(), v.normalized(), u.cross(v).normalized()})

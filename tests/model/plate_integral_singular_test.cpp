@@ -107,6 +107,15 @@ TEST(PlateIntegralInABorderPlane, IsContinuousAcrossThePlane) {
   }
 }
 
+TEST(PlateIntegralInABorderPlane, KeepsItsDigitsNextToThePlatesEdge) {
+  // d = z, so the second divided difference of z·ln z over the three heights, to 20
+  // digits 56.330799391238285179, times twice the area. To rounding two edges are as long as each other.
+  const double small = 0x1p-53;
+  for (const double x : {0.0, 3.0})
+    expect_close(plate_integral({Vector3d{x, 0.5, 0.625}, {x, 1, small}, {x, 1.5, 1.125 * small}}, plate),
+                 0.3125 * 56.330799391238285);
+}
+
 TEST(PlateIntegralOfASliver, IsTheIntegralAlongItWhateverItsWidth) {
   // A triangle of base w and unit length with vertex A and base at B: ∫dA/d = w·∫₀¹ s ds/d(A + s(B − A)). The
   // width cancels from the ratio to w, which therefore must not depend on it.

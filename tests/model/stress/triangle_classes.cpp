@@ -376,6 +376,22 @@ Triangle plane_through_edge(Random& random, const Size& size) {
   }));
 }
 
+/// In a plane through the plate's edge, beside which two vertices lie at distances down to 1e-18 of the
+/// plate: mostly in the border plane or in the plate's, where all points are seen on one line.
+Triangle edge_next_to_edge(Random& random, const Size& size) {
+  const View view(random, size);
+  const Size seen = view.size();
+  const std::array directions{Vector3d(0, 0, 1), Vector3d(-1, 0, 0), Vector3d(-0.6, 0, 0.8)};
+  const Vector3d& outwards = directions[static_cast<std::size_t>(random.uniform(0, 3))];
+  const double gap = seen.scale() * log_uniform(random, 1e-18, 1e-3);
+  const auto at = [&](double radius) -> Vector3d {
+    return Vector3d(0, on_grid(random.uniform(-0.5, 1.5) * seen.length.y()), 0) + radius * outwards;
+  };
+  return shaped([&] {
+    return Triangle{at(gap), at(random.uniform(0.5, 2) * gap), at(random.uniform(0.1, 1) * seen.scale())};
+  });
+}
+
 Triangle without_area(Random& random, const Size& size) {
   const Vector3d a = on_grid(around(random, size, -1, 1));
   if (chance(random, 0.1))
@@ -420,7 +436,7 @@ Triangle behind(Random& random, const Size& size) {
 }
 
 /// How a plate and its triangles are brought to the world.
-enum class Placement { free, exact, kilometre };
+enum class Placement { free, exact, at_origin, kilometre };
 
 struct Kind {
   TriangleClass described;
@@ -458,6 +474,7 @@ const std::vector<Kind>& kinds() {
       {{"in-border-plane", well_behaved}, Placement::free, in_border_plane},
       {{"plane-through-corner", well_behaved}, Placement::free, plane_through_corner},
       {{"plane-through-edge", well_behaved}, Placement::free, plane_through_edge},
+      {{"edge-next-to-edge", hard}, Placement::at_origin, edge_next_to_edge},
       {{"no-area", hard}, Placement::exact, without_area},
       {{"crossing", hard}, Placement::free, crossing},
       {{"on-the-plate", hard}, Placement::exact, on_the_plate},
@@ -482,9 +499,10 @@ Eigen::Matrix3d quarter_turns(Random& random) {
 
 Eigen::Isometry3d placement(Random& random, Placement kind, double scale) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  if (kind == Placement::exact) {
+  if (kind == Placement::exact || kind == Placement::at_origin) {
     pose.linear() = quarter_turns(random);
-    pose.translation() = on_grid(random.in_box({-4, -4, -4}, {4, 4, 4}));
+    if (kind == Placement::exact)
+      pose.translation() = on_grid(random.in_box({-4, -4, -4}, {4, 4, 4}));
     return pose;
   }
   pose.linear() = random.rigid_motion().linear();
@@ -497,7 +515,9 @@ Eigen::Isometry3d placement(Random& random, Placement kind, double scale) {
 /// Sides from 5 cm to 2 m.
 Size plate_size(Random& random, Placement kind) {
   const Vector2d length(log_uniform(random, 0.05, 2), log_uniform(random, 0.05, 2));
-  return kind == Placement::exact ? Size{{on_grid(length.x()), on_grid(length.y())}} : Size{length};
+  return kind == Placement::exact || kind == Placement::at_origin
+             ? Size{{on_grid(length.x()), on_grid(length.y())}}
+             : Size{length};
 }
 
 Group make_group(Random& random, const Kind& kind, std::size_t count, bool moved) {
