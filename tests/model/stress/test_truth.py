@@ -27,6 +27,8 @@ PER_CLASS = 2
 Extended = np.longdouble
 Array = npt.NDArray[np.longdouble]
 
+# Not edge-next-to-edge: where a line passes 1e-18 from the plate it would take panels as short; a closed form stands in for
+# it (plate_integral_singular_test.cpp).
 FINITE = [
     "random",
     "region-1",
