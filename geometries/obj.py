@@ -47,12 +47,16 @@ def _statements(content: bytes) -> Iterator[tuple[int, list[bytes]]]:
         words += line.removesuffix(b"\\").split()
         if line.endswith(b"\\"):
             continue
-        comment = next((at for at, word in enumerate(words) if word.startswith(b"#")), None)
-        if words[:comment]:
-            yield first, words[:comment]
+        if stated := _stated(words):
+            yield first, stated
         first, words = 0, []
-    if words:
-        yield first, words
+    if stated := _stated(words):
+        yield first, stated
+
+
+def _stated(words: list[bytes]) -> list[bytes]:
+    """The words before a comment."""
+    return words[: next((at for at, word in enumerate(words) if word.startswith(b"#")), None)]
 
 
 def _index(corner: bytes, before: int, line: int) -> int:

@@ -106,6 +106,10 @@ def _only(elements: list[_Element], name: bytes, scalars: tuple[bytes, ...]) -> 
             raise Damaged(f"has vertices without {wanted.decode()}")
     if not scalars and sum(known.name in _LISTS and known.length != "" for known in properties) != 1:
         raise Damaged("has faces without a list of vertices")
+    if not scalars and any(
+        known.name in _LISTS and known.type.startswith("f") for known in properties if known.length
+    ):
+        raise Damaged("has vertices named by fractions")
     return found[0]
 
 
@@ -162,10 +166,7 @@ class _Bytes:
         return self.numbers(kind, 1)[0]
 
     def numbers(self, kind: str, count: int) -> list[int]:
-        values = self._take(np.dtype(self._order + kind), count)
-        if kind.startswith("f"):
-            raise Damaged("has vertices named by fractions")
-        return [int(value) for value in values]
+        return [int(value) for value in self._take(np.dtype(self._order + kind), count)]
 
     def skip(self, kind: str, count: int) -> None:
         self._take(np.dtype(self._order + kind), count)
@@ -175,9 +176,19 @@ _Source = _Words | _Bytes
 
 
 def _points(element: _Element, source: _Source) -> Array:
-    if any(known.length for known in element.properties):
-        raise Damaged("has vertices with lists")
-    return np.stack(source.columns(element, (b"x", b"y", b"z")), axis=1)
+    axes = (b"x", b"y", b"z")
+    if not any(known.length for known in element.properties):
+        return np.stack(source.columns(element, axes), axis=1)
+    points = []
+    for _ in range(element.count):
+        point = [0.0, 0.0, 0.0]
+        for known in element.properties:
+            if known.name in axes and not known.length:
+                point[axes.index(known.name)] = source.columns(_Element(b"", 1, [known]), (known.name,))[0][0]
+            else:
+                source.skip(known.type, _length(known, source) if known.length else 1)
+        points.append(point)
+    return np.array(points)
 
 
 def _fans(element: _Element, source: _Source) -> list[tuple[int, int, int]]:

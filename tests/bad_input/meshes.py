@@ -55,6 +55,33 @@ def binary_ply(order: str = "<") -> bytes:
     return head.encode() + points + b"".join(struct.pack(f"{order}B3i", 3, *face) for face in FACES)
 
 
+def rich_ply(order: str = "<") -> bytes:
+    """Whole numbers as coordinates, fractions of both lengths, and lists and elements that are no part of a surface."""
+    name = "little" if order == "<" else "big"
+    head = (
+        f"ply\nformat binary_{name}_endian 1.0\nelement nothing 1000000000000\n"
+        "element camera 2\nproperty double zoom\nproperty list short float matrix\n"
+        "element vertex 4\nproperty list uchar short neighbours\nproperty short x\nproperty float y\nproperty double z\n"
+        "element face 4\nproperty uint16 colour\nproperty list uint uchar vertex_index\nproperty list char int8 flags\n"
+        "element edge 1\nproperty int first\nend_header\n"
+    )
+    cameras = struct.pack(f"{order}dhff", 1, 2, 3, 4) + struct.pack(f"{order}dh", 1, 0)
+    rows = [struct.pack(f"{order}Bhhhfd", 2, -1, 9, round(-8 * x), y, z) for x, y, z in POINTS]
+    faces = [struct.pack(f"{order}HI3Bbb", 9, 3, *face[::-1], 1, -1) for face in FACES]
+    return head.encode() + cameras + b"".join(rows + faces) + struct.pack(f"{order}i", -1)
+
+
+def rich_text_ply() -> str:
+    """The same in text."""
+    head = (
+        rich_ply().split(b"end_header\n")[0].decode().replace("binary_little_endian", "ascii")
+        + "end_header\n"
+    )
+    rows = [f"2 -1 9 {round(-8 * x)} {y!r} {z!r}\n" for x, y, z in POINTS]
+    faces = [f"9 3 {' '.join(map(str, face[::-1]))} 1 -1\n" for face in FACES]
+    return head + "1 2 3.5 4\n1 0\n" + "".join(rows + faces) + "-1\n"
+
+
 def cases() -> list[Case]:
     return [*_whole(), *_stl(), *_obj(), *_ply(), *_surfaces(), _ten_million()]
 
@@ -77,6 +104,9 @@ def _whole() -> list[Case]:
         from_mesh("obj with colours", "".join(
             f"{line} 1 0 0\n" if line.startswith("v ") else f"{line}\n" for line in obj().splitlines()), None),
         from_mesh("obj with a line that goes on", obj().replace("f 1 3 2", "f 1 3 \\\n2"), None),
+        from_mesh("obj whose last line would go on", obj().removesuffix("\n") + " \\", None),
+        from_mesh("obj whose last comment would go on", obj().removesuffix("\n") + " # the end \\", None),
+        from_mesh("stl of two solids", ascii_stl(faces=FACES[:2]) + ascii_stl(faces=FACES[2:]), None),
         from_mesh("ply of text", ply(), None),
         from_mesh("ply of bytes", binary_ply(), None),
         from_mesh("ply of bytes, the big end first", binary_ply(">"), None),
@@ -85,6 +115,9 @@ def _whole() -> list[Case]:
         from_mesh("ply with colours", ply().replace("float z\n", "float z\nproperty uchar red\n").replace(
             "\n".join(_rows(POINTS)), "\n".join(f"{row} 255" for row in _rows(POINTS))), None),
         from_mesh("ply of line ends of two characters", ply().replace("\n", "\r\n"), None),
+        from_mesh("ply of text with more than a surface", rich_text_ply(), None),
+        from_mesh("ply of bytes with more than a surface", rich_ply(), None),
+        from_mesh("ply of bytes with more than a surface, the big end first", rich_ply(">"), None),
     ]  # fmt: skip
 
 
@@ -118,6 +151,10 @@ def _stl() -> list[Case]:
         # 84 + 50 n is the file's size again, modulo 2^32.
         _damaged("stl whose count goes round", binary_stl(count=4 + 2**31)),
         _damaged("stl that begins as text and counts wrong", binary_stl(header=b"solid body", count=5)),
+        _damaged("stl with a word before its solid", "once\n" + text),
+        _damaged("stl with a word after its solid", text + "the end\n"),
+        _damaged("stl with a solid in a solid", text.replace("facet", "solid other\nfacet", 1)),
+        _damaged("stl with a wrong word in a facet", text.replace("outer loop", "outer ring", 1)),
         _damaged("stl with a facet of two corners", text.replace("vertex 0 0.125 0\n", "", 1)),
         _damaged("stl with a facet of four corners", text.replace("endloop", "vertex 1 1 1\nendloop", 1)),
         _damaged("stl with two coordinates", text.replace("vertex 0 0.125 0", "vertex 0 0.125", 1)),
@@ -202,6 +239,29 @@ def _ply() -> list[Case]:
         _damaged("ply with a face of two", text.replace("3 0 2 1", "2 0 2")),
         _damaged("ply with a face of minus one", text.replace("3 0 2 1", "-1")),
         _damaged("ply with a face of a million", text.replace("3 0 2 1", "1000000 0 2 1")),
+        _damaged("ply with a list of a length that is a fraction", text.replace("list uchar", "list float")),
+        _damaged("ply with vertices named by fractions", text.replace("uchar int", "uchar float")),
+        _damaged(
+            "ply of bytes with vertices named by fractions", whole.replace(b"uchar int", b"uchar float")
+        ),
+        _damaged(
+            "ply with two elements of vertices",
+            text.replace("element face", "element vertex 0\nelement face"),
+        ),
+        _damaged(
+            "ply of bytes with nan", whole.replace(struct.pack("<f", 0.125), struct.pack("<f", float("nan")))
+        ),
+        _damaged("ply that ends in what is left out", rich_text_ply()[:-3]),
+        _damaged("ply of bytes that ends in what is left out", rich_ply()[:-1]),
+        _damaged(
+            "ply of bytes that counts a million million",
+            rich_ply().replace(b"vertex 4", b"vertex 1000000000000"),
+        ),
+        _damaged("ply with a list of minus one value", rich_text_ply().replace("\n1 0\n", "\n1 -1\n")),
+        _damaged(
+            "ply of bytes with a list of minus one value",
+            rich_ply().replace(struct.pack("<dh", 1, 0), struct.pack("<dh", 1, -1)),
+        ),
         _damaged("ply that is prose", "ply\n" + "this is a letter\n" * 20),
     ]
 

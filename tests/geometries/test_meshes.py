@@ -98,6 +98,22 @@ def test_convert_writes_the_surface_of_another_format(
 
 
 @pytest.mark.parametrize(
+    ("points", "cells", "reason"),
+    [
+        (TRIANGLES.reshape(-1, 3), ("line", [[0, 1]]), "holds no triangles"),
+        (TRIANGLES.reshape(-1, 3), ("triangle", [[0, 1, 9]]), "names a vertex that it does not hold"),
+        (np.full((3, 3), np.inf), ("triangle", [[0, 1, 2]]), "not finite"),
+    ],
+)
+def test_another_format_without_a_surface_is_refused(
+    tmp_path: Path, points: np.ndarray, cells: tuple[str, list[list[int]]], reason: str
+) -> None:
+    meshio.write(tmp_path / "body.vtu", meshio.Mesh(points, [cells]))
+    with pytest.raises(InputError, match=reason):
+        meshes.read_triangles(tmp_path / "body.vtu")
+
+
+@pytest.mark.parametrize(
     ("source", "target"), [("missing.vtk", "a.stl"), ("bad.vtk", "a.stl"), ("good.obj", "a.xyz")]
 )
 def test_convert_refuses_with_code_2_and_leaves_nothing_behind(
