@@ -116,10 +116,12 @@ class SceneEvaluator::Implementation {
       placed(sensor, Eigen::Isometry3d::Identity());
       charged_sensors_.push_back(detail::make_charged_surface(detail::plate_triangles(sensor.plates)));
     }
-    for (const PlacedObject& object : objects_) {
-      if (!(object.surface.area > 0))
-        throw InputError("an object without area has no charge to correct");
-      charged_objects_.push_back(detail::make_charged_surface(object.surface.triangles));
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      const Surface& surface = objects_[i].surface;
+      if (!(surface.area > 0))
+        throw InputError(
+            fmt::format("object \"{}\" has no area, and so no charge to correct", scene.objects[i].name));
+      charged_objects_.push_back(detail::make_charged_surface(surface.triangles));
     }
     if (options.correction == Correction::recommended)
       recommended_.emplace(scene);

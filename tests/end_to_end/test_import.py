@@ -189,6 +189,15 @@ WRONG_ROBOTS = {
         ) + "</robot>",
         "robot: has more than 10000 links",
     ),
+    "moved beyond all numbers": (
+        ROBOT.replace('mimic joint="shoulder" multiplier="2"', 'mimic joint="elbow" multiplier="1e308"').replace(
+            "</robot>",
+            '<link name="nail"/><joint name="elbow" type="revolute"><limit effort="1" velocity="1"/><parent link="finger"/>'
+            '<child link="nail"/><mimic joint="shoulder" offset="1e308"/></joint></robot>',
+        ),
+        'joint "wrist": its place must be finite',
+    ),
+    "farther than a scene reaches": (ROBOT.replace("0.5 0 0", "1e40 0 0"), 'arm.urdf makes no scene: link "hand": translation'),
     "mimics itself": (ROBOT.replace('mimic joint="shoulder"', 'mimic joint="wrist"'), "mimics itself"),
 }  # fmt: skip
 
@@ -239,7 +248,7 @@ def assert_refused(source: Path, told: str) -> None:
     done = fringe_import(source, source.with_name("wrong.toml"))
     assert (done.returncode, done.stdout) == (2, "")
     assert told in done.stderr and source.name in done.stderr
-    assert len(done.stderr.splitlines()) == 1
+    assert len(done.stderr.splitlines()) == 1 and "unfinished" not in done.stderr
     assert set(source.parent.rglob("*")) == before
 
 
@@ -437,6 +446,13 @@ WRONG_MODELS = {
     ),
     "positions of bytes": (model(MESH, accessors=_accessor(0, componentType=5121)), "vectors of three floats"),
     "no buffer view": (model(MESH, accessors=_accessor(0, bufferView=4)), "accessor 0: has no buffer view"),
+    "positions before the first accessor": (
+        model(MESH, meshes=_primitive(attributes={"POSITION": -2})), "accessor -2: does not exist",
+    ),
+    "vertices beyond single precision": (
+        model([{"mesh": 0, "scale": [1e300, 1, 1]}]),
+        'model.gltf makes no scene: object "node 0": shape.file: the mesh file node_0.stl cannot be read: vertex',
+    ),
     "two vertices left": (model(MESH, accessors=_accessor(1, count=5)), "mesh 0: the number of its vertices"),
 }  # fmt: skip
 
@@ -453,6 +469,10 @@ def test_files_that_are_damaged_or_missing_are_refused(tmp_path: Path, name: str
     assert_refused(tmp_path / name, "exist")
     (tmp_path / name).write_bytes(b"\x00\xff{")
     assert_refused(tmp_path / name, name)
+
+
+def test_a_file_of_another_kind_is_refused(robot: Path) -> None:
+    assert_refused(robot.rename(robot.with_suffix(".xml")), "must end in .urdf, .gltf or .glb")
 
 
 def test_options_that_would_change_nothing_are_refused(tmp_path: Path, robot: Path) -> None:

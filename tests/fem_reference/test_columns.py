@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fem_reference import maxwell
+from fem_reference.output import table
 from fem_reference.reference import Reference
 from geometries.errors import InputError
 from geometries.reader import loads
@@ -53,6 +54,12 @@ def test_the_change_of_a_sensor_is_the_same_beside_a_sensor_nobody_asked_for() -
     whole, part = solved(), solved("grounded", "right")
     assert part.delta_self.value.shape == (1,)
     np.testing.assert_allclose(part.delta_self.value[0], whole.delta_self.value[1], rtol=1e-6)
+
+
+def test_the_table_names_what_has_no_row_and_why() -> None:
+    lines = table(solved("grounded", "right")).splitlines()
+    assert "grounded, their columns not asked for: left" in lines
+    assert "floating, without charge and so without a row: floating" in lines
 
 
 def test_an_object_alone_has_no_change_of_a_sensor() -> None:

@@ -13,6 +13,7 @@ from fem_reference import maxwell
 from fem_reference.bodies import Body, Cuboid, Rectangle
 from fem_reference.enclosure import Enclosure
 from fem_reference.level import solve_level
+from fem_reference.output import table
 from fem_reference.round_bodies import Sphere
 from fem_reference.scene_bodies import normalised
 from fem_reference.size_rules import Sizing
@@ -105,3 +106,4 @@ def test_a_scene_in_a_room_needs_no_open_boundary() -> None:
     assert np.all(found.lower <= found.maxwell.value) and np.all(found.maxwell.value <= found.upper)
     free = 4 * np.pi * epsilon_0 * 0.366788 * 0.1
     assert found.lower[0, 0] > free
+    assert "ground: the walls of the room" in table(found).splitlines()

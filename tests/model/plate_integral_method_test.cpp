@@ -91,11 +91,13 @@ TEST(EveryMethod, RefusesParametersOutOfRange) {
 TEST(EveryMethod, RefusesAVertexThatIsNotFiniteAndNamesIt) {
   std::vector<Triangle> surface{triangles[0].triangle, triangles[1].triangle};
   surface[1][2].y() = std::numeric_limits<double>::quiet_NaN();
-  try {
-    plate_integrals(surface, plate);
-    FAIL() << "accepted";
-  } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "triangle 1: vertex 2 is not finite");
+  for (const Method& method : {Method{Exact{}}, Method{Split{2}}, Method{Gauss{3}}}) {
+    try {
+      plate_integrals(surface, plate, method);
+      FAIL() << "accepted";
+    } catch (const InputError& error) {
+      EXPECT_STREQ(error.what(), "triangle 1: vertex 2 is not finite");
+    }
   }
   EXPECT_THROW(plate_integral(surface[1], plate), InputError);
 }

@@ -30,6 +30,8 @@ TEST(Rectangle, MustBeFinite) {
   EXPECT_THROW(validate(Rectangle{{nan, 0, 0}, {1, 0, 0}, {0, 1, 0}}), InputError);
   EXPECT_THROW(validate(Rectangle{{0, 0, 0}, {infinity, 0, 0}, {0, 1, 0}}), InputError);
   EXPECT_THROW(validate(Rectangle{{0, 0, 0}, {1, 0, 0}, {0, 1, nan}}), InputError);
+  const double largest = std::numeric_limits<double>::max();
+  EXPECT_THROW(validate(Rectangle{{0, 0, 0}, {largest, largest, 0}, {0, 0, 1}}), InputError) << "its length";
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "fringe/scene_evaluator.hpp"
 
+#include <limits>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -144,6 +145,30 @@ TEST(SceneEvaluator, RefusesUnknownLinks) {
         evaluator.set_pose("leg", shifted({0, 0, 0}));
       },
       ThrowsMessage<InputError>(HasSubstr("\"leg\"")));
+}
+
+TEST(SceneEvaluator, RefusesSensorsThatReachTooFarByName) {
+  Scene scene;
+  scene.sensors = {plate_sensor("front", {0, 0, 0})};
+  const double largest = std::numeric_limits<double>::max();
+  scene.sensors[0].plates.push_back({{largest, 0, 0}, {largest, 0, 0}, {0, 1, 0}});
+  EXPECT_THAT(
+      [&] { capacitance(scene); },
+      ThrowsMessage<InputError>(HasSubstr("sensor \"front\": plates[1]: the rectangle reaches too far")));
+}
+
+TEST(SceneEvaluator, RefusesToCorrectWhatHasNoArea) {
+  Scene scene;
+  scene.sensors = {plate_sensor("front", {0, 0, 0})};
+  scene.objects = {sphere_at("ball", 0.1, {0, 0, 1})};
+  Mesh line;
+  line.triangles = {{Vector3d{0, 0, 1}, {1, 0, 1}, {2, 0, 1}}};
+  scene.objects.push_back({"line", std::nullopt, line, shifted({0, 0, 0}), Grounded{}, true});
+  CapacitanceOptions options;
+  EXPECT_EQ(capacitance(scene, options).sensors[0].objects[1].capacitance, 0);
+  options.correction = Correction::formula;
+  EXPECT_THAT([&] { capacitance(scene, options); },
+              ThrowsMessage<InputError>(HasSubstr("object \"line\" has no area")));
 }
 
 }  // namespace

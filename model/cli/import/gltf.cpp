@@ -57,8 +57,6 @@ NodePose pose_of(const tinygltf::Node& node) {
     const Eigen::Map<const Eigen::Matrix4d> matrix(node.matrix.data());
     Eigen::Affine3d affine = Eigen::Affine3d::Identity();
     affine.matrix().topRows<3>() = matrix.topRows<3>();
-    if (!affine.matrix().allFinite())
-      throw InputError("its matrix must be finite");
     affine.computeRotationScaling(&pose.rotation, &pose.rest);
     pose.translation = affine.translation();
     return pose;
@@ -73,8 +71,6 @@ NodePose pose_of(const tinygltf::Node& node) {
       throw InputError("its rotation must not be zero");
     pose.rotation = pose_from_quaternion(turn, Eigen::Vector3d::Zero()).linear();
   }
-  if (!pose.translation.allFinite() || !pose.rest.allFinite())
-    throw InputError("its place must be finite");
   return pose;
 }
 

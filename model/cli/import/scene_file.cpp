@@ -190,6 +190,18 @@ std::string scene_text(const Scene& scene, const std::string& source, const fs::
   return text;
 }
 
+/// A message without the paths of unfinished files, which are gone when it is read.
+std::string without_paths(std::string message, const fs::path& scene_file, const fs::path& mesh_folder) {
+  if (message.starts_with(scene_file.string())) {
+    const std::size_t place_ends = message.find(": ");
+    message.erase(0, place_ends == std::string::npos ? 0 : place_ends + 2);
+  }
+  const std::string folder = (mesh_folder / "").string();
+  if (const std::size_t at = message.find(folder); at != std::string::npos)
+    message.erase(at, folder.size());
+  return message;
+}
+
 }  // namespace
 
 void write_scene_file(const Scene& scene, const fs::path& target, const std::string& source) {
@@ -204,7 +216,8 @@ void write_scene_file(const Scene& scene, const fs::path& target, const std::str
   try {
     load_scene(scene_file.path());
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{} makes no scene: {}", source, error.what()));
+    throw InputError(fmt::format("{} makes no scene: {}", source,
+                                 without_paths(error.what(), scene_file.path(), mesh_folder.path())));
   }
   // What was there before stays until all of this is known to be a scene.
   write_bytes(scene_file.path(), scene_text(scene, source, meshes, names));

@@ -156,10 +156,7 @@ class Reader {
     const std::string what = fmt::format("link \"{}\"", link);
     if (!geometry)
       fail(what, "its geometry is none that is known");
-    const Eigen::Isometry3d pose = pose_of(origin);
-    if (!pose.matrix().allFinite())
-      fail(what, "the origin of its geometry must be finite");
-    scene_.objects.push_back({names_.take(link), index, shape_of(*geometry, what), pose});
+    scene_.objects.push_back({names_.take(link), index, shape_of(*geometry, what), pose_of(origin)});
   }
 
   Shape shape_of(const urdf::Geometry& geometry, const std::string& what) const {

@@ -44,6 +44,14 @@ TEST(ReducedRefusals, ConductorsThatTouchOrCrossByName) {
               named);
 }
 
+TEST(ReducedRefusals, ScenesWithoutAnyConductorThatHasARow) {
+  EXPECT_THAT(refusal([](Scene& scene) {
+                scene.sensors.clear();
+                scene.objects[0].role = Floating{};
+              }),
+              HasSubstr("neither a sensor nor a grounded object"));
+}
+
 TEST(ReducedRefusals, PosesThatAreNotFinite) {
   EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].pose = at(NAN, 0, 0); }),
               HasSubstr("object \"target\": its pose is not finite"));
