@@ -18,7 +18,7 @@ _TYPES = {
 }  # fmt: skip
 _ORDERS = {b"ascii": "", b"binary_little_endian": "<", b"binary_big_endian": ">"}
 _LISTS = (b"vertex_indices", b"vertex_index")
-_END = re.compile(rb"^end_header[ \t]*\r?\n", re.MULTILINE)
+_LINE = re.compile(rb"[^\n]*\n|[^\n]+\Z")
 
 
 @dataclass(frozen=True)
@@ -61,27 +61,30 @@ def triangles(content: bytes) -> Array:
 
 def _header(content: bytes) -> tuple[str, list[_Element], bytes]:
     """The order of bytes, empty for text, the elements, and what follows."""
-    end = _END.search(content)
-    if not content.startswith((b"ply\n", b"ply\r\n")) or end is None:
+    if content.partition(b"\n")[0] not in (b"ply", b"ply\r"):
         raise Damaged("does not begin with the header of a PLY file")
     order, elements = None, []
-    for line in content[: end.start()].split(b"\n")[1:]:
-        words = line.split()
+    for line in _LINE.finditer(content, content.find(b"\n") + 1):
+        words = line[0].split()
+        if words == [b"end_header"]:
+            break
         if not words or words[0] in (b"comment", b"obj_info"):
             continue
-        if words[0] == b"format" and len(words) == 3 and words[1] in _ORDERS and order is None:
+        if words[0] == b"format" and words[2:] == [b"1.0"] and words[1] in _ORDERS and order is None:
             order = _ORDERS[words[1]]
         elif words[0] == b"element" and len(words) == 3:
             elements.append(_Element(words[1], whole(words[2])))
         elif words[0] == b"property" and elements:
             elements[-1].properties.append(_property(words))
         else:
-            raise Damaged(f"has a header with an unknown line: {shown(line)}")
+            raise Damaged(f"has a header with an unknown line: {shown(line[0])}")
+    else:
+        raise Damaged("has a header without an end")
     if order is None:
         raise Damaged("has a header without a format")
     if any(element.count < 0 for element in elements):
         raise Damaged("counts fewer than nothing")
-    return order, elements, content[end.end() :]
+    return order, elements, content[line.end() :]
 
 
 def _property(words: list[bytes]) -> _Property:
@@ -160,7 +163,8 @@ class _Bytes:
         places = {known.name: f"{at}" for at, known in enumerate(element.properties)}
         kind = np.dtype([(f"{at}", self._order + known.type) for at, known in enumerate(element.properties)])
         values = self._take(kind, element.count)
-        return [values[places[name]].astype(np.float64) for name in names]
+        with np.errstate(invalid="ignore"):  # what is not finite is refused with its mesh
+            return [values[places[name]].astype(np.float64) for name in names]
 
     def number(self, kind: str) -> int:
         return self.numbers(kind, 1)[0]

@@ -25,7 +25,8 @@ def triangles(content: bytes) -> Array:
         count = int.from_bytes(content[_HEADER - 4 : _HEADER], "little")
         if len(content) == _HEADER + count * _FACET.itemsize:
             facets = np.frombuffer(content, _FACET, count, _HEADER)
-            return np.asarray(facets["corners"], dtype=np.float64)
+            with np.errstate(invalid="ignore"):  # what is not finite is refused with its mesh
+                return np.asarray(facets["corners"], dtype=np.float64)
     if not content.lstrip().startswith(b"solid"):
         raise Damaged("is neither text that begins with 'solid' nor as long as its count of triangles says")
     return _of_text(content)
@@ -39,14 +40,23 @@ def _of_text(content: bytes) -> Array:
         in_line = line.split()
         if not in_line:
             continue
-        if in_line[0] in (b"solid", b"endsolid"):
-            if inside is (in_line[0] == b"solid") or len(words) % len(_WORDS):
-                raise Damaged(f"has {shown(in_line[0])} out of place in line {number}")
-            inside = not inside
-        elif not inside:
-            raise Damaged(f"has {shown(in_line[0])} outside of any solid in line {number}")
-        else:
-            words += in_line
+        if not inside:
+            if in_line[0] != b"solid":
+                raise Damaged(f"has {shown(in_line[0])} outside of any solid in line {number}")
+            inside = True
+            continue
+        # Between two facets; what follows is the solid's name, as it is behind 'solid'.
+        begun = len(words)
+        end = next(
+            (
+                at
+                for at, word in enumerate(in_line)
+                if word == b"endsolid" and (begun + at) % len(_WORDS) == 0
+            ),
+            None,
+        )
+        words += in_line[:end]
+        inside = end is None
     if inside:
         raise Damaged("ends before its 'endsolid'")
     for place, expected in enumerate(_WORDS):

@@ -85,7 +85,9 @@ Property read_property(std::string_view words) {
 }
 
 Format read_format(std::string_view words) {
-  const std::string_view name = take_word(words);
+  const std::string_view name = take_word(words), version = take_word(words);
+  if (version != "1.0" || !take_word(words).empty())
+    fail_header("a format needs a name and the version 1.0");
   if (name == "ascii")
     return Format::ascii;
   if (name == "binary_little_endian")
@@ -111,7 +113,7 @@ Header read_header(std::string_view& content) {
   while (!content.empty()) {
     std::string_view line = take_line(content);
     const std::string_view all = line, keyword = take_word(line);
-    if (keyword == "end_header") {
+    if (keyword == "end_header" && take_word(line).empty()) {
       if (!header.format)
         fail_header("there is no format");
       return header;

@@ -155,6 +155,13 @@ def _stl() -> list[Case]:
         _damaged("stl with a word after its solid", text + "the end\n"),
         _damaged("stl with a solid in a solid", text.replace("facet", "solid other\nfacet", 1)),
         _damaged("stl with a wrong word in a facet", text.replace("outer loop", "outer ring", 1)),
+        from_mesh(
+            "stl that ends in the line of its last facet", text.replace("\nendsolid", " endsolid"), None
+        ),
+        from_mesh(
+            "stl with a normal of any words", text.replace("normal 0 0 0", "normal up endsolid 0"), None
+        ),
+        _damaged("stl that ends in a facet", text.replace("endloop", "endsolid", 1)),
         _damaged("stl with a facet of two corners", text.replace("vertex 0 0.125 0\n", "", 1)),
         _damaged("stl with a facet of four corners", text.replace("endloop", "vertex 1 1 1\nendloop", 1)),
         _damaged("stl with two coordinates", text.replace("vertex 0 0.125 0", "vertex 0 0.125", 1)),

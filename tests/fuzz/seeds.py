@@ -13,14 +13,14 @@ from tests.bad_input import keys, meshes, texts
 ROOT = Path(__file__).resolve().parents[2]
 _LARGEST = 8000
 _OF_NUMBERS = ("plate_integral", "gjk_intersects", "cone_closest")
-_READERS = (".stl", ".obj", ".ply")
+READERS = (".stl", ".obj", ".ply")
 
 
 def main(target: Path) -> None:
     chance = random.Random(1)
     for name, contents in {
-        "scene_reader": _scenes(),
-        "mesh_reader": _meshes(),
+        "scene_reader": scenes(),
+        "mesh_reader": mesh_files(),
         # Any bytes are an input; the first says how the others become numbers.
         **{name: [bytes([kind]) + chance.randbytes(160) for kind in range(24)] for name in _OF_NUMBERS},
     }.items():
@@ -29,7 +29,7 @@ def main(target: Path) -> None:
             (target / name / f"{number:03}").write_bytes(content)
 
 
-def _scenes() -> list[bytes]:
+def scenes() -> list[bytes]:
     shipped = [path.read_bytes() for path in sorted((ROOT / "geometries" / "scenes").glob("*.toml"))]
     smoke = [case.text.encode() for case in study.load(study.find("smoke")).cases()]
     return (
@@ -37,7 +37,7 @@ def _scenes() -> list[bytes]:
     )
 
 
-def _meshes() -> list[bytes]:
+def mesh_files() -> list[bytes]:
     """With the byte before each that chooses its reader."""
     return [content for content in _made(meshes) if len(content) < _LARGEST]
 
@@ -49,8 +49,8 @@ def _made(part: object) -> list[bytes]:
             continue
         with tempfile.TemporaryDirectory() as folder:
             scene = case.make(Path(folder))
-            found = [path for path in Path(folder).iterdir() if path.suffix in _READERS]
-            contents += [bytes([_READERS.index(path.suffix)]) + path.read_bytes() for path in found]
+            found = [path for path in Path(folder).iterdir() if path.suffix in READERS]
+            contents += [bytes([READERS.index(path.suffix)]) + path.read_bytes() for path in found]
             if not found and scene.is_file():
                 contents.append(scene.read_bytes())
     return contents

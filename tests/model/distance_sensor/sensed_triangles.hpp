@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,11 @@ struct SensedClass {
   std::string name;
   std::function<SensedTriangle(Random&)> make;
 };
+
+/// Its name in messages, in the place of its bytes, some of which have no value.
+inline void PrintTo(const SensedClass& sensed, std::ostream* out) {
+  *out << sensed.name;
+}
 
 /// All of them with a range that reaches every triangle.
 std::vector<SensedClass> sensed_classes();

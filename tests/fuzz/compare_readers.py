@@ -1,0 +1,144 @@
+"""`python3 -m tests.fuzz.compare_readers SECONDS [SEED]`: spoils scenes and meshes at random, until the time is up, and gives each to
+both readers. They must refuse the same, in their own way, and make the same triangles of the rest.
+
+What they disagree about is printed, and kept in build/disagreements. Seeds are the scenes and meshes of the fuzzers.
+"""
+
+from __future__ import annotations
+
+import random
+import re
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from analysis.model_stage import model_module
+from geometries import reader
+from geometries.errors import InputError
+from tests.bad_input.case import SENSOR, mesh_body
+from tests.fuzz import seeds
+
+KEPT = Path(__file__).resolve().parents[2] / "build" / "disagreements"
+WORDS = [
+    b"0", b"-1", b"+1", b"00", b"--1", b".5", b"1.", b"1e5", b"1e+5", b"1e999", b"1e-400", b"1d5", b"0x1", b"1_0", b"0.125f", b"nan",
+    b"inf", b"Infinity", b"4294967296", b"18446744073709551616", b"true", b'"', b"'", b'""', b'"body"', b"=", b",", b".", b"#", b"[",
+    b"]", b"[[", b"]]", b"{", b"}", b" ", b"\t", b"\n", b"\r", b"\r\n", b"\\", b"\\\n", b"\0", b"\x0b", b"\x0c", b"\x1c", b"\x85", b"\xa0",
+    b"\xff", b"\xc3\xa9", b"\xe2\x80\xa8", b"/", b"//", b"solid", b"endsolid", b"vertex", b"comment x\n", b"element face 1\n",
+    b"property list uchar int vertex_index\n", b"v 1 2 3\n", b"v 1 2\n", b"v 1 2 3 4\n", b"f 1 2 3\n", b"f 1 2\n", b"p 1\n", b"l 1 2\n",
+    b"name", b"link", b"size", b"radius", b"translation", b"rotation", b"shape", b"type", b"2020-01-01",
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Seed:
+    """A file to be spoiled: a scene, or a mesh that a scene names."""
+
+    suffix: str
+    content: bytes
+
+
+def sound_seeds(folder: Path) -> list[Seed]:
+    """Those of the fuzzers' that are read: little is learned from what is wrong already."""
+    meshes = [Seed(seeds.READERS[content[0]], content[1:]) for content in seeds.mesh_files()]
+    found = meshes + [Seed(".toml", content) for content in seeds.scenes()]
+    return [seed for seed in found if _is_read(seed, folder)]
+
+
+def _is_read(seed: Seed, folder: Path) -> bool:
+    try:
+        return bool(reader.load(_written(seed.suffix, seed.content, folder)).conductors())
+    except InputError:
+        return False
+
+
+def _written(suffix: str, content: bytes, folder: Path) -> Path:
+    scene = folder / "scene.toml"
+    if suffix == ".toml":
+        scene.write_bytes(content)
+    else:
+        (folder / f"mesh{suffix}").write_bytes(content)
+        scene.write_text(SENSOR + mesh_body(f"mesh{suffix}"))
+    return scene
+
+
+def spoiled(content: bytes, chance: random.Random) -> bytes:
+    data = bytearray(content)
+    for _ in range(chance.choice((1, 1, 1, 2, 3, 5))):
+        at = chance.randrange(len(data) + 1)
+        match chance.randrange(6):
+            case 0:
+                del data[at : at + chance.randrange(1, 4)]
+            case 1:
+                data[at:at] = chance.choice(WORDS)
+            case 2:
+                data[at : at + 1] = bytes([chance.randrange(256)])
+            case 3:
+                start = chance.randrange(len(data) + 1)
+                data[at:at] = data[start : start + chance.randrange(60)]
+            case 4:
+                words = list(re.finditer(rb"[^\s=,\[\]{}]+", bytes(data)))
+                if words:
+                    word = chance.choice(words)
+                    data[word.start() : word.end()] = chance.choice(WORDS)
+            case 5 if chance.random() < 0.2:
+                del data[at:]
+    return bytes(data)
+
+
+def disagreement(seed: Seed, content: bytes, folder: Path) -> str:
+    """What the readers say of a file when they do not agree, else nothing."""
+    scene = _written(seed.suffix, content, folder)
+    told, here = "", None
+    try:
+        here = reader.load(scene).conductors()
+    except InputError as error:
+        told = f"the analysis' reader: {error}"
+    try:
+        there = model_module().Scene.load(str(scene)).conductors()
+    except ValueError as error:
+        return "" if here is None else f"only the model's reader: {error}"
+    if here is None:
+        return f"only {told}"
+    differing = [name for name, triangles in here.items() if not _same(triangles, there.get(name))]
+    return f"different triangles: {', '.join(differing)}" if differing else ""
+
+
+def _same(here: np.ndarray, there: np.ndarray | None) -> bool:
+    if there is None or here.shape != there.shape:
+        return False
+    return not here.size or bool(np.abs(here - there).max() <= 1e-12 * np.abs(here).max())
+
+
+def compare(count: int | None, seconds: float, seed: int) -> tuple[int, int]:
+    """How many files were tried, and how many of them the readers disagree about: `count` files, or for `seconds`."""
+    chance, start = random.Random(seed), time.monotonic()
+    tried, found = 0, 0
+    with tempfile.TemporaryDirectory() as folder:
+        files = sound_seeds(Path(folder))
+        while tried != count and time.monotonic() - start < seconds:
+            chosen = chance.choice(files)
+            content = spoiled(chosen.content, chance)
+            tried += 1
+            if said := disagreement(chosen, content, Path(folder)):
+                found += 1
+                KEPT.mkdir(parents=True, exist_ok=True)
+                kept = KEPT / f"{seed}-{tried}{chosen.suffix}"
+                kept.write_bytes(content)
+                print(f"{kept}: {said}", flush=True)
+    return tried, found
+
+
+def main(arguments: Sequence[str]) -> int:
+    seconds, seed = float(arguments[0]), int(arguments[1]) if len(arguments) > 1 else 1
+    tried, found = compare(None, seconds, seed)
+    print(f"{tried} files, {found} of them read differently")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,27 @@
+"""Both readers end alike for files that nobody thought of; `tests/fuzz/run` tries more of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from geometries import reader
+from geometries.errors import InputError
+from tests.fuzz import compare_readers
+
+
+def test_files_spoiled_at_random_are_read_alike() -> None:
+    assert compare_readers.compare(count=3000, seconds=60, seed=1) == (3000, 0)
+
+
+def test_a_reader_that_differs_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def refuses(path: Path) -> None:
+        raise InputError(str(path), "", "is not for me")
+
+    seeds = compare_readers.sound_seeds(tmp_path)
+    assert {seed.suffix for seed in seeds} == {".toml", ".stl", ".obj", ".ply"}
+    seed = seeds[0]
+    assert compare_readers.disagreement(seed, seed.content, tmp_path) == ""
+    monkeypatch.setattr(reader, "load", refuses)
+    assert "is not for me" in compare_readers.disagreement(seed, seed.content, tmp_path)
