@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <ostream>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,6 +24,11 @@ struct PairClass {
   std::string name;
   ShapePair (*make)(Random&);
 };
+
+/// Its name in messages, in the place of its bytes.
+inline void PrintTo(const PairClass& pairs, std::ostream* out) {
+  *out << pairs.name;
+}
 
 std::span<const PairClass> pair_classes();
 
