@@ -89,6 +89,12 @@ inline double mean_inverse_distance(const Eigen::Vector3d& a, const Eigen::Vecto
   return 2 * (1 + x * atanh_excess(a, b, norm_a * norm_b, x, squared_sum)) / sum;
 }
 
+/// ln(b/a) for a, b > 0, also where b/a is beyond the range of numbers.
+inline double log_of_ratio(double b, double a) {
+  const double ratio = b / a;
+  return std::isnormal(ratio) ? std::log(ratio) : std::log(b) - std::log(a);
+}
+
 /// E(a, b) = ∫₀¹ s ds/(a + s(b − a)) for distances a, b ≥ 0: the edge moment on a line through the origin.
 inline double edge_moment(double a, double b) {
   if (a == 0)
@@ -99,7 +105,7 @@ inline double edge_moment(double a, double b) {
   const double w = (b - a) / sum;
   const double x = w * w;
   const double excess =
-      x < logarithm_limit ? atanh_excess(x) : atanh_excess(x, 0.5 * std::abs(std::log(b / a)));
+      x < logarithm_limit ? atanh_excess(x) : atanh_excess(x, 0.5 * std::abs(log_of_ratio(b, a)));
   return (1 - 2 * a * w / sum * excess) / sum;
 }
 

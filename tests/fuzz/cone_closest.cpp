@@ -36,8 +36,14 @@ void cone_closest(Bytes bytes) {
     SensingCone wider = cone;
     wider.full_angle = std::min(cone.full_angle * (1 + rounding), 3.141592653589793);
     wider.range *= 1 + rounding;
+    // In units of the farthest vertex what is nearer than this counts as the apex, or does not (NUMERICS,
+    // section 14).
+    constexpr double lost = 0x1p-88;
+    double size = 0;
+    for (const Eigen::Vector3d& point : points)
+      size = std::max(size, point.cwiseAbs().maxCoeff());
     for (const auto& found : {seen, other}) {
-      if (!found)
+      if (!found || found->distance <= lost * size)
         continue;
       require(found->distance <= wider.range, "what is seen is in the range");
       for (const ConeMethod method : {ConeMethod::field_of_view, ConeMethod::cone_equation}) {

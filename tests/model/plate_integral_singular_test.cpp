@@ -153,6 +153,20 @@ TEST(PlateIntegralOfAPlaneThroughTheEdge, AgreesWithQuadrature) {
   expect_close(plate_integral(triangle, plate), plate_integral(triangle, plate, Gauss{32}), 4e-15);
 }
 
+TEST(PlateIntegralNextToThePlate, DoesNotOverflowWhereHeightsHaveNoRatio) {
+  // In front of the plate, the mean of 1/z: 1/h with one vertex at 0 and two at h, and (ln(h/z) − 1)/h with
+  // two at z, which h/z is too large a number for.
+  const double z = 1e-315, h = 29;
+  const Triangle one{Vector3d{1, 1, z}, {2, 1, h}, {1, 1.5, h}},
+      two{Vector3d{1, 1, z}, {2, 1, z}, {1, 1.5, h}};
+  const double mean_of_two = (std::log(h) - std::log(z) - 1) / h;
+  expect_close(plate_integral(one, plate), twice_area(one) / h);
+  expect_close(plate_integral(two, plate), twice_area(two) * mean_of_two);
+  const std::vector<double> together = plate_integrals(std::vector{one, two}, plate);
+  expect_close(together[0], twice_area(one) / h);
+  expect_close(together[1], twice_area(two) * mean_of_two);
+}
+
 TEST(PlateIntegral, IsANumberNextToEveryFeatureOfThePlate) {
   test::Random random(11);
   for (double distance = 1e-300; distance < 1; distance *= 1e10)

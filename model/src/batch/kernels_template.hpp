@@ -516,7 +516,9 @@ struct KernelsFor {
 
   static std::size_t integrate_virtual(const VirtualTriangles& triangles, std::size_t count,
                                        const Choices& choices, double* values, std::uint32_t* left) {
-    BatchIntegration<Lanes> batch(choices, values, left, 0);
+    // Heights whose ratio to others overflows are left to the path that does not divide them.
+    constexpr double least_height = 1e-200;
+    BatchIntegration<Lanes> batch(choices, values, left, least_height);
     Places<Lanes> places;
     places.consecutive = true;
     for (std::size_t i = 0; i < count; i += width) {
