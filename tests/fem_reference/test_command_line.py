@@ -64,10 +64,11 @@ def test_when_time_is_short_the_answer_admits_it(scene: Path) -> None:
     "limit", [("--max-seconds", "0.1"), ("--max-unknowns", "1000"), ("--max-memory", "0.01")]
 )
 def test_one_level_under_a_limit_still_encloses_the_truth(scene: Path, limit: tuple[str, str]) -> None:
-    done = command(scene, "--json", *limit)
+    done = command(scene, "--json", "--rtol", "5e-4", *limit)
     assert done.returncode == 3 and "the next level would" in done.stderr
     found = json.loads(done.stdout)
     assert not found["reached"] and len(found["levels"]) == 1 and found["error_kind"] == "enclosure"
+    assert found["rtol"] == 5e-4
     assert found["stopped_by"].startswith("the next level would")
     lower, upper, value = (np.array(found[name]) for name in ("lower", "upper", "maxwell"))
     assert np.all(lower <= value) and np.all(value <= upper)
