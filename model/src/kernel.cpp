@@ -163,8 +163,12 @@ double kernel(const Vector3d& v0, const Vector3d& v1, const Vector3d& v2) {
   // K is homogeneous of degree −1: a power of two takes it to where squares of lengths neither vanish nor
   // overflow.
   if (largest < smallest_length || largest > 1 / smallest_length) {
-    const double scale = std::exp2(-std::ilogb(largest));
-    return scale * kernel(scale * v0, scale * v1, scale * v2);
+    const int exponent = -std::ilogb(largest);
+    // Not a product: the power of two for the smallest lengths is beyond the range of numbers.
+    const auto scaled = [=](const Vector3d& v) -> Vector3d {
+      return v.unaryExpr([=](double x) { return std::ldexp(x, exponent); });
+    };
+    return std::ldexp(kernel(scaled(v0), scaled(v1), scaled(v2)), exponent);
   }
   const HeightSplit split = split_at_height(v0, v1, v2);
   if (split.squared_length == 0)

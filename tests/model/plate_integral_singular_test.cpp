@@ -7,6 +7,7 @@
 
 #include "fringe/plate_integral.hpp"
 #include "geometry.hpp"
+#include "kernel.hpp"
 
 /// Triangles at which formulas break: without area, on the plate, in a plane between two regions, thin,
 /// nearly parallel.
@@ -165,6 +166,16 @@ TEST(PlateIntegralNextToThePlate, DoesNotOverflowWhereHeightsHaveNoRatio) {
   const std::vector<double> together = plate_integrals(std::vector{one, two}, plate);
   expect_close(together[0], twice_area(one) / h);
   expect_close(together[1], twice_area(two) * mean_of_two);
+}
+
+TEST(Kernel, IsANumberWhereLengthsHaveNoPowerOfTwoThatScalesThem) {
+  // K is of degree −1 in the lengths, and beyond the range of numbers for the smallest of them.
+  const auto of_size = [](double length) {
+    return detail::kernel({length, 0, 0}, {0, length, 0}, {0, 0, length});
+  };
+  const double least = std::numeric_limits<double>::denorm_min();
+  EXPECT_EQ(of_size(least), infinity);
+  EXPECT_NEAR(of_size(0x1p-1022) * 0x1p-1022, of_size(1), 1e-15);
 }
 
 TEST(PlateIntegral, IsANumberNextToEveryFeatureOfThePlate) {
