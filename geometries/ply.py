@@ -107,12 +107,12 @@ def _only(elements: list[_Element], name: bytes, scalars: tuple[bytes, ...]) -> 
     for wanted in scalars:
         if sum(known.name == wanted and not known.length for known in properties) != 1:
             raise Damaged(f"has vertices without {wanted.decode()}")
-    if not scalars and sum(known.name in _LISTS and known.length != "" for known in properties) != 1:
-        raise Damaged("has faces without a list of vertices")
-    if not scalars and any(
-        known.name in _LISTS and known.type.startswith("f") for known in properties if known.length
-    ):
-        raise Damaged("has vertices named by fractions")
+    if not scalars:
+        lists = [known for known in properties if known.name in _LISTS and known.length]
+        if len(lists) != 1:
+            raise Damaged("has faces without a list of vertices")
+        if lists[0].type.startswith("f"):
+            raise Damaged("has vertices named by fractions")
     return found[0]
 
 
@@ -190,7 +190,7 @@ def _points(element: _Element, source: _Source) -> Array:
             if known.name in axes and not known.length:
                 point[axes.index(known.name)] = source.columns(_Element(b"", 1, [known]), (known.name,))[0][0]
             else:
-                source.skip(known.type, _length(known, source) if known.length else 1)
+                _skip_value(known, source)
         points.append(point)
     return np.array(points)
 
@@ -205,7 +205,7 @@ def _fans(element: _Element, source: _Source) -> list[tuple[int, int, int]]:
                     raise Damaged(f"has face {face} of fewer than three vertices")
                 triangles += [(corners[0], here, after) for here, after in zip(corners[1:], corners[2:])]
             else:
-                source.skip(known.type, _length(known, source) if known.length else 1)
+                _skip_value(known, source)
     return triangles
 
 
@@ -214,7 +214,11 @@ def _skip(element: _Element, source: _Source) -> None:
         return  # takes no bytes, however many there are said to be
     for _ in range(element.count):
         for known in element.properties:
-            source.skip(known.type, _length(known, source) if known.length else 1)
+            _skip_value(known, source)
+
+
+def _skip_value(known: _Property, source: _Source) -> None:
+    source.skip(known.type, _length(known, source) if known.length else 1)
 
 
 def _length(known: _Property, source: _Source) -> int:

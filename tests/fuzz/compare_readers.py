@@ -6,6 +6,7 @@ What they disagree about is printed, and kept in build/disagreements. Seeds are 
 
 from __future__ import annotations
 
+import argparse
 import random
 import re
 import sys
@@ -133,12 +134,15 @@ def compare(count: int | None, seconds: float, seed: int) -> tuple[int, int]:
     return tried, found
 
 
-def main(arguments: Sequence[str]) -> int:
-    seconds, seed = float(arguments[0]), int(arguments[1]) if len(arguments) > 1 else 1
-    tried, found = compare(None, seconds, seed)
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="python3 -m tests.fuzz.compare_readers", description=__doc__)
+    parser.add_argument("seconds", type=float)
+    parser.add_argument("seed", type=int, nargs="?", default=1)
+    options = parser.parse_args(arguments)
+    tried, found = compare(None, options.seconds, options.seed)
     print(f"{tried} files, {found} of them read differently")
     return 1 if found else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())
