@@ -10,13 +10,12 @@
 #include "compensated.hpp"
 #include "edge_moment.hpp"
 #include "gauss.hpp"
+#include "infinity.hpp"
 
 namespace fringe::detail {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A triangle turned so that `a`–`b` is its longest edge, `a` the end nearer to the third vertex `m`.
 struct HeightSplit {

@@ -49,22 +49,22 @@ std::vector<std::string_view> words_of(std::string_view statement) {
   return words;
 }
 
-struct Corner {
+struct FaceCorner {
   std::size_t vertex;  ///< from 0
   std::size_t line;
   std::size_t face;
 };
 
-[[noreturn]] void fail_vertex(const Corner& corner, std::string_view word, std::size_t vertices) {
+[[noreturn]] void fail_vertex(const FaceCorner& corner, std::string_view word, std::size_t vertices) {
   throw InputError(
       fmt::format("face {} (line {}) names vertex {} of {}", corner.face, corner.line, word, vertices));
 }
 
 /// A corner of a face, as in 3, 3/1, 3//2 or -1/1/2, names a vertex by its number from 1, or backwards from
 /// the last one before the face.
-Corner read_corner(std::string_view word, std::size_t vertices, std::size_t line, std::size_t face) {
+FaceCorner read_corner(std::string_view word, std::size_t vertices, std::size_t line, std::size_t face) {
   const std::int64_t number = whole(word.substr(0, word.find('/')));
-  Corner corner{static_cast<std::size_t>(number - 1), line, face};
+  FaceCorner corner{static_cast<std::size_t>(number - 1), line, face};
   if (number == 0 || (number < 0 && -(number + 1) >= static_cast<std::int64_t>(vertices)))
     fail_vertex(corner, word, vertices);
   if (number < 0)
@@ -84,7 +84,7 @@ Eigen::Vector3d read_vertex(const std::vector<std::string_view>& words, std::siz
 std::vector<Triangle> read_obj(std::string_view content) {
   std::vector<Eigen::Vector3d> vertices;
   // Three for each triangle: faces may name vertices that come up later.
-  std::vector<Corner> corners;
+  std::vector<FaceCorner> corners;
   std::size_t faces = 0;
   Statements statements(content);
   for (std::string statement; statements.next(statement);) {
@@ -98,7 +98,7 @@ std::vector<Triangle> read_obj(std::string_view content) {
       continue;
     if (words.size() < 4)
       throw InputError(fmt::format("face {} (line {}) has fewer than three vertices", faces, line));
-    const Corner first = read_corner(words[1], vertices.size(), line, faces);
+    const FaceCorner first = read_corner(words[1], vertices.size(), line, faces);
     for (std::size_t i = 2; i + 1 < words.size(); ++i) {
       corners.push_back(first);
       corners.push_back(read_corner(words[i], vertices.size(), line, faces));

@@ -7,14 +7,14 @@
 namespace fringe::detail {
 namespace {
 
-struct Polar {
+struct DirectionAndLength {
   Eigen::Vector3d direction;
   double length;
 };
 
 /// Direction and length of an edge, exact when it lies along an axis: a triangle may touch the plate's far
 /// edges exactly. Scaled by a power of two, so that no square overflows or vanishes.
-Polar polar(const Eigen::Vector3d& edge) {
+DirectionAndLength polar(const Eigen::Vector3d& edge) {
   const int exponent = std::ilogb(edge.lpNorm<Eigen::Infinity>());
   const Eigen::Vector3d scaled = edge.unaryExpr([=](double x) { return std::ldexp(x, -exponent); });
   const double length = scaled.norm();

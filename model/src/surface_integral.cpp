@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -11,14 +10,13 @@
 #include "facing.hpp"
 #include "fringe/batch_integral.hpp"
 #include "fringe/plate_integral.hpp"
+#include "infinity.hpp"
 #include "nearest_nodes.hpp"
 #include "nearest_plate.hpp"
 #include "plate_frame.hpp"
 
 namespace fringe::detail {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// How far the division of a surface among its nearest plates is driven when no tolerance is asked for:
 /// below it, the rounding of the coordinates decides which plate is the nearest one.

@@ -5,22 +5,22 @@ namespace {
 
 using Eigen::Vector3d;
 
-struct Corner {
+struct SliceCorner {
   Vector3d point;
   double value;
 };
 
 /// A convex polygon of at most five corners.
-struct Polygon {
-  std::array<Corner, 5> corners;
+struct SlicePolygon {
+  std::array<SliceCorner, 5> corners;
   std::size_t size = 0;
 
-  void add(const Corner& corner) { corners[size++] = corner; }
+  void add(const SliceCorner& corner) { corners[size++] = corner; }
 };
 
 /// The point of the edge ab where the value is the given level. It is reached from the nearer end:
 /// coordinates that do not change along the edge stay exact, and ab gives the same point as ba.
-Corner at_level(const Corner& a, const Corner& b, double level) {
+SliceCorner at_level(const SliceCorner& a, const SliceCorner& b, double level) {
   const double from_a = level - a.value, from_b = level - b.value;
   const double share = from_a / (from_a - from_b);
   if (share > 0.5)
@@ -29,11 +29,11 @@ Corner at_level(const Corner& a, const Corner& b, double level) {
 }
 
 /// The part of a polygon where direction·(value − level) ≥ 0; nothing when that is a point or a line.
-Polygon clip(const Polygon& polygon, double level, double direction) {
-  Polygon kept;
+SlicePolygon clip(const SlicePolygon& polygon, double level, double direction) {
+  SlicePolygon kept;
   bool has_inside = false;
   for (std::size_t i = 0; i < polygon.size; ++i) {
-    const Corner &here = polygon.corners[i], &next = polygon.corners[(i + 1) % polygon.size];
+    const SliceCorner &here = polygon.corners[i], &next = polygon.corners[(i + 1) % polygon.size];
     const double inside = direction * (here.value - level), next_inside = direction * (next.value - level);
     has_inside = has_inside || inside > 0;
     if (inside >= 0)
@@ -41,10 +41,10 @@ Polygon clip(const Polygon& polygon, double level, double direction) {
     if ((inside > 0 && next_inside < 0) || (inside < 0 && next_inside > 0))
       kept.add(at_level(here, next, level));
   }
-  return has_inside ? kept : Polygon{};
+  return has_inside ? kept : SlicePolygon{};
 }
 
-Slice fan(const Polygon& polygon) {
+Slice fan(const SlicePolygon& polygon) {
   Slice slice;
   for (std::size_t i = 1; i + 1 < polygon.size; ++i)
     slice.triangles[slice.size++] = {polygon.corners[0].point, polygon.corners[i].point,
@@ -59,7 +59,7 @@ Slices slices(const Triangle& triangle, const Vector3d& values, double low, doub
     return {{{triangle}, 1}, {}, {}};
   if (values.minCoeff() >= high)
     return {{}, {}, {{triangle}, 1}};
-  Polygon whole;
+  SlicePolygon whole;
   for (std::size_t i = 0; i < 3; ++i)
     whole.add({triangle[i], values[static_cast<Eigen::Index>(i)]});
   return {fan(clip(whole, low, -1)), fan(clip(clip(whole, low, 1), high, -1)), fan(clip(whole, high, 1))};

@@ -341,7 +341,7 @@ class BatchIntegration {
 
   void add_along_height(const V (&values)[Queue<Lanes>::components], const Places<Lanes>& places,
                         unsigned lanes) {
-    const HeightSplit<V> split =
+    const LanesHeightSplit<V> split =
         split_at_height<V>({values[0], values[1], values[2]}, {values[3], values[4], values[5]},
                            {values[6], values[7], values[8]});
     const V squared_distance = squared_distance_to_triangle(split.a, split.b, split.m);

@@ -29,9 +29,9 @@ V excess(const V& x) {
 
 /// From here on the logarithm keeps the digits of b; below, one halving of the argument leads to the
 /// polynomial.
-inline constexpr double logarithm_limit = 0.64;
+inline constexpr double lanes_logarithm_limit = 0.64;
 
-/// b(x), in lanes with x ≤ logarithm_limit: atanh(w) = 2·atanh(w/(1 + √(1 − w²))).
+/// b(x), in lanes with x ≤ lanes_logarithm_limit: atanh(w) = 2·atanh(w/(1 + √(1 − w²))).
 template <class V>
 V excess_to_logarithm(const V& x) {
   const auto beyond = x > V(0.25);
@@ -49,7 +49,7 @@ template <class Lanes, class V>
 V excess_of_heights(const V& a, const V& b, const V& w) {
   const V x = w * w;
   V value = excess_to_logarithm(x);
-  const auto beyond = x > V(logarithm_limit);
+  const auto beyond = x > V(lanes_logarithm_limit);
   if (any(beyond)) {
     const V atanh = V(0.5) * Lanes::log(max(a, b) / min(a, b));
     value = select(beyond, (atanh / abs(w) - V(1)) / x, value);
@@ -85,7 +85,7 @@ V scaled_excess(const Vector3<V>& a, const Vector3<V>& b, const Vector3<V>& mome
   const V inverse_squared_sum = inverse_sum * inverse_sum;
   const V x = squared_norm(b - a) * inverse_squared_sum;
   V value = x * excess_to_logarithm(x);
-  const auto beyond = x > V(logarithm_limit);
+  const auto beyond = x > V(lanes_logarithm_limit);
   if (any(beyond)) {
     const V product = norm_a * norm_b, scalar_product = dot(a, b);
     const V complement = select(scalar_product >= V(0), product + scalar_product,
@@ -156,7 +156,7 @@ V edge_moment(const Vector3<V>& a, const Vector3<V>& b, const V& norm_a, const V
   const V inverse_squared_sum = inverse_sum * inverse_sum;
   const V x = squared_norm(edge) * inverse_squared_sum;
   V value = excess_to_logarithm(x);
-  const auto beyond = x > V(logarithm_limit);
+  const auto beyond = x > V(lanes_logarithm_limit);
   if (any(beyond)) {
     const V complement = norm_a * norm_b + dot(a, b);
     const V width = sqrt(x), one_plus = V(1) + width;
@@ -190,14 +190,14 @@ V squared_distance_to_triangle(const Vector3<V>& v0, const Vector3<V>& v1, const
 
 /// A virtual triangle turned so that a–b is its longest edge, a the end nearer to the third vertex m.
 template <class V>
-struct HeightSplit {
+struct LanesHeightSplit {
   Vector3<V> a, b, m;
   V share;            ///< the foot of m on the longest edge is a + share·(b − a)
   Vector3<V> height;  ///< from m to its foot
 };
 
 template <class V>
-HeightSplit<V> split_at_height(const Vector3<V>& v0, const Vector3<V>& v1, const Vector3<V>& v2) {
+LanesHeightSplit<V> split_at_height(const Vector3<V>& v0, const Vector3<V>& v1, const Vector3<V>& v2) {
   const V opposite0 = squared_norm(v2 - v1), opposite1 = squared_norm(v0 - v2),
           opposite2 = squared_norm(v1 - v0);
   const V longest = max(opposite0, max(opposite1, opposite2));
@@ -215,7 +215,7 @@ HeightSplit<V> split_at_height(const Vector3<V>& v0, const Vector3<V>& v1, const
 
 /// K by a Gauss rule along the height.
 template <class Lanes, class V>
-V kernel_along_height(const HeightSplit<V>& split, const GaussNode* nodes, int points) {
+V kernel_along_height(const LanesHeightSplit<V>& split, const GaussNode* nodes, int points) {
   const V norm_a = sqrt(squared_norm(split.a)), norm_b = sqrt(squared_norm(split.b));
   V near_half(0), far_half(0);
   for (int i = 0; i < points; ++i) {

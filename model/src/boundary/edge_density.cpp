@@ -16,21 +16,21 @@ namespace fringe::detail {
 namespace {
 
 using Eigen::Vector3d;
-using Corner = std::array<double, 3>;
+using Place = std::array<double, 3>;
 
 /// The exponent below which an edge is not sharp: between faces that meet at 160° or more. So are the sides
 /// of a round body's facets.
 constexpr double least_exponent = 0.1;
 
 /// The triangles at an edge.
-using Users = std::map<std::pair<Corner, Corner>, std::vector<std::size_t>>;
+using Users = std::map<std::pair<Place, Place>, std::vector<std::size_t>>;
 
 Users users_of(std::span<const Triangle> triangles) {
   Users users;
-  const auto corner = [](const Vector3d& p) { return Corner{p.x(), p.y(), p.z()}; };
+  const auto corner = [](const Vector3d& p) { return Place{p.x(), p.y(), p.z()}; };
   for (std::size_t k = 0; k < triangles.size(); ++k)
     for (std::size_t side = 0; side < 3; ++side) {
-      const Corner from = corner(triangles[k][side]), to = corner(triangles[k][(side + 1) % 3]);
+      const Place from = corner(triangles[k][side]), to = corner(triangles[k][(side + 1) % 3]);
       users[std::minmax(from, to)].push_back(k);
     }
   return users;

@@ -17,7 +17,7 @@ constexpr double vertices_per_square_root = 4.5;
 constexpr double most_work = 2e7;
 
 /// What the borders of a square are moved outwards, so that rounding a direction's place does not matter.
-constexpr double border = 1e-9;
+constexpr double cell_border = 1e-9;
 
 Vector3d direction_through(int face, double u, double v) {
   const double main = face % 2 == 0 ? 1 : -1;
@@ -92,8 +92,8 @@ CellLists direction_cells(std::span<const Vector3d> vertices, double reach) {
   for (int face = 0; face < 6; ++face)
     for (int i = 0; i < cells.resolution; ++i)
       for (int j = 0; j < cells.resolution; ++j) {
-        const double u0 = -1 + i * side - border, u1 = -1 + (i + 1) * side + border;
-        const double v0 = -1 + j * side - border, v1 = -1 + (j + 1) * side + border;
+        const double u0 = -1 + i * side - cell_border, u1 = -1 + (i + 1) * side + cell_border;
+        const double v0 = -1 + j * side - cell_border, v1 = -1 + (j + 1) * side + cell_border;
         const std::array<Vector3d, 4> corners{
             direction_through(face, u0, v0), direction_through(face, u1, v0), direction_through(face, u0, v1),
             direction_through(face, u1, v1)};

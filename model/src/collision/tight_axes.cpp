@@ -18,7 +18,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Points = std::vector<Vector3d>;
 
-struct Candidate {
+struct BoxCandidate {
   Matrix3d axes;
   double volume;
 };
@@ -99,7 +99,7 @@ double width_along(const Vectors& points, const Vector& axis) {
 
 /// The smallest box with a given first axis: a side of the smallest rectangle around a polygon lies on an
 /// edge of it (H. Freeman and R. Shapira, Communications of the ACM 18, 1975, 409).
-Candidate smallest_with_axis(const Points& points, const Vector3d& axis) {
+BoxCandidate smallest_with_axis(const Points& points, const Vector3d& axis) {
   // Far above rounding: of flat shapes, which all have a box without volume, it chooses the smallest by area
   // or length.
   constexpr double least_width = 1e-12;
@@ -121,7 +121,7 @@ Candidate smallest_with_axis(const Points& points, const Vector3d& axis) {
       best_side = side;
     }
   }
-  Candidate candidate;
+  BoxCandidate candidate;
   candidate.axes.row(0) = axis;
   candidate.axes.row(1) = best_side.x() * u + best_side.y() * v;
   candidate.axes.row(2) = best_side.x() * v - best_side.y() * u;
@@ -130,13 +130,13 @@ Candidate smallest_with_axis(const Points& points, const Vector3d& axis) {
 }
 
 /// Keeps one axis and turns the others to the smallest box, for each axis in turn, while that gains anything.
-Candidate improved(const Points& points, Candidate candidate) {
+BoxCandidate improved(const Points& points, BoxCandidate candidate) {
   constexpr double worth_a_round = 1 - 1e-9;
   while (true) {
     const double before = candidate.volume;
     const Matrix3d axes = candidate.axes;
     for (Eigen::Index i = 0; i < 3; ++i) {
-      const Candidate turned = smallest_with_axis(points, axes.row(i).transpose().normalized());
+      const BoxCandidate turned = smallest_with_axis(points, axes.row(i).transpose().normalized());
       if (turned.volume < candidate.volume)
         candidate = turned;
     }
@@ -190,14 +190,14 @@ Matrix3d tight_axes(const Points& points, std::span<const Face> faces) {
   append_axes(directions, axes_of_triangles(points, faces));
   append_normals(directions, points, faces);
   append_connections(directions, extreme);
-  std::vector<Candidate> candidates;
+  std::vector<BoxCandidate> candidates;
   candidates.reserve(directions.size());
   for (const Vector3d& direction : directions)
     candidates.push_back(smallest_with_axis(extreme, direction));
-  const auto smaller = [](const Candidate& p, const Candidate& q) { return p.volume < q.volume; };
+  const auto smaller = [](const BoxCandidate& p, const BoxCandidate& q) { return p.volume < q.volume; };
   std::sort(candidates.begin(), candidates.end(), smaller);
   candidates.resize(std::min(improved_count, candidates.size()));
-  for (Candidate& candidate : candidates)
+  for (BoxCandidate& candidate : candidates)
     candidate = improved(extreme, candidate);
   return std::min_element(candidates.begin(), candidates.end(), smaller)->axes;
 }

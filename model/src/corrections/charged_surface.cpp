@@ -67,7 +67,7 @@ std::vector<Patch> patches_of(std::span<const Triangle> triangles) {
 }
 
 /// Cells along a side, finer towards the edges, where the charge is.
-double border(int index, int count) {
+double strip_border(int index, int count) {
   return (1 - std::cos(std::numbers::pi * index / count)) / 2;
 }
 
@@ -81,8 +81,8 @@ void divide(const Patch& patch, double cell, std::vector<Patch>& cells) {
     const int count_u = cells_along(patch.u.norm(), cell), count_v = cells_along(patch.v.norm(), cell);
     for (int i = 0; i < count_u; ++i) {
       for (int j = 0; j < count_v; ++j) {
-        const double u0 = border(i, count_u), u1 = border(i + 1, count_u), v0 = border(j, count_v),
-                     v1 = border(j + 1, count_v);
+        const double u0 = strip_border(i, count_u), u1 = strip_border(i + 1, count_u),
+                     v0 = strip_border(j, count_v), v1 = strip_border(j + 1, count_v);
         cells.push_back(
             {patch.corner + u0 * patch.u + v0 * patch.v, (u1 - u0) * patch.u, (v1 - v0) * patch.v, true});
       }

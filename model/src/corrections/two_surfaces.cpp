@@ -2,19 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <vector>
 
 #include "../facing.hpp"
+#include "../infinity.hpp"
 #include "adaptive_quadrature.hpp"
 
 namespace fringe::detail {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Each triangle's integral, relative to what a distance of its own size would make of it.
 constexpr double quadrature_tolerance = 1e-3;

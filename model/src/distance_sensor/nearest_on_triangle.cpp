@@ -36,7 +36,7 @@ PreciseVector times_power_of_two(const PreciseVector& a, int exponent) {
 }
 
 /// A side of the triangle: the points of a line from one position to another.
-struct Side {
+struct TriangleSide {
   bool has_length = false;
   PreciseVector direction;
   PreciseLine line;
@@ -46,11 +46,12 @@ struct Side {
 /// A triangle seen from the apex, its largest coordinate between 1 and 2.
 struct SeenTriangle {
   std::array<PreciseVector, 3> vertices;
-  std::array<Side, 3> sides;
+  std::array<TriangleSide, 3> sides;
   Vector3d rounding;  ///< what each coordinate may be off by
 };
 
-Side side_between(const PreciseVector& start, const PreciseVector& end, const PreciseVector& difference) {
+TriangleSide side_between(const PreciseVector& start, const PreciseVector& end,
+                          const PreciseVector& difference) {
   const double size = largest_component(difference);
   if (size == 0)
     return {};
@@ -67,7 +68,7 @@ class Search {
   Search(const SeenTriangle& triangle, const Method& cone) : triangle_(triangle), cone_(cone) {
     for (const PreciseVector& vertex : triangle.vertices)
       consider(vertex);
-    for (const Side& side : triangle.sides)
+    for (const TriangleSide& side : triangle.sides)
       if (side.has_length)
         consider(side);
     consider_plane();
@@ -98,7 +99,7 @@ class Search {
 
   /// Cases 4 and 3. A line through the apex has no point nearer than an end of the side that is in the cone,
   /// unless the apex is on the side.
-  void consider(const Side& side) {
+  void consider(const TriangleSide& side) {
     if (side.from.high <= 0 && side.to.high >= 0)
       consider(side.line.point({}));
     if (side.line.distance.high <= precise_noise)

@@ -29,14 +29,14 @@ BoxNumbers whole_box(const PlacedBody& body) {
 }
 
 /// A part of a body: a box that holds it, and its sphere.
-struct Piece {
+struct BodyPiece {
   BoxNumbers box;
   Vector3d centre;
   double radius;
 };
 
-std::vector<Piece> pieces_of(const PlacedBody& body) {
-  std::vector<Piece> pieces;
+std::vector<BodyPiece> pieces_of(const PlacedBody& body) {
+  std::vector<BodyPiece> pieces;
   if (body.shape->mesh() == nullptr) {
     pieces.push_back({whole_box(body), body.centre, body.scale * body.shape->half_sides().norm()});
     return pieces;
@@ -76,10 +76,10 @@ double body_gap(const PlacedBody& a, const PlacedBody& b) {
     return apart;
   if (may_hold(a, box_a, b) || may_hold(b, box_b, a))
     return 0;
-  const std::vector<Piece> pieces_a = pieces_of(a), pieces_b = pieces_of(b);
+  const std::vector<BodyPiece> pieces_a = pieces_of(a), pieces_b = pieces_of(b);
   double least = std::numeric_limits<double>::infinity();
-  for (const Piece& one : pieces_a)
-    for (const Piece& other : pieces_b) {
+  for (const BodyPiece& one : pieces_a)
+    for (const BodyPiece& other : pieces_b) {
       const double spheres = (one.centre - other.centre).norm() - one.radius - other.radius;
       if (spheres < least)
         least = std::min(least, std::max(spheres, search.box_gap(one.box, other.box)));

@@ -5,7 +5,7 @@
 namespace fringe::detail {
 namespace {
 
-std::vector<const NodeKernels*> runnable_kernels() {
+std::vector<const NodeKernels*> runnable_node_kernels() {
   std::vector<const NodeKernels*> runnable{&node_kernels_scalar};
 #ifdef FRINGE_X86_KERNELS
   runnable.push_back(&node_kernels_sse2);
@@ -21,7 +21,7 @@ std::vector<const NodeKernels*> runnable_kernels() {
 }  // namespace
 
 std::span<const NodeKernels* const> available_node_kernels() {
-  static const std::vector<const NodeKernels*> available = runnable_kernels();
+  static const std::vector<const NodeKernels*> available = runnable_node_kernels();
   return available;
 }
 

@@ -15,12 +15,12 @@ namespace {
 using Eigen::Vector3d;
 
 /// Of panels in a cluster: a multiple of a block.
-constexpr std::size_t cluster_size = 2 * static_cast<std::size_t>(node_block);
+constexpr std::size_t panels_per_cluster = 2 * static_cast<std::size_t>(node_block);
 
 /// Halves the range across its longest direction, until there is one cluster.
 void divide(std::span<const Panel> panels, std::span<std::size_t> range,
             std::vector<std::span<std::size_t>>& clusters) {
-  if (range.size() <= cluster_size) {
+  if (range.size() <= panels_per_cluster) {
     clusters.push_back(range);
     return;
   }
@@ -30,8 +30,8 @@ void divide(std::span<const Panel> panels, std::span<std::size_t> range,
   Eigen::Index axis = 0;
   box.sizes().maxCoeff(&axis);
   // Only the last cluster is not full.
-  const std::size_t whole = (range.size() + cluster_size - 1) / cluster_size;
-  const std::size_t half = whole / 2 * cluster_size;
+  const std::size_t whole = (range.size() + panels_per_cluster - 1) / panels_per_cluster;
+  const std::size_t half = whole / 2 * panels_per_cluster;
   std::nth_element(range.begin(), range.begin() + static_cast<std::ptrdiff_t>(half), range.end(),
                    [&](std::size_t a, std::size_t b) {
                      const double at_a = panels[a].centre[axis], at_b = panels[b].centre[axis];

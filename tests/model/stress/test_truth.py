@@ -24,6 +24,8 @@ DIGITS = 40
 # Sums of some thousand terms in extended precision, and coordinates that cancel close to the plate's edges.
 TOLERANCE = 1e-15
 PER_CLASS = 2
+# Where the lines pass along the plate at the distance of rounding, one triangle takes as many panels as a class elsewhere.
+SLOW = ("touching-plate", "touching-edge", "touching-with-edge", "near-edge")
 Extended = np.longdouble
 Array = npt.NDArray[np.longdouble]
 
@@ -68,11 +70,12 @@ class Case(NamedTuple):
 
 
 def cases(name: str) -> list[Case]:
-    command = [str(PROGRAM), "--only-truth", "--classes", name, "--count", str(PER_CLASS), "--seed", "11"]
+    count = 1 if name in SLOW else PER_CLASS
+    command = [str(PROGRAM), "--only-truth", "--classes", name, "--count", str(count), "--seed", "11"]
     lines = subprocess.run(
         command, capture_output=True, text=True, check=True, timeout=120
     ).stdout.splitlines()
-    assert len(lines) == PER_CLASS
+    assert len(lines) == count
     return [parsed(line, name) for line in lines]
 
 

@@ -102,7 +102,7 @@ bool well_shaped(const Triangle& triangle) {
   const double longest =
       std::max({(triangle[1] - triangle[0]).squaredNorm(), (triangle[2] - triangle[1]).squaredNorm(),
                 (triangle[0] - triangle[2]).squaredNorm()});
-  return twice_area(triangle) >= 0.1 * longest;
+  return fringe::twice_area(triangle) >= 0.1 * longest;
 }
 
 /// Draws until the triangle is of ordinary shape.
