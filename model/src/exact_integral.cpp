@@ -10,11 +10,8 @@ double exact_integral(const PlateFrame& plate, const LocalTriangle& triangle, do
   double sum = 0;
   for_each_piece(plate, triangle,
                  [&](Cell cell, const Vector3d& a, const Vector3d& b, const Vector3d& c, double share) {
-                   if (cell.u == Strip::within && cell.v == Strip::within)
-                     sum += share * kernel_of_heights(a.z(), b.z(), c.z());
-                   else
-                     sum += share * kernel(from_plate(plate, cell, a), from_plate(plate, cell, b),
-                                           from_plate(plate, cell, c));
+                   sum += share * kernel_from_plate(from_plate(plate, cell, a), from_plate(plate, cell, b),
+                                                    from_plate(plate, cell, c));
                  });
   return twice_area * sum;
 }

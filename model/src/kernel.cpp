@@ -204,4 +204,9 @@ double kernel_of_heights(double z0, double z1, double z2) {
   return (near_half + (z[2] > z[1] ? far_half : 0.0)) / (z[2] - z[0]);
 }
 
+double kernel_from_plate(const Vector3d& v0, const Vector3d& v1, const Vector3d& v2) {
+  const bool upright = v0.head<2>().isZero(0) && v1.head<2>().isZero(0) && v2.head<2>().isZero(0);
+  return upright ? kernel_of_heights(v0.z(), v1.z(), v2.z()) : kernel(v0, v1, v2);
+}
+
 }  // namespace fringe::detail

@@ -13,4 +13,8 @@ double kernel(const Eigen::Vector3d& v0, const Eigen::Vector3d& v1, const Eigen:
 /// appendix D).
 double kernel_of_heights(double z0, double z1, double z2);
 
+/// The kernel of three vectors from the plate's nearest points (from_plate). Where all of them stand on the
+/// plate's plane, be it above the plate or above its edge, the heights alone decide whether there is contact.
+double kernel_from_plate(const Eigen::Vector3d& v0, const Eigen::Vector3d& v1, const Eigen::Vector3d& v2);
+
 }  // namespace fringe::detail

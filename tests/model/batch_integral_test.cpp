@@ -1,5 +1,6 @@
 #include "fringe/batch_integral.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -73,6 +74,17 @@ TEST(BatchIntegral, IsTheSameBitByBitForAnyNumberOfThreads) {
   }
 }
 
+TEST(BatchIntegral, OfANeedleThatIsAPointInThePlatesCoordinatesIsANumber) {
+  // One unit in the last place wide; beside the plate's edge, in whose direction it lies, both ends are as
+  // far away.
+  const Rectangle away{{1, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const double next = std::nextafter(0.1, 1.0);
+  const Triangle needle{{{0.1, 0.2, 1}, {0.1, 0.7, 1}, {next, 0.7, 1}}};
+  const double expected = 0.5 * (next - 0.1) * 0.5 / std::hypot(0.9, 1.0);
+  EXPECT_NEAR(plate_integral(needle, away), expected, 1e-15 * expected);
+  EXPECT_NEAR(plate_integrals(TriangleBatch({&needle, 1}), away)[0], expected, 1e-15 * expected);
+}
+
 TEST(BatchIntegral, OfNoTrianglesIsZero) {
   const TriangleBatch nothing({});
   EXPECT_TRUE(plate_integrals(nothing, plate).empty());
@@ -84,6 +96,21 @@ TEST(BatchIntegral, ContactIsInfinite) {
                                                     {Vector3d(0, 0, 0.1), {0.01, 0, 0.1}, {0, 0.01, 0.1}}});
   EXPECT_EQ(total_integrals(surface, std::vector{plate}).at(0).value,
             std::numeric_limits<double>::infinity());
+}
+
+TEST(BatchIntegral, ContactIsInfiniteWhereADenormalNumberMakesIt) {
+  constexpr double least = std::numeric_limits<double>::denorm_min();
+  const Rectangle small{{0, 0, 0}, {0x1p-11, 0, 0}, {0, 0x1p-11, 0}};
+  // Through the plate; what is beside it has no area that a number could hold.
+  const Triangle through{
+      {{0x1p-13, 0x1p-11, 0x1p-15}, {-least, 0x1p-13, -0x1p-11}, {0x1p-14, 0x1p-12, -0x1p-13}}};
+  // Upright on the plate's edge, which it cuts at one vertex.
+  const Triangle upright{{{0, 0x1p-12, least}, {0, 0x1p-12, -0x1p-11}, {0, 0x1p-13, -0x1p-11}}};
+  for (const Triangle& triangle : {through, upright}) {
+    EXPECT_EQ(plate_integral(triangle, small), std::numeric_limits<double>::infinity());
+    EXPECT_EQ(plate_integrals(TriangleBatch({&triangle, 1}), small)[0],
+              std::numeric_limits<double>::infinity());
+  }
 }
 
 TEST(BatchIntegral, GivesBackItsTriangles) {

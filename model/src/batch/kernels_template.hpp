@@ -306,8 +306,9 @@ class BatchIntegration {
     const V nx = edge1.y * edge2.z - edge1.z * edge2.y, ny = edge1.z * edge2.x - edge1.x * edge2.z,
             nz = edge1.x * edge2.y - edge1.y * edge2.x;
     const V squared_height = (nx * nx + ny * ny + nz * nz) / max(longest, V(smallest));
+    // A needle that rounding has made a point in the plate's coordinates has no height, and no closed form.
     const unsigned closed =
-        Lanes::bits((longest <= V(most_heights_long * most_heights_long) * squared_height) |
+        Lanes::bits((longest < V(most_heights_long * most_heights_long) * squared_height) |
                     (squared_distance <= V(most_heights_away * most_heights_away) * squared_height)) &
         lanes;
     const unsigned along_height = lanes & ~closed;

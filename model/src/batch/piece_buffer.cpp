@@ -20,6 +20,8 @@ void PieceBuffer::add(const PlateFrame& plate, const LocalTriangle& triangle, do
                    for (int corner = 0; corner < 3; ++corner)
                      for (int axis = 0; axis < 3; ++axis)
                        components_[3 * corner + axis][size_] = corners[corner][axis];
+                   shares_[size_] = share;
+                   twice_areas_[size_] = twice_area;
                    weights_[size_] = share * twice_area;
                    indices_[size_++] = index;
                  });
@@ -34,17 +36,16 @@ void PieceBuffer::flush() {
   double results[capacity] = {};
   std::uint32_t left[capacity];
   const std::size_t left_count = kernels_.integrate_virtual(pieces, size_, choices_, results, left);
+  // A share of a denormal number may leave no weight, but makes contact all the same.
   for (std::size_t i = 0; i < left_count; ++i)
-    results[left[i]] = weights_[left[i]] * careful_kernel(left[i]);
+    results[left[i]] = twice_areas_[left[i]] * (shares_[left[i]] * careful_kernel(left[i]));
   for (std::size_t i = 0; i < size_; ++i)
     values_[indices_[i]] += results[i];
   size_ = 0;
 }
 
 double PieceBuffer::careful_kernel(std::size_t piece) const {
-  const Eigen::Vector3d v0 = corner(piece, 0), v1 = corner(piece, 1), v2 = corner(piece, 2);
-  const bool in_front = v0.head<2>().isZero(0) && v1.head<2>().isZero(0) && v2.head<2>().isZero(0);
-  return in_front ? kernel_of_heights(v0.z(), v1.z(), v2.z()) : kernel(v0, v1, v2);
+  return kernel_from_plate(corner(piece, 0), corner(piece, 1), corner(piece, 2));
 }
 
 Eigen::Vector3d PieceBuffer::corner(std::size_t piece, std::size_t which) const {

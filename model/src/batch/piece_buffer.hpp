@@ -33,7 +33,9 @@ class PieceBuffer {
   double* values_;
   std::size_t size_ = 0;
   double components_[9][capacity] = {};
-  double weights_[capacity] = {};
+  double shares_[capacity] = {};       // of the triangle's area
+  double twice_areas_[capacity] = {};  // of the triangle
+  double weights_[capacity] = {};      // the product of the two
   std::uint32_t indices_[capacity] = {};
 };
 
