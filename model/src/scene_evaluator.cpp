@@ -53,6 +53,12 @@ Surface surface_of(const Object& object) {
   }
 }
 
+/// Whether it has more area than rounding its corners makes of a line.
+bool has_area(const Surface& surface) {
+  const double reach = surface.centroid.norm() + surface.radius;
+  return surface.area > 4 * std::numeric_limits<double>::epsilon() * reach * surface.radius;
+}
+
 /// A sensor's plates where they are.
 struct PlacedSensor {
   std::vector<Rectangle> plates;
@@ -118,7 +124,7 @@ class SceneEvaluator::Implementation {
     }
     for (std::size_t i = 0; i < objects_.size(); ++i) {
       const Surface& surface = objects_[i].surface;
-      if (!(surface.area > 0))
+      if (!has_area(surface))
         throw InputError(
             fmt::format("object \"{}\" has no area, and so no charge to correct", scene.objects[i].name));
       charged_objects_.push_back(detail::make_charged_surface(surface.triangles));

@@ -36,19 +36,21 @@ void cone_closest(Bytes bytes) {
     SensingCone wider = cone;
     wider.full_angle = std::min(cone.full_angle * (1 + rounding), 3.141592653589793);
     wider.range *= 1 + rounding;
-    // In units of the farthest vertex what is nearer than this counts as the apex, or does not (NUMERICS,
-    // section 14).
-    constexpr double lost = 0x1p-88;
+    // In units of the farthest vertex what is nearer than this counts as the apex, or does not, and a
+    // distance has lost 2^-100 or so (NUMERICS, section 14).
+    constexpr double lost = 0x1p-88, trace = 0x1p-98;
     double size = 0;
     for (const Eigen::Vector3d& point : points)
       size = std::max(size, point.cwiseAbs().maxCoeff());
+    wider.range += trace * size;
     for (const auto& found : {seen, other}) {
       if (!found || found->distance <= lost * size)
         continue;
       require(found->distance <= wider.range, "what is seen is in the range");
       for (const ConeMethod method : {ConeMethod::field_of_view, ConeMethod::cone_equation}) {
         const auto surely = fringe::cone_closest(triangles, wider, method);
-        require(surely && surely->distance <= found->distance * (1 + rounding), "a wider cone sees no less");
+        require(surely && surely->distance <= found->distance * (1 + rounding) + trace * size,
+                "a wider cone sees no less");
       }
     }
   } catch (const InputError&) {

@@ -20,6 +20,7 @@ double Input::number() {
     const std::uint8_t kind = byte();
     any_bits_ = kind % 4 == 0;
     // Mostly 1; else from the smallest to the largest numbers.
+    beside_ = kind / 4 % 2 == 1;
     exponent_ = kind % 4 == 1 ? 8 * static_cast<std::int8_t>(byte()) : 0;
   }
   if (any_bits_) {
@@ -29,7 +30,11 @@ double Input::number() {
     return std::bit_cast<double>(bits);
   }
   const double sixteenths = static_cast<std::int8_t>(byte());
-  return std::ldexp(sixteenths, exponent_ - 4);
+  double value = std::ldexp(sixteenths, exponent_ - 4);
+  if (beside_)
+    for (int units = static_cast<std::int8_t>(byte()) % 4; units != 0; units -= units > 0 ? 1 : -1)
+      value = std::nextafter(value, units > 0 ? HUGE_VAL : -HUGE_VAL);
+  return value;
 }
 
 Eigen::Vector3d Input::point() {

@@ -29,13 +29,15 @@ class Input {
   std::uint8_t byte();
 
   /// A point of three numbers: by the input's first byte either any bits at all, or sixteenths of small whole
-  /// numbers, among which contact, lines and planes are frequent, times a power of two.
+  /// numbers, among which contact, lines and planes are frequent, times a power of two; exactly, or units in
+  /// the last place beside.
   Eigen::Vector3d point();
   double number();
 
  private:
   Bytes bytes_;
   bool any_bits_ = false;
+  bool beside_ = false;
   int exponent_ = 0;
   bool begun_ = false;
 };

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "fringe/batch_integral.hpp"
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
 #include "input.hpp"
@@ -43,13 +44,15 @@ void plate_integral(Bytes bytes) {
     plate.edge_v = plate.edge_u.cross(plate.edge_v);
   try {
     const double integral = fringe::plate_integral(triangle, plate);
+    const double in_a_batch = plate_integrals(TriangleBatch({&triangle, 1}), plate).front();
     if (!in_a_scene({triangle[0], triangle[1], triangle[2], plate.corner, plate.edge_u, plate.edge_v}))
       return;
-    if (!(integral >= 0))
+    if (!(integral >= 0 && in_a_batch >= 0))
       for (const Eigen::Vector3d& point :
            {triangle[0], triangle[1], triangle[2], plate.corner, plate.edge_u, plate.edge_v})
         fmt::print(stderr, "({:a}, {:a}, {:a})\n", point.x(), point.y(), point.z());
     require(integral >= 0, "the integral is a number, and not below zero");
+    require(in_a_batch >= 0, "in a batch, too, it is a number, and not below zero");
     const Triangle turned{triangle[1], triangle[2], triangle[0]};
     const double again = fringe::plate_integral(turned, plate);
     const bool comparable =
@@ -66,6 +69,8 @@ void plate_integral(Bytes bytes) {
     if (apart || twice_area(triangle) >= thin * greatest * greatest)
       require(again == integral || std::abs(again - integral) <= rounding * integral,
               "it is the same whichever vertex comes first");
+    if (apart)
+      require(std::abs(in_a_batch - integral) <= rounding * integral, "it is the same alone and in a batch");
     require(std::isfinite(integral) || !apart, "it is finite without contact");
   } catch (const InputError&) {
     // What is not finite, or no rectangle.

@@ -169,6 +169,14 @@ TEST(SceneEvaluator, RefusesToCorrectWhatHasNoArea) {
   options.correction = Correction::formula;
   EXPECT_THAT([&] { capacitance(scene, options); },
               ThrowsMessage<InputError>(HasSubstr("object \"line\" has no area")));
+  // What rounding makes of a line that lies askew is no surface either.
+  line.triangles = {{Vector3d{0.75, 0.625, -0.9828350218347341},
+                     {-0.002813172363383439, 0.8466380559157967, 0.16192559771162363},
+                     {0.6185363701603503, 0.6637046141206855, -0.7829256792941567}}};
+  scene.objects[1].shape = line;
+  EXPECT_GT(capacitance(scene, CapacitanceOptions{}).sensors[0].objects[1].capacitance, 0);
+  EXPECT_THAT([&] { capacitance(scene, options); },
+              ThrowsMessage<InputError>(HasSubstr("object \"line\" has no area")));
 }
 
 }  // namespace
