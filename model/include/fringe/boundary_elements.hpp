@@ -45,9 +45,9 @@ struct MaxwellMatrix {
 /// errors are within rtol. Knows every shape in any pose, sensors of several plates, grounded and floating
 /// objects. Of a cylinder, cone, arc or sphere the answer is that of its triangles (triangulate()), which lie
 /// within it; meshes need not be closed. Throws InputError for dielectric objects, plates that are no
-/// rectangles, triangles without area or that are there twice, rooms, conductors that touch, cross or are
-/// inside each other, more triangles than unknowns, a scene without sensors and objects, and options out of
-/// range.
+/// rectangles, triangles without area, thinner than 1e-8 or that are there twice, rooms, conductors that
+/// touch, cross or are inside each other, more triangles than unknowns, a scene without sensors and objects,
+/// and options out of range.
 MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options = {});
 
 /// What every sensor of the scene feels by its Maxwell matrix: an object's capacitance is `mutual`, a

@@ -44,8 +44,9 @@ void validate_sizes(const Object& object, std::initializer_list<double> sizes) {
 }
 
 void validate_triangles(const std::string& name, const std::vector<Triangle>& triangles) {
-  /// A height less than this part of the longest side is what rounding makes of none.
-  constexpr double no_height = 1e-10;
+  /// Of triangles whose height is a smaller part of their longest side, rounding in the integrals makes a
+  /// matrix that is not positive definite.
+  constexpr double no_height = 1e-8;
   using Corner = std::array<double, 3>;
   std::map<std::array<Corner, 3>, std::size_t> known;
   for (std::size_t k = 0; k < triangles.size(); ++k) {
@@ -58,8 +59,12 @@ void validate_triangles(const std::string& name, const std::vector<Triangle>& tr
       corners[i] = {corner.x(), corner.y(), corner.z()};
       longest = std::max(longest, (triangles[k][(i + 1) % 3] - corner).squaredNorm());
     }
-    if (!(twice_area(triangles[k]) > no_height * longest))
+    const double doubled = twice_area(triangles[k]);
+    if (!(doubled > 0))
       throw InputError(fmt::format("{}: triangle {} has no area", name, k));
+    if (doubled < no_height * longest)
+      throw InputError(
+          fmt::format("{}: triangle {} is too thin: less high than 1e-8 of its longest side", name, k));
     std::sort(corners.begin(), corners.end());
     const auto [other, is_new] = known.emplace(corners, k);
     if (!is_new)

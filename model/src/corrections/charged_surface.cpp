@@ -1,6 +1,7 @@
 #include "charged_surface.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -76,6 +77,26 @@ int cells_along(double length, double cell) {
   return std::clamp(static_cast<int>(std::ceil(length / cell - rounding)), 1, most_cells_along);
 }
 
+/// A triangle so much longer than high that how its charge lies across it does not matter: a row of
+/// parallelograms along its longest side, each as high as the triangle is in their middle. Triangles like
+/// itself would lie so close upon each other that potentials at their centres do not tell their charges
+/// apart.
+void divide_needle(const Vector3d& start, const Vector3d& end, const Vector3d& apex,
+                   std::vector<Patch>& cells) {
+  const Vector3d side = end - start;
+  const double foot = std::clamp((apex - start).dot(side) / side.squaredNorm(), 0.0, 1.0);
+  const Vector3d height = apex - start - foot * side;
+  for (int i = 0; i < most_cells_along; ++i) {
+    const double from = strip_border(i, most_cells_along), to = strip_border(i + 1, most_cells_along);
+    const double middle = (from + to) / 2;
+    const double share = middle < foot ? middle / foot : (1 - middle) / (1 - foot);
+    cells.push_back({start + from * side, (to - from) * side, share * height, true});
+  }
+}
+
+/// Above this ratio of its longest side to its height a triangle is a needle.
+constexpr double needle = 300;
+
 void divide(const Patch& patch, double cell, std::vector<Patch>& cells) {
   if (patch.parallelogram) {
     const int count_u = cells_along(patch.u.norm(), cell), count_v = cells_along(patch.v.norm(), cell);
@@ -88,6 +109,14 @@ void divide(const Patch& patch, double cell, std::vector<Patch>& cells) {
       }
     }
     return;
+  }
+  const std::array<Vector3d, 3> corners{patch.corner, patch.corner + patch.u, patch.corner + patch.v};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vector3d &start = corners[i], &end = corners[(i + 1) % 3], &apex = corners[(i + 2) % 3];
+    const double squared_length = (end - start).squaredNorm();
+    if (squared_length >= (apex - start).squaredNorm() && squared_length >= (apex - end).squaredNorm() &&
+        squared_length > needle * 2 * patch.area())
+      return divide_needle(start, end, apex, cells);
   }
   const int count = cells_along(std::sqrt(patch.area()), cell);
   const Vector3d u = patch.u / count, v = patch.v / count;

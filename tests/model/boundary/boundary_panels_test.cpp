@@ -268,6 +268,11 @@ TEST(BoundaryPanelRefusals, TrianglesThatAreNone) {
                 scene.objects[0].shape = Mesh{"", 1, {triangle, flat}};
               }),
               HasSubstr("object \"target\": triangle 1 has no area"));
+  const Triangle needle{Vector3d(0, 0, 0), Vector3d(0.01, 0, 0), Vector3d(0.004, 5e-11, 0)};
+  EXPECT_THAT(refusal([&](Scene& scene) {
+                scene.objects[0].shape = Mesh{"", 1, {triangle, needle}};
+              }),
+              HasSubstr("object \"target\": triangle 1 is too thin"));
   EXPECT_THAT(refusal([&](Scene& scene) {
                 scene.objects[0].shape = Mesh{"", 1, {triangle, turned}};
               }),

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "fringe/boundary_elements.hpp"
 #include "fringe/triangulation.hpp"
 
 namespace fringe::detail {
@@ -18,6 +19,20 @@ TEST(ChargedSurface, KnowsTheOwnCapacitance) {
   EXPECT_NEAR(own_capacitance(Plate{1, 1}), 0.366788, 0.005);
   EXPECT_NEAR(own_capacitance(Cuboid{1, 1, 1}), 0.660678, 0.01);
   EXPECT_NEAR(own_capacitance(Sphere{1, 48}), 1, 0.015);
+}
+
+// Wherever the apex is: here potentials at the centres of cells like the triangle itself told nothing.
+TEST(ChargedSurface, OfANeedleHasTheOwnCapacitanceThatBoundaryElementsGiveIt) {
+  for (const double height : {3e-3, 1e-4, 1e-7})
+    for (const double foot : {0.0, 0.13, 0.5, 0.787}) {
+      const Triangle needle{{{0, 0, 0}, {1, 0, 0}, {foot, height, 0}}};
+      Scene scene;
+      scene.objects = {
+          {"needle", {}, Mesh{"", 1, {needle}}, Eigen::Isometry3d::Identity(), Grounded{}, true}};
+      const double expected = maxwell(scene, {.rtol = 1e-2}).values(0, 0) / vacuum_permittivity;
+      EXPECT_NEAR(make_charged_surface({needle}).own_capacitance, expected, 0.03 * expected)
+          << height << ' ' << foot;
+    }
 }
 
 TEST(ChargedSurface, OfAPlateHasItsChargeAtTheEdges) {
