@@ -17,7 +17,7 @@ void scene_reader(Bytes bytes);
 void mesh_reader(Bytes bytes);
 
 /// A triangle and a plate: the integral is no less than area over the greatest distance, does not depend on
-/// the vertex that comes first.
+/// the vertex that comes first, and is the same in a batch.
 void plate_integral(Bytes bytes);
 
 /// Two sets of vertices: the answer is proven by its certificate, the same for either order, and that of the
