@@ -31,6 +31,31 @@ REASONS = [
     Reason("analysis/nightly/*", "", "tests run nights in copies of the project, which do not count"),
     Reason("*.cpp", r"&&\) noexcept = default;", "moves, which the compiler leaves out where it can"),
     Reason(
+        "*.cpp",
+        r"^\s*((struct|class) \w+ \{|\}\(\);)$",
+        "what the compiler makes of a declaration, and nothing calls",
+    ),
+    *(
+        Reason(
+            f"analysis/verification/{name}.py",
+            "",
+            "`python3 -m analysis verify` runs it, minutes of field solving",
+        )
+        for name in ("properties", "rows", "set_ups", "stage", "uniform_meshes")
+    ),
+    *(
+        Reason(
+            f"analysis/published/{name}.py",
+            "",
+            "`python3 -m analysis table` runs it, for three quarters of an hour",
+        )
+        for name in ("stage", "table", "upper_bound")
+    ),
+    *(
+        Reason(f"analysis/corrections/{name}.py", "", "`./run` runs it over 450 set-ups")
+        for name in ("gaussian_process", "stage")
+    ),
+    Reason(
         "*.cpp", r"is not positive definite|positive_definite = false", "no scene is known that leads there"
     ),
 ]
