@@ -1,7 +1,7 @@
 #include "fringe/scene_evaluator.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -51,12 +51,6 @@ Surface surface_of(const Object& object) {
   } catch (const InputError& error) {
     throw InputError(fmt::format("object \"{}\": {}", object.name, error.what()));
   }
-}
-
-/// Whether it has more area than rounding its corners makes of a line.
-bool has_area(const Surface& surface) {
-  const double reach = surface.centroid.norm() + surface.radius;
-  return surface.area > 4 * std::numeric_limits<double>::epsilon() * reach * surface.radius;
 }
 
 /// A sensor's plates where they are.
@@ -124,7 +118,7 @@ class SceneEvaluator::Implementation {
     }
     for (std::size_t i = 0; i < objects_.size(); ++i) {
       const Surface& surface = objects_[i].surface;
-      if (!has_area(surface))
+      if (std::none_of(surface.triangles.begin(), surface.triangles.end(), detail::has_area))
         throw InputError(
             fmt::format("object \"{}\" has no area, and so no charge to correct", scene.objects[i].name));
       charged_objects_.push_back(detail::make_charged_surface(surface.triangles));

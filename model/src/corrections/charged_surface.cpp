@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -314,6 +315,15 @@ std::vector<Triangle> plate_triangles(std::span<const Rectangle> plates) {
   return triangles;
 }
 
+bool has_area(const Triangle& triangle) {
+  double reach = 0, longest = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    reach = std::max(reach, triangle[i].lpNorm<Eigen::Infinity>());
+    longest = std::max(longest, (triangle[(i + 1) % 3] - triangle[i]).norm());
+  }
+  return twice_area(triangle) > 8 * std::numeric_limits<double>::epsilon() * reach * longest;
+}
+
 ChargedSurface make_charged_surface(std::vector<Triangle> triangles) {
   ChargedSurface surface;
   surface.closed = is_closed(triangles);
@@ -325,7 +335,10 @@ ChargedSurface make_charged_surface(std::vector<Triangle> triangles) {
   }
   std::vector<Patch> cells;
   const double cell = std::sqrt(surface.area / cells_per_surface);
-  for (const Patch& patch : patches_of(triangles))
+  std::vector<Triangle> charged;
+  std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(charged), has_area);
+  // A plate's edges may be known better than its corners.
+  for (const Patch& patch : patches_of(charged.empty() ? triangles : charged))
     if (patch.area() > 0)
       divide(patch, cell, cells);
   surface.triangles = std::move(triangles);

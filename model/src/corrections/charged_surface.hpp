@@ -41,7 +41,10 @@ struct ChargedSurface {
 /// Two triangles for each plate, as in conductors().
 std::vector<Triangle> plate_triangles(std::span<const Rectangle> plates);
 
-/// The triangles must be finite and have an area.
+/// Whether a triangle has more area than rounding its corners makes of a line.
+bool has_area(const Triangle& triangle);
+
+/// The triangles must be finite and have an area; those that only rounding gives one carry no charge.
 ChargedSurface make_charged_surface(std::vector<Triangle> triangles);
 
 }  // namespace fringe::detail

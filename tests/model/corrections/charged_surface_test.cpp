@@ -35,6 +35,17 @@ TEST(ChargedSurface, OfANeedleHasTheOwnCapacitanceThatBoundaryElementsGiveIt) {
     }
 }
 
+TEST(ChargedSurface, HasNoChargeOnWhatRoundingMakesOfALine) {
+  const Triangle whole{{{0, 0.34, 0.3}, {-0.7, 0.09, -1}, {0, -0.9, 0.3}}};
+  const Triangle line{{{0.0849508001749888, 0, -0.125},
+                       {-0.9355730474531689, 0, -0.8053730954002256},
+                       {-0.8762812525796406, 1.03786404433746e-17, -0.7658438456882323}}};
+  EXPECT_TRUE(has_area(whole));
+  EXPECT_FALSE(has_area(line));
+  EXPECT_EQ(make_charged_surface({whole, line}).own_capacitance,
+            make_charged_surface({whole}).own_capacitance);
+}
+
 TEST(ChargedSurface, OfAPlateHasItsChargeAtTheEdges) {
   const ChargedSurface plate = make_charged_surface(triangulate(Plate{1, 1}));
   EXPECT_NEAR(plate.charges.sum(), 1, 1e-12);
