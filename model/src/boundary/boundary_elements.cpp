@@ -50,7 +50,7 @@ constexpr double quadrature_caution = 0.01;
 constexpr double finest_tolerance = 1e-13;
 
 /// The part of rtol that the quadratures may take.
-constexpr double quadrature_share = 0.05;
+constexpr double quadrature_part = 0.05;
 
 /// How much finer than rtol the quadratures begin: functions that resolve everything leave errors far below
 /// rtol, which the quadratures' must be well below in turn for a lower bound.
@@ -95,7 +95,7 @@ void tell(const PanelSolution& solution, const ChargedBodies& bodies, double per
   answer.lower_bounds.resize(static_cast<std::size_t>(conductors));
   for (Index i = 0; i < conductors; ++i)
     answer.lower_bounds[static_cast<std::size_t>(i)] =
-        quadrature(i, i) <= quadrature_share * answer.errors(i, i);
+        quadrature(i, i) <= quadrature_part * answer.errors(i, i);
 }
 
 /// What the objects add to the sensors' own entries, in metres. The errors of a sensor's edges, which it has
@@ -257,9 +257,9 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const BoundaryElementOptions& o
         (solution.quadrature_effect.topLeftCorner(answer.values.rows(), answer.values.cols()).array() /
          answer.values.array().abs())
             .maxCoeff();
-    const bool tightened = quadrature > quadrature_share * options.rtol;
+    const bool tightened = quadrature > quadrature_part * options.rtol;
     if (tightened)
-      tolerance *= quadrature_share * options.rtol / quadrature / 2;
+      tolerance *= quadrature_part * options.rtol / quadrature / 2;
     if (!refine(system, solution, excess, options.most_unknowns, functions) && !tightened)
       break;
   }

@@ -46,7 +46,7 @@ void validate_sizes(const Object& object, std::initializer_list<double> sizes) {
 void validate_triangles(const std::string& name, const std::vector<Triangle>& triangles) {
   /// Of triangles whose height is a smaller part of their longest side, rounding in the integrals makes a
   /// matrix that is not positive definite.
-  constexpr double no_height = 1e-8;
+  constexpr double least_height = 1e-8;
   using Corner = std::array<double, 3>;
   std::map<std::array<Corner, 3>, std::size_t> known;
   for (std::size_t k = 0; k < triangles.size(); ++k) {
@@ -62,9 +62,9 @@ void validate_triangles(const std::string& name, const std::vector<Triangle>& tr
     const double doubled = twice_area(triangles[k]);
     if (!(doubled > 0))
       throw InputError(fmt::format("{}: triangle {} has no area", name, k));
-    if (doubled < no_height * longest)
-      throw InputError(
-          fmt::format("{}: triangle {} is too thin: less high than 1e-8 of its longest side", name, k));
+    if (doubled < least_height * longest)
+      throw InputError(fmt::format("{}: triangle {} is too thin: less high than {} of its longest side", name,
+                                   k, least_height));
     std::sort(corners.begin(), corners.end());
     const auto [other, is_new] = known.emplace(corners, k);
     if (!is_new)

@@ -337,7 +337,8 @@ ChargedSurface make_charged_surface(std::vector<Triangle> triangles) {
   const double cell = std::sqrt(surface.area / cells_per_surface);
   std::vector<Triangle> charged;
   std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(charged), has_area);
-  // A plate's edges may be known better than its corners.
+  // A sensor far from the origin may be so small that this is said of both its triangles: its edges are known
+  // apart from its corner.
   for (const Patch& patch : patches_of(charged.empty() ? triangles : charged))
     if (patch.area() > 0)
       divide(patch, cell, cells);

@@ -44,7 +44,8 @@ std::vector<Triangle> plate_triangles(std::span<const Rectangle> plates);
 /// Whether a triangle has more area than rounding its corners makes of a line.
 bool has_area(const Triangle& triangle);
 
-/// The triangles must be finite and have an area; those that only rounding gives one carry no charge.
+/// The triangles must be finite and have an area; those that only rounding gives one carry no charge beside
+/// others.
 ChargedSurface make_charged_surface(std::vector<Triangle> triangles);
 
 }  // namespace fringe::detail

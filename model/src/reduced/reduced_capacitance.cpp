@@ -45,7 +45,7 @@ constexpr double error_per_resolution = 1.25;
 
 /// Parts of the error that is asked for.
 constexpr double truncation_share = 0.3;
-constexpr double share_of_quadrature = 0.3;
+constexpr double quadrature_share = 0.3;
 
 /// Of the error that is asked for, what the triangles' size may take of a body's energies.
 constexpr double triangle_share = 0.25;
@@ -289,7 +289,7 @@ class ReducedEvaluator::Implementation {
     const double excess = (solution.quadrature.topLeftCorner(rows, rows).array() * factor_ * unit_ /
                            answer_.values.array().abs())
                               .maxCoeff() /
-                          (share_of_quadrature * rtol_);
+                          (quadrature_share * rtol_);
     return excess > 1 ? std::log(excess) + 0.5 : 0;
   }
 
