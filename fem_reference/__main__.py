@@ -1,4 +1,4 @@
-"""Command line: python3 -m fem_reference SCENE [--rtol R] [--error KIND] [--columns NAME,…] [--max-…] [--json] [--output F.vtu] [--slice F]."""
+"""Command line: python3 -m fem_reference SCENE [--rtol R] [--error KIND] [--columns NAME,…] [--max-…] [--no-symmetry] [--json] [--output F.vtu] [--slice F]."""
 
 from __future__ import annotations
 
@@ -84,6 +84,11 @@ def _parser(program: str) -> argparse.ArgumentParser:
         default=(),
         help="solve only these conductors' rows and columns, the other ones grounded (default: all)",
     )
+    parser.add_argument(
+        "--no-symmetry",
+        action="store_true",
+        help="mesh the whole of space although the scene may be its own mirror image: slower, and a check",
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON document and nothing else")
     parser.add_argument(
         "--output",
@@ -141,7 +146,13 @@ def main(arguments: list[str] | None = None) -> int:
             output.write_field(Path(options.scene), options.output)
         limits = Limits(options.max_seconds, options.max_unknowns, options.max_memory * 2**30)
         return output.answer(
-            Path(options.scene), options.json, options.rtol, options.error, limits, options.columns
+            Path(options.scene),
+            options.json,
+            options.rtol,
+            options.error,
+            limits,
+            options.columns,
+            not options.no_symmetry,
         )
     except InputError as wrong:
         print(f"fem_reference: {wrong}", file=told)
@@ -158,7 +169,8 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _prepare_libraries() -> None:
     """Compiled forms are kept beside the build; a process uses one core, since cases run side by side; no chatter."""
-    logging.getLogger().setLevel(logging.WARNING)
+    # The compiler's messages come through the root logger, whose level the build tools set themselves.
+    logging.disable(logging.INFO)
     os.environ.setdefault("XDG_CACHE_HOME", str(installation.cache_folder()))
     os.environ.setdefault("OMP_NUM_THREADS", "1")
 

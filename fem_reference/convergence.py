@@ -49,7 +49,8 @@ def estimate(levels: Sequence[Array]) -> Estimate:
     """Best value and error of each quantity from its values on levels of edge size h, h/2, h/4 …
 
     One level says nothing about its own error, which is then stated as 100 %; two levels allow no check of the ratio,
-    so nothing is extrapolated.
+    so nothing is extrapolated. Nothing is either where a difference was ever larger than the one before it: such values have not
+    settled, and the error is what any of the differences may have left.
     """
     finest = levels[-1]
     unchecked = np.zeros(finest.shape, dtype=bool)
@@ -62,7 +63,9 @@ def estimate(levels: Sequence[Array]) -> Estimate:
     previous = levels[-2] - levels[-3]
     predicted, last_size = previous / 2, np.abs(last)
     largest = np.maximum(np.abs(predicted), last_size)
-    falls = _falls(previous, last)
+    jumped = _jumped(levels)
+    falls = _falls(previous, last) & ~jumped
+    largest = np.where(jumped, np.maximum(largest, _left_of_all(levels)), largest)
     twice = _falls(levels[-3] - levels[-4], previous) if len(levels) > 3 else unchecked
     fraction = np.where(twice, LEAST_FRACTION_CHECKED_TWICE, LEAST_FRACTION)
     error = np.maximum(fraction * largest, np.abs(last - predicted))
@@ -73,6 +76,19 @@ def estimate(levels: Sequence[Array]) -> Estimate:
 def _falls(before: Array, after: Array) -> NDArray[np.bool_]:
     """Whether a difference follows one before as it should; not as a quotient, since both may be 0."""
     return np.asarray(before * np.sign(after) >= LEAST_RATIO * np.abs(after))
+
+
+def _jumped(levels: Sequence[Array]) -> NDArray[np.bool_]:
+    """Whether a difference of successive levels was larger than the one before it, by more than what all levels share."""
+    sizes = np.abs(np.diff(np.array(levels), axis=0))
+    return np.asarray((sizes[1:] > sizes[:-1] + SHARED_ERROR * np.abs(levels[-1])).any(axis=0))
+
+
+def _left_of_all(levels: Sequence[Array]) -> Array:
+    """The most that any of the differences of successive levels leaves on the finest one: half of it for each level since."""
+    sizes = np.abs(np.diff(np.array(levels), axis=0))
+    halvings = np.arange(len(sizes))[::-1].reshape(-1, *np.ones(sizes.ndim - 1, dtype=int))
+    return np.asarray((sizes / 2.0**halvings).max(axis=0))
 
 
 def shared_error(growth: float) -> float:

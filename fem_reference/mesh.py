@@ -40,6 +40,9 @@ ROOM_REACH = 2.0
 WALL = 1e-9
 """Distance from a wall, over the room's half width, within which corners lie in it: rounding of OpenCASCADE."""
 
+OUTER_AREA_TOLERANCE = 1e-6
+"""Relative: what OpenCASCADE's integration of areas leaves is 1e-12, a face too many or too few is a twelfth or more."""
+
 MESH_ADAPT = 1
 """gmsh's most robust way to mesh a surface, twice as slow as the one it takes by itself."""
 
@@ -276,9 +279,22 @@ def _build_geometry(
             gmsh.model.addPhysicalGroup(own[0][0], [tag for _, tag in own], FIRST_BODY + k)
     boundary = gmsh.model.getBoundary(gmsh.model.getEntities(3), combined=True, oriented=False)
     outer = [tag for _, tag in boundary if _is_outer(tag, radius, room)]
+    _require_outer_area(outer, radius, room, 2 ** len(planes))
     gmsh.model.addPhysicalGroup(2, outer, OUTER_SURFACE)
     solids = [k for k, body in enumerate(bodies) if body.is_solid]
     return {k: [tag for _, tag in parts[k + 1]] for k in solids}
+
+
+def _require_outer_area(faces: Sequence[int], radius: float, room: Cuboid | None, copies: int) -> None:
+    """Raise RuntimeError unless the mirror images of these faces make up the whole sphere, or all walls of the room."""
+    if room is None:
+        whole = 4 * np.pi * radius**2
+    else:
+        a, b, c = room.half_widths
+        whole = 8 * (a * b + b * c + c * a)
+    found = copies * sum(gmsh.model.occ.getMass(2, face) for face in faces)
+    if abs(found - whole) > OUTER_AREA_TOLERANCE * whole:
+        raise RuntimeError(f"the outer surface has {found / whole:.6g} of its area: the geometry is at fault")
 
 
 def _is_outer(face: int, radius: float, room: Cuboid | None) -> bool:
@@ -292,5 +308,7 @@ def _is_wall(face: int, room: Cuboid) -> bool:
     """Whether all corners of a plane face lie in one wall."""
     points = gmsh.model.getBoundary([(2, face)], combined=False, oriented=False, recursive=True)
     corners = np.array([gmsh.model.getValue(0, tag, []) for _, tag in points])
-    inside = np.asarray(room.half_widths) - np.abs((corners - room.centre) @ room.axes.T)
-    return bool((inside < WALL * max(room.half_widths)).all(axis=0).any())
+    offsets = (corners - room.centre) @ room.axes.T
+    # The sign tells opposite walls apart: a plane of symmetry has corners in both, and is a wall of neither.
+    beyond = np.concatenate([offsets, -offsets], axis=1) - np.tile(room.half_widths, 2)
+    return bool((np.abs(beyond) < WALL * max(room.half_widths)).all(axis=0).any())

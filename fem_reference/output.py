@@ -41,7 +41,13 @@ INTERVAL: dict[ErrorKind, str] = {
 
 
 def answer(
-    path: Path, as_json: bool, rtol: float, error: ErrorKind, limits: Limits, columns: Sequence[str] = ()
+    path: Path,
+    as_json: bool,
+    rtol: float,
+    error: ErrorKind,
+    limits: Limits,
+    columns: Sequence[str] = (),
+    symmetry: bool = True,
 ) -> int:
     """Solve a scene file and print the answer; returns the exit status."""
     scene = load(path)
@@ -57,6 +63,7 @@ def answer(
         progress=progress,
         error=error,
         columns=columns,
+        symmetry=symmetry,
     )
     status = ANSWERED if reference.reached else NOT_REACHED
     if not is_first:
@@ -71,6 +78,10 @@ def answer(
             f"{reference.stopped_by}",
             file=sys.stderr,
         )
+        if reference.contradicted is not None:
+            print(
+                f"fem_reference: {path}: do not rely on the errors: {reference.contradicted}", file=sys.stderr
+            )
     return status
 
 
@@ -107,6 +118,7 @@ def document(reference: Reference) -> dict[str, Any]:
         "rtol": reference.rtol,
         "reached": reference.reached,
         "stopped_by": reference.stopped_by,
+        "contradicted": reference.contradicted,
         "worst_relative_error": reference.worst,
         "error_kind": reference.error_kind,
         "interval": INTERVAL[reference.error_kind],
@@ -217,4 +229,6 @@ def _level_document(level: Level) -> dict[str, Any]:
             "upper": level.enclosure.upper.tolist(),
             "flux_seconds": level.flux_seconds,
         }
+    if level.check is not None:
+        described["check"] = {"lower": level.check.lower.tolist(), "upper": level.check.upper.tolist()}
     return described

@@ -14,15 +14,16 @@ from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from fem_reference.best_value import best_value
+from fem_reference.checks import checked
 from fem_reference.convergence import Estimate, estimate, open_boundary_error, shared_error
 from fem_reference.distant import LeftOut, is_negligible, without_distant
 from fem_reference.enclosure import Enclosure, intersection, with_left_out
-from fem_reference.level import Level, solve_level
+from fem_reference.level import Bounds, Level, solve_level
 from fem_reference.limits import Limits
 from fem_reference.mesh import OUTER_RADIUS
 from fem_reference.scene_bodies import Conductors, Dielectric, conductors
 from fem_reference.size_rules import Sizing, growth_for
-from fem_reference.symmetry import Plane, mirror_planes
+from fem_reference.symmetry import Plane, exchanges, mirror_planes
 from geometries.scene import Scene
 
 Array = NDArray[np.float64]
@@ -69,6 +70,8 @@ class Reference:
     """Distant bodies that were not solved for; the errors and the interval account for them."""
     stopped_by: str | None = None
     """The limit that ended the refinement."""
+    contradicted: str | None = None
+    """What the estimates disagree with by more than their errors, in words: such an answer is never reached."""
 
     @property
     def has_objects(self) -> bool:
@@ -79,8 +82,9 @@ class Reference:
 
     @property
     def reached(self) -> bool:
-        """Whether every error is within `rtol`, and was judged by enough levels."""
-        return len(self.levels) >= LEVELS_BEFORE_CHECK and self.worst <= self.rtol
+        """Whether every error is within `rtol`, was judged by enough levels, and is not known to be too small."""
+        enough = len(self.levels) >= LEVELS_BEFORE_CHECK
+        return enough and self.worst <= self.rtol and self.contradicted is None
 
     @property
     def error_kind(self) -> ErrorKind:
@@ -125,6 +129,7 @@ def maxwell(
     progress: Progress | None = None,
     error: ErrorKind = "enclosure",
     columns: Sequence[str] = (),
+    symmetry: bool = True,
 ) -> Reference:
     """Solve the scene on finer and finer meshes until every entry's relative error is at most `rtol`.
 
@@ -132,12 +137,19 @@ def maxwell(
     levels, several times faster. Stops unfinished (`reached` False, the errors as they are) when the next level would end
     after `max_seconds`, have more than `max_unknowns` or take more than `max_memory` bytes. `progress` is told every level
     and the largest relative error so far; `source` names the scene in errors. With
-    `columns`, names of conductors, only their rows and columns are solved and returned, the others grounded. Raises InputError for scenes that cannot be
+    `columns`, names of conductors, only their rows and columns are solved and returned, the others grounded. Without `symmetry`
+    the whole of space is meshed although the scene may be its own mirror image. Raises InputError for scenes that cannot be
     solved, RuntimeError when the mesher or the solver fails.
     """
     limits = Limits(max_seconds, max_unknowns, max_memory)
     return solve_conductors(
-        conductors(scene, source, columns), scene.medium.relative_permittivity, rtol, limits, progress, error
+        conductors(scene, source, columns),
+        scene.medium.relative_permittivity,
+        rtol,
+        limits,
+        progress,
+        error,
+        symmetry,
     )
 
 
@@ -148,13 +160,14 @@ def solve_conductors(
     limits: Limits = Limits(),
     progress: Progress | None = None,
     error: ErrorKind = "enclosure",
+    symmetry: bool = True,
 ) -> Reference:
     """As `maxwell`, for conductors given as bodies."""
     start = time.monotonic()
     growth = growth_for(rtol)
     whole = problem
     problem, left_out = without_distant(whole, epsilon_0 * relative_permittivity, rtol)
-    planes = mirror_planes(problem.bodies, problem.owner, problem.room)
+    planes = _planes(problem, symmetry)
     levels: list[Level] = []
     next_enclosed = 0
     while True:
@@ -166,11 +179,14 @@ def solve_conductors(
             or number == MOST_LEVELS - 1
             or (limits != Limits() and next_enclosed < MOST_LEVELS)
         )
-        level = solve_level(problem, relative_permittivity, sizing, enclosed, planes)
+        # Bounds on the first mesh check what differences between meshes cannot: a mistake that all meshes share.
+        checks = number == 0 and MPI.COMM_WORLD.size == 1
+        bounds: Bounds = "enclosure" if enclosed else "check" if checks and error == "estimate" else "none"
+        level = solve_level(problem, relative_permittivity, sizing, bounds, planes)
         bound = sum((body.bound for body in left_out), np.zeros(len(problem.names)))
         if left_out and not is_negligible(bound, level.maxwell, level.delta_self, rtol):
             # Only the first level tells how small the smallest entries are.
-            problem, left_out, planes = whole, (), mirror_planes(whole.bodies, whole.owner, whole.room)
+            problem, left_out, planes = whole, (), _planes(whole, symmetry)
             continue
         levels.append(level)
         answer = _answer(
@@ -188,6 +204,11 @@ def solve_conductors(
             next_enclosed = number + _halvings(answer.worst, rtol)
 
 
+def _planes(problem: Conductors, symmetry: bool) -> tuple[Plane, ...]:
+    """The planes of symmetry to be used."""
+    return mirror_planes(problem.bodies, problem.owner, problem.room) if symmetry else ()
+
+
 def _halvings(worst: float, rtol: float) -> int:
     """How many halvings of the edge size to go before the next enclosure; no further one is needed when it is narrow enough.
 
@@ -201,7 +222,8 @@ def _halvings(worst: float, rtol: float) -> int:
 def _stopped_by(levels: Sequence[Level], limits: Limits, seconds: float) -> str | None:
     last = levels[-1]
     # A level without bounds says nothing about their time; it goes with the cells.
-    flux = max(level.flux_seconds / level.cells for level in levels) * last.cells
+    enclosed = (level.flux_seconds / level.cells for level in levels if level.enclosure is not None)
+    flux = max(enclosed, default=0.0) * last.cells
     predicted = seconds + GROWTH_OF_TIME * (last.seconds - last.flux_seconds + flux)
     return limits.exceeded_by(predicted, GROWTH_OF_UNKNOWNS * last.unknowns, GROWTH_OF_UNKNOWNS * last.memory)
 
@@ -239,13 +261,19 @@ def _answer(
     value = matrix.value
     proven = [level.enclosure for level in levels if level.enclosure is not None]
     interval = with_left_out(intersection(proven), left_out) if proven else None
+    contradicted = None
     if interval is not None:
         value = np.clip(value, interval.lower, interval.upper)
         matrix_error = np.minimum(matrix_error, np.maximum(value - interval.lower, interval.upper - value))
+        answer = Estimate(value, matrix_error, matrix.extrapolated)
+    else:
+        check = None if levels[0].check is None else with_left_out(levels[0].check, left_out)
+        estimated = Estimate(value, matrix_error, matrix.extrapolated)
+        answer, contradicted = checked(estimated, _exchanges(problem), check)
     return Reference(
         names=problem.names,
         sensors=problem.sensors,
-        maxwell=Estimate(value, matrix_error, matrix.extrapolated),
+        maxwell=answer,
         delta_self=Estimate(change.value, change_error, change.extrapolated),
         levels=tuple(levels),
         rtol=rtol,
@@ -258,4 +286,14 @@ def _answer(
         curved=problem.curved,
         planes=tuple(problem.in_metres(plane) for plane in planes),
         enclosure=interval,
+        contradicted=contradicted,
     )
+
+
+def _exchanges(problem: Conductors) -> list[tuple[int, ...]]:
+    """The orders of the matrix' rows in which it is the same, as the scene mirrored is itself."""
+    kinds: list[tuple[str, float]] = [("row", 0.0)] * len(problem.names)
+    kinds += [("floating", 0.0)] * len(problem.floating) + [("grounded", 0.0)] * len(problem.grounded)
+    kinds += [("dielectric", body.contrast) for body in problem.dielectrics]
+    orders = exchanges(problem.bodies, problem.owner, kinds, problem.room)
+    return [order[: len(problem.names)] for order in orders]

@@ -1,11 +1,12 @@
 """Planes in which a scene is its own mirror image, found and not declared: they spare the mesh half of space each.
 
-Every conductor has to be its own image, so that all potentials are symmetric and no field line crosses the plane.
+Every conductor has to be its own image, so that all potentials are symmetric and no field line crosses the plane. Where mirroring
+exchanges conductors, no mesh is spared, but entries of the Maxwell matrix are equal, which checks the answer.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -53,14 +54,43 @@ def mirror_planes(
     tetrahedron without volume. `owner[k]` is the conductor or dielectric body that body k belongs to. Lengths are over
     the scene's unit.
     """
-    if room is not None:
-        bodies, owner = [*bodies, room], [*owner, ROOM]
+    bodies, owner = _with_room(bodies, owner, room)
     found: list[Plane] = []
     for plane in _candidates(bodies, owner):
         upright = all(abs(plane.normal @ other.normal) < TOLERANCE for other in found)
-        if upright and not _holds_a_plate(plane, bodies) and _is_mirror(plane, bodies, owner):
+        if upright and not _holds_a_plate(plane, bodies) and _is_own_image(plane, bodies, owner):
             found.append(plane)
     return tuple(found)
+
+
+def exchanges(
+    bodies: Sequence[Body], owner: Sequence[int], kinds: Sequence[Hashable], room: Cuboid | None = None
+) -> tuple[tuple[int, ...], ...]:
+    """The mirror images of the scene that are the scene with some of its conductors or dielectric bodies exchanged.
+
+    Each is a tuple: number k of `owner` becomes the number in place k, which is of the same kind, `kinds[k]`. Entries of the
+    Maxwell matrix that an exchange maps to each other are equal. The other arguments are those of `mirror_planes`.
+    """
+    bodies, owner = _with_room(bodies, owner, room)
+    found: list[tuple[int, ...]] = []
+    for plane in [*_candidates(bodies, owner), *_bisectors(bodies)]:
+        images = _images(plane, bodies, owner)
+        if images is None:
+            continue
+        exchange = tuple(images[number] for number in range(len(kinds)))
+        same_kinds = all(kinds[number] == kinds[image] for number, image in enumerate(exchange))
+        if same_kinds and exchange != tuple(range(len(kinds))) and exchange not in found:
+            found.append(exchange)
+    return tuple(found)
+
+
+def _with_room(
+    bodies: Sequence[Body], owner: Sequence[int], room: Cuboid | None
+) -> tuple[list[Body], list[int]]:
+    """The bodies and their owners with the room, if any, as one body more."""
+    if room is None:
+        return list(bodies), list(owner)
+    return [*bodies, room], [*owner, ROOM]
 
 
 def _candidates(bodies: Sequence[Body], owner: Sequence[int]) -> Iterator[Plane]:
@@ -75,10 +105,17 @@ def _candidates(bodies: Sequence[Body], owner: Sequence[int]) -> Iterator[Plane]
     for one, other in combinations(axes, 2):
         for diagonal in ((one + other) / np.sqrt(2), (one - other) / np.sqrt(2)):
             yield Plane(diagonal, float(diagonal @ centre))
-    for body, own in zip(bodies[1:], owner[1:]):
+    own = [body for body, number in zip(bodies, owner) if number == owner[0]]
+    yield from _bisectors(own)
+
+
+def _bisectors(bodies: Sequence[Body]) -> Iterator[Plane]:
+    """The planes in the middle between the first body's centre and those of the others."""
+    centre = bodies[0].corners.mean(axis=0)
+    for body in bodies[1:]:
         between = body.corners.mean(axis=0) - centre
         length = float(np.linalg.norm(between))
-        if own == owner[0] and length > TOLERANCE:
+        if length > TOLERANCE:
             normal = between / length
             yield Plane(normal, float(normal @ (centre + between / 2)))
 
@@ -88,11 +125,28 @@ def _holds_a_plate(plane: Plane, bodies: Sequence[Body]) -> bool:
     return any(np.abs(plate.corners @ plane.normal - plane.offset).max() < TOLERANCE for plate in plates)
 
 
-def _is_mirror(plane: Plane, bodies: Sequence[Body], owner: Sequence[int]) -> bool:
-    return all(
-        any(own == other and _is_image(body, image, plane) for image, other in zip(bodies, owner))
-        for body, own in zip(bodies, owner)
-    )
+def _is_own_image(plane: Plane, bodies: Sequence[Body], owner: Sequence[int]) -> bool:
+    """Whether every conductor and every dielectric body is its own mirror image."""
+    images = _images(plane, bodies, owner)
+    return images is not None and all(number == image for number, image in images.items())
+
+
+def _images(plane: Plane, bodies: Sequence[Body], owner: Sequence[int]) -> dict[int, int] | None:
+    """The number of `owner` that each number becomes in the mirror; None if the mirror image is another scene.
+
+    All bodies of one number become bodies of one number, of as many.
+    """
+    images: dict[int, int] = {}
+    for body, own in zip(bodies, owner):
+        candidates = {other for image, other in zip(bodies, owner) if _is_image(body, image, plane)}
+        if own in images:
+            candidates &= {images[own]}
+        if not candidates:
+            return None
+        images[own] = own if own in candidates else min(candidates)
+    one_to_one = len(set(images.values())) == len(images)
+    as_many = all(owner.count(own) == owner.count(image) for own, image in images.items())
+    return images if one_to_one and as_many else None
 
 
 def _is_image(body: Body, other: Body, plane: Plane) -> bool:

@@ -45,7 +45,7 @@ def _coarse(set_up: SetUp, symmetric: bool = True, enclosed: bool = False) -> Le
     """The coarsest level; without `symmetric` on the whole of space."""
     problem = set_up.conductors()
     planes = mirror_planes(problem.bodies, problem.owner) if symmetric else ()
-    return solve_level(problem, 1.0, Sizing(), enclosed, planes)
+    return solve_level(problem, 1.0, Sizing(), "enclosure" if enclosed else "none", planes)
 
 
 def _difference(first: Array, second: Array) -> float:

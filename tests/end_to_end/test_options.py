@@ -61,6 +61,7 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
         "--max-seconds": (REFERENCE, "test_one_level_under_a_limit_still_encloses_the_truth"),
         "--max-unknowns": (REFERENCE, "test_one_level_under_a_limit_still_encloses_the_truth"),
         "--max-memory": (REFERENCE, "test_one_level_under_a_limit_still_encloses_the_truth"),
+        "--no-symmetry": (REFERENCE, "test_the_whole_of_space_is_meshed_when_symmetry_is_not_to_be_used"),
         "--columns": (REFERENCE, "test_columns_left_out_are_named_and_unknown_ones_refused"),
         "--output": (REFERENCE, "test_the_field_is_written_for_paraview"),
         "--slice": (REFERENCE, "test_a_slice_of_the_potential_runs_from_the_sensor_to_the_ground"),

@@ -50,7 +50,7 @@ def enclosed(plates: list[Plate], refinement: float) -> tuple[bool, float, float
     """Whether every entry lies inside, the largest relative width, and what the panel method is sure to."""
     bodies = [rectangle(str(k), plate.corner, plate.edge_u, plate.edge_v) for k, plate in enumerate(plates)]
     problem = normalised([str(k) for k in range(len(plates))], 1, bodies, range(len(plates)))
-    interval = solve_level(problem, 1.0, Sizing(refinement=refinement), with_enclosure=True).enclosure
+    interval = solve_level(problem, 1.0, Sizing(refinement=refinement), "enclosure").enclosure
     assert interval is not None
     truth, slack = panel_method.maxwell(plates)
     inside = np.all(interval.lower <= truth + slack) and np.all(truth - slack <= interval.upper)

@@ -50,6 +50,24 @@ def test_json_is_one_document_with_the_whole_answer(scene: Path) -> None:
     assert 0 < change["value"] < maxwell[0, 0] and change["error"] <= 1e-3 * change["value"]
 
 
+def test_the_whole_of_space_is_meshed_when_symmetry_is_not_to_be_used(scene: Path) -> None:
+    short = ("--json", "--error", "estimate", "--max-seconds", "0.1")
+    half, whole = (json.loads(command(scene, *short, *more).stdout) for more in ((), ("--no-symmetry",)))
+    assert len(half["symmetry_planes"]) == 1 and whole["symmetry_planes"] == []
+    assert whole["unknowns"] > 1.5 * half["unknowns"]
+    np.testing.assert_allclose(half["maxwell"], whole["maxwell"], rtol=5e-3)
+
+
+def test_an_estimate_is_checked_by_bounds_on_the_coarsest_mesh(scene: Path) -> None:
+    done = command(scene, "--json", "--error", "estimate", "--max-seconds", "0.1")
+    first = json.loads(done.stdout)["levels"][0]
+    assert json.loads(done.stdout)["contradicted"] is None
+    lower, upper, value = (
+        np.array(matrix) for matrix in (first["check"]["lower"], first["check"]["upper"], first["maxwell"])
+    )
+    assert np.all(lower <= value) and np.all(value <= upper * (1 + 1e-4))
+
+
 def test_when_time_is_short_the_answer_admits_it(scene: Path) -> None:
     """One level says nothing about its own error: 100 %, and exit status 3."""
     done = command(scene, "--json", "--error", "estimate", "--max-seconds", "0.1")

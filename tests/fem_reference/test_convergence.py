@@ -15,6 +15,9 @@ from fem_reference.convergence import (
 AGREEING_BY_CHANCE = (2.683719, 2.683916, 2.681565, 2.681252), 2.680950
 """C11 of equal plates, pF, on four meshes of the set-up parallel-018 of the corrections; by boundary elements to 1e-5."""
 
+JUMPING = (7.9822, 8.2602, 8.3072, 8.7242, 8.6428, 8.6869)
+"""An own entry, pF, on six meshes of a plate that a grounded plane cuts, where there is no limit. The last three differences fall."""
+
 
 def of(*values: float) -> tuple[float, float, bool]:
     found = estimate([np.array([value]) for value in values])
@@ -73,6 +76,14 @@ def test_differences_that_do_not_fall_are_not_extrapolated(values: tuple[float, 
     first, second = abs(values[1] - values[0]), abs(values[2] - values[1])
     assert not extrapolated and value == values[2]
     assert error == pytest.approx(UNCHECKED_SAFETY * max(first / 2, second))
+
+
+def test_values_that_have_jumped_are_not_extrapolated_and_what_a_jump_leaves_is_in_the_error() -> None:
+    value, error, extrapolated = of(*JUMPING)
+    jump = JUMPING[3] - JUMPING[2]
+    assert not extrapolated and value == JUMPING[-1]
+    assert error == pytest.approx(UNCHECKED_SAFETY * jump / 4)
+    assert error > 1e-2 * value
 
 
 def test_a_quantity_that_does_not_change_has_no_error() -> None:

@@ -79,7 +79,7 @@ def alone(body: Body) -> Conductors:
 
 def level(problem: Conductors, refinement: float) -> Level:
     planes = mirror_planes(problem.bodies, problem.owner)
-    return solve_level(problem, 1.0, Sizing(refinement=refinement), with_enclosure=True, planes=planes)
+    return solve_level(problem, 1.0, Sizing(refinement=refinement), "enclosure", planes)
 
 
 def widths_around(name: str, problem: Conductors, truth: float, truth_error: float) -> list[float]:

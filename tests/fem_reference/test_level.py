@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fem_reference.bodies import Rectangle
-from fem_reference.level import solve_level
+from fem_reference.level import Bounds, solve_level
 from fem_reference.scene_bodies import normalised
 from fem_reference.sizing import Sizing
 from fem_reference.symmetry import mirror_planes
@@ -18,8 +18,8 @@ def memory_in_use() -> int:
     return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * getpagesize()
 
 
-@pytest.mark.parametrize("with_enclosure", [False, True])
-def test_a_level_leaves_no_memory_behind(with_enclosure: bool) -> None:
+@pytest.mark.parametrize("bounds", ["none", "check", "enclosure"])
+def test_a_level_leaves_no_memory_behind(bounds: Bounds) -> None:
     """Its matrices take some 10 MB, its bounds three times that."""
     plates = [
         Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("a", 0), ("b", 0.4))
@@ -28,6 +28,6 @@ def test_a_level_leaves_no_memory_behind(with_enclosure: bool) -> None:
     planes = mirror_planes(problem.bodies, problem.owner, problem.room)
     used = []
     for _ in range(4):
-        solve_level(problem, 1.0, Sizing(), with_enclosure, planes)
+        solve_level(problem, 1.0, Sizing(), bounds, planes)
         used.append(memory_in_use())
     assert used[3] - used[1] < 5 * 2**20

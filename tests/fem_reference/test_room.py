@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
-from fem_reference import maxwell
+from fem_reference import maxwell, mesh
 from fem_reference.bodies import Body, Cuboid, Rectangle
 from fem_reference.enclosure import Enclosure
 from fem_reference.level import solve_level
@@ -36,7 +36,7 @@ def enclosed(bodies: list[Body], room: Cuboid | None, refinement: float = 1.0) -
     """Each body a conductor."""
     problem = normalised([body.name for body in bodies], 1, bodies, range(len(bodies)), room=room)
     planes = mirror_planes(problem.bodies, problem.owner, problem.room)
-    found = solve_level(problem, 1.0, Sizing(refinement=refinement), True, planes).enclosure
+    found = solve_level(problem, 1.0, Sizing(refinement=refinement), "enclosure", planes).enclosure
     assert found is not None
     return found
 
@@ -77,6 +77,44 @@ def test_a_plate_near_a_wall_is_a_plate_and_its_image() -> None:
     below = (pair.lower[0, 0] - pair.upper[0, 1]) / epsilon_0
     above = (pair.upper[0, 0] - pair.lower[0, 1]) / epsilon_0
     assert lower <= above * 1.001 and below <= upper and upper - lower <= 2e-2 * upper
+
+
+EDGE_TO_EDGE = (
+    Rectangle("first", np.array([0, -0.5, -3.0]), np.eye(3), (1.0, 0.45)),
+    Rectangle("second", np.array([0, 0.6, -3.0]), np.eye(3), (1.0, 0.45)),
+)
+
+
+@pytest.mark.parametrize(
+    "bodies, centre, number",
+    [
+        (EDGE_TO_EDGE, (0, 0, 0), 1),
+        (EDGE_TO_EDGE[:1], (0, 0, 0), 1),
+        (EDGE_TO_EDGE[:1], (0, -0.5, 0), 2),
+        ((PLATE, Sphere("ball", np.array([0, 0, 1.5]), 0.5)), (0, 0.3, 0.2), 1),
+        ((Cuboid("cube", np.zeros(3), np.eye(3), (0.5, 0.4, 0.3)),), (0, 0, 0), 3),
+        ((Cuboid("cube", np.zeros(3), np.eye(3), (0.5, 0.4, 0.3)),), (0.5, 0, 0), 2),
+    ],
+)
+def test_one_side_of_the_planes_of_a_room_gives_the_answer_of_the_whole(
+    bodies: tuple[Body, ...], centre: tuple[float, ...], number: int
+) -> None:
+    """A plane of symmetry has corners in opposite walls: it was taken for a wall, and grounded, where nothing else cut it."""
+    room = box(8, 8, 8, centre=centre)
+    problem = normalised([body.name for body in bodies], 1, bodies, range(len(bodies)), room=room)
+    planes = mirror_planes(problem.bodies, problem.owner, problem.room)
+    assert len(planes) == number
+    side, whole = (solve_level(problem, 1.0, Sizing(), "check", used) for used in (planes, ()))
+    assert side.check is not None and whole.check is not None
+    assert np.all(side.check.lower <= whole.check.upper) and np.all(whole.check.lower <= side.check.upper)
+    np.testing.assert_allclose(side.maxwell, whole.maxwell, rtol=5e-3)
+
+
+def test_an_outer_surface_that_is_not_whole_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever takes a wall for none, or another face for a wall."""
+    monkeypatch.setattr(mesh, "_is_wall", lambda face, room: face % 2 == 0)
+    with pytest.raises(RuntimeError, match="outer surface"):
+        enclosed([PLATE], box(4, 4, 4))
 
 
 def test_planes_of_the_bodies_that_are_none_of_the_room_are_not_used() -> None:

@@ -12,7 +12,7 @@ from fem_reference.level import solve_level
 from fem_reference.round_bodies import Arc, Cone, Cylinder, Sphere
 from fem_reference.scene_bodies import Conductors, normalised
 from fem_reference.size_rules import Sizing
-from fem_reference.symmetry import Plane, mirror_planes
+from fem_reference.symmetry import Plane, exchanges, mirror_planes
 
 Array = NDArray[np.float64]
 
@@ -67,6 +67,30 @@ def test_two_plates_of_one_sensor_may_be_exchanged_and_two_sensors_may_not() -> 
     assert planes(first, second, target, owner=[0, 1, 2]) == ()
 
 
+def test_mirroring_two_sensors_into_each_other_is_an_exchange() -> None:
+    first = Rectangle("sensor", np.array([-0.6, 0.2, 0]), np.eye(3), (0.5, 0.3))
+    second = Rectangle("sensor", np.array([0.6, 0.2, 0]), np.eye(3), (0.5, 0.3))
+    target = plate(0, 0, 0.2)
+    rows = ["row"] * 3
+    assert exchanges([first, second, target], [0, 1, 2], rows) == ((1, 0, 2),)
+    assert exchanges([first, second, target], [0, 0, 1], rows[:2]) == ()
+    assert exchanges([first, second, plate(0.01, 0, 0.2)], [0, 1, 2], rows) == ()
+
+
+def test_bodies_of_two_kinds_are_not_exchanged() -> None:
+    balls = [Sphere("ball", np.array([x, 0, 0.9]), 0.3) for x in (-0.5, 0.5)]
+    bodies = [SENSOR, *balls]
+    assert exchanges(bodies, [0, 1, 2], ["row", "floating", "floating"]) == ((0, 2, 1),)
+    assert exchanges(bodies, [0, 1, 2], ["row", "row", "floating"]) == ()
+
+
+def test_a_room_that_is_not_mirrored_allows_no_exchange() -> None:
+    balls = [Sphere("ball", np.array([x, 0, 0]), 0.3) for x in (-0.5, 0.5)]
+    centred, aside = (Cuboid("room", np.array([x, 0, 0]), np.eye(3), (2.0, 2.0, 2.0)) for x in (0, 0.1))
+    assert exchanges(balls, [0, 1], ["row", "row"], centred) == ((1, 0),)
+    assert exchanges(balls, [0, 1], ["row", "row"], aside) == ()
+
+
 def test_a_set_up_a_little_off_its_mirror_image_has_no_plane() -> None:
     assert len(planes(SENSOR, plate(1e-7, 1e-7, 0.2))) == 0
 
@@ -85,8 +109,8 @@ def test_one_side_gives_the_answer_of_the_whole(target: Body, number: int) -> No
     problem = problem_of(target)
     found = mirror_planes(problem.bodies, problem.owner)
     assert len(found) == number
-    whole = solve_level(problem, 1.0, Sizing(), with_enclosure=True)
-    side = solve_level(problem, 1.0, Sizing(), with_enclosure=True, planes=found)
+    whole = solve_level(problem, 1.0, Sizing(), "enclosure")
+    side = solve_level(problem, 1.0, Sizing(), "enclosure", found)
     assert whole.enclosure is not None and side.enclosure is not None
     assert np.all(side.enclosure.lower <= whole.enclosure.upper)
     assert np.all(whole.enclosure.lower <= side.enclosure.upper)
