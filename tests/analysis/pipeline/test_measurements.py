@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from analysis.pipeline import jobs, measurement_stage, processes
+from analysis.pipeline import measurement_stage, processes
 from analysis.pipeline.measurement_stage import Measurement
 from analysis.report import run_times_section, stability_section
 from analysis.results import machine, measurements, store, study_results as results

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from analysis import __main__ as command_line
-from analysis.pipeline import jobs
 from analysis.pipeline.model_stage import model_module
 from analysis.results import store
 from analysis.results.set_up import rectangles

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.pipeline import jobs, processes
+from analysis.pipeline import processes
 from analysis.results import machine, store
 from analysis.results.study_results import Failure
 from analysis.topics.verification import (
