@@ -28,12 +28,12 @@ import fringe  # noqa: E402
 
 from fem_reference import maxwell  # noqa: E402
 from fem_reference.reference import ErrorKind  # noqa: E402
-from geometries.errors import InputError  # noqa: E402
-from geometries.poses import AxisRotation, Pose, QuaternionRotation, Transform, Vector3  # noqa: E402
-from geometries.reader import load  # noqa: E402
-from geometries.scene import Link, Object, Plate, Room, Scene, Sensor  # noqa: E402
-from geometries.shapes import Arc, Cone, Cuboid, Cylinder, MeshShape, PlateShape, Shape, Sphere  # noqa: E402
-from geometries.writer import canonical  # noqa: E402
+from geometries.common.errors import InputError  # noqa: E402
+from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Transform, Vector3  # noqa: E402
+from geometries.scene.reader import load  # noqa: E402
+from geometries.scene.scene import Link, Object, Plate, Room, Scene, Sensor  # noqa: E402
+from geometries.scene.shapes import Arc, Cone, Cuboid, Cylinder, MeshShape, PlateShape, Shape, Sphere  # noqa: E402
+from geometries.scene.writer import canonical  # noqa: E402
 
 Array = NDArray[np.float64]
 MIRROR = np.diag([1.0, -1.0, 1.0])
