@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fem_reference.reference import Reference, maxwell
+    from fem_reference.answer.reference import Reference, maxwell
 
 __all__ = ["Reference", "maxwell"]
 
@@ -17,7 +17,7 @@ __all__ = ["Reference", "maxwell"]
 def __getattr__(name: str) -> Any:
     """Load the solver when it is first asked for: the command's help and its input errors do without it."""
     if name in __all__:
-        import fem_reference.reference as reference
+        import fem_reference.answer.reference as reference
 
         return getattr(reference, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -122,8 +122,8 @@ def main(arguments: list[str] | None = None) -> int:
     _prepare_libraries()
     from mpi4py import MPI
 
-    from fem_reference import output
-    from fem_reference.limits import Limits
+    from fem_reference.output import documents
+    from fem_reference.common.limits import Limits
     from geometries.common.errors import InputError
 
     # Every process runs all of this, and comes to the same end; one of them says so.
@@ -141,11 +141,11 @@ def main(arguments: list[str] | None = None) -> int:
                 options.scene, what, "is made by a single process; several solve with --error estimate"
             )
         if options.slice is not None:
-            return output.write_slice(Path(options.scene), Path(options.slice))
+            return documents.write_slice(Path(options.scene), Path(options.slice))
         if options.output is not None:
-            output.write_field(Path(options.scene), options.output)
+            documents.write_field(Path(options.scene), options.output)
         limits = Limits(options.max_seconds, options.max_unknowns, options.max_memory * 2**30)
-        return output.answer(
+        return documents.answer(
             Path(options.scene),
             options.json,
             options.rtol,

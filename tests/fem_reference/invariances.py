@@ -27,12 +27,21 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "build" / "python")
 import fringe  # noqa: E402
 
 from fem_reference import maxwell  # noqa: E402
-from fem_reference.reference import ErrorKind  # noqa: E402
+from fem_reference.answer.reference import ErrorKind  # noqa: E402
 from geometries.common.errors import InputError  # noqa: E402
 from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Transform, Vector3  # noqa: E402
 from geometries.scene.reader import load  # noqa: E402
 from geometries.scene.scene import Link, Object, Plate, Room, Scene, Sensor  # noqa: E402
-from geometries.scene.shapes import Arc, Cone, Cuboid, Cylinder, MeshShape, PlateShape, Shape, Sphere  # noqa: E402
+from geometries.scene.shapes import (
+    Arc,
+    Cone,
+    Cuboid,
+    Cylinder,
+    MeshShape,
+    PlateShape,
+    Shape,
+    Sphere,
+)  # noqa: E402
 from geometries.scene.writer import canonical  # noqa: E402
 
 Array = NDArray[np.float64]

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.pipeline.model_stage import model_module
-from fem_reference import reference
+from fem_reference.answer import reference
 from geometries.studies import study
 from geometries.studies.study import Case
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from fem_reference import maxwell
-from fem_reference.output import table
-from fem_reference.reference import Reference
+from fem_reference.output.documents import table
+from fem_reference.answer.reference import Reference
 from geometries.common.errors import InputError
 from geometries.scene.reader import loads
 

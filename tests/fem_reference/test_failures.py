@@ -10,12 +10,13 @@ import gmsh
 import numpy as np
 import pytest
 
-from fem_reference import mesh, solve
+from fem_reference.mesh import tagged_mesh as mesh
+from fem_reference.solve import field_problem as solve
 from fem_reference.__main__ import main
-from fem_reference.bodies import Rectangle
-from fem_reference.mesh import tagged_mesh
-from fem_reference.size_rules import Sizing
-from fem_reference.stages import stage
+from fem_reference.bodies.shapes import Rectangle
+from fem_reference.mesh.tagged_mesh import tagged_mesh
+from fem_reference.mesh.size_rules import Sizing
+from fem_reference.common.stages import stage
 
 SCENE = """
 [[sensor]]

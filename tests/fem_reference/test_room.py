@@ -9,15 +9,16 @@ import pytest
 from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
-from fem_reference import maxwell, mesh
-from fem_reference.bodies import Body, Cuboid, Rectangle
-from fem_reference.enclosure import Enclosure
-from fem_reference.level import solve_level
-from fem_reference.output import table
-from fem_reference.round_bodies import Sphere
-from fem_reference.scene_bodies import normalised
-from fem_reference.size_rules import Sizing
-from fem_reference.symmetry import mirror_planes
+from fem_reference import maxwell
+from fem_reference.bodies.shapes import Body, Cuboid, Rectangle
+from fem_reference.solve.enclosure import Enclosure
+from fem_reference.solve.level import solve_level
+from fem_reference.output.documents import table
+from fem_reference.bodies.round_bodies import Sphere
+from fem_reference.bodies.conductors import normalised
+from fem_reference.mesh import tagged_mesh
+from fem_reference.mesh.size_rules import Sizing
+from fem_reference.bodies.symmetry import mirror_planes
 from geometries.common.errors import InputError
 from geometries.scene.reader import loads
 
@@ -112,7 +113,7 @@ def test_one_side_of_the_planes_of_a_room_gives_the_answer_of_the_whole(
 
 def test_an_outer_surface_that_is_not_whole_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever takes a wall for none, or another face for a wall."""
-    monkeypatch.setattr(mesh, "_is_wall", lambda face, room: face % 2 == 0)
+    monkeypatch.setattr(tagged_mesh, "_is_wall", lambda face, room: face % 2 == 0)
     with pytest.raises(RuntimeError, match="outer surface"):
         enclosed([PLATE], box(4, 4, 4))
 

@@ -10,14 +10,14 @@ import pytest
 import ufl
 from dolfinx import fem
 
-from fem_reference.bodies import Body, Cuboid, Rectangle
-from fem_reference.mesh import FIRST_BODY, tagged_mesh
-from fem_reference.polyhedron import polyhedron
-from fem_reference.round_bodies import Arc, Cone, Cylinder, Sphere
-from fem_reference.scene_bodies import Conductors, Dielectric, normalised
-from fem_reference.sizing import Sizing
-from fem_reference.solve import Charges, FieldProblem, charges
-from fem_reference.symmetry import mirror_planes
+from fem_reference.bodies.shapes import Body, Cuboid, Rectangle
+from fem_reference.mesh.tagged_mesh import FIRST_BODY, tagged_mesh
+from fem_reference.bodies.polyhedron import polyhedron
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
+from fem_reference.bodies.conductors import Conductors, Dielectric, normalised
+from fem_reference.mesh.sizing import Sizing
+from fem_reference.solve.field_problem import Charges, FieldProblem, charges
+from fem_reference.bodies.symmetry import mirror_planes
 from geometries.scene import shapes
 from geometries.scene.poses import AxisRotation
 

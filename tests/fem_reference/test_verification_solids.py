@@ -20,10 +20,10 @@ from analysis.topics.verification.truths_of_revolution import (
     grounded,
     two_balls,
 )
-from fem_reference.bodies import Body
-from fem_reference.reference import solve_conductors
-from fem_reference.round_bodies import Cone, Cylinder, Sphere
-from fem_reference.scene_bodies import Dielectric, normalised
+from fem_reference.bodies.shapes import Body
+from fem_reference.answer.reference import solve_conductors
+from fem_reference.bodies.round_bodies import Cone, Cylinder, Sphere
+from fem_reference.bodies.conductors import Dielectric, normalised
 from geometries.scene.poses import AxisRotation
 
 TURNED = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T

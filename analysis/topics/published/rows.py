@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from analysis.results.set_up import Rectangle, rectangles
 from analysis.results.store import Document
-from fem_reference.enclosure import enclosure
+from fem_reference.solve.enclosure import enclosure
 from geometries.studies.study import Case
 
 Array = NDArray[np.float64]

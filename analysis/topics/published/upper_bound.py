@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from analysis.results.store import Document, write_json
-from fem_reference.mesh import TaggedMesh, tagged_mesh
-from fem_reference.scene_bodies import Conductors, conductors
-from fem_reference.size_rules import Sizing
-from fem_reference.solve import FieldProblem, release_unused
-from fem_reference.symmetry import mirror_planes
-from fem_reference.upper_energy import upper_energies
+from fem_reference.mesh.tagged_mesh import TaggedMesh, tagged_mesh
+from fem_reference.bodies.conductors import Conductors, conductors
+from fem_reference.mesh.size_rules import Sizing
+from fem_reference.solve.field_problem import FieldProblem, release_unused
+from fem_reference.bodies.symmetry import mirror_planes
+from fem_reference.solve.upper_energy import upper_energies
 from geometries.scene import reader
 
 Array = NDArray[np.float64]

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.topics.verification.set_ups import SetUp, alone, hinged, pair, plate, squares
-from fem_reference.bodies import Body, Cuboid, Rectangle
-from fem_reference.level import Level, solve_level
-from fem_reference.mesh import tagged_mesh
-from fem_reference.size_rules import Sizing
-from fem_reference.solve import FieldProblem
-from fem_reference.symmetry import mirror_planes
+from fem_reference.bodies.shapes import Body, Cuboid, Rectangle
+from fem_reference.solve.level import Level, solve_level
+from fem_reference.mesh.tagged_mesh import tagged_mesh
+from fem_reference.mesh.size_rules import Sizing
+from fem_reference.solve.field_problem import FieldProblem
+from fem_reference.bodies.symmetry import mirror_planes
 from geometries.scene.poses import AxisRotation
 
 Array = NDArray[np.float64]

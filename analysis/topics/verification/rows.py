@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from analysis.topics.verification import uniform_meshes
 from analysis.topics.verification.properties import PROPERTIES
 from analysis.topics.verification.set_ups import CostCase, Quantity, TrueCase, cost_cases, true_cases
-from fem_reference.level import Level
-from fem_reference.limits import Limits
-from fem_reference.reference import ErrorKind, Reference, solve_conductors
+from fem_reference.solve.level import Level
+from fem_reference.common.limits import Limits
+from fem_reference.answer.reference import ErrorKind, Reference, solve_conductors
 
 Array = NDArray[np.float64]
 Document = dict[str, Any]

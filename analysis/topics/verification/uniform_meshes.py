@@ -21,15 +21,15 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 from scipy.constants import epsilon_0
 
-from fem_reference.distance_text import surface_distance
-from fem_reference.field_nodes import expression, smallest
-from fem_reference.mesh import OUTER_RADIUS
-from fem_reference.occ_shapes import add_ball, add_body, cut_to
-from fem_reference.polyhedron import Polyhedron
-from fem_reference.scene_bodies import Conductors
-from fem_reference.size_rules import Sizing
-from fem_reference.solve import SOLVER_OPTIONS, products, require_convergence, set_options
-from fem_reference.symmetry import Plane, mirror_planes
+from fem_reference.mesh.distance_expressions import surface_distance
+from fem_reference.mesh.gmsh_fields import expression, smallest
+from fem_reference.mesh.tagged_mesh import OUTER_RADIUS
+from fem_reference.mesh.occ_shapes import add_ball, add_body, cut_to
+from fem_reference.bodies.polyhedron import Polyhedron
+from fem_reference.bodies.conductors import Conductors
+from fem_reference.mesh.size_rules import Sizing
+from fem_reference.solve.field_problem import SOLVER_OPTIONS, products, require_convergence, set_options
+from fem_reference.bodies.symmetry import Plane, mirror_planes
 
 Array = NDArray[np.float64]
 OUTER, SPACE, FIRST = 1, 1, 10

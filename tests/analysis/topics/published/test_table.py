@@ -182,8 +182,8 @@ def test_nothing_is_written_while_a_set_up_has_no_answer(
 
 def test_the_study_is_of_set_ups_that_have_a_plane_of_symmetry() -> None:
     """As its file says: what halves the field solver's work is there in every one."""
-    from fem_reference.scene_bodies import conductors
-    from fem_reference.symmetry import mirror_planes
+    from fem_reference.bodies.conductors import conductors
+    from fem_reference.bodies.symmetry import mirror_planes
 
     for case in study.load(study.find(stage.STUDY)).cases()[::40]:
         problem = conductors(case.scene)

@@ -1,0 +1,1 @@
+"""From several meshes to one value and its error."""

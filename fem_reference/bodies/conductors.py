@@ -1,0 +1,301 @@
+"""From a scene to the bodies of the field problem: which conductor is made of what, and whether it can be solved."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_reference.bodies.shapes import Body, Cuboid, Rectangle, bounding_sphere
+from fem_reference.bodies.boxes import cuboid_of
+from fem_reference.bodies.distances import TOUCHING, distance, gap_to_walls, holds, touch_with_faces
+from fem_reference.bodies.polyhedron import NotASolid, Polyhedron, polyhedron
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
+from fem_reference.bodies.symmetry import Plane
+from geometries.common.errors import InputError
+from geometries.scene import shapes
+from geometries.scene.scene import Object, Scene
+from geometries.scene.shapes import MeshShape, PlateShape
+
+Array = NDArray[np.float64]
+ClosedFormShape = PlateShape | shapes.Cuboid | shapes.Sphere | shapes.Cylinder | shapes.Cone | shapes.Arc
+
+SMALLEST_GAP = 1e-3
+"""Smallest gap over the smaller of two bodies' sizes. The mesh resolves every gap, and its size grows like the square of
+size over gap: below this a case would not fit the machine."""
+
+
+@dataclass(frozen=True)
+class Dielectric:
+    """A body without charge of its own; `contrast` is its relative permittivity over the medium's."""
+
+    name: str
+    relative_permittivity: float
+    contrast: float
+
+
+@dataclass(frozen=True)
+class Conductors:
+    """What a scene is made of. Lengths over `unit`.
+
+    `bodies[k]` is a part of number `owner[k]`: numbers go through the conductors of the Maxwell matrix, sensors first,
+    then through the floating conductors, then through those that are only grounded, then through the dielectric bodies.
+    """
+
+    names: tuple[str, ...]
+    """The conductors that have a row in the Maxwell matrix."""
+    sensors: int
+    bodies: tuple[Body, ...]
+    owner: tuple[int, ...]
+    centre: Array
+    unit: float
+    floating: tuple[str, ...] = ()
+    dielectrics: tuple[Dielectric, ...] = ()
+    grounded: tuple[str, ...] = ()
+    """Conductors that are present and never driven: nobody asked for their columns. Sensors first."""
+    grounded_sensors: int = 0
+    room: Cuboid | None = None
+    """The grounded walls around everything; None in free space."""
+
+    def bodies_of(self, conductor: int) -> list[int]:
+        return [k for k, owner in enumerate(self.owner) if owner == conductor]
+
+    @property
+    def driven(self) -> int:
+        """How many conductors are driven, floating ones too: the first ones."""
+        return len(self.names) + len(self.floating)
+
+    @property
+    def parts(self) -> list[list[int]]:
+        """The bodies of every conductor."""
+        return [self.bodies_of(k) for k in range(self.driven + len(self.grounded))]
+
+    def in_metres(self, plane: Plane) -> Plane:
+        """A plane of the scaled scene in the world frame."""
+        return Plane(plane.normal, float(self.unit * plane.offset + plane.normal @ self.centre))
+
+    @property
+    def curved(self) -> tuple[str, ...]:
+        """The bodies with curved surfaces."""
+        return tuple(
+            body.name for body in self.bodies if not isinstance(body, Rectangle | Cuboid | Polyhedron)
+        )
+
+    @property
+    def permittivities(self) -> dict[int, float]:
+        """Of the dielectric bodies, relative to the medium's."""
+        first = self.driven + len(self.grounded)
+        return {
+            body: dielectric.contrast
+            for k, dielectric in enumerate(self.dielectrics)
+            for body in self.bodies_of(first + k)
+        }
+
+    @property
+    def most_charge(self) -> float:
+        """Bound on the sum of |charge| in the scene over twice the driven conductor's charge, the others grounded.
+
+        Every field line starts on the driven conductor. It ends and starts again at most once on each floating conductor;
+        a share |1 − 1/ε| of it does on the surface of a dielectric body, which it is taken to cross once.
+        """
+        return 1 + len(self.floating) + sum(abs(1 - 1 / body.contrast) for body in self.dielectrics)
+
+
+def conductors(scene: Scene, source: str = "scene", columns: Sequence[str] = ()) -> Conductors:
+    """The conductors and dielectric bodies of a scene, moved to the origin and scaled by their bounding sphere's radius.
+
+    So the mesh, and every number but the unit, is the same for a scene of twice the size or elsewhere. With `columns` only
+    these conductors have a row, the other ones are grounded. Raises InputError for what cannot be solved: no conductor, a
+    column of none, a shape or material the solver does not know, conductors that touch.
+    """
+    if not scene.sensors:
+        raise InputError(source, "sensor", "nothing to solve: the scene has no capacitive sensor")
+    solid = [body for body in scene.objects if body.relative_permittivity is None]
+    grounded = [body for body in solid if body.potential == "grounded"]
+    floating = [body for body in solid if body.potential == "floating"]
+    dielectric = [body for body in scene.objects if body.relative_permittivity is not None]
+    sensors = [sensor.name for sensor in scene.sensors]
+    rows = [*sensors, *(body.name for body in grounded)]
+    _refuse_unknown(columns, rows, source)
+    asked = [name for name in rows if not columns or name in columns]
+    others = [name for name in rows if name not in asked]
+    numbered = [*asked, *(body.name for body in floating), *others, *(body.name for body in dielectric)]
+    number = {name: k for k, name in enumerate(numbered)}
+    bodies: list[Body] = []
+    owner: list[int] = []
+    for sensor in sensors:
+        for corner, edge_u, edge_v in scene.sensor_rectangles(sensor):
+            owner.append(number[sensor])
+            bodies.append(rectangle(sensor, corner, edge_u, edge_v))
+    for body in [*grounded, *floating, *dielectric]:
+        owner.append(number[body.name])
+        bodies.append(_object_body(scene, body, source))
+    for first, second in combinations(range(len(bodies)), 2):
+        if owner[first] != owner[second]:
+            # Dielectric bodies come last: the second of two is one when either is.
+            any_dielectric = owner[second] >= len(scene.sensors) + len(solid)
+            _refuse_contact(bodies[first], bodies[second], any_dielectric, source)
+    return normalised(
+        asked,
+        sum(name in asked for name in sensors),
+        bodies,
+        owner,
+        [body.name for body in floating],
+        [_dielectric(body, scene) for body in dielectric],
+        others,
+        sum(name in others for name in sensors),
+        _room(scene, bodies, source),
+    )
+
+
+def _room(scene: Scene, bodies: Sequence[Body], source: str) -> Cuboid | None:
+    """The walls; InputError when a body is not inside, off them."""
+    if scene.room is None:
+        return None
+    pose = scene.room.pose.transform()
+    x, y, z = scene.room.size
+    room = Cuboid("room", pose.translation, pose.rotation.T, (x / 2, y / 2, z / 2))
+    for body in bodies:
+        if gap_to_walls(body, room) < SMALLEST_GAP * body.size:
+            raise InputError(
+                source, "room", f'"{body.name}" is not inside, {SMALLEST_GAP:g} of its size off the walls'
+            )
+    return room
+
+
+def _refuse_unknown(columns: Sequence[str], rows: Sequence[str], source: str) -> None:
+    unknown = [name for name in columns if name not in rows]
+    if unknown:
+        known = ", ".join(f'"{name}"' for name in rows)
+        raise InputError(
+            source, "columns", f'"{unknown[0]}" is not a conductor with a column: these are {known}'
+        )
+
+
+def normalised(
+    names: Sequence[str],
+    sensors: int,
+    bodies: Sequence[Body],
+    owner: Sequence[int],
+    floating: Sequence[str] = (),
+    dielectrics: Sequence[Dielectric] = (),
+    grounded: Sequence[str] = (),
+    grounded_sensors: int = 0,
+    room: Cuboid | None = None,
+) -> Conductors:
+    """Conductors from bodies in metres: `bodies[k]` is a part of number `owner[k]`, the first `sensors` are sensors."""
+    centre, unit = bounding_sphere(bodies)
+    scaled = tuple(moved(body, centre, unit) for body in bodies)
+    return Conductors(
+        tuple(names),
+        sensors,
+        scaled,
+        tuple(owner),
+        centre,
+        unit,
+        tuple(floating),
+        tuple(dielectrics),
+        tuple(grounded),
+        grounded_sensors,
+        None if room is None else moved_cuboid(room, centre, unit),
+    )
+
+
+def rectangle(name: str, corner: Array, edge_u: Array, edge_v: Array) -> Rectangle:
+    """The rectangle corner + a·edge_u + b·edge_v, a and b in [0, 1]; edges at right angles, metres."""
+    widths = float(np.linalg.norm(edge_u)), float(np.linalg.norm(edge_v))
+    first, second = edge_u / widths[0], edge_v / widths[1]
+    axes = np.array([first, second, np.cross(first, second)])
+    return Rectangle(name, corner + (edge_u + edge_v) / 2, axes, (widths[0] / 2, widths[1] / 2))
+
+
+def _dielectric(body: Object, scene: Scene) -> Dielectric:
+    assert body.relative_permittivity is not None
+    contrast = body.relative_permittivity / scene.medium.relative_permittivity
+    return Dielectric(body.name, body.relative_permittivity, contrast)
+
+
+def _object_body(scene: Scene, body: Object, source: str) -> Body:
+    key = f'object "{body.name}"'
+    if body.relative_permittivity is not None and isinstance(body.shape, PlateShape):
+        raise InputError(source, f"{key}: shape.type", "a plate has no volume that could be dielectric")
+    rotation, translation = scene.pose_of_object(body.name)
+    if isinstance(body.shape, MeshShape):
+        try:
+            solid = polyhedron(body.name, body.shape.triangles() @ rotation.T + translation)
+        except NotASolid as reason:
+            raise InputError(source, f"{key}: shape.file", f"{body.shape.file} {reason}") from reason
+        return cuboid_of(solid) or solid
+    return _placed(body.name, body.shape, rotation.T, translation)
+
+
+def _placed(name: str, shape: ClosedFormShape, axes: Array, centre: Array) -> Body:
+    """The body of a shape whose frame has these axes (rows) and this origin."""
+    match shape:
+        case PlateShape():
+            x, y = shape.size
+            return Rectangle(name, centre, axes, (x / 2, y / 2))
+        case shapes.Cuboid():
+            x, y, z = shape.size
+            return Cuboid(name, centre, axes, (x / 2, y / 2, z / 2))
+        case shapes.Sphere():
+            return Sphere(name, centre, shape.radius)
+        case shapes.Cylinder():
+            return Cylinder(name, centre, axes, shape.radius, shape.height)
+        case shapes.Cone():
+            return Cone(name, centre, axes, shape.radius, shape.height)
+        case shapes.Arc():
+            half_angle = np.radians(shape.degrees) / 2
+            return Arc(name, centre, axes, shape.inner_radius, shape.outer_radius, shape.height, half_angle)
+
+
+def _refuse_contact(first: Body, second: Body, dielectric: bool, source: str) -> None:
+    """Refuse bodies that meet or nearly do; when the second is `dielectric` it may touch the first with a face."""
+    key = f'"{first.name}" and "{second.name}"'
+    gap = distance(first, second)
+    size = min(first.size, second.size)
+    if dielectric and gap <= TOUCHING * size and touch_with_faces(first, second):
+        return
+    for outer, inner in ((first, second), (second, first)):
+        if holds(outer, inner):
+            raise InputError(source, key, f'"{inner.name}" is inside "{outer.name}"')
+    if gap <= TOUCHING * size and dielectric:
+        raise InputError(
+            source,
+            key,
+            "overlap, or touch elsewhere than with plane faces; a dielectric body may touch with plane faces of "
+            "plates, cuboids, cylinders and cones only",
+        )
+    if gap <= TOUCHING * size:
+        raise InputError(
+            source, key, "the conductors touch or cross: their capacitance is infinite or meaningless"
+        )
+    if gap < SMALLEST_GAP * size:
+        raise InputError(
+            source,
+            key,
+            f"the gap of {gap:.3g} m is below {SMALLEST_GAP:g} of the smaller size, too narrow to mesh",
+        )
+
+
+def moved(body: Body, centre: Array, unit: float) -> Body:
+    """The body after `centre` has become the origin, lengths over `unit`."""
+    if isinstance(body, Polyhedron):
+        return replace(body, vertices=(body.vertices - centre) / unit, size=body.size / unit)
+    origin = (body.centre - centre) / unit
+    if isinstance(body, Rectangle):
+        a, b = body.half_widths
+        return replace(body, centre=origin, half_widths=(a / unit, b / unit))
+    if isinstance(body, Cuboid):
+        return moved_cuboid(body, centre, unit)
+    lengths = ("radius", "height", "inner_radius", "outer_radius")
+    scaled = {name: getattr(body, name) / unit for name in lengths if hasattr(body, name)}
+    return replace(body, centre=origin, **scaled)
+
+
+def moved_cuboid(body: Cuboid, centre: Array, unit: float) -> Cuboid:
+    a, b, c = body.half_widths
+    return replace(body, centre=(body.centre - centre) / unit, half_widths=(a / unit, b / unit, c / unit))

@@ -1,0 +1,144 @@
+"""The bodies as the field solver sees them: rectangles without thickness, discs, and solids, in the world frame.
+
+Every body answers the same questions: how large is it, where are its edges (the charge is singular there), and how far
+is a point from it. The distances are closed forms in the body's own frame, where its symmetry planes fold space into one
+octant; the mesh generator gets the same closed forms as text (`sizing`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
+
+from fem_reference.bodies.polyhedron import Polyhedron
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """A plate without thickness: centre ± half_widths[i]·axes[i]; metres. Its normal is axes[2]."""
+
+    name: str
+    centre: Vector
+    axes: Vector
+    half_widths: tuple[float, float]
+
+    @property
+    def is_solid(self) -> bool:
+        return False
+
+    @property
+    def size(self) -> float:
+        """The shorter side (m): the length that the edge singularity has to be resolved against."""
+        return 2 * min(self.half_widths)
+
+    @property
+    def spans(self) -> Vector:
+        """Edge vectors (k, 3) of the parallelotope; the body is origin + Σ s_i·spans[i], s in [0, 1]."""
+        return 2 * np.asarray(self.half_widths)[:, None] * self.axes[:2]
+
+    @property
+    def corners(self) -> Vector:
+        """The four corners (4, 3) in order around the rectangle."""
+        u, v = self.spans
+        origin = self.centre - (u + v) / 2
+        return np.array([origin, origin + u, origin + u + v, origin + v])
+
+    def edge_distance(self, points: Vector) -> Vector:
+        """Distance (n,) of points (n, 3) to the rectangle's boundary."""
+        x, y, z = _folded(self, points)
+        a, b = self.half_widths
+        beside_x = np.sqrt(np.maximum(x - a, 0) ** 2 + (y - b) ** 2 + z**2)
+        beside_y = np.sqrt((x - a) ** 2 + np.maximum(y - b, 0) ** 2 + z**2)
+        return np.asarray(np.minimum(beside_x, beside_y))
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A circular plate without thickness, the set-up of Love's equation; its normal is axes[2]; metres."""
+
+    name: str
+    centre: Vector
+    axes: Vector
+    radius: float
+
+    @property
+    def is_solid(self) -> bool:
+        return False
+
+    @property
+    def size(self) -> float:
+        return 2 * self.radius
+
+    @property
+    def corners(self) -> Vector:
+        """The corners (4, 3) of the square around the disc."""
+        u, v = self.radius * self.axes[:2]
+        return np.array([self.centre - u - v, self.centre + u - v, self.centre + u + v, self.centre - u + v])
+
+    def edge_distance(self, points: Vector) -> Vector:
+        """Distance (n,) of points (n, 3) to the circle."""
+        x, y, z = _folded(self, points)
+        return np.asarray(np.hypot(np.hypot(x, y) - self.radius, z))
+
+
+@dataclass(frozen=True)
+class Cuboid:
+    """A solid box: centre ± half_widths[i]·axes[i]; metres."""
+
+    name: str
+    centre: Vector
+    axes: Vector
+    half_widths: tuple[float, float, float]
+
+    @property
+    def is_solid(self) -> bool:
+        return True
+
+    @property
+    def size(self) -> float:
+        return 2 * min(self.half_widths)
+
+    @property
+    def spans(self) -> Vector:
+        return 2 * np.asarray(self.half_widths)[:, None] * self.axes
+
+    @property
+    def corners(self) -> Vector:
+        """The eight corners (8, 3); corner a + 2b + 4c has the sign + on the axis whose bit is set."""
+        u, v, w = self.spans
+        origin = self.centre - (u + v + w) / 2
+        return np.array([origin + a * u + b * v + c * w for c in (0, 1) for b in (0, 1) for a in (0, 1)])
+
+
+Body = Rectangle | Disc | Cuboid | Sphere | Cylinder | Cone | Arc | Polyhedron
+
+
+def bounding_sphere(bodies: Sequence[Body]) -> tuple[Vector, float]:
+    """Centre (3,) and radius (m) of a sphere around all bodies: the middle of their bounding box, and what it takes."""
+    corners = np.concatenate([body.corners for body in bodies])
+    centre = (corners.min(axis=0) + corners.max(axis=0)) / 2
+    return centre, float(np.linalg.norm(corners - centre, axis=1).max())
+
+
+def _folded(body: Rectangle | Disc, points: Vector) -> Vector:
+    """Coordinates (3, n) of points in the body's frame, folded into the first octant by the body's symmetry."""
+    return np.asarray(np.abs((points - body.centre) @ body.axes.T).T)
+
+
+def separation(first: Rectangle | Cuboid, second: Rectangle | Cuboid) -> float:
+    """The shortest distance (m) between two bodies; 0 when they touch or overlap.
+
+    Both are parallelotopes, so this is a least-squares problem with bounds 0 … 1 on the edge parameters.
+    """
+    scale = max(np.abs(first.spans).max(), np.abs(second.spans).max())
+    matrix = np.vstack([first.spans, -second.spans]).T / scale
+    offset = (second.corners[0] - first.corners[0]) / scale
+    solution = lsq_linear(matrix, offset, bounds=(0, 1), method="bvls", tol=1e-14)
+    return float(np.linalg.norm(matrix @ solution.x - offset) * scale)

@@ -1,0 +1,1 @@
+"""From bodies to a tetrahedral mesh: geometry, sizes of the cells, quarter-point elements."""

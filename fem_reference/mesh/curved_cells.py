@@ -1,0 +1,64 @@
+"""Second-order cells on curved surfaces: which they are, and that none is turned inside out."""
+
+from __future__ import annotations
+
+import basix
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_reference.mesh.quarter_points import TETRAHEDRON_EDGES, second_order, straighten
+
+Array = NDArray[np.float64]
+
+VERTICES = np.array(basix.geometry(basix.CellType.tetrahedron))
+SECOND_ORDER_NODES = np.concatenate([VERTICES, VERTICES[TETRAHEDRON_EDGES].mean(axis=1)])
+"""The ten nodes of the reference tetrahedron."""
+
+MOST_STRAIGHTENINGS = 20
+"""Two or three are what it takes."""
+
+
+def curved_cells(nodes: Array, cells: NDArray[np.int32], centre: Array, radius: float) -> NDArray[np.bool_]:
+    """Which cells (n,) are not straight, those at the outer sphere (centre, radius) left out."""
+    straight = nodes[cells[:, TETRAHEDRON_EDGES]].mean(axis=2)
+    bent = np.linalg.norm(nodes[cells[:, 4:]] - straight, axis=2).max(axis=1)
+    length = np.linalg.norm(nodes[cells[:, 1]] - nodes[cells[:, 0]], axis=1)
+    inside = np.linalg.norm(nodes[cells[:, 0]] - centre, axis=1) < 0.5 * radius
+    return np.asarray((bent > 1e-9 * length) & inside)
+
+
+def shape_error(nodes: Array, cells: NDArray[np.int32]) -> float:
+    """How much capacitances may change, relatively, because second-order cells (n, 10) only nearly follow a curved surface.
+
+    A parabola through the ends and the middle of an arc of half angle a and radius R lies up to R·a⁴/32 inside the circle. A
+    displacement d of a surface changes capacitances by at most d/R by itself, and by d over the gap to another
+    conductor, which is at least the length of the cells there (`sizing`). Both, for the worst side, twice, since a face bends in two
+    directions.
+    """
+    ends = nodes[cells[:, TETRAHEDRON_EDGES]]
+    chord = ends[:, :, 1] - ends[:, :, 0]
+    length = np.linalg.norm(chord, axis=2)
+    height = np.linalg.norm(nodes[cells[:, 4:]] - ends.mean(axis=2), axis=2)
+    half_angle = 2 * np.arctan(2 * height / length)
+    deviation = half_angle**4 / 32
+    radius_over_length = 1 / np.maximum(2 * np.sin(half_angle), 1e-9)
+    return float(2 * np.max(deviation * (1 + radius_over_length), initial=0.0))
+
+
+def straighten_inverted(nodes: Array, cells: NDArray[np.int32]) -> None:
+    """Move the middle nodes of cells whose map turns over at one of its ten nodes back onto the straight edges, in place.
+
+    Slivers on a curved surface do so now and then. Neighbours share the nodes, hence the repetition; cells that are
+    straight all round do not turn over. Raises RuntimeError when some stay turned over.
+    """
+    gradients = second_order().tabulate(1, SECOND_ORDER_NODES)[1:, :, :, 0]
+    for _ in range(MOST_STRAIGHTENINGS):
+        volumes = np.linalg.det(np.einsum("dpn,cni->cpid", gradients, nodes[cells]))
+        straight = np.linalg.det(nodes[cells[:, 1:4]] - nodes[cells[:, :1]])
+        inverted = cells[(volumes * np.sign(straight)[:, None]).min(axis=1) <= 0]
+        if not len(inverted):
+            return
+        straighten(nodes, inverted)
+    raise RuntimeError(
+        f"meshing failed: {len(inverted)} tetrahedra on a curved surface are turned inside out"
+    )

@@ -1,0 +1,162 @@
+"""Distances from bodies as expressions in x, y, z for gmsh's MathEval.
+
+In a body's own frame its symmetry planes fold space: a point's coordinates may be taken as absolute values. Inside round
+solids the distance to the surface is given, so that the mesh coarsens towards their middle; inside cuboids and arcs 0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from fem_reference.bodies.shapes import Cuboid, Disc, Rectangle
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
+
+TextBody = Rectangle | Disc | Cuboid | Sphere | Cylinder | Cone | Arc
+"""The bodies whose distances are closed forms."""
+
+
+def surface_distance(body: TextBody) -> str:
+    """Distance to the body."""
+    if isinstance(body, Sphere):
+        return f"abs({_radius_from_centre(body)}-{body.radius!r})"
+    x, y, z = _folded(body)
+    if isinstance(body, Disc):
+        return f"sqrt({_beyond(f'sqrt({x}^2+{y}^2)', body.radius)}^2+{z}^2)"
+    if isinstance(body, Cylinder):
+        beside = f"(sqrt({x}^2+{y}^2)-{body.radius!r})"
+        above = f"({z}-{body.height / 2!r})"
+        return f"(sqrt(max({beside},0)^2+max({above},0)^2)-min(max({beside},{above}),0))"
+    if isinstance(body, Cone):
+        return f"min({_cone_side_distance(body)},{_cone_base_distance(body)})"
+    if isinstance(body, Arc):
+        return _arc_surface_distance(body)
+    widths = [*body.half_widths, 0.0][:3]
+    return "sqrt(" + "+".join(f"{_beyond(c, w)}^2" for c, w in zip((x, y, z), widths)) + ")"
+
+
+def wall_distance(room: Cuboid) -> str:
+    """Distance to the walls of a room, inside of it."""
+    return minimum([f"({half!r}-{c})" for c, half in zip(_folded(room), room.half_widths)])
+
+
+def edge_distance(body: TextBody) -> str | None:
+    """Distance to the nearest edge or apex of the body; None when it has none."""
+    if isinstance(body, Sphere):
+        return None
+    x, y, z = _folded(body)
+    if isinstance(body, Disc):
+        return f"sqrt((sqrt({x}^2+{y}^2)-{body.radius!r})^2+{z}^2)"
+    if isinstance(body, Cylinder):
+        return f"sqrt((sqrt({x}^2+{y}^2)-{body.radius!r})^2+({z}-{body.height / 2!r})^2)"
+    if isinstance(body, Cone):
+        x, y, z = _local(body)
+        rim = f"((sqrt(({x})^2+({y})^2)-{body.radius!r})^2+({z}+{body.height / 2!r})^2)"
+        return f"sqrt(min({rim},({x})^2+({y})^2+({z}-{body.height / 2!r})^2))"
+    if isinstance(body, Arc):
+        return _arc_edge_distance(body)
+    past = [f"({c}-{w!r})^2" for c, w in zip((x, y, z), body.half_widths)]
+    outside = [f"{_beyond(c, w)}^2" for c, w in zip((x, y, z), body.half_widths)]
+    if isinstance(body, Cuboid):
+        along = ["+".join(outside[k] if k == axis else past[k] for k in range(3)) for axis in range(3)]
+        return f"sqrt({minimum(along)})"
+    return f"sqrt(min({outside[0]}+{past[1]},{past[0]}+{outside[1]})+{z}^2)"
+
+
+def curvature_radius(body: TextBody) -> str | None:
+    """The smaller radius of curvature of the surface nearby; None for bodies with plane faces only."""
+    if isinstance(body, Sphere | Cylinder):
+        return repr(body.radius)
+    if isinstance(body, Cone):
+        _, _, z = _local(body)
+        return f"(max({body.height / 2!r}-({z}),0)*{body.radius / body.height!r})"
+    if isinstance(body, Arc):
+        x, y, _ = _folded(body)
+        return f"max(sqrt({x}^2+{y}^2),{body.inner_radius!r})"
+    return None
+
+
+def minimum(expressions: Sequence[str]) -> str:
+    """The smallest of several expressions; MathEval's own `min` takes two."""
+    if len(expressions) == 1:
+        return f"({expressions[0]})"
+    half = len(expressions) // 2
+    return f"min({minimum(expressions[:half])},{minimum(expressions[half:])})"
+
+
+def _local(body: Rectangle | Disc | Cuboid | Cylinder | Cone | Arc) -> list[str]:
+    """Coordinates in the body's frame."""
+    return [
+        "+".join(f"({axis[k]!r})*({name}-({body.centre[k]!r}))" for k, name in enumerate("xyz"))
+        for axis in body.axes.tolist()
+    ]
+
+
+def _folded(body: Rectangle | Disc | Cuboid | Cylinder | Cone | Arc) -> list[str]:
+    """Absolute coordinates in the body's frame."""
+    return [f"abs({coordinate})" for coordinate in _local(body)]
+
+
+def _beyond(coordinate: str, limit: float) -> str:
+    return f"max({coordinate}-{limit!r},0)"
+
+
+def _radius_from_centre(sphere: Sphere) -> str:
+    squares = (f"({name}-({sphere.centre[k]!r}))^2" for k, name in enumerate("xyz"))
+    return f"sqrt({'+'.join(squares)})"
+
+
+def _cone_side_distance(cone: Cone) -> str:
+    """To the slanted side, a segment in the half-plane of (distance from the axis, z)."""
+    x, y, z = _local(cone)
+    across, down = f"sqrt(({x})^2+({y})^2)", f"({cone.height / 2!r}-({z}))"
+    length = cone.radius**2 + cone.height**2
+    share = f"min(max(({across}*{cone.radius!r}+{down}*{cone.height!r})/{length!r},0),1)"
+    return f"sqrt(({across}-{cone.radius!r}*{share})^2+({down}-{cone.height!r}*{share})^2)"
+
+
+def _cone_base_distance(cone: Cone) -> str:
+    x, y, z = _local(cone)
+    return f"sqrt({_beyond(f'sqrt(({x})^2+({y})^2)', cone.radius)}^2+({z}+{cone.height / 2!r})^2)"
+
+
+def _arc_surface_distance(arc: Arc) -> str:
+    _, _, z = _folded(arc)
+    past_end, along = _arc_coordinates(arc)
+    radial = f"max(max({arc.inner_radius!r}-{along},{along}-{arc.outer_radius!r}),0)"
+    in_plane = f"max(sqrt(max({past_end},0)^2+{radial}^2),{_behind(arc)})"
+    return f"sqrt({in_plane}^2+{_beyond(z, arc.height / 2)}^2)"
+
+
+def _arc_edge_distance(arc: Arc) -> str:
+    """To the nearest of the circles and, unless it is a ring, of the ends' edges."""
+    _, _, z = _folded(arc)
+    past_end, along = _arc_coordinates(arc)
+    above = f"({z}-{arc.height / 2!r})^2"
+    radii = (arc.inner_radius, arc.outer_radius)
+    squares = [f"max({past_end},0)^2+({along}-{radius!r})^2+{above}" for radius in radii]
+    if not arc.is_ring:
+        radial = f"max(max({arc.inner_radius!r}-{along},{along}-{arc.outer_radius!r}),0)"
+        squares.append(f"({past_end})^2+{radial}^2+{above}")
+        outside = f"{_beyond(z, arc.height / 2)}^2"
+        squares += [f"({past_end})^2+({along}-{radius!r})^2+{outside}" for radius in radii]
+    return f"sqrt(max({minimum(squares)},{_behind(arc)}^2+{_beyond(z, arc.height / 2)}^2))"
+
+
+def _arc_coordinates(arc: Arc) -> tuple[str, str]:
+    """How far a point is past the plane of the sector's end, and its place along the radius of the sector nearest to it."""
+    x, y, _ = _local(arc)
+    if arc.is_ring:
+        return "(-1)", f"sqrt(({x})^2+({y})^2)"
+    past_end = f"({math.cos(arc.half_angle)!r}*abs({y})-({math.sin(arc.half_angle)!r})*({x}))"
+    return past_end, f"sqrt(max(({x})^2+({y})^2-max({past_end},0)^2,0))"
+
+
+def _behind(arc: Arc) -> str:
+    """Distance to the plane that has all of a narrow sector on one side; 0 for a wide one.
+
+    Behind the axis the other coordinates would take the sector's mirror image for the sector.
+    """
+    x, _, _ = _local(arc)
+    nearest = arc.inner_radius * math.cos(arc.half_angle)
+    return f"max({nearest!r}-({x}),0)" if nearest > 0 else "0"

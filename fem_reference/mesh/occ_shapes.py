@@ -1,0 +1,175 @@
+"""Bodies as shapes of OpenCASCADE, in the current gmsh model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import gmsh
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
+from fem_reference.bodies.plane_faces import plane_faces
+from fem_reference.bodies.polyhedron import Polyhedron
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, RoundBody, Sphere
+from fem_reference.bodies.symmetry import Plane
+
+Vector = NDArray[np.float64]
+Entity = tuple[int, int]
+"""(dimension, tag)."""
+
+CONE_SECTORS = 4
+
+
+def add_body(body: Body) -> list[Entity]:
+    """Add one body to the geometry; returns what it consists of."""
+    if isinstance(body, Disc):
+        return [_disc(body)]
+    if isinstance(body, Polyhedron):
+        return _polyhedron(body)
+    if isinstance(body, Rectangle | Cuboid):
+        return [_parallelotope(body)]
+    return _round(body)
+
+
+def add_ball(centre: Vector, radius: float, planes: Sequence[Plane]) -> Entity:
+    """Add the part of a ball on the side of planes through its centre, at right angles, that their normals point to.
+
+    It is built as a sector, whose flat faces are its own: cutting a whole ball along its seam fails.
+    """
+    occ = gmsh.model.occ
+    lowest = 0.0 if len(planes) % 2 else -math.pi / 2
+    opening = 2 * math.pi if len(planes) < 2 else math.pi / 2
+    ball = (3, occ.addSphere(0, 0, 0, radius, -1, lowest, math.pi / 2, opening))
+    _place([ball], _frame(planes), centre)
+    return ball
+
+
+def cut_to(
+    shapes: Sequence[Sequence[Entity]], centre: Vector, size: float, planes: Sequence[Plane]
+) -> list[list[Entity]]:
+    """What of each shape is on the side of planes through the centre, at right angles, that their normals point to.
+
+    `size` is more than any shape reaches from the centre.
+    """
+    occ = gmsh.model.occ
+    low = [
+        0.0 if given else -size
+        for given in ((False, False, True), (True, True, False), (True, True, True))[len(planes) - 1]
+    ]
+    box = (3, occ.addBox(*low, *(size - corner for corner in low)))
+    _place([box], _frame(planes), centre)
+    kept = []
+    for shape in shapes:
+        inside, _ = occ.intersect(list(shape), [box], removeObject=True, removeTool=False)
+        kept.append([(int(dimension), int(tag)) for dimension, tag in inside])
+    occ.remove([box], recursive=True)
+    return kept
+
+
+def _frame(planes: Sequence[Plane]) -> Vector:
+    """Right-handed axes (3, 3), rows: of one plane its normal is the third, of two they are the first, of three all."""
+    normals = np.array([plane.normal for plane in planes]).reshape(-1, 3)
+    rest = np.linalg.svd(normals, full_matrices=True)[2][len(planes) :] if len(planes) else np.eye(3)
+    axes = np.vstack([rest, normals]) if len(planes) == 1 else np.vstack([normals, rest])
+    # Exchanging the first two leaves the side the same.
+    return axes if np.linalg.det(axes) > 0 else axes[[1, 0, 2]]
+
+
+def _place(entities: list[Entity], axes: Vector, centre: Vector) -> None:
+    """Turn by the rotation whose columns are the axes, then move: rigidly, which keeps surfaces what they are."""
+    turn = Rotation.from_matrix(axes.T).as_rotvec()
+    angle = float(np.linalg.norm(turn))
+    if angle > 0:
+        gmsh.model.occ.rotate(entities, 0, 0, 0, *(turn / angle), angle)
+    gmsh.model.occ.translate(entities, *centre)
+
+
+def _disc(disc: Disc) -> Entity:
+    occ = gmsh.model.occ
+    entity = (2, occ.addDisk(0, 0, 0, disc.radius, disc.radius))
+    _place([entity], disc.axes, disc.centre)
+    return entity
+
+
+def _parallelotope(body: Rectangle | Cuboid) -> Entity:
+    occ = gmsh.model.occ
+    points = [occ.addPoint(*corner) for corner in body.corners]
+    lines: dict[frozenset[int], int] = {}
+    if isinstance(body, Rectangle):
+        return (2, _polygon([points], lines))
+    quads = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+    faces = [_polygon([[points[k] for k in quad]], lines) for quad in quads]
+    return (3, occ.addVolume([occ.addSurfaceLoop(faces)]))
+
+
+def _polyhedron(body: Polyhedron) -> list[Entity]:
+    """One volume for each part; its plane faces share their edges with their neighbours."""
+    occ = gmsh.model.occ
+    parts = plane_faces(body)
+    used = sorted({vertex for part in parts for face in part for loop in face for vertex in loop})
+    points = {vertex: occ.addPoint(*body.vertices[vertex]) for vertex in used}
+    lines: dict[frozenset[int], int] = {}
+    volumes = []
+    for part in parts:
+        faces = [_polygon([[points[k] for k in loop] for loop in face], lines) for face in part]
+        volumes.append((3, occ.addVolume([occ.addSurfaceLoop(faces)])))
+    return volumes
+
+
+def _round(body: RoundBody) -> list[Entity]:
+    """The primitive around the z axis, moved to its place rigidly, which keeps its surfaces what they are."""
+    occ = gmsh.model.occ
+    if isinstance(body, Sphere):
+        return [(3, occ.addSphere(*body.centre, body.radius))]
+    bottom = (0, 0, -body.height / 2, 0, 0, body.height)
+    if isinstance(body, Cylinder):
+        entities = [(3, occ.addCylinder(*bottom, body.radius))]
+    elif isinstance(body, Cone):
+        entities = _cone_in_sectors(body)
+    else:
+        entities = [_sector(body)]
+    _place(entities, body.axes, body.centre)
+    return entities
+
+
+def _cone_in_sectors(cone: Cone) -> list[Entity]:
+    """gmsh's surface mesher stalls at the apex of a whole cone, whose surface closes on itself there; not at a sector's."""
+    occ = gmsh.model.occ
+    sectors = []
+    for k in range(CONE_SECTORS):
+        angle = 2 * math.pi / CONE_SECTORS
+        sector = occ.addCone(0, 0, -cone.height / 2, 0, 0, cone.height, cone.radius, 0, angle=angle)
+        occ.rotate([(3, sector)], 0, 0, 0, 0, 0, 1, k * angle)
+        sectors.append((3, sector))
+    return sectors
+
+
+def _sector(arc: Arc) -> Entity:
+    occ = gmsh.model.occ
+    bottom = (0, 0, -arc.height / 2, 0, 0, arc.height)
+    opening = {"angle": 2 * math.pi if arc.is_ring else 2 * arc.half_angle}
+    outer = (3, occ.addCylinder(*bottom, arc.outer_radius, **opening))
+    inner = (3, occ.addCylinder(*bottom, arc.inner_radius))
+    (entity,), _ = occ.cut([outer], [inner])
+    if not arc.is_ring:
+        occ.rotate([entity], 0, 0, 0, 0, 0, 1, -arc.half_angle)
+    return (int(entity[0]), int(entity[1]))
+
+
+def _polygon(loops: Sequence[Sequence[int]], lines: dict[frozenset[int], int]) -> int:
+    """A plane face between loops of points, the outline first; edges found in `lines` are shared, others are added to it."""
+    occ = gmsh.model.occ
+    curves = []
+    for points in loops:
+        loop = []
+        for start, end in zip(points, [*points[1:], points[0]]):
+            key = frozenset((start, end))
+            if key not in lines:
+                lines[key] = occ.addLine(start, end)
+            loop.append(lines[key])
+        curves.append(occ.addCurveLoop(loop))
+    face: int = occ.addPlaneSurface(curves)
+    return face

@@ -1,0 +1,121 @@
+"""Quarter-point elements at the edges of plates, and quadratures that are exact on them.
+
+At the edge of a plate without thickness the potential behaves as the square root of the distance. A second-order
+element whose mid-side node stands at a quarter of the side maps its reference coordinate to exactly that
+(Henshell & Shaw 1975, Barsoum 1976). On a tetrahedron with straight sides such an element is the straight tetrahedron,
+its coordinate s away from the vertices on the edge replaced by s²: NUMERICS.md section 5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cache
+
+import basix
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_reference.bodies.shapes import Body, Disc, Rectangle
+
+Array = NDArray[np.float64]
+
+TETRAHEDRON_EDGES = np.array([[2, 3], [1, 3], [1, 2], [0, 3], [0, 2], [0, 1]])
+"""Vertices of the edges that carry nodes 4 … 9 of a second-order tetrahedron, in the order of basix."""
+
+RADIAL_DEGREE = 23
+"""Gauss rule of 12 points along s. The integrands are polynomials in s over (1 + s)², analytic but for s = −1, so that n points
+leave an error of about 5.8^(−2n): 12 points leave rounding."""
+
+
+def vertices_on_edges(nodes: Array, cells: NDArray[np.int32], bodies: Sequence[Body]) -> NDArray[np.bool_]:
+    """Which of the four vertices of each cell (n, 4) lie on the edge of a plate.
+
+    Solids' right-angled edges (power 2/3) do not count; they are left to the grading.
+    """
+    vertices = np.unique(cells[:, :4])
+    on_edge = np.zeros(len(nodes), dtype=bool)
+    for body in bodies:
+        if isinstance(body, Rectangle | Disc):
+            on_edge[vertices] |= body.edge_distance(nodes[vertices]) < 1e-7 * body.size
+    return np.asarray(on_edge[cells[:, :4]])
+
+
+def straighten(nodes: Array, cells: NDArray[np.int32]) -> None:
+    """Put the middle node of every side half way between its ends, in place."""
+    for k, (i, j) in enumerate(TETRAHEDRON_EDGES):
+        nodes[cells[:, 4 + k]] = (nodes[cells[:, i]] + nodes[cells[:, j]]) / 2
+
+
+def pull(nodes: Array, cells: NDArray[np.int32], on_edge: NDArray[np.bool_]) -> None:
+    """Move the middle node of every side with one end on a plate's edge to a quarter of the way from there, in place."""
+    straight = nodes.copy()
+    for k, (i, j) in enumerate(TETRAHEDRON_EDGES):
+        for near, far in ((i, j), (j, i)):
+            pulled = on_edge[:, near] & ~on_edge[:, far]
+            ends = straight[cells[pulled, near]], straight[cells[pulled, far]]
+            nodes[cells[pulled, 4 + k]] = 0.75 * ends[0] + 0.25 * ends[1]
+
+
+def is_pulled(on_edge: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which cells (n,) are quarter-point elements: some of their four vertices (n, 4) are on a plate's edge, not all."""
+    return np.asarray(on_edge.any(axis=1) & ~on_edge.all(axis=1))
+
+
+def patterns(on_edge: NDArray[np.bool_]) -> Iterator[tuple[frozenset[int], NDArray[np.int64]]]:
+    """The cells by which of their vertices (n, 4) the map collapses towards; none for the straight cells."""
+    codes = np.where(is_pulled(on_edge), on_edge @ np.array([1, 2, 4, 8]), 0)
+    for code in np.unique(codes):
+        yield frozenset(k for k in range(4) if code >> k & 1), np.flatnonzero(codes == code)
+
+
+@cache
+def second_order() -> basix.finite_element.FiniteElement:
+    """The element whose nodes are a second-order tetrahedron's."""
+    return basix.create_element(
+        basix.ElementFamily.P, basix.CellType.tetrahedron, 2, basix.LagrangeVariant.equispaced
+    )
+
+
+def jacobian(collapsed: frozenset[int], points: Array) -> Array:
+    """Derivatives (points, 3, 3) of the quarter-point map of the reference tetrahedron to itself.
+
+    An element with straight sides is this map followed by an affine one, so that its integrals are those of the reference
+    tetrahedron in another metric.
+    """
+    corners = np.array(basix.geometry(basix.CellType.tetrahedron))
+    nodes = np.vstack([corners, np.zeros((len(TETRAHEDRON_EDGES), 3))])
+    cell = np.arange(10, dtype=np.int32)[None]
+    straighten(nodes, cell)
+    pull(nodes, cell, np.array([[k in collapsed for k in range(4)]]))
+    derivatives = second_order().tabulate(1, points)[1:, :, :, 0]
+    return np.asarray(np.einsum("dpk,ki->pid", derivatives, nodes))
+
+
+@cache
+def aligned_rule(collapsed: frozenset[int], degree: int) -> tuple[Array, Array]:
+    """Points (n, 3) and weights (n,) on the reference tetrahedron, for integrands of a quarter-point element.
+
+    `collapsed` are the one to three vertices on the plate's edge. With s the sum of the other barycentric coordinates the
+    integrand is a polynomial of at most `degree` in the positions within the two simplices, and analytic in s.
+    """
+    points, weights = basix.make_quadrature(basix.CellType.interval, RADIAL_DEGREE)
+    s = points[:, 0]
+    near, far = sorted(collapsed), [k for k in range(4) if k not in collapsed]
+    near_points, near_weights = _simplex_rule(len(near), degree)
+    far_points, far_weights = _simplex_rule(len(far), degree)
+    shape = (len(s), len(near_weights), len(far_weights), 4)
+    barycentric = np.empty(shape)
+    barycentric[..., near] = (1 - s)[:, None, None, None] * near_points[None, :, None, :]
+    barycentric[..., far] = s[:, None, None, None] * far_points[None, None, :, :]
+    along_s = weights * (1 - s) ** (len(near) - 1) * s ** (len(far) - 1)
+    total = along_s[:, None, None] * near_weights[None, :, None] * far_weights[None, None, :]
+    return np.ascontiguousarray(barycentric.reshape(-1, 4)[:, 1:]), total.ravel()
+
+
+def _simplex_rule(vertices: int, degree: int) -> tuple[Array, Array]:
+    """Barycentric points (n, vertices) and weights of a rule on a simplex; the weights' sum is the reference volume."""
+    if vertices == 1:
+        return np.ones((1, 1)), np.ones(1)
+    kind = {2: basix.CellType.interval, 3: basix.CellType.triangle}[vertices]
+    points, weights = basix.make_quadrature(kind, degree)
+    return np.column_stack([1 - points.sum(axis=1), points]), weights

@@ -1,0 +1,114 @@
+"""The size of the tetrahedra: small at the conductors' edges and in the gaps between them, growing with the distance.
+
+The charge density of a conductor is singular at its edges and varies over the width of a gap, and is smooth elsewhere, so
+
+    h(x) = min( edge_i + growth · distance to the edges of body i,  c·(distance to body i + distance to body j) )
+
+over all bodies i and all pairs i, j. `edge_i` is a fraction of the body's size, or of the local gap where that is
+smaller. The sum of two distances is the local width of a gap, wherever the gap is: two plates that meet at an angle are
+resolved where they are close, and nowhere else. Between plane faces c is larger than 1, as the field there is nearly
+linear but for the surroundings of edges. Distances are closed forms, evaluated by
+gmsh's MathEval, but those to polyhedra, which gmsh samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from itertools import combinations
+
+import gmsh
+
+from fem_reference.mesh import gmsh_fields
+from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
+from fem_reference.mesh.distance_expressions import (
+    TextBody,
+    curvature_radius,
+    edge_distance,
+    minimum,
+    surface_distance,
+    wall_distance,
+)
+from fem_reference.bodies.distances import in_contact
+from fem_reference.mesh.polyhedra_fields import facet_size, sampled_edges, sampled_surfaces
+from fem_reference.bodies.polyhedron import Polyhedron
+from fem_reference.bodies.round_bodies import Cone
+from fem_reference.mesh.size_rules import Sizing
+
+__all__ = ["Sizing", "set_size_field"]
+
+AT_APEX = 0.1
+"""Size at the apex of a cone over that at its edge: around the apex the surface bends as sharply as one likes."""
+
+
+def set_size_field(
+    bodies: Sequence[Body],
+    owner: Sequence[int],
+    sizing: Sizing,
+    volumes: Mapping[int, Sequence[int]],
+    dielectrics: Collection[int] = (),
+    room: Cuboid | None = None,
+) -> None:
+    """Make the size field of these bodies the background mesh of the current gmsh model.
+
+    Bodies of one conductor (equal `owner`) have no gap between them, nor have a dielectric body and what it touches; there
+    the thickness of the dielectric is what the field varies over. `volumes` are gmsh's tags of the volumes that solid
+    bodies consist of.
+    """
+    pairs = [(i, j) for i, j in combinations(range(len(bodies)), 2) if owner[i] != owner[j]]
+    contacts = [(i, j) for i, j in pairs if in_contact(bodies[i], bodies[j])]
+    gaps = [pair for pair in pairs if pair not in contacts]
+    known = sampled_surfaces(bodies, gaps, sizing, volumes)
+    known |= {k: surface_distance(body) for k, body in enumerate(bodies) if not isinstance(body, Polyhedron)}
+    sizes = [f"{_in_gap(bodies[i], bodies[j], sizing)}*({known[i]}+{known[j]})" for i, j in gaps]
+    for i, body in enumerate(bodies):
+        across = [f"({known[i]}+{known[k + j - i]})" for k, j in gaps if i in (k, j)]
+        if room is not None:
+            across.append(f"({known[i]}+{wall_distance(room)})")
+            sizes.append(f"{_in_gap(body, room, sizing)}*{across[-1]}")
+        edge = [repr(sizing.edge * body.size), *(f"{sizing.edge_in_gap}*{gap}" for gap in across)]
+        for j in (k + j - i for k, j in contacts if i in (k, j)):
+            edge.append(f"({sizing.edge}*{bodies[j].size!r}+{sizing.edge_in_gap}*{known[j]})")
+        at_edges = f"{minimum(edge)}/{sizing.refinement}"
+        if isinstance(body, Polyhedron):
+            sizes += _sizes_of_polyhedron(body, at_edges, known[i], sizing, volumes[i])
+        else:
+            sizes += _sizes_of_body(body, at_edges, known[i], sizing)
+        if i in dielectrics:
+            sizes.append(f"{sizing.gap}*({body.size!r}+2*{known[i]})")
+    fields = [gmsh_fields.expression(size) for size in sizes]
+    gmsh.model.mesh.field.setAsBackgroundMesh(gmsh_fields.smallest(fields))
+
+
+def _is_plane_faced(body: Body) -> bool:
+    """Whether a body has plane faces only. Where two such are close and not parallel, an edge is as near as the gap is narrow."""
+    if isinstance(body, Polyhedron):
+        return not body.rounded.any()
+    return isinstance(body, Rectangle | Disc | Cuboid)
+
+
+def _in_gap(first: Body, second: Body, sizing: Sizing) -> float:
+    """The size in the gap between two bodies, over its width."""
+    plane = _is_plane_faced(first) and _is_plane_faced(second)
+    return sizing.gap_between_faces if plane else sizing.gap
+
+
+def _sizes_of_body(body: TextBody, at_edges: str, surface: str, sizing: Sizing) -> list[str]:
+    """What the body's edges ask for, and what its curvature does: on a cone that is nothing at the apex."""
+    edges, radius = edge_distance(body), curvature_radius(body)
+    sizes = [] if edges is None else [f"{at_edges}+{sizing.growth}*{edges}"]
+    if radius is not None:
+        least = f"{AT_APEX}*{at_edges}+" if isinstance(body, Cone) else ""
+        curved = f"{sizing.curvature / sizing.refinement**0.5!r}*{radius}"
+        sizes.append(f"{least}{curved}+{sizing.growth}*{surface}")
+    return sizes
+
+
+def _sizes_of_polyhedron(
+    body: Polyhedron, at_edges: str, surface: str, sizing: Sizing, volumes: Sequence[int]
+) -> list[str]:
+    """What the sharp edges ask for, and what rounded surfaces do: they start from the size of their facets."""
+    edges, facet = sampled_edges(body, volumes), facet_size(body)
+    sizes = [] if edges is None else [f"{at_edges}+{sizing.growth}*{edges}"]
+    if facet is not None:
+        sizes.append(f"{facet / sizing.refinement**0.5!r}+{sizing.growth}*{surface}")
+    return sizes

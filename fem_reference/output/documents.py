@@ -1,0 +1,234 @@
+"""What the command prints and writes: a JSON document, a table for people, and a slice of the potential."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import basix
+import dolfinx
+import gmsh
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from fem_reference.output.field_file import write_field_file
+from fem_reference.solve.level import Level
+from fem_reference.common.limits import Limits
+from fem_reference.output.potential_slice import potential_slice
+from fem_reference.answer.reference import ErrorKind, Reference, maxwell
+from geometries.common.files import whole_file
+from geometries.scene.reader import load
+
+# Of the documents, as geometries/schemas/FORMATS.md says.
+FORMAT = 1
+PICOFARAD = 1e-12
+ANSWERED, NOT_REACHED = 0, 3
+
+METHOD = (
+    "Richardson extrapolation over meshes of edge size h, h/2, h/4 … where the ratio of their differences is that of the "
+    "theory; the error is an estimate from those differences, plus a bound on the open boundary and what all meshes share"
+)
+INTERVAL: dict[ErrorKind, str] = {
+    "estimate": "lower and upper are the value less and plus its estimated error",
+    "enclosure": "lower and upper enclose the true value: energies of a continuous potential and of a divergence-free flux, "
+    "both continued to infinity and integrated to rounding on straight and quarter-point cells; the surfaces of the bodies "
+    "listed as curved are those of second-order cells, whose deviation widens the interval by an estimate",
+}
+
+
+def answer(
+    path: Path,
+    as_json: bool,
+    rtol: float,
+    error: ErrorKind,
+    limits: Limits,
+    columns: Sequence[str] = (),
+    symmetry: bool = True,
+) -> int:
+    """Solve a scene file and print the answer; returns the exit status."""
+    scene = load(path)
+    is_first = MPI.COMM_WORLD.rank == 0
+    progress = _tell_level if is_first and not as_json else None
+    reference = maxwell(
+        scene,
+        rtol=rtol,
+        max_seconds=limits.seconds,
+        max_unknowns=limits.unknowns,
+        max_memory=limits.memory,
+        source=str(path),
+        progress=progress,
+        error=error,
+        columns=columns,
+        symmetry=symmetry,
+    )
+    status = ANSWERED if reference.reached else NOT_REACHED
+    if not is_first:
+        return status
+    if as_json:
+        print(json.dumps(document(reference)))
+    else:
+        print(table(reference))
+    if not reference.reached:
+        print(
+            f"fem_reference: {path}: asked {rtol:.3g}, reached {reference.worst:.3g} in {reference.seconds:.0f} s; "
+            f"{reference.stopped_by}",
+            file=sys.stderr,
+        )
+        if reference.contradicted is not None:
+            print(
+                f"fem_reference: {path}: do not rely on the errors: {reference.contradicted}", file=sys.stderr
+            )
+    return status
+
+
+def document(reference: Reference) -> dict[str, Any]:
+    """The answer as plain data: farads, metres, seconds, bytes; matrices row by row in the order of `conductors`."""
+    sensors = reference.names[: reference.sensors]
+    result: dict[str, Any] = {
+        "format": FORMAT,
+        "conductors": list(reference.names),
+        "maxwell": reference.maxwell.value.tolist(),
+        "lower": reference.lower.tolist(),
+        "upper": reference.upper.tolist(),
+        "error": reference.maxwell.error.tolist(),
+        "extrapolated": reference.maxwell.extrapolated.tolist(),
+    }
+    if reference.has_objects:
+        result["delta_self"] = {
+            name: {
+                "value": float(reference.delta_self.value[k]),
+                "error": float(reference.delta_self.error[k]),
+            }
+            for k, name in enumerate(sensors)
+        }
+    finest = reference.levels[-1]
+    return result | {
+        "not_asked": list(reference.grounded),
+        "ground": "room" if reference.in_room else "infinity",
+        "left_out": [{"name": body.name, "bound": float(body.bound.max())} for body in reference.left_out],
+        "floating": list(reference.floating),
+        "dielectrics": [
+            {"name": body.name, "relative_permittivity": body.relative_permittivity}
+            for body in reference.dielectrics
+        ],
+        "rtol": reference.rtol,
+        "reached": reference.reached,
+        "stopped_by": reference.stopped_by,
+        "contradicted": reference.contradicted,
+        "worst_relative_error": reference.worst,
+        "error_kind": reference.error_kind,
+        "interval": INTERVAL[reference.error_kind],
+        "curved": list(reference.curved),
+        "symmetry_planes": [
+            {"normal": plane.normal.tolist(), "offset": plane.offset} for plane in reference.planes
+        ],
+        "method": METHOD,
+        "levels": [_level_document(level) for level in reference.levels],
+        "unknowns": finest.unknowns,
+        "memory_per_unknown": finest.memory / finest.unknowns,
+        "seconds": reference.seconds,
+        "processes": MPI.COMM_WORLD.size,
+        "versions": versions(),
+    }
+
+
+def versions() -> dict[str, str]:
+    """The software that can change an answer."""
+    return {
+        "dolfinx": dolfinx.__version__,
+        "basix": basix.__version__,
+        "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
+        "gmsh": gmsh.__version__,
+        "numpy": np.__version__,
+    }
+
+
+def table(reference: Reference) -> str:
+    """The Maxwell matrix and delta_self in picofarad, each with its error."""
+    width = max(8, *(len(name) for name in reference.names)) + 2
+    lines = ["Maxwell matrix, pF: charge on the row's conductor per volt on the column's"]
+    lines.append(" " * width + "".join(f"{name:>24}" for name in reference.names))
+    value, error = reference.maxwell.value / PICOFARAD, reference.maxwell.error / PICOFARAD
+    for i, name in enumerate(reference.names):
+        entries = (f"{value[i, j]:.6f} ± {error[i, j]:.6f}" for j in range(len(reference.names)))
+        lines.append(f"{name:<{width}}" + "".join(f"{entry:>24}" for entry in entries))
+    if reference.enclosure is not None:
+        lines.append("proven to lie in")
+        lower, upper = reference.lower / PICOFARAD, reference.upper / PICOFARAD
+        for i, name in enumerate(reference.names):
+            entries = (f"[{lower[i, j]:.6f}, {upper[i, j]:.6f}]" for j in range(len(reference.names)))
+            lines.append(f"{name:<{width}}" + "".join(f"{entry:>24}" for entry in entries))
+    if reference.has_objects:
+        lines.append("delta_self, pF: the sensor's own entry less what it is without the objects")
+        for k, name in enumerate(reference.names[: reference.sensors]):
+            change = reference.delta_self.value[k] / PICOFARAD, reference.delta_self.error[k] / PICOFARAD
+            lines.append(f"{name:<{width}}" + f"{change[0]:.6f} ± {change[1]:.6f}".rjust(24))
+    if reference.grounded:
+        lines.append(f"grounded, their columns not asked for: {', '.join(reference.grounded)}")
+    if reference.in_room:
+        lines.append("ground: the walls of the room")
+    for left in reference.left_out:
+        lines.append(
+            f"left out: {left.name}, adds at most {left.bound.max() / PICOFARAD:.2g} pF to an own entry"
+        )
+    if reference.floating:
+        lines.append(f"floating, without charge and so without a row: {', '.join(reference.floating)}")
+    for body in reference.dielectrics:
+        lines.append(f"dielectric: {body.name}, relative permittivity {body.relative_permittivity:g}")
+    if reference.planes:
+        lines.append(f"planes of symmetry found: {len(reference.planes)}; one side of them was solved")
+    finest = reference.levels[-1]
+    lines.append(
+        f"largest relative error {reference.worst:.2e} ({reference.error_kind}), {len(reference.levels)} levels, "
+        f"{finest.unknowns} unknowns, {reference.seconds:.1f} s"
+    )
+    return "\n".join(lines)
+
+
+def write_slice(path: Path, target: Path) -> int:
+    """Write the potential around the scene in a vertical plane to a JSON file, whole or not at all."""
+    text = json.dumps({"format": FORMAT, **potential_slice(load(path), str(path))})
+    with whole_file(target) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
+    return ANSWERED
+
+
+def write_field(path: Path, target: Path) -> None:
+    """Write the field around the scene to a VTU file, whole or not at all."""
+    if not target.parent.is_dir():
+        raise FileNotFoundError(f"there is no folder {target.parent} for {target.name}")
+    write_field_file(load(path), target, str(path))
+
+
+def _tell_level(level: Level, worst: float) -> None:
+    print(
+        f"edge size {level.edge_size * 1e3:.3g} mm: {level.unknowns} unknowns, {level.seconds:.1f} s, "
+        f"largest relative error so far {worst:.2e}",
+        file=sys.stderr,
+        flush=True,
+    )
+
+
+def _level_document(level: Level) -> dict[str, Any]:
+    described: dict[str, Any] = {
+        "h_min": level.edge_size,
+        "unknowns": level.unknowns,
+        "cells": level.cells,
+        "seconds": level.seconds,
+        "maxwell": level.maxwell.tolist(),
+        "delta_self": level.delta_self.tolist(),
+        "sensors_alone": level.sensors_alone.tolist(),
+    }
+    if level.enclosure is not None:
+        described |= {
+            "lower": level.enclosure.lower.tolist(),
+            "upper": level.enclosure.upper.tolist(),
+            "flux_seconds": level.flux_seconds,
+        }
+    if level.check is not None:
+        described["check"] = {"lower": level.check.lower.tolist(), "upper": level.check.upper.tolist()}
+    return described

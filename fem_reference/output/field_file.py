@@ -1,0 +1,87 @@
+"""The field around a scene as a VTU file for ParaView: potential, field, and which body is where."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+import ufl
+from dolfinx import fem
+from numpy.typing import NDArray
+
+from fem_reference.output.driven_sensor import driven_sensor
+from fem_reference.mesh.tagged_mesh import FIRST_BODY, TaggedMesh
+from fem_reference.bodies.conductors import Conductors, conductors
+from fem_reference.solve.field_problem import COMPILATION
+from geometries.common.files import whole_file
+from geometries.scene.scene import Scene
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+def write_field_file(scene: Scene, target: Path, source: str = "scene") -> None:
+    """Write the field with the first sensor at 1 V, whole or not at all: a picture, from the coarsest mesh, made straight.
+
+    Every other conductor is grounded or, if floating, without charge. Metres; `potential` (V) at the nodes, `field` (V/m)
+    in the middle of the tetrahedra, not a number on the triangles of plates; `body` of tetrahedra and triangles: 0 in free
+    space, else one more than the place in the answer's `conductors`, `floating` and `dielectrics`, in this order.
+    Raises InputError as `conductors` does, RuntimeError when the mesher or the solver fails, OSError when the file cannot
+    be written.
+    """
+    problem = conductors(scene, source)
+    tagged, potential = driven_sensor(problem)
+    cells = tagged.mesh.geometry.dofmap.array.reshape(-1, 4)
+    plates, plate_bodies = _plates(tagged, problem)
+    field = _field_in_cells(potential) / problem.unit
+    content = meshio.Mesh(
+        problem.centre + problem.unit * tagged.mesh.geometry.x,
+        [("tetra", cells), ("triangle", plates)],
+        point_data={"potential": _at_nodes(potential)},
+        cell_data={
+            "field": [field, np.full((len(plates), 3), np.nan)],
+            "body": [_bodies_of_cells(tagged, problem), plate_bodies],
+        },
+    )
+    with whole_file(target) as unfinished:
+        meshio.write(unfinished, content)
+
+
+def _at_nodes(potential: fem.Function) -> Array:
+    """Values (n,) at the nodes of a straight mesh."""
+    mesh = potential.function_space.mesh
+    linear = fem.Function(fem.FunctionSpace(mesh, ("Lagrange", 1), jit_params=COMPILATION))
+    linear.interpolate(potential)
+    values = np.zeros(len(mesh.geometry.x))
+    values[mesh.geometry.dofmap.array] = linear.x.array[linear.function_space.dofmap.list.array]
+    return values
+
+
+def _field_in_cells(potential: fem.Function) -> Array:
+    """−∇u (n, 3) in the middle of every cell."""
+    mesh = potential.function_space.mesh
+    vectors = ufl.VectorElement("DG", mesh.ufl_cell(), 0)
+    constant = fem.Function(fem.FunctionSpace(mesh, vectors, jit_params=COMPILATION))
+    middle = constant.function_space.element.interpolation_points()
+    constant.interpolate(fem.Expression(-ufl.grad(potential), middle, jit_params=COMPILATION))
+    return np.asarray(constant.x.array.reshape(-1, 3))
+
+
+def _bodies_of_cells(tagged: TaggedMesh, problem: Conductors) -> Indices:
+    bodies = np.zeros(tagged.cell_count, dtype=np.int64)
+    for k, owner in enumerate(problem.owner):
+        bodies[tagged.cells.find(FIRST_BODY + k)] = owner + 1
+    return bodies
+
+
+def _plates(tagged: TaggedMesh, problem: Conductors) -> tuple[Indices, Indices]:
+    """The triangles (n, 3) of all plates, numbers of nodes, and what they belong to (n,)."""
+    topology = tagged.mesh.topology
+    topology.create_connectivity(2, 0)
+    node = np.zeros(topology.index_map(0).size_local, dtype=np.int64)
+    node[topology.connectivity(3, 0).array] = tagged.mesh.geometry.dofmap.array
+    corners = topology.connectivity(2, 0).array.reshape(-1, 3)
+    facets = [tagged.facets.find(FIRST_BODY + k) for k in range(len(problem.bodies))]
+    bodies = [np.full(len(found), owner + 1) for found, owner in zip(facets, problem.owner)]
+    return node[corners[np.concatenate(facets)]], np.concatenate(bodies)

@@ -1,0 +1,206 @@
+"""Lower bounds of the Maxwell matrix from divergence-free fluxes on one mesh (complementary energy).
+
+For any voltages V the energy VᵀMV is the maximum over divergence-free fluxes σ of 2·Σ V_i·(flow of σ out of conductor i) −
+∫|σ|². Raviart–Thomas fluxes, extended to infinity along rays, make this a lower bound. The continuity of the flow from
+cell to cell is imposed by multipliers on the faces, which act as potentials there; the fluxes are eliminated cell by cell, so
+that what is solved is symmetric and positive: NUMERICS.md section 5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import basix
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_reference.solve.face_solver import FaceSystem
+from fem_reference.mesh.tagged_mesh import FIRST_BODY, FREE_SPACE, OUTER_SURFACE, TaggedMesh
+from fem_reference.mesh.quarter_points import aligned_rule, patterns, second_order
+from fem_reference.solve.reference_flux import (
+    CORNERS,
+    FACES,
+    ORDERS,
+    FluxSpace,
+    face_polynomials,
+    flux_space,
+    in_order,
+    polynomials_on_face,
+)
+from fem_reference.solve.field_problem import cell_permittivities
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int32]
+
+CURVED_QUADRATURE_DEGREE = 12
+"""Twice the degree of the fluxes and as much again for the cell's own curvature."""
+
+CHUNK = 1000
+"""Cells at a time: their matrices stay within some tens of megabytes."""
+
+
+@dataclass(frozen=True)
+class FluxEnergies:
+    """Energies (n, n) of the best fluxes, ε = 1, and how far the iteration may have left each diagonal entry too high."""
+
+    lower: Array
+    algebraic_error: Array
+    unknowns: int
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """The cells outside the conductors."""
+
+    nodes: Array
+    """(n, 10, 3): vertices and middle nodes."""
+    faces: Integers
+    """(n, 4) numbers of the faces."""
+    orders: Integers
+    """(n, 4): which of ORDERS sorts the vertices of each face."""
+    on_edge: NDArray[np.bool_]
+    """(n, 4) vertices on the edge of a plate."""
+    curved: NDArray[np.bool_]
+    """(n,) cells that follow a curved surface."""
+    permittivity: Array
+    """(n,)."""
+
+
+def flux_energies(
+    tagged: TaggedMesh,
+    conductors: Sequence[Sequence[int]],
+    driven: int,
+    degree: int,
+    permittivities: Mapping[int, float] | None = None,
+) -> FluxEnergies:
+    """The energies of the best fluxes of this degree; `conductors[k]` lists the bodies that make up conductor k.
+
+    One flux for each of the first `driven` conductors, the other ones are grounded. `permittivities` has those of the dielectric bodies. Raises RuntimeError when the iteration does not converge.
+    """
+    cells = _outside(tagged, permittivities or {})
+    # The outer surface's faces are cells of one face each.
+    parts = [(_eliminated(cells, degree), cells.faces)]
+    fixed = [_faces_of(tagged, cells, bodies) for bodies in conductors]
+    if tagged.in_room:
+        fixed.append(tagged.facets.find(OUTER_SURFACE))
+    else:
+        parts.append(_outer(tagged, cells, degree))
+    face_vertices = np.sort(tagged.mesh.topology.connectivity(2, 0).array.reshape(-1, 3), axis=1)
+    system = FaceSystem(parts, face_vertices, np.concatenate(fixed), degree)
+    solutions = [system.solve(faces) for faces in fixed[:driven]]
+    potentials = [solution.potentials for solution in solutions]
+    left = np.array([solution.energy_left for solution in solutions])
+    return FluxEnergies(system.energies(potentials), left, system.unknowns)
+
+
+def _outside(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> _Cells:
+    topology = tagged.mesh.topology
+    for pair in ((3, 2), (3, 0), (2, 0)):
+        topology.create_connectivity(*pair)
+    count = tagged.local_cells
+    vertices = topology.connectivity(3, 0).array.reshape(count, 4)
+    codes = np.empty((count, 4), dtype=np.int32)
+    place = np.array([9, 3, 1])
+    lookup = np.zeros(27, dtype=np.int32)
+    lookup[np.array(ORDERS) @ place] = np.arange(len(ORDERS))
+    for face, corners in enumerate(FACES):
+        codes[:, face] = lookup[np.argsort(vertices[:, corners], axis=1) @ place]
+    with_field = [FREE_SPACE, *(FIRST_BODY + body for body in permittivities)]
+    kept = np.sort(np.concatenate([tagged.cells.find(tag) for tag in with_field]))
+    geometry = tagged.mesh.geometry.dofmap.array.reshape(count, -1)
+    return _Cells(
+        tagged.mesh.geometry.x[geometry[kept]],
+        topology.connectivity(3, 2).array.reshape(count, 4)[kept],
+        codes[kept],
+        tagged.on_edge[kept],
+        tagged.curved[kept],
+        cell_permittivities(tagged, permittivities)[kept],
+    )
+
+
+def _eliminated(cells: _Cells, degree: int) -> Array:
+    """For each cell the energy (n, m, m) of the best flux as a quadratic form of the multipliers on its faces."""
+    size = 4 * face_polynomials(degree)
+    forms = np.empty((len(cells.faces), size, size))
+    for collapsed, members in patterns(cells.on_edge):
+        space = flux_space(degree, collapsed)
+        for chosen, curved in _chunks(members, cells.curved):
+            nodes = cells.nodes[chosen]
+            mass = _curved_mass(nodes, space, collapsed) if curved else _straight_mass(nodes, space)
+            mass /= cells.permittivity[chosen, None, None]
+            flows = np.concatenate(
+                [space.flows[face][cells.orders[chosen, face]] for face in range(4)], axis=1
+            )
+            forms[chosen] = flows @ np.linalg.solve(mass, flows.transpose(0, 2, 1))
+    return forms
+
+
+def _chunks(
+    members: NDArray[np.int64], curved: NDArray[np.bool_]
+) -> Iterator[tuple[NDArray[np.int64], bool]]:
+    for kind in (False, True):
+        own = members[curved[members] == kind]
+        for start in range(0, len(own), CHUNK):
+            yield own[start : start + CHUNK], kind
+
+
+def _straight_mass(nodes: Array, space: FluxSpace) -> Array:
+    """∫σ_n·σ_m (cells, n, n) in cells that are affine images of a reference element."""
+    edges = nodes[:, 1:4] - nodes[:, :1]
+    metric = edges @ edges.transpose(0, 2, 1) / np.abs(np.linalg.det(edges))[:, None, None]
+    count = space.products.shape[2]
+    return np.asarray((metric.reshape(-1, 9) @ space.products.reshape(9, -1)).reshape(-1, count, count))
+
+
+def _curved_mass(nodes: Array, space: FluxSpace, collapsed: frozenset[int]) -> Array:
+    """The same in any second-order cells, by quadrature: rational functions, smooth but for the edges of discs."""
+    if collapsed:
+        points, weights = aligned_rule(collapsed, CURVED_QUADRATURE_DEGREE)
+    else:
+        points, weights = basix.make_quadrature(basix.CellType.tetrahedron, CURVED_QUADRATURE_DEGREE)
+    derivatives = np.einsum("dpk,cki->cpid", second_order().tabulate(1, points)[1:, :, :, 0], nodes)
+    scaled = weights / np.abs(np.linalg.det(derivatives))
+    values = space.values(points)
+    mass = np.empty((len(nodes), values.shape[2], values.shape[2]))
+    for k, derivative in enumerate(derivatives):
+        mapped = derivative @ values
+        flat = mapped.reshape(-1, mapped.shape[2])
+        mass[k] = (np.repeat(scaled[k], 3)[:, None] * flat).T @ flat
+    return mass
+
+
+def _outer(tagged: TaggedMesh, cells: _Cells, degree: int) -> tuple[Array, Integers]:
+    """The energy of the best flux from each face of the outer surface to infinity, as a quadratic form; and the faces.
+
+    A flux q per reference area that leaves along rays from the centre has the energy ∫ q²·|x|²/(x·n) dA.
+    """
+    points, weights = basix.make_quadrature(basix.CellType.triangle, 2 * degree + 2)
+    barycentric = np.column_stack([1 - points.sum(axis=1), points])
+    tests = polynomials_on_face(degree)
+    outer = np.flatnonzero(np.isin(cells.faces.ravel(), tagged.facets.find(OUTER_SURFACE)))
+    forms = []
+    for cell, face in zip(*np.divmod(outer, 4)):
+        corners = CORNERS[FACES[face]]
+        tabulated = second_order().tabulate(1, barycentric @ corners)[:, :, :, 0]
+        x = tabulated[0] @ cells.nodes[cell] - tagged.centre
+        jacobian = np.einsum("dpk,ki->pid", tabulated[1:], cells.nodes[cell])
+        area = np.cross(jacobian @ (corners[1] - corners[0]), jacobian @ (corners[2] - corners[0]))
+        # q per reference area is q/|area| per area: one factor of the area's size is left in the denominator x·n.
+        weight = weights * np.einsum("pi,pi->p", x, x) / np.abs(np.einsum("pi,pi->p", x, area))
+        value = tests.tabulate(0, in_order(barycentric, ORDERS[cells.orders[cell, face]]))[0][:, :, 0]
+        product = np.einsum("p,pm,pn->mn", weights, value, value)
+        forms.append(product @ np.linalg.solve(np.einsum("p,pm,pn->mn", weight, value, value), product))
+    return np.array(forms), cells.faces.ravel()[outer][:, None]
+
+
+def _faces_of(tagged: TaggedMesh, cells: _Cells, bodies: Sequence[int]) -> Integers:
+    """The faces on the surfaces of these bodies."""
+    found = []
+    for body in bodies:
+        found.append(tagged.facets.find(FIRST_BODY + body))
+        inside = tagged.cells.find(FIRST_BODY + body)
+        if len(inside):
+            own = tagged.mesh.topology.connectivity(3, 2).array.reshape(-1, 4)[inside]
+            found.append(np.intersect1d(own, cells.faces))
+    return np.asarray(np.unique(np.concatenate(found)))

@@ -1,0 +1,137 @@
+"""Upper bounds of the Maxwell matrix: the exact energy, out to infinity, of potentials found on one mesh.
+
+Any potential that is V_i on conductor i and continuous everywhere has at least the energy VᵀMV. What the solver found is such a
+potential, however it was found, once its energy is integrated exactly and it is extended to infinity: by 1/t along rays
+from the centre. NUMERICS.md section 5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+
+import basix
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.fem.petsc import assemble_matrix
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fem_reference.mesh.tagged_mesh import AWAY_FROM_EDGES, OUTER_SURFACE
+from fem_reference.mesh.quarter_points import aligned_rule, jacobian, patterns, second_order
+from fem_reference.solve.field_problem import (
+    COMPILATION,
+    DEGREE,
+    FieldProblem,
+    cell_permittivities,
+    permittivity,
+    products,
+)
+
+Array = NDArray[np.float64]
+
+CURVED_QUADRATURE_DEGREE = 12
+"""Twice the degree of the potentials and as much again for the cell's own curvature."""
+
+CHUNK = 500
+"""Curved cells at a time: what is kept for each point of each stays within some tens of megabytes."""
+
+
+def upper_energies(problem: FieldProblem, potentials: Sequence[Array]) -> Array:
+    """The energies (n, n) of potentials (unknowns,), continued to infinity; ε = 1 but in dielectric bodies."""
+    straight_part = products(_away_from_edges(problem), potentials)
+    return straight_part + _near_edges(problem, np.array(potentials))
+
+
+def _away_from_edges(problem: FieldProblem) -> PETSc.Mat:
+    """The energy in the straight cells, and beyond the outer surface, as a matrix.
+
+    With d = x·n the extension u(x)/t along the ray t·x, t ≥ 1, of values u on the surface has there the energy
+    ∫ d·|∇_Γ u|² + (u + x·∇_Γ u)²/d dA.
+    """
+    tagged = problem.tagged
+    u, v = ufl.TrialFunction(problem.space), ufl.TestFunction(problem.space)
+    dx = ufl.Measure("dx", domain=tagged.mesh, subdomain_data=tagged.near_edge)
+    ds = ufl.Measure("ds", domain=tagged.mesh, subdomain_data=tagged.facets)
+    # Both are exact on flat faces and straight cells, where gradients and normals are polynomials.
+    away = dx(AWAY_FROM_EDGES, metadata={"quadrature_degree": 2 * DEGREE - 2})
+    outer = ds(OUTER_SURFACE, metadata={"quadrature_degree": 2 * DEGREE})
+    x = ufl.SpatialCoordinate(tagged.mesh) - fem.Constant(tagged.mesh, PETSc.ScalarType(tuple(tagged.centre)))
+    normal = ufl.FacetNormal(tagged.mesh)
+    distance = ufl.dot(x, normal)
+
+    def along(w: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
+        return ufl.grad(w) - ufl.dot(ufl.grad(w), normal) * normal
+
+    energy = ufl.inner(ufl.grad(u), ufl.grad(v))
+    if problem.permittivities:
+        energy *= permittivity(tagged, problem.permittivities)
+    form = energy * away
+    if not tagged.in_room:
+        form += distance * ufl.dot(along(u), along(v)) * outer
+        form += (u + ufl.dot(x, along(u))) * (v + ufl.dot(x, along(v))) / distance * outer
+    matrix = assemble_matrix(fem.form(form, jit_params=COMPILATION))
+    matrix.assemble()
+    return matrix
+
+
+def _near_edges(problem: FieldProblem, potentials: Array) -> Array:
+    """The energy in the other cells: quarter-point elements, integrated to rounding, and those on curved surfaces."""
+    tagged = problem.tagged
+    cells = tagged.local_cells
+    dofs = problem.space.dofmap.list.array.reshape(cells, -1)
+    coefficient = cell_permittivities(tagged, problem.permittivities)
+    geometry = tagged.mesh.geometry.dofmap.array.reshape(cells, -1)
+    energies = np.zeros((len(potentials), len(potentials)))
+    for collapsed, members in patterns(tagged.on_edge):
+        straight = members[~tagged.curved[members]]
+        if collapsed and len(straight):
+            corners = tagged.mesh.geometry.x[geometry[straight, :4]]
+            inverse = np.linalg.inv(corners[:, 1:] - corners[:, :1])
+            volume = coefficient[straight] / np.abs(np.linalg.det(inverse))
+            metric = inverse.transpose(0, 2, 1) @ inverse * volume[:, None, None]
+            values = potentials[:, dofs[straight]]
+            energies += np.einsum(
+                "cde,denm,icn,jcm->ij", metric, _products(collapsed), values, values, optimize=True
+            )
+        curved = members[tagged.curved[members]]
+        for start in range(0, len(curved), CHUNK):
+            chosen = curved[start : start + CHUNK]
+            nodes, values = tagged.mesh.geometry.x[geometry[chosen]], potentials[:, dofs[chosen]]
+            energies += _curved_energies(nodes, values, coefficient[chosen], collapsed)
+    return energies
+
+
+def _curved_energies(nodes: Array, values: Array, coefficient: Array, collapsed: frozenset[int]) -> Array:
+    """Energies (n, n) of potentials (n, cells, dofs) in any second-order cells (cells, 10, 3), by quadrature."""
+    if collapsed:
+        points, weights = aligned_rule(collapsed, CURVED_QUADRATURE_DEGREE)
+    else:
+        points, weights = basix.make_quadrature(basix.CellType.tetrahedron, CURVED_QUADRATURE_DEGREE)
+    derivatives = np.einsum("dpk,cki->cpid", second_order().tabulate(1, points)[1:, :, :, 0], nodes)
+    slopes = np.einsum("dpk,jck->cpdj", _element().tabulate(1, points)[1:, :, :, 0], values)
+    gradients = np.linalg.solve(derivatives.transpose(0, 1, 3, 2), slopes)
+    volumes = coefficient[:, None] * weights * np.abs(np.linalg.det(derivatives))
+    return np.asarray(np.einsum("cp,cpdi,cpdj->ij", volumes, gradients, gradients, optimize=True))
+
+
+@cache
+def _element() -> basix.finite_element.FiniteElement:
+    return basix.create_element(
+        basix.ElementFamily.P, basix.CellType.tetrahedron, DEGREE, basix.LagrangeVariant.gll_warped
+    )
+
+
+@cache
+def _products(collapsed: frozenset[int]) -> Array:
+    """Integrals (3, 3, n, n) over the reference tetrahedron of ∂_d of one shape function times ∂_e of another.
+
+    The derivatives are those after the quarter-point map; in a cell, an affine image, the energy is their sum over the metric.
+    """
+    points, weights = aligned_rule(collapsed, 2 * DEGREE + 2)
+    derivatives = jacobian(collapsed, points)
+    slopes = _element().tabulate(1, points)[1:, :, :, 0]
+    gradients = np.linalg.solve(derivatives.transpose(0, 2, 1), slopes.transpose(1, 0, 2))
+    volumes = weights * np.linalg.det(derivatives)
+    return np.asarray(np.einsum("p,pdn,pem->denm", volumes, gradients, gradients, optimize=True))

@@ -1,0 +1,48 @@
+"""The best value between bounds, on bounds whose distance from the truth is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fem_reference.answer.best_value import best_value
+from fem_reference.solve.enclosure import Enclosure
+from fem_reference.solve.level import Level
+
+
+def level(below: float | None, above: float, truth: float = 1.0) -> Level:
+    """One entry whose bounds are so far below and above the truth."""
+    value = np.array([[truth + above]])
+    interval = None if below is None else Enclosure(np.array([[truth - below]]), value)
+    return Level(1.0, 1, 1, 0.0, value, value, np.zeros(1), enclosure=interval)
+
+
+@pytest.mark.parametrize("narrowing", [2.0, 3.6, 1.5])
+def test_bounds_that_narrow_in_proportion_meet_in_the_truth(narrowing: float) -> None:
+    """Whatever the meshes make of the ratio, which says nothing else."""
+    found = best_value([level(0.07, 0.1), level(0.07 / narrowing, 0.1 / narrowing)])
+    assert found.value[0, 0] == pytest.approx(1, abs=1e-14) and found.extrapolated[0, 0]
+    assert found.error[0, 0] == pytest.approx(0.17 / narrowing / 4)
+
+
+def test_levels_without_bounds_between_do_not_matter() -> None:
+    found = best_value([level(0.07, 0.1), level(None, 0.03), level(0.035, 0.05)])
+    assert found.value[0, 0] == pytest.approx(1, abs=1e-14)
+
+
+def test_a_mesh_worse_than_a_coarser_one_does_not_matter() -> None:
+    found = best_value([level(0.07, 0.1), level(0.2, 0.12), level(0.035, 0.05)])
+    assert found.value[0, 0] == pytest.approx(1, abs=1e-14)
+
+
+def test_bounds_that_hardly_narrow_give_their_middle_and_all_of_it_as_the_error() -> None:
+    found = best_value([level(0.07, 0.1), level(0.068, 0.09)])
+    assert found.value[0, 0] == pytest.approx(1.011) and found.error[0, 0] == pytest.approx(0.079)
+    assert not found.extrapolated[0, 0]
+
+
+def test_bounds_of_the_first_level_alone_leave_it_to_the_potentials() -> None:
+    found = best_value([level(0.07, 0.1), level(None, 0.05), level(None, 0.025)])
+    assert found.value[0, 0] == pytest.approx(1)
+    rough = best_value([level(0.07, 0.1), level(None, 0.06), level(None, 0.025)])
+    assert rough.value[0, 0] == pytest.approx(0.99) and rough.error[0, 0] == pytest.approx(0.0525)

@@ -1,0 +1,109 @@
+"""The error estimate: exact on sequences that follow the theory, wider whenever a check is skipped or fails."""
+
+import numpy as np
+import pytest
+
+from fem_reference.answer.convergence import (
+    LEAST_FRACTION,
+    LEAST_FRACTION_CHECKED_TWICE,
+    LEAST_OF_TWO_LEVELS,
+    UNCHECKED_SAFETY,
+    estimate,
+    open_boundary_error,
+)
+
+AGREEING_BY_CHANCE = (2.683719, 2.683916, 2.681565, 2.681252), 2.680950
+"""C11 of equal plates, pF, on four meshes of the set-up parallel-018 of the corrections; by boundary elements to 1e-5."""
+
+JUMPING = (7.9822, 8.2602, 8.3072, 8.7242, 8.6428, 8.6869)
+"""An own entry, pF, on six meshes of a plate that a grounded plane cuts, where there is no limit. The last three differences fall."""
+
+
+def of(*values: float) -> tuple[float, float, bool]:
+    found = estimate([np.array([value]) for value in values])
+    return float(found.value[0]), float(found.error[0]), bool(found.extrapolated[0])
+
+
+def test_one_level_knows_nothing() -> None:
+    assert of(3.0) == (3.0, 3.0, False)
+
+
+def test_two_levels_are_not_extrapolated() -> None:
+    assert of(3.0, 2.5) == (2.5, 1.0, False)
+
+
+def test_two_levels_may_agree_by_chance() -> None:
+    """Plates half their size apart: pF on the first three meshes, of which the third is far from the others, and the truth."""
+    levels, truth = AGREEING_BY_CHANCE
+    value, error, extrapolated = of(*levels[:2])
+    assert abs(levels[1] - levels[0]) < abs(value - truth) / 5
+    assert not extrapolated and abs(value - truth) <= error == LEAST_OF_TWO_LEVELS * value
+    for count in (3, 4):
+        value, error, _ = of(*levels[:count])
+        assert abs(value - truth) <= error
+
+
+def test_linear_convergence_is_extrapolated_to_its_limit() -> None:
+    """1 + h at h = 4, 2, 1: the limit is 1, and the step 1 is the scale of the error."""
+    assert of(5.0, 3.0, 2.0) == (1.0, LEAST_FRACTION, True)
+
+
+def test_a_fourth_level_is_trusted_more_where_the_differences_fall_twice() -> None:
+    """The step 1 is the scale of the error in both; in the second the first two differences are the same."""
+    assert of(9.0, 5.0, 3.0, 2.0) == (1.0, LEAST_FRACTION_CHECKED_TWICE, True)
+    assert of(7.0, 5.0, 3.0, 2.0) == (1.0, LEAST_FRACTION, True)
+
+
+@pytest.mark.parametrize("edge_sizes", [(4.0, 2.0, 1.0), (8.0, 4.0, 2.0, 1.0)])
+@pytest.mark.parametrize("order", [0.8, 1.0, 4 / 3, 1.5, 2.0, 3.0])
+def test_the_error_covers_other_orders_of_convergence(order: float, edge_sizes: tuple[float, ...]) -> None:
+    """1 + h^order: the limit 1 stays inside although it is extrapolated as if the order were one."""
+    value, error, extrapolated = of(*(1 + h**order for h in edge_sizes))
+    assert extrapolated and abs(value - 1) <= error
+
+
+def test_differences_that_fall_fast_are_not_believed_alone() -> None:
+    """The finest mesh may be a bad one: half the difference before is the other prediction of what is left."""
+    value, error, extrapolated = of(5.0, 3.0, 2.9)
+    assert extrapolated and value == pytest.approx(2.9 - (0.1 + 1.0) / 2)
+    assert error == pytest.approx(1.0 - 0.1)
+
+
+@pytest.mark.parametrize("values", [(5.0, 4.0, 1.0), (5.0, 3.0, 3.5), (5.0, 4.0, 3.2)])
+def test_differences_that_do_not_fall_are_not_extrapolated(values: tuple[float, float, float]) -> None:
+    """Growing, alternating or hardly falling differences: the finest value, and an error from the larger one."""
+    value, error, extrapolated = of(*values)
+    first, second = abs(values[1] - values[0]), abs(values[2] - values[1])
+    assert not extrapolated and value == values[2]
+    assert error == pytest.approx(UNCHECKED_SAFETY * max(first / 2, second))
+
+
+def test_values_that_have_jumped_are_not_extrapolated_and_what_a_jump_leaves_is_in_the_error() -> None:
+    value, error, extrapolated = of(*JUMPING)
+    jump = JUMPING[3] - JUMPING[2]
+    assert not extrapolated and value == JUMPING[-1]
+    assert error == pytest.approx(UNCHECKED_SAFETY * jump / 4)
+    assert error > 1e-2 * value
+
+
+def test_a_quantity_that_does_not_change_has_no_error() -> None:
+    assert of(2.0, 2.0, 2.0) == (2.0, 0.0, True)
+
+
+def test_every_quantity_is_judged_by_itself() -> None:
+    found = estimate([np.array([5.0, 5.0]), np.array([3.0, 4.0]), np.array([2.0, 1.0])])
+    assert found.extrapolated.tolist() == [True, False]
+
+
+def test_open_boundary_error_falls_with_the_third_power_of_the_radius() -> None:
+    maxwell = np.array([[6.0, -3.0], [-3.0, 7.0]])
+    near, far = open_boundary_error(maxwell, 1.0, 50.0), open_boundary_error(maxwell, 1.0, 100.0)
+    np.testing.assert_allclose(near / far, 8.0, rtol=1e-3)
+
+
+def test_open_boundary_error_bounds_a_dipole() -> None:
+    """Two charges ±q at ±a on the axis of a sphere R: the dipole's part of ∫(1/R)u² is 16πq²a²/3R³ over (4π)²."""
+    q, a, radius = 1.0, 1.0, 100.0
+    dipole_energy = (2 * q * a) ** 2 / (4 * np.pi) ** 2 * 4 * np.pi / 3 / radius**3
+    maxwell = np.array([[q]])
+    assert open_boundary_error(maxwell, a, radius)[0, 0] >= dipole_energy

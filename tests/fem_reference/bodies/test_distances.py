@@ -1,0 +1,127 @@
+"""Distances of bodies of any shape, contact, and what holds what."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fem_reference.bodies.shapes import Body, Cuboid, Rectangle
+from fem_reference.mesh.distance_expressions import TextBody, edge_distance, surface_distance
+from fem_reference.bodies.distances import distance, holds, touch_with_faces
+from fem_reference.bodies.polyhedron import polyhedron
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
+from geometries.scene import shapes
+from geometries.scene.poses import AxisRotation
+
+TURNED = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T
+LYING = AxisRotation((1.0, 0.0, 0.0), 90.0).matrix().T
+UPSIDE_DOWN = AxisRotation((1.0, 0.0, 0.0), 180.0).matrix().T
+CENTRE = np.array([0.1, -0.2, 0.3])
+PLATE = Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))
+
+
+def above(height: float) -> np.ndarray:
+    return np.array([0.0, 0.0, height])
+
+
+@pytest.mark.parametrize(
+    "body, expected",
+    [
+        (Sphere("sphere", np.array([0.8, 0, 0.4]), 0.2), 0.3),  # 3-4-5 from the edge
+        (Cylinder("standing", above(1.0), np.eye(3), 0.3, 1.0), 0.5),
+        (Cylinder("lying", above(1.0), LYING, 0.3, 1.0), 0.7),
+        (Cone("tip down", above(1.0), UPSIDE_DOWN, 0.3, 1.0), 0.5),
+        (
+            Arc("arc", np.array([2.0, 0, 0]), np.eye(3), 0.5, 1.0, 0.2, np.pi / 2),
+            1.5,
+        ),  # its ends, beside the axis
+        (Sphere("crossing", above(0.1), 0.2), 0.0),
+    ],
+)
+def test_distance_to_a_plate(body: Body, expected: float) -> None:
+    assert distance(PLATE, body) == pytest.approx(expected, rel=1e-5, abs=1e-12)
+    assert distance(body, PLATE) == pytest.approx(expected, rel=1e-5, abs=1e-12)
+
+
+def test_a_ring_has_a_hole() -> None:
+    """To a ball in the middle of the hole it is the inner radius less the ball's, at most ARC_TOLERANCE less."""
+    ring = Arc("ring", np.zeros(3), TURNED, 0.5, 1.0, 0.2, np.pi)
+    found = distance(ring, Sphere("ball", np.zeros(3), 0.2))
+    assert 0.3 - 1e-4 * ring.size <= found <= 0.3
+
+
+def test_a_mesh_is_as_far_as_the_solid_it_describes() -> None:
+    cuboid = Cuboid("cuboid", CENTRE, TURNED, (0.1, 0.2, 0.3))
+    mesh = polyhedron("mesh", shapes.Cuboid((0.2, 0.4, 0.6)).triangles() @ TURNED + CENTRE)
+    cylinder = Cylinder("cylinder", np.array([1.0, 0.5, 0.2]), LYING, 0.2, 0.7)
+    assert distance(mesh, cylinder) == pytest.approx(distance(cuboid, cylinder), rel=1e-5)
+    assert distance(mesh, mesh) == 0
+
+
+ROUND: list[TextBody] = [
+    Sphere("sphere", CENTRE, 0.8),
+    Cylinder("cylinder", CENTRE, TURNED, 1.0, 2.0),
+    Cone("cone", CENTRE, TURNED, 0.7, 2.0),
+    *(Arc("arc", CENTRE, TURNED, 1.0, 1.6, 0.8, half) for half in (0.1, 0.6, 1.7, 3.0, np.pi)),
+]
+
+
+def evaluate(text: str, points: np.ndarray) -> np.ndarray:
+    known = {"sqrt": np.sqrt, "abs": np.abs, "min": np.minimum, "max": np.maximum}
+    place = dict(zip("xyz", points.T))
+    return np.asarray(eval(text.replace("^", "**"), {"__builtins__": {}}, known | place)) + np.zeros(
+        len(points)
+    )
+
+
+@pytest.mark.parametrize("body", ROUND, ids=lambda body: f"{body.name}")
+def test_the_distance_given_to_gmsh_is_the_distance(body: TextBody) -> None:
+    """Outside of the body; behind the axis of a narrow arc, where it does not matter, it may be less."""
+    points = np.random.default_rng(1).uniform(-3, 3, (60, 3))
+    points = points[[not holds(body, Sphere("point", point, 1e-9)) for point in points]]
+    true = np.array([distance(body, Sphere("point", point, 1e-9)) for point in points])
+    ratio = evaluate(surface_distance(body), points) / true
+    narrow = isinstance(body, Arc) and body.half_angle < np.pi / 2
+    assert ratio.max() < 1.001 and ratio.min() > (0.5 if narrow else 0.999)
+
+
+@pytest.mark.parametrize("body", ROUND[1:], ids=lambda body: f"{body.name}")
+def test_the_edges_given_to_gmsh_are_on_the_surface(body: TextBody) -> None:
+    """An edge belongs to the surface, so it is never nearer than that; and at points of the edges it is at 0."""
+    points = np.random.default_rng(2).uniform(-3, 3, (200, 3))
+    text = edge_distance(body)
+    assert text is not None
+    assert np.all(evaluate(text, points) >= evaluate(surface_distance(body), points) * (1 - 1e-12))
+    if isinstance(body, Arc):
+        angles = np.linspace(-body.half_angle, body.half_angle, 7)
+        rim = body.outer_radius * np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+        on_edges = body.centre + (rim + [0, 0, -body.height / 2]) @ body.axes
+        assert evaluate(text, on_edges).max() < 1e-7
+
+
+@pytest.mark.parametrize(
+    "body, expected",
+    [
+        (Cuboid("slab", above(0.1), np.eye(3), (0.7, 0.2, 0.1)), True),
+        (Cylinder("standing", above(0.5), np.eye(3), 0.3, 1.0), True),
+        (Cone("on its base", above(0.5), np.eye(3), 0.3, 1.0), True),
+        (Cone("on its tip", above(0.5), UPSIDE_DOWN, 0.3, 1.0), False),
+        (Cylinder("lying", above(0.3), LYING, 0.3, 1.0), False),
+        (Cuboid("sunk in", above(0.09), np.eye(3), (0.7, 0.2, 0.1)), False),
+        (Sphere("ball", above(0.2), 0.2), False),
+    ],
+)
+def test_bodies_touch_with_plane_faces_or_not(body: Body, expected: bool) -> None:
+    assert touch_with_faces(PLATE, body) is expected
+
+
+def test_what_is_inside_is_held() -> None:
+    small = Sphere("small", CENTRE, 0.05)
+    for outer in (
+        Sphere("ball", CENTRE, 0.3),
+        Cuboid("box", CENTRE, TURNED, (0.1, 0.2, 0.3)),
+        polyhedron("mesh", shapes.Cuboid((0.2, 0.4, 0.6)).triangles() @ TURNED + CENTRE),
+    ):
+        assert holds(outer, small) and not holds(small, outer)
+        assert not holds(outer, Sphere("elsewhere", CENTRE + 1, 0.05))
+    assert not holds(PLATE, small)

@@ -1,0 +1,119 @@
+"""Planes of symmetry: found where they are, nowhere else, and the answer on one side is that of the whole."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from fem_reference.bodies.shapes import Body, Cuboid, Rectangle
+from fem_reference.solve.level import solve_level
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
+from fem_reference.bodies.conductors import Conductors, normalised
+from fem_reference.mesh.size_rules import Sizing
+from fem_reference.bodies.symmetry import Plane, exchanges, mirror_planes
+
+Array = NDArray[np.float64]
+
+SENSOR = Rectangle("sensor", np.zeros(3), np.eye(3), (0.5, 0.3))
+TURNED = Rotation.from_euler("xyz", [0.3, -0.8, 1.9]).as_matrix()
+
+
+def plate(x: float, y: float, z: float, half_widths: tuple[float, float] = (0.4, 0.2)) -> Rectangle:
+    return Rectangle("target", np.array([x, y, z]), np.eye(3), half_widths)
+
+
+def planes(*bodies: Body, owner: list[int] | None = None) -> tuple[Plane, ...]:
+    return mirror_planes(bodies, owner or list(range(len(bodies))))
+
+
+@pytest.mark.parametrize(
+    "target, number",
+    [
+        (plate(0, 0, 0.2), 2),
+        (plate(0.1, 0, 0.2), 1),
+        (plate(0.1, 0.1, 0.2), 0),
+        (plate(1.2, 0, 0), 1),
+        (plate(1.2, 0.9, 0), 0),
+        (Sphere("target", np.array([0, 0, 0.9]), 0.3), 2),
+        (Cylinder("target", np.array([0, 0, 0.9]), np.eye(3), 0.3, 0.2), 2),
+        (Cylinder("target", np.array([0.7, 0, 0.9]), np.eye(3)[[1, 2, 0]], 0.3, 0.2), 1),
+        (Cone("target", np.array([0, 0, 0.9]), np.eye(3)[[1, 2, 0]], 0.3, 0.2), 1),
+        (Arc("target", np.array([0, 0, 0.9]), np.eye(3), 0.2, 0.3, 0.1, 0.5), 1),
+    ],
+)
+def test_the_planes_of_a_sensor_and_a_target(target: Body, number: int) -> None:
+    assert len(planes(SENSOR, target)) == number
+
+
+def test_a_single_cube_has_three_planes_and_they_are_at_right_angles() -> None:
+    found = planes(Cuboid("cube", np.zeros(3), TURNED, (0.5, 0.5, 0.5)))
+    normals = np.array([plane.normal for plane in found])
+    np.testing.assert_allclose(normals @ normals.T, np.eye(3), atol=1e-12)
+
+
+def test_squares_on_a_diagonal_share_the_diagonal_plane() -> None:
+    square = Rectangle("sensor", np.zeros(3), np.eye(3), (0.5, 0.5))
+    (found,) = planes(square, plate(0.4, 0.4, 0.2, (0.3, 0.3)))
+    np.testing.assert_allclose(np.abs(found.normal), [np.sqrt(0.5), np.sqrt(0.5), 0])
+
+
+def test_two_plates_of_one_sensor_may_be_exchanged_and_two_sensors_may_not() -> None:
+    first = Rectangle("sensor", np.array([-0.6, 0.2, 0]), np.eye(3), (0.5, 0.3))
+    second = Rectangle("sensor", np.array([0.6, 0.2, 0]), np.eye(3), (0.5, 0.3))
+    target = plate(0, 0, 0.2)
+    assert len(planes(first, second, target, owner=[0, 0, 1])) == 1
+    assert planes(first, second, target, owner=[0, 1, 2]) == ()
+
+
+def test_mirroring_two_sensors_into_each_other_is_an_exchange() -> None:
+    first = Rectangle("sensor", np.array([-0.6, 0.2, 0]), np.eye(3), (0.5, 0.3))
+    second = Rectangle("sensor", np.array([0.6, 0.2, 0]), np.eye(3), (0.5, 0.3))
+    target = plate(0, 0, 0.2)
+    rows = ["row"] * 3
+    assert exchanges([first, second, target], [0, 1, 2], rows) == ((1, 0, 2),)
+    assert exchanges([first, second, target], [0, 0, 1], rows[:2]) == ()
+    assert exchanges([first, second, plate(0.01, 0, 0.2)], [0, 1, 2], rows) == ()
+
+
+def test_bodies_of_two_kinds_are_not_exchanged() -> None:
+    balls = [Sphere("ball", np.array([x, 0, 0.9]), 0.3) for x in (-0.5, 0.5)]
+    bodies = [SENSOR, *balls]
+    assert exchanges(bodies, [0, 1, 2], ["row", "floating", "floating"]) == ((0, 2, 1),)
+    assert exchanges(bodies, [0, 1, 2], ["row", "row", "floating"]) == ()
+
+
+def test_a_room_that_is_not_mirrored_allows_no_exchange() -> None:
+    balls = [Sphere("ball", np.array([x, 0, 0]), 0.3) for x in (-0.5, 0.5)]
+    centred, aside = (Cuboid("room", np.array([x, 0, 0]), np.eye(3), (2.0, 2.0, 2.0)) for x in (0, 0.1))
+    assert exchanges(balls, [0, 1], ["row", "row"], centred) == ((1, 0),)
+    assert exchanges(balls, [0, 1], ["row", "row"], aside) == ()
+
+
+def test_a_set_up_a_little_off_its_mirror_image_has_no_plane() -> None:
+    assert len(planes(SENSOR, plate(1e-7, 1e-7, 0.2))) == 0
+
+
+def problem_of(target: Body) -> Conductors:
+    turned = [
+        Rectangle("sensor", np.ones(3), TURNED.T, (0.5, 0.3)),
+        Rectangle("target", np.ones(3) + TURNED @ target.corners.mean(axis=0), TURNED.T, (0.4, 0.2)),
+    ]
+    return normalised(["sensor", "target"], 1, turned, [0, 1])
+
+
+@pytest.mark.parametrize("target, number", [(plate(0, 0, 0.3), 2), (plate(1.2, 0, 0), 1)])
+def test_one_side_gives_the_answer_of_the_whole(target: Body, number: int) -> None:
+    """Two meshes of the same fineness: the enclosures overlap, and a side has a share of the unknowns."""
+    problem = problem_of(target)
+    found = mirror_planes(problem.bodies, problem.owner)
+    assert len(found) == number
+    whole = solve_level(problem, 1.0, Sizing(), "enclosure")
+    side = solve_level(problem, 1.0, Sizing(), "enclosure", found)
+    assert whole.enclosure is not None and side.enclosure is not None
+    assert np.all(side.enclosure.lower <= whole.enclosure.upper)
+    assert np.all(whole.enclosure.lower <= side.enclosure.upper)
+    np.testing.assert_allclose(side.maxwell, whole.maxwell, rtol=3e-3)
+    np.testing.assert_allclose(side.delta_self, whole.delta_self, rtol=5e-3)
+    assert side.unknowns < whole.unknowns * 0.75**number

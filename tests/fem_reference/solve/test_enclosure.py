@@ -1,0 +1,150 @@
+"""Enclosures: what the truth is compared with lies inside, always, and they are narrow. `pytest -s` prints what was found."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.constants import epsilon_0
+
+from analysis.topics.verification.truths import UNIT_CUBE, UNIT_SQUARE_PLATE, boundary_elements
+from fem_reference.bodies.shapes import Body, Cuboid, Rectangle
+from fem_reference.solve.enclosure import Enclosure, enclosure, intersection
+from fem_reference.solve.level import Level, solve_level
+from fem_reference.answer.reference import solve_conductors
+from fem_reference.bodies.conductors import Conductors, normalised, rectangle
+from fem_reference.mesh.size_rules import Sizing
+from fem_reference.bodies.symmetry import mirror_planes
+from tests.fem_reference.panel_method import Plate
+from tests.fem_reference.random_set_ups import enclosed, set_ups
+
+Array = NDArray[np.float64]
+
+CASES = boundary_elements()[::3]
+"""A sample; `python3 -m analysis verify` has all of them."""
+
+
+def random_semidefinite(seed: int) -> Array:
+    root = np.random.default_rng(seed).normal(size=(3, 3))
+    return np.asarray(root @ root.T)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_every_matrix_between_the_bounds_is_enclosed(seed: int) -> None:
+    """Any M with L ≤ M ≤ U has its entries inside; off-diagonals of M are those of a capacitance matrix, not positive."""
+    below = np.diag([9.0, 8.0, 7.0]) - 2.5 + 0.1 * random_semidefinite(seed)
+    gap, share = random_semidefinite(seed + 100), np.linspace(0, 1, 5)
+    found = enclosure(below, below + gap)
+    for t in share:
+        middle = below + t * gap
+        middle[~np.eye(3, dtype=bool)] = np.minimum(middle[~np.eye(3, dtype=bool)], 0)
+        assert np.all(found.lower <= middle + 1e-12) and np.all(middle <= found.upper + 1e-12)
+
+
+def test_the_bound_off_the_diagonal_is_sharp() -> None:
+    """D = [[1, 1], [1, 1]]: M may be L or U, and off the diagonal the middle is half of D's entry off either."""
+    below = np.array([[4.0, -3.0], [-3.0, 4.0]])
+    found = enclosure(below, below + 1)
+    assert found.lower[0, 1] == pytest.approx(-3) and found.upper[0, 1] == pytest.approx(-2)
+
+
+def test_a_lower_bound_above_the_upper_one_is_a_fault() -> None:
+    with pytest.raises(RuntimeError, match="exceeds"):
+        enclosure(np.ones((1, 1)), np.zeros((1, 1)))
+
+
+def test_enclosures_of_one_matrix_intersect() -> None:
+    found = intersection(
+        [Enclosure(np.array([[1.0]]), np.array([[3.0]])), Enclosure(np.array([[0.0]]), np.array([[2.0]]))]
+    )
+    assert (found.lower[0, 0], found.upper[0, 0]) == (1.0, 2.0)
+
+
+def conductors_of(case: dict[str, Any]) -> Conductors:
+    bodies = [
+        rectangle(str(k), *(np.array(plate[key]) for key in ("corner", "edge_u", "edge_v")))
+        for k, plate in enumerate(case["rectangles"])
+    ]
+    sensors = sum(conductor.startswith("sensor") for conductor in case["conductors"])
+    return normalised(
+        case["conductors"], sensors, bodies, [plate["conductor"] for plate in case["rectangles"]]
+    )
+
+
+def alone(body: Body) -> Conductors:
+    return normalised([body.name], 1, [body], [0])
+
+
+def level(problem: Conductors, refinement: float) -> Level:
+    planes = mirror_planes(problem.bodies, problem.owner)
+    return solve_level(problem, 1.0, Sizing(refinement=refinement), "enclosure", planes)
+
+
+def widths_around(name: str, problem: Conductors, truth: float, truth_error: float) -> list[float]:
+    """Relative widths over three halvings of the edge size; asserts that the truth is inside each time."""
+    widths = []
+    for refinement in (1, 2, 4):
+        found = level(problem, refinement).enclosure
+        assert found is not None
+        below, above = found.lower[0, 0] / truth - 1, found.upper[0, 0] / truth - 1
+        print(f"\n{name}, refinement {refinement}: truth {below:+.2e} … {above:+.2e}")
+        assert below <= truth_error and above >= -truth_error
+        widths.append(above - below)
+    return widths
+
+
+def test_square_plate() -> None:
+    plate = alone(Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5)))
+    widths = widths_around("square plate", plate, 4 * np.pi * epsilon_0 * UNIT_SQUARE_PLATE, 3e-6)
+    order = np.log2(widths[0] / widths[2]) / 2
+    print(f"observed order of the width {order:.2f}")
+    assert 0.85 <= order <= 1.25 and widths[2] <= 6e-4
+
+
+def test_cube() -> None:
+    cube = alone(Cuboid("cube", np.zeros(3), np.eye(3), (0.5, 0.5, 0.5)))
+    widths = widths_around("cube", cube, 4 * np.pi * epsilon_0 * UNIT_CUBE, 1e-12)
+    assert widths[1] < 0.6 * widths[0] and widths[2] < 0.6 * widths[1]
+
+
+@pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
+def test_plates_against_boundary_elements(case: dict[str, Any]) -> None:
+    """The coarsest mesh encloses every entry of every case, as far as the other method knows it."""
+    found = level(conductors_of(case), 1).enclosure
+    assert found is not None
+    truth = 1e-12 * np.array(case["maxwell_pF"])
+    slack = case["relative_error"] * np.abs(truth)
+    assert np.all(found.lower <= truth + slack) and np.all(truth - slack <= found.upper)
+    width = np.max((found.upper - found.lower) / np.abs(truth))
+    print(f"\n{case['name']}: widest {width:.1e}")
+    assert width <= 0.03
+
+
+@pytest.mark.parametrize("plates", list(set_ups(1, seed=7)))
+def test_random_poses_against_panels(plates: list[Plate]) -> None:
+    """A sample of `random_set_ups`, on the coarsest mesh."""
+    inside, width, slack = enclosed(plates, 1)
+    assert inside and width <= 0.1 and slack <= 1e-2 * width + 1e-3
+
+
+def test_twice_the_size_is_twice_the_bounds_to_rounding() -> None:
+    found = []
+    for scale in (1.0, 2.0):
+        interval = level(
+            alone(Rectangle("plate", np.zeros(3), np.eye(3), (0.5 * scale, 0.3 * scale))), 1
+        ).enclosure
+        assert interval is not None
+        found.append(np.array([interval.lower[0, 0], interval.upper[0, 0]]) / scale)
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-12)
+
+
+def test_the_answer_stops_when_the_enclosure_is_narrow_enough_and_keeps_its_best_value_inside() -> None:
+    plate = alone(Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5)))
+    found = solve_conductors(plate, rtol=2e-4)
+    truth = 4 * np.pi * epsilon_0 * UNIT_SQUARE_PLATE
+    assert found.reached and found.error_kind == "enclosure" and found.worst <= 2e-4
+    assert found.lower[0, 0] <= truth * (1 + 3e-6) and truth * (1 - 3e-6) <= found.upper[0, 0]
+    assert found.lower[0, 0] <= found.maxwell.value[0, 0] <= found.upper[0, 0]
+    assert abs(found.maxwell.value[0, 0] / truth - 1) <= (found.upper[0, 0] - found.lower[0, 0]) / truth / 5
