@@ -80,15 +80,12 @@ def agree(one: Answer, other: Answer, names: tuple[str, ...]) -> bool:
 # What a scene is made of.
 
 
-def scenes(count: int, seed: int, folder: Path) -> Iterator[Scene]:
-    """Random scenes; meshes are written to the folder. Bodies may be found too close to each other when the scene is solved."""
-    prism = _prism(folder / "prism.obj")
-    for number in range(count):
-        yield _scene(np.random.default_rng([seed, number]), prism, number)
+def random_scene(number: int, seed: int, prism: MeshShape) -> Scene:
+    """One or two sensors around z = 0, and up to two bodies above; they may come too close to each other to be solved.
 
-
-def _scene(random: np.random.Generator, prism: MeshShape, number: int) -> Scene:
-    """One or two sensors around z = 0, and up to two bodies above. `centred` are the axes in which everything is symmetric."""
+    The bits of `number` say in which of two axes everything is symmetric, and whether there is a room.
+    """
+    random = np.random.default_rng([seed, number])
     centred, in_room, kind = [bool(number & 1), bool(number & 2)], bool(number & 4), number // 8 % 3
     half = random.uniform(0.03, 0.06, 2)
     sensors = [Sensor("sensor", (_rectangle(0.0, 0.0, half),), "all")]
@@ -162,7 +159,7 @@ def _room(random: np.random.Generator, centred: list[bool], height: float) -> Ro
     return Room((*size, tall), Pose((x, y, float(height + above) - tall / 2)))
 
 
-def _prism(path: Path) -> MeshShape:
+def written_prism(path: Path) -> MeshShape:
     """An L-shaped prism of 5 cm by 4 cm by 3 cm, symmetric in y, its origin in the middle of its box."""
     outline = 0.01 * np.array([[-2.5, -2], [2.5, -2], [2.5, -0.5], [0, -0.5], [0, 2], [-2.5, 2]])
     points = [(x, y, z) for y in (-0.015, 0.015) for x, z in outline]
@@ -344,9 +341,9 @@ def main() -> int:
     wrong = refused = pairs = 0
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for number, scene in enumerate(scenes(options.first + options.count, options.seed, folder)):
-            if number < options.first:
-                continue
+        prism = written_prism(folder / "prism.obj")
+        for number in range(options.first, options.first + options.count):
+            scene = random_scene(number, options.seed, prism)
             start = time.monotonic()
             found = compared(scene, number, folder)
             took = time.monotonic() - start

@@ -30,9 +30,12 @@ class SetUp:
     names: tuple[str, ...]
     sensors: int = 1
     more: dict[str, Any] = field(default_factory=dict)
+    owner: tuple[int, ...] = ()
+    """Which conductor each body is a part of; none: each is one."""
 
     def conductors(self) -> Conductors:
-        return normalised(self.names, self.sensors, self.bodies, range(len(self.bodies)), **self.more)
+        owner = self.owner or range(len(self.bodies))
+        return normalised(self.names, self.sensors, self.bodies, owner, **self.more)
 
 
 @dataclass(frozen=True)
@@ -131,6 +134,7 @@ def true_cases() -> dict[str, TrueCase]:
         *_balls(),
         *_sphere_and_plane(),
         *_boundary_elements(),
+        *_rooms(),
     ]
     return {case.name: case for case in cases}
 
@@ -252,15 +256,42 @@ def _boundary_elements() -> list[TrueCase]:
     cases = []
     for case in truths.boundary_elements():
         matrix = 1e-12 * np.array(case["maxwell_pF"])
-        quantities = tuple(
-            Quantity(f"C{i + 1}{j + 1}", entry(i, j), matrix[i, j], case["relative_error"])
-            for i in range(len(matrix))
-            for j in range(i, len(matrix))
-        )
+        quantities = _entries(matrix, case["relative_error"])
         cases.append(
             TrueCase(case["name"].replace("_", " "), "boundary elements", _of_rectangles(case), quantities)
         )
     return cases
+
+
+def _rooms() -> list[TrueCase]:
+    """Plates in a room, with no plane of symmetry to three, against their mirror images. Estimates are tried in every other one."""
+    cases = []
+    for number, case in enumerate(truths.rooms()):
+        matrix = 1e-12 * np.array(case["maxwell_pF"])
+        bodies = [
+            plate(f"plate {k + 1}", part["centre"], (part["half_widths"][0], part["half_widths"][1]))
+            for k, parts in enumerate(case["plates"])
+            for part in parts
+        ]
+        owner = [k for k, parts in enumerate(case["plates"]) for _ in parts]
+        low, high = np.array(case["low"], dtype=float), np.array(case["high"], dtype=float)
+        a, b, c = map(float, (high - low) / 2)
+        room = Cuboid("room", (low + high) / 2, np.eye(3), (a, b, c))
+        names = tuple(f"plate {k + 1}" for k in range(len(matrix)))
+        set_up = SetUp(tuple(bodies), names, more={"room": room}, owner=tuple(owner))
+        kind: ErrorKind = "estimate" if number % 2 else "enclosure"
+        quantities = _entries(matrix, case["relative_error"])
+        cases.append(TrueCase(case["name"], "boundary elements of mirror images", set_up, quantities, kind))
+    return cases
+
+
+def _entries(matrix: Array, error: float) -> tuple[Quantity, ...]:
+    """Every entry of a symmetric matrix (F), known to this relative error."""
+    return tuple(
+        Quantity(f"C{i + 1}{j + 1}", entry(i, j), matrix[i, j], error)
+        for i in range(len(matrix))
+        for j in range(i, len(matrix))
+    )
 
 
 def _of_rectangles(case: dict[str, Any]) -> SetUp:

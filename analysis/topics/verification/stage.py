@@ -23,6 +23,7 @@ _SOURCES = (
     "truths.py",
     "truths_of_revolution.py",
     "boundary_elements.json",
+    "rooms.json",
     "set_ups.py",
     "properties.py",
     "rows.py",

@@ -32,6 +32,16 @@ BOUNDARY_ELEMENTS = Path(__file__).with_name("boundary_elements.json")
 levels. Nothing was fitted to them."""
 
 
+ROOMS = Path(__file__).with_name("rooms.json")
+"""Maxwell matrices of plates in rooms, by `rooms`."""
+
+
+def rooms() -> list[dict[str, Any]]:
+    """The rooms with their plates, their matrices in pF, and the largest relative error of an entry."""
+    cases: list[dict[str, Any]] = json.loads(ROOMS.read_text(encoding="utf-8"))["cases"]
+    return cases
+
+
 def boundary_elements() -> list[dict[str, Any]]:
     """The set-ups with their matrices in pF and the largest relative error of an entry."""
     cases: list[dict[str, Any]] = json.loads(BOUNDARY_ELEMENTS.read_text(encoding="utf-8"))["cases"]

@@ -1,0 +1,21 @@
+"""What must not matter to an answer does not: a dozen of the random scenes of `invariances`, in seconds each."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.fem_reference.invariances import compared, random_scene, written_prism
+
+# Free space and rooms, no plane of symmetry to two of them, one to three conductors, every change, bounds and estimates.
+NUMBERS = (8, 16, 9, 10, 51, 93, 21, 30, 22, 31, 15, 68)
+SEED = 1
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_answers_that_have_to_agree_do(number: int, tmp_path: Path) -> None:
+    scene = random_scene(number, SEED, written_prism(tmp_path / "prism.obj"))
+    found = compared(scene, number, tmp_path)
+    assert found is not None and found.pairs >= 1
+    assert not found.disagree
