@@ -1,8 +1,7 @@
 # `cpack` in the build folder makes build/debian/fringe_VERSION_ARCHITECTURE.deb.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME fringe)
-# Nobody maintains the package: who passes it on names himself, cmake -DFRINGE_MAINTAINER="Name <address>", and needs a licence
-# first, which the sources do not have (copyright, beside this file).
+# The package has no maintainer: whoever distributes it names one, cmake -DFRINGE_MAINTAINER="Name <address>".
 set(FRINGE_MAINTAINER "nobody, not maintained <nobody@localhost>" CACHE STRING "Maintainer of the Debian package")
 set(CPACK_PACKAGE_CONTACT "${FRINGE_MAINTAINER}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "capacitance of proximity sensors, by a fast model and by finite elements")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.packaging.conftest import BUILD
+from tests.packaging.conftest import BUILD, ROOT
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +45,16 @@ def test_it_says_what_it_is(fields: dict[str, str]) -> None:
     assert fields["Package"] == "fringe"
     assert fields["Section"] == "science"
     assert fields["Maintainer"] and fields["Description"]
+
+
+def test_its_copyright_is_the_licence_of_the_repository() -> None:
+    """Paragraph by paragraph: Debian's format indents them and marks empty lines by a point."""
+    copyright_file = (ROOT / "model/package/copyright").read_text(encoding="utf-8")
+    stated = " ".join(word for word in copyright_file.split() if word != ".")
+    title, owner, *paragraphs = (ROOT / "LICENSE").read_text(encoding="utf-8").split("\n\n")
+    assert title == "BSD 3-Clause License" and "License: BSD-3-Clause" in stated
+    assert owner == "Copyright (c) 2026, the fringe authors" and "Copyright: 2026 the fringe authors" in stated
+    assert all(" ".join(paragraph.split()) in stated for paragraph in paragraphs)
 
 
 @pytest.mark.parametrize(
