@@ -59,6 +59,17 @@ def test_a_project_finds_the_library_with_cmake(prefix: Path, scene: Path) -> No
     assert float(answer) == total(prefix, scene)
 
 
+def test_the_installed_examples_build_against_the_installed_library(prefix: Path, scene: Path) -> None:
+    """One of them: all are compiled with the library itself."""
+    examples, build = prefix / "share/doc/fringe/examples", scene.parent / "build"
+    output_of(
+        ["cmake", "-S", examples, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}"], scene.parent
+    )
+    output_of(["cmake", "--build", build, "--target", "example_moving_scene"], scene.parent)
+    printed = output_of([build / "examples/moving_scene", examples / "hand.toml"], scene.parent)
+    assert printed.startswith("raised by")
+
+
 def test_a_project_finds_the_library_with_pkg_config(prefix: Path, scene: Path) -> None:
     flags = output_of(
         ["pkg-config", "--cflags", "--libs", "fringe"],
