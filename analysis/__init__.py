@@ -1,4 +1,5 @@
-"""Run a study, hold the model against the field reference, report.
+"""Runs studies, holds the model against the field reference, and reports.
 
-study → a job for every case and stage (`workflow`) → stored answers (`store`) → rows (`table`) → report (`report`).
+A study file becomes jobs (`study.plan`, `study.workflow`), jobs store answers (`pipeline`, `results.store`), answers become rows
+(`results.table`), and rows become pages (`study.report`, with the parts of `report` and the sections of `topics`).
 """

@@ -11,8 +11,8 @@ import shlex
 import sys
 from pathlib import Path
 
-from geometries import installation
-from geometries.interpreter import continue_with
+from geometries.common import installation
+from geometries.common.interpreter import continue_with
 
 ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
 
@@ -119,7 +119,7 @@ def main(arguments: list[str] | None = None) -> int:
 
     from fem_reference import output
     from fem_reference.limits import Limits
-    from geometries.errors import InputError
+    from geometries.common.errors import InputError
 
     # Every process runs all of this, and comes to the same end; one of them says so.
     is_first = MPI.COMM_WORLD.rank == 0

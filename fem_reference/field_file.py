@@ -14,8 +14,8 @@ from fem_reference.driven_sensor import driven_sensor
 from fem_reference.mesh import FIRST_BODY, TaggedMesh
 from fem_reference.scene_bodies import Conductors, conductors
 from fem_reference.solve import COMPILATION
-from geometries.files import whole_file
-from geometries.scene import Scene
+from geometries.common.files import whole_file
+from geometries.scene.scene import Scene
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

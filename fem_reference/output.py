@@ -20,8 +20,8 @@ from fem_reference.level import Level
 from fem_reference.limits import Limits
 from fem_reference.potential_slice import potential_slice
 from fem_reference.reference import ErrorKind, Reference, maxwell
-from geometries.files import whole_file
-from geometries.reader import load
+from geometries.common.files import whole_file
+from geometries.scene.reader import load
 
 # Of the documents, as geometries/schemas/FORMATS.md says.
 FORMAT = 1

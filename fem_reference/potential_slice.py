@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fem_reference.driven_sensor import driven_sensor
 from fem_reference.scene_bodies import Conductors, conductors
-from geometries.scene import Scene
+from geometries.scene.scene import Scene
 
 Array = NDArray[np.float64]
 

@@ -23,7 +23,7 @@ from fem_reference.mesh import OUTER_RADIUS
 from fem_reference.scene_bodies import Conductors, Dielectric, conductors
 from fem_reference.size_rules import Sizing, growth_for
 from fem_reference.symmetry import Plane, mirror_planes
-from geometries.scene import Scene
+from geometries.scene.scene import Scene
 
 Array = NDArray[np.float64]
 ErrorKind = Literal["enclosure", "estimate"]

@@ -16,10 +16,10 @@ from fem_reference.mesh import bounding_sphere
 from fem_reference.polyhedron import NotASolid, Polyhedron, polyhedron
 from fem_reference.round_bodies import Arc, Cone, Cylinder, Sphere
 from fem_reference.symmetry import Plane
-from geometries import shapes
-from geometries.errors import InputError
-from geometries.scene import Object, Scene
-from geometries.shapes import MeshShape, PlateShape
+from geometries.common.errors import InputError
+from geometries.scene import shapes
+from geometries.scene.scene import Object, Scene
+from geometries.scene.shapes import MeshShape, PlateShape
 
 Array = NDArray[np.float64]
 ClosedFormShape = PlateShape | shapes.Cuboid | shapes.Sphere | shapes.Cylinder | shapes.Cone | shapes.Arc

@@ -6,9 +6,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from geometries import meshes, study
-from geometries.errors import InputError
-from geometries.installation import command
+from geometries.common.errors import InputError
+from geometries.common.installation import command
+from geometries.scene import meshes
+from geometries.studies import study
 
 # As everywhere in the project: 0 answered, 2 the input is wrong.
 _WRONG_INPUT = 2

@@ -9,8 +9,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from analysis.keys import REPOSITORY
-from geometries.installation import is_installed
+from analysis.pipeline.keys import REPOSITORY
+from geometries.common.installation import is_installed
 
 HERE = Path(__file__).parent
 _MADE_BY_SPHINX = ".buildinfo"

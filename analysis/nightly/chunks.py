@@ -7,13 +7,13 @@ import time
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from analysis import reference_stage, workflow
-from analysis.jobs import Failure
-from analysis.plan import Work
-from analysis.store import Document, is_current, read_json, write_json, write_text
-from analysis.results import case_folder
-from geometries.errors import InputError
-from geometries.study import Study
+from analysis.pipeline import reference_stage
+from analysis.results.store import Document, is_current, read_json, write_json, write_text
+from analysis.results.study_results import Failure, case_folder
+from analysis.study import workflow
+from analysis.study.plan import Work
+from geometries.common.errors import InputError
+from geometries.studies.study import Study
 
 # The folder of a night's jobs, in that of the results; a new night begins with a new one.
 FOLDER = "jobs"

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 from analysis.nightly.chunks import FOLDER
-from analysis.store import write_text
+from analysis.results.store import write_text
 
 NAME_VARIABLE = "FRINGE_JOBS"
 """Of the environment that Snakemake and a profile's commands find the jobs' name in."""

@@ -7,25 +7,27 @@ every night makes anew, so nothing that an earlier night left there, however it 
 from __future__ import annotations
 
 import os
-import shutil
 import shlex
+import shutil
 import sys
 import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis import plan, reference_stage, workflow
 from analysis.nightly import chunks, cluster
-from analysis.jobs import Failure, Progress, parallel_jobs
-from analysis.keys import REPOSITORY
-from analysis.plan import Work
-from analysis.processes import ENDS_WITH_US, Processes
-from analysis.results import case_folder, write_manifest
-from analysis.store import write_text
-from analysis.trade_off import stage as trade_off
-from geometries.errors import InputError
-from geometries.study import Study
+from analysis.pipeline import reference_stage
+from analysis.pipeline.jobs import Progress, parallel_jobs
+from analysis.pipeline.keys import REPOSITORY
+from analysis.pipeline.processes import ENDS_WITH_US, Processes
+from analysis.results.store import write_text
+from analysis.results.study_results import Failure, case_folder, write_manifest
+from analysis.study import plan, workflow
+from analysis.study.plan import Work
+from analysis.topics.history.nights import Night
+from analysis.topics.trade_off import stage as trade_off
+from geometries.common.errors import InputError
+from geometries.studies.study import Study
 
 LOG = "snakemake.log"
 _PROFILES = Path(__file__).parent / "profiles"
@@ -44,15 +46,6 @@ class Options:
     profile: str | None = None
     workers: int | None = None
     job_seconds: float | None = None
-
-
-@dataclass(frozen=True)
-class Night:
-    """What a night did: cases that were to do, what failed, and how long it took."""
-
-    to_do: int
-    failures: list[Failure]
-    seconds: float
 
 
 def run(study: Study, folder: Path, options: Options) -> Night:

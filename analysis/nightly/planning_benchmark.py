@@ -16,12 +16,13 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from analysis import plan, results
 from analysis.nightly import night
 from analysis.nightly.chunks import Chunk
-from analysis.keys import REPOSITORY
-from analysis.store import write_json, write_text
-from geometries import study
+from analysis.pipeline.keys import REPOSITORY
+from analysis.results import study_results as results
+from analysis.results.store import write_json, write_text
+from analysis.study import plan
+from geometries.studies import study
 
 _STUDY = """
 name = "planned"

@@ -6,10 +6,10 @@ import re
 from pathlib import Path
 from typing import Any
 
-from analysis import results, store
-from analysis.jobs import Failure
-from geometries import families, study
-from geometries.writer import canonical
+from analysis.results import store, study_results as results
+from analysis.results.study_results import Failure
+from geometries.scene.writer import canonical
+from geometries.studies import families, study
 
 HEAD = """
 name = "synthetic"
@@ -187,7 +187,7 @@ def make_results(
 def report_text(folder: Path) -> str:
     """The report of a folder of results and its pages on questions, without their scripts."""
     # Imported here: what stands in for the reference takes documents from this file in every process of its own.
-    from analysis import report
+    from analysis.study import report
 
     path = report.make(folder).path
     pages = [path, *sorted((path.parent / report.PAGES).glob("*.html"))]

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis.model_stage import model_module
-from geometries import reader
-from geometries.errors import InputError
+from analysis.pipeline.model_stage import model_module
+from geometries.common.errors import InputError
+from geometries.scene import reader
 from tests.bad_input.case import Case, as_root
 from tests.bad_input.corpus import cases
 

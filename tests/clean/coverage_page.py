@@ -37,7 +37,7 @@ REASONS = [
     ),
     *(
         Reason(
-            f"analysis/verification/{name}.py",
+            f"analysis/topics/verification/{name}.py",
             "",
             "`python3 -m analysis verify` runs it, minutes of field solving",
         )
@@ -45,14 +45,14 @@ REASONS = [
     ),
     *(
         Reason(
-            f"analysis/published/{name}.py",
+            f"analysis/topics/published/{name}.py",
             "",
             "`python3 -m analysis table` runs it, for three quarters of an hour",
         )
         for name in ("stage", "table", "upper_bound")
     ),
     *(
-        Reason(f"analysis/corrections/{name}.py", "", "`./run` runs it over 450 set-ups")
+        Reason(f"analysis/topics/corrections/{name}.py", "", "`./run` runs it over 450 set-ups")
         for name in ("gaussian_process", "stage")
     ),
     Reason(

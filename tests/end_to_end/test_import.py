@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis import model_stage
-from geometries import reader
-from geometries.scene import Scene
-from geometries.shapes import Cuboid, Cylinder, MeshShape, Sphere
+from analysis.pipeline import model_stage
+from geometries.scene import reader
+from geometries.scene.scene import Scene
+from geometries.scene.shapes import Cuboid, Cylinder, MeshShape, Sphere
 
 ROOT = Path(__file__).resolve().parents[2]
 # A corner of a cube: three faces' triangles would do; two are enough to see order, scale and reflection.

@@ -20,7 +20,7 @@ from analysis.__main__ import main
 ROOT = Path(__file__).resolve().parents[2]
 MODEL, REFERENCE = "model/test_command_line.py", "fem_reference/test_command_line.py"
 HERE, IMPORT = "end_to_end/test_options.py", "end_to_end/test_import.py"
-TABLE = ("analysis/published/test_table.py", "test_the_options_of_the_command_reach_what_they_are_for")
+TABLE = ("analysis/topics/published/test_table.py", "test_the_options_of_the_command_reach_what_they_are_for")
 SAID = (HERE, "test_help_and_version_are_printed_and_nothing_else")
 PASSED_ON = (HERE, "test_an_option_reaches_what_it_is_for")
 # Command → option → the demonstration, a file of tests and a function.
@@ -87,7 +87,7 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
     ("analysis", "job"): {"--help": SAID},
     ("analysis", "diff"): {
         "--help": SAID,
-        "--output": ("analysis/nightly/test_difference.py", "test_drift_ends_with_code_1_a_table_and_a_document"),
+        "--output": ("analysis/topics/history/test_difference.py", "test_drift_ends_with_code_1_a_table_and_a_document"),
     },
     ("analysis", "report"): {"--help": SAID},
     ("analysis", "verify"): {"--help": SAID, "--output": PASSED_ON, "--jobs": PASSED_ON},
@@ -97,8 +97,8 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
     ("analysis", "table"): {"--help": SAID, "--answers": TABLE, "--output": TABLE, "--jobs": TABLE},
     ("analysis", "show"): {
         "--help": SAID,
-        "--motion": ("analysis/test_show.py", "test_a_wrong_motion_is_refused"),
-        "--output": ("analysis/test_show.py", "test_the_example_is_shown_by_its_name"),
+        "--motion": ("analysis/show/test_show.py", "test_a_wrong_motion_is_refused"),
+        "--output": ("analysis/show/test_show.py", "test_the_example_is_shown_by_its_name"),
     },
 }  # fmt: skip
 SCENE = """
@@ -197,21 +197,21 @@ class Reached(Exception):
 @pytest.mark.parametrize(
     ("words", "function", "position", "expected"),
     [
-        (["run", "smoke", "--results", "OUT"], "analysis.workflow.run", 1, "OUT"),
-        (["run", "smoke", "--results", "OUT", "--jobs", "3"], "analysis.workflow.run", 2, 3),
-        (["run", "smoke", "--results", "OUT"], "analysis.workflow.run", 2, None),
-        (["run", "smoke", "--results", "OUT", "--measure-model"], "analysis.workflow.run", 3, True),
-        (["run", "smoke", "--results", "OUT"], "analysis.workflow.run", 3, False),
-        (["run", "smoke", "--results", "OUT", "--verify"], "analysis.verification.stage.run", 2, None),
+        (["run", "smoke", "--results", "OUT"], "analysis.study.workflow.run", 1, "OUT"),
+        (["run", "smoke", "--results", "OUT", "--jobs", "3"], "analysis.study.workflow.run", 2, 3),
+        (["run", "smoke", "--results", "OUT"], "analysis.study.workflow.run", 2, None),
+        (["run", "smoke", "--results", "OUT", "--measure-model"], "analysis.study.workflow.run", 3, True),
+        (["run", "smoke", "--results", "OUT"], "analysis.study.workflow.run", 3, False),
+        (["run", "smoke", "--results", "OUT", "--verify"], "analysis.topics.verification.stage.run", 2, None),
         (["nightly", "smoke", "--results", "OUT"], "analysis.nightly.night.run", 1, "OUT"),
         (["nightly", "smoke", "--results", "OUT", "--jobs", "3"], "analysis.nightly.night.run", 2, (None, 3, None)),
         (["nightly", "smoke", "--results", "OUT", "--job-seconds", "9"], "analysis.nightly.night.run", 2, (None, None, 9)),
-        (["nightly", "smoke", "--results", "OUT", "--verify"], "analysis.verification.stage.run", 2, None),
-        (["verify", "--output", "OUT"], "analysis.verification.stage.run", 0, "OUT"),
-        (["verify", "--output", "OUT", "--jobs", "3"], "analysis.verification.stage.run", 2, 3),
-        (["errors", "--output", "OUT"], "analysis.errors.stage.run", 0, "OUT"),
-        (["errors", "--output", "OUT", "--jobs", "3"], "analysis.errors.stage.run", 2, 3),
-        (["corrections", "--output", "OUT"], "analysis.corrections.stage.run", 0, "OUT"),
+        (["nightly", "smoke", "--results", "OUT", "--verify"], "analysis.topics.verification.stage.run", 2, None),
+        (["verify", "--output", "OUT"], "analysis.topics.verification.stage.run", 0, "OUT"),
+        (["verify", "--output", "OUT", "--jobs", "3"], "analysis.topics.verification.stage.run", 2, 3),
+        (["errors", "--output", "OUT"], "analysis.topics.errors.stage.run", 0, "OUT"),
+        (["errors", "--output", "OUT", "--jobs", "3"], "analysis.topics.errors.stage.run", 2, 3),
+        (["corrections", "--output", "OUT"], "analysis.topics.corrections.stage.run", 0, "OUT"),
         (["documentation", "--output", "OUT"], "analysis.documentation.make.build", 0, "OUT"),
     ],
 )  # fmt: skip
@@ -230,7 +230,7 @@ def test_an_option_reaches_what_it_is_for(
         called.append(arguments)
         raise Reached
 
-    for before in ("analysis.workflow.run", "analysis.nightly.night.run"):
+    for before in ("analysis.study.workflow.run", "analysis.nightly.night.run"):
         if before != function:
             monkeypatch.setattr(
                 before, lambda *_: type("Night", (), {"failures": []})() if "night." in before else []

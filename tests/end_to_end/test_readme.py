@@ -12,8 +12,8 @@ import meshio
 import numpy as np
 import pytest
 
-from analysis.corrections import set_ups as corrections_set_ups
-from analysis.model_stage import model_module
+from analysis.pipeline.model_stage import model_module
+from analysis.topics.corrections import set_ups as corrections_set_ups
 from tests.bad_input import corpus
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis.model_stage import model_module
-from geometries import families, reader, study
-from geometries.writer import canonical
+from analysis.pipeline.model_stage import model_module
+from geometries.scene import reader
+from geometries.scene.writer import canonical
+from geometries.studies import families, study
 
 SENSOR = """
 [[sensor]]

@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 import tomli_w
 
-from analysis import model_stage
-from analysis.results import write_manifest
-from geometries import study
+from analysis.pipeline import model_stage
+from analysis.results.study_results import write_manifest
+from geometries.studies import study
 from tests.geometries import schemas
 from tests.geometries.schemas import OBJ, OUT_OF_RANGE, PLATE, SCENE, Document
 

@@ -120,7 +120,7 @@ def complete(study: Study, tally: Tally, root: Path = Path("/")) -> None:
 
 
 def make_slower(toy: ToyRepository) -> None:
-    files = toy.folder / "geometries" / "files.py"
+    files = toy.folder / "geometries" / "common" / "files.py"
     written = files.read_text()
     slower = written.replace(
         "        os.replace(",

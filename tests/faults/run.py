@@ -14,7 +14,7 @@ import time
 from dataclasses import asdict
 from pathlib import Path
 
-from analysis.store import write_json
+from analysis.results.store import write_json
 from tests.analysis.nightly.toy_repository import ROOT, ToyRepository
 from tests.faults.harness import CASES, Study, Tally, make_slower
 from tests.faults.kinds import KINDS

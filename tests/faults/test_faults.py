@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis import faults_section
+from analysis.report import faults_section
 from tests.faults.harness import Study, wait_until_at_work
 from tests.faults.run import disturb, prepare
 

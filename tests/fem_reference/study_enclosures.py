@@ -17,10 +17,10 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.model_stage import model_module
+from analysis.pipeline.model_stage import model_module
 from fem_reference import reference
-from geometries import study
-from geometries.study import Case
+from geometries.studies import study
+from geometries.studies.study import Case
 
 Array = NDArray[np.float64]
 

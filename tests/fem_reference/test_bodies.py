@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem_reference.bodies import Cuboid, Disc, Rectangle, separation
-from geometries.poses import AxisRotation
+from geometries.scene.poses import AxisRotation
 
 TURNED = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T
 

@@ -10,8 +10,8 @@ import pytest
 from fem_reference import maxwell
 from fem_reference.output import table
 from fem_reference.reference import Reference
-from geometries.errors import InputError
-from geometries.reader import loads
+from geometries.common.errors import InputError
+from geometries.scene.reader import loads
 
 SCENE = """
 [[sensor]]

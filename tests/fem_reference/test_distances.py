@@ -10,8 +10,8 @@ from fem_reference.distance_text import TextBody, edge_distance, surface_distanc
 from fem_reference.distances import distance, holds, touch_with_faces
 from fem_reference.polyhedron import polyhedron
 from fem_reference.round_bodies import Arc, Cone, Cylinder, Sphere
-from geometries import shapes
-from geometries.poses import AxisRotation
+from geometries.scene import shapes
+from geometries.scene.poses import AxisRotation
 
 TURNED = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T
 LYING = AxisRotation((1.0, 0.0, 0.0), 90.0).matrix().T

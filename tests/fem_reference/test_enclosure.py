@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
-from analysis.verification.truths import UNIT_CUBE, UNIT_SQUARE_PLATE, boundary_elements
+from analysis.topics.verification.truths import UNIT_CUBE, UNIT_SQUARE_PLATE, boundary_elements
 from fem_reference.bodies import Body, Cuboid, Rectangle
 from fem_reference.enclosure import Enclosure, enclosure, intersection
 from fem_reference.level import Level, solve_level

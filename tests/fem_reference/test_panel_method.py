@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analysis.verification.truths import boundary_elements
+from analysis.topics.verification.truths import boundary_elements
 from tests.fem_reference.panel_method import Plate, maxwell
 
 CASES = {case["name"]: case for case in boundary_elements()}

@@ -13,8 +13,8 @@ from fem_reference.plane_faces import plane_faces
 from fem_reference.polyhedron import polyhedron
 from fem_reference.scene_bodies import normalised
 from fem_reference.sizing import Sizing
-from geometries import shapes
-from geometries.poses import AxisRotation
+from geometries.scene import shapes
+from geometries.scene.poses import AxisRotation
 
 Array = NDArray[np.float64]
 TURNED = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from fem_reference.polyhedron import MOST_TRIANGLES, NotASolid, polyhedron
-from geometries import shapes
+from geometries.scene import shapes
 
 Array = NDArray[np.float64]
 CUBE = shapes.Cuboid((0.2, 0.2, 0.2)).triangles()

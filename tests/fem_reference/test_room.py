@@ -18,8 +18,8 @@ from fem_reference.round_bodies import Sphere
 from fem_reference.scene_bodies import normalised
 from fem_reference.size_rules import Sizing
 from fem_reference.symmetry import mirror_planes
-from geometries.errors import InputError
-from geometries.reader import loads
+from geometries.common.errors import InputError
+from geometries.scene.reader import loads
 
 Vector = NDArray[np.float64]
 

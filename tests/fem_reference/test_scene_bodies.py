@@ -13,9 +13,9 @@ from fem_reference.bodies import Cuboid
 from fem_reference.distances import distance
 from fem_reference.round_bodies import Sphere
 from fem_reference.scene_bodies import conductors
-from geometries import shapes
-from geometries.errors import InputError
-from geometries.reader import loads
+from geometries.common.errors import InputError
+from geometries.scene import shapes
+from geometries.scene.reader import loads
 
 SENSOR = """
 [[sensor]]

@@ -18,8 +18,8 @@ from fem_reference.scene_bodies import Conductors, Dielectric, normalised
 from fem_reference.sizing import Sizing
 from fem_reference.solve import Charges, FieldProblem, charges
 from fem_reference.symmetry import mirror_planes
-from geometries import shapes
-from geometries.poses import AxisRotation
+from geometries.scene import shapes
+from geometries.scene.poses import AxisRotation
 
 TURNED = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T
 CENTRE = np.array([0.1, -0.2, 0.3])

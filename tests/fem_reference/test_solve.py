@@ -12,7 +12,7 @@ from fem_reference.mesh import FIRST_BODY, NEAR_EDGE, OUTER_RADIUS, TaggedMesh, 
 from fem_reference.scene_bodies import Conductors, normalised
 from fem_reference.sizing import Sizing
 from fem_reference.solve import FieldProblem, charges, first_sensor_driven, without_floating
-from geometries.poses import AxisRotation
+from geometries.scene.poses import AxisRotation
 
 UPRIGHT = AxisRotation((0, 1, 0), 90).matrix().T
 

@@ -14,8 +14,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
-from analysis.verification import truths
-from analysis.verification.truths import (
+from analysis.topics.verification import truths
+from analysis.topics.verification.truths import (
     PARALLEL_SQUARES,
     UNIT_CUBE,
     UNIT_SQUARE_PLATE,

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from scipy.constants import epsilon_0
 
-from analysis.verification.truths import LEKNER
-from analysis.verification.truths_of_revolution import (
+from analysis.topics.verification.truths import LEKNER
+from analysis.topics.verification.truths_of_revolution import (
     body_of_revolution,
     dielectric,
     floating,
@@ -24,7 +24,7 @@ from fem_reference.bodies import Body
 from fem_reference.reference import solve_conductors
 from fem_reference.round_bodies import Cone, Cylinder, Sphere
 from fem_reference.scene_bodies import Dielectric, normalised
-from geometries.poses import AxisRotation
+from geometries.scene.poses import AxisRotation
 
 TURNED = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T
 UNIT = 4 * np.pi * epsilon_0

@@ -7,7 +7,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from geometries import study
+from geometries.studies import study
 from tests.bad_input import keys, meshes, texts
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from geometries import reader
-from geometries.errors import InputError
+from geometries.common.errors import InputError
+from geometries.scene import reader
 from tests.fuzz import compare_readers
 
 

@@ -12,9 +12,10 @@ import pytest
 import tomli_w
 
 import geometries
-from geometries import families, motion, reader, scene_sweep, study, study_schema
-from geometries.errors import InputError
-from geometries.tables import Table
+from geometries.common.errors import InputError
+from geometries.common.tables import Table
+from geometries.scene import motion, reader
+from geometries.studies import families, scene_sweep, schema as study_schema, study
 from tests.geometries import schemas
 from tests.geometries.schemas import MOTION, OBJ, OUT_OF_RANGE, SCENE, Document
 

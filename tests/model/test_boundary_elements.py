@@ -15,7 +15,9 @@ fringe = pytest.importorskip("fringe")
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
 SET_UPS = json.loads(
-    (Path(__file__).parents[2] / "analysis" / "verification" / "boundary_elements.json").read_text()
+    (
+        Path(__file__).parents[2] / "analysis" / "topics" / "verification" / "boundary_elements.json"
+    ).read_text()
 )["cases"]
 
 SCENE = """

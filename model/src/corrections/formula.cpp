@@ -14,7 +14,7 @@ namespace {
 using Eigen::VectorXd;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Fitted to the set-ups that are not sealed: `python3 -m analysis.corrections.fit`.
+/// Fitted to the set-ups that are not sealed: `python3 -m analysis.topics.corrections.fit`.
 constexpr double linear_stiffness = 1.969;
 constexpr double quadratic_stiffness = 2.213;
 constexpr double remaining_stiffness = 8.175;

@@ -16,7 +16,7 @@ import pytest
 
 from analysis import documentation
 from analysis.documentation import make
-from analysis.model_stage import model_module
+from analysis.pipeline.model_stage import model_module
 
 ROOT = Path(__file__).resolve().parents[3]
 PAGES = Path(documentation.__file__).parent

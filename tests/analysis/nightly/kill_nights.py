@@ -54,7 +54,7 @@ def kill_nights(folder: Path, kills: int, seed: int) -> Tally:
 
 def _toy(folder: Path) -> ToyRepository:
     toy = ToyRepository(folder, CASES)
-    files = folder / "geometries" / "files.py"
+    files = folder / "geometries" / "common" / "files.py"
     written = files.read_text()
     slow = written.replace(
         "        os.replace(", '        __import__("time").sleep(0.05)\n        os.replace('

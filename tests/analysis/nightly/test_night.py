@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from analysis import results
-from analysis.nightly import chunks, history_page, slurm_status
-from analysis.plan import Work
-from geometries.errors import InputError
+from analysis.nightly import chunks, slurm_status
+from analysis.results import study_results as results
+from analysis.study.plan import Work
+from analysis.topics.history import page as history_page
+from geometries.common.errors import InputError
 from tests.analysis.nightly.kill_nights import kill_nights
 from tests.analysis.nightly.toy_repository import ToyRepository
 

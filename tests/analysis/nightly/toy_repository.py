@@ -75,7 +75,7 @@ class ToyRepository:
     def __init__(self, folder: Path, count: int) -> None:
         self.folder = folder
         self.results = folder / "results" / "synthetic"
-        for name in ("analysis", "geometries"):
+        for name in ("analysis", "fem_reference", "geometries"):
             shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__", "*.png"))
         for name, text in {
             "fem_reference/__init__.py": "",

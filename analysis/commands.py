@@ -1,0 +1,238 @@
+"""The commands of `python3 -m analysis`: each calls one stage or one page, tells what failed and returns the exit status."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from analysis.documentation import make as documentation
+from analysis.nightly import chunks, cluster, night
+from analysis.pipeline import reference_stage
+from analysis.pipeline.model_stage import model_module
+from analysis.results import statistics, store
+from analysis.results.store import InUse, exclusive
+from analysis.results.study_results import Failure
+from analysis.show import make as show
+from analysis.study import report, workflow
+from analysis.topics.corrections import (
+    page as corrections_page,
+    section as corrections_section,
+    stage as corrections_stage,
+)
+from analysis.topics.errors import page as errors_page, set_ups as errors_set_ups, stage as errors_stage
+from analysis.topics.history import difference, nights, page as history_page
+from analysis.topics.published import (
+    files as published_files,
+    stage as published_stage,
+    table as published_table,
+)
+from analysis.topics.verification import page as verification_page, stage as verification_stage
+from geometries.common import installation
+from geometries.common.errors import InputError
+from geometries.studies import study
+from geometries.studies.study import Study
+
+# As everywhere in the project.
+ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
+
+
+def run_command(options: argparse.Namespace) -> int:
+    """Runs one command; returns the exit status, after one line on what went wrong if it did."""
+    try:
+        if options.command == "run":
+            return _run(options)
+        if options.command == "verify":
+            return _verify(options.output, options.jobs)
+        if options.command == "documentation":
+            return _documentation(options.output)
+        if options.command == "corrections":
+            return _corrections(options.output)
+        if options.command == "table":
+            return _table(options.answers, options.output, options.jobs)
+        if options.command == "nightly":
+            return _nightly(options)
+        if options.command == "job":
+            return _job(options.file)
+        if options.command == "diff":
+            return _diff(options.old, options.new, options.output)
+        if options.command == "errors":
+            return _errors(options.output, options.jobs)
+        if options.command == "show":
+            return _show(options.scene, options.motion, options.output)
+        return _report(options.results)
+    except InputError as error:
+        print(f"analysis: {error}", file=sys.stderr)
+        return WRONG_INPUT
+    except InUse as error:
+        print(f"analysis: {error}", file=sys.stderr)
+        return FAILED
+    except ModuleNotFoundError as error:
+        if error.name != "fringe":
+            raise
+        print("analysis: the model's Python module is missing: ./run builds it", file=sys.stderr)
+        return FAILED
+    # What the machine refuses: a full or read-only file system, a folder that is gone, memory, processes.
+    except (OSError, MemoryError) as error:
+        place = f"{error.filename}: " if isinstance(error, OSError) and error.filename else ""
+        told = (error.strerror if isinstance(error, OSError) else "") or str(error) or "out of memory"
+        print(
+            f"\nanalysis: {place}{told}; finished cases are kept, the same command goes on from there",
+            file=sys.stderr,
+        )
+        return FAILED
+
+
+def _run(options: argparse.Namespace) -> int:
+    chosen, target = _study(options.study, options.results)
+    with exclusive(target):
+        cluster.end_left_over(target)
+        failures = workflow.run(chosen, target, options.jobs, options.measure_model)
+        failures += _verified(options, target)
+        _tell(failures)
+        code = _own_report(target)
+    return FAILED if _any_failed(failures) else code
+
+
+def _nightly(options: argparse.Namespace) -> int:
+    if options.profile:
+        night.find_profile(options.profile)
+    chosen, target = _study(options.study, options.results)
+    with exclusive(target):
+        done = night.run(chosen, target, night.Options(options.profile, options.jobs, options.job_seconds))
+        failures = done.failures + _verified(options, target)
+        _tell(failures)
+        code = _own_report(target)
+        moved = nights.add(target, done)
+        print(f"nights: {history_page.make(target)}")
+        # It leads to the nights, of which this one is the last.
+        disagreements = report.make(target).disagreements
+    if moved is not None:
+        print(difference.to_text(moved), end="")
+    drifted = moved is not None and moved.drifted
+    return FAILED if _any_failed(failures) or drifted or disagreements else code
+
+
+def _job(file: Path) -> int:
+    chunks.solve(file)
+    return ANSWERED
+
+
+def _diff(old: Path, new: Path, output: Path | None) -> int:
+    found = difference.between(difference.read(old), difference.read(new))
+    if output is not None:
+        store.write_json(output, difference.to_document(found))
+    print(difference.to_text(found), end="")
+    return FAILED if found.drifted else ANSWERED
+
+
+def _study(name: str, folder: Path | None) -> tuple[Study, Path]:
+    chosen = study.load(study.find(name))
+    return chosen, folder or installation.results_folder() / chosen.name
+
+
+def _verified(options: argparse.Namespace, target: Path) -> list[Failure]:
+    """What failed while the reference was verified, if it was to be, in the folder beside a study's results."""
+    if not options.verify:
+        return []
+    return verification_stage.run(
+        verification_page.beside(target), verification_stage.row_names(), options.jobs
+    )
+
+
+def _tell(failures: list[Failure]) -> None:
+    for failure in failures:
+        place = f"case {failure.case}: " if failure.case else ""
+        print(f"analysis: {place}{failure.stage}: {failure.reason}", file=sys.stderr)
+
+
+def _any_failed(failures: list[Failure]) -> bool:
+    """A missing picture is told, but takes nothing from the comparison."""
+    return any(failure.stage != reference_stage.SLICE for failure in failures)
+
+
+def _own_report(folder: Path) -> int:
+    """Of results that this very run has made: if they cannot be read, somebody has removed or changed them meanwhile."""
+    try:
+        return _report(folder)
+    except InputError as error:
+        raise OSError(f"the results were removed or changed while the run was on: {error}") from error
+
+
+def _report(folder: Path) -> int:
+    made = report.make(folder)
+    if made.summaries:
+        print(statistics.headline(made.summaries))
+    if made.not_reached:
+        print(
+            f"{made.not_reached} cases are short of the asked accuracy; their wider errors are in the report"
+        )
+    if made.disagreements:
+        print(
+            f"{made.disagreements} values of boundary elements and the field solver disagree by more than their errors"
+        )
+    print(f"report: {made.path}")
+    return NOT_REACHED if made.not_reached else ANSWERED
+
+
+def _verify(folder: Path | None, jobs: int | None) -> int:
+    target = folder or installation.results_folder() / verification_stage.FOLDER
+    failures = verification_stage.run(target, verification_stage.row_names(), jobs)
+    _tell(failures)
+    made = verification_page.make(target)
+    print(made.headline)
+    print(f"report: {made.path}")
+    return FAILED if failures else ANSWERED
+
+
+def _errors(folder: Path | None, jobs: int | None) -> int:
+    target = folder or installation.results_folder() / errors_stage.FOLDER
+    with exclusive(target):
+        failures = errors_stage.run(target, errors_set_ups.all_set_ups(), jobs)
+        _tell(failures)
+        made = errors_page.make(target)
+    print(made.headline)
+    print(f"report: {made.path}")
+    return FAILED if failures else ANSWERED
+
+
+def _corrections(folder: Path | None) -> int:
+    target = folder or installation.results_folder() / corrections_stage.FOLDER
+    with exclusive(target):
+        failures = corrections_stage.run(target, model_module())
+        _tell(failures)
+        made = corrections_page.make(target)
+    document = corrections_stage.load(target)
+    print(corrections_section.finding(document) if document else corrections_section.ABSENT)
+    print(f"report: {made}")
+    return FAILED if failures else ANSWERED
+
+
+def _documentation(folder: Path | None) -> int:
+    try:
+        page = documentation.build(folder or installation.results_folder() / "documentation")
+    except documentation.DocumentationError as error:
+        print(f"analysis: {error}", file=sys.stderr)
+        return FAILED
+    print(f"documentation: {page}")
+    return ANSWERED
+
+
+def _show(scene: str, motion: Path | None, target: Path | None) -> int:
+    print(f"page: {show.make(scene, motion, target)}")
+    return ANSWERED
+
+
+def _table(answers: Path | None, target: Path | None, jobs: int | None) -> int:
+    place, output = (
+        answers or installation.results_folder() / published_stage.FOLDER,
+        target or published_table.PLACE,
+    )
+    with exclusive(place):
+        made = published_table.make(place, output, jobs)
+    _tell(made.failures)
+    if made.failures:
+        return FAILED
+    print(made.headline)
+    print(f"table: {output / published_files.TABLE}")
+    return ANSWERED

@@ -1,0 +1,117 @@
+"""The keys of stored answers: a hash of all that can change an answer. Equal key, equal answer.
+
+That is the scene, the options, and the version of the code: a hash of the stage's sources, and for the reference the
+versions of the packages that it stands on.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Iterable
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from pathlib import Path
+
+from geometries.common.installation import ROOT, is_installed, module_folders
+from geometries.studies.study import Study
+
+REPOSITORY = ROOT
+
+_SOURCE_SUFFIXES = {".cpp", ".hpp", ".h", ".txt", ".cmake", ".in"}
+# Of geometries: only what reads scenes. A new family or a new motion must not make old answers void.
+_SCENE_SOURCES = ("common/errors.py", "common/tables.py", "scene/*.py")
+_NOT_SOLVING = {"motion.py", "__init__.py"}
+_REFERENCE_PACKAGES = ("fenics-dolfinx", "fenics-basix", "petsc4py", "numpy")
+_GMSH_VERSION = re.compile(r'^GMSH_API_VERSION *= *"([^"]+)"', re.MULTILINE)
+
+
+def model_key(scene: str, study: Study, code: str) -> str:
+    """The key of a model answer; `scene` is its identity, `code` is `model_code`."""
+    return _hash({"scene": scene, "methods": study.methods, "code": code})
+
+
+def reference_key(scene: str, study: Study, code: str) -> str:
+    """The key of a reference answer; `scene` is its identity, `code` is `reference_code`."""
+    options = {"rtol": study.rtol, "max_seconds": study.max_seconds, "error": study.error}
+    return _hash({"scene": scene, "options": options, "code": code})
+
+
+def boundary_key(scene: str, rtol: float, code: str) -> str:
+    """The key of an answer by boundary elements; `scene` is its identity, `code` is `model_code`."""
+    return _hash({"scene": scene, "boundary elements": rtol, "code": code})
+
+
+def slice_key(scene: str, code: str) -> str:
+    """The key of a slice of the potential; `scene` is its identity, `code` is `reference_code`."""
+    return _hash({"scene": scene, "slice": True, "code": code})
+
+
+def measurement_key(command: str, code: str, machine: dict[str, str]) -> str:
+    """The key of a measurement of the model by itself; `code` is `code_of` what it measures."""
+    return _hash({"command": command, "code": code, "machine": machine})
+
+
+def model_code(repository: Path = REPOSITORY) -> str:
+    """The version of the model: a hash of its sources."""
+    return code_of(["model"], repository)
+
+
+def code_of(places: Iterable[str], repository: Path = REPOSITORY) -> str:
+    """A hash of the files named, and of the C++ and CMake sources in the folders named."""
+    found: list[Path] = []
+    for place in (repository / name for name in places):
+        found += [path for path in place.rglob("*") if path.suffix in _SOURCE_SUFFIXES]
+        found += [place] if place.is_file() else []
+    code = hash_of_files(found, repository)
+    if not is_installed():
+        return code
+    # What is installed has no sources: the module that was built of them stands for them.
+    modules = [path for folder in module_folders() for path in folder.glob("fringe.*.so")]
+    return _hash([code, *(hashlib.sha256(path.read_bytes()).hexdigest() for path in modules)])
+
+
+def reference_code(repository: Path = REPOSITORY) -> str:
+    """The version of the reference: a hash of its sources, of the scene reader's, and of the packages' versions."""
+    sources = list((repository / "fem_reference").rglob("*.py"))
+    for pattern in _SCENE_SOURCES:
+        found = (repository / "geometries").glob(pattern)
+        sources += [path for path in found if path.name not in _NOT_SOLVING]
+    packages = {name: _package_version(name) for name in _REFERENCE_PACKAGES} | {"gmsh": _gmsh_version()}
+    return _hash({"sources": hash_of_files(sources, repository), "packages": packages})
+
+
+def report_code(repository: Path = REPOSITORY) -> str:
+    """The version of the report: a hash of this package."""
+    return hash_of_files((repository / "analysis").rglob("*.py"), repository)
+
+
+def hash_of_files(paths: Iterable[Path], root: Path) -> str:
+    """sha256 over the names relative to `root` and the contents of files, in the order of their names."""
+    digest = hashlib.sha256()
+    for path in sorted(paths):
+        content = path.read_bytes()
+        digest.update(f"{path.relative_to(root)} {len(content)}\n".encode())
+        digest.update(content)
+    return digest.hexdigest()
+
+
+def _package_version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "absent"
+
+
+def _gmsh_version() -> str:
+    """Read from the module's text: Debian's gmsh has no package metadata, and importing it takes half a second."""
+    module = find_spec("gmsh")
+    if module is None or module.origin is None:
+        return "absent"
+    found = _GMSH_VERSION.search(Path(module.origin).read_text(encoding="utf-8"))
+    return found[1] if found else "unknown"
+
+
+def _hash(parts: object) -> str:
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()

@@ -1,0 +1,126 @@
+"""Programs of the build that measure the model by itself, without a study: their answers are kept like all others."""
+
+from __future__ import annotations
+
+import json
+import os
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis.pipeline import keys
+from analysis.pipeline.keys import REPOSITORY
+from analysis.pipeline.processes import Processes
+from analysis.results import machine
+from analysis.results.store import write_json
+from analysis.results.study_results import COLLISION, RUN_TIMES, STABILITY, Failure
+from geometries.common.installation import no_benchmark
+
+_BIN = Path("build", "bin")
+# With an answer: all is well, and the integral is not what it should be.
+_ANSWERED = (0, 1)
+# Stands for the file that a program writes its answer to.
+_ANSWER = "ANSWER.json"
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """`arguments` name the answer's file as ANSWER.json; `seconds` is what it takes, roughly; `sources` is what it measures
+    and what it measures with, as folders and files of the repository."""
+
+    name: str
+    file: str
+    program: str
+    arguments: tuple[str, ...]
+    seconds: float
+    sources: tuple[str, ...]
+
+    @property
+    def command(self) -> str:
+        """The command, from the repository's folder, that repeats the measurement."""
+        return shlex.join([str(_BIN / self.program), *self.arguments])
+
+
+_BUILD = ("CMakeLists.txt", "CMakePresets.json")
+MEASUREMENTS = (
+    Measurement(
+        "run time against error",
+        RUN_TIMES,
+        "plate_integral_benchmark",
+        (
+            # Three times, far apart: what disturbs one of them is over before the next.
+            "--benchmark_repetitions=3",
+            "--benchmark_enable_random_interleaving=true",
+            f"--benchmark_out={_ANSWER}",
+            "--benchmark_out_format=json",
+        ),
+        40,
+        ("model", *_BUILD),
+    ),
+    Measurement(
+        "stability of the integral",
+        STABILITY,
+        "plate_integral_stress",
+        ("--count", "100000", "--json", _ANSWER),
+        60,
+        ("model", "tests/model/stress", *_BUILD),
+    ),
+    Measurement(
+        "answers of collision queries",
+        COLLISION[0],
+        "collision_stress",
+        ("--count", "50000", "--json", _ANSWER),
+        20,
+        ("model", "tests/model/collision", *_BUILD),
+    ),
+    Measurement(
+        "times of collision queries",
+        COLLISION[1],
+        "collision_benchmark",
+        ("21", _ANSWER),
+        20,
+        ("model", *_BUILD),
+    ),
+    Measurement(
+        "collisions of scenes",
+        COLLISION[2],
+        "scene_collision_benchmark",
+        ("5", _ANSWER),
+        10,
+        ("model", *_BUILD),
+    ),
+)
+
+
+def key(measurement: Measurement) -> str:
+    """The key of a measurement's answer: times belong to a machine, and the code that is chosen to its instructions."""
+    code = keys.code_of(measurement.sources, REPOSITORY)
+    return keys.measurement_key(measurement.command, code, machine.identity())
+
+
+def measure(measurement: Measurement, target: Path, key: str, processes: Processes) -> Failure | None:
+    """Run the program and store its answer with its key and whether it was content; returns why, when there is none."""
+    program = REPOSITORY / _BIN / measurement.program
+    if not program.is_file():
+        return Failure("", measurement.name, no_benchmark(_BIN / measurement.program))
+    target.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = target.with_name(f".{target.name}.unfinished").resolve()
+    arguments = [argument.replace(_ANSWER, str(unfinished)) for argument in measurement.arguments]
+    try:
+        finished = processes.run([str(program), *arguments], REPOSITORY, dict(os.environ))
+        if finished.exit_code not in _ANSWERED or not unfinished.is_file():
+            told = (finished.errors.strip() or "no message").splitlines()[-1]
+            return Failure("", measurement.name, f"exit code {finished.exit_code}: {told}")
+        answer = json.loads(unfinished.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        return Failure("", measurement.name, f"wrote no JSON document: {error}")
+    finally:
+        unfinished.unlink(missing_ok=True)
+    origin = {
+        "processor": machine.description()["processor"],
+        "instruction_sets": machine.instruction_sets(),
+        "command": measurement.command,
+        "passed": finished.exit_code == 0,
+    }
+    write_json(target, {"key": key, **origin, "answer": answer})
+    return None

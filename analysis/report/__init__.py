@@ -1,0 +1,1 @@
+"""The parts of every report: the frame of a page, tables, plots, and sections on the study and the measurements."""

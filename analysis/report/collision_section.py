@@ -1,0 +1,165 @@
+"""The report's section on collision detection: where the thesis' algorithm fails, and times beside other libraries."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from analysis.report import page
+from analysis.results.collision_measurements import Collision, PairClass, QueryTimes, SceneTimes
+
+TITLE = "Collision detection"
+OWN, _ALL_PAIRS = "fringe", "all pairs"
+
+_ABSENT = (
+    "Not measured with these results, or not with this model and on this machine: ./run does it with the default study, and "
+    "python3 -m analysis run STUDY --measure-model with any."
+)
+_ANSWERS = (
+    "Random pairs of hulls of few vertices, some of each class in units of length from 2^-150 to 2^150, against linear "
+    "programming in integers. Gaps and overlaps of apart_by_gap, at_a_face, crossing_edges, coplanar and twins are from 1e-15 to "
+    "1e-3 of their size, or 0; on_a_grid, coplanar and twins have many that touch. Exactly: what floating point left open was "
+    "decided in integers. The thesis' Algorithm 2.1 is asked as printed, for at most 200 support points."
+)
+_QUERIES = (
+    "Nanoseconds per query, medians of rounds in which all take turns, one core, no query knowing of an earlier one. Half of the "
+    "pairs intersect, but in the rows of faces that touch: there every answer but yes is wrong, or, turned, may be for the "
+    "poses' rounding. Small: how many answers differ from fringe's."
+)
+_SCENES = "Milliseconds per frame in which every object moves, and small how many collisions were found."
+
+
+def section(measured: Collision | None) -> str:
+    """Three tables, each below its finding; those that were not measured are left out."""
+    if measured is None:
+        return page.section(TITLE, page.paragraph(_ABSENT))
+    parts: list[str] = []
+    if measured.classes:
+        parts += [page.finding(finding_on_answers(measured.classes)), _classes_table(measured.classes)]
+        parts.append(page.soft(_ANSWERS))
+    if measured.queries:
+        parts += [page.finding(finding_on_queries(measured.queries)), _queries_table(measured.queries)]
+        parts.append(page.soft(_QUERIES))
+    if measured.scenes:
+        parts += [page.finding(finding_on_scenes(measured.scenes)), _scenes_table(measured.scenes)]
+        parts.append(page.soft(_SCENES))
+    origin = measured.origins[0]
+    commands = "; ".join(each.command for each in measured.origins)
+    again = f"{origin.processor} with {origin.instruction_sets}. Again, from the project's folder: {commands}"
+    return page.section(TITLE, *parts, page.soft(again))
+
+
+def finding_on_answers(classes: Sequence[PairClass]) -> str:
+    """How many answers are wrong, of this project and of the thesis, and where the thesis' are worst."""
+    pairs = sum(each.pairs for each in classes)
+    wrong, unproven = sum(each.wrong for each in classes), sum(each.unproven for each in classes)
+    exact = sum(each.exact for each in classes)
+    thesis_wrong = sum(each.thesis_wrong for each in classes)
+    endless = sum(each.thesis_endless for each in classes)
+    worst = max(classes, key=_failing_share)
+    return (
+        f"Of {pairs:,} pairs {wrong:,} were answered wrong and {unproven:,} without a proof, {_share(exact, pairs)} took exact "
+        f"arithmetic; the thesis' algorithm was wrong for {thesis_wrong:,} and did not end for {endless:,}, most often in "
+        f"the class {worst.name}, {_share(worst.thesis_wrong + worst.thesis_endless, worst.pairs)}."
+    )
+
+
+def finding_on_queries(queries: Sequence[QueryTimes]) -> str:
+    """Against the fastest other library of every row."""
+    ratios = {}
+    for row in queries:
+        others = [time for name, time in row.nanoseconds.items() if name != OWN]
+        if others and OWN in row.nanoseconds:
+            ratios[row.name] = min(others) / row.nanoseconds[OWN]
+    if not ratios:
+        return "No other library was measured."
+    slower = [name for name, ratio in ratios.items() if ratio < 1]
+    least, most = min(ratios, key=lambda name: ratios[name]), max(ratios, key=lambda name: ratios[name])
+    told = f"slower in: {', '.join(slower)}" if slower else "in no row slower"
+    return (
+        f"Beside the fastest other library of each row fringe is {told}; that library takes from {_figures(ratios[least])} "
+        f"({least}) to {_figures(ratios[most])} times as long ({most})."
+    )
+
+
+def finding_on_scenes(scenes: Sequence[SceneTimes]) -> str:
+    """How cost grows, and whether all ways found the same."""
+    small, large = scenes[0], scenes[-1]
+    agree = all(len(set(scene.collisions.values())) == 1 for scene in scenes)
+    own = large.milliseconds[OWN]
+    others = ", ".join(
+        f"{_figures(time / own)} times as long by {name}"
+        for name, time in large.milliseconds.items()
+        if name != OWN
+    )
+    return (
+        f"{_figures(large.objects / small.objects)} times as many objects have {_figures(_ratio(large.collisions, small.collisions))} "
+        f"times the collisions and take {_figures(own / small.milliseconds[OWN])} times as long, all pairs "
+        f"{_figures(_ratio(large.milliseconds, small.milliseconds, _ALL_PAIRS))} times; a frame of {large.objects:,} takes {others}; "
+        f"{'all ways found the same number' if agree else 'the ways found different numbers'}."
+    )
+
+
+def _ratio(
+    large: dict[str, float] | dict[str, int], small: dict[str, float] | dict[str, int], name: str = OWN
+) -> float:
+    return large[name] / small[name] if small[name] else float("nan")
+
+
+def _failing_share(entry: PairClass) -> float:
+    return (entry.thesis_wrong + entry.thesis_endless) / entry.pairs if entry.pairs else 0.0
+
+
+def _share(part: int, whole: int) -> str:
+    return f"{_figures(100 * part / whole)} %" if whole else "none"
+
+
+def _figures(number: float) -> str:
+    """Two digits, more only where they stand before the point."""
+    return f"{number:.0f}" if abs(number) >= 10 else f"{number:.2g}"
+
+
+def _classes_table(classes: Sequence[PairClass]) -> str:
+    header = ["class", "pairs", "intersecting", "wrong", "unproven", "exactly", "thesis wrong", "did not end"]
+    rows = [
+        [
+            page.code(each.name),
+            f"{each.pairs:,}",
+            _share(each.intersecting, each.pairs),
+            *(f"{count:,}" for count in (each.wrong, each.unproven, each.exact)),
+            f"{each.thesis_wrong:,}",
+            f"{each.thesis_endless:,}",
+        ]
+        for each in classes
+    ]
+    return page.table(header, rows)
+
+
+def _queries_table(queries: Sequence[QueryTimes]) -> str:
+    names = list(dict.fromkeys(name for row in queries for name in row.nanoseconds))
+    rows = [[row.name, *(_query_cell(row, name) for name in names)] for row in queries]
+    return page.table(["pairs of", *names], rows)
+
+
+def _query_cell(row: QueryTimes, name: str) -> str:
+    if name not in row.nanoseconds:
+        return ""
+    time = f"{row.nanoseconds[name]:,.1f}"
+    if name == OWN:
+        return f"<strong>{time}</strong>"
+    difference = row.intersecting[name] - row.intersecting[OWN]
+    return f"{time}<br><small>{difference:+,}</small>" if difference else time
+
+
+def _scenes_table(scenes: Sequence[SceneTimes]) -> str:
+    names = list(scenes[0].milliseconds)
+    rows = [
+        [
+            f"{scene.objects:,}",
+            *(
+                f"{scene.milliseconds[name]:,.3g}<br><small>{scene.collisions[name]:,}</small>"
+                for name in names
+            ),
+        ]
+        for scene in scenes
+    ]
+    return page.table(["objects", *names], rows)

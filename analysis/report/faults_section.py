@@ -1,0 +1,86 @@
+"""What `python3 -m tests.faults.run` has counted, as a section of a report: faults made while a study ran, and what became of it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from html import escape
+from pathlib import Path
+
+from analysis.report import page
+from analysis.results.store import Document, read_json
+
+FOLDER, FILE = "faults", "faults.json"
+TITLE = "A study that is disturbed"
+_KINDS = {
+    "killed": "killed (SIGKILL), alone or with all it has started",
+    "terminated": "SIGTERM",
+    "interrupted": "Ctrl-C, now and then twice",
+    "two_at_once": "a second run of the same study",
+    "folder_removed": "the folder of results removed",
+    "no_space": "no space left on the file system",
+    "read_only": "a read-only file system",
+    "write_fails": "files that cannot grow",
+    "no_memory": "memory limited",
+    "clock_jumps": "the clock set back and ahead by years",
+}
+
+
+def beside(results: Path) -> Document | None:
+    """The counts in the folder that belongs to a study's results; None without any."""
+    return read_json(results.resolve().parent / FOLDER / FILE)
+
+
+def inputs(document: Document | None) -> str:
+    """A hash of what the section is made from."""
+    return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
+
+
+def section(document: Document) -> str:
+    kinds = {name: counts for name, counts in document["kinds"].items() if counts["rounds"]}
+    header = [
+        "fault",
+        "made",
+        "while it ran",
+        "unfinished files left",
+        "completed by the next run",
+    ]
+    rows = [
+        [
+            escape(_KINDS.get(name, name)),
+            *(
+                str(counts[key])
+                for key in ("rounds", "during_the_run", "unfinished_files", "completed_afterwards")
+            ),
+        ]
+        for name, counts in kinds.items()
+    ]
+    return page.section(
+        TITLE,
+        page.finding(finding(document)),
+        page.table(header, rows),
+        page.folded("How the user is told", _told(kinds)),
+        page.soft(
+            "Reference and model answer at once here; the commands and all that they write are the real ones. After every fault "
+            "each file under its own name was whole, no finished answer was lost or changed, and the same command, left alone, "
+            "made the table of an undisturbed run; otherwise there would be no counts. Made anew by python3 -m tests.faults.run."
+        ),
+    )
+
+
+def _told(kinds: dict[str, Document]) -> str:
+    """The first sentence of every kind that had one."""
+    return "".join(
+        page.paragraph(f"{_KINDS.get(name, name)}: “{counts['sentences'][0].removeprefix('analysis: ')}”")
+        for name, counts in kinds.items()
+        if counts["sentences"]
+    )
+
+
+def finding(document: Document) -> str:
+    counts = [entry for entry in document["kinds"].values() if entry["rounds"]]
+    made, completed = (sum(entry[key] for entry in counts) for key in ("rounds", "completed_afterwards"))
+    return (
+        f"Of {made} faults, {sum(entry['during_the_run'] for entry in counts)} while the study ran, none lost or damaged a finished "
+        f"answer, and after {completed} of them the next run completed the study."
+    )

@@ -1,0 +1,123 @@
+"""Run time against error: the model's methods and the reference's meshes on one plot with logarithmic axes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import plotly.graph_objects as go
+
+from analysis.report.plot import Panel, Plot, figure, power_axis, series_colour
+from analysis.results.table import COMPARED_METHOD, MUTUAL, Row
+
+
+@dataclass(frozen=True)
+class Point:
+    """Medians over the cases: seconds and relative error."""
+
+    label: str
+    seconds: float
+    error: float
+
+
+def split_methods(rows: list[Row]) -> list[str]:
+    """The thesis' methods among those evaluated, from coarse to fine."""
+    methods = {method for row in rows for method in row.model if method.startswith("split:")}
+    return sorted(methods, key=lambda method: int(method.removeprefix("split:")))
+
+
+def integration_errors(rows: list[Row]) -> list[Point]:
+    """|split − exact|/exact: what dividing into small triangles costs in accuracy, the formula being the same."""
+    return [
+        _point(method, rows, [abs(row.model[method] / row.model[COMPARED_METHOD] - 1) for row in rows])
+        for method in split_methods(rows)
+    ]
+
+
+def total_errors(rows: list[Row], methods: list[str]) -> list[Point]:
+    """|method − reference|/reference."""
+    return [_point(m, rows, [abs(row.model[m] / row.reference.value - 1) for row in rows]) for m in methods]
+
+
+def level_errors(rows: list[Row]) -> list[Point]:
+    """|level − best|/best of the reference's meshes from coarse to fine, with each mesh's own seconds."""
+    points = []
+    for depth in range(max(len(row.case.reference.levels) for row in rows if row.case.reference)):
+        errors, seconds = [], []
+        for row in rows:
+            assert row.case.reference is not None
+            if depth < len(row.case.reference.levels):
+                level = row.case.reference.levels[depth]
+                names = row.case.reference.conductors
+                value = -level.maxwell[names.index(row.sensor), names.index(row.object)]
+                errors.append(abs(value / row.reference.value - 1))
+                seconds.append(level.seconds)
+        points.append(Point(f"level {depth + 1}", float(np.median(seconds)), float(np.median(errors))))
+    return points
+
+
+def time_against_error(rows: list[Row]) -> Plot:
+    """All of the above for `mutual`."""
+    mutual = [row for row in rows if row.quantity == MUTUAL]
+    integration, splits = integration_errors(mutual), total_errors(mutual, split_methods(mutual))
+    (exact,) = total_errors(mutual, [COMPARED_METHOD])
+    levels = level_errors(mutual)
+    traces = [
+        _series(
+            "split:N, integration error |split − exact|/exact", integration, 0, "circle", "lines+markers+text"
+        ),
+        _series("split:N, total error |split − reference|/reference", splits, 1, "square", "lines+markers"),
+        _series("exact, total error |exact − reference|/reference", [exact], 2, "star", "markers", size=16),
+        _series("field solver, |mesh − best|/best", levels, 3, "diamond", "lines+markers+text"),
+    ]
+    x, y = power_axis("seconds for one case"), power_axis("relative error in mutual")
+    return Plot(
+        "Run time against error (mutual)",
+        _finding(exact, integration, splits, levels),
+        [Panel("medians over the cases", figure(traces, x, y, height=520))],
+        "The thesis' method split:N divides each triangle into 4^N. Model times are the smallest of many evaluations of a "
+        "loaded scene, solver times those of one mesh.",
+    )
+
+
+def _finding(exact: Point, integration: list[Point], splits: list[Point], levels: list[Point]) -> str:
+    sentence = f"The exact model takes {_duration(exact.seconds)} and is {exact.error:.0%} off, the median of all cases"
+    if splits:
+        factor, finest = splits[-1].seconds / exact.seconds, splits[-1].label
+        sentence += (
+            f"; {finest} takes {factor:.0f} times as long, agrees with it to {integration[-1].error:.1g} and is"
+            f" {splits[-1].error:.0%} off all the same, so the formula is wrong and not its integration"
+        )
+    if levels:
+        sentence += f"; the field solver's coarsest mesh is {levels[0].error:.2%} off after {_duration(levels[0].seconds)}"
+    return sentence + "."
+
+
+def _duration(seconds: float) -> str:
+    for unit, name in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
+        if seconds >= unit:
+            return f"{seconds / unit:.3g} {name}"
+    return f"{seconds / 1e-9:.3g} ns"
+
+
+def _point(label: str, rows: list[Row], errors: list[float]) -> Point:
+    return Point(
+        label, float(np.median([row.model_seconds[label] for row in rows])), float(np.median(errors))
+    )
+
+
+def _series(name: str, points: list[Point], index: int, symbol: str, mode: str, size: int = 9) -> go.Scatter:
+    # A logarithmic axis has no zero: where split and exact agree to the last bit there is no point to draw.
+    shown = [point for point in points if point.error > 0]
+    return go.Scatter(
+        x=[point.seconds for point in shown],
+        y=[point.error for point in shown],
+        mode=mode,
+        text=[point.label.removeprefix("split:") for point in shown],
+        textposition="top right",
+        cliponaxis=False,
+        marker={"color": series_colour(index), "symbol": symbol, "size": size},
+        line={"color": series_colour(index)},
+        name=name,
+        hovertemplate=name + "<br>%{text}: %{x:.3g} s, %{y:.3g}<extra></extra>",
+    )

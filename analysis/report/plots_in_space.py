@@ -1,0 +1,188 @@
+"""A set-up as one sees it: the two plates in space, and the potential in the plane through their centres."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+
+from analysis.report.plot import INK, SENSOR_COLOUR, TARGET_COLOUR, Panel, Plot, axis, figure
+from analysis.results.store import Document
+from analysis.results.study_results import CaseResult
+from analysis.results.table import MUTUAL, Row
+from geometries.scene.poses import Transform
+from geometries.scene.scene import Object, Scene
+
+Array = NDArray[np.float64]
+
+CENTIMETRE = 1e-2
+_WITHOUT_UNIT = "relative_permittivity"
+FLATTEST = 0.1
+"""Height of the box around a scene over its largest side, at least: plates in one plane have none of their own."""
+
+
+def pictures(rows: list[Row]) -> list[Plot]:
+    """For each family the first case with a slice of the potential, or its first case where none has one."""
+    found = []
+    for family in dict.fromkeys(row.case.family for row in rows):
+        members = [row for row in rows if row.case.family == family and row.quantity == MUTUAL]
+        found.append(_picture(next((row for row in members if row.case.slice), members[0])))
+    return found
+
+
+def panels(case: CaseResult) -> list[Panel]:
+    """The case in space, and the potential around it where there is a slice of it."""
+    found = [in_space(case.scene)]
+    if case.slice is not None:
+        first, *others = case.scene.sensors
+        roles = [f"{sensor.name} grounded" for sensor in others]
+        roles += [f"{body.name} {_role(body)}" for body in case.scene.objects]
+        centres = "both" if len(roles) == 1 else "the"
+        caption = f"potential (V) in the vertical plane through {centres} centres: {first.name} (black) at 1 V, {', '.join(roles)}"
+        found.append(Panel(caption, _slice(case, case.slice)))
+    return found
+
+
+def _role(body: Object) -> str:
+    return body.potential if body.relative_permittivity is None else "dielectric"
+
+
+def triangles(scene: Scene) -> dict[str, Array]:
+    """Name → triangles (n, 3, 3) in the world frame: the sensors', then those of all objects, dielectric ones too."""
+    conductors = scene.conductors()
+    found = {sensor.name: conductors[sensor.name] for sensor in scene.sensors}
+    for body in scene.objects:
+        found[body.name] = Transform(*scene.pose_of_object(body.name)).points(body.shape.triangles())
+    return found
+
+
+def aspect(bodies: Iterable[Array]) -> list[float]:
+    """Sides of the box around triangles (n, 3, 3) over the largest; none below FLATTEST."""
+    extent = np.ptp(np.concatenate([own.reshape(-1, 3) for own in bodies]), axis=0)
+    sides: list[float] = np.maximum(extent / extent.max(), FLATTEST).tolist()
+    return sides
+
+
+def in_space(scene: Scene) -> Panel:
+    """A scene's sensors and objects in space."""
+    sensors = "sensor" if len(scene.sensors) == 1 else "sensors"
+    return Panel(f"{sensors} (blue) and target (orange)" if scene.objects else f"{sensors}", _space(scene))
+
+
+def parameters(case: CaseResult) -> str:
+    """The parameters for people: lengths in cm."""
+    told = []
+    for name, value in case.parameters.items():
+        label = name.replace("_", " ")
+        if isinstance(value, str) or name == _WITHOUT_UNIT:
+            told.append(f"{label} {value if isinstance(value, str) else f'{value:g}'}")
+            continue
+        values = value if isinstance(value, tuple) else (value,)
+        if name.endswith("_degrees"):
+            told.append(f"{label.removesuffix(' degrees')} {values[0]:g}°")
+        else:
+            between = " × " if name.endswith("_size") else " and "
+            told.append(f"{label} {between.join(f'{v / CENTIMETRE:g}' for v in values)} cm")
+    return ", ".join(told) + "."
+
+
+def _picture(row: Row) -> Plot:
+    case = row.case
+    mutual = row.reference.value / 1e-12
+    finding = (
+        f"In case {case.id} the grounded target carries {mutual:.3g} pC for each volt on the sensor (mutual, reference);"
+        f" the model's value is {abs(row.model_error):.0%} too {'high' if row.model_error > 0 else 'low'}."
+    )
+    return Plot(f"Family {case.family}", finding, panels(case), parameters(case))
+
+
+def _space(scene: Scene) -> go.Figure:
+    sensors = {sensor.name for sensor in scene.sensors}
+    bodies = triangles(scene)
+    traces: list[object] = []
+    for name, own in bodies.items():
+        vertices = own.reshape(-1, 3) / CENTIMETRE
+        first, second, third = np.arange(len(vertices)).reshape(-1, 3).T
+        colour = SENSOR_COLOUR if name in sensors else TARGET_COLOUR
+        x, y, z = vertices.T
+        traces.append(
+            go.Mesh3d(
+                x=x,
+                y=y,
+                z=z,
+                i=first,
+                j=second,
+                k=third,
+                color=colour,
+                opacity=0.75,
+                name=name,
+                hoverinfo="name",
+            )
+        )
+    view = {
+        "xaxis": {"title": "x (cm)"},
+        "yaxis": {"title": "y (cm)"},
+        "zaxis": {"title": "z (cm)", "nticks": 4},
+        "aspectmode": "manual",
+        "aspectratio": dict(zip("xyz", aspect(bodies.values()))),
+        "camera": {"eye": {"x": 1.1, "y": -1.55, "z": 1.0}},
+    }
+    return figure(traces, {}, {}, height=420, scene=view, margin={"l": 0, "r": 0, "t": 0, "b": 0})
+
+
+def _slice(case: CaseResult, slice_of: Document) -> go.Figure:
+    along, z = np.array(slice_of["along"]) / CENTIMETRE, np.array(slice_of["z"]) / CENTIMETRE
+    potential = np.array(slice_of["potential"], dtype=np.float64)
+    traces: list[object] = [
+        go.Contour(
+            x=along,
+            y=z,
+            z=np.round(potential, 3),
+            zmin=0,
+            zmax=1,
+            contours={"start": 0, "end": 1, "size": 0.05},
+            line={"width": 0.5},
+            colorscale="Blues",
+            colorbar={"title": "V", "thickness": 12},
+            hovertemplate="along %{x:.3g} cm, z %{y:.3g} cm: %{z:.3f} V<extra></extra>",
+        )
+    ]
+    traces += _cuts(case, np.array(slice_of["origin"]), np.array(slice_of["direction"]))
+    same_scale = {"scaleanchor": "x", "constrain": "domain"}
+    return figure(
+        traces, axis("along the plane (cm)", constrain="domain"), axis("z (cm)", **same_scale), height=420
+    )
+
+
+def _cuts(case: CaseResult, origin: Array, direction: Array) -> list[go.Scatter]:
+    """Where the conductors' triangles cross the plane: the lines between the crossings of their edges."""
+    sensors = {sensor.name for sensor in case.scene.sensors}
+    across_plane = np.array([-direction[1], direction[0]])
+    traces = []
+    for name, own in triangles(case.scene).items():
+        horizontal = own[..., :2] - origin
+        local = np.stack([horizontal @ direction, horizontal @ across_plane, own[..., 2]], axis=-1)
+        along: list[float | None] = []
+        upwards: list[float | None] = []
+        for triangle in local:
+            crossings = _crossings(triangle)
+            if len(crossings) >= 2:
+                ends = np.array([min(crossings), max(crossings)]) / CENTIMETRE
+                along += [ends[0, 0], ends[1, 0], None]
+                upwards += [ends[0, 1], ends[1, 1], None]
+        colour = INK if name in sensors else TARGET_COLOUR
+        line = {"color": colour, "width": 4}
+        traces.append(go.Scatter(x=along, y=upwards, mode="lines", line=line, name=name, hoverinfo="name"))
+    return traces
+
+
+def _crossings(triangle: Array) -> list[tuple[float, float]]:
+    """(along, z) where the edges of a triangle (along, across, z) meet the plane across = 0."""
+    found = []
+    for start, end in zip(triangle, np.roll(triangle, -1, axis=0)):
+        if start[1] * end[1] <= 0 and start[1] != end[1]:
+            point = start + start[1] / (start[1] - end[1]) * (end - start)
+            found.append((float(point[0]), float(point[2])))
+    return found

@@ -1,0 +1,170 @@
+"""The model held against the reference: value against value, and the error over what describes a set-up."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import plotly.graph_objects as go
+
+from analysis.report.plot import Panel, Plot, axis, family_marker, figure, log_axis
+from analysis.results.set_up import SetUp
+from analysis.results.table import COMPARED_METHOD, QUANTITIES, Row
+
+PICOFARAD = 1e-12
+PERCENT = 100.0
+
+
+def families_of(rows: list[Row]) -> list[str]:
+    return list(dict.fromkeys(row.case.family for row in rows))
+
+
+def model_against_reference(rows: list[Row]) -> Plot:
+    """Every case as a point, reference across, model upwards, with the reference's error bar; on the diagonal they agree."""
+    panels = [Panel(quantity, _values(rows, quantity)) for quantity in QUANTITIES]
+    shares = [f"{_shares(rows, quantity)} of {quantity}" for quantity in QUANTITIES]
+    return Plot(
+        "Model against reference",
+        f"The exact model's value is {' and '.join(shares)}.",
+        panels,
+        "Each point is a case; on the line both agree. Horizontal bars: the reference's own error, mostly too small to see.",
+    )
+
+
+def _shares(rows: list[Row], quantity: str) -> str:
+    ratios = sorted(1 + row.model_error for row in rows if row.quantity == quantity)
+    middle = float(np.median(ratios))
+    return f"{ratios[0]:.2f} to {ratios[-1]:.2f} times (median {middle:.2f}) the reference's value"
+
+
+def _values(rows: list[Row], quantity: str) -> go.Figure:
+    chosen = [row for row in rows if row.quantity == quantity]
+    families = families_of(rows)
+    every = [
+        value / PICOFARAD for row in chosen for value in (row.reference.value, row.model[COMPARED_METHOD])
+    ]
+    positive = [value for value in every if 0 < value < math.inf]
+    ends = [min(positive) / 1.5, max(positive) * 1.5]
+    traces: list[object] = [
+        go.Scatter(
+            x=ends,
+            y=ends,
+            mode="lines",
+            line={"color": "#9aa4ae", "dash": "dot"},
+            name="both agree",
+            hoverinfo="skip",
+        )
+    ]
+    for family in families:
+        members = [row for row in chosen if row.case.family == family]
+        traces.append(
+            go.Scatter(
+                x=[row.reference.value / PICOFARAD for row in members],
+                y=[row.model[COMPARED_METHOD] / PICOFARAD for row in members],
+                error_x={
+                    "type": "data",
+                    "array": [row.reference.error / PICOFARAD for row in members],
+                    "thickness": 1.5,
+                },
+                mode="markers",
+                marker=family_marker(family, families),
+                name=family,
+                text=[_told(row) for row in members],
+                customdata=[row.case.id for row in members],
+                hovertemplate="%{text}<br>reference %{x:.5g} pF, model %{y:.5g} pF<extra></extra>",
+            )
+        )
+    return figure(traces, log_axis(f"reference: {quantity} (pF)"), log_axis(f"model for {quantity} (pF)"))
+
+
+def _told(row: Row) -> str:
+    parameters = ", ".join(
+        f"{name} {'×'.join(f'{v:g}' for v in value) if isinstance(value, tuple) else value}"
+        for name, value in row.case.parameters.items()
+    )
+    return f"{row.case.family} {row.case.id}<br>{parameters}"
+
+
+def error_over_gap(rows: list[Row]) -> Plot:
+    """Model error over the shortest distance between the plates, in sensor sizes."""
+    return _error_over(rows, "gap/size", "gap over sensor size", lambda s: s.gap_over_size, logarithmic=True)
+
+
+def error_over_tilt(rows: list[Row]) -> Plot:
+    """Model error over the angle between the plates."""
+    return _error_over(rows, "tilt", "tilt (degrees)", lambda s: s.tilt_degrees, logarithmic=False)
+
+
+def error_over_offset(rows: list[Row]) -> Plot:
+    """Model error over the lateral distance of the centres, in sensor sizes."""
+    label = "lateral offset of the centres over sensor size"
+    return _error_over(rows, "lateral offset", label, lambda s: s.lateral_offset_over_size, logarithmic=False)
+
+
+def error_over_size_ratio(rows: list[Row]) -> Plot:
+    """Model error over the target's size, in sensor sizes."""
+    return _error_over(
+        rows, "size ratio", "target size over sensor size", lambda s: s.size_ratio, logarithmic=True
+    )
+
+
+def _error_over(
+    rows: list[Row], name: str, label: str, value: Callable[[SetUp], float], logarithmic: bool
+) -> Plot:
+    described = [(value(row.set_up), row) for row in rows if row.set_up is not None]
+    panels = [Panel(quantity, _errors(described, quantity, label, logarithmic)) for quantity in QUANTITIES]
+    return Plot(f"Model error over {name}", _finding(described, name), panels)
+
+
+def _errors(described: list[tuple[float, Row]], quantity: str, label: str, logarithmic: bool) -> go.Figure:
+    families = families_of([row for _, row in described])
+    traces = []
+    for family in families:
+        members = sorted(
+            ((x, row) for x, row in described if row.case.family == family and row.quantity == quantity),
+            key=lambda member: member[0],
+        )
+        errors = [row.model_error for _, row in members]
+        ends = [row.model_error_interval for _, row in members]
+        traces.append(
+            go.Scatter(
+                x=[x for x, _ in members],
+                y=[PERCENT * error for error in errors],
+                error_y={
+                    "type": "data",
+                    "symmetric": False,
+                    "array": [PERCENT * (high - error) for (_, high), error in zip(ends, errors)],
+                    "arrayminus": [PERCENT * (error - low) for (low, _), error in zip(ends, errors)],
+                    "thickness": 1.5,
+                },
+                mode="markers",
+                marker=family_marker(family, families),
+                name=family,
+                text=[_told(row) for _, row in members],
+                customdata=[row.case.id for _, row in members],
+                hovertemplate="%{text}<br>model error %{y:+.2f} %<extra></extra>",
+            )
+        )
+    x = log_axis(label) if logarithmic else axis(label, zeroline=False)
+    return figure(traces, x, axis(f"model error in {quantity} (%)", zeroline=True, zerolinewidth=2))
+
+
+def _finding(described: list[tuple[float, Row]], name: str) -> str:
+    """The median errors of the lowest third beside those of the highest; where most are alike, of what lies off them."""
+    if len({x for x, _ in described}) < 2:
+        return f"All cases of this study have the same {name}."
+    ordered = sorted(x for x, _ in described)
+    low, high = ordered[(len(ordered) - 1) // 3], ordered[-1 - (len(ordered) - 1) // 3]
+    if low == high:
+        low = max((x for x in ordered if x < low), default=low)
+        high = min((x for x in ordered if x > high), default=high)
+    changes = []
+    for quantity in QUANTITIES:
+        below = [row.model_error for x, row in described if row.quantity == quantity and x <= low]
+        above = [row.model_error for x, row in described if row.quantity == quantity and x >= high]
+        changes.append(f"from {np.median(below):+.0%} to {np.median(above):+.0%} in {quantity}")
+    return (
+        f"Between the cases whose {name} is at most {low:.3g} and those where it is at least {high:.3g}, the median model "
+        f"error goes {' and '.join(changes)}."
+    )

@@ -1,0 +1,174 @@
+"""The report's section on how long the model's methods take and how wrong they are, on fixed sets of triangles."""
+
+from __future__ import annotations
+
+import math
+
+import plotly.graph_objects as go
+
+from analysis.report import page
+from analysis.report.plot import INK, Panel, figure, power_axis, series_colour
+from analysis.results.measurements import MethodTime, RunTimes
+
+TITLE = "Run time against error of the integral"
+EXACT, THESIS = "exact", "split:4"
+
+_NANOSECOND = 1e-9
+# Half a unit in the last place of 1: errors below it are those of writing the result down, and zero has no logarithm.
+_ROUNDING = 2.0**-54
+_SYMBOLS = ("star", "circle", "square", "diamond", "triangle-up", "x", "cross")
+_ABSENT = (
+    "Not measured with these results, or not with this model and on this machine: ./run does it with the default study, and "
+    "python3 -m analysis run STUDY --measure-model with any."
+)
+_SETS = (
+    "Triangles in the regions I (in front of the plate), II (beside an edge) and III (diagonal to a corner), of 0.02 (fine) "
+    "and 0.3 (coarse) of their distance in size; small ones astride two cells around the plate, as a fine mesh has them; "
+    "triangles larger than the plate that reach into up to nine cells; a closed mesh around all cells. split:N is the "
+    "thesis' method with 4^N equal triangles, gauss:K a product rule of K² nodes; exact lays the triangles out anew each time, "
+    "batch has them laid out once, tolerance:T too and each triangle within T; tree:T gives only the sum, within T, by a tree "
+    "made once. Errors are relative to quadrature in extended precision, the largest of the set or, where a method is slow, of "
+    "an evenly spread sample; times are those of one core, the smallest of three."
+)
+
+
+def section(measured: RunTimes | None) -> str:
+    """Finding, a panel for each set, the table, and how to measure again."""
+    if measured is None:
+        return page.section(TITLE, page.paragraph(_ABSENT))
+    sets = by_set(measured)
+    methods = list(dict.fromkeys(time.method for time in measured.times))
+    return page.section(
+        TITLE,
+        page.finding(finding(sets)),
+        page.figures([Panel(_caption(times), _panel(times, measured)) for times in sets.values()]),
+        page.paragraph(
+            "ns per triangle, and the largest relative error below. Bold: no other method is both faster and more accurate."
+        ),
+        _table(sets, methods),
+        page.soft(_SETS),
+        page.soft(
+            f"Compiler {measured.compiler}; {measured.origin.processor} with {measured.origin.instruction_sets}. "
+            f"Again, from the project's folder: {measured.origin.command}"
+        ),
+    )
+
+
+def by_set(measured: RunTimes) -> dict[str, list[MethodTime]]:
+    """The times of each set, sets and methods in the benchmark's order."""
+    sets: dict[str, list[MethodTime]] = {}
+    for time in measured.times:
+        sets.setdefault(time.set, []).append(time)
+    return sets
+
+
+def front(times: list[MethodTime]) -> list[MethodTime]:
+    """Those that no other is at least as good as in both time and error and better in one, from fast to accurate."""
+    best: list[MethodTime] = []
+    for time in sorted(times, key=lambda t: (t.seconds_per_triangle, t.error)):
+        if not best or time.error < best[-1].error:
+            best.append(time)
+    return best
+
+
+def finding(sets: dict[str, list[MethodTime]]) -> str:
+    """The exact method beside the thesis' method over all sets, and the methods that are worth choosing somewhere."""
+    pairs = []
+    for times in sets.values():
+        named = {time.method: time for time in times}
+        if EXACT in named and THESIS in named:
+            pairs.append((named[EXACT], named[THESIS]))
+    best = {time.method for times in sets.values() for time in front(times)}
+    methods = dict.fromkeys(time.method for times in sets.values() for time in times)
+    chosen = [method for method in methods if method in best]
+    sentence = f"On the front between run time and error, on one set or another, are {', '.join(chosen)}."
+    if not pairs:
+        return sentence
+    ratios = sorted(thesis.seconds_per_triangle / exact.seconds_per_triangle for exact, thesis in pairs)
+    worst_exact = max(exact.error for exact, _ in pairs)
+    errors = sorted(thesis.error for _, thesis in pairs)
+    return (
+        f"The method {EXACT} is right to {worst_exact:.1e} on every set. The thesis' {THESIS} takes from {ratios[0]:.2g} to "
+        f"{ratios[-1]:.2g} times as long and is wrong by {errors[0]:.0e} to {errors[-1]:.0e}. {sentence}"
+    )
+
+
+def _caption(times: list[MethodTime]) -> str:
+    """The set, and what the exact method costs on it beside the thesis'."""
+    named = {time.method: time for time in times}
+    told = "; ".join(
+        f"{method} {named[method].seconds_per_triangle / _NANOSECOND:.3g} ns, off by {named[method].error:.0e}"
+        for method in (EXACT, THESIS)
+        if method in named
+    )
+    what = f"{_words(times[0].set)}, {max(time.triangles for time in times):,} triangles"
+    return f"{what}: {told}" if told else what
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _panel(times: list[MethodTime], measured: RunTimes) -> go.Figure:
+    """All panels have the same axes and colours."""
+    kinds = list(dict.fromkeys(_kind(time.method) for time in measured.times))
+    best = front(times)
+    traces = [
+        go.Scatter(
+            x=[time.seconds_per_triangle / _NANOSECOND for time in best],
+            y=[max(time.error, _ROUNDING) for time in best],
+            mode="lines",
+            line={"color": INK, "width": 1.5, "dash": "dot", "shape": "hv"},
+            name="front",
+            hoverinfo="skip",
+        )
+    ]
+    for index, kind in enumerate(kinds):
+        members = [time for time in times if _kind(time.method) == kind]
+        traces.append(
+            go.Scatter(
+                x=[time.seconds_per_triangle / _NANOSECOND for time in members],
+                y=[max(time.error, _ROUNDING) for time in members],
+                mode="markers+text",
+                text=[time.method.partition(":")[2] for time in members],
+                textposition="top right",
+                textfont={"size": 10},
+                customdata=[time.method for time in members],
+                cliponaxis=False,
+                marker={"color": series_colour(index), "symbol": _SYMBOLS[index % len(_SYMBOLS)], "size": 9},
+                name=kind,
+                hovertemplate="%{customdata}: %{x:.3g} ns, %{y:.2g}<extra></extra>",
+            )
+        )
+    x = power_axis(
+        "ns per triangle", range=_range([t.seconds_per_triangle / _NANOSECOND for t in measured.times])
+    )
+    errors = [max(time.error, _ROUNDING) for time in measured.times]
+    return figure(
+        traces, x, power_axis("largest relative error", decades=3, range=_range(errors)), height=340
+    )
+
+
+def _range(values: list[float]) -> list[float]:
+    """Exponents of ten, with a margin for the marks on the edge."""
+    return [math.log10(min(values)) - 0.5, math.log10(max(values)) + 0.5]
+
+
+def _kind(method: str) -> str:
+    return method.partition(":")[0]
+
+
+def _table(sets: dict[str, list[MethodTime]], methods: list[str]) -> str:
+    cells = {}
+    for name, times in sets.items():
+        best = {time.method for time in front(times)}
+        cells.update({(name, time.method): _cell(time, time.method in best) for time in times})
+    rows = [[page.code(method), *(cells.get((name, method), "") for name in sets)] for method in methods]
+    return page.table(["method", *map(_words, sets)], rows)
+
+
+def _cell(time: MethodTime, strong: bool) -> str:
+    nanoseconds = time.seconds_per_triangle / _NANOSECOND
+    text = f"{nanoseconds:,.0f}" if nanoseconds >= 100 else f"{nanoseconds:.3g}"
+    cell = f"{text}<br>{time.error:.0e}"
+    return f"<strong>{cell}</strong>" if strong else cell

@@ -1,0 +1,271 @@
+"""The sections of the report that are text and tables; every sentence with a number is computed from the rows."""
+
+from __future__ import annotations
+
+from html import escape
+
+import numpy as np
+
+from analysis.pipeline.model_stage import knows
+from analysis.report import page
+from analysis.results.answers import ReferenceAnswer
+from analysis.results.statistics import ALL_FAMILIES, Summary
+from analysis.results.study_results import Results
+from analysis.results.symmetry import Pair
+from analysis.results.table import COMPARED_METHOD, DELTA_SELF, MUTUAL, Row, model_command, reference_command
+from geometries.studies.study import EMPTY, NO_REFERENCE
+
+PICOFARAD = 1e-12
+
+_QUESTION = (
+    "How wrong is the fast triangle-integral model of a capacitive proximity sensor, where, and how sure are we? The model "
+    "sums ε·∫dA/d over the target's triangles, d being the shortest distance to the sensor's plate. The reference solves "
+    "the field of the same conductors in free space with finite elements and states its own error."
+)
+_QUANTITIES = (
+    "Two quantities are compared. mutual = −M[s,o] is the charge on the grounded target for each volt on the sensor: what "
+    "the model's formula claims to be. delta_self = M[s,s] − M0[s,s] is how much the sensor's own capacitance rises because "
+    "the target is there: what its electronics feels. M is the Maxwell capacitance matrix, M0 that of the sensor alone."
+)
+_ERROR = (
+    "Model error = (model − reference)/reference; the median is that of its size without the sign. An error bar on it is the "
+    "reference's own error carried over; the two are never added up."
+)
+
+
+FILES = (
+    "Beside this page: table.csv with a row for each case, sensor, object and quantity, and the folder cases with the answers and "
+    "the page of every case. A click on a point in a plot opens its case."
+)
+
+
+def headline(results: Results, summaries: list[Summary]) -> str:
+    """Title, question, and the model errors for each family and quantity."""
+    whole = {summary.quantity: summary for summary in summaries if summary.family == ALL_FAMILIES}
+    parts = [f"<header>\n<h1>{escape(results.title)}</h1>", page.paragraph(_QUESTION)]
+    for quantity, summary in whole.items():
+        parts.append(
+            page.finding(
+                f"{quantity}: the model is {summary.rms:.0%} off (rms over {summary.count} cases), median {summary.median:.0%}, "
+                f"worst {summary.worst:+.0%}; the reference is sure to {summary.sure_to:.2%} or better."
+            )
+        )
+    parts.append(page.paragraph(_QUANTITIES))
+    strong = frozenset(index for index, summary in enumerate(summaries) if summary.family == ALL_FAMILIES)
+    header = ["quantity", "family", "cases", "rms", "median size", "worst", "reference sure to", "worst case"]
+    rows = [
+        [
+            escape(s.quantity),
+            escape(s.family),
+            str(s.count),
+            f"{s.rms:.1%}",
+            f"{s.median:.1%}",
+            f"{s.worst:+.1%}",
+            f"{s.sure_to:.2%}",
+            page.case_link(s.worst_case, "cases"),
+        ]
+        for s in summaries
+    ]
+    if summaries:
+        parts += [page.table(header, rows, text_columns=2, strong=strong), page.soft(_ERROR)]
+    return "\n".join(parts) + "\n</header>"
+
+
+def trust(results: Results, rows: list[Row], pairs: list[Pair]) -> str:
+    """Why the reference can be believed: set-ups that must agree, delta_self in two ways, accuracies not reached.
+
+    Empty where nothing was asked of it.
+    """
+    if results.error == NO_REFERENCE:
+        return ""
+    return page.section(
+        "Agreement and accuracy in this study", *_pairs(pairs), *_checks(rows), *_accuracy(results, rows)
+    )
+
+
+def _pairs(pairs: list[Pair]) -> list[str]:
+    title = "<h3>Set-ups that must agree</h3>"
+    if not pairs:
+        return [title, page.paragraph("The study holds no pair of set-ups whose answers must agree.")]
+    agreeing = sum(pair.agrees for pair in pairs)
+    largest = max(pair.difference for pair in pairs)
+    header = [
+        "first",
+        "second",
+        "relation",
+        "quantity",
+        "first (pF)",
+        "second (pF)",
+        "difference",
+        "within errors",
+    ]
+    rows = [
+        [
+            f"{escape(pair.first.family)} {page.case_link(pair.first.id)}",
+            f"{escape(pair.second.family)} {page.case_link(pair.second.id)}",
+            escape(pair.relation),
+            pair.quantity,
+            f"{pair.first_value.value / PICOFARAD:.5f} ± {pair.first_value.error / PICOFARAD:.5f}",
+            f"{pair.second_value.value / PICOFARAD:.5f} ± {pair.second_value.error / PICOFARAD:.5f}",
+            f"{pair.difference:.1e}",
+            "yes" if pair.agrees else "no",
+        ]
+        for pair in pairs
+    ]
+    sentence = (
+        f"{agreeing} of {len(pairs)} comparisons of mirrored or exchanged set-ups agree within the sum of their errors; the "
+        f"largest difference is {largest:.1e} of the value."
+    )
+    return [title, page.finding(sentence), page.table(header, rows, text_columns=4)]
+
+
+def _checks(rows: list[Row]) -> list[str]:
+    checked = [(row.reference, row.check) for row in rows if row.check is not None]
+    title = "<h3>delta_self in two ways</h3>"
+    if not checked:
+        return [
+            title,
+            page.paragraph("No case has a reference of the sensor alone to check delta_self with."),
+        ]
+    agreeing = sum(value.agrees_with(check) for value, check in checked)
+    largest = max(abs(value.value - check.value) for value, check in checked)
+    sentence = (
+        f"delta_self from two solutions on one mesh, and as the difference of two separate solves: {agreeing} of "
+        f"{len(checked)} cases agree within the sum of their errors; the largest difference is {largest / PICOFARAD:.2g} pF."
+    )
+    return [title, page.finding(sentence)]
+
+
+def _accuracy(results: Results, rows: list[Row]) -> list[str]:
+    solved = [case.reference for case in results.cases.values() if case.reference is not None]
+    short = [
+        case for case in results.cases.values() if case.reference is not None and not case.reference.reached
+    ]
+    seconds = [answer.seconds for answer in solved]
+    parts = ["<h3>Accuracy</h3>"]
+    if solved:
+        worst = max((row.reference_error for row in rows), default=0.0)
+        parts.append(
+            page.finding(
+                f"{len(solved) - len(short)} of {len(solved)} solves reached the asked relative accuracy of {results.rtol:g}, in "
+                f"{np.median(seconds):.1f} s (median) each; the largest relative error of a compared value is {worst:.1e}."
+            )
+        )
+    enclosed = [answer for answer in solved if answer.error_kind == "enclosure"]
+    if enclosed:
+        parts.append(page.finding(_widths(enclosed)))
+    listed = "; ".join(f"{case.family} {case.id}" for case in short)
+    if short:
+        parts.append(page.paragraph(f"Short of it, kept with their wider errors: {listed}."))
+    parts += [
+        page.soft(f"How the error is obtained: {method}.")
+        for method in sorted({answer.method for answer in solved})
+    ]
+    return parts
+
+
+def _widths(enclosed: list[ReferenceAnswer]) -> str:
+    """How far the proven bounds of the entries are from the best values."""
+    own = [answer.error[0, 0] / answer.maxwell[0, 0] for answer in enclosed]
+    mutual = [answer.error[0, 1] / -answer.maxwell[0, 1] for answer in enclosed if len(answer.maxwell) > 1]
+    sentence = (
+        f"In {len(enclosed)} solves the truth is enclosed, not estimated: the first sensor's own entry to within "
+        f"{np.median(own):.1e} of its best value (median; worst {max(own):.1e})"
+    )
+    if mutual:
+        sentence += f", the mutual one to within {np.median(mutual):.1e} (worst {max(mutual):.1e})"
+    return f"{sentence}."
+
+
+def failures(results: Results) -> str:
+    """The cases without an answer, with the reason."""
+    if not results.failures:
+        return ""
+    rows = [
+        [page.code(failure.case) if failure.case else "", escape(failure.stage), escape(failure.reason)]
+        for failure in results.failures
+    ]
+    return page.section(
+        "Failed cases",
+        page.finding(f"{len(results.failures)} answers are missing; they count nowhere above."),
+        page.table(["case", "stage", "reason"], rows, text_columns=3),
+    )
+
+
+def all_rows(results: Results, rows: list[Row]) -> str:
+    """Every row with its case folder and the commands that recompute it."""
+    header = [
+        "family",
+        "case",
+        "quantity",
+        "reference (pF)",
+        "exact model (pF)",
+        "model error",
+        "from",
+        "to",
+        "reached",
+    ]
+    lines = []
+    for row in rows:
+        low, high = row.model_error_interval
+        lines.append(
+            [
+                escape(row.case.family),
+                page.case_link(row.case.id),
+                row.quantity,
+                f"{row.reference.value / PICOFARAD:.5f} ± {row.reference.error / PICOFARAD:.5f}",
+                f"{row.model[COMPARED_METHOD] / PICOFARAD:.5f}",
+                f"{row.model_error:+.2%}",
+                f"{low:+.2%}",
+                f"{high:+.2%}",
+                "yes" if row.reached else "no",
+            ]
+        )
+    return page.section(
+        "Every row",
+        page.paragraph(
+            f"The same {len(rows)} rows, in full precision and with the other methods, are in table.csv beside report.html. The "
+            "files of a case are in the folder cases/<case>, with its page."
+        ),
+        page.folded("Show the rows", page.table(header, lines, text_columns=3)),
+    )
+
+
+def reproduce(results: Results, rows: list[Row]) -> str:
+    """Commands, versions and the machine."""
+    commands = [
+        [
+            f"{escape(case.family)} {page.case_link(case.id)}",
+            page.code(reference_command(results, case.id)) if results.error != NO_REFERENCE else "",
+            page.code(model_command(results, case.id)) if case.family != EMPTY and knows(case.scene) else "",
+        ]
+        for case in results.cases.values()
+    ]
+    return page.section(
+        "Reproduce",
+        page.paragraph(
+            "The commands run from the project's folder. A click on a point in a plot opens its case; each command below computes "
+            "that case's answer anew. The plots of model errors need both commands of a case, the run times of the model are those "
+            "of --method exact or split:N, the slices of the potential come from the reference's command with --slice FILE."
+        ),
+        page.folded(
+            "Show the commands", page.table(["case", "reference", "model"], commands, text_columns=3)
+        ),
+        "<h3>Versions and machine</h3>",
+        page.table(["what", "which"], _versions(results, rows), text_columns=2),
+    )
+
+
+def _versions(results: Results, rows: list[Row]) -> list[list[str]]:
+    software: dict[str, set[str]] = {}
+    for case in results.cases.values():
+        for name, version in (case.reference.versions if case.reference else {}).items():
+            software.setdefault(name, set()).add(version)
+        if case.model is not None:
+            software.setdefault("model", set()).add(case.model.version)
+    told = {name: ", ".join(sorted(versions)) for name, versions in software.items()}
+    counts = {
+        quantity: str(sum(row.quantity == quantity for row in rows)) for quantity in (MUTUAL, DELTA_SELF)
+    }
+    counted = {f"rows of {quantity}": count for quantity, count in counts.items()}
+    return [[escape(name), escape(value)] for name, value in (told | results.machine | counted).items()]

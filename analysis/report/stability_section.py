@@ -1,0 +1,162 @@
+"""The report's section on the integral's errors beside what the rounding of its input alone does to it."""
+
+from __future__ import annotations
+
+import plotly.graph_objects as go
+
+from analysis.report import page
+from analysis.report.plot import INK, Panel, axis, figure, power_axis, series_colour
+from analysis.results.measurements import MethodErrors, Stability, StabilityClass
+
+TITLE = "Stability of the integral"
+EXACT, _THESIS = "exact", "thesis"
+
+_ABSENT = (
+    "Not measured with these results, or not with this model and on this machine: ./run does it with the default study, and "
+    "python3 -m analysis run STUDY --measure-model with any."
+)
+_LABELS = {_THESIS: "the thesis' formula"}
+# Above the figure: the names of the classes need the room below.
+_LEGEND = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0, "xanchor": "left"}
+_SYMBOLS = ("star", "circle", "square", "diamond")
+_WHAT = (
+    "Conditioning is the largest relative change of the true value when the coordinates of triangle and plate move by one unit "
+    "in the last place, at least 1.2e-16: a method that stays below a small multiple of it is as accurate as its input. The "
+    "truth is quadrature of the distance itself in multiple precision, without any closed form. The thesis' formula (5.3.1) "
+    "is for region I and is asked there only."
+)
+
+
+def section(measured: Stability | None) -> str:
+    """Finding, error over conditioning of every class, and the counts of values that are no numbers or wrong."""
+    if measured is None:
+        return page.section(TITLE, page.paragraph(_ABSENT))
+    return page.section(
+        TITLE,
+        page.finding(finding(measured)),
+        page.figures([Panel("error over conditioning, by class of triangles", _figure(measured))]),
+        page.paragraph("Largest error over conditioning, values not finite, values wrong by more than 1 %."),
+        _table(measured),
+        page.soft(_WHAT),
+        page.soft(
+            f"{measured.origin.processor} with {measured.origin.instruction_sets}. Again, from the project's folder: "
+            f"{measured.origin.command}"
+        ),
+    )
+
+
+def finding(measured: Stability) -> str:
+    """Whether the exact method keeps the limit, where it does not, and the worst of every method over all classes."""
+    failing = [entry.name for entry in measured.classes if _fails(entry, measured.limit)]
+    if failing or not measured.passed:
+        verdict = f"{EXACT} fails" + (f", in: {', '.join(failing)}." if failing else ".")
+    else:
+        verdict = f"{EXACT} keeps the limit of {measured.limit:g} in all {len(measured.classes)} classes."
+    sentences = [verdict, *(_told(measured, method) for method in methods_of(measured))]
+    failed = sum(entry.truth_failed for entry in measured.classes)
+    if failed:
+        sentences.append(f"The quadrature failed for {failed:,} triangles.")
+    return " ".join(sentences)
+
+
+def methods_of(measured: Stability) -> list[str]:
+    """The methods that any class was evaluated with, the exact one first, then the thesis'."""
+    return sorted({name for entry in measured.classes for name in entry.methods}, key=_rank)
+
+
+def _rank(method: str) -> tuple[bool, bool, str]:
+    return method != EXACT, method != _THESIS, method
+
+
+def _fails(entry: StabilityClass, limit: float) -> bool:
+    errors = entry.methods.get(EXACT)
+    if errors is None:
+        return False
+    return (
+        errors.not_finite + errors.wrong_by_1_percent > 0 or (errors.largest_over_conditioning or 0) > limit
+    )
+
+
+def _told(measured: Stability, method: str) -> str:
+    found = [entry.methods[method] for entry in measured.classes if method in entry.methods]
+    count = sum(errors.triangles for errors in found)
+    largest = max((errors.largest_over_conditioning or 0 for errors in found), default=0.0)
+    not_finite, wrong = sum(e.not_finite for e in found), sum(e.wrong_by_1_percent for e in found)
+    return (
+        f"Over {count:,} triangles {_label(method)} is off by up to {largest:.2g} times the conditioning; {not_finite:,} of its "
+        f"values are not finite, {wrong:,} are wrong by more than 1 %."
+    )
+
+
+def _label(method: str) -> str:
+    return _LABELS.get(method, method)
+
+
+def _figure(measured: Stability) -> go.Figure:
+    names = [entry.name for entry in measured.classes]
+    traces = [
+        go.Scatter(
+            x=names,
+            y=[measured.limit] * len(names),
+            mode="lines",
+            line={"color": INK, "dash": "dot", "width": 1.5},
+            name=f"limit {measured.limit:g}",
+            hoverinfo="skip",
+        )
+    ]
+    for index, method in enumerate(methods_of(measured)):
+        traces += _traces(measured, method, index)
+    x = axis("", type="category", tickangle=-40)
+    return figure(traces, x, power_axis("error / conditioning", decades=3), height=560, legend=_LEGEND)
+
+
+def _traces(measured: Stability, method: str, index: int) -> list[go.Scatter]:
+    """The largest error of every class, and small and open the error that all but one in a hundred stay below."""
+    found = [(entry.name, entry.methods[method]) for entry in measured.classes if method in entry.methods]
+    colour, symbol = series_colour(index), _SYMBOLS[index % len(_SYMBOLS)]
+    largest = [(name, errors.largest_over_conditioning) for name, errors in found]
+    most = [(name, errors.percentile_99_over_conditioning) for name, errors in found]
+    return [
+        _trace(largest, f"{_label(method)}, largest", {"color": colour, "symbol": symbol, "size": 10}),
+        _trace(most, f"{_label(method)}, 99 %", {"color": colour, "symbol": f"{symbol}-open", "size": 7}),
+    ]
+
+
+def _trace(values: list[tuple[str, float | None]], name: str, marker: dict[str, object]) -> go.Scatter:
+    # A logarithmic axis has no zero: a class without any error has no point.
+    shown = [(where, value) for where, value in values if value]
+    return go.Scatter(
+        x=[where for where, _ in shown],
+        y=[value for _, value in shown],
+        mode="markers",
+        marker=marker,
+        name=name,
+        hovertemplate="%{x}: %{y:.3g}<extra>" + name + "</extra>",
+    )
+
+
+def _table(measured: Stability) -> str:
+    methods = methods_of(measured)
+    header = ["class", "triangles"]
+    for method in methods:
+        header += [f"{method}: largest", "not finite", "wrong"]
+    rows = []
+    for entry in measured.classes:
+        cells = [cell for method in methods for cell in _cells(entry, entry.methods.get(method))]
+        rows.append([entry.name, f"{_triangles(entry):,}", *cells])
+    return page.table(header, rows)
+
+
+def _triangles(entry: StabilityClass) -> int:
+    return max((errors.triangles for errors in entry.methods.values()), default=0)
+
+
+def _cells(entry: StabilityClass, errors: MethodErrors | None) -> list[str]:
+    """A method that was asked for some of a class's triangles only says for how many."""
+    if errors is None:
+        return ["", "", ""]
+    largest = errors.largest_over_conditioning
+    counts = [f"{errors.not_finite:,}", f"{errors.wrong_by_1_percent:,}"]
+    if errors.triangles < _triangles(entry):
+        counts = [f"{count} of {errors.triangles:,}" for count in counts]
+    return ["" if largest is None else f"{largest:.2g}", *counts]

@@ -1,0 +1,165 @@
+"""Stored answers as numbers: the reference's and the model's documents, checked for what the comparison needs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.results.store import Document
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A value and the half-width of the interval that holds the truth; farads."""
+
+    value: float
+    error: float
+
+    def agrees_with(self, other: Estimate) -> bool:
+        """Whether the two intervals overlap."""
+        return abs(self.value - other.value) <= self.error + other.error
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """One mesh of the reference: its Maxwell matrix (n, n) in F and what it took."""
+
+    unknowns: int
+    seconds: float
+    maxwell: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ReferenceAnswer:
+    """The Maxwell matrix (n, n) in F with its error, sensors first in `conductors`.
+
+    Where the reference encloses the truth, from `lower` to `upper`, the error reaches to the farther end. `delta_self` is told by the reference itself, from two solutions on the same mesh.
+    """
+
+    conductors: tuple[str, ...]
+    maxwell: Array
+    error: Array
+    lower: Array
+    upper: Array
+    delta_self: dict[str, Estimate]
+    levels: tuple[Level, ...]
+    unknowns: int
+    seconds: float
+    reached: bool
+    error_kind: str
+    method: str
+    versions: dict[str, str]
+
+    @staticmethod
+    def of(document: Document) -> ReferenceAnswer:
+        """The answer in a document of `fem_reference --json`; KeyError when a part is missing."""
+        changes = document.get("delta_self", {})
+        lower, upper = _interval(document)
+        value = np.array(document["maxwell"], dtype=np.float64)
+        return ReferenceAnswer(
+            conductors=tuple(document["conductors"]),
+            maxwell=value,
+            error=_error(document, value, lower, upper),
+            lower=lower,
+            upper=upper,
+            delta_self={name: Estimate(change["value"], change["error"]) for name, change in changes.items()},
+            levels=tuple(
+                Level(level["unknowns"], level["seconds"], np.array(level["maxwell"], dtype=np.float64))
+                for level in document["levels"]
+            ),
+            unknowns=document["unknowns"],
+            seconds=document["seconds"],
+            reached=document["reached"],
+            error_kind=document["error_kind"],
+            method=document["method"],
+            versions=document["versions"],
+        )
+
+    def mutual(self, sensor: str, body: str) -> Estimate:
+        """−M[sensor, body]: the charge on the grounded body for each volt on the sensor."""
+        place = self.conductors.index(sensor), self.conductors.index(body)
+        return Estimate(float(-self.maxwell[place]), float(self.error[place]))
+
+    def self_capacitance(self, sensor: str) -> Estimate:
+        """M[sensor, sensor]."""
+        place = self.conductors.index(sensor)
+        return Estimate(float(self.maxwell[place, place]), float(self.error[place, place]))
+
+
+def _error(document: Document, value: Array, lower: Array, upper: Array) -> Array:
+    """What a value of the Maxwell matrix may be off: proven where there is an enclosure, else estimated."""
+    if document["error_kind"] != "enclosure":
+        return np.array(document["error"], dtype=np.float64)
+    return np.asarray(np.maximum(value - lower, upper - value))
+
+
+def _interval(document: Document) -> tuple[Array, Array]:
+    """Where the Maxwell matrix lies: proven where there is an enclosure, else by the estimated errors."""
+    if document["error_kind"] == "enclosure":
+        return np.array(document["lower"], dtype=np.float64), np.array(document["upper"], dtype=np.float64)
+    value, error = (np.array(document[name], dtype=np.float64) for name in ("maxwell", "error"))
+    return value - error, value + error
+
+
+@dataclass(frozen=True, eq=False)
+class BoundaryAnswer:
+    """The Maxwell matrix (n, n) in F by boundary elements with its estimated error; `lower_bounds` says of each entry of the
+    diagonal whether it cannot exceed the truth. Sensors first in `conductors`."""
+
+    conductors: tuple[str, ...]
+    maxwell: Array
+    error: Array
+    lower_bounds: tuple[bool, ...]
+    delta_self: dict[str, Estimate]
+    reached: bool
+    seconds: float
+
+    @staticmethod
+    def of(document: Document) -> BoundaryAnswer:
+        """The answer in a stored `boundary.json`; KeyError when a part is missing."""
+        return BoundaryAnswer(
+            conductors=tuple(document["conductors"]),
+            maxwell=np.array(document["maxwell"], dtype=np.float64),
+            error=np.array(document["error"], dtype=np.float64),
+            lower_bounds=tuple(document["lower_bounds"]),
+            delta_self={name: Estimate(**change) for name, change in document["delta_self"].items()},
+            reached=document["reached"],
+            seconds=document["seconds"],
+        )
+
+
+@dataclass(frozen=True)
+class ModelValue:
+    """What one method of the model says of one sensor: F for each object, their sum, and the seconds it took."""
+
+    objects: dict[str, float]
+    total: float
+    seconds: float
+
+
+@dataclass(frozen=True)
+class ModelAnswer:
+    """The model's values by method and sensor."""
+
+    values: dict[str, dict[str, ModelValue]]
+    version: str
+
+    @staticmethod
+    def of(document: Document) -> ModelAnswer:
+        """The answer in a stored `model.json`; KeyError when a part is missing."""
+        values = {
+            method: {
+                sensor["name"]: ModelValue(
+                    {body["name"]: float(body["capacitance"]) for body in sensor["objects"]},
+                    float(sensor["total"]),
+                    float(answer["seconds"]),
+                )
+                for sensor in answer["sensors"]
+            }
+            for method, answer in document["methods"].items()
+        }
+        return ModelAnswer(values, document["version"])

@@ -1,0 +1,157 @@
+"""The folder of a study's results: what was asked (`study.json`) and the answers there are (`cases/<id>/`)."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from analysis.results import collision_measurements, machine, measurements
+from analysis.results.answers import BoundaryAnswer, ModelAnswer, ReferenceAnswer
+from analysis.results.set_up import SetUp, describe
+from analysis.results.store import Document, read_json, write_json
+from geometries.common.errors import InputError
+from geometries.scene import reader
+from geometries.scene.scene import Scene
+from geometries.studies.study import EMPTY, Case, Parameter, Study, empty_case
+
+MANIFEST = "study.json"
+SCENE, REFERENCE, MODEL, SLICE = "scene.toml", "fem.json", "model.json", "slice.json"
+BOUNDARY = "boundary.json"
+RUN_TIMES, STABILITY = "run_times.json", "stability.json"
+COLLISION = ("collision_answers.json", "collision_times.json", "collision_scenes.json")
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A case that a stage could not answer, and why. Without a case it is a measurement of the model by itself."""
+
+    case: str
+    stage: str
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class CaseResult:
+    """One case with the answers that exist. `empty` is the id of the case without objects; `refused` says why there is no
+    `boundary`, where boundary elements were asked."""
+
+    id: str
+    family: str
+    parameters: dict[str, Parameter]
+    empty: str
+    folder: Path
+    scene: Scene
+    reference: ReferenceAnswer | None
+    model: ModelAnswer | None
+    slice: Document | None
+    boundary: BoundaryAnswer | None
+    refused: str
+
+    @cached_property
+    def set_up(self) -> SetUp | None:
+        return describe(self.scene)
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """All of a study's results. The last three are of the model itself; None where they were not measured. `experiment` is the
+    study's, or empty."""
+
+    folder: Path
+    title: str
+    experiment: str
+    rtol: float
+    max_seconds: float
+    error: str
+    methods: tuple[str, ...]
+    machine: dict[str, str]
+    failures: tuple[Failure, ...]
+    cases: dict[str, CaseResult]
+    run_times: measurements.RunTimes | None
+    stability: measurements.Stability | None
+    collision: collision_measurements.Collision | None
+
+    def compared(self) -> list[CaseResult]:
+        """The cases with objects, in the study's order."""
+        return [case for case in self.cases.values() if case.family != EMPTY]
+
+
+def case_folder(results: Path, case: str) -> Path:
+    return results / "cases" / case
+
+
+def write_manifest(folder: Path, study: Study, failures: list[Failure]) -> None:
+    """Write down what the study asked and which cases failed; left alone when it says so already."""
+    document: Document = {
+        "format": 1,
+        "name": study.name,
+        "title": study.title,
+        "experiment": study.experiment,
+        "rtol": study.rtol,
+        "max_seconds": study.max_seconds,
+        "error": study.error,
+        "methods": list(study.methods),
+        "machine": machine.description(),
+        "failures": [asdict(failure) for failure in failures],
+        "cases": [_case_document(case) for case in study.cases()],
+    }
+    if read_json(folder / MANIFEST) != document:
+        write_json(folder / MANIFEST, document)
+
+
+def load(folder: Path) -> Results:
+    """The results in a folder; InputError when it holds none."""
+    manifest = read_json(folder / MANIFEST)
+    if manifest is None:
+        raise InputError(str(folder), "", f"holds no results: there is no {MANIFEST}")
+    return Results(
+        folder=folder,
+        title=manifest["title"],
+        experiment=manifest.get("experiment", ""),
+        rtol=manifest["rtol"],
+        max_seconds=manifest["max_seconds"],
+        error=manifest["error"],
+        methods=tuple(manifest["methods"]),
+        machine=manifest["machine"],
+        failures=tuple(Failure(**failure) for failure in manifest["failures"]),
+        cases={document["id"]: _case_result(folder, document) for document in manifest["cases"]},
+        run_times=measurements.run_times(read_json(folder / RUN_TIMES)),
+        stability=measurements.stability(read_json(folder / STABILITY)),
+        collision=collision_measurements.collision(*(read_json(folder / name) for name in COLLISION)),
+    )
+
+
+def title(folder: Path) -> str:
+    """The title of the study whose results are in a folder."""
+    return str((read_json(folder / MANIFEST) or {})["title"])
+
+
+def _case_document(case: Case) -> Document:
+    parameters: dict[str, Any] = {
+        name: list(value) if isinstance(value, tuple) else value for name, value in case.parameters.items()
+    }
+    return {"id": case.id, "family": case.family, "parameters": parameters, "empty": empty_case(case).id}
+
+
+def _case_result(results: Path, document: Document) -> CaseResult:
+    folder = case_folder(results, document["id"])
+    reference, model = read_json(folder / REFERENCE), read_json(folder / MODEL)
+    boundary = read_json(folder / BOUNDARY) or {}
+    return CaseResult(
+        id=document["id"],
+        family=document["family"],
+        parameters={
+            name: (value[0], value[1]) if isinstance(value, list) else value
+            for name, value in document["parameters"].items()
+        },
+        empty=document["empty"],
+        folder=folder,
+        scene=reader.load(folder / SCENE),
+        reference=ReferenceAnswer.of(reference) if reference else None,
+        model=ModelAnswer.of(model) if model else None,
+        slice=read_json(folder / SLICE),
+        boundary=BoundaryAnswer.of(boundary) if "maxwell" in boundary else None,
+        refused=boundary.get("refused", ""),
+    )

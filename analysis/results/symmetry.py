@@ -1,0 +1,105 @@
+"""Pairs of set-ups whose answers must agree: congruent ones, and those with sensor and target exchanged."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.results.answers import Estimate
+from analysis.results.set_up import Rectangle, rectangles
+from analysis.results.study_results import CaseResult
+
+Array = NDArray[np.float64]
+
+# Lengths count as equal within this part of the set-up's size: more than rounding, less than any intended difference.
+_TOLERANCE = 1e-9
+# Of both rectangles.
+_CORNERS = 8
+# The ways to walk around a rectangle, from any corner in either direction.
+_WALKS = [np.roll(order, shift) for order in ([0, 1, 2, 3], [3, 2, 1, 0]) for shift in range(4)]
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two cases that must agree in `quantity`, and what the reference says of each; farads."""
+
+    first: CaseResult
+    second: CaseResult
+    relation: str
+    quantity: str
+    first_value: Estimate
+    second_value: Estimate
+
+    @property
+    def agrees(self) -> bool:
+        return self.first_value.agrees_with(self.second_value)
+
+    @property
+    def difference(self) -> float:
+        """Relative to the mean of the two."""
+        mean = (self.first_value.value + self.second_value.value) / 2
+        return abs(self.first_value.value - self.second_value.value) / mean
+
+
+def pairs(cases: list[CaseResult]) -> list[Pair]:
+    """Every pair of cases with answers that must agree: congruent set-ups in both quantities, exchanged ones in `mutual`."""
+    solved = [(case, plates) for case in cases if case.reference and (plates := rectangles(case.scene))]
+    found = []
+    for one, other in _alike([plates for _, plates in solved]):
+        (first, here), (second, there) = solved[one], solved[other]
+        if _congruent(here, there):
+            found += [_pair(first, second, "mirrored or moved", name) for name in ("mutual", "delta_self")]
+        elif _congruent(here, (there[1], there[0])):
+            found.append(_pair(first, second, "sensor and target exchanged", "mutual"))
+    return found
+
+
+def _alike(set_ups: list[tuple[Rectangle, Rectangle]]) -> list[tuple[int, int]]:
+    """The pairs, by number and in order, that can be congruent or exchanged at all: of few set-ups the distances between all
+    corners have the same sum, and only those need a closer look."""
+    sums = [float(_distances(sensor.vertices, target.vertices).sum()) for sensor, target in set_ups]
+    order = sorted(range(len(sums)), key=lambda number: sums[number])
+    found = []
+    for place, number in enumerate(order):
+        # A distance is a part of the sum, so what it may be off is less than this.
+        highest = sums[number] * (1 + _CORNERS**2 * _TOLERANCE)
+        for later in range(place + 1, len(order)):
+            other = order[later]
+            if sums[other] > highest:
+                break
+            found.append((min(number, other), max(number, other)))
+    return sorted(found)
+
+
+def _congruent(first: tuple[Rectangle, Rectangle], second: tuple[Rectangle, Rectangle]) -> bool:
+    """Whether a motion or a mirror image takes one set-up to the other, sensor to sensor.
+
+    It does when the distances between all the corners are the same, in some order around each rectangle.
+    """
+    distances = _distances(first[0].vertices, first[1].vertices)
+    tolerance = _TOLERANCE * distances.max()
+    for own, other in itertools.product(_WALKS, _WALKS):
+        walked = _distances(second[0].vertices[own], second[1].vertices[other])
+        if (np.abs(walked - distances) <= tolerance).all():
+            return True
+    return False
+
+
+def _distances(sensor: Array, target: Array) -> Array:
+    points = np.concatenate([sensor, target])
+    return np.asarray(np.linalg.norm(points[:, None] - points[None], axis=2))
+
+
+def _pair(first: CaseResult, second: CaseResult, relation: str, quantity: str) -> Pair:
+    return Pair(first, second, relation, quantity, _value(first, quantity), _value(second, quantity))
+
+
+def _value(case: CaseResult, quantity: str) -> Estimate:
+    assert case.reference is not None
+    sensor, target = case.reference.conductors
+    if quantity == "mutual":
+        return case.reference.mutual(sensor, target)
+    return case.reference.delta_self[sensor]

@@ -1,0 +1,1 @@
+"""Shows a scene and its motion on one page."""

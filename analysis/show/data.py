@@ -1,0 +1,178 @@
+"""What the page of a scene shows: bodies in the frames of their links, and what every frame of a motion makes of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.results.store import Document
+from geometries.common.errors import InputError
+from geometries.scene.motion import Frame
+from geometries.scene.poses import Transform
+from geometries.scene.scene import Object, Scene, Sensor
+
+Array = NDArray[np.float64]
+
+_DIGITS = 5
+"""Decimals of a coordinate in metres: hundredths of a millimetre are finer than any screen."""
+
+
+def collect(path: Path, scene: Scene, frames: Sequence[Frame], model: Any) -> Document:
+    """Everything the page needs, as JSON. `model` is the module fringe; InputError for what it refuses."""
+    index = {link.name: number for number, link in enumerate(scene.links)}
+    live = _load(path, model)
+    return {
+        "links": [
+            {"name": link.name, "parent": index.get(link.parent) if link.parent else None}
+            for link in scene.links
+        ],
+        "objects": [
+            {"name": body.name, "link": index.get(body.link or ""), **_body(body, model)}
+            for body in scene.objects
+        ],
+        "sensors": [
+            {
+                "name": sensor.name,
+                "link": index.get(sensor.link or ""),
+                "input_voltage": sensor.input_voltage,
+                **_mesh(_plates(sensor)),
+            }
+            for sensor in scene.sensors
+        ],
+        "eyes": [
+            {
+                "name": eye.name,
+                "link": index.get(eye.link or ""),
+                "apex": list(eye.apex),
+                "direction": (np.asarray(eye.direction) / np.linalg.norm(eye.direction)).tolist(),
+                "half_angle": math.radians(eye.full_angle_degrees) / 2,
+                "range": eye.range,
+            }
+            for eye in scene.distance_sensors
+        ],
+        "frames": [_frame(frame, scene, live, model) for frame in frames],
+    }
+
+
+def _load(path: Path, model: Any) -> Any:
+    try:
+        return model.Scene.load(str(path))
+    except ValueError as error:
+        # The model's reader names file, key and reason itself.
+        raise InputError("", "", str(error)) from error
+
+
+def _body(body: Object, model: Any) -> Document:
+    triangles = body.pose.transform().points(body.shape.triangles())
+    return {**_mesh(triangles), "obb": _box_corners(triangles, model)}
+
+
+def _plates(sensor: Sensor) -> Array:
+    triangles = []
+    for plate in sensor.plates:
+        c, u, v = np.array(plate.corner), np.array(plate.edge_u), np.array(plate.edge_v)
+        triangles += [(c, c + u, c + u + v), (c, c + u + v, c + v)]
+    return np.array(triangles)
+
+
+def _mesh(triangles: Array) -> Document:
+    """Vertices, each once, and the triangles as indices into them."""
+    vertices, indices = np.unique(triangles.reshape(-1, 3).round(_DIGITS), axis=0, return_inverse=True)
+    return {"vertices": vertices.tolist(), "faces": indices.reshape(-1, 3).tolist()}
+
+
+def _box_corners(triangles: Array, model: Any) -> list[list[float]]:
+    """The corners of the oriented bounding box, the one of −, −, − first, the sign of the last axis changing fastest."""
+    vertices = np.unique(triangles.reshape(-1, 3), axis=0)
+    centre, axes, half_widths = model.obb(vertices, None, "tight")
+    signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    corners: list[list[float]] = (centre + (signs * half_widths) @ axes).round(_DIGITS).tolist()
+    return corners
+
+
+def _frame(frame: Frame, scene: Scene, live: Any, model: Any) -> Document:
+    for link, pose in frame.poses.items():
+        live.set_pose(link, np.array(pose.translation), pose.rotation.matrix())
+    conductors = live.conductors()
+    bounds = [model.aabb(conductors[body.name].reshape(-1, 3)) for body in scene.objects]
+    return {
+        "name": frame.name,
+        "links": [_matrix(transform) for transform in _transforms(frame, scene)],
+        "aabb": [np.concatenate(box).round(_DIGITS).tolist() for box in bounds],
+        "readings": [_reading(reading) for reading in live.sense()["distance_sensors"]],
+        **_outputs(live),
+        "collisions": _collisions(live),
+    }
+
+
+def _transforms(frame: Frame, scene: Scene) -> list[Transform]:
+    """From every link's frame to the world's."""
+    parents = {link.name: link.parent for link in scene.links}
+    result = []
+    for link in scene.links:
+        transform = Transform.identity()
+        name: str | None = link.name
+        while name is not None:
+            transform = frame.poses[name].transform().after(transform)
+            name = parents[name]
+        result.append(transform)
+    return result
+
+
+def _matrix(transform: Transform) -> list[float]:
+    """The rows of (R | t)."""
+    rows = np.column_stack([transform.rotation, transform.translation])
+    numbers: list[float] = rows.round(_DIGITS + 3).ravel().tolist()
+    return numbers
+
+
+def _reading(reading: Document) -> Document | None:
+    if reading["distance"] is None:
+        return None
+    point = np.asarray(reading["point"]).round(_DIGITS).tolist()
+    return {"distance": reading["distance"], "point": point, "object": reading["object"]}
+
+
+def _outputs(live: Any) -> Document:
+    """The capacitive sensors' outputs, or why there are none: the model knows only grounded conductors."""
+    try:
+        answer = live.capacitance()
+    except ValueError as error:
+        return {"outputs": None, "refused": str(error)}
+    return {
+        "outputs": [
+            {
+                "total": _finite(sensor["total"]),
+                "delta_voltage": sensor["delta_voltage"],
+                "objects": [
+                    [body["name"], _finite(body["capacitance"])]
+                    for body in sorted(sensor["objects"], key=_capacitance, reverse=True)[:3]
+                ],
+            }
+            for sensor in answer["sensors"]
+        ]
+    }
+
+
+def _capacitance(body: Document) -> float:
+    return float(body["capacitance"])
+
+
+def _finite(number: float) -> float | None:
+    """JSON has no infinity, which is what contact has."""
+    return number if math.isfinite(number) else None
+
+
+def _collisions(live: Any) -> Document:
+    """The pairs that are not clear and what they cost."""
+    answer = live.collide()
+    pairs = answer["pairs"]
+    return {
+        "tests": answer["tests"],
+        "pairs": [[pair["a"], pair["b"], pair["status"]] for pair in pairs if pair["status"] != "clear"],
+    }

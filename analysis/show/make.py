@@ -1,0 +1,49 @@
+"""A scene and its motion as one page to look at: `python3 -m analysis show SCENE`."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+from analysis.pipeline.keys import REPOSITORY
+from analysis.pipeline.model_stage import model_module
+from analysis.results.store import write_text
+from analysis.show import data as show_data, page as show_page
+from geometries.common.errors import InputError
+from geometries.common.installation import results_folder
+from geometries.common.tables import is_file
+from geometries.scene import motion, reader
+
+SCENES = REPOSITORY / "geometries" / "scenes"
+MOTION_SUFFIX = ".motion.toml"
+
+
+def make(name: str, motion_file: Path | None, target: Path | None) -> Path:
+    """Write the page of a scene, a file or a name in geometries/scenes; returns where it is.
+
+    Without a motion file the one beside the scene is taken, SCENE.motion.toml for SCENE.toml, or else the scene as it
+    stands. InputError for files that cannot be used.
+    """
+    path = _find(name)
+    scene = reader.load(path)
+    if motion_file is None:
+        beside = path.with_suffix("").with_suffix(MOTION_SUFFIX)
+        motion_file = beside if is_file(beside) else None
+    frames = motion.load(motion_file, scene) if motion_file else (motion.at_rest(scene),)
+    data = show_data.collect(path, scene, frames, model_module())
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
+    digest = hashlib.sha256(text.encode()).hexdigest()
+    page = target or results_folder() / "show" / f"{path.stem}.html"
+    write_text(page, show_page.document(path.stem.replace("_", " "), digest, text, data))
+    return page
+
+
+def _find(name: str) -> Path:
+    if Path(name).suffix == ".toml":
+        return Path(name)
+    path = SCENES / f"{name}.toml"
+    if not is_file(path):
+        known = sorted(file.stem for file in SCENES.glob("*.toml") if "." not in file.stem)
+        raise InputError(name, "", f"is neither a TOML file nor one of {', '.join(known)}")
+    return path

@@ -1,0 +1,150 @@
+"""The page of one case: drawn in space, the potential around it, its numbers, and the commands that compute them anew."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable
+from html import escape
+
+from analysis.pipeline import keys
+from analysis.pipeline.boundary_stage import boundary_command
+from analysis.pipeline.model_stage import knows
+from analysis.report import page, plots_in_space
+from analysis.report.page import is_current
+from analysis.results.answers import BoundaryAnswer, Estimate, ReferenceAnswer
+from analysis.results.store import write_text
+from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, CaseResult, Results
+from analysis.results.table import DELTA_SELF, MUTUAL, Row, model_command, reference_command
+from analysis.topics.errors import section as errors_section
+from analysis.topics.errors.records import Entry
+from geometries.studies.study import EMPTY, NO_REFERENCE
+
+PICOFARAD = 1e-12
+_FILES = (SCENE, REFERENCE, MODEL, BOUNDARY, SLICE)
+_SCRIPT = f"../../{page.SCRIPT}"
+
+
+def make(results: Results, case: CaseResult, rows: list[Row], apart: Entry | None) -> None:
+    """Write the page of a case unless it is up to date. Its rows are given, and its error taken apart where that is known."""
+    target = case.folder / page.CASE_PAGE
+    inputs = _inputs(results, case, apart)
+    if not is_current(target, inputs):
+        body = "\n".join(_body(results, case, rows, apart))
+        write_text(target, page.document(f"{case.family} {case.id}", inputs, [body], _SCRIPT))
+
+
+def _inputs(results: Results, case: CaseResult, apart: Entry | None) -> str:
+    """A hash of everything the page is made from."""
+    files = [path for path in (case.folder / name for name in _FILES) if path.is_file()]
+    asked = f"{results.title} {results.rtol} {results.max_seconds} {results.error} {case.parameters} {apart and apart.split}"
+    answers = f"{keys.hash_of_files(files, results.folder)} {keys.report_code()} {asked}"
+    return hashlib.sha256(answers.encode()).hexdigest()
+
+
+def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | None) -> Iterable[str]:
+    yield f"<nav>{page.link('../../report.html', f'‹ {results.title}')} {page.link('../../report/set_ups.html', 'all cases')}</nav>"
+    yield f"<header><h1>{escape(case.family)} {page.code(case.id)}</h1>"
+    yield page.paragraph(plots_in_space.parameters(case))
+    for row in rows:
+        yield page.finding(_finding(row))
+    if not rows and case.reference is not None:
+        yield from (
+            page.finding(_without_model(name, value)) for name, value in case.reference.delta_self.items()
+        )
+    yield f"</header>{page.figures(plots_in_space.panels(case))}"
+    if case.slice is None and results.error != NO_REFERENCE:
+        yield page.paragraph("No slice of its potential is stored. This command computes one:")
+        yield page.command(f"{reference_command(results, case.id)} --slice slice.json")
+    if rows:
+        yield page.section("Numbers", *_numbers(case, rows))
+    if apart is not None:
+        yield page.section("The parts of the model's error", *errors_section.of_one(apart))
+    if case.reference is not None:
+        yield page.section("Maxwell matrix", _matrix(case.reference), *_second_matrix(case.boundary))
+    yield page.section("Reproduce", *_commands(results, case))
+
+
+def _finding(row: Row) -> str:
+    low, high = row.model_error_interval
+    whose = f"{row.quantity} of {row.sensor}" + (f" and {row.object}" if row.object else "")
+    return (
+        f"{whose}: {row.reference.value / PICOFARAD:.5g} ± {row.reference.error / PICOFARAD:.1g} pF by the reference; the model is "
+        f"{row.model_error:+.1%} off ({low:+.1%} to {high:+.1%} over the reference's error bar)."
+    )
+
+
+def _without_model(sensor: str, value: Estimate) -> str:
+    return (
+        f"{DELTA_SELF} of {sensor}: {value.value / PICOFARAD:.5g} ± {value.error / PICOFARAD:.1g} pF by the reference; the model has no "
+        "answer."
+    )
+
+
+def _numbers(case: CaseResult, rows: list[Row]) -> list[str]:
+    methods = list(rows[0].model)
+    header = ["method", *(f"{row.quantity} {row.sensor} {row.object}".strip() for row in rows), "time (µs)"]
+    lines = [
+        [
+            "reference (pF)",
+            *(f"{r.reference.value / PICOFARAD:.6g} ± {r.reference.error / PICOFARAD:.1g}" for r in rows),
+            f"{1e6 * rows[0].reference_seconds:,.0f}",
+        ]
+    ]
+    for method in methods:
+        values = [f"{r.model[method] / PICOFARAD:.6g}" for r in rows]
+        lines.append([page.code(method), *values, f"{1e6 * rows[0].model_seconds[method]:.3g}"])
+    parts = [page.table(header, lines)]
+    described = case.set_up
+    if described is not None:
+        parts.append(page.soft(f"{described.told}."))
+    parts.append(
+        page.soft(
+            f"{MUTUAL} = −M[s,o], {DELTA_SELF} = M[s,s] − M0[s,s], of which the model's value is the sum over objects."
+        )
+    )
+    return parts
+
+
+def _matrix(answer: ReferenceAnswer) -> str:
+    told = (
+        f"pF: charge on the row's conductor per volt on the column's; {answer.unknowns:,} unknowns, {answer.seconds:.1f} s, "
+        f"{'within' if answer.reached else 'short of'} the asked accuracy."
+    )
+    return _entries(answer) + page.soft(told)
+
+
+def _second_matrix(answer: BoundaryAnswer | None) -> list[str]:
+    if answer is None:
+        return []
+    changes = [
+        f"{DELTA_SELF} of {name} {change.value / PICOFARAD:.6g} ± {change.error / PICOFARAD:.1g} pF"
+        for name, change in answer.delta_self.items()
+    ]
+    told = f"{1e3 * answer.seconds:.3g} ms, {'within' if answer.reached else 'short of'} the asked accuracy; {', '.join(changes)}."
+    return ["<h3>The same by boundary elements</h3>", _entries(answer), page.soft(told)]
+
+
+def _entries(answer: ReferenceAnswer | BoundaryAnswer) -> str:
+    rows = [
+        [
+            escape(name),
+            *(
+                f"{answer.maxwell[i, j] / PICOFARAD:.6g} ± {answer.error[i, j] / PICOFARAD:.1g}"
+                for j in range(len(answer.conductors))
+            ),
+        ]
+        for i, name in enumerate(answer.conductors)
+    ]
+    return page.table(["", *answer.conductors], rows)
+
+
+def _commands(results: Results, case: CaseResult) -> list[str]:
+    parts = [page.paragraph("From the project's folder:")]
+    if results.error != NO_REFERENCE:
+        parts.append(page.command(reference_command(results, case.id)))
+    if case.family != EMPTY and knows(case.scene):
+        parts.append(page.command(model_command(results, case.id)))
+    if case.boundary is not None:
+        parts.append(page.command(boundary_command(results, case.id)))
+    files = [page.link(name, name) for name in _FILES if (case.folder / name).is_file()]
+    return [*parts, f"<p>Beside this page: {', '.join(files)}.</p>"]

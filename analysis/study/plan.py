@@ -1,0 +1,106 @@
+"""What of a study is to do: the answers that are missing, or stored under another key than they would get today."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis.pipeline import boundary_stage, keys
+from analysis.pipeline.model_stage import knows
+from analysis.results import set_up
+from analysis.results.store import is_current
+from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, case_folder
+from geometries.studies.study import EMPTY, NO_REFERENCE, Case, Study
+
+# Seconds that a case takes on one core of 2020, roughly: only their ratios count, for the order and the progress bar.
+_SECONDS_EMPTY, _SECONDS_PAIR, _SECONDS_PER_SIZE_OVER_GAP, _SECONDS_SLICE = 4.0, 12.0, 1.0, 4.0
+_SECONDS_MODEL, _SECONDS_BOUNDARY = 0.1, 0.1
+# Proven intervals take so many times as long as estimated errors.
+_ENCLOSURE_FACTOR = 3.0
+# With so many cases those of a job even out, and looking at each of them would take longer than it saves.
+_MANY_CASES = 5000
+# A slice takes three to five seconds: with so many cases, minutes, which is what a picture on the page of each is worth.
+_ALL_PICTURED = 100
+
+
+@dataclass(frozen=True)
+class Work:
+    """What is to do for one case. `keys` has the key for each file that is missing: model.json, boundary.json, fem.json, slice.json;
+    `seconds` is what each takes, roughly."""
+
+    case: str
+    scene: str
+    keys: dict[str, str]
+    seconds: dict[str, float]
+
+    @property
+    def cost(self) -> float:
+        return sum(self.seconds.values())
+
+
+def missing(study: Study, cases: list[Case], folder: Path) -> list[Work]:
+    """What is to do so that every case is up to date in `folder`; nothing is changed there."""
+    model, reference = keys.model_code(), keys.reference_code()
+    there = _case_folders(folder)
+    pictured = set() if study.error == NO_REFERENCE else _pictured(cases)
+    costs_vary = len(cases) < _MANY_CASES
+    found = []
+    for case in cases:
+        wanted = {}
+        if study.error != NO_REFERENCE:
+            wanted[REFERENCE] = keys.reference_key(case.identity, study, reference)
+            wanted[BOUNDARY] = keys.boundary_key(
+                case.identity, boundary_stage.rtol(study.rtol, case.scene), model
+            )
+        if case.family != EMPTY and knows(case.scene):
+            wanted[MODEL] = keys.model_key(case.identity, study, model)
+        if case.id in pictured:
+            wanted[SLICE] = keys.slice_key(case.identity, reference)
+        place = case_folder(folder, case.id)
+        if case.id in there:
+            wanted = {file: key for file, key in wanted.items() if not is_current(place / file, key)}
+            if not wanted and (place / SCENE).is_file():
+                continue
+        seconds = {file: _expected_seconds(case, file, study, costs_vary) for file in wanted}
+        found.append(Work(case.id, case.text, wanted, seconds))
+    return found
+
+
+def _case_folders(folder: Path) -> set[str]:
+    try:
+        return set(os.listdir(folder / "cases"))
+    except FileNotFoundError:
+        return set()
+
+
+def _pictured(cases: list[Case]) -> set[str]:
+    """Every case of a small study; of a large one a case for each family, the second of its list where it can be: the first of
+    a sweep is its extreme."""
+    members: dict[str, list[str]] = {}
+    for case in cases:
+        if case.family != EMPTY:
+            members.setdefault(case.family, []).append(case.id)
+    if len(cases) <= _ALL_PICTURED:
+        return {case for ids in members.values() for case in ids}
+    return {ids[min(1, len(ids) - 1)] for ids in members.values()}
+
+
+def _expected_seconds(case: Case, file: str, study: Study, costs_vary: bool) -> float:
+    if file == MODEL:
+        return _SECONDS_MODEL
+    if file == BOUNDARY:
+        return _SECONDS_BOUNDARY
+    if file == SLICE:
+        return _SECONDS_SLICE
+    factor = _ENCLOSURE_FACTOR if study.error == "enclosure" else 1.0
+    return factor * (_solve_seconds(case) if costs_vary else _SECONDS_PAIR)
+
+
+def _solve_seconds(case: Case) -> float:
+    if case.family == EMPTY:
+        return _SECONDS_EMPTY
+    described = set_up.describe(case.scene)
+    if described is None or described.gap == 0:
+        return _SECONDS_PAIR
+    return _SECONDS_PAIR + _SECONDS_PER_SIZE_OVER_GAP * described.largest_size / described.gap

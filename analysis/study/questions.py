@@ -1,0 +1,154 @@
+"""The pages of a study's report, one for each question: a line in QUESTIONS makes a page, its way around, its card in the index."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from analysis.report import (
+    collision_section,
+    faults_section,
+    page,
+    plot_of_time,
+    plots_in_space,
+    plots_of_errors,
+    run_times_section,
+    sections,
+    stability_section,
+)
+from analysis.report.plot import Plot
+from analysis.results import statistics, study_results as results, symmetry, table
+from analysis.results.store import Document
+from analysis.topics.corrections import section as corrections_section
+from analysis.topics.cross_check import section as cross_check_section
+from analysis.topics.errors import records as error_records, section as errors_section
+from analysis.topics.errors.records import Entry
+from analysis.topics.experiments import section as experiments_section
+from analysis.topics.published import section as published_section
+from analysis.topics.trade_off import section as trade_off_section, stage as trade_off
+from analysis.topics.verification import page as verification_page
+from geometries.studies.study import NO_REFERENCE
+
+CROSS_CHECK = "cross_check"
+"""The page that a disagreement is told on."""
+ERRORS_CASES = "../../errors/cases"
+"""The cases of `python3 -m analysis errors`, as seen from a page of a study's report."""
+CORRECTIONS, PUBLISHED = "corrections", "published"
+"""The pages whose points open set-ups that are no cases of the study …"""
+CORRECTIONS_SET_UPS, PUBLISHED_SET_UPS = (f"set_ups/{name}.html" for name in (CORRECTIONS, PUBLISHED))
+"""… and the page that shows these, as seen from there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """What pages are made from: a study's answers, and what is known of reference and model without it."""
+
+    found: results.Results
+    rows: list[table.Row]
+    summaries: list[statistics.Summary]
+    verified: dict[str, Document]
+    taken_apart: list[Entry]
+    corrected: Document | None
+    faults: Document | None = None
+
+
+@dataclass(frozen=True)
+class Question:
+    """A page: `name` of its file, `short` title for the way around, and the sections; without any there is no page. The first
+    finding of the first section that has one is shown in the index."""
+
+    name: str
+    short: str
+    title: str
+    body: Callable[[Material], list[str]]
+
+
+def _experiment(material: Material) -> list[str]:
+    return [experiments_section.section(material.found)]
+
+
+def _model_error(material: Material) -> list[str]:
+    if not material.rows:
+        return []
+    plots = [plots_of_errors.model_against_reference(material.rows)]
+    # What describes a set-up in four numbers is for one plate before another.
+    if any(row.set_up is not None for row in material.rows):
+        plots += _over_what_describes(material.rows)
+    return [page.plot_section(plot) for plot in plots]
+
+
+def _over_what_describes(rows: list[table.Row]) -> list[Plot]:
+    return [
+        plots_of_errors.error_over_gap(rows),
+        plots_of_errors.error_over_tilt(rows),
+        plots_of_errors.error_over_offset(rows),
+        plots_of_errors.error_over_size_ratio(rows),
+    ]
+
+
+def _parts(material: Material) -> list[str]:
+    own = error_records.by_reference(material.taken_apart, material.found)
+    return [*errors_section.sections(material.taken_apart, ERRORS_CASES), errors_section.of_study(own)]
+
+
+def _corrections(material: Material) -> list[str]:
+    return [corrections_section.section(material.corrected, CORRECTIONS_SET_UPS)]
+
+
+def _published(material: Material) -> list[str]:
+    return [published_section.section(PUBLISHED_SET_UPS)]
+
+
+def _reference(material: Material) -> list[str]:
+    pairs = symmetry.pairs(material.found.compared())
+    trusted = sections.trust(material.found, material.rows, pairs)
+    return [trusted, verification_page.truths(material.verified)]
+
+
+def _cross_check(material: Material) -> list[str]:
+    return [] if material.found.error == NO_REFERENCE else cross_check_section.sections(material.found)
+
+
+def _run_time(material: Material) -> list[str]:
+    parts = [trade_off_section.section(trade_off.load(material.found.folder), material.found, page.CASES)]
+    if not parts[0] and material.rows:
+        parts = [page.plot_section(plot_of_time.time_against_error(material.rows))]
+    parts.append(run_times_section.section(material.found.run_times))
+    return [*parts, verification_page.costs(material.verified)]
+
+
+def _stability(material: Material) -> list[str]:
+    return [stability_section.section(material.found.stability)]
+
+
+def _collisions(material: Material) -> list[str]:
+    return [collision_section.section(material.found.collision)]
+
+
+def _faults(material: Material) -> list[str]:
+    return [faults_section.section(material.faults)] if material.faults else []
+
+
+def _set_ups(material: Material) -> list[str]:
+    pictures = plots_in_space.pictures(material.rows) if material.rows else []
+    return [
+        *(page.plot_section(plot) for plot in pictures),
+        sections.all_rows(material.found, material.rows),
+        sections.reproduce(material.found, material.rows),
+    ]
+
+
+QUESTIONS = (
+    Question("experiment", "experiment", "What does the experiment find?", _experiment),
+    Question("model_error", "model error", "How wrong is the model, and where?", _model_error),
+    Question("error_parts", "parts of the error", "Where does the model's error come from?", _parts),
+    Question(CORRECTIONS, "corrections", "What can be corrected, and at what cost?", _corrections),
+    Question(PUBLISHED, "published table", "Which values can others be held against?", _published),
+    Question("reference", "reference", "How sure is the reference?", _reference),
+    Question(CROSS_CHECK, "cross-check", "Do two independent methods agree?", _cross_check),
+    Question("run_time", "run time", "What does accuracy cost?", _run_time),
+    Question("stability", "stability", "Is the integral stable?", _stability),
+    Question("collisions", "collisions", "Are collisions found, and how fast?", _collisions),
+    Question("faults", "faults", "What happens when something fails?", _faults),
+    Question("set_ups", "set-ups", "Which set-ups are these, and how are they reproduced?", _set_ups),
+)

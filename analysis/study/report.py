@@ -1,0 +1,157 @@
+"""From stored answers to `table.csv`, `report.html`, and the pages it leads to: one for every question and every case."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from dataclasses import asdict, dataclass
+from html import escape
+from pathlib import Path
+
+from analysis.pipeline import keys
+from analysis.report import faults_section, index_page, page, sections
+from analysis.report.index_page import Card
+from analysis.results import statistics, study_results as results, table
+from analysis.results.store import Document, read_json, write_json, write_text
+from analysis.study import case_page, pages_of_set_ups
+from analysis.study.questions import CROSS_CHECK, QUESTIONS, Material
+from analysis.topics.corrections import page as corrections_page, stage as corrections_stage
+from analysis.topics.cross_check import agreement, section as cross_check_section
+from analysis.topics.errors import records as error_records, set_ups as error_set_ups, stage as errors_stage
+from analysis.topics.history import nights as history, page as history_page
+from analysis.topics.published import table as published
+from analysis.topics.trade_off import section as trade_off_section, stage as trade_off
+from analysis.topics.verification import page as verification_page, stage as verification_stage
+
+PAGES = "report"
+"""The folder of the pages and of the script they share."""
+_FINDINGS = "pages.json"
+_CASES_IN_FIGURE = re.compile(r'"customdata":\[+"[0-9a-f]{16}"')
+_HINT = "A click on a point opens its case."
+_HREF = re.compile(r'href="([^"#]+)"')
+
+
+@dataclass(frozen=True)
+class Report:
+    """Where the report is, what it says in few numbers, how many cases are short of the asked accuracy, and how many values of the
+    two references disagree."""
+
+    path: Path
+    summaries: list[statistics.Summary]
+    not_reached: int
+    disagreements: int
+
+
+def make(folder: Path) -> Report:
+    """Write the table and the report of the results in a folder, unless they are up to date; InputError without results."""
+    found = results.load(folder)
+    rows = table.rows(found)
+    summaries = statistics.summaries(rows)
+    verified = verification_stage.load(verification_page.beside(folder))
+    apart = errors_stage.load(errors_stage.beside(folder))
+    corrected = corrections_stage.load(corrections_stage.beside(folder))
+    faults = faults_section.beside(folder)
+    inputs = f"{_inputs(folder, found, verified, apart)} {corrections_page.inputs(corrected)} {faults_section.inputs(faults)}"
+    inputs += f" {published.digest()}"
+    nights = history.load(folder)
+    whole = hashlib.sha256(f"{inputs} {json.dumps(nights)}".encode()).hexdigest()
+    if not (
+        (folder / table.TABLE).is_file()
+        and page.is_current(folder / page.REPORT, whole)
+        and _is_complete(folder)
+    ):
+        entries = error_records.entries(apart, error_set_ups.all_set_ups())
+        _write(Material(found, rows, summaries, verified, entries, corrected, faults), nights, inputs, whole)
+    solved = [case.reference for case in found.cases.values() if case.reference is not None]
+    not_reached = sum(not answer.reached for answer in solved)
+    return Report(folder / page.REPORT, summaries, not_reached, agreement.contradictions(found))
+
+
+def _inputs(
+    folder: Path, found: results.Results, verified: dict[str, Document], apart: dict[str, Document]
+) -> str:
+    """A hash of everything the pages are made from: the answers, what was asked, and the code of this package."""
+    files = [
+        folder / name for name in (results.MANIFEST, results.RUN_TIMES, results.STABILITY, *results.COLLISION)
+    ]
+    files.append(folder / trade_off.ANSWER)
+    for case in found.cases.values():
+        answers_of_case = (results.REFERENCE, results.MODEL, results.SLICE, results.BOUNDARY)
+        files += [case.folder / name for name in answers_of_case]
+    answers = keys.hash_of_files((path for path in files if path.is_file()), folder)
+    errors = json.dumps(apart, sort_keys=True)
+    return hashlib.sha256(f"{answers} {verification_page.inputs(verified)} {errors}".encode()).hexdigest()
+
+
+def _is_complete(folder: Path) -> bool:
+    """Whether the files that the report leads to are there."""
+    text = (folder / page.REPORT).read_text(encoding="utf-8")
+    return all((folder / target).is_file() for target in _HREF.findall(text))
+
+
+def _write(material: Material, nights: list[Document], inputs: str, whole: str) -> None:
+    """The table, the pages, and at last the report itself, which says that all are there."""
+    folder = material.found.folder
+    write_text(folder / table.TABLE, table.to_csv(material.rows, material.found.methods))
+    cards = _pages(material, inputs)
+    if nights and (folder / history_page.HISTORY).is_file():
+        cards.append(
+            index_page.Card(
+                history_page.HISTORY, "What has moved from night to night?", history_page.finding(nights)
+            )
+        )
+    headline = cross_check_section.warning(material.found, f"{PAGES}/{CROSS_CHECK}.html")
+    headline += sections.headline(material.found, material.summaries)
+    headline += trade_off_section.section(trade_off.load(folder), material.found, "cases")
+    rest = [sections.failures(material.found), page.soft(sections.FILES)]
+    write_text(folder / page.REPORT, index_page.document(material.found.title, whole, headline, cards, rest))
+
+
+def _pages(material: Material, inputs: str) -> list[Card]:
+    """Write the pages unless they are up to date; returns them as the index shows them."""
+    place = material.found.folder / PAGES
+    known = read_json(place / _FINDINGS)
+    if known is not None and known["made_from"] == inputs:
+        cards = [index_page.Card(**card) for card in known["pages"]]
+        needed = [place.parent / card.target for card in cards]
+        needed += [place / each.file for each in pages_of_set_ups.pages(material.corrected)]
+        if all(path.is_file() for path in needed):
+            return cards
+    page.provide_script(place.parent)
+    cards = _question_pages(material, inputs)
+    pages_of_set_ups.write(material.corrected, place)
+    rows: dict[str, list[table.Row]] = {}
+    for row in material.rows:
+        rows.setdefault(row.case.id, []).append(row)
+    known_parts = error_records.by_reference(material.taken_apart, material.found)
+    apart = {entry.set_up.id: entry for _, entry in known_parts}
+    for case in material.found.cases.values():
+        case_page.make(material.found, case, rows.get(case.id, []), apart.get(case.id))
+    for outdated in set(place.glob("*.html")) - {place.parent / card.target for card in cards}:
+        outdated.unlink()
+    write_json(place / _FINDINGS, {"made_from": inputs, "pages": [asdict(card) for card in cards]})
+    return cards
+
+
+def _question_pages(material: Material, inputs: str) -> list[Card]:
+    place, title = material.found.folder / PAGES, material.found.title
+    bodies = {question: "\n".join(question.body(material)).strip() for question in QUESTIONS}
+    asked = [question for question in QUESTIONS if bodies[question]]
+    around = [(f"{question.name}.html", question.short) for question in asked]
+    cards = []
+    for question in asked:
+        file = f"{question.name}.html"
+        # Pages of set-ups that are no cases say themselves what their points open.
+        cases = _CASES_IN_FIGURE.search(bodies[question]) and "data-set-ups" not in bodies[question]
+        hint = page.soft(_HINT) if cases else ""
+        way = index_page.navigation(title, around, file)
+        head = f"{way}<header><h1>{escape(question.title)}</h1>{hint}</header>"
+        text = page.document(
+            f"{question.title} {title}", inputs, [head, bodies[question]], Path(page.SCRIPT).name
+        )
+        write_text(place / file, text)
+        cards.append(
+            index_page.Card(f"{PAGES}/{file}", question.title, index_page.first_finding(bodies[question]))
+        )
+    return cards

@@ -1,0 +1,45 @@
+"""The set-ups one by one, as plain data: their scenes, their truths, what every correction makes of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from analysis.results.store import Document
+from analysis.topics.corrections.estimates import Estimates
+from analysis.topics.corrections.set_ups import SetUp
+from analysis.topics.corrections.truths import load
+from geometries.scene.scene import Scene
+from geometries.scene.writer import canonical
+
+
+def documents(module: Any, found: Estimates, chosen: list[SetUp]) -> list[Document]:
+    """Every set-up with its scene, its truth and all estimates, as plain data: farads, metres."""
+    truths = load()
+    return [
+        {
+            "name": set_up.name,
+            "family": set_up.family,
+            "sealed": set_up.sealed,
+            "distance": _distance(module, set_up.scene),
+            "sensor_size": _sensor_size(set_up.scene),
+            "truth": float(found.truth[index]),
+            "error": truths[set_up.name].error,
+            "estimates": {name: float(values[index]) for name, values in found.by_correction.items()},
+            "scene": canonical(set_up.scene),
+        }
+        for index, set_up in enumerate(chosen)
+    ]
+
+
+def _sensor_size(scene: Scene) -> float:
+    (plate,) = scene.sensors[0].plates
+    return float(np.sqrt(np.linalg.norm(plate.edge_u) * np.linalg.norm(plate.edge_v)))
+
+
+def _distance(module: Any, scene: Scene) -> float:
+    """The shortest between the two bodies, metres."""
+    bodies = scene.conductors()
+    points = [bodies[name].reshape(-1, 3) for name in ("sensor", "target")]
+    return float(module.gjk_distance(*points)[0])

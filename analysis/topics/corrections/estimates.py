@@ -1,0 +1,89 @@
+"""What every correction makes of every set-up, and how far it is from the truth."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.topics.corrections.set_ups import SetUp, set_ups
+from analysis.topics.corrections.truths import Truth, load
+from geometries.scene.writer import canonical
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Estimates:
+    """`mutual` in farads: the truth of each set-up (n,), and each correction's estimates (n,) by its name."""
+
+    names: tuple[str, ...]
+    families: tuple[str, ...]
+    sealed: NDArray[np.bool_]
+    truth: Array
+    by_correction: dict[str, Array]
+
+    def errors(self, correction: str) -> Array:
+        """(estimate − truth)/truth."""
+        return np.asarray(self.by_correction[correction] / self.truth - 1)
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Relative errors of some set-ups in one line."""
+
+    count: int
+    rms: float
+    median: float
+    percentile_95: float
+    worst: float
+
+    @staticmethod
+    def of(errors: Array) -> Errors:
+        size = np.abs(errors)
+        return Errors(
+            len(errors),
+            float(np.sqrt(np.mean(errors**2))),
+            float(np.median(size)),
+            float(np.quantile(size, 0.95)),
+            float(np.max(size)),
+        )
+
+
+def names(module: Any) -> tuple[str, ...]:
+    """The registry's corrections, the plain model first."""
+    return tuple(str(entry["name"]) for entry in module.corrections())
+
+
+def estimate(module: Any, corrections: Sequence[str], chosen: Sequence[SetUp] | None = None) -> Estimates:
+    """Evaluate corrections on the set-ups, all of them if none are given."""
+    truths = load()
+    asked = list(set_ups(module)) if chosen is None else list(chosen)
+    values: dict[str, list[float]] = {correction: [] for correction in corrections}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "scene.toml"
+        for set_up in asked:
+            path.write_text(canonical(set_up.scene), encoding="utf-8")
+            scene = module.Scene.load(path)
+            for correction in corrections:
+                values[correction].append(scene.capacitance(correction=correction)["sensors"][0]["total"])
+    return Estimates(
+        tuple(set_up.name for set_up in asked),
+        tuple(set_up.family for set_up in asked),
+        np.array([set_up.sealed for set_up in asked]),
+        np.array([_truth(truths, set_up).mutual for set_up in asked]),
+        {correction: np.array(numbers) for correction, numbers in values.items()},
+    )
+
+
+def _truth(truths: dict[str, Truth], set_up: SetUp) -> Truth:
+    if set_up.name not in truths:
+        raise KeyError(
+            f"{set_up.name} has no truth: python3 -m analysis.topics.corrections.truths makes them anew"
+        )
+    return truths[set_up.name]

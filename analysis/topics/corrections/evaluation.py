@@ -1,0 +1,91 @@
+"""Errors of the corrections over all set-ups: by family, with fits that left a family out, and over the sealed third."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.topics.corrections import estimates, fit, gaussian_process
+from analysis.topics.corrections.estimates import Array, Errors, Estimates
+from analysis.topics.corrections.gaussian_process import Discrepancy
+from analysis.topics.corrections.set_ups import SetUp
+
+_FORMULA, _WITHOUT_CONSTANTS = "formula", "recommended"
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """One correction. `open_`: two thirds of the set-ups, on which constants were fitted; `sealed`: the others.
+
+    `left_out`: each family with what was fitted to the open set-ups of the other families, all families together: the formula's
+    constants, nothing of what has none and is right without, else a factor.
+    """
+
+    name: str
+    all: Errors
+    open_: Errors
+    sealed: Errors
+    families: dict[str, Errors]
+    left_out: Errors
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluated:
+    estimates: Estimates
+    evaluations: tuple[Evaluation, ...]
+    discrepancy: Discrepancy
+
+
+def evaluate(module: Any, chosen: list[SetUp]) -> Evaluated:
+    """Evaluate the whole registry on the set-ups; half a minute."""
+    found = estimates.estimate(module, estimates.names(module), chosen)
+    return Evaluated(found, evaluations(module, found, chosen), gaussian_process.discrepancy(found, _FORMULA))
+
+
+def evaluations(module: Any, found: Estimates, chosen: list[SetUp]) -> tuple[Evaluation, ...]:
+    """The errors of all corrections in the set-ups, whose estimates are given."""
+    families = np.array(found.families)
+    left_out = {
+        name: _factor_left_out(found.errors(name), families, found.sealed) for name in found.by_correction
+    }
+    left_out[_WITHOUT_CONSTANTS] = found.errors(_WITHOUT_CONSTANTS)
+    left_out[_FORMULA] = _formula_left_out(module, chosen, families, found.sealed)
+    return tuple(_evaluation(found, name, left_out[name]) for name in found.by_correction)
+
+
+def _evaluation(found: Estimates, name: str, left_out: Array) -> Evaluation:
+    errors, families = found.errors(name), np.array(found.families)
+    return Evaluation(
+        name,
+        Errors.of(errors),
+        Errors.of(errors[~found.sealed]),
+        Errors.of(errors[found.sealed]),
+        {family: Errors.of(errors[families == family]) for family in dict.fromkeys(found.families)},
+        Errors.of(left_out),
+    )
+
+
+def _factor_left_out(errors: Array, families: NDArray[np.str_], sealed: NDArray[np.bool_]) -> Array:
+    """The errors of each family when the others' geometric mean is divided out."""
+    result = np.empty_like(errors)
+    for family in np.unique(families):
+        others = (families != family) & ~sealed
+        factor = np.exp(np.mean(np.log1p(errors[others])))
+        result[families == family] = (1 + errors[families == family]) / factor - 1
+    return result
+
+
+def _formula_left_out(
+    module: Any, chosen: list[SetUp], families: NDArray[np.str_], sealed: NDArray[np.bool_]
+) -> Array:
+    """The formula's errors in each family with all of its constants fitted to the others."""
+    found, truth = fit.terms(module, chosen)
+    result = np.empty_like(truth)
+    for family in np.unique(families):
+        others, own = (families != family) & ~sealed, families == family
+        constants = fit.fit(fit.part(found, others), truth[others])
+        result[own] = fit.formula(fit.part(found, own), constants) / truth[own] - 1
+    return result

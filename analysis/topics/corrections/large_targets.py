@@ -1,0 +1,103 @@
+"""The formula before targets far larger than the sensor, as a table: `python3 -m analysis.topics.corrections.large_targets`.
+
+The truth is enclosed: mutual grows with the target, since a larger grounded body leaves less charge to infinity. So it is at least what
+boundary elements find for a smaller target, less their error, and at most what they find for a larger one or for the whole plane,
+the sensor before its mirror image. Close before the largest they run out of functions; only what they are sure of counts.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.pipeline.model_stage import model_module
+from geometries.scene.scene import Scene
+from geometries.scene.writer import canonical
+from geometries.studies import families
+
+SENSOR = 0.1
+SIDES = (2, 5, 10, 20, 40)
+"""Of the square target over the square sensor's."""
+GAPS = (0.1, 0.3, 1.0, 3.0)
+"""Over the sensor's side; the plates are parallel and concentric."""
+_RTOL = 3e-3
+# Stated errors above it are themselves no more than a guess.
+_SURE = 0.01
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Large:
+    """By side and gap (n, m): `formula` over the plane's mutual, and the bounds of the truth over it."""
+
+    formula: Array
+    low: Array
+    high: Array
+
+    @property
+    def error(self) -> Array:
+        """Of the formula, relative to the middle of the bounds."""
+        return np.asarray(2 * self.formula / (self.low + self.high) - 1)
+
+    @property
+    def uncertainty(self) -> Array:
+        """What the truth's bounds leave open of that."""
+        return np.asarray((self.high - self.low) / (self.high + self.low))
+
+
+def measured(module: Any) -> Large:
+    """Ask the formula and boundary elements; seconds."""
+    formula, value, error = (np.empty((len(SIDES), len(GAPS))) for _ in range(3))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "scene.toml"
+        for column, gap in enumerate(GAPS):
+            image = _load(
+                module, path, families.parallel((SENSOR, SENSOR), (SENSOR, SENSOR), 2 * gap * SENSOR)
+            )
+            plane = _before_plane(image)
+            for row, side in enumerate(SIDES):
+                target = (side * SENSOR, side * SENSOR)
+                scene = _load(module, path, families.parallel((SENSOR, SENSOR), target, gap * SENSOR))
+                solved = scene.maxwell(rtol=_RTOL)
+                value[row, column] = -solved["maxwell"][0, 1] / plane
+                error[row, column] = solved["error"][0, 1] / plane
+                formula[row, column] = scene.capacitance(correction="formula")["sensors"][0]["total"] / plane
+    sure = error <= _SURE * value
+    low = np.maximum.accumulate(np.where(sure, value - error, 0))
+    high = np.minimum.accumulate(np.where(sure, np.minimum(value + error, 1), 1)[::-1])[::-1]
+    return Large(formula, low, high)
+
+
+def lines(found: Large) -> list[str]:
+    """The table in Markdown, per cent."""
+    rows = [
+        f"| {side} | " + " | ".join(_cell(*each) for each in zip(errors, uncertainties)) + " |"
+        for side, errors, uncertainties in zip(SIDES, found.error, found.uncertainty)
+    ]
+    head = "| target/sensor | " + " | ".join(f"gap/sensor {gap:g}" for gap in GAPS) + " |"
+    return [head, "|---" * (len(GAPS) + 1) + "|", *rows]
+
+
+def _cell(error: float, uncertainty: float) -> str:
+    told = f"{100 * error:+.0f}"
+    return told if uncertainty < 0.005 else f"{told} ± {100 * uncertainty:.0f}"
+
+
+def _load(module: Any, path: Path, scene: Scene) -> Any:
+    path.write_text(canonical(scene), encoding="utf-8")
+    return module.Scene.load(path)
+
+
+def _before_plane(image: Any) -> float:
+    """The charge per volt of a sensor whose mirror image has the opposite potential."""
+    matrix = image.maxwell(rtol=_RTOL)["maxwell"]
+    return float(matrix[0, 0] - matrix[0, 1])
+
+
+if __name__ == "__main__":
+    print("\n".join(lines(measured(model_module()))))

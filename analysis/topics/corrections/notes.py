@@ -1,0 +1,74 @@
+"""The figures of model/CORRECTIONS.md, section 5, as they must stand there: `python3 -m analysis.topics.corrections.notes` prints them.
+
+A test holds the page against them. Times and the Gaussian process are told by `python3 -m analysis corrections`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from analysis.pipeline.keys import REPOSITORY
+from analysis.pipeline.model_stage import model_module
+from analysis.topics.corrections import estimates, evaluation, large_targets, shapes
+from analysis.topics.corrections.estimates import Errors
+from analysis.topics.corrections.evaluation import Evaluation
+from analysis.topics.corrections.set_ups import set_ups
+
+PAGE = REPOSITORY / "model" / "CORRECTIONS.md"
+_HEADER = (
+    "| | rms | median | 95 % | worst | sealed rms / worst | left out rms / worst |",
+    "|---|---|---|---|---|---|---|",
+)
+
+
+def errors_table(found: Sequence[Evaluation]) -> list[str]:
+    """A row for each correction, per cent of the truth."""
+    return [*_HEADER, *(_row(each) for each in found)]
+
+
+def by_family(found: Sequence[Evaluation]) -> str:
+    """The formula, family by family."""
+    (formula,) = (each for each in found if each.name == "formula")
+    told = (f"{family} {_both(errors)}" for family, errors in formula.families.items())
+    return f"The formula by family, rms / worst: {', '.join(told)}."
+
+
+def _row(each: Evaluation) -> str:
+    every = each.all
+    told = (percent(value) for value in (every.rms, every.median, every.percentile_95, every.worst))
+    return f"| `{each.name}` | {' | '.join(told)} | {_both(each.sealed)} | {_both(each.left_out)} |"
+
+
+def _both(errors: Errors) -> str:
+    return f"{percent(errors.rms)} / {percent(errors.worst)}"
+
+
+def percent(value: float) -> str:
+    """Two digits, or all before the point."""
+    return f"{100 * value:.2g}" if value < 0.995 else f"{100 * value:.0f}"
+
+
+def figures(module: Any) -> list[str]:
+    """All of them, line by line; half a minute."""
+    chosen = list(set_ups(module))
+    asked = estimates.estimate(module, estimates.names(module), chosen)
+    found = evaluation.evaluations(module, asked, chosen)
+    return [
+        *errors_table(found),
+        f"{near_misses(asked)} of {len(chosen)} set-ups are more than 1 % off by recommended",
+        by_family(found),
+        shapes.sentence(shapes.errors(module)),
+        *large_targets.lines(large_targets.measured(module)),
+    ]
+
+
+def near_misses(found: estimates.Estimates) -> int:
+    """How many set-ups the recommended correction has wrong by more than 1 %."""
+    return int(np.sum(np.abs(found.errors("recommended")) > 0.01))
+
+
+if __name__ == "__main__":
+    print("\n".join(figures(model_module())))

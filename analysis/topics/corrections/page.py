@@ -1,0 +1,33 @@
+"""The corrections as a page of its own."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+from analysis.pipeline import keys
+from analysis.report import page
+from analysis.results.store import Document, write_text
+from analysis.topics.corrections import cases_section, section, stage
+
+PAGE, SET_UPS = "corrections.html", "set_ups.html"
+_TITLE = "Corrections"
+
+
+def make(folder: Path) -> Path:
+    """Write the page of the document in a folder; returns where it is."""
+    document = stage.load(folder)
+    page.provide_script(folder)
+    body = [f"<header>\n<h1>{_TITLE}</h1>\n</header>", section.section(document, SET_UPS)]
+    write_text(folder / PAGE, page.document(_TITLE, inputs(document), body, page.SCRIPT))
+    if document is not None:
+        text = cases_section.set_ups_document(document["cases"], PAGE, _TITLE, inputs(document), page.SCRIPT)
+        write_text(folder / SET_UPS, text)
+    return folder / PAGE
+
+
+def inputs(document: Document | None) -> str:
+    """A hash of what the section is made from."""
+    answers = json.dumps(document, sort_keys=True)
+    return hashlib.sha256(f"{answers} {keys.report_code()}".encode()).hexdigest()

@@ -1,0 +1,179 @@
+"""The set-ups on which corrections are found and judged: plates and boxes before one rectangular sensor, drawn with a fixed seed.
+
+A third of them is sealed: the rule looks at nothing but the name, and the names were there before any correction was.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from geometries.common.errors import InputError
+from geometries.scene.poses import Pose, QuaternionRotation
+from geometries.scene.scene import Object, Scene
+from geometries.scene.shapes import Cuboid, PlateShape
+from geometries.studies import families
+
+SEED = 20240611
+COUNTS = {
+    "parallel": 80,
+    "inclined": 50,
+    "edge": 50,
+    "corner": 50,
+    "straddle": 60,
+    "plates": 90,
+    "boxes": 70,
+}
+
+# Lengths in metres: the thesis' sensor, its half, strips.
+_SENSORS = ((0.1, 0.1), (0.1, 0.1), (0.05, 0.05), (0.05, 0.2), (0.08, 0.12))
+_SMALLEST, _LARGEST = 0.02, 0.3
+_LEAST_GAP, _MOST_GAP = 0.003, 0.2
+
+Draw = np.random.Generator
+Vector2 = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class SetUp:
+    """A scene with one sensor, "sensor", and one object, "target"."""
+
+    name: str
+    family: str
+    scene: Scene
+
+    @property
+    def sealed(self) -> bool:
+        """Kept from all fitting: sha256 of the name, as a number, is divisible by three."""
+        return int(hashlib.sha256(self.name.encode()).hexdigest(), 16) % 3 == 0
+
+
+def set_ups(module: Any) -> Iterator[SetUp]:
+    """All set-ups in their order. `module` is the model's, which knows the distance of bodies."""
+    for index, (family, count) in enumerate(COUNTS.items()):
+        draw = np.random.default_rng([SEED, index])
+        scenes = (_drawn(family, draw, module) for _ in itertools.count())
+        accepted = (scene for scene in scenes if scene is not None)
+        for number, scene in enumerate(itertools.islice(accepted, count)):
+            yield SetUp(f"{family}-{number:03d}", family, scene)
+
+
+def _drawn(family: str, draw: Draw, module: Any) -> Scene | None:
+    """One set-up, or None where the numbers drawn make none of the family."""
+    try:
+        return _FAMILIES[family](draw, module)
+    except InputError:
+        return None
+
+
+def _between(draw: Draw, least: float, most: float) -> float:
+    """Uniform in the logarithm, to a few digits that a person can copy."""
+    return float(f"{np.exp(draw.uniform(np.log(least), np.log(most))):.3g}")
+
+
+def _sensor(draw: Draw) -> Vector2:
+    return _SENSORS[draw.integers(len(_SENSORS))]
+
+
+def _target(draw: Draw, sensor: Vector2) -> Vector2:
+    """As large as the sensor in every third."""
+    if draw.random() < 1 / 3:
+        return sensor
+    return _between(draw, _SMALLEST, _LARGEST), _between(draw, _SMALLEST, _LARGEST)
+
+
+def _degrees(draw: Draw, most: float) -> float:
+    return float(np.round(draw.uniform(0, most), 1))
+
+
+def _gap(draw: Draw) -> float:
+    return _between(draw, _LEAST_GAP, _MOST_GAP)
+
+
+def _parallel(draw: Draw, module: Any) -> Scene:
+    sensor = _sensor(draw)
+    return families.parallel(sensor, _target(draw, sensor), _gap(draw))
+
+
+def _inclined(draw: Draw, module: Any) -> Scene:
+    sensor = _sensor(draw)
+    return families.inclined(sensor, _target(draw, sensor), _gap(draw), _degrees(draw, 90))
+
+
+def _edge(draw: Draw, module: Any) -> Scene:
+    sensor = _sensor(draw)
+    target = (_between(draw, _SMALLEST, _LARGEST), _between(draw, _SMALLEST, sensor[1]))
+    height = 0.0 if draw.random() < 1 / 3 else _gap(draw)
+    return families.edge(sensor, target, _gap(draw), height, _degrees(draw, 90))
+
+
+def _corner(draw: Draw, module: Any) -> Scene:
+    sensor = _sensor(draw)
+    height = 0.0 if draw.random() < 1 / 3 else _gap(draw)
+    gap = (_gap(draw), _gap(draw))
+    return families.corner(
+        sensor, _target(draw, sensor), gap, height, _degrees(draw, 90), _degrees(draw, 360)
+    )
+
+
+def _straddle(draw: Draw, module: Any) -> Scene:
+    sensor = _sensor(draw)
+    offset = (float(np.round(draw.uniform(-0.1, 0.1), 4)), float(np.round(draw.uniform(-0.1, 0.1), 4)))
+    turn = 0.0 if draw.random() < 1 / 3 else _degrees(draw, 360)
+    return families.straddle(
+        sensor, _target(draw, sensor), _gap(draw), offset, _degrees(draw, 90) * draw.integers(2), turn
+    )
+
+
+def _plates(draw: Draw, module: Any) -> Scene | None:
+    return _posed(
+        draw, module, PlateShape((_between(draw, _SMALLEST, _LARGEST), _between(draw, _SMALLEST, _LARGEST)))
+    )
+
+
+def _boxes(draw: Draw, module: Any) -> Scene | None:
+    x, y, z = (_between(draw, _SMALLEST, 0.2) for _ in range(3))
+    return _posed(draw, module, Cuboid((x, y, z)))
+
+
+def _posed(draw: Draw, module: Any, shape: PlateShape | Cuboid) -> Scene | None:
+    """The body in any orientation, a third of them as it is, moved along any line towards a point of the sensor up to a gap."""
+    alone = families.empty(_sensor(draw))
+    rotation = np.array([1.0, 0.0, 0.0, 0.0]) if draw.random() < 1 / 3 else np.round(draw.normal(size=4), 3)
+    direction = draw.normal(size=3)
+    direction /= np.linalg.norm(direction)
+    aim = np.append((draw.random(2) - 0.5) * np.abs(np.asarray(alone.sensors[0].plates[0].corner)[:2]) * 2, 0)
+    gap = _gap(draw)
+    w, i, j, k = (float(number) for number in rotation)
+    turned = QuaternionRotation((w, i, j, k))
+    vertices = shape.triangles().reshape(-1, 3) @ turned.matrix().T
+    plate = alone.conductors()["sensor"].reshape(-1, 3)
+
+    def distance(along: float) -> float:
+        return float(module.gjk_distance(plate, vertices + aim + along * direction)[0])
+
+    near, far = 0.0, 2.0
+    if distance(near) >= gap:
+        return None
+    for _ in range(50):
+        middle = (near + far) / 2
+        near, far = (middle, far) if distance(middle) < gap else (near, middle)
+    x, y, z = (float(value) for value in np.round(aim + far * direction, 6))
+    target = Object("target", shape, pose=Pose((x, y, z), turned))
+    return Scene(sensors=alone.sensors, objects=(target,))
+
+
+_FAMILIES: dict[str, Callable[[Draw, Any], Scene | None]] = {
+    "parallel": _parallel,
+    "inclined": _inclined,
+    "edge": _edge,
+    "corner": _corner,
+    "straddle": _straddle,
+    "plates": _plates,
+    "boxes": _boxes,
+}

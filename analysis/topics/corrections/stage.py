@@ -1,0 +1,105 @@
+"""`python3 -m analysis corrections`: evaluate the registry, measure what each correction costs, keep both as one document."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import tempfile
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from analysis.pipeline import keys
+from analysis.pipeline.keys import REPOSITORY
+from analysis.results import machine
+from analysis.results.store import Document, is_current, read_json, write_json
+from analysis.results.study_results import Failure
+from analysis.topics.corrections import cases, evaluation
+from analysis.topics.corrections.set_ups import set_ups
+from analysis.topics.corrections.truths import FILE
+from geometries.common.installation import no_benchmark
+
+FOLDER = "corrections"
+DOCUMENT = "corrections.json"
+COMMAND = "python3 -m analysis corrections"
+_BENCHMARK = Path("build", "bin", "correction_benchmark")
+_SOURCES = ("model", "CMakeLists.txt", "CMakePresets.json")
+
+
+def run(folder: Path, module: Any) -> list[Failure]:
+    """Fill the folder, unless its document was made by just this code on this machine; returns what failed."""
+    python = [
+        path.relative_to(REPOSITORY).as_posix()
+        for name in ("analysis/topics/corrections", "geometries")
+        for path in sorted((REPOSITORY / name).rglob("*.py"))
+    ]
+    truths = FILE.relative_to(REPOSITORY).as_posix()
+    code = keys.code_of((*_SOURCES, *python, truths), REPOSITORY)
+    key = keys.measurement_key(COMMAND, code, machine.identity())
+    if is_current(folder / DOCUMENT, key):
+        return []
+    program = REPOSITORY / _BENCHMARK
+    if not program.is_file():
+        return [Failure("", "corrections", no_benchmark(_BENCHMARK))]
+    try:
+        document = {"key": key, **evaluated(module), "nanoseconds": nanoseconds(program)}
+    except (OSError, ValueError, subprocess.SubprocessError) as error:
+        return [Failure("", "corrections", str(error))]
+    write_json(folder / DOCUMENT, document)
+    return []
+
+
+def load(folder: Path) -> Document | None:
+    """The document in a folder; None without one, or with one of an earlier form, which knows nothing of single set-ups."""
+    document = read_json(folder / DOCUMENT)
+    return document if document is not None and "cases" in document else None
+
+
+def beside(results: Path) -> Path:
+    """The folder that belongs to a study's results."""
+    return results.resolve().parent / FOLDER
+
+
+def evaluated(module: Any) -> Document:
+    """The errors of every correction, with what the registry says of it, as a document."""
+    chosen = list(set_ups(module))
+    found = evaluation.evaluate(module, chosen)
+    registry = {str(entry["name"]): entry for entry in module.corrections()}
+    return {
+        "truths": FILE.relative_to(REPOSITORY).as_posix(),
+        "set_ups": len(found.estimates.names),
+        "sealed": int(found.estimates.sealed.sum()),
+        "corrections": [
+            {**registry[entry.name], **{name.rstrip("_"): value for name, value in asdict(entry).items()}}
+            for entry in found.evaluations
+        ],
+        "discrepancy": {name.rstrip("_"): value for name, value in asdict(found.discrepancy).items()},
+        "cases": cases.documents(module, found.estimates, chosen),
+    }
+
+
+def nanoseconds(program: Path) -> dict[str, dict[str, float]]:
+    """Processor time per triangle of every correction (second key) on every shape, all in one run, their order random; the least
+    of three."""
+    with tempfile.TemporaryDirectory() as folder:
+        answer = Path(folder) / "answer.json"
+        subprocess.run(
+            [
+                str(program),
+                "--benchmark_repetitions=3",
+                "--benchmark_enable_random_interleaving=true",
+                f"--benchmark_out={answer}",
+                "--benchmark_out_format=json",
+            ],
+            check=True,
+            capture_output=True,
+        )
+        entries = json.loads(answer.read_text(encoding="utf-8"))["benchmarks"]
+    times: dict[str, dict[str, float]] = {}
+    for entry in sorted(entries, key=lambda entry: int(entry["family_index"])):
+        if entry["run_type"] == "iteration":
+            shape, correction = entry["name"].split("/")[:2]
+            time = 1e9 * float(entry["per_triangle"])
+            of_shape = times.setdefault(shape, {})
+            of_shape[correction] = min(time, of_shape.get(correction, time))
+    return times

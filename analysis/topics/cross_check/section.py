@@ -1,0 +1,213 @@
+"""The report's page on the two references side by side: do they agree, and what do both prove together?"""
+
+from __future__ import annotations
+
+from html import escape
+
+import numpy as np
+import plotly.graph_objects as go
+
+from analysis.report import page
+from analysis.report.plot import INK, Panel, family_marker, figure, power_axis, series_colour
+from analysis.results.study_results import Results
+from analysis.topics.cross_check import agreement
+from analysis.topics.cross_check.agreement import Bracket, Comparison
+
+TITLE = "Boundary elements against the field solver"
+_ABSENT = (
+    "No case of these results has been solved by both methods: the command that ran the study does it anew."
+)
+_PICOFARAD = 1e-12
+# A logarithmic axis has no zero: differences below rounding are drawn here.
+_ROUNDING = 1e-9
+_WHAT = (
+    "Boundary elements (model/BOUNDARY_ELEMENTS.md) share nothing with the field solver but the scene file: other equations, another "
+    "language, another reader. They are asked for a tenth of the field solver's accuracy. Two values agree when their error bars "
+    "overlap: below the line."
+)
+_PROOF = (
+    "Galerkin's charges have the least energy of all, so that the entries of the diagonal are lower bounds once a twentieth of their "
+    "stated error, the most that the integrals may be off, is taken away; the upper ones are energies of continuous potentials by the "
+    "field solver. Before: the field solver's own lower bound, by divergence-free fluxes."
+)
+
+
+def sections(results: Results) -> list[str]:
+    """Agreement, brackets, what is not comparable; one sentence where nothing is."""
+    found = agreement.comparisons(results)
+    refused = {case.id: case.refused for case in results.cases.values() if case.refused}
+    if not found:
+        return [page.section(TITLE, page.paragraph(_ABSENT), *_refused(results, refused))]
+    parts = [page.finding(finding(found))]
+    wrong = agreement.disagreements(found)
+    if wrong:
+        parts += ["<h3>Values that disagree</h3>", _table(wrong)]
+    parts += [page.figures([_panel(found)]), page.soft(f"{_WHAT} {_reached(results)}")]
+    parts.append(page.folded("Show every value", _table(found)))
+    made = [page.section(TITLE, *parts, *_refused(results, refused))]
+    brackets = agreement.brackets(results)
+    return [*made, _brackets(brackets)] if brackets else made
+
+
+def finding(found: list[Comparison]) -> str:
+    """How many values agree, and by how much the others miss."""
+    cases = {comparison.case.id for comparison in found}
+    wrong = agreement.disagreements(found)
+    worst = found[0]
+    sentence = (
+        f"In {len(cases)} set-ups both methods answer: {len(found) - len(wrong)} of {len(found)} values agree within the sum of their "
+        f"errors, half of them within {np.median([abs(c.difference) for c in found]):.1e} of each other"
+    )
+    told = f"{worst.what} of {worst.case.family} {worst.case.id}"
+    if wrong:
+        return f"{sentence}; {len(wrong)} disagree, {told} by {worst.over_errors:.2g} times what the errors allow."
+    return f"{sentence}; the largest difference is {worst.over_errors:.0%} of what the errors allow ({told})."
+
+
+def _reached(results: Results) -> str:
+    solved = [case.boundary for case in results.cases.values() if case.boundary is not None]
+    short = sum(not answer.reached for answer in solved)
+    milliseconds = 1e3 * float(np.median([answer.seconds for answer in solved]))
+    return f"They took {milliseconds:.2g} ms (median); {short} of {len(solved)} are short of what was asked, with wider errors."
+
+
+def warning(results: Results, target: str) -> str:
+    """For the head of the report: a finding where values disagree, with a link to the page; else nothing."""
+    wrong = agreement.contradictions(results)
+    if not wrong:
+        return ""
+    told = page.link(target, f"{wrong} values of the two references disagree by more than their errors")
+    return f'<p class="finding"><strong>{told}.</strong> One of them is wrong, or its error is.</p>'
+
+
+def bracket_finding(brackets: list[Bracket]) -> str:
+    """How wide the combined brackets are beside the field solver's alone."""
+    widths = np.array([bracket.width for bracket in brackets])
+    before = np.array([bracket.width_before for bracket in brackets])
+    contradicted = int((widths < 0).sum())
+    sentence = (
+        f"{len(brackets)} own entries lie between Galerkin's lower bound and the field solver's upper one: the bracket is "
+        f"{np.median(widths):.1e} wide (median; widest {widths.max():.1e}), {np.median(before / np.maximum(widths, 1e-12)):.2g} times "
+        f"narrower (median) than the field solver's alone, which are {before.min():.1e} to {before.max():.1e} wide"
+    )
+    return (
+        f"{sentence}; {contradicted} brackets are empty, which no true bounds can be."
+        if contradicted
+        else f"{sentence}."
+    )
+
+
+def _panel(found: list[Comparison]) -> Panel:
+    families = list(dict.fromkeys(comparison.case.family for comparison in found))
+    allowed = [comparison.allowed for comparison in found]
+    ends = [min(allowed) / 2, max(allowed) * 2]
+    traces = [
+        go.Scatter(
+            x=ends, y=ends, mode="lines", line={"color": INK, "dash": "dot"}, name="limit", hoverinfo="skip"
+        )
+    ]
+    for family in families:
+        members = [comparison for comparison in found if comparison.case.family == family]
+        traces.append(
+            go.Scatter(
+                x=[comparison.allowed for comparison in members],
+                y=[max(abs(comparison.difference), _ROUNDING) for comparison in members],
+                mode="markers",
+                customdata=[comparison.case.id for comparison in members],
+                text=[comparison.what for comparison in members],
+                marker=family_marker(family, families),
+                name=family,
+                hovertemplate="%{text}: off by %{y:.1e}, allowed %{x:.1e}<extra>" + family + "</extra>",
+            )
+        )
+    x = power_axis("both errors together, relative")
+    caption = "every value; below the line the error bars overlap"
+    return Panel(caption, figure(traces, x, power_axis("difference, relative"), height=460))
+
+
+def _table(found: list[Comparison]) -> str:
+    header = [
+        "set-up",
+        "value",
+        "field solver (pF)",
+        "from",
+        "to",
+        "boundary elements (pF)",
+        "difference",
+        "allowed",
+        "overlap",
+    ]
+    rows = [
+        [
+            f"{escape(c.case.family)} {page.case_link(c.case.id)}",
+            escape(c.what),
+            f"{c.reference / _PICOFARAD:.6f}",
+            f"{c.low / _PICOFARAD:.6f}",
+            f"{c.high / _PICOFARAD:.6f}",
+            f"{c.boundary.value / _PICOFARAD:.6f} ± {c.boundary.error / _PICOFARAD:.6f}",
+            f"{c.difference:+.1e}",
+            f"{c.allowed:.1e}",
+            "yes" if c.agrees else "<strong>no</strong>",
+        ]
+        for c in found
+    ]
+    return page.table(header, rows, text_columns=2)
+
+
+def _brackets(brackets: list[Bracket]) -> str:
+    widest = sorted(brackets, key=lambda bracket: -bracket.width)
+    rows = [
+        [
+            f"{escape(bracket.case.family)} {page.case_link(bracket.case.id)}",
+            escape(bracket.conductor),
+            f"{max(bracket.lower, bracket.flux) / _PICOFARAD:.6f}",
+            f"{bracket.upper / _PICOFARAD:.6f}",
+            f"{bracket.width:.1e}",
+            f"{bracket.width_before:.1e}",
+        ]
+        for bracket in widest
+    ]
+    header = ["set-up", "conductor", "lower (pF)", "upper (pF)", "width", "by the field solver alone"]
+    return page.section(
+        "Own entries between two proven bounds",
+        page.finding(bracket_finding(brackets)),
+        page.figures([_bracket_panel(brackets)]),
+        page.soft(_PROOF),
+        page.folded("Show every bracket", page.table(header, rows, text_columns=2)),
+    )
+
+
+def _bracket_panel(brackets: list[Bracket]) -> Panel:
+    ends = [
+        min(bracket.width_before for bracket in brackets) / 2,
+        max(bracket.width_before for bracket in brackets) * 2,
+    ]
+    traces = [
+        go.Scatter(
+            x=ends, y=ends, mode="lines", line={"color": INK, "dash": "dot"}, name="as wide", hoverinfo="skip"
+        ),
+        go.Scatter(
+            x=[bracket.width_before for bracket in brackets],
+            y=[max(bracket.width, _ROUNDING) for bracket in brackets],
+            mode="markers",
+            customdata=[bracket.case.id for bracket in brackets],
+            text=[f"{bracket.case.family}, {bracket.conductor}" for bracket in brackets],
+            marker={"color": series_colour(0), "size": 8},
+            name="own entries",
+            hovertemplate="%{text}: %{y:.1e} instead of %{x:.1e}<extra></extra>",
+        ),
+    ]
+    x, y = power_axis("width by the field solver alone"), power_axis("width of the bracket")
+    return Panel("relative widths of the intervals that hold M[i, i]", figure(traces, x, y, height=420))
+
+
+def _refused(results: Results, refused: dict[str, str]) -> list[str]:
+    """The cases that boundary elements do not know, by reason."""
+    if not refused:
+        return []
+    reasons: dict[str, list[str]] = {}
+    for case, reason in refused.items():
+        reasons.setdefault(reason, []).append(f"{escape(results.cases[case].family)} {page.case_link(case)}")
+    told = f"{len(refused)} set-ups are not comparable: boundary elements refuse them."
+    listed = [f"<p>{escape(reason)}: {', '.join(cases)}.</p>" for reason, cases in reasons.items()]
+    return ["<h3>Not comparable</h3>", page.paragraph(told), *listed]

@@ -1,0 +1,135 @@
+"""The model's error as a sum of named parts. Definitions and derivation: ERRORS.md."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from scipy.constants import epsilon_0
+
+from analysis.results.answers import Estimate
+from analysis.results.set_up import Rectangle
+from analysis.results.table import DELTA_SELF, MUTUAL
+from analysis.topics.errors import paths
+
+TILT, LATERAL, BACK, RECIPROCITY = "tilt", "lateral path", "missing back side", "size and reciprocity"
+EFFECTS = (TILT, LATERAL, BACK, RECIPROCITY)
+QUANTITY, REST = "another quantity", "rest"
+PARTS = {MUTUAL: (*EFFECTS, REST), DELTA_SELF: (*EFFECTS, QUANTITY, REST)}
+"""Of each quantity, in the order in which they are shown."""
+
+Effects = frozenset[str]
+
+
+@dataclass(frozen=True)
+class Part:
+    """What one effect does to the model's value (F): the mean over all orders in which the effects can be put right, with the
+    least and the greatest of them."""
+
+    value: float
+    least: float
+    greatest: float
+
+
+@dataclass(frozen=True)
+class Split:
+    """`model` is the formula as it stands, `corrected` the one with every effect put right (F), both of `mutual`;
+    `error` is what the quadrature behind `corrected` and the parts may be off."""
+
+    model: float
+    corrected: float
+    error: float
+    effects: dict[str, Part]
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The Maxwell matrix's entries of one sensor and one target, and delta_self; F."""
+
+    mutual: Estimate
+    delta_self: Estimate
+    target_own: Estimate
+
+
+def split(model: Any, sensor: Rectangle, target: Rectangle) -> Split:
+    """The effects' parts in a set-up of two plates. `model` is the model's module."""
+    values = _values(model, sensor, target)
+    everything = values[frozenset(EFFECTS)]
+    return Split(
+        model=values[frozenset()].value,
+        corrected=everything.value,
+        error=max(value.error for value in values.values()),
+        effects=shares(EFFECTS, lambda effects: values[effects].value),
+    )
+
+
+def shares(names: Iterable[str], value: Callable[[Effects], float]) -> dict[str, Part]:
+    """How much each name lowers `value` when it joins, over all orders of joining: the means add up to value(none) −
+    value(all) (Shapley's value)."""
+    known = tuple(names)
+    changes: dict[str, list[float]] = {name: [] for name in known}
+    for order in itertools.permutations(known):
+        joined: Effects = frozenset()
+        for name in order:
+            changes[name].append(value(joined) - value(joined | {name}))
+            joined |= {name}
+    return {name: Part(math.fsum(all_) / len(all_), min(all_), max(all_)) for name, all_ in changes.items()}
+
+
+def parts(found: Split, truth: Truth, quantity: str) -> dict[str, float]:
+    """The parts (F) of model − truth; they add up to it but for rounding."""
+    named = {name: part.value for name, part in found.effects.items()}
+    if quantity == DELTA_SELF:
+        named[QUANTITY] = truth.mutual.value - truth.delta_self.value
+    return named | {REST: found.corrected - truth.mutual.value}
+
+
+def uncertainty(found: Split, truth: Truth, name: str) -> float:
+    """What a part may be off (F), by the truth's error and the quadrature's."""
+    if name == QUANTITY:
+        return truth.mutual.error + truth.delta_self.error
+    return found.error + (truth.mutual.error if name == REST else 0.0)
+
+
+def drawn_from_infinity(truth: Truth) -> float:
+    """The share of `another quantity` (F) that is charge which the target, grounded, draws without pushing as much back."""
+    return truth.mutual.value * (1 - truth.mutual.value / truth.target_own.value)
+
+
+def polarisation(truth: Truth) -> float:
+    """The share of it (F, negative) by which even the floating target raises the sensor's own capacitance."""
+    return truth.mutual.value**2 / truth.target_own.value - truth.delta_self.value
+
+
+def _values(model: Any, sensor: Rectangle, target: Rectangle) -> dict[Effects, paths.Integral]:
+    """`mutual` (F) by the formula with each choice of effects put right."""
+    arc = paths.arc_over_chord(target, sensor)
+    found = {}
+    for count in range(len(EFFECTS) + 1):
+        for chosen in itertools.combinations(EFFECTS, count):
+            found[frozenset(chosen)] = _value(model, sensor, target, arc, frozenset(chosen))
+    return found
+
+
+def _value(model: Any, sensor: Rectangle, target: Rectangle, arc: float, chosen: Effects) -> paths.Integral:
+    stretch = paths.Stretch(arc if TILT in chosen else 1.0, paths.LATERAL if LATERAL in chosen else 1.0)
+    to_sensor = _one_way(model, target, sensor, stretch, BACK in chosen)
+    if RECIPROCITY not in chosen:
+        return paths.Integral(epsilon_0 * to_sensor.value, epsilon_0 * to_sensor.error)
+    to_target = _one_way(model, sensor, target, stretch, BACK in chosen)
+    mean = math.sqrt(to_sensor.value * to_target.value)
+    relative = (to_sensor.error / to_sensor.value + to_target.error / to_target.value) / 2
+    return paths.Integral(epsilon_0 * mean, epsilon_0 * mean * relative)
+
+
+def _one_way(
+    model: Any, surface: Rectangle, plate: Rectangle, stretch: paths.Stretch, both_sides: bool
+) -> paths.Integral:
+    near = paths.front(model, surface, plate, stretch)
+    if not both_sides:
+        return near
+    behind = paths.back(surface, plate, stretch)
+    return paths.Integral(near.value + behind.value, behind.error)

@@ -1,0 +1,126 @@
+"""Set-ups with their truth and their error's parts, as numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from analysis.results.answers import Estimate, ReferenceAnswer
+from analysis.results.store import Document
+from analysis.results.study_results import Results
+from analysis.results.table import MUTUAL
+from analysis.topics.errors import parts
+from analysis.topics.errors.parts import Part, Split, Truth
+from analysis.topics.errors.set_ups import SetUp
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """A set-up whose error is taken apart; `reached` whether the truth is as accurate as was asked."""
+
+    set_up: SetUp
+    truth: Truth
+    split: Split
+    reached: bool
+
+    def true(self, quantity: str) -> Estimate:
+        return self.truth.mutual if quantity == MUTUAL else self.truth.delta_self
+
+    def error(self, quantity: str) -> float:
+        """(model − truth)/truth."""
+        return self.split.model / self.true(quantity).value - 1
+
+    def parts(self, quantity: str) -> dict[str, float]:
+        """The parts of the above, which add up to it."""
+        value = self.true(quantity).value
+        return {name: part / value for name, part in parts.parts(self.split, self.truth, quantity).items()}
+
+    def uncertainty(self, quantity: str) -> float:
+        """The most that any part may be off, relative to the truth."""
+        most = max(parts.uncertainty(self.split, self.truth, name) for name in parts.PARTS[quantity])
+        return most / self.true(quantity).value
+
+    def spread(self, name: str, quantity: str) -> float:
+        """How far the orders in which effects can be put right differ over an effect's part, relative to the truth."""
+        part = self.split.effects.get(name)
+        return 0.0 if part is None else (part.greatest - part.least) / self.true(quantity).value
+
+    def largest(self, quantity: str) -> str:
+        """The part of the greatest size."""
+        found = self.parts(quantity)
+        return max(found, key=lambda name: abs(found[name]))
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """One part over set-ups, relative to each truth. `largest_in` counts where it is the greatest part, `size_there` is its median
+    size among them (0 without any); `spread` is the median difference between the orders."""
+
+    name: str
+    median: float
+    mean: float
+    rms: float
+    worst: float
+    worst_case: str
+    largest_in: int
+    size_there: float
+    spread: float
+
+
+def entries(answers: dict[str, Document], set_ups: tuple[SetUp, ...]) -> list[Entry]:
+    """The set-ups that have an answer, in their order; one on two maps is there twice."""
+    return [_entry(each, answers[each.id]) for each in set_ups if each.id in answers]
+
+
+def once(found: list[Entry]) -> list[Entry]:
+    """Every set-up once."""
+    return list({entry.set_up.id: entry for entry in found}.values())
+
+
+def statistics(found: list[Entry], quantity: str) -> list[Statistics]:
+    """Of each part over at least one set-up."""
+    made = []
+    for name in parts.PARTS[quantity]:
+        values = np.array([entry.parts(quantity)[name] for entry in found])
+        worst = int(np.argmax(np.abs(values)))
+        there = [abs(value) for entry, value in zip(found, values) if entry.largest(quantity) == name]
+        made.append(
+            Statistics(
+                name=name,
+                median=float(np.median(values)),
+                mean=float(np.mean(values)),
+                rms=float(np.sqrt(np.mean(values**2))),
+                worst=float(values[worst]),
+                worst_case=found[worst].set_up.id,
+                largest_in=len(there),
+                size_there=float(np.median(there)) if there else 0.0,
+                spread=float(np.median([entry.spread(name, quantity) for entry in found])),
+            )
+        )
+    return made
+
+
+def by_reference(found: list[Entry], results: Results) -> list[tuple[Entry, Entry]]:
+    """Of the set-ups that a study has solved too, the entry as it is and the same with the field solver's truth."""
+    pairs = []
+    for entry in once(found):
+        case = results.cases.get(entry.set_up.id)
+        if case is not None and case.reference is not None:
+            pairs.append(
+                (entry, replace(entry, truth=_truth(case.reference), reached=case.reference.reached))
+            )
+    return pairs
+
+
+def _truth(answer: ReferenceAnswer) -> Truth:
+    sensor, target = answer.conductors
+    return Truth(answer.mutual(sensor, target), answer.delta_self[sensor], answer.self_capacitance(target))
+
+
+def _entry(set_up: SetUp, document: Document) -> Entry:
+    truth = Truth(**{name: Estimate(**value) for name, value in document["truth"].items()})
+    told = document["split"]
+    effects = {name: Part(**part) for name, part in told["effects"].items()}
+    split = Split(told["model"], told["corrected"], told["error"], effects)
+    return Entry(set_up, truth, split, document["reached"])

@@ -1,0 +1,189 @@
+"""The report's sections on where the model's error comes from: its parts by kind of set-up, and maps of it."""
+
+from __future__ import annotations
+
+from html import escape
+
+import numpy as np
+
+from analysis.report import page
+from analysis.report.plot import Panel
+from analysis.results.table import DELTA_SELF, MUTUAL, QUANTITIES
+from analysis.topics.errors import parts, plots, records
+from analysis.topics.errors.records import Entry, Statistics
+from analysis.topics.errors.set_ups import MAPS, OFFSET_MAP, SIZE_MAP, TILT_MAP
+
+ABSENT = "The errors have not been taken apart with this version of the model: python3 -m analysis errors does it in a minute or two."
+_PICOFARAD = 1e-12
+_TITLES = {
+    SIZE_MAP: "The error over gap and size ratio",
+    TILT_MAP: "The error over gap and tilt",
+    OFFSET_MAP: "The error over gap and lateral offset",
+}
+_SET_UPS = {
+    SIZE_MAP: "A square plate of another size, parallel and centred.",
+    TILT_MAP: "A plate as large as the sensor, pivoted about an edge; the gap is that of the hinge.",
+    OFFSET_MAP: "A plate as large as the sensor, parallel and shifted along one of its sides.",
+}
+_NAMES = {SIZE_MAP: "size ratio", TILT_MAP: "tilt", OFFSET_MAP: "offset"}
+_WHAT = (
+    "A part is what the model's value loses when the effect is put right, over the truth; the mean over all orders in which the "
+    "effects can be put right, so that the parts add up to the error exactly. Nothing is fitted. tilt: field lines are arcs, not "
+    "chords. lateral path: beside the plate they leave and arrive upright. missing back side: the plate's far side carries charge "
+    "too. size and reciprocity: sensor and target exchanged give another value. another quantity: mutual less delta_self. rest: "
+    "the corrected formula less the truth. Definitions: analysis/topics/errors/ERRORS.md."
+)
+
+
+def sections(found: list[Entry], cases: str) -> list[str]:
+    """Parts and maps; one sentence without answers. `cases` is the folder of the set-ups as seen from the page."""
+    if not found:
+        return [page.section("The parts of the error", page.paragraph(ABSENT))]
+    return [_parts(found, cases), *(_map(group, found, cases) for group in MAPS if _on(group, found))]
+
+
+def of_study(pairs: list[tuple[Entry, Entry]]) -> str:
+    """A study's own cases, as (by boundary elements, by the field solver); empty without any."""
+    if not pairs:
+        return ""
+    solved = [entry for _, entry in pairs]
+    return page.section(
+        "The cases of this study, by the field solver",
+        page.finding(agreement_finding(pairs)),
+        page.figures(
+            [plots.bars(f"mean error in {name} and its parts", solved, name) for name in QUANTITIES]
+        ),
+    )
+
+
+def of_one(entry: Entry) -> list[str]:
+    """A table of the parts for each quantity."""
+    return [_parts_of_one(entry, quantity) for quantity in QUANTITIES]
+
+
+def _parts_of_one(entry: Entry, quantity: str) -> str:
+    true, effects, error = entry.true(quantity).value, entry.split.effects, entry.error(quantity)
+    rows = [
+        [
+            escape(name),
+            f"{value * true / _PICOFARAD:+.5f}",
+            f"{value:+.2%}",
+            f"{effects[name].least / true:+.2%} to {effects[name].greatest / true:+.2%}"
+            if name in effects
+            else "",
+        ]
+        for name, value in entry.parts(quantity).items()
+    ]
+    rows.append(["model − truth", f"{error * true / _PICOFARAD:+.5f}", f"{error:+.2%}", ""])
+    header = ["part", "pF", f"of {quantity}", "by the order"]
+    return f"<h3>{quantity}</h3>{page.table(header, rows, strong=frozenset({len(rows) - 1}))}"
+
+
+def agreement_finding(pairs: list[tuple[Entry, Entry]]) -> str:
+    """How far apart the two truths are, and the greatest parts."""
+    both = [(one.true(name), other.true(name)) for name in QUANTITIES for one, other in pairs]
+    agreeing = sum(one.agrees_with(other) for one, other in both)
+    largest = max(abs(one.value / other.value - 1) for one, other in both)
+    return (
+        f"In {len(pairs)} cases boundary elements and the field solver both know the truth: {agreeing} of {len(both)} values agree "
+        f"within the sum of their errors, the largest difference is {largest:.1e}. {finding([entry for _, entry in pairs], MUTUAL)}"
+    )
+
+
+def finding(found: list[Entry], quantity: str) -> str:
+    """The greatest parts of the error, and how sure they are."""
+    first, second = sorted(records.statistics(found, quantity), key=lambda each: -each.largest_in)[:2]
+    middle = float(np.median([abs(entry.error(quantity)) for entry in found]))
+    sure = float(np.median([entry.uncertainty(quantity) for entry in found]))
+    return (
+        f"{quantity}: over {len(found)} set-ups the model is {middle:.0%} off (median size); the greatest part is {first.name} in "
+        f"{first.largest_in} of them ({first.size_there:.0%} of the truth there, median size), {second.name} in "
+        f"{second.largest_in} ({second.size_there:.0%}); the parts are known to {sure:.1e} (median)."
+    )
+
+
+def map_finding(group: str, found: list[Entry]) -> str:
+    """Where the error in either quantity is least and greatest, and what it is made of there."""
+    told = []
+    for quantity in QUANTITIES:
+        worst = max(_on(group, found), key=lambda entry: abs(entry.error(quantity)))
+        signs = sorted(entry.error(quantity) for entry in _on(group, found))
+        told.append(
+            f"in {quantity} from {signs[0]:+.0%} to {signs[-1]:+.0%}, farthest off at {_place(group, worst)}, mostly by "
+            f"{worst.largest(quantity)} ({worst.parts(quantity)[worst.largest(quantity)]:+.0%})"
+        )
+    return f"The error goes {'; '.join(told)}."
+
+
+def _on(group: str, found: list[Entry]) -> list[Entry]:
+    return [entry for entry in found if entry.set_up.group == group]
+
+
+def _place(group: str, entry: Entry) -> str:
+    gap, other = entry.set_up.place or (0.0, 0.0)
+    unit = "°" if group == TILT_MAP else ""
+    return f"gap/size {gap:g} and {_NAMES[group]} {other:g}{unit}"
+
+
+def _parts(found: list[Entry], cases: str) -> str:
+    distinct = records.once(found)
+    short = sum(not entry.reached for entry in distinct)
+    return page.section(
+        "The parts of the error",
+        *(page.finding(finding(distinct, quantity)) for quantity in QUANTITIES),
+        page.figures([plots.bars(f"mean error in {name} and its parts", found, name) for name in QUANTITIES]),
+        page.soft(_WHAT),
+        page.paragraph("The same over all set-ups, relative to the truth:"),
+        *(f"<h3>{quantity}</h3>{_table(distinct, quantity, cases)}" for quantity in QUANTITIES),
+        page.finding(quantity_finding(distinct)),
+        page.soft(
+            f"The truth is that of the boundary elements; {short} of {len(distinct)} are short of the asked 1e-4 and kept with "
+            "their wider error. Between orders: the median difference between the orders in which effects are put right."
+        ),
+    )
+
+
+def quantity_finding(found: list[Entry]) -> str:
+    """What the difference between the two quantities is made of."""
+    own = [entry.true(DELTA_SELF).value for entry in found]
+    drawn = np.median([parts.drawn_from_infinity(e.truth) / value for e, value in zip(found, own)])
+    raised = np.median([parts.polarisation(e.truth) / value for e, value in zip(found, own)])
+    whole = np.median([entry.parts(DELTA_SELF)[parts.QUANTITY] for entry in found])
+    return (
+        f"mutual differs from delta_self by {whole:+.0%} of it (median over the set-ups): {drawn:+.0%} is charge that the grounded "
+        f"target draws without pushing as much back to the sensor, {raised:+.0%} what even the floating target adds to the sensor."
+    )
+
+
+def _table(found: list[Entry], quantity: str, cases: str) -> str:
+    header = ["part", "median", "mean", "rms", "worst", "greatest part in", "between orders", "worst case"]
+    rows = [_cells(each, len(found), cases) for each in records.statistics(found, quantity)]
+    return page.table(header, rows)
+
+
+def _cells(each: Statistics, count: int, cases: str) -> list[str]:
+    return [
+        escape(each.name),
+        _percent(each.median),
+        _percent(each.mean),
+        f"{each.rms:.1%}",
+        f"{each.worst:+.0%}",
+        f"{each.largest_in} of {count}",
+        f"{each.spread:.1%}" if each.name in parts.EFFECTS else "",
+        page.case_link(each.worst_case, cases),
+    ]
+
+
+def _percent(value: float) -> str:
+    # The sum turns -0.0 into 0.0.
+    return f"{round(value, 3) + 0.0:+.1%}"
+
+
+def _map(group: str, found: list[Entry], cases: str) -> str:
+    panels: list[Panel] = [plots.error_map(group, found, quantity) for quantity in QUANTITIES]
+    return page.section(
+        _TITLES[group],
+        page.finding(map_finding(group, found)),
+        page.figures(panels, cases),
+        page.soft(_SET_UPS[group]),
+    )

@@ -1,0 +1,127 @@
+"""The set-ups whose errors are taken apart: three maps, the default study's cases, and random poses. Metres, degrees."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+
+from analysis.results.set_up import describe
+from geometries.scene.poses import Pose, QuaternionRotation
+from geometries.scene.scene import Object, Scene
+from geometries.scene.shapes import PlateShape
+from geometries.scene.writer import canonical_and_identity
+from geometries.studies import families, study
+from geometries.studies.study import Parameter
+
+SIZE_MAP, TILT_MAP, OFFSET_MAP = "size map", "tilt map", "offset map"
+MAPS = (SIZE_MAP, TILT_MAP, OFFSET_MAP)
+DEFAULT, RANDOM = "default study", "random poses"
+
+SIDE = 0.1
+"""Of the sensor in the maps."""
+_RATIOS = (0.2, 0.35, 0.6, 1.0, 1.6, 2.5, 4.0)
+_GAPS = (0.03, 0.06, 0.12, 0.25, 0.5, 1.0, 2.0)
+_TILTS = (0.0, 10.0, 20.0, 35.0, 50.0, 70.0, 90.0)
+_OFFSETS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0)
+_RANDOM_COUNT, _SEED = 160, 6
+# Of the random plates' sides, and the closest approach over the smallest of them.
+_SHORTEST, _LONGEST, _CLOSEST = 0.02, 0.3, 0.02
+_REACH = 0.15
+"""Random targets have their centre within this of the sensor's, along every axis."""
+
+
+@dataclass(frozen=True)
+class SetUp:
+    """One sensor plate and one target plate. `place` is the place on its map: gap over the sensor's size, and the other axis'
+    value; None off the maps. `text` is the canonical scene and `identity` its hash."""
+
+    group: str
+    family: str
+    parameters: dict[str, Parameter]
+    place: tuple[float, float] | None
+    scene: Scene
+    text: str
+    identity: str
+
+    @property
+    def id(self) -> str:
+        return self.identity[: study.IDENTITY_DIGITS]
+
+
+@cache
+def all_set_ups() -> tuple[SetUp, ...]:
+    """Every set-up, in the order of its groups. One that is on two maps is in both."""
+    square = (SIDE, SIDE)
+    found: list[SetUp] = []
+    for gap in _GAPS:
+        for ratio in _RATIOS:
+            target = (ratio * SIDE, ratio * SIDE)
+            found.append(_on_map(SIZE_MAP, (gap, ratio), families.parallel, square, target, gap * SIDE))
+        for tilt in _TILTS:
+            found.append(_on_map(TILT_MAP, (gap, tilt), families.inclined, square, square, gap * SIDE, tilt))
+        for offset in _OFFSETS:
+            shift = (offset * SIDE, 0.0)
+            found.append(
+                _on_map(OFFSET_MAP, (gap, offset), families.parallel, square, square, gap * SIDE, shift)
+            )
+    found += [
+        _set_up(DEFAULT, case.family, case.parameters, None, case.scene)
+        for case in study.load(study.find("default")).sweeps
+    ]
+    found += [_set_up(RANDOM, "random", {}, None, scene) for scene in _random_scenes()]
+    return tuple(sorted(found, key=lambda each: (*MAPS, DEFAULT, RANDOM).index(each.group)))
+
+
+def _on_map(
+    group: str, place: tuple[float, float], family: Callable[..., Scene], *values: Parameter
+) -> SetUp:
+    names = family.__code__.co_varnames
+    return _set_up(group, family.__name__, dict(zip(names, values)), place, family(*values))
+
+
+def _set_up(
+    group: str,
+    family: str,
+    parameters: dict[str, Parameter],
+    place: tuple[float, float] | None,
+    scene: Scene,
+) -> SetUp:
+    text, identity = canonical_and_identity(scene)
+    return SetUp(group, family, parameters, place, scene, text, identity)
+
+
+def _random_scenes() -> Iterator[Scene]:
+    """Plates of any shape in any orientation in front of the sensor or beside it, not closer than a part of the smallest side.
+
+    Python promises that the generator's numbers stay the same.
+    """
+    chance, made = random.Random(_SEED), 0
+    while made < _RANDOM_COUNT:
+        sensor, target = ((_side(chance), _side(chance)) for _ in range(2))
+        centre = tuple(_REACH * chance.uniform(least, 1) for least in (-1, -1, 0))
+        shape = PlateShape(target)
+        pose = Pose((centre[0], centre[1], centre[2]), QuaternionRotation(_rotation(chance)))
+        scene = _scene(families.empty(sensor), Object("target", shape, pose=pose))
+        described = describe(scene)
+        if described is not None and described.gap > _CLOSEST * min(*sensor, *target):
+            made += 1
+            yield scene
+
+
+def _scene(empty: Scene, target: Object) -> Scene:
+    return Scene(sensors=empty.sensors, objects=(target,))
+
+
+def _side(chance: random.Random) -> float:
+    """Small and large sides alike: uniform in the logarithm."""
+    return math.exp(chance.uniform(math.log(_SHORTEST), math.log(_LONGEST)))
+
+
+def _rotation(chance: random.Random) -> tuple[float, float, float, float]:
+    """Uniform over all rotations (K. Shoemake, Graphics Gems III (1992) 124)."""
+    u, first, second = chance.random(), 2 * math.pi * chance.random(), 2 * math.pi * chance.random()
+    a, b = math.sqrt(1 - u), math.sqrt(u)
+    return a * math.sin(first), a * math.cos(first), b * math.sin(second), b * math.cos(second)

@@ -1,0 +1,67 @@
+"""What the thesis says of its experiments: the few figures that its text gives. Distances and plate sizes are blacked out there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.topics.experiments.calibration import deviation, summary
+from analysis.topics.experiments.curves import Curve
+
+Array = NDArray[np.float64]
+
+# 6.1: "after splitting up the triangle only four or more times, the difference is negligible".
+NEGLIGIBLE_FROM_LEVEL = 4
+
+
+@dataclass(frozen=True)
+class PlateClaim:
+    """6.3: the greatest difference, below what it stays from some distance on, and whether the prediction is low or high."""
+
+    greatest: float
+    later: float
+    is_low: bool
+
+
+# 6.3: the prediction of Figure 6.8 is below the measurement, that of 6.9 above; of a smaller plate it is too low, of a bigger one
+# too high, so these are the sizes that the text leaves out.
+SMALLER_PLATE = PlateClaim(0.24, 0.05, is_low=True)
+LARGER_PLATE = PlateClaim(0.10, 0.06, is_low=False)
+
+
+@dataclass(frozen=True)
+class Held:
+    """A prediction beside a claim: the greatest deviation while observable and where (m), the mean of all that are, from where on
+    (m) all of them are below the later limit (None: nowhere), and whether the greatest is within the claim.
+    """
+
+    worst: float
+    worst_at: float
+    mean: float
+    later_from: float | None
+    holds: bool
+
+
+def for_plate(area: float, calibrated: float) -> PlateClaim | None:
+    """The claim on a plate of an area (m²) with the model tuned to another; None for the same."""
+    if area == calibrated:
+        return None
+    return SMALLER_PLATE if area < calibrated else LARGER_PLATE
+
+
+def hold(curve: Curve, prediction: Array, calibrated_on: Curve, claim: PlateClaim) -> Held | None:
+    """Hold a prediction (V) against a claim, over the observable points; None without any."""
+    found = summary(curve, prediction, calibrated_on)
+    if not found.is_observable:
+        return None
+    seen = curve.until(found.observable_until)
+    values = deviation(seen, prediction[: len(seen.points)])
+    return Held(
+        found.observable,
+        found.observable_at,
+        float(np.mean(values.value)),
+        values.within(claim.later),
+        abs(found.observable) <= claim.greatest,
+    )

@@ -1,0 +1,155 @@
+"""Curves of delta output over distance or angle, from the answers of a study."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.results.answers import Estimate
+from analysis.results.study_results import CaseResult, Results
+from analysis.results.table import COMPARED_METHOD
+from analysis.topics.experiments.divider import reference_delta_output
+from geometries.studies.study import Parameter
+
+Array = NDArray[np.float64]
+
+DISTANCE, ANGLE = "gap", "tilt_degrees"
+_HINGE = "hinge_gap"
+# What a family is swept over; every other parameter tells its curves apart.
+_SWEPT = {"parallel": DISTANCE, "inclined": ANGLE}
+
+
+@dataclass(frozen=True)
+class Point:
+    """One set-up: `at` is the distance (m) or the angle (degrees), `model` the exact model's capacitance (F), `reference` the
+    delta output by the reference (V)."""
+
+    case: str
+    at: float
+    model: float
+    reference: Estimate
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Points in the order of `at`, with what is the same in all of them: lengths in metres, F, V."""
+
+    family: str
+    parameters: dict[str, Parameter]
+    own: Estimate
+    coupling: float
+    voltage: float
+    points: tuple[Point, ...]
+
+    @property
+    def at(self) -> Array:
+        return np.array([point.at for point in self.points])
+
+    @property
+    def model(self) -> Array:
+        return np.array([point.model for point in self.points])
+
+    @property
+    def reference(self) -> Array:
+        return np.array([point.reference.value for point in self.points])
+
+    @property
+    def error(self) -> Array:
+        return np.array([point.reference.error for point in self.points])
+
+    def until(self, last: float) -> Curve:
+        """The part of the curve that ends at `last`."""
+        return replace(self, points=tuple(point for point in self.points if point.at <= last))
+
+    @property
+    def target_area(self) -> float:
+        """m²."""
+        x, y = self.target_size
+        return x * y
+
+    @property
+    def target_size(self) -> tuple[float, float]:
+        return self._size("target_size")
+
+    @property
+    def sensor_size(self) -> tuple[float, float]:
+        return self._size("sensor_size")
+
+    def _size(self, name: str) -> tuple[float, float]:
+        size = self.parameters[name]
+        assert isinstance(size, tuple)
+        return size
+
+    @property
+    def hinge_gap(self) -> float:
+        """m, of a pivoted plate."""
+        gap = self.parameters[_HINGE]
+        assert isinstance(gap, float)
+        return gap
+
+
+def curves(results: Results) -> list[Curve]:
+    """A curve for each plate over distance and for each hinge over angle, in the study's order.
+
+    Cases of other families, and those without both answers or without the sensor alone, are left out.
+    """
+    grouped: dict[tuple[object, ...], list[CaseResult]] = {}
+    for case in results.compared():
+        if case.family in _SWEPT and _is_answered(results, case):
+            grouped.setdefault((case.family, *_same(case).items()), []).append(case)
+    return [_curve(results, members) for members in grouped.values()]
+
+
+def with_flat_start(curve: Curve, flat: Curve) -> Curve:
+    """A curve over angle with the parallel plate of the same size at the hinge's height as its angle 0, where there is one.
+
+    Hinged to the sensor's edge, a plate is centred before the sensor only if they are equally wide.
+    """
+    if flat.target_size != curve.target_size or curve.target_size[0] != curve.sensor_size[0]:
+        return curve
+    start = tuple(
+        Point(point.case, 0.0, point.model, point.reference)
+        for point in flat.points
+        if point.at == curve.hinge_gap and curve.points[0].at > 0
+    )
+    return replace(curve, points=start + curve.points)
+
+
+def _is_answered(results: Results, case: CaseResult) -> bool:
+    empty = results.cases.get(case.empty)
+    return (
+        case.reference is not None
+        and case.model is not None
+        and empty is not None
+        and empty.reference is not None
+    )
+
+
+def _same(case: CaseResult) -> dict[str, Parameter]:
+    return {name: value for name, value in case.parameters.items() if name != _SWEPT[case.family]}
+
+
+def _curve(results: Results, members: list[CaseResult]) -> Curve:
+    first = members[0]
+    alone = results.cases[first.empty].reference
+    assert alone is not None
+    sensor = first.scene.sensors[0]
+    own = alone.self_capacitance(sensor.name)
+    points = []
+    for case in members:
+        assert case.reference is not None and case.model is not None
+        change = case.reference.delta_self[sensor.name]
+        at = case.parameters[_SWEPT[case.family]]
+        assert isinstance(at, float)
+        points.append(
+            Point(
+                case.id,
+                at,
+                case.model.values[COMPARED_METHOD][sensor.name].total,
+                reference_delta_output(own, change, sensor.coupling_capacitance, sensor.input_voltage),
+            )
+        )
+    ordered = tuple(sorted(points, key=lambda point: point.at))
+    return Curve(first.family, _same(first), own, sensor.coupling_capacitance, sensor.input_voltage, ordered)

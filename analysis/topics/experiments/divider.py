@@ -1,0 +1,44 @@
+"""The sensor's voltage divider and its delta output (thesis 5.3.5 and chapter 6)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.results.answers import Estimate
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Divider:
+    """`coupling` is the upper capacitor and `own` what the sensor has with nothing near it (F); `voltage` is the input (V)."""
+
+    coupling: float
+    own: float
+    voltage: float
+
+    def output(self, capacitance: Array) -> Array:
+        """V_in·C_c/(C_c + C_own + C) for capacitances that nearby objects add (F), in V."""
+        return np.asarray(self.voltage * self.coupling / (self.coupling + self.own + capacitance))
+
+    def delta_output(self, capacitance: Array) -> Array:
+        """The output with nothing near less the output with the objects (V): what the thesis plots."""
+        base = self.coupling + self.own
+        return np.asarray(self.voltage * self.coupling * capacitance / (base * (base + capacitance)))
+
+
+def reference_delta_output(own: Estimate, delta_self: Estimate, coupling: float, voltage: float) -> Estimate:
+    """The delta output (V) of a sensor whose own capacitance and whose change are known with errors (F).
+
+    The two errors count fully and together: to first order, with the derivatives by the change and by the own capacitance.
+    """
+    divider = Divider(coupling, own.value, voltage)
+    base = coupling + own.value
+    near = base + delta_self.value
+    by_change = voltage * coupling / near**2
+    by_own = voltage * coupling * abs(1 / near**2 - 1 / base**2)
+    value = float(divider.delta_output(np.array([delta_self.value]))[0])
+    return Estimate(value, by_change * delta_self.error + by_own * own.error)

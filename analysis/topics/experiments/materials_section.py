@@ -1,0 +1,135 @@
+"""Experiment VI in the report: grounded, floating and dielectric targets of one shape."""
+
+from __future__ import annotations
+
+from html import escape
+
+import plotly.graph_objects as go
+
+from analysis.report import page
+from analysis.report.plot import INK, Panel, axis, figure, log_axis, power_axis, series_colour
+from analysis.results.study_results import Results
+from analysis.topics.experiments.curves import DISTANCE
+from analysis.topics.experiments.materials import Material, materials, ratios
+from analysis.topics.experiments.tables import CENTIMETRE, PICOFARAD, place
+
+_WHAT = (
+    "Floating: a conductor without charge, which is also the limit of a great permittivity. The model knows grounded conductors only: "
+    "its line is that of the grounded target. mutual does not exist but for the grounded one, so all of this is delta_self."
+)
+
+
+def parts(results: Results) -> list[str]:
+    """Findings, delta_self over the gap by material, the ratio to the grounded target, and every number."""
+    found = materials(results)
+    grounded = next((each for each in found if each.is_grounded), None)
+    if grounded is None:
+        return [page.paragraph("No grounded target has an answer to compare the others with.")]
+    others = [each for each in found if ratios(each, grounded) and not each.is_grounded]
+    return [
+        page.finding(finding(grounded, others)),
+        page.figures([_felt(found, grounded), _ratios(others, grounded)]),
+        page.finding(model_finding(grounded, others)),
+        page.folded("Show the numbers", _table(found, grounded)),
+        page.soft(_WHAT),
+    ]
+
+
+def finding(grounded: Material, others: list[Material]) -> str:
+    """The part of the grounded target's delta_self that each other material gives, near and far."""
+    told = []
+    for each in others:
+        (near, close), (far, distant) = ratios(each, grounded)[0], ratios(each, grounded)[-1]
+        told.append(
+            f"{each.label}: {100 * close:.2g} % at {place(near.gap, DISTANCE)}, {100 * distant:.2g} % at {place(far.gap, DISTANCE)}"
+        )
+    return (
+        f"Of what the grounded target gives in delta_self: {'; '.join(told)}."
+        if told
+        else "There is no other material."
+    )
+
+
+def model_finding(grounded: Material, others: list[Material]) -> str:
+    """How many times each material's delta_self the model gives, which takes all of them for grounded."""
+    model = {point.gap: point.model for point in grounded.points if point.model is not None}
+    told = []
+    for each in [grounded, *others]:
+        times = [model[point.gap] / point.delta_self.value for point in each.points if point.gap in model]
+        if times:
+            told.append(f"{each.label} {_factor(min(times))} to {_factor(max(times))} times")
+    if not told:
+        return "The model has no answer."
+    return f"The model takes every target for grounded; over delta_self it is: {'; '.join(told)}."
+
+
+def _factor(value: float) -> str:
+    return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
+
+
+def _felt(found: list[Material], grounded: Material) -> Panel:
+    traces = [_trace(each, index) for index, each in enumerate(found)]
+    known = [point for point in grounded.points if point.model is not None]
+    traces.append(
+        go.Scatter(
+            x=[point.gap / CENTIMETRE for point in known],
+            y=[(point.model or 0.0) / PICOFARAD for point in known],
+            mode="lines",
+            line={"color": INK, "dash": "dash"},
+            name="model",
+            hovertemplate="%{y:.4g} pF<extra>model</extra>",
+        )
+    )
+    y = power_axis("delta_self (pF)")
+    return Panel("delta_self over the gap", figure(traces, log_axis("gap (cm)"), y, 440))
+
+
+def _trace(each: Material, index: int) -> go.Scatter:
+    return go.Scatter(
+        x=[point.gap / CENTIMETRE for point in each.points],
+        y=[point.delta_self.value / PICOFARAD for point in each.points],
+        error_y={"array": [point.delta_self.error / PICOFARAD for point in each.points], "thickness": 1.5},
+        customdata=[point.case for point in each.points],
+        mode="lines+markers",
+        line={"color": series_colour(index)},
+        name=each.label,
+        hovertemplate="%{y:.4g} pF at %{x:.3g} cm<extra>" + escape(each.label) + "</extra>",
+    )
+
+
+def _ratios(others: list[Material], grounded: Material) -> Panel:
+    traces = []
+    for index, each in enumerate(others, 1):
+        found = ratios(each, grounded)
+        traces.append(
+            go.Scatter(
+                x=[point.gap / CENTIMETRE for point, _ in found],
+                y=[100 * ratio for _, ratio in found],
+                customdata=[point.case for point, _ in found],
+                mode="lines+markers",
+                line={"color": series_colour(index)},
+                name=each.label,
+                hovertemplate="%{y:.3g} %<extra>" + escape(each.label) + "</extra>",
+            )
+        )
+    y = axis("part of the grounded target's (%)", rangemode="tozero")
+    return Panel("the same over that of the grounded target", figure(traces, log_axis("gap (cm)"), y, 440))
+
+
+def _table(found: list[Material], grounded: Material) -> str:
+    rows = []
+    for each in found:
+        for point, ratio in ratios(each, grounded):
+            true = point.delta_self
+            rows.append(
+                [
+                    escape(each.label),
+                    page.case_link(point.case),
+                    place(point.gap, DISTANCE),
+                    f"{true.value / PICOFARAD:.5f} ± {true.error / PICOFARAD:.5f}",
+                    f"{100 * ratio:.2f} %",
+                    "" if point.model is None else f"{point.model / PICOFARAD:.5f}",
+                ]
+            )
+    header = ["material", "case", "gap", "delta_self (pF)", "of grounded", "model (pF)"]
+    return page.table(header, rows, text_columns=2)

@@ -1,0 +1,102 @@
+"""Experiment V: what two adjacent sensors and an object near one of them are to each other, from the answers of a study."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from analysis.results.answers import Estimate, ReferenceAnswer
+from analysis.results.study_results import CaseResult, Results
+from analysis.results.table import COMPARED_METHOD
+
+FAMILY, ALONE = "sensors", "parallel"
+NEAR, NEIGHBOUR = "sensor", "neighbour"
+
+
+@dataclass(frozen=True)
+class Felt:
+    """What one sensor feels of the object: delta_self and mutual by the reference, and the model's value (F)."""
+
+    delta_self: Estimate
+    mutual: Estimate
+    model: float
+
+
+@dataclass(frozen=True)
+class Point:
+    """One set-up at a gap (m). `coupling` is −M between the sensors, `coupling_alone` the same without the object;
+    `single` is what the near sensor's delta_self is without the neighbour, None where the study does not ask (F).
+    """
+
+    case: str
+    gap: float
+    near: Felt
+    neighbour: Felt
+    coupling: Estimate
+    coupling_alone: Estimate
+    single: Estimate | None
+
+
+@dataclass(frozen=True)
+class Series:
+    """The set-ups of one distance between the sensors (m), by gap."""
+
+    separation: float
+    points: tuple[Point, ...]
+
+
+def series(results: Results) -> list[Series]:
+    """A series for each distance between the sensors; set-ups without both answers are left out."""
+    found: dict[float, list[Point]] = {}
+    for case in results.compared():
+        point = _point(results, case) if case.family == FAMILY else None
+        if point is not None:
+            found.setdefault(_number(case, "separation"), []).append(point)
+    return [
+        Series(separation, tuple(sorted(points, key=lambda point: point.gap)))
+        for separation, points in found.items()
+    ]
+
+
+def _point(results: Results, case: CaseResult) -> Point | None:
+    empty = results.cases.get(case.empty)
+    if case.reference is None or case.model is None or empty is None or empty.reference is None:
+        return None
+    target = case.scene.objects[0].name
+    values = case.model.values[COMPARED_METHOD]
+    near, neighbour = (
+        Felt(
+            case.reference.delta_self[name],
+            case.reference.mutual(name, target),
+            values[name].objects[target],
+        )
+        for name in (NEAR, NEIGHBOUR)
+    )
+    return Point(
+        case=case.id,
+        gap=_number(case, "gap"),
+        near=near,
+        neighbour=neighbour,
+        coupling=_coupling(case.reference),
+        coupling_alone=_coupling(empty.reference),
+        single=_single(results, case),
+    )
+
+
+def _coupling(answer: ReferenceAnswer) -> Estimate:
+    return answer.mutual(NEAR, NEIGHBOUR)
+
+
+def _single(results: Results, case: CaseResult) -> Estimate | None:
+    """delta_self of the same set-up without the neighbour."""
+    same = ("sensor_size", "target_size", "gap", "offset")
+    for other in results.compared():
+        alike = all(other.parameters.get(name) == case.parameters[name] for name in same)
+        if other.family == ALONE and alike and other.reference is not None:
+            return other.reference.delta_self[NEAR]
+    return None
+
+
+def _number(case: CaseResult, name: str) -> float:
+    value = case.parameters[name]
+    assert isinstance(value, float)
+    return value

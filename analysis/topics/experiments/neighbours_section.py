@@ -1,0 +1,191 @@
+"""Experiment V in the report: two adjacent sensors, an object near one of them."""
+
+from __future__ import annotations
+
+import plotly.graph_objects as go
+
+from analysis.report import page
+from analysis.report.plot import Panel, axis, figure, log_axis, power_axis, series_colour
+from analysis.results.answers import Estimate
+from analysis.topics.experiments.neighbours import Felt, Point, Series
+from analysis.topics.experiments.tables import CENTIMETRE, PICOFARAD, percent
+
+_WHAT = (
+    "The object lies in front of the sensor at the origin, the other sensor is its neighbour; each is at its own voltage in "
+    "turn, the rest is grounded. delta_self: how much a sensor's own capacitance rises by the object, the neighbour being there "
+    "in both cases. mutual: charge on the object per volt on a sensor. Coupling: charge on one sensor per volt on the other. "
+    "The model sums over the object for each sensor by itself, so it has no coupling, and a neighbour changes nothing."
+)
+
+
+def parts(found: list[Series]) -> list[str]:
+    """Finding, what each sensor feels over the gap, the coupling between them, and every number."""
+    if not found:
+        return [page.paragraph("No set-up of two sensors has both answers.")]
+    return [
+        page.finding(finding(found)),
+        page.figures([_felt(series) for series in found]),
+        page.finding(coupling_finding(found)),
+        page.figures([_coupling(found)]),
+        page.folded("Show the numbers", _table(found)),
+        page.soft(_WHAT),
+    ]
+
+
+def finding(found: list[Series]) -> str:
+    """How much the neighbour feels of an object that is not in front of it, by reference and model."""
+    told = []
+    for series in found:
+        shares = [_share(point) for point in series.points]
+        model = [point.neighbour.model / point.near.model for point in series.points]
+        told.append(
+            f"{_centimetres(series.separation)} away it feels {_percent(shares[0])} of what the near sensor does with the object at "
+            f"{_centimetres(series.points[0].gap)}, {_percent(shares[-1])} at {_centimetres(series.points[-1].gap)} (model: "
+            f"{_percent(model[0])} and {_percent(model[-1])})"
+        )
+    return f"The neighbour, in delta_self: {'; '.join(told)}."
+
+
+def coupling_finding(found: list[Series]) -> str:
+    """How the object shields the sensors from each other, and what the neighbour takes from the near sensor."""
+    told = []
+    for series in found:
+        near = series.points[0]
+        change = near.coupling.value / near.coupling_alone.value - 1
+        sentence = (
+            f"{_centimetres(series.separation)} apart the sensors are coupled by {near.coupling_alone.value / PICOFARAD:.3g} pF, which "
+            f"the object at {_centimetres(near.gap)} changes by {percent(change)}"
+        )
+        taken = [
+            (p.near.delta_self.value / p.single.value - 1, p.gap)
+            for p in series.points
+            if p.single is not None
+        ]
+        if taken:
+            most, gap = max(taken, key=lambda each: abs(each[0]))
+            sentence += (
+                f"; beside the neighbour the near sensor's delta_self differs from that of a sensor alone by up to {percent(most)}, "
+                f"at {_centimetres(gap)}"
+            )
+        told.append(sentence)
+    return ". ".join(told) + "."
+
+
+def _share(point: Point) -> float:
+    return point.neighbour.delta_self.value / point.near.delta_self.value
+
+
+def _felt(series: Series) -> Panel:
+    """Both sensors' delta_self over the gap with error bars, and the model's values."""
+    traces: list[object] = []
+    for index, (name, felt) in enumerate(
+        (
+            ("near sensor", [p.near for p in series.points]),
+            ("neighbour", [p.neighbour for p in series.points]),
+        )
+    ):
+        traces += _traces(name, series.points, felt, series_colour(index))
+    caption = f"sensors {_centimetres(series.separation)} apart"
+    y = power_axis("delta_self, model (pF)")
+    return Panel(caption, figure(traces, log_axis("gap to the object (cm)"), y, 440))
+
+
+def _traces(name: str, points: tuple[Point, ...], felt: list[Felt], colour: str) -> list[go.Scatter]:
+    x, cases = [point.gap / CENTIMETRE for point in points], [point.case for point in points]
+    measured = [each.delta_self for each in felt]
+    return [
+        go.Scatter(
+            x=x,
+            y=[value.value / PICOFARAD for value in measured],
+            error_y={"array": [value.error / PICOFARAD for value in measured], "thickness": 1.5},
+            customdata=cases,
+            mode="lines+markers",
+            line={"color": colour},
+            name=f"{name}: reference",
+            hovertemplate="%{y:.4g} pF at %{x:.3g} cm<extra>" + name + "</extra>",
+        ),
+        go.Scatter(
+            x=x,
+            y=[each.model / PICOFARAD for each in felt],
+            customdata=cases,
+            mode="lines",
+            line={"color": colour, "dash": "dash"},
+            name=f"{name}: model",
+            hovertemplate="%{y:.4g} pF<extra>model, " + name + "</extra>",
+        ),
+    ]
+
+
+def _coupling(found: list[Series]) -> Panel:
+    traces = []
+    for index, series in enumerate(found):
+        traces.append(
+            go.Scatter(
+                x=[point.gap / CENTIMETRE for point in series.points],
+                y=[point.coupling.value / PICOFARAD for point in series.points],
+                error_y={"array": [point.coupling.error / PICOFARAD for point in series.points]},
+                customdata=[point.case for point in series.points],
+                mode="lines+markers",
+                line={"color": series_colour(index)},
+                name=f"{_centimetres(series.separation)} apart",
+                hovertemplate="%{y:.4g} pF at %{x:.3g} cm<extra></extra>",
+            )
+        )
+        alone = series.points[0].coupling_alone.value / PICOFARAD
+        ends = [series.points[0].gap / CENTIMETRE, series.points[-1].gap / CENTIMETRE]
+        traces.append(
+            go.Scatter(
+                x=ends,
+                y=[alone, alone],
+                mode="lines",
+                line={"color": series_colour(index), "dash": "dot"},
+                name="the same without the object",
+                hoverinfo="skip",
+            )
+        )
+    y = axis("coupling of the sensors (pF)", rangemode="tozero")
+    return Panel(
+        "coupling of the two sensors, reference", figure(traces, log_axis("gap to the object (cm)"), y, 440)
+    )
+
+
+def _table(found: list[Series]) -> str:
+    header = [
+        "apart",
+        "gap",
+        "case",
+        "sensor",
+        "delta_self (pF)",
+        "mutual (pF)",
+        "model (pF)",
+        "coupling (pF)",
+    ]
+    rows = []
+    for series in found:
+        for point in series.points:
+            for name, felt in (("near", point.near), ("neighbour", point.neighbour)):
+                place = [
+                    _centimetres(series.separation),
+                    _centimetres(point.gap),
+                    page.case_link(point.case),
+                    name,
+                ]
+                numbers = [
+                    _estimate(felt.delta_self),
+                    _estimate(felt.mutual),
+                    f"{felt.model / PICOFARAD:.5f}",
+                ]
+                rows.append([*place, *numbers, _estimate(point.coupling)])
+    return page.table(header, rows, text_columns=4)
+
+
+def _estimate(value: Estimate) -> str:
+    return f"{value.value / PICOFARAD:.5f} ± {value.error / PICOFARAD:.5f}"
+
+
+def _centimetres(length: float) -> str:
+    return f"{length / CENTIMETRE:.3g} cm"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %"

@@ -1,0 +1,80 @@
+"""The section of an experiment in the report of its study."""
+
+from __future__ import annotations
+
+from analysis.report import page
+from analysis.results.study_results import Results
+from analysis.topics.experiments import (
+    angles_section,
+    materials_section,
+    neighbours,
+    neighbours_section,
+    sizes_section,
+    splitting_section,
+    tables,
+    tuning_section,
+)
+from analysis.topics.experiments.calibration import FORMS, OBSERVABLE, calibrate
+from analysis.topics.experiments.curves import Curve, curves, with_flat_start
+from analysis.topics.experiments.splitting import accuracies
+
+_TITLES = {
+    "I": "Experiment I: splitting against the exact integral",
+    "II": "Experiment II: tuning to one plate",
+    "III": "Experiment III: other plate sizes",
+    "IV": "Experiment IV: a pivoted plate",
+    "V": "Experiment V: two adjacent sensors",
+    "VI": "Experiment VI: the material of the target",
+}
+_DELTA = (
+    "Delta output: the sensor's output with nothing near less that with the plate. The reference's, with delta_self and the sensor's "
+    "own capacitance in the divider, takes the place of the physical sensor's; its error bars are mostly too small to see. "
+    "Tuned with the own capacitance counted, coupling capacitance and ε are free; in the thesis' divider only their ratio "
+    "counts, and ε is free at the scene's coupling capacitance. Volts alike: the fit counts every volt as much, as an eye does on "
+    "the plot; by error bars, in units of the reference's. Errors of the constants are standard errors with the scatter of the "
+    f"residuals. Observable: at least {100 * OBSERVABLE:.0f} % of the greatest delta output of the plate tuned to; the thesis ends "
+    "its curves where the plate is hardly so. Its sizes and distances are blacked out. Points name their case."
+)
+
+
+def section(results: Results) -> str:
+    """The section of the experiment that the study is; empty where it is none."""
+    if not results.experiment:
+        return ""
+    if results.experiment == "I":
+        parts = splitting_section.parts(accuracies(results))
+    elif results.experiment == "V":
+        parts = neighbours_section.parts(neighbours.series(results))
+    elif results.experiment == "VI":
+        parts = materials_section.parts(results)
+    else:
+        parts = _tuned(results.experiment, curves(results))
+    return page.section(_TITLES[results.experiment], *parts)
+
+
+def _tuned(experiment: str, found: list[Curve]) -> list[str]:
+    """Each sensor by itself, tuned to its first plate over distance."""
+    groups: dict[tuple[float, float], list[Curve]] = {}
+    for curve in found:
+        groups.setdefault(curve.sensor_size, []).append(curve)
+    parts = [] if groups else [page.paragraph("No curve has both answers.")]
+    for size, members in groups.items():
+        parts += [f"<h3>Sensor of {tables.size(size)}</h3>", *_of_sensor(experiment, members)]
+    return [*parts, page.soft(_DELTA)]
+
+
+def _of_sensor(experiment: str, found: list[Curve]) -> list[str]:
+    flat = next((curve for curve in found if curve.family == "parallel"), None)
+    if flat is None:
+        return [page.paragraph("No curve over distance has both answers, so nothing can be tuned.")]
+    try:
+        tunings = [calibrate(flat, form) for form in FORMS]
+    except ValueError as error:
+        return [page.paragraph(f"Not tuned: {error}.")]
+    if experiment == "II":
+        return tuning_section.parts(flat, tunings)
+    if experiment == "III":
+        others = [curve for curve in found if curve.family == "parallel" and curve is not flat]
+        return sizes_section.parts(flat, others, tunings)
+    pivoted = [with_flat_start(curve, flat) for curve in found if curve.family == "inclined"]
+    return angles_section.parts(flat, pivoted, tunings)

@@ -1,0 +1,94 @@
+"""Experiment III in the report: the model tuned to one plate predicts others."""
+
+from __future__ import annotations
+
+from html import escape
+
+from analysis.report import page
+from analysis.topics.experiments import claims, plots, tables
+from analysis.topics.experiments.calibration import OWN, Calibration, summary
+from analysis.topics.experiments.curves import DISTANCE, Curve
+
+
+def parts(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> list[str]:
+    """Finding, curves, deviations, the thesis' figures beside them, and every tuning."""
+    own = next(tuned for tuned in tunings if tuned.form == OWN)
+    labelled = [(tables.plate(curve), curve) for curve in [flat, *others]]
+    drawn = [
+        plots.Series(f"reference, {name}", curve, (plots.Line(f"model, {name}", own.predict(curve)),))
+        for name, curve in labelled
+    ]
+    return [
+        page.finding(finding(flat, others, own)),
+        page.figures(
+            [
+                plots.delta_output(f"model tuned to {tables.plate(flat)}", drawn, DISTANCE),
+                plots.deviations("tuned model less reference", drawn, DISTANCE),
+            ]
+        ),
+        page.paragraph("Beside the thesis, while the plate is observable:"),
+        _claims_table(flat, others, tunings),
+        page.folded(
+            "Show every tuning",
+            tables.calibrations(tunings, flat) + tables.predictions(labelled, tunings, flat, DISTANCE),
+        ),
+    ]
+
+
+def finding(flat: Curve, others: list[Curve], own: Calibration) -> str:
+    """The greatest deviations on the plates that were not tuned to, beside the thesis'."""
+    told, signs = [], []
+    for curve in others:
+        claim = claims.for_plate(curve.target_area, flat.target_area)
+        held = claims.hold(curve, own.predict(curve), flat, claim) if claim else None
+        if claim is None or held is None:
+            continue
+        signs.append((held.mean < 0) == claim.is_low)
+        told.append(
+            f"{tables.percent(held.worst)} for {tables.plate(curve)} at {tables.place(held.worst_at, DISTANCE)} (thesis: at most "
+            f"{100 * claim.greatest:.0f} % on a {'smaller' if claim.is_low else 'larger'} plate)"
+        )
+    if not told:
+        return "The study holds no observable plate of another size."
+    lying = summary(flat, own.predict(flat), flat)
+    agreeing = "for all of them here" if all(signs) else f"for {sum(signs)} of {len(signs)} here"
+    return (
+        f"Tuned to {tables.plate(flat)}, where it is {tables.percent(lying.observable)} off at most, the model is off by up to "
+        f"{' and '.join(told)}, while the plate is observable. In the thesis smaller plates come out too low and larger ones too high; "
+        f"on the average over distance that is so {agreeing}."
+    )
+
+
+def _claims_table(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> str:
+    header = [
+        "plate",
+        "tuned",
+        "thesis: greatest",
+        "here",
+        "at",
+        "mean",
+        "within it",
+        "thesis: later",
+        "here so from",
+    ]
+    rows = []
+    for curve in others:
+        claim = claims.for_plate(curve.target_area, flat.target_area)
+        for tuned in tunings:
+            held = claims.hold(curve, tuned.predict(curve), flat, claim) if claim else None
+            if claim is None or held is None:
+                continue
+            rows.append(
+                [
+                    escape(tables.plate(curve)),
+                    escape(tuned.form.name),
+                    f"{100 * claim.greatest:.0f} %, too {'low' if claim.is_low else 'high'}",
+                    tables.percent(held.worst),
+                    tables.place(held.worst_at, DISTANCE),
+                    tables.percent(held.mean),
+                    "yes" if held.holds else "no",
+                    f"below {100 * claim.later:.0f} %",
+                    "nowhere" if held.later_from is None else tables.place(held.later_from, DISTANCE),
+                ]
+            )
+    return page.table(header, rows, text_columns=2)

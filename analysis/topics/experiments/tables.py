@@ -1,0 +1,110 @@
+"""What the experiments' sections say in words and tables in the same way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+
+from analysis.report import page
+from analysis.topics.experiments.calibration import Calibration, Summary, summary
+from analysis.topics.experiments.curves import DISTANCE, Curve
+
+PICOFARAD, CENTIMETRE = 1e-12, 0.01
+
+
+def calibrations(found: Sequence[Calibration], curve: Curve) -> str:
+    """The tuned constants, and how well each tuning reproduces the curve it was tuned to."""
+    header = [
+        "tuned",
+        "coupling (pF)",
+        "ε",
+        "misfit",
+        "rms (mV)",
+        "worst",
+        "at",
+        "worst while observable",
+        "at",
+    ]
+    rows = [
+        [
+            escape(each.form.name),
+            _coupling(each),
+            _constant(each, each.permittivity.value, each.permittivity.error),
+        ]
+        + [_misfit(each), *figures(summary(curve, each.predict(curve), curve), DISTANCE)]
+        for each in found
+    ]
+    return page.table(header, rows)
+
+
+def predictions(
+    labelled: Sequence[tuple[str, Curve]], tunings: Sequence[Calibration], flat: Curve, swept: str
+) -> str:
+    """How far each tuning is off on each curve."""
+    header = ["curve", "tuned", "rms (mV)", "worst", "at", "worst while observable", "at"]
+    rows = [
+        [escape(name), escape(each.form.name), *figures(summary(curve, each.predict(curve), flat), swept)]
+        for name, curve in labelled
+        for each in tunings
+    ]
+    return page.table(header, rows, text_columns=2)
+
+
+def figures(found: Summary, swept: str) -> list[str]:
+    """Cells: rms, worst, where, worst while observable, where."""
+    return [
+        f"{1000 * found.rms:.3g}",
+        percent(found.worst),
+        place(found.worst_at, swept),
+        percent(found.observable) if found.is_observable else "",
+        place(found.observable_at, swept) if found.is_observable else "",
+    ]
+
+
+def percent(value: float) -> str:
+    """With its sign, and as many digits as mean something."""
+    if abs(value) >= 0.1:
+        return f"{100 * value:+.0f} %"
+    # The sum turns -0.0 into 0.0.
+    return f"{round(100 * value, 1) + 0.0:+.1f} %"
+
+
+def place(at: float, swept: str) -> str:
+    """A distance in cm or an angle in degrees."""
+    return f"{at / CENTIMETRE:.3g} cm" if swept == DISTANCE else f"{at:.3g}°"
+
+
+def plate(curve: Curve) -> str:
+    """The target's size."""
+    return size(curve.target_size)
+
+
+def size(lengths: tuple[float, float]) -> str:
+    """Lengths in metres, written in cm."""
+    x, y = lengths
+    return f"{x / CENTIMETRE:.3g} cm × {y / CENTIMETRE:.3g} cm"
+
+
+def constants(found: Calibration) -> str:
+    """The tuned constants as part of a sentence."""
+    if not found.determined:
+        return "constants that the curve does not determine"
+    coupling, permittivity = found.coupling, found.permittivity
+    told = f"ε = {permittivity.value:.3g} ± {permittivity.error:.1g}"
+    if not found.form.counts_own:
+        return told
+    return f"a coupling capacitance of {coupling.value / PICOFARAD:.3g} ± {coupling.error / PICOFARAD:.1g} pF and {told}"
+
+
+def _coupling(found: Calibration) -> str:
+    if not found.form.counts_own:
+        return f"{found.coupling.value / PICOFARAD:.3g} (held)"
+    return _constant(found, found.coupling.value / PICOFARAD, found.coupling.error / PICOFARAD)
+
+
+def _constant(found: Calibration, value: float, error: float) -> str:
+    return f"{value:.3g} ± {error:.2g}" if found.determined else "not determined"
+
+
+def _misfit(found: Calibration) -> str:
+    return f"{found.misfit:.3g} error bars" if found.form.by_error_bars else f"{1000 * found.misfit:.3g} mV"

@@ -1,0 +1,143 @@
+"""`python3 -m analysis.topics.trade_off.measure RESULTS TARGET`: every method of the module on every pair of plates of a study.
+
+All run on one core. Methods take turns at every pose, so that what else the machine does disturbs all alike; a time is that
+of one pose, after a move, of what knows the bodies already; the smallest of several, since anything else only adds to it.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from analysis.pipeline.model_stage import model_module
+from analysis.results import study_results as results
+from analysis.results.store import Document, write_json
+from analysis.results.study_results import CaseResult
+from geometries.scene.scene import Link, Scene
+from geometries.scene.writer import canonical
+
+TRUTH_RTOL = 3e-6
+"""About the strictest that boundary elements reach with the functions they have; where they do not, the truth's error says so."""
+LEVELS = tuple(range(9))
+RTOLS = ("1e-2", "1e-3", "1e-4", "1e-5")
+STEPS = (1, 2, 3)
+_TURNS = 5
+_POSES = 5
+"""Asked in one turn: a scene that moves finds its code and its bodies in the processor's caches."""
+# Milliseconds and more: what disturbs them is short beside them.
+_TURNS_OF_BOUNDARY_ELEMENTS = {"1e-2": 5, "1e-3": 5, "1e-4": 2, "1e-5": 1}
+_MOVER = "what moves"
+_AT_HOME = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
+_ELSEWHERE = ((0.0, 0.0, 0.01), (1.0, 0.0, 0.0, 0.0))
+
+
+@dataclass(frozen=True)
+class Method:
+    """`kind` is thesis, model, correction, reduced or boundary elements; `ask` returns mutual (F) and the seconds it took. It is asked
+    for so many `poses` in each of its `turns`."""
+
+    kind: str
+    name: str
+    turns: int
+    poses: int
+    ask: Callable[[Any], tuple[float, float]]
+
+
+def methods(module: Any) -> list[Method]:
+    """Everything that the module answers with."""
+    found = [
+        Method("thesis", f"split:{level}", _TURNS, _POSES, _integral(f"split:{level}")) for level in LEVELS
+    ]
+    found.append(Method("model", "exact", _TURNS, _POSES, _integral("exact")))
+    names = [str(entry["name"]) for entry in module.corrections()]
+    found += [
+        Method("correction", name, _TURNS, _POSES, _corrected(name)) for name in names if name != "none"
+    ]
+    found += [
+        Method("reduced", f"reduced:{steps}", _TURNS, _POSES, _matrix(method=f"reduced:{steps}"))
+        for steps in STEPS
+    ]
+    found += [
+        Method("boundary elements", rtol, _TURNS_OF_BOUNDARY_ELEMENTS[rtol], 1, _matrix(rtol=float(rtol)))
+        for rtol in RTOLS
+    ]
+    return found
+
+
+def measured(module: Any, cases: list[CaseResult]) -> Document:
+    """Truths by case, and for every method its values and its seconds by case."""
+    known = methods(module)
+    truths: dict[str, Document] = {}
+    answers: list[Document] = [
+        {"kind": method.kind, "name": method.name, "values": {}, "seconds": {}} for method in known
+    ]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "scene.toml"
+        for case in cases:
+            path.write_text(canonical(movable(case.scene)), encoding="utf-8")
+            solved = module.Scene.load(str(path)).maxwell(rtol=TRUTH_RTOL)
+            truths[case.id] = {
+                "mutual": -float(solved["maxwell"][0][1]),
+                "error": float(solved["error"][0][1]),
+                "reached": bool(solved["reached"]),
+            }
+            for answer, (value, seconds) in zip(answers, _in_turn(module, path, known)):
+                answer["values"][case.id], answer["seconds"][case.id] = value, seconds
+    return {"truth_rtol": TRUTH_RTOL, "truths": truths, "methods": answers}
+
+
+def movable(scene: Scene) -> Scene:
+    """The scene with its objects on a link, which can be moved."""
+    objects = tuple(replace(body, link=_MOVER) for body in scene.objects)
+    return replace(scene, links=(Link(_MOVER),), objects=objects)
+
+
+def _in_turn(module: Any, path: Path, known: list[Method]) -> list[tuple[float, float]]:
+    """(mutual, seconds) of each method, each with a scene of its own that has answered before."""
+    scenes = [module.Scene.load(str(path)) for _ in known]
+    values = [method.ask(scene)[0] for method, scene in zip(known, scenes)]
+    best = [float("inf")] * len(known)
+    for turn in range(max(method.turns for method in known)):
+        for number, (method, scene) in enumerate(zip(known, scenes)):
+            for _ in range(method.poses if turn < method.turns else 0):
+                scene.set_pose(_MOVER, *_ELSEWHERE)
+                scene.set_pose(_MOVER, *_AT_HOME)
+                values[number], seconds = method.ask(scene)
+                best[number] = min(best[number], seconds)
+    return list(zip(values, best))
+
+
+def _integral(method: str) -> Callable[[Any], tuple[float, float]]:
+    return lambda scene: _told(scene.capacitance(method=method))
+
+
+def _corrected(correction: str) -> Callable[[Any], tuple[float, float]]:
+    return lambda scene: _told(scene.capacitance(correction=correction))
+
+
+def _told(answer: Document) -> tuple[float, float]:
+    return float(answer["sensors"][0]["total"]), float(answer["seconds"])
+
+
+def _matrix(**options: Any) -> Callable[[Any], tuple[float, float]]:
+    def ask(scene: Any) -> tuple[float, float]:
+        answer = scene.maxwell(**options)
+        return -float(answer["maxwell"][0][1]), float(answer["seconds"])
+
+    return ask
+
+
+def main(folder: str, target: str) -> None:
+    """Measure the pairs of plates in a folder of results on one core; write the answer."""
+    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    cases = [case for case in results.load(Path(folder)).compared() if case.set_up is not None]
+    write_json(Path(target), measured(model_module(), cases))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,189 @@
+"""Run time against error on one plot, with the sentence that it comes to."""
+
+from __future__ import annotations
+
+import math
+
+import plotly.graph_objects as go
+
+from analysis.report import page
+from analysis.report.plot import INK, Panel, figure, power_axis, series_colour
+from analysis.results.store import Document
+from analysis.results.study_results import Results
+from analysis.topics.trade_off import points, stage
+from analysis.topics.trade_off.points import Point
+
+TITLE = "Run time against error of all methods"
+_SERIES = {
+    "thesis": ("split:N, the thesis' method", 0, "circle", "lines+markers+text"),
+    "model": ("exact, the same integral", 6, "star", "markers+text"),
+    "correction": ("corrections of it", 1, "square", "markers+text"),
+    "reduced": ("reduced:K", 2, "triangle-up", "lines+markers+text"),
+    "boundary elements": ("boundary elements by rtol", 4, "diamond", "lines+markers+text"),
+    points.MESH: (points.MESH, 3, "x", "lines+markers+text"),
+    points.ANSWER: (points.ANSWER, 3, "star", "markers"),
+}
+# What is named beside its point: others lie so close that words would cover them, and are told where the pointer is.
+_NAMED_OF_SPLITS = ("split:0", "split:4", "split:8")
+_BETTER_THAN_PLAIN = 0.75
+
+
+def section(document: Document | None, results: Results, cases: str) -> str:
+    """Finding, plot and what it shows; empty without a measurement. `cases` is the folder of the cases as seen from the page."""
+    if document is None or not document["truths"]:
+        return ""
+    found = points.points(document, results)
+    return page.section(
+        TITLE,
+        page.finding(finding(found, document, results)),
+        page.figures([Panel(_caption(document), plot(found, points.known_to(document)))], cases),
+        page.soft(_explanation(document, results)),
+    )
+
+
+def finding(found: list[Point], document: Document, results: Results) -> str:
+    """From the plain model to the field solver, and what the reduced method is worth beside a mesh that is as accurate."""
+    named = {point.name: point for point in found}
+    exact, fast = named["exact"], named["reduced:2"]
+    corrections = [point for point in found if point.kind == "correction"]
+    best = min(corrections, key=lambda point: point.error)
+    seconds = [point.seconds for point in found]
+    sentence = (
+        f"Over {len(document['truths'])} set-ups the plain model takes {duration(exact.seconds)} and is {exact.error:.0%} off in mutual "
+        f"(medians), the correction {best.name} {duration(best.seconds)} and {_percent(best.error)}, {fast.name} "
+        f"{duration(fast.seconds)} and {_percent(fast.error)}"
+    )
+    meshes = [point for point in found if point.kind == points.MESH]
+    matched = [point for point in meshes if point.error >= fast.error]
+    if matched:
+        last = matched[-1]
+        sentence += (
+            f"; mesh {last.name} of the field solver is {_percent(last.error)} off after {duration(last.seconds)}, "
+            f"{_rounded(last.seconds / fast.seconds)} times as long"
+        )
+    return f"{sentence}. The plot spans {math.log10(max(seconds) / min(seconds)):.1f} decades of time."
+
+
+def plot(found: list[Point], known_to: float) -> go.Figure:
+    """Every series, the front, and what the truth is known to. Errors below that are drawn there, open."""
+    traces = [_front(found, known_to)]
+    (plain,) = (point.error for point in found if point.kind == "model")
+    for kind, (name, colour, symbol, mode) in _SERIES.items():
+        members = [point for point in found if point.kind == kind]
+        if members:
+            traces.append(_series(name, members, colour, symbol, mode, known_to, plain))
+    seconds = [point.seconds for point in found]
+    ends = [math.log10(min(seconds)) - 0.4, math.log10(max(seconds)) + 0.5]
+    traces.append(
+        go.Scatter(
+            x=[10 ** ends[0], 10 ** ends[1]],
+            y=[known_to, known_to],
+            mode="lines",
+            line={"color": INK, "width": 1, "dash": "dash"},
+            name="what the truth is known to",
+            hoverinfo="skip",
+        )
+    )
+    x = power_axis("seconds for one pose", range=ends)
+    return figure(traces, x, power_axis("relative error in mutual"), height=560)
+
+
+def duration(seconds: float) -> str:
+    """To two digits."""
+    for unit, name in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")):
+        if seconds >= unit:
+            break
+    return f"{float(f'{seconds / unit:.2g}'):g} {name}"
+
+
+def front(found: list[Point], known_to: float) -> list[Point]:
+    """The points that no other beats in both, from fast to accurate; errors below what the truth is known to are equal."""
+    best: list[Point] = []
+    for point in sorted(found, key=lambda each: (each.seconds, each.error)):
+        if not best or max(point.error, known_to) < max(best[-1].error, known_to):
+            best.append(point)
+    return best
+
+
+def _front(found: list[Point], known_to: float) -> go.Scatter:
+    best = front(found, known_to)
+    return go.Scatter(
+        x=[point.seconds for point in best],
+        y=[max(point.error, known_to) for point in best],
+        mode="lines",
+        line={"color": INK, "width": 1.5, "dash": "dot", "shape": "hv"},
+        name="front: none is faster and better",
+        hoverinfo="skip",
+    )
+
+
+def _series(
+    name: str, members: list[Point], colour: int, symbol: str, mode: str, known_to: float, plain: float
+) -> go.Scatter:
+    shown = [max(point.error, known_to) for point in members]
+    return go.Scatter(
+        x=[point.seconds for point in members],
+        y=shown,
+        error_y={
+            "type": "data",
+            "symmetric": False,
+            "array": [max(point.percentile_95 - error, 0) for point, error in zip(members, shown)],
+            "arrayminus": [0] * len(members),
+            "thickness": 0.8,
+            "width": 2,
+            "color": series_colour(colour),
+        },
+        mode=mode,
+        text=[_label(point, plain) for point in members],
+        textposition="bottom center" if members[0].kind == "correction" else "top right",
+        textfont={"size": 10},
+        customdata=[point.worst for point in members],
+        hovertext=[point.name for point in members],
+        cliponaxis=False,
+        marker={
+            "color": series_colour(colour),
+            "symbol": [symbol if point.error > known_to else f"{symbol}-open" for point in members],
+            "size": 14 if symbol == "star" else 8,
+        },
+        line={"color": series_colour(colour)},
+        name=name,
+        hovertemplate="%{hovertext}: %{x:.2g} s, %{y:.1e}<extra>" + name + "</extra>",
+    )
+
+
+def _label(point: Point, plain: float) -> str:
+    """`plain` is the error of the model without a correction."""
+    if point.kind == "correction" and point.error > _BETTER_THAN_PLAIN * plain:
+        return ""
+    if point.kind == "thesis":
+        return point.name.partition(":")[2] if point.name in _NAMED_OF_SPLITS else ""
+    return point.name.removeprefix("reduced:")
+
+
+def _caption(document: Document) -> str:
+    return f"median over {len(document['truths'])} set-ups of one plate before another; the bars end at 95 % of them"
+
+
+def _explanation(document: Document, results: Results) -> str:
+    agreeing, total = points.agreement(document, results)
+    truth = (
+        f"The truth is that of boundary elements at rtol = {document['truth_rtol']:g}, its stated error {points.known_to(document):.0e} in "
+        f"the median; it lies within the field solver's error bar in {agreeing} of {total} set-ups."
+    )
+    return (
+        "A click on a point opens the case in which that method is worst. "
+        f"{truth} Times of the model, the corrections, reduced:K and boundary elements: one core, one run, methods taking turns at "
+        "every pose, after a move, bodies known; the smallest of several. Those of the field solver are the seconds of each mesh when "
+        f"the study was solved, and of the whole answer. {document['processor']} with {document['instruction_sets']}. Again, from the "
+        f"project's folder: {stage.command(results.folder)}"
+    )
+
+
+def _percent(error: float) -> str:
+    return f"{100 * error:.2g} %"
+
+
+def _rounded(factor: float) -> str:
+    """To one digit: a ratio of times of different days deserves no more."""
+    digits = 10 ** math.floor(math.log10(factor))
+    return f"{round(factor / digits) * digits:,.0f}"

@@ -1,0 +1,155 @@
+"""The report's section on how long the reference takes for which error, beside meshes that are not graded to edges."""
+
+from __future__ import annotations
+
+import math
+from html import escape
+
+import plotly.graph_objects as go
+
+from analysis.report import page
+from analysis.report.plot import Panel, figure, power_axis, series_colour
+from analysis.topics.verification.records import Cost, Point, Target
+
+TITLE = "Run time against error of the reference"
+KNOWN = 1e-2
+"""Where no value is known to this, nothing can be compared with it: the reference was stopped by its limit of time."""
+_WHAT = (
+    "Errors are the largest of any entry of the Maxwell matrix, relative to the best known value: the truth, or the reference's own "
+    "answer with the smallest stated error; errors below what that is known to are drawn there, open. Seconds count from the start, so "
+    "that a mesh comes after all coarser ones. Linear and quadratic elements of one size on all conductors use the "
+    "reference's outer boundary, growth, symmetry and linear solver, but are not graded to edges and have no quarter points. Every solve has "
+    "one core; as many run side by side as there are cores."
+)
+
+
+def section(costs: list[Cost]) -> str:
+    """Finding, targets, a panel for each set-up, and every point."""
+    if not costs:
+        return ""
+    known = [cost for cost in costs if cost.best_to <= KNOWN]
+    panels = [Panel(f"{cost.caption}. {case_finding(cost)}", _panel(cost, _ranges(known))) for cost in known]
+    return page.section(
+        TITLE,
+        page.finding(finding(known)),
+        page.figures(panels),
+        page.soft(_WHAT),
+        "<h3>What was asked for</h3>",
+        page.finding(target_finding(costs)),
+        _targets(costs),
+        page.folded("Every mesh", _table(known)),
+    )
+
+
+def finding(costs: list[Cost]) -> str:
+    """The first mesh of the reference beside the most accurate ungraded one, over all set-ups."""
+    better, factors = 0, []
+    shown = [cost for cost in costs if cost.meshes and cost.linear + cost.quadratic]
+    for cost in shown:
+        rival = min(cost.linear + cost.quadratic, key=lambda point: point.error)
+        # Nothing counts as better than the best value is known.
+        first = max(cost.meshes[0].error, cost.best_to)
+        if first < rival.error:
+            better += 1
+            factors.append(rival.error / first)
+    if not factors:
+        return f"In none of {len(shown)} set-ups is the reference's first mesh better than the best ungraded mesh."
+    return (
+        f"In {better} of {len(shown)} set-ups the reference's first mesh is better than the best mesh that is not graded to edges, by a "
+        f"factor of {min(factors):.2g} to {max(factors):.2g}."
+    )
+
+
+def case_finding(cost: Cost) -> str:
+    """The answer with its error, and the best ungraded mesh."""
+    end = cost.answers[0]
+    sentence = f"The estimate is {_error(end.error, cost)} off after {end.seconds:.1f} s"
+    for name, points in (("quadratic", cost.quadratic), ("linear", cost.linear)):
+        if points:
+            best = min(points, key=lambda point: point.error)
+            sentence += f", the best {name} mesh {_error(best.error, cost)} after {best.seconds:.1f} s"
+    if cost.widths:
+        sentence += f"; the enclosure is ±{cost.widths[-1].error:.2g} after {cost.widths[-1].seconds:.1f} s"
+    return f"{sentence}."
+
+
+def target_finding(costs: list[Cost]) -> str:
+    targets = [(cost, target) for cost in costs for target in cost.targets]
+    missed = [f"{cost.caption}, {target.rtol:g}" for cost, target in targets if not target.met]
+    sentence = f"{len(targets) - len(missed)} of {len(targets)} errors asked for were stated in time"
+    return f"{sentence}; not: {'; '.join(missed)}." if missed else f"{sentence}."
+
+
+def _error(error: float, cost: Cost) -> str:
+    return f"{error:.1e}" if error > cost.best_to else f"at most {cost.best_to:.1e}"
+
+
+def _targets(costs: list[Cost]) -> str:
+    header = ["set-up", "error asked for", "within (s)", "stated", "after (s)", "off by", "in time"]
+    return page.table(header, [_target_cells(cost, target) for cost in costs for target in cost.targets])
+
+
+def _target_cells(cost: Cost, target: Target) -> list[str]:
+    return [
+        escape(cost.caption),
+        f"{target.rtol:.0e}",
+        f"{target.allowed_seconds:g}",
+        f"{target.stated:.1e}",
+        f"{target.seconds:.1f}",
+        _error(target.error, cost),
+        "yes" if target.met else "<strong>no</strong>",
+    ]
+
+
+def _series(cost: Cost) -> list[tuple[str, tuple[Point, ...], int, str, str]]:
+    return [
+        ("reference, each mesh", cost.meshes, 0, "circle", "lines+markers"),
+        ("reference, extrapolated", cost.answers, 0, "star", "markers"),
+        ("enclosure, half its width", cost.widths, 2, "square", "lines+markers"),
+        ("quadratic, one size", cost.quadratic, 1, "diamond", "lines+markers"),
+        ("linear, one size", cost.linear, 4, "triangle-up", "lines+markers"),
+    ]
+
+
+def _panel(cost: Cost, ranges: tuple[list[float], list[float]]) -> go.Figure:
+    traces = []
+    for name, points, colour, symbol, mode in _series(cost):
+        symbols = [symbol if point.error > cost.best_to else f"{symbol}-open" for point in points]
+        traces.append(
+            go.Scatter(
+                x=[point.seconds for point in points],
+                y=[max(point.error, cost.best_to) for point in points],
+                mode=mode,
+                customdata=[point.unknowns for point in points],
+                marker={
+                    "color": series_colour(colour),
+                    "symbol": symbols,
+                    "size": 14 if symbol == "star" else 8,
+                },
+                line={"color": series_colour(colour)},
+                name=name,
+                hovertemplate="%{x:.2g} s, %{y:.1e}, %{customdata:,} unknowns<extra>" + name + "</extra>",
+            )
+        )
+    x = power_axis("seconds", range=ranges[0])
+    return figure(traces, x, power_axis("largest relative error", range=ranges[1]), height=380)
+
+
+def _ranges(costs: list[Cost]) -> tuple[list[float], list[float]]:
+    """Exponents of ten, the same for all panels."""
+    points = [(point, cost) for cost in costs for _, series, *_ in _series(cost) for point in series]
+    seconds = [math.log10(point.seconds) for point, _ in points]
+    errors = [math.log10(max(point.error, cost.best_to)) for point, cost in points]
+    return [min(seconds) - 0.2, max(seconds) + 0.2], [min(errors) - 0.3, max(errors) + 0.3]
+
+
+def _table(costs: list[Cost]) -> str:
+    rows = []
+    for cost in costs:
+        known = f"{escape(cost.best_from)}, {cost.best_to:.0e}"
+        for name, points, *_ in _series(cost):
+            for point in points:
+                cells = [f"{point.unknowns:,}", f"{point.seconds:.2f}", _error(point.error, cost)]
+                rows.append([escape(cost.caption), name, *cells, known])
+    header = ["set-up", "method", "unknowns", "seconds", "error", "best known value"]
+    return page.table(header, rows, text_columns=2)

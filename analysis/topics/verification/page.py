@@ -1,0 +1,82 @@
+"""The verification as sections of reports, and as a page of its own."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis.pipeline import keys
+from analysis.report import page
+from analysis.results.store import Document, write_text
+from analysis.topics.verification import cost_section, records, section, stage
+
+PAGE = "verification.html"
+_INTRODUCTION = "Is the field reference right, does it know how wrong it is, and what does it cost? Every figure here is made anew by one command."
+
+
+@dataclass(frozen=True)
+class Made:
+    """Where the page is, and what it says in a sentence."""
+
+    path: Path
+    headline: str
+
+
+def beside(results: Path) -> Path:
+    """The folder of the verification that belongs to a study's results."""
+    return results.resolve().parent / stage.FOLDER
+
+
+def truths(rows: dict[str, Document]) -> str:
+    """The chapter on known capacitances; one sentence without rows."""
+    if not rows:
+        return section.chapter([], [], [])
+    names = stage.row_names()
+    ordered = _ordered(rows)
+    missing = [name for name in names if name not in rows]
+    return section.chapter(records.compared(ordered), records.held(ordered), missing)
+
+
+def costs(rows: dict[str, Document]) -> str:
+    """The section on the reference's run times; empty without rows."""
+    if not rows:
+        return ""
+    from analysis.topics.verification.set_ups import cost_cases
+
+    asked = [
+        records.Asked(case.name, case.caption, case.targets, case.truth, case.truth_error)
+        for case in cost_cases().values()
+    ]
+    ordered = _ordered(rows)
+    found = [cost for cost in (records.cost(ordered, case) for case in asked) if cost is not None]
+    return cost_section.section(found)
+
+
+def _ordered(rows: dict[str, Document]) -> dict[str, Document]:
+    return {name: rows[name] for name in stage.row_names() if name in rows}
+
+
+def make(folder: Path) -> Made:
+    """Write the page of the rows in a folder."""
+    rows = stage.load(folder)
+    title = "Verification of the field reference"
+    body = [
+        f"<header>\n<h1>{title}</h1>",
+        page.paragraph(_INTRODUCTION),
+        "</header>",
+        truths(rows),
+        costs(rows),
+    ]
+    page.provide_script(folder)
+    write_text(folder / PAGE, page.document(title, inputs(rows), body, page.SCRIPT))
+    found = records.compared(rows)
+    told = section.finding(found) if found else section.ABSENT
+    return Made(folder / PAGE, told)
+
+
+def inputs(rows: dict[str, Document]) -> str:
+    """A hash of what the sections are made from."""
+    answers = json.dumps(rows, sort_keys=True)
+    return hashlib.sha256(f"{answers} {keys.report_code()}".encode()).hexdigest()

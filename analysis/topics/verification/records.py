@@ -1,0 +1,254 @@
+"""What the rows of the verification say: how far off against how far off stated, orders of convergence, time against error."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.results.store import Document
+
+Array = NDArray[np.float64]
+
+ROUNDING = 2.0**-52
+CLEAR_OF_TRUTH = 3.0
+"""A level's error says something about the order while it is this many times what the truth is known to."""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One quantity whose truth is known; all errors are relative to it. `level_errors` have their sign."""
+
+    case: str
+    quantity: str
+    source: str
+    truth_error: float
+    off: float
+    stated: float
+    half_width: float | None
+    enclosed: bool | None
+    edge_sizes: tuple[float, ...]
+    level_errors: tuple[float, ...]
+    seconds: float
+
+    @property
+    def within(self) -> bool:
+        """Whether the truth is within the stated error, as far as it is known."""
+        return self.off <= self.stated + self.truth_error
+
+    @property
+    def known_off(self) -> float:
+        """The true error, or what the truth is known to where that is more."""
+        return max(self.off, self.truth_error, ROUNDING)
+
+    @property
+    def effectivity(self) -> float:
+        """Stated over true error: below 1 it is wrong, far above it wastes time."""
+        return self.stated / self.known_off
+
+    @property
+    def enclosure_effectivity(self) -> float | None:
+        """Half the width of the enclosure over the best value's true error."""
+        return None if self.half_width is None else self.half_width / self.known_off
+
+    @property
+    def clear_levels(self) -> list[tuple[float, float]]:
+        """Edge size and size of the error, of the levels whose error is clear of what the truth is known to."""
+        pairs = zip(self.edge_sizes, self.level_errors)
+        return [(size, abs(error)) for size, error in pairs if abs(error) > CLEAR_OF_TRUTH * self.truth_error]
+
+    @property
+    def order(self) -> float | None:
+        """The power of the edge size by which the levels' errors fall; None with fewer than three levels."""
+        if len(self.clear_levels) < 3:
+            return None
+        sizes, errors = zip(*self.clear_levels)
+        return float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])
+
+
+@dataclass(frozen=True)
+class Held:
+    """A property with its measured figure and what it may be at most."""
+
+    group: str
+    words: str
+    measured: float
+    allowed: float
+    because: str
+
+    @property
+    def holds(self) -> bool:
+        return self.measured <= self.allowed
+
+
+@dataclass(frozen=True)
+class Point:
+    """Seconds from the start to an answer, and the largest relative error of an entry; `unknowns` of its mesh."""
+
+    seconds: float
+    error: float
+    unknowns: int
+
+
+@dataclass(frozen=True)
+class Target:
+    """An error that was asked for within seconds: what was stated when it ended, after how long, and how far off it was."""
+
+    rtol: float
+    allowed_seconds: float
+    stated: float
+    seconds: float
+    error: float
+
+    @property
+    def met(self) -> bool:
+        return self.stated <= self.rtol and self.seconds <= self.allowed_seconds
+
+
+@dataclass(frozen=True)
+class Cost:
+    """One set-up with the answers of every method, each mesh a point; `best_to` is what the best known matrix is known to.
+
+    `answers` are the extrapolated values at the end, `widths` half the widths of the enclosures so far.
+    """
+
+    name: str
+    caption: str
+    best_to: float
+    best_from: str
+    meshes: tuple[Point, ...]
+    answers: tuple[Point, ...]
+    widths: tuple[Point, ...]
+    linear: tuple[Point, ...]
+    quadratic: tuple[Point, ...]
+    targets: tuple[Target, ...]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a set-up of the cost rows is called, what is known of it, and what is asked."""
+
+    name: str
+    caption: str
+    targets: tuple[tuple[float, float], ...]
+    truth: Array | None
+    truth_error: float
+
+
+def compared(rows: Mapping[str, Document]) -> list[Compared]:
+    """Every quantity of the rows truth/…, in their order."""
+    found = []
+    for name, row in rows.items():
+        kind, _, case = name.partition("/")
+        if kind == "truth":
+            found += [_compared(case, row, quantity) for quantity in row["quantities"]]
+    return found
+
+
+def _compared(case: str, row: Document, quantity: Document) -> Compared:
+    truth, slack = quantity["truth"], quantity["truth_error"]
+    size = abs(truth)
+    half = enclosed = None
+    if "lower" in quantity:
+        half = (quantity["upper"] - quantity["lower"]) / 2 / size
+        enclosed = quantity["lower"] <= truth + slack * size and truth - slack * size <= quantity["upper"]
+    return Compared(
+        case,
+        quantity["name"],
+        row["source"],
+        slack,
+        abs(quantity["value"] - truth) / size,
+        quantity["error"] / size,
+        half,
+        enclosed,
+        tuple(row["edge_sizes"]),
+        tuple((value - truth) / size for value in quantity["levels"]),
+        row["seconds"],
+    )
+
+
+def worst_of_each_case(found: Iterable[Compared]) -> list[Compared]:
+    """Of each case the quantity whose true error is the largest part of the stated one."""
+    worst: dict[str, Compared] = {}
+    for row in found:
+        known = worst.setdefault(row.case, row)
+        worst[row.case] = max(known, row, key=lambda r: r.off / r.stated)
+    return list(worst.values())
+
+
+def held(rows: Mapping[str, Document]) -> list[Held]:
+    """The statements of the rows property/…, in their order."""
+    return [
+        Held(name.partition("/")[2], **statement)
+        for name, row in rows.items()
+        if name.startswith("property/")
+        for statement in row["statements"]
+    ]
+
+
+def cost(rows: Mapping[str, Document], asked: Asked) -> Cost | None:
+    """Time against error of one set-up; None without an answer of the reference."""
+    of = {
+        method: rows[f"cost/{asked.name}/{method}"]
+        for method in ("estimate", "tight", "enclosure", "linear", "quadratic")
+        if f"cost/{asked.name}/{method}" in rows
+    }
+    answered = [of[method] for method in ("estimate", "tight") if method in of]
+    if not answered:
+        return None
+    best, best_to, best_from = _best(asked, of)
+
+    def points(method: str, cumulative: bool) -> tuple[Point, ...]:
+        found, spent = [], 0.0
+        for point in of.get(method, {"points": []})["points"]:
+            spent = point["seconds"] if cumulative else spent + point["seconds"]
+            found.append(Point(spent, relative(point["maxwell"], best), point["unknowns"]))
+        return tuple(found)
+
+    ends = tuple(_end(row, best) for row in answered)
+    targets = tuple(
+        Target(rtol, seconds, row["stated"], row["seconds"], end.error)
+        for (rtol, seconds), row, end in zip(asked.targets, answered, ends)
+    )
+    widths = of.get("enclosure", {"points": []})["points"]
+    return Cost(
+        asked.name,
+        asked.caption,
+        best_to,
+        best_from,
+        points("estimate", cumulative=True),
+        ends,
+        tuple(Point(p["seconds"], _width(p), p["unknowns"]) for p in widths if "lower" in p),
+        points("linear", cumulative=False),
+        points("quadratic", cumulative=False),
+        targets,
+    )
+
+
+def relative(maxwell: Array | list[list[float]], best: Array) -> float:
+    """The largest relative difference of an entry."""
+    return float(np.max(np.abs(np.asarray(maxwell) - best) / np.abs(best)))
+
+
+def _best(asked: Asked, of: Mapping[str, Document]) -> tuple[Array, float, str]:
+    """The matrix that is known best, to what, and from where: the truth, or the answer with the smallest stated error."""
+    found: list[tuple[float, str, Array]] = []
+    if asked.truth is not None:
+        found.append((asked.truth_error, "the truth", asked.truth))
+    for method in ("tight", "estimate", "enclosure"):
+        if method in of:
+            value, error = (np.array(of[method][key]) for key in ("value", "error"))
+            found.append((float(np.max(error / np.abs(value))), f"the reference's own {method}", value))
+    best_to, source, matrix = min(found, key=lambda entry: entry[0])
+    return matrix, best_to, source
+
+
+def _end(row: Document, best: Array) -> Point:
+    return Point(row["seconds"], relative(row["value"], best), row["points"][-1]["unknowns"])
+
+
+def _width(point: Document) -> float:
+    lower, upper = np.array(point["lower"]), np.array(point["upper"])
+    return float(np.max((upper - lower) / np.abs(upper + lower)))

@@ -1,0 +1,240 @@
+"""The report's chapter on how far the reference is from capacitances that are known, and whether it says so."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from html import escape
+
+import numpy as np
+import plotly.graph_objects as go
+
+from analysis.report import page
+from analysis.report.plot import INK, Panel, figure, power_axis, series_colour
+from analysis.topics.verification.records import Compared, Held, worst_of_each_case
+
+TITLE = "The reference against known capacitances"
+ABSENT = (
+    "The reference has not been verified with this version of it: python3 -m analysis verify does it in minutes, and ./run "
+    "nightly with the nightly study."
+)
+_WHAT = (
+    "Effectivity is the stated error over the true one: below 1 it is wrong. The true error counts as at least what the truth is "
+    "known to. The enclosure is that of the same answer; strips and delta_self have an estimate only. Strips are the limit of "
+    "plates of one, two and three times a length."
+)
+_ORDER = (
+    "The error of a mesh is proportional to the edge size at edges (order 1), and falls faster on round bodies, which have none. "
+    "Where the levels share an error, or it passes zero, the fit is off."
+)
+_SMALLEST = 1e-7
+
+
+def chapter(found: list[Compared], properties: list[Held], missing: list[str]) -> str:
+    """Everything but run times; one sentence when there is nothing."""
+    if not found and not properties:
+        return page.section(TITLE, page.paragraph(ABSENT))
+    parts = []
+    if missing:
+        words = f"{len(missing)} rows failed or are not solved yet; they count nowhere: {'; '.join(missing)}."
+        parts.append(page.paragraph(words))
+    if found:
+        parts += _truths(found)
+        parts += _orders(found)
+    if properties:
+        parts += _properties(properties)
+    parts.append(page.soft("Again, from the project's folder: python3 -m analysis verify"))
+    return page.section(TITLE, *parts)
+
+
+def finding(found: list[Compared]) -> str:
+    """How many truths lie where they should, how far off the values are, and the effectivities."""
+    cases = len({row.case for row in found})
+    within = sum(row.within for row in found)
+    off = [row.off for row in found]
+    worst = max(found, key=lambda row: row.off)
+    sentences = [
+        f"{within} of {len(found)} known quantities of {cases} set-ups are within the stated error; the best value is off by "
+        f"{np.median(off):.1e} (median) and {worst.off:.1e} at most ({worst.case}, {worst.quantity}).",
+        f"Stated over true error: {_spread([row.effectivity for row in found])}.",
+    ]
+    enclosed = [row for row in found if row.enclosed is not None]
+    if enclosed:
+        inside = sum(bool(row.enclosed) for row in enclosed)
+        widths = [row.half_width for row in enclosed if row.half_width is not None]
+        ratios = [row.enclosure_effectivity for row in enclosed if row.enclosure_effectivity is not None]
+        sentences.append(
+            f"{inside} of {len(enclosed)} enclosures hold the truth; half their width is {np.median(widths):.1e} (median) and "
+            f"{_spread(ratios)} times the best value's true error."
+        )
+    outside = sorted(
+        {f"{row.case}, {row.quantity}" for row in found if not row.within or row.enclosed is False}
+    )
+    if outside:
+        sentences.append(f"Outside: {'; '.join(outside)}.")
+    return " ".join(sentences)
+
+
+def _spread(values: Iterable[float]) -> str:
+    known = list(values)
+    return f"median {np.median(known):.2g}, from {min(known):.2g} to {max(known):.2g}"
+
+
+def _truths(found: list[Compared]) -> list[str]:
+    return [
+        page.finding(finding(found)),
+        page.figures(
+            [
+                Panel(
+                    "stated against true error: below the line a stated error would be wrong",
+                    _stated_against_true(found),
+                )
+            ]
+        ),
+        page.paragraph("Of each set-up the quantity whose true error is the largest part of the stated one."),
+        _table(worst_of_each_case(found)),
+        page.folded(f"All {len(found)} quantities", _full_table(found)),
+        page.soft(_WHAT),
+    ]
+
+
+def _stated_against_true(found: list[Compared]) -> go.Figure:
+    shown = [max(row.known_off, _SMALLEST) for row in found]
+    ends = [min(shown), max(row.stated for row in found)]
+    traces = [
+        go.Scatter(x=ends, y=ends, mode="lines", line={"color": INK, "dash": "dot", "width": 1.5}, name="equal", hoverinfo="skip"),
+        _marks("stated error of the best value", [(row, row.stated) for row in found], 0, "circle"),
+        _marks("half the enclosure's width", [(row, row.half_width) for row in found if row.half_width], 1, "square-open"),
+    ]  # fmt: skip
+    x, y = power_axis("true relative error of the best value"), power_axis("relative error as stated")
+    return figure(traces, x, y, height=460)
+
+
+def _marks(name: str, rows: list[tuple[Compared, float | None]], index: int, symbol: str) -> go.Scatter:
+    return go.Scatter(
+        x=[max(row.known_off, _SMALLEST) for row, _ in rows],
+        y=[value for _, value in rows],
+        mode="markers",
+        customdata=[f"{row.case}, {row.quantity}" for row, _ in rows],
+        marker={"color": series_colour(index), "symbol": symbol, "size": 8},
+        name=name,
+        hovertemplate="%{customdata}<br>off by %{x:.1e}, %{y:.1e}<extra>" + name + "</extra>",
+    )
+
+
+_HEADER = (
+    "set-up",
+    "quantity",
+    "known to",
+    "off by",
+    "stated",
+    "effectivity",
+    "within",
+    "half width",
+    "effectivity",
+)
+_MORE = ("truth inside", "order")
+
+
+def _table(rows: list[Compared]) -> str:
+    return page.table([*_HEADER, *_MORE], [_cells(row) for row in rows], text_columns=2)
+
+
+def _full_table(rows: list[Compared]) -> str:
+    """With the source of every truth, and what the answer took."""
+    more = [[*_cells(row), f"{row.seconds:.1f}", escape(row.source)] for row in rows]
+    return page.table([*_HEADER, *_MORE, "seconds", "truth from"], more, text_columns=2)
+
+
+def _cells(row: Compared) -> list[str]:
+    ratio, order = row.enclosure_effectivity, row.order
+    return [
+        escape(row.case),
+        escape(row.quantity),
+        f"{row.truth_error:.0e}" if row.truth_error else "exact",
+        f"{row.off:.1e}",
+        f"{row.stated:.1e}",
+        f"{row.effectivity:.2g}",
+        "yes" if row.within else "<strong>no</strong>",
+        "" if row.half_width is None else f"{row.half_width:.1e}",
+        "" if ratio is None else f"{ratio:.2g}",
+        "" if row.enclosed is None else "yes" if row.enclosed else "<strong>no</strong>",
+        "" if order is None else f"{order:.2f}",
+    ]
+
+
+def _orders(found: list[Compared]) -> list[str]:
+    shown = [row for row in worst_of_each_case(found) if row.order is not None]
+    if not shown:
+        return []
+    return [
+        "<h3>Orders of convergence</h3>",
+        page.finding(order_finding(shown)),
+        page.figures(
+            [Panel("error of each mesh against the size of its elements at edges", _error_over_size(shown))]
+        ),
+        page.soft(_ORDER),
+    ]
+
+
+def order_finding(shown: list[Compared]) -> str:
+    """The median order, and how many are near the theory's."""
+    orders = [row.order for row in shown if row.order is not None]
+    near = sum(0.7 <= order <= 1.4 for order in orders)
+    return (
+        f"Over three and more meshes the error falls with the power {np.median(orders):.2f} of the edge size (median of "
+        f"{len(orders)} set-ups; {near} of them between 0.7 and 1.4, in theory 1 at edges)."
+    )
+
+
+def _error_over_size(shown: list[Compared]) -> go.Figure:
+    traces = []
+    for row in shown:
+        largest = max(row.edge_sizes)
+        known = row.clear_levels
+        traces.append(
+            go.Scatter(
+                x=[size / largest for size, _ in known],
+                y=[error for _, error in known],
+                mode="lines+markers",
+                line={"color": series_colour(0), "width": 1},
+                marker={"size": 5},
+                name=row.case,
+                showlegend=False,
+                hovertemplate=f"{escape(row.case)}<br>%{{y:.1e}}<extra></extra>",
+            )
+        )
+    middle = math.exp(float(np.mean([math.log(row.clear_levels[0][1]) for row in shown])))
+    sizes = [1.0, 0.25]
+    traces.append(
+        go.Scatter(
+            x=sizes, y=[middle * size for size in sizes], mode="lines", name="order 1", hoverinfo="skip",
+            line={"color": INK, "dash": "dot", "width": 2},
+        )
+    )  # fmt: skip
+    x = power_axis("edge size over that of the first mesh", tickvals=[1, 0.5, 0.25, 0.125, 0.0625])
+    return figure(traces, x | {"exponentformat": "none"}, power_axis("relative error of a mesh"), height=420)
+
+
+def _properties(properties: list[Held]) -> list[str]:
+    rows = [
+        [
+            escape(entry.group),
+            escape(entry.words),
+            f"{entry.measured:.2g}",
+            f"{entry.allowed:.2g}, {escape(entry.because)}",
+            "yes" if entry.holds else "<strong>no</strong>",
+        ]
+        for entry in properties
+    ]
+    return [
+        "<h3>What has to hold whatever the numbers are</h3>",
+        page.finding(property_finding(properties)),
+        page.table(["property", "what", "measured", "at most", "holds"], rows, text_columns=2),
+    ]
+
+
+def property_finding(properties: list[Held]) -> str:
+    broken = [entry.words for entry in properties if not entry.holds]
+    sentence = f"{len(properties) - len(broken)} of {len(properties)} statements hold"
+    return f"{sentence}; broken: {'; '.join(broken)}." if broken else f"{sentence}."

@@ -1,0 +1,301 @@
+"""What the reference is verified with: set-ups whose capacitances are known, and those on which its cost is shown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.constants import epsilon_0
+
+from analysis.topics.verification import truths, truths_of_revolution
+from fem_reference.bodies import Body, Cuboid, Disc, Rectangle
+from fem_reference.reference import ErrorKind
+from fem_reference.round_bodies import Cone, Cylinder, Sphere
+from fem_reference.scene_bodies import Conductors, Dielectric, normalised, rectangle
+from geometries.scene.poses import AxisRotation
+
+Array = NDArray[np.float64]
+UNIT = 4 * np.pi * epsilon_0
+
+
+@dataclass(frozen=True)
+class SetUp:
+    """Bodies, each a conductor unless said otherwise in `more` (`normalised`'s floating and dielectric ones)."""
+
+    bodies: tuple[Body, ...]
+    names: tuple[str, ...]
+    sensors: int = 1
+    more: dict[str, Any] = field(default_factory=dict)
+
+    def conductors(self) -> Conductors:
+        return normalised(self.names, self.sensors, self.bodies, range(len(self.bodies)), **self.more)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What is compared: `of` the Maxwell matrix (F), monotone in every entry, with the true value (F) and its relative error.
+
+    Without `of` it is the first sensor's delta_self.
+    """
+
+    name: str
+    of: Callable[[Array], float] | None
+    truth: float
+    truth_error: float
+
+
+@dataclass(frozen=True)
+class TrueCase:
+    """A set-up with quantities that are known.
+
+    With `longer`, the same with bodies twice and three times as long, the quantity is per length of infinitely long ones.
+    """
+
+    name: str
+    source: str
+    set_up: SetUp
+    quantities: tuple[Quantity, ...]
+    error: ErrorKind = "enclosure"
+    length: float = 0.0
+    longer: tuple[SetUp, ...] = ()
+
+
+@dataclass(frozen=True)
+class CostCase:
+    """A set-up on which methods are compared. `truth` is its Maxwell matrix (F), if known, to the relative `truth_error`.
+
+    `targets` are relative errors with the seconds that the estimate may take for them.
+    """
+
+    name: str
+    caption: str
+    set_up: SetUp
+    targets: tuple[tuple[float, float], ...] = ()
+    truth: Array | None = None
+    truth_error: float = 0.0
+
+
+def plate(
+    name: str, centre: Sequence[float], half_widths: tuple[float, float], tilt: float = 0.0
+) -> Rectangle:
+    """A plate turned by `tilt` degrees about its own y axis."""
+    axes = AxisRotation((0.0, 1.0, 0.0), -tilt).matrix().T
+    return Rectangle(name, np.array(centre, dtype=float), axes, half_widths)
+
+
+def pair(first: Body, second: Body, **more: Any) -> SetUp:
+    return SetUp((first, second), (first.name, second.name), **more)
+
+
+def alone(body: Body) -> SetUp:
+    return SetUp((body,), (body.name,))
+
+
+def squares(gap: float) -> SetUp:
+    """Equal squares of side 1."""
+    return pair(plate("lower", (0, 0, 0), (0.5, 0.5)), plate("upper", (0, 0, gap), (0.5, 0.5)))
+
+
+def hinged(hinge_gap: float, tilt: float) -> SetUp:
+    """Plates of side 1, the second rising by `tilt` degrees from a line `hinge_gap` above an edge of the first."""
+    angle = np.radians(tilt)
+    centre = (-0.5 + 0.5 * np.cos(angle), 0, hinge_gap + 0.5 * np.sin(angle))
+    return pair(plate("sensor", (0, 0, 0), (0.5, 0.5)), plate("target", centre, (0.5, 0.5), tilt))
+
+
+def own(maxwell: Array) -> float:
+    return float(maxwell[0, 0])
+
+
+def entry(i: int, j: int) -> Callable[[Array], float]:
+    return lambda maxwell: float(maxwell[i, j])
+
+
+def opposite(maxwell: Array) -> float:
+    """Charge of the first of two equal conductors at 1 V and −1 V."""
+    return float(maxwell[0, 0] - maxwell[0, 1])
+
+
+@cache
+def true_cases() -> dict[str, TrueCase]:
+    """Every case whose truth owes nothing to finite elements, by name."""
+    cases = [
+        *_single_bodies(),
+        *_discs(),
+        *_squares(),
+        *_strips(),
+        *_balls(),
+        *_sphere_and_plane(),
+        *_boundary_elements(),
+    ]
+    return {case.name: case for case in cases}
+
+
+def _single_bodies() -> list[TrueCase]:
+    turned = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T
+    cylinder = truths_of_revolution.body_of_revolution([(0, -1), (1, -1), (1, 1), (0, 1)])
+    cone = truths_of_revolution.body_of_revolution([(0, -0.5), (1, -0.5), (0, 0.5)])
+    rings = "rings of charge, extrapolated"
+    found: list[tuple[str, str, Body, float, float]] = [
+        ("square plate", "two boundary-element computations", plate("plate", (0, 0, 0), (0.5, 0.5)),
+         truths.UNIT_SQUARE_PLATE, truths.UNIT_SQUARE_PLATE_ERROR),
+        ("cube", "Helsing & Perfekt 2013", Cuboid("cube", np.zeros(3), np.eye(3), (0.5, 0.5, 0.5)), truths.UNIT_CUBE, 1e-12),
+        ("sphere", "its radius", Sphere("sphere", np.zeros(3), 1.0), 1.0, 0.0),
+        ("cylinder", rings, Cylinder("cylinder", np.zeros(3), turned, 1.0, 2.0), cylinder, 1e-6),
+        ("cone", rings, Cone("cone", np.zeros(3), turned, 1.0, 1.0), cone, 1e-6),
+    ]  # fmt: skip
+    return [
+        TrueCase(name, source, alone(body), (Quantity("C11", own, UNIT * truth, error),), _kind(body))
+        for name, source, body, truth, error in found
+    ]
+
+
+def _kind(body: Body) -> ErrorKind:
+    """The enclosure of a cone takes minutes: its apex has as many curved cells as one likes."""
+    return "estimate" if isinstance(body, Cone) else "enclosure"
+
+
+def _discs() -> list[TrueCase]:
+    cases = []
+    for gap in (0.1, 0.2, 0.5, 1.0, 2.0):
+        discs = (
+            Disc("lower", np.zeros(3), np.eye(3), 1.0),
+            Disc("upper", np.array([0, 0, gap]), np.eye(3), 1.0),
+        )
+        known = Quantity("two-terminal C", truths.two_terminal, UNIT * truths.love(gap), 1e-9)
+        cases.append(
+            TrueCase(f"coaxial discs, gap/radius {gap:g}", "Love's integral equation", pair(*discs), (known,))
+        )
+    return cases
+
+
+def _squares() -> list[TrueCase]:
+    return [
+        TrueCase(
+            f"parallel squares, gap/side {gap:g}",
+            "boundary elements",
+            squares(gap),
+            (
+                Quantity(
+                    "two-terminal C",
+                    truths.two_terminal,
+                    epsilon_0 / gap * value,
+                    truths.PARALLEL_SQUARES_ERROR,
+                ),
+            ),
+        )
+        for gap, value in truths.PARALLEL_SQUARES.items()
+    ]
+
+
+STRIP_LENGTH = 2.0
+"""Of the shortest strips over their width."""
+
+
+def _strips() -> list[TrueCase]:
+    cases = []
+    for ratio in (1.0, 5.0):
+        lengths = [
+            pair(
+                plate("lower", (0, 0, 0), (0.5, factor * STRIP_LENGTH / 2)),
+                plate("upper", (0, 0, 1 / ratio), (0.5, factor * STRIP_LENGTH / 2)),
+            )
+            for factor in (1, 2, 3)
+        ]
+        known = Quantity("C per length", truths.two_terminal, epsilon_0 * truths.strips(ratio), 1e-9)
+        name = f"facing strips, width/gap {ratio:g}"
+        cases.append(
+            TrueCase(
+                name, "elliptic integrals", lengths[0], (known,), "estimate", STRIP_LENGTH, tuple(lengths[1:])
+            )
+        )
+    return cases
+
+
+def _balls() -> list[TrueCase]:
+    """Balls of 1 and 2 cm, centres 5 cm apart; the second grounded, floating, or dielectric."""
+    bodies = (Sphere("first", np.zeros(3), 0.01), Sphere("second", np.array([0.03, 0.0, 0.04]), 0.02))
+    entries = zip(("C11", "C22", "C12"), ((0, 0), (1, 1), (0, 1)), truths.LEKNER)
+    known = tuple(Quantity(name, entry(*place), truth, 1e-9) for name, place, truth in entries)
+    cases = [TrueCase("balls of radii 1 and 2, gap 2", "Lekner 2011", pair(*bodies), known)]
+    answers: list[tuple[str, Callable[[int], float], dict[str, Any]]] = [
+        ("floating", truths_of_revolution.floating, {"floating": ["second"]}),
+        ("of permittivity 5", truths_of_revolution.dielectric(5.0), {"dielectrics": [Dielectric("second", 5.0, 5.0)]}),
+        ("of permittivity 0.2", truths_of_revolution.dielectric(0.2), {"dielectrics": [Dielectric("second", 0.2, 0.2)]}),
+    ]  # fmt: skip
+    for words, answer, more in answers:
+        value, _ = truths_of_revolution.two_balls(0.01, 0.02, 0.05, answer)
+        quantities = (
+            Quantity("C11", own, UNIT * value, 1e-12),
+            Quantity("delta_self", None, UNIT * (value - 0.01), 1e-12),
+        )
+        set_up = SetUp(bodies, ("first",), more=more)
+        cases.append(TrueCase(f"the same, the second {words}", "multipoles", set_up, quantities))
+    return cases
+
+
+def _sphere_and_plane() -> list[TrueCase]:
+    """A sphere and its mirror image at opposite potentials."""
+    cases = []
+    for gap in (1.0, 0.5, 0.1, 0.01):
+        balls = (Sphere("sphere", np.zeros(3), 1.0), Sphere("image", np.array([0, 0, 2 * (1 + gap)]), 1.0))
+        known = Quantity("C to the plane", opposite, UNIT * truths.sphere_and_plane(gap), 1e-12)
+        cases.append(TrueCase(f"sphere and plane, gap/radius {gap:g}", "series", pair(*balls), (known,)))
+    return cases
+
+
+def _boundary_elements() -> list[TrueCase]:
+    cases = []
+    for case in truths.boundary_elements():
+        matrix = 1e-12 * np.array(case["maxwell_pF"])
+        quantities = tuple(
+            Quantity(f"C{i + 1}{j + 1}", entry(i, j), matrix[i, j], case["relative_error"])
+            for i in range(len(matrix))
+            for j in range(i, len(matrix))
+        )
+        cases.append(
+            TrueCase(case["name"].replace("_", " "), "boundary elements", _of_rectangles(case), quantities)
+        )
+    return cases
+
+
+def _of_rectangles(case: dict[str, Any]) -> SetUp:
+    bodies = tuple(
+        rectangle(part["conductor"], *(np.array(part[key]) for key in ("corner", "edge_u", "edge_v")))
+        for part in case["rectangles"]
+    )
+    names = tuple(case["conductors"])
+    return SetUp(bodies, names, sum(name.startswith("sensor") for name in names))
+
+
+@cache
+def cost_cases() -> dict[str, CostCase]:
+    """Set-ups on which run time is shown against error, by name."""
+    published = {case["name"]: case for case in truths.boundary_elements()}
+    sensors = published["two_sensors_6x10_plate_height2.5"]
+    tilted = published["inclined_hinge1.5_25deg"]
+    both = ((5e-4, 5.0), (5e-5, 60.0))
+    close = ((5e-4, 60.0),)
+    fine = ((1e-3, 60.0),)
+    small = pair(plate("sensor", (0, 0, 0), (0.5, 0.5)), plate("target", (0, 0, 0.1), (0.05, 0.05)))
+
+    def known(case: dict[str, Any]) -> dict[str, Any]:
+        return {"truth": 1e-12 * np.array(case["maxwell_pF"]), "truth_error": case["relative_error"]}
+
+    cases = [
+        CostCase("plate", "square plate alone", alone(plate("plate", (0, 0, 0), (0.5, 0.5))), both,
+                 np.array([[UNIT * truths.UNIT_SQUARE_PLATE]]), truths.UNIT_SQUARE_PLATE_ERROR),
+        CostCase("cube", "cube alone", alone(Cuboid("cube", np.zeros(3), np.eye(3), (0.5, 0.5, 0.5))), fine,
+                 np.array([[UNIT * truths.UNIT_CUBE]]), 1e-12),
+        CostCase("parallel", "equal parallel plates, gap/size 0.1", squares(0.1), both),
+        CostCase("close", "equal parallel plates, gap/size 0.01", squares(0.01), close),
+        CostCase("tilted", "tilted by 25°, gap/size 0.15 at the hinge", _of_rectangles(tilted), both, **known(tilted)),
+        CostCase("hinge", "tilted by 10°, gap/size 0.01 at the hinge", hinged(0.01, 10.0), close),
+        CostCase("small", "a target of 0.1 of the sensor, gap 0.1", small, fine),
+        CostCase("sensors", "two sensors 0.5 cm apart, one target", _of_rectangles(sensors), fine, **known(sensors)),
+    ]  # fmt: skip
+    return {case.name: case for case in cases}

@@ -1,0 +1,1 @@
+"""Shared by all packages: errors, files, TOML tables, and where programs and results are installed."""

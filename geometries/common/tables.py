@@ -1,0 +1,197 @@
+"""Reading of TOML with an error for everything unexpected: each value is taken by its key and its type."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, cast
+
+from geometries.common.errors import InputError
+
+Vector3 = tuple[float, float, float]
+
+# Beyond, products of lengths in the integrals begin to leave the range of numbers.
+LARGEST_NUMBER = 1e30
+_LINE = re.compile(r"\(at line (\d+), column \d+\)")
+
+
+def read_text(path: Path) -> str:
+    """The text of a file; InputError when it is missing, unreadable or not UTF-8."""
+    if not is_file(path):
+        raise InputError(str(path), "", "cannot be read: it does not exist or is not a file")
+    try:
+        # In bytes, because the line ends are TOML's affair; a byte order mark at the beginning says nothing.
+        return path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise InputError(str(path), "", f"cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise InputError(str(path), "", "is not UTF-8 text") from error
+
+
+def is_file(path: Path) -> bool:
+    """Whether a path leads to a regular file: no folder, no device, no pipe, which could take for ever to read. A path that no
+    file can have, of a loop of links for instance, leads to none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def parse(text: str, source: str) -> Table:
+    """The root table of a TOML document; InputError with the line when it is not TOML."""
+    try:
+        values = tomllib.loads(text)
+    except RecursionError as error:
+        raise InputError(
+            source, "", "is not TOML that can be read: too many brackets in each other"
+        ) from error
+    # Besides TOMLDecodeError plain ones, for integers of thousands of digits.
+    except ValueError as error:
+        found = _LINE.search(str(error))
+        reason = "is not TOML: " + _LINE.sub("", str(error)).strip()
+        raise InputError(source, "", reason, int(found[1]) if found else None) from error
+    return Table(values, source)
+
+
+class Table:
+    """One table of a TOML document, taken apart key by key.
+
+    `label` is what stands before a key in an error: empty, a key path such as `object[2].shape`, or `object "target":`
+    with the name. Keys that were never asked for are refused by `finish`.
+    """
+
+    def __init__(self, values: dict[str, Any], source: str, label: str = "") -> None:
+        self._values = values
+        self._asked: set[str] = set()
+        self.source = source
+        self.label = label
+
+    def key(self, name: str) -> str:
+        """The key as an error names it."""
+        if not self.label:
+            return name
+        return f"{self.label} {name}" if self.label.endswith(":") else f"{self.label}.{name}"
+
+    def error(self, name: str, reason: str) -> InputError:
+        return InputError(self.source, self.key(name) if name else self.label, reason)
+
+    def has(self, name: str) -> bool:
+        return name in self._values
+
+    def keys(self) -> tuple[str, ...]:
+        return tuple(self._values)
+
+    def value(self, name: str) -> Any:
+        """The value of a key, whatever its type; InputError when the key is missing."""
+        self._asked.add(name)
+        if name not in self._values:
+            meant = get_close_matches(name, self._values, n=1)
+            raise self.error(name, f"is missing; is it written as {meant[0]!r}?" if meant else "is missing")
+        return self._values[name]
+
+    def finish(self) -> None:
+        """Refuse every key that nothing has asked for."""
+        for name in self._values:
+            if name not in self._asked:
+                raise self.error(name, "unknown key")
+
+    def known_format(self, known: int = 1) -> None:
+        """Refuse a document that says it is written in a version of its format other than `known`."""
+        version = self.integer("format", known, at_least=1, at_most=1_000_000)
+        if version != known:
+            raise self.error("format", f"is {version}, and this program knows {known} only")
+
+    def text(self, name: str, default: str | None = None) -> str:
+        if default is not None and not self.has(name):
+            return default
+        value = self.value(name)
+        if not isinstance(value, str):
+            raise self.error(name, f"must be a string, not {value!r}")
+        if not value:
+            raise self.error(name, "must not be empty")
+        return value
+
+    def boolean(self, name: str, default: bool) -> bool:
+        if not self.has(name):
+            return default
+        value = self.value(name)
+        if not isinstance(value, bool):
+            raise self.error(name, f"must be true or false, not {value!r}")
+        return value
+
+    def integer(self, name: str, default: int, at_least: int, at_most: int) -> int:
+        if not self.has(name):
+            return default
+        value = self.value(name)
+        if not isinstance(value, int) or isinstance(value, bool):
+            raise self.error(name, f"must be an integer, not {value!r}")
+        if value < at_least:
+            raise self.error(name, f"must be at least {at_least}, not {value}")
+        if value > at_most:
+            raise self.error(name, f"must be at most {at_most}, not {value}")
+        return value
+
+    def number(self, name: str, default: float | None = None) -> float:
+        if default is not None and not self.has(name):
+            return default
+        return self.as_number(name, self.value(name))
+
+    def positive(self, name: str, default: float | None = None) -> float:
+        value = self.number(name, default)
+        if value <= 0:
+            raise self.error(name, f"must be greater than 0, not {value!r}")
+        return value
+
+    def vector(self, name: str, length: int, default: tuple[float, ...] | None = None) -> tuple[float, ...]:
+        if default is not None and not self.has(name):
+            return default
+        return self.as_vector(name, self.value(name), length)
+
+    def vector3(self, name: str, default: Vector3 | None = None) -> Vector3:
+        return cast(Vector3, self.vector(name, 3, default))
+
+    def as_number(self, name: str, value: Any) -> float:
+        """`value`, found at `name`, as a finite number."""
+        if not isinstance(value, (int, float)) or isinstance(value, bool):
+            raise self.error(name, f"must be a number, not {value!r}")
+        if isinstance(value, int) and not -(2**63) <= value < 2**63:
+            raise self.error(name, "is an integer beyond the 64 bits that TOML gives it")
+        number = float(value)
+        if not math.isfinite(number):
+            raise self.error(name, f"must be finite, not {value!r}")
+        if abs(number) > LARGEST_NUMBER:
+            raise self.error(name, f"must be at most {LARGEST_NUMBER:g}, not {value!r}")
+        return number + 0.0  # the sum turns -0.0 into 0.0
+
+    def as_vector(self, name: str, value: Any, length: int) -> tuple[float, ...]:
+        """`value`, found at `name`, as a list of `length` finite numbers."""
+        if not isinstance(value, list) or len(value) != length:
+            raise self.error(name, f"must be a list of {length} numbers, not {value!r}")
+        return tuple(self.as_number(f"{name}[{index}]", item) for index, item in enumerate(value))
+
+    def table(self, name: str, required: bool = True) -> Table:
+        """A table within this one; an empty one when it is absent and not required."""
+        if not required and not self.has(name):
+            return Table({}, self.source, self.key(name))
+        value = self.value(name)
+        if not isinstance(value, dict):
+            raise self.error(name, f"must be a table, not {value!r}")
+        return Table(value, self.source, self.key(name))
+
+    def tables(self, name: str) -> list[Table]:
+        """A list of tables within this one; none when it is absent. Tables with a name are labelled by it."""
+        if not self.has(name):
+            return []
+        value = self.value(name)
+        if not isinstance(value, list) or not all(isinstance(item, dict) for item in value):
+            raise self.error(name, "must be a list of tables")
+        return [Table(item, self.source, self._label(name, index, item)) for index, item in enumerate(value)]
+
+    def _label(self, name: str, index: int, item: dict[str, Any]) -> str:
+        given = item.get("name")
+        if not self.label and isinstance(given, str) and given:
+            return f'{name} "{given}":'
+        return self.key(f"{name}[{index}]")

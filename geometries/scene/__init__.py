@@ -1,0 +1,1 @@
+"""Scenes: shapes, poses, meshes, motions, and the reader and writer of their files."""

@@ -1,0 +1,323 @@
+"""Scene files read into scenes. Whatever SCENE.md does not allow is an InputError naming file, key and reason."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+
+from geometries.common.errors import InputError
+from geometries.common.tables import LARGEST_NUMBER, Table, parse, read_text
+from geometries.scene.meshes import SCENE_FORMATS, read_triangles
+from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Rotation, Vector3, unit
+from geometries.scene.scene import (
+    DEFAULT_COUPLING_CAPACITANCE,
+    DEFAULT_INPUT_VOLTAGE,
+    DistanceSensor,
+    Link,
+    Medium,
+    Object,
+    Plate,
+    Room,
+    Scene,
+    Sensor,
+)
+from geometries.scene.shapes import (
+    DEFAULT_SEGMENTS,
+    Arc,
+    Cone,
+    Cuboid,
+    Cylinder,
+    MeshShape,
+    PlateShape,
+    Shape,
+    Sphere,
+)
+
+# How far from a right angle a plate's edges may be: |cos|, generous to coordinates written with ten digits.
+_RIGHT_ANGLE_TOLERANCE = 1e-9
+# A shape of more would fill the memory; a mesh of as many is half a gigabyte.
+_MOST_TRIANGLES = 10_000_000
+_POTENTIALS = ("grounded", "floating")
+
+
+def load(path: Path | str) -> Scene:
+    """The scene in a file; InputError when the file cannot be used."""
+    return loads(read_text(Path(path)), source=str(path))
+
+
+def loads(text: str, source: str = "scene") -> Scene:
+    """The scene in a text; `source` stands for it in errors, and mesh files are relative to its folder."""
+    root = parse(text, source)
+    root.known_format()
+    medium = root.table("medium", required=False)
+    room = _room(root.table("room")) if root.has("room") else None
+    scene = Scene(
+        medium=Medium(medium.positive("relative_permittivity", 1.0)),
+        links=tuple(_link(table) for table in root.tables("link")),
+        sensors=tuple(_sensor(table) for table in root.tables("sensor")),
+        distance_sensors=tuple(_distance_sensor(table) for table in root.tables("distance_sensor")),
+        objects=tuple(_object(table) for table in root.tables("object")),
+        room=room,
+    )
+    medium.finish()
+    root.finish()
+    _check_names(scene, source)
+    _check_links(scene, source)
+    if not scene.sensors and not scene.objects:
+        raise InputError(source, "", "a scene needs at least one sensor or one object")
+    return scene
+
+
+def _room(table: Table) -> Room:
+    room = Room(cast(Vector3, _size(table, 3)), _pose(table))
+    table.finish()
+    return room
+
+
+def _link(table: Table) -> Link:
+    link = Link(table.text("name"), table.text("parent") if table.has("parent") else None, _pose(table))
+    table.finish()
+    return link
+
+
+def _sensor(table: Table) -> Sensor:
+    name = table.text("name")
+    plates = tuple(_plate(plate) for plate in table.tables("plates"))
+    if not plates:
+        raise table.error("plates", "a sensor needs at least one plate")
+    sensor = Sensor(
+        name=name,
+        plates=plates,
+        link=_optional_link(table),
+        input_voltage=table.positive("input_voltage", DEFAULT_INPUT_VOLTAGE),
+        coupling_capacitance=table.positive("coupling_capacitance", DEFAULT_COUPLING_CAPACITANCE),
+    )
+    table.finish()
+    return sensor
+
+
+def _plate(table: Table) -> Plate:
+    plate = Plate(table.vector3("corner"), _direction(table, "edge_u"), _direction(table, "edge_v"))
+    cosine = np.dot(unit(plate.edge_u), unit(plate.edge_v))
+    if abs(cosine) > _RIGHT_ANGLE_TOLERANCE:
+        raise table.error("edge_v", "is not at a right angle to edge_u: the plate is not a rectangle")
+    table.finish()
+    return plate
+
+
+def _distance_sensor(table: Table) -> DistanceSensor:
+    sensor = DistanceSensor(
+        name=table.text("name"),
+        apex=table.vector3("apex"),
+        direction=_direction(table, "direction"),
+        full_angle_degrees=_angle(table, "full_angle_degrees", 180.0),
+        range=table.positive("range"),
+        link=_optional_link(table),
+    )
+    table.finish()
+    return sensor
+
+
+def _object(table: Table) -> Object:
+    name = table.text("name")
+    if table.has("material") and table.has("potential"):
+        raise table.error("material", "excludes potential: a dielectric body has none")
+    potential = table.text("potential", "grounded")
+    if potential not in _POTENTIALS:
+        raise table.error("potential", f"must be one of {', '.join(_POTENTIALS)}, not {potential!r}")
+    relative_permittivity = None
+    if table.has("material"):
+        material = table.table("material")
+        relative_permittivity = material.positive("relative_permittivity")
+        material.finish()
+    body = Object(
+        name=name,
+        shape=_shape(table.table("shape")),
+        link=_optional_link(table),
+        pose=_pose(table),
+        potential=potential,
+        relative_permittivity=relative_permittivity,
+        collides=table.boolean("collides", True),
+    )
+    table.finish()
+    return body
+
+
+def _pose(table: Table) -> Pose:
+    return Pose(table.vector3("translation", (0.0, 0.0, 0.0)), rotation(table))
+
+
+def rotation(table: Table) -> Rotation:
+    """The rotation that `rotation` or `quaternion` of a link, an object or a frame's pose describe; none when absent."""
+    if table.has("quaternion"):
+        if table.has("rotation"):
+            raise table.error("quaternion", "stands in the place of rotation: give one of them")
+        return _quaternion(table)
+    if not table.has("rotation"):
+        return AxisRotation()
+    inner = table.table("rotation")
+    if inner.has("quaternion"):
+        quaternion = _quaternion(inner)
+        inner.finish()
+        return quaternion
+    turned = AxisRotation(_direction(inner, "axis"), inner.number("degrees"))
+    inner.finish()
+    return turned
+
+
+def _quaternion(table: Table) -> QuaternionRotation:
+    values = table.vector("quaternion", 4)
+    if not any(values):
+        raise table.error("quaternion", "must not be zero")
+    return QuaternionRotation(cast(tuple[float, float, float, float], values))
+
+
+def _direction(table: Table, name: str) -> Vector3:
+    direction = table.vector3(name)
+    if not any(direction):
+        raise table.error(name, "must have a length greater than 0")
+    return direction
+
+
+def _angle(table: Table, name: str, largest: float) -> float:
+    degrees = table.positive(name)
+    if degrees > largest:
+        raise table.error(name, f"must be at most {largest:g}, not {degrees!r}")
+    return degrees
+
+
+def _optional_link(table: Table) -> str | None:
+    return table.text("link") if table.has("link") else None
+
+
+def _shape(table: Table) -> Shape:
+    kind = table.text("type")
+    if kind not in _SHAPES:
+        raise table.error("type", f"must be one of {', '.join(_SHAPES)}, not {kind!r}")
+    shape = _SHAPES[kind](table)
+    table.finish()
+    return shape
+
+
+def _size(table: Table, length: int) -> tuple[float, ...]:
+    size = table.vector("size", length)
+    for index, value in enumerate(size):
+        if value <= 0:
+            raise table.error(f"size[{index}]", f"must be greater than 0, not {value!r}")
+    return size
+
+
+def _segments(table: Table, most: int) -> int:
+    return table.integer("segments", DEFAULT_SEGMENTS, at_least=3, at_most=most)
+
+
+def _plate_shape(table: Table) -> PlateShape:
+    return PlateShape(cast(tuple[float, float], _size(table, 2)))
+
+
+def _cuboid(table: Table) -> Cuboid:
+    return Cuboid(cast(Vector3, _size(table, 3)))
+
+
+def _cube(table: Table) -> Cuboid:
+    side = table.positive("size")
+    return Cuboid((side, side, side))
+
+
+def _cylinder(table: Table) -> Cylinder:
+    return Cylinder(
+        table.positive("radius"), table.positive("height"), _segments(table, _MOST_TRIANGLES // 4)
+    )
+
+
+def _cone(table: Table) -> Cone:
+    return Cone(table.positive("radius"), table.positive("height"), _segments(table, _MOST_TRIANGLES // 2))
+
+
+def _arc(table: Table) -> Arc:
+    inner, outer = table.positive("inner_radius"), table.positive("outer_radius")
+    if outer <= inner:
+        raise table.error("outer_radius", "must be greater than inner_radius")
+    segments = _segments(table, _MOST_TRIANGLES // 8)
+    return Arc(inner, outer, table.positive("height"), _angle(table, "degrees", 360.0), segments)
+
+
+def _sphere(table: Table) -> Sphere:
+    # About the square of their number.
+    return Sphere(table.positive("radius"), _segments(table, math.isqrt(_MOST_TRIANGLES)))
+
+
+def _mesh(table: Table) -> MeshShape:
+    file = Path(table.source).parent.absolute() / table.text("file")
+    if file.suffix.lower() not in SCENE_FORMATS:
+        raise table.error(
+            "file", f"must end in one of {', '.join(SCENE_FORMATS)}; `geometries convert` makes one"
+        )
+    try:
+        surface = read_triangles(file)
+    except InputError as error:
+        raise table.error("file", f"{error.file}: {error.reason}") from error
+    scale = table.positive("scale", 1.0)
+    if np.abs(surface).max() * scale > LARGEST_NUMBER:
+        raise table.error("file", f"{file}: the mesh is larger than {LARGEST_NUMBER:g}")
+    digest = hashlib.sha256(file.read_bytes()).hexdigest()
+    return MeshShape(str(file), digest, scale, surface)
+
+
+_SHAPES: dict[str, Callable[[Table], Shape]] = {
+    "plate": _plate_shape,
+    "plane": _plate_shape,
+    "cuboid": _cuboid,
+    "cube": _cube,
+    "cylinder": _cylinder,
+    "cone": _cone,
+    "arc": _arc,
+    "sphere": _sphere,
+    "mesh": _mesh,
+}
+
+
+def _check_names(scene: Scene, source: str) -> None:
+    groups: list[list[tuple[str, str]]] = [
+        [("link", link.name) for link in scene.links],
+        [("sensor", sensor.name) for sensor in scene.sensors]
+        + [("distance_sensor", sensor.name) for sensor in scene.distance_sensors]
+        + [("object", body.name) for body in scene.objects],
+    ]
+    for group in groups:
+        seen: set[str] = set()
+        for kind, name in group:
+            if name in seen:
+                raise InputError(source, f'{kind} "{name}": name', "is taken already")
+            seen.add(name)
+
+
+def _check_links(scene: Scene, source: str) -> None:
+    parents = {link.name: link.parent for link in scene.links}
+    references = [(f'link "{link.name}": parent', link.parent) for link in scene.links]
+    references += [(f'sensor "{sensor.name}": link', sensor.link) for sensor in scene.sensors]
+    references += [
+        (f'distance_sensor "{sensor.name}": link', sensor.link) for sensor in scene.distance_sensors
+    ]
+    references += [(f'object "{body.name}": link', body.link) for body in scene.objects]
+    for key, name in references:
+        if name is not None and name not in parents:
+            raise InputError(source, key, f"there is no link {name!r}")
+    rooted: set[str] = set()
+    for start in parents:
+        # A dictionary keeps the order, and finds a name at once.
+        chain: dict[str, None] = {start: None}
+        name = parents[start]
+        while name is not None and name not in rooted:
+            if name in chain:
+                raise InputError(
+                    source, f'link "{start}": parent', "the links make a cycle: " + " → ".join([*chain, name])
+                )
+            chain[name] = None
+            name = parents[name]
+        rooted |= chain.keys()

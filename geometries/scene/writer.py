@@ -1,0 +1,151 @@
+"""Scenes written as TOML, in one form for each scene, and their identity."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+from collections.abc import Callable
+from typing import Any
+
+import tomli_w
+
+from geometries.scene.poses import AxisRotation, Pose
+from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Room, Scene, Sensor
+from geometries.scene.shapes import Arc, Cone, Cuboid, Cylinder, MeshShape, PlateShape, Shape
+
+MeshSource = Callable[[MeshShape], dict[str, str]]
+
+
+def canonical(scene: Scene) -> str:
+    """The scene as a TOML text: fixed order of keys, defaults written out, floats by their shortest exact decimals.
+
+    Loading the text gives an equal scene. A mesh is named by its absolute path, so that the text may be put anywhere.
+    """
+    return _text(scene, lambda mesh: {"file": mesh.file})
+
+
+def identity(scene: Scene) -> str:
+    """sha256 (hexadecimal) of the canonical text in which the mesh files' bytes stand for their paths."""
+    return hashlib.sha256(_text(scene, lambda mesh: {"sha256": mesh.digest}).encode()).hexdigest()
+
+
+def canonical_and_identity(scene: Scene) -> tuple[str, str]:
+    """Both of the above; where no mesh is in the scene, one text makes both."""
+    text = canonical(scene)
+    if any(isinstance(body.shape, MeshShape) for body in scene.objects):
+        return text, identity(scene)
+    return text, hashlib.sha256(text.encode()).hexdigest()
+
+
+def _text(scene: Scene, mesh_source: MeshSource) -> str:
+    around = (scene.medium, scene.room, scene.links, scene.sensors, scene.distance_sensors)
+    objects = [_object(body, mesh_source) for body in scene.objects]
+    return "\n".join(filter(None, [_text_around(*around, repr(around)), _dumps("object", objects)]))
+
+
+# In a sweep nothing differs but the objects. 1 and 1.0 are equal, their texts are not: `exactly` tells them apart.
+@functools.lru_cache(maxsize=64)
+def _text_around(
+    medium: Medium,
+    room: Room | None,
+    links: tuple[Link, ...],
+    sensors: tuple[Sensor, ...],
+    distance_sensors: tuple[DistanceSensor, ...],
+    exactly: str,
+) -> str:
+    parts = [
+        _dumps("medium", {"relative_permittivity": medium.relative_permittivity}),
+        _dumps("room", {"size": room.size, **_pose(room.pose)} if room else None),
+        _dumps("link", [_link(link) for link in links]),
+        _dumps("sensor", [_sensor(sensor) for sensor in sensors]),
+        _dumps("distance_sensor", [_distance_sensor(sensor) for sensor in distance_sensors]),
+    ]
+    return "\n".join(filter(None, parts))
+
+
+def _dumps(key: str, value: Any) -> str:
+    text: str = tomli_w.dumps({key: _plain(value)}) if value else ""
+    return text
+
+
+def _plain(value: Any) -> Any:
+    """The same value in TOML's types: no tuples, every -0.0 as 0.0, and nothing that is None."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items() if item is not None}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    return value + 0.0 if isinstance(value, float) else value
+
+
+def _pose(pose: Pose) -> dict[str, Any]:
+    if isinstance(pose.rotation, AxisRotation):
+        rotation = {"axis": pose.rotation.axis, "degrees": pose.rotation.degrees}
+        return {"translation": pose.translation, "rotation": rotation}
+    return {"translation": pose.translation, "quaternion": pose.rotation.quaternion}
+
+
+def _link(link: Link) -> dict[str, Any]:
+    return {"name": link.name, "parent": link.parent, **_pose(link.pose)}
+
+
+def _sensor(sensor: Sensor) -> dict[str, Any]:
+    plates = [{"corner": p.corner, "edge_u": p.edge_u, "edge_v": p.edge_v} for p in sensor.plates]
+    return {
+        "name": sensor.name,
+        "link": sensor.link,
+        "input_voltage": sensor.input_voltage,
+        "coupling_capacitance": sensor.coupling_capacitance,
+        "plates": plates,
+    }
+
+
+def _distance_sensor(sensor: DistanceSensor) -> dict[str, Any]:
+    return {
+        "name": sensor.name,
+        "link": sensor.link,
+        "apex": sensor.apex,
+        "direction": sensor.direction,
+        "full_angle_degrees": sensor.full_angle_degrees,
+        "range": sensor.range,
+    }
+
+
+def _object(body: Object, mesh_source: MeshSource) -> dict[str, Any]:
+    dielectric = body.relative_permittivity is not None
+    return {
+        "name": body.name,
+        "link": body.link,
+        **_pose(body.pose),
+        "potential": None if dielectric else body.potential,
+        "collides": body.collides,
+        "material": {"relative_permittivity": body.relative_permittivity} if dielectric else None,
+        "shape": _shape(body.shape, mesh_source),
+    }
+
+
+def _shape(shape: Shape, mesh_source: MeshSource) -> dict[str, Any]:
+    if isinstance(shape, PlateShape):
+        return {"type": "plate", "size": shape.size}
+    if isinstance(shape, Cuboid):
+        return {"type": "cuboid", "size": shape.size}
+    if isinstance(shape, Cylinder):
+        return {
+            "type": "cylinder",
+            "radius": shape.radius,
+            "height": shape.height,
+            "segments": shape.segments,
+        }
+    if isinstance(shape, Cone):
+        return {"type": "cone", "radius": shape.radius, "height": shape.height, "segments": shape.segments}
+    if isinstance(shape, Arc):
+        return {
+            "type": "arc",
+            "inner_radius": shape.inner_radius,
+            "outer_radius": shape.outer_radius,
+            "height": shape.height,
+            "degrees": shape.degrees,
+            "segments": shape.segments,
+        }
+    if isinstance(shape, MeshShape):
+        return {"type": "mesh", **mesh_source(shape), "scale": shape.scale}
+    return {"type": "sphere", "radius": shape.radius, "segments": shape.segments}

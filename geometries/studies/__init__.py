@@ -1,0 +1,1 @@
+"""Studies: the files in this folder, their reader, and the families of set-ups that they name."""

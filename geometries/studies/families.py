@@ -1,0 +1,275 @@
+"""Families of set-ups: a rectangular sensor, a target, a few named lengths and angles.
+
+The sensor "sensor" is the rectangle of `sensor_size` = (x, y) centred at the origin in the plane z = 0, with normal +z.
+The target "target" is a grounded plate of `target_size`, if nothing else is said. Every length is in metres, every angle in degrees. Space around the
+sensor has three regions: I in front of the plate, II beside an edge, III diagonal to a corner. Parameters that make no
+set-up of the family are refused with an InputError that names the parameter.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometries.common.errors import InputError
+from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Rotation
+from geometries.scene.scene import Object, Plate, Scene, Sensor
+from geometries.scene.shapes import Cuboid, PlateShape
+
+Vector2 = tuple[float, float]
+Array = NDArray[np.float64]
+
+GROUNDED, FLOATING, DIELECTRIC = "grounded", "floating", "dielectric"
+MATERIALS = (GROUNDED, FLOATING, DIELECTRIC)
+
+
+def empty(sensor_size: Vector2) -> Scene:
+    """The sensor alone: the set-up that `delta_self` is measured against."""
+    _check_size("sensor_size", sensor_size)
+    x, y = sensor_size
+    plate = Plate(corner=(-x / 2, -y / 2, 0.0), edge_u=(x, 0.0, 0.0), edge_v=(0.0, y, 0.0))
+    return Scene(sensors=(Sensor("sensor", (plate,)),))
+
+
+def parallel(sensor_size: Vector2, target_size: Vector2, gap: float, offset: Vector2 = (0.0, 0.0)) -> Scene:
+    """The target parallel to the sensor at height `gap`, its centre `offset` from the sensor's axis in x and y."""
+    _check_at_least("gap", gap, 0.0, strictly=True)
+    return _scene(sensor_size, target_size, 0.0, 0.0, lambda box: (offset[0], offset[1], gap))
+
+
+def inclined(sensor_size: Vector2, target_size: Vector2, hinge_gap: float, tilt_degrees: float) -> Scene:
+    """The target pivots about its edge above the sensor's edge x = −x/2, parallel to y (thesis 6.4, Experiment IV).
+
+    The hinge stays at height `hinge_gap`; the target lies parallel to the sensor at 0 degrees and stands upright at 90.
+    """
+    _check_at_least("hinge_gap", hinge_gap, 0.0, strictly=True)
+    hinge = -sensor_size[0] / 2
+    return _scene(
+        sensor_size,
+        target_size,
+        tilt_degrees,
+        0.0,
+        lambda box: (hinge - box[0, 0], 0.0, hinge_gap - box[0, 2]),
+    )
+
+
+def edge(
+    sensor_size: Vector2, target_size: Vector2, gap: float, height: float, tilt_degrees: float = 0.0
+) -> Scene:
+    """The target beside the sensor's edge x = x/2, wholly in region II.
+
+    `gap` is the lateral distance from that edge to the target's near edge, `height` the near edge's z (0: coplanar). The
+    target is tilted upwards about its near edge. It may not be longer in y than the sensor: it would reach region III.
+    """
+    _check_at_least("gap", gap, 0.0, strictly=False)
+    _check_at_least("height", height, 0.0, strictly=False)
+    if gap == 0 and height == 0:
+        raise InputError("", "gap", "must be greater than 0 at height 0: the target would touch the sensor")
+    if target_size[1] > sensor_size[1]:
+        raise InputError(
+            "", "target_size[1]", "must be at most sensor_size[1]: the target would leave region II"
+        )
+    near = sensor_size[0] / 2 + gap
+    return _scene(
+        sensor_size, target_size, tilt_degrees, 0.0, lambda box: (near - box[0, 0], 0.0, height - box[0, 2])
+    )
+
+
+def corner(
+    sensor_size: Vector2,
+    target_size: Vector2,
+    gap: Vector2,
+    height: float,
+    tilt_degrees: float = 0.0,
+    turn_degrees: float = 0.0,
+) -> Scene:
+    """The target diagonal to the sensor's corner (x/2, y/2), wholly in region III.
+
+    `gap` holds the lateral distances along x and y from that corner to the box around the target, `height` is the z of
+    the target's lowest point (0: coplanar). The target is tilted about its y axis, then turned about z.
+    """
+    for axis in (0, 1):
+        _check_at_least(f"gap[{axis}]", gap[axis], 0.0, strictly=False)
+    _check_at_least("height", height, 0.0, strictly=False)
+    if gap[0] == 0 and gap[1] == 0 and height == 0:
+        raise InputError("", "gap", "must be greater than 0 at height 0: the target would touch the sensor")
+    near_x, near_y = sensor_size[0] / 2 + gap[0], sensor_size[1] / 2 + gap[1]
+    return _scene(
+        sensor_size,
+        target_size,
+        tilt_degrees,
+        turn_degrees,
+        lambda box: (near_x - box[0, 0], near_y - box[0, 1], height - box[0, 2]),
+    )
+
+
+def straddle(
+    sensor_size: Vector2,
+    target_size: Vector2,
+    gap: float,
+    offset: Vector2,
+    tilt_degrees: float = 0.0,
+    turn_degrees: float = 0.0,
+) -> Scene:
+    """The target partly over the sensor, partly beside it: in several regions at once.
+
+    `gap` is the height of its lowest point, `offset` its centre from the sensor's axis in x and y. It is tilted about
+    its y axis, then turned about z.
+    """
+    _check_at_least("gap", gap, 0.0, strictly=True)
+    scene = _scene(
+        sensor_size,
+        target_size,
+        tilt_degrees,
+        turn_degrees,
+        lambda box: (offset[0], offset[1], gap - box[0, 2]),
+    )
+    outline = scene.conductors()["target"][:, :, :2].reshape(-1, 2)
+    if not _straddles(outline, np.asarray(sensor_size) / 2):
+        raise InputError("", "offset", "the target must lie partly over the sensor and partly beside it")
+    return scene
+
+
+def sensors(
+    sensor_size: Vector2, target_size: Vector2, separation: float, gap: float, offset: Vector2 = (0.0, 0.0)
+) -> Scene:
+    """Two equal sensors side by side in z = 0, and the target parallel to them at height `gap`.
+
+    "sensor" is at the origin, "neighbour" beside its edge x = x/2, `separation` away from it. The target's centre is `offset`
+    from the axis of "sensor".
+    """
+    _check_at_least("separation", separation, 0.0, strictly=True)
+    scene = parallel(sensor_size, target_size, gap, offset)
+    (x, y), start = sensor_size, sensor_size[0] / 2 + separation
+    plate = Plate(corner=(start, -y / 2, 0.0), edge_u=(x, 0.0, 0.0), edge_v=(0.0, y, 0.0))
+    return replace(scene, sensors=(*scene.sensors, Sensor("neighbour", (plate,))))
+
+
+def box(
+    sensor_size: Vector2,
+    target_size: Vector2,
+    thickness: float,
+    gap: float,
+    offset: Vector2 = (0.0, 0.0),
+    material: str = GROUNDED,
+    relative_permittivity: float = 1.0,
+) -> Scene:
+    """The target is a cuboid parallel to the sensor, `thickness` high, its lower face at height `gap`, `offset` from the axis.
+
+    `material` is grounded, floating, or dielectric, which alone has a `relative_permittivity`, other than 1.
+    """
+    _check_size("sensor_size", sensor_size)
+    _check_size("target_size", target_size)
+    _check_at_least("thickness", thickness, 0.0, strictly=True)
+    _check_at_least("gap", gap, 0.0, strictly=True)
+    _check_at_least("relative_permittivity", relative_permittivity, 0.0, strictly=True)
+    if material not in MATERIALS:
+        raise InputError("", "material", f"must be one of {', '.join(MATERIALS)}, not {material!r}")
+    if (material == DIELECTRIC) != (relative_permittivity != 1):
+        raise InputError(
+            "", "relative_permittivity", "other than 1 is for a dielectric target, which needs it"
+        )
+    target = Object(
+        "target",
+        Cuboid((*target_size, thickness)),
+        pose=Pose((offset[0], offset[1], gap + thickness / 2)),
+        potential=FLOATING if material == FLOATING else GROUNDED,
+        relative_permittivity=relative_permittivity if material == DIELECTRIC else None,
+    )
+    return Scene(sensors=empty(sensor_size).sensors, objects=(target,))
+
+
+FAMILIES: dict[str, Callable[..., Scene]] = {
+    "parallel": parallel,
+    "inclined": inclined,
+    "edge": edge,
+    "corner": corner,
+    "straddle": straddle,
+    "sensors": sensors,
+    "box": box,
+}
+
+
+def _scene(
+    sensor_size: Vector2,
+    target_size: Vector2,
+    tilt_degrees: float,
+    turn_degrees: float,
+    place: Callable[[Array], tuple[float, float, float]],
+) -> Scene:
+    """The sensor with a target that is tilted about y (its +x end upwards), turned about z, then moved by `place`.
+
+    `place` gets the bounding box (2, 3), lowest and highest coordinates, of the rotated target centred at the origin.
+    """
+    _check_size("target_size", target_size)
+    if not 0 <= tilt_degrees <= 90:
+        raise InputError("", "tilt_degrees", f"must be in 0 … 90, not {tilt_degrees!r}")
+    sensor_alone = empty(sensor_size)
+    shape = PlateShape(target_size)
+    rotation = _rotation(tilt_degrees, turn_degrees)
+    x, y, z = place(_box(shape, rotation))
+    target = Object("target", shape, pose=Pose((float(x), float(y), float(z)), rotation))
+    return Scene(sensors=sensor_alone.sensors, objects=(target,))
+
+
+# Sweeps have few plates and angles, and many places for them.
+@functools.lru_cache(maxsize=1024)
+def _box(shape: PlateShape, rotation: Rotation) -> Array:
+    """The bounding box (2, 3) of a rotated plate, lowest and highest coordinates."""
+    vertices = shape.triangles().reshape(-1, 3) @ rotation.matrix().T
+    box = np.array([vertices.min(axis=0), vertices.max(axis=0)])
+    box.flags.writeable = False
+    return box
+
+
+def _rotation(tilt_degrees: float, turn_degrees: float) -> Rotation:
+    """First the tilt, about −y so that the +x end rises, then the turn about z."""
+    if turn_degrees == 0:
+        return AxisRotation((0.0, -1.0, 0.0), tilt_degrees) if tilt_degrees else AxisRotation()
+    if tilt_degrees == 0:
+        return AxisRotation((0.0, 0.0, 1.0), turn_degrees)
+    tilt, turn = math.radians(tilt_degrees) / 2, math.radians(turn_degrees) / 2
+    # The product of the quaternions (cos turn, 0, 0, sin turn) and (cos tilt, 0, −sin tilt, 0).
+    return QuaternionRotation(
+        (
+            math.cos(turn) * math.cos(tilt),
+            math.sin(turn) * math.sin(tilt),
+            -math.cos(turn) * math.sin(tilt),
+            math.sin(turn) * math.cos(tilt),
+        )
+    )
+
+
+def _straddles(outline: Array, half_size: Array) -> bool:
+    """Whether a convex outline (n, 2) lies partly over the rectangle |x| < half_size and partly outside it.
+
+    They overlap when none of the normals of their sides separates them. A side of the target without length (a plate
+    that stands upright) has no normal and separates nothing.
+    """
+    if (np.abs(outline) <= half_size).all():
+        return False
+    sides = np.diff(outline[[0, 1, 2]], axis=0)
+    normals = [np.array([1.0, 0.0]), np.array([0.0, 1.0]), *(np.array([-side[1], side[0]]) for side in sides)]
+    for normal in normals:
+        reach = float(np.abs(normal) @ half_size)
+        shadow = outline @ normal
+        if shadow.min() >= reach > 0 or shadow.max() <= -reach < 0:
+            return False
+    return True
+
+
+def _check_size(name: str, size: Vector2) -> None:
+    for index, length in enumerate(size):
+        if not (math.isfinite(length) and length > 0):
+            raise InputError("", f"{name}[{index}]", f"must be greater than 0, not {length!r}")
+
+
+def _check_at_least(name: str, value: float, least: float, strictly: bool) -> None:
+    if not math.isfinite(value) or value < least or (strictly and value == least):
+        relation = "greater than" if strictly else "at least"
+        raise InputError("", name, f"must be {relation} {least:g}, not {value!r}")

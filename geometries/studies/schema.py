@@ -1,0 +1,123 @@
+"""The JSON schema of study files, from the families' parameters: `python3 -m geometries.studies.schema` writes it anew."""
+
+from __future__ import annotations
+
+import inspect
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, get_type_hints
+
+from geometries.common.files import whole_file
+from geometries.scene.scene import Scene
+from geometries.studies import families, scene_sweep, study
+
+FILE = Path(__file__).parent.parent / "schemas" / "study-1.schema.json"
+Schema = dict[str, Any]
+
+_MATERIALS = {"enum": list(families.MATERIALS)}
+
+
+def schema() -> Schema:
+    """The schema of a study as JSON would hold it."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$id": "urn:fringe:study:1",
+        "title": "A study file, as JSON",
+        "type": "object",
+        "additionalProperties": False,
+        "required": ["name", "title", "reference", "model", "sweep"],
+        "properties": {
+            "format": {"const": 1},
+            "name": {"type": "string", "pattern": "^[^/]+$", "not": {"enum": [".", ".."]}},
+            "title": {"type": "string", "minLength": 1},
+            "experiment": {"enum": list(study.EXPERIMENTS)},
+            "reference": _reference(),
+            "model": _table(
+                {"methods": {"type": "array", "items": {"type": "string"}, "contains": {"const": "exact"}}},
+                ["methods"],
+            ),
+            "sweep": {
+                "type": "array",
+                "minItems": 1,
+                "items": {
+                    "oneOf": [
+                        *(_sweep(name, family) for name, family in families.FAMILIES.items()),
+                        _scene_sweep(),
+                    ],
+                },
+            },
+        },
+        "$defs": {
+            "number": _swept({"type": "number"}, ranges=True),
+            "vector": _swept(_array({"type": "number"}, 2), ranges=False),
+            "material": _swept(_MATERIALS, ranges=False),
+        },
+    }
+
+
+def _table(properties: Schema, required: list[str]) -> Schema:
+    return {
+        "type": "object",
+        "additionalProperties": False,
+        "required": required,
+        "properties": properties,
+    }
+
+
+def _array(items: Schema, length: int) -> Schema:
+    return {"type": "array", "items": items, "minItems": length, "maxItems": length}
+
+
+def _reference() -> Schema:
+    positive = {"type": "number", "exclusiveMinimum": 0}
+    asked = {"rtol": positive, "max_seconds": positive, "error": {"enum": list(study.ERROR_KINDS)}}
+    table = _table(asked, [])
+    unasked = {"properties": {"error": {"const": study.NO_REFERENCE}}, "required": ["error"]}
+    return table | {"anyOf": [{"required": ["rtol", "max_seconds"]}, unasked]}
+
+
+def _swept(value: Schema, ranges: bool) -> Schema:
+    """A value, a list of values, or a range."""
+    kinds: list[Schema] = [value, {"type": "array", "items": value, "minItems": 1}]
+    if ranges:
+        count = {"type": "number", "minimum": 2, "multipleOf": 1}
+        for name, end in (
+            ("linspace", {"type": "number"}),
+            ("geomspace", {"type": "number", "exclusiveMinimum": 0}),
+        ):
+            span = {"type": "array", "prefixItems": [end, end, count], "minItems": 3, "maxItems": 3}
+            kinds.append(_table({name: span}, [name]))
+    return {"anyOf": kinds}
+
+
+def _sweep(name: str, family: Callable[..., Scene]) -> Schema:
+    kinds = {float: "number", str: "material"}
+    parameters = inspect.signature(family).parameters
+    hints = get_type_hints(family)
+    properties = {
+        parameter: {"$ref": f"#/$defs/{kinds.get(hints[parameter], 'vector')}"} for parameter in parameters
+    }
+    required = [
+        parameter
+        for parameter, described in parameters.items()
+        if described.default is inspect.Parameter.empty
+    ]
+    described = {"family": {"const": name}, "combine": {"enum": ["product", "zip"], "default": "product"}}
+    return _table(described | properties, ["family", *required])
+
+
+def _scene_sweep() -> Schema:
+    path = {"type": "string", "minLength": 1}
+    described = {"family": {"const": scene_sweep.FAMILY}, "file": path, "motion": path}
+    return _table(described, ["family", "file"])
+
+
+def text() -> str:
+    """The schema as its file holds it."""
+    return json.dumps(schema(), indent=2) + "\n"
+
+
+if __name__ == "__main__":
+    with whole_file(FILE) as unfinished:
+        unfinished.write_text(text(), encoding="utf-8")

@@ -1,0 +1,289 @@
+"""Study files: which set-ups to compare, how exactly to solve them, which methods of the model to try.
+
+A file with every key there is::
+
+    format = 1                      # optional: the version of the format
+    name = "gap"
+    title = "The gap between two equal plates"
+    experiment = "II"               # optional: one of the thesis' chapter 6, "I" to "IV", or one
+                                    # of ours, "V" and "VI"; the report shows its section
+
+    [reference]
+    rtol = 1e-3                     # relative accuracy asked of the field reference
+    max_seconds = 120               # per case
+    error = "estimate"              # default; or "enclosure": rtol is asked of proven intervals; or "none": the model alone,
+                                    # without rtol and max_seconds
+
+    [model]
+    methods = ["exact", "split:4"]  # always with "exact", which the report compares
+
+    [[sweep]]
+    family = "parallel"             # a function of `families`; the other keys are its parameters
+    sensor_size = [0.1, 0.1]        # a number, a vector, a text: the same in every case
+    target_size = [[0.1, 0.1], [0.05, 0.05]]               # a list of them: swept
+    gap = { geomspace = [0.005, 0.2, 5] }                  # or linspace = [first, last, number]
+    combine = "product"             # default; or "zip": the swept lists are walked through together
+
+    [[sweep]]
+    family = "scene"                # a scene of one's own
+    file = "arm.toml"               # beside the study file, as
+    motion = "arm.motion.toml"      # optional: a case for every frame
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import itertools
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast, get_type_hints
+
+import numpy as np
+
+from geometries.common.errors import InputError
+from geometries.common.tables import Table, is_file, parse, read_text
+from geometries.scene.scene import Scene
+from geometries.scene.writer import canonical_and_identity
+from geometries.studies import scene_sweep
+from geometries.studies.families import FAMILIES, Vector2
+
+Parameter = float | Vector2 | str
+
+EMPTY = "empty"
+NO_REFERENCE = "none"
+ERROR_KINDS = ("estimate", "enclosure", NO_REFERENCE)
+EXPERIMENTS = ("I", "II", "III", "IV", "V", "VI")
+
+_METHOD = re.compile(r"exact|split:\d{1,2}|gauss:\d{1,2}")
+# Ten times what plans in seconds and runs for months.
+_MOST_CASES = 1_000_000
+# As most file systems have it.
+_LONGEST_FOLDER_NAME = 255
+_STUDIES = Path(__file__).parent
+IDENTITY_DIGITS = 16
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scene of a study. `parameters` holds the family's parameters, defaults included; `text` is the canonical scene and
+    `identity` its hash, of which `id` is the beginning."""
+
+    identity: str
+    family: str
+    parameters: dict[str, Parameter]
+    scene: Scene
+    text: str
+
+    @property
+    def id(self) -> str:
+        return self.identity[:IDENTITY_DIGITS]
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study file, expanded. `rtol`, `max_seconds` and `error` are for the reference, `methods` for the model; `experiment` is
+    one of EXPERIMENTS or empty."""
+
+    name: str
+    title: str
+    rtol: float
+    max_seconds: float
+    error: str
+    methods: tuple[str, ...]
+    sweeps: tuple[Case, ...]
+    experiment: str = ""
+
+    def cases(self) -> list[Case]:
+        """Every case once, in the order of the file; then, for every distinct sensor, the sensor alone."""
+        cases: dict[str, Case] = {}
+        for case in [*self.sweeps, *map(empty_case, self.sweeps)]:
+            cases.setdefault(case.id, case)
+        return list(cases.values())
+
+
+def empty_case(case: Case) -> Case:
+    """The case without its objects, which `delta_self` is measured against."""
+    return _empty_case(case.parameters.get("sensor_size"), scene_sweep.without_objects(case.scene))
+
+
+# Sweeps have few sensors and many cases.
+@functools.cache
+def _empty_case(sensor_size: Parameter | None, scene: Scene) -> Case:
+    return _case(EMPTY, {} if sensor_size is None else {"sensor_size": sensor_size}, scene)
+
+
+def find(study: str) -> Path:
+    """The file of a study given by its name in `geometries/studies` or by its path; InputError when there is none."""
+    named = _STUDIES / f"{study}.toml"
+    if is_file(named):
+        return named
+    if is_file(Path(study)):
+        return Path(study)
+    known = ", ".join(sorted(path.stem for path in _STUDIES.glob("*.toml")))
+    raise InputError(study, "", f"is neither a study file nor one of the studies here: {known}")
+
+
+def load(path: Path | str) -> Study:
+    """The study in a file; InputError when the file cannot be used."""
+    return loads(read_text(Path(path)), source=str(path))
+
+
+def loads(text: str, source: str = "study") -> Study:
+    """The study in a text; `source` stands for it in errors."""
+    root = parse(text, source)
+    root.known_format()
+    reference = root.table("reference")
+    model = root.table("model")
+    error = _error_kind(reference)
+    unasked = 1.0 if error == NO_REFERENCE else None
+    study = Study(
+        name=_folder_name(root),
+        title=root.text("title"),
+        rtol=reference.positive("rtol", unasked),
+        max_seconds=reference.positive("max_seconds", unasked),
+        error=error,
+        methods=_methods(model),
+        sweeps=tuple(case for sweep in root.tables("sweep") for case in _sweep(sweep)),
+        experiment=_experiment(root),
+    )
+    if not study.sweeps:
+        raise root.error("sweep", "a study needs at least one sweep")
+    for table in (reference, model, root):
+        table.finish()
+    return study
+
+
+def _folder_name(root: Table) -> str:
+    name = root.text("name")
+    if Path(name).name != name or name in (".", "..") or not name.isprintable():
+        raise root.error("name", f"names the folder of the results and may hold no path, as {name!r} does")
+    if len(name.encode()) > _LONGEST_FOLDER_NAME:
+        raise root.error("name", f"names the folder of the results and may have {_LONGEST_FOLDER_NAME} bytes")
+    return name
+
+
+def _experiment(root: Table) -> str:
+    if not root.has("experiment"):
+        return ""
+    experiment = root.text("experiment")
+    if experiment not in EXPERIMENTS:
+        raise root.error("experiment", f"must be one of {', '.join(EXPERIMENTS)}, not {experiment!r}")
+    return experiment
+
+
+def _error_kind(reference: Table) -> str:
+    kind = reference.text("error", "estimate")
+    if kind not in ERROR_KINDS:
+        raise reference.error("error", f"must be one of {', '.join(ERROR_KINDS)}, not {kind!r}")
+    return kind
+
+
+def _methods(model: Table) -> tuple[str, ...]:
+    methods = model.value("methods")
+    if not isinstance(methods, list) or not all(isinstance(method, str) for method in methods):
+        raise model.error("methods", "must be a list of strings")
+    for method in methods:
+        if _METHOD.fullmatch(method) is None:
+            raise model.error("methods", f'must be "exact", "split:N" or "gauss:K", not {method!r}')
+    if "exact" not in methods:
+        raise model.error("methods", 'must hold "exact", the method that is compared with the reference')
+    return tuple(methods)
+
+
+def _sweep(sweep: Table) -> Iterator[Case]:
+    family = sweep.text("family")
+    if family == scene_sweep.FAMILY:
+        for told, scene in scene_sweep.scenes(sweep):
+            yield _case(family, dict(told), scene)
+        return
+    if family not in FAMILIES:
+        known = ", ".join([*FAMILIES, scene_sweep.FAMILY])
+        raise sweep.error("family", f"unknown family {family!r}; there are {known}")
+    combine = sweep.text("combine", "product")
+    if combine not in ("product", "zip"):
+        raise sweep.error("combine", f"must be product or zip, not {combine!r}")
+    function = FAMILIES[family]
+    kinds = {name: hint for name, hint in get_type_hints(function).items() if name != "return"}
+    defaults = {name: parameter.default for name, parameter in inspect.signature(function).parameters.items()}
+    values = {
+        name: [defaults[name]]
+        if defaults[name] is not inspect.Parameter.empty and not sweep.has(name)
+        else _values(sweep, name, kinds[name])
+        for name in kinds
+    }
+    sweep.finish()
+    if combine == "product" and math.prod(map(len, values.values())) > _MOST_CASES:
+        raise sweep.error("", f"makes more than {_MOST_CASES} cases")
+    for parameters in _combinations(sweep, values, combine):
+        try:
+            scene = function(**parameters)
+        except InputError as error:
+            raise InputError(
+                sweep.source, sweep.key(error.key), f"{error.reason} (in {_told(parameters)})"
+            ) from error
+        yield _case(family, parameters, scene)
+
+
+def _values(sweep: Table, name: str, kind: object) -> list[Parameter]:
+    """What a parameter takes in turn: one value when the key holds one, else those of a list or a range. `kind` is float, str,
+    or else a vector."""
+    value = sweep.value(name)
+    if isinstance(value, dict):
+        if kind is not float:
+            raise sweep.error(name, "a range is for a number; give a list")
+        return _range(sweep.table(name))
+    if kind is str:
+        texts = value if isinstance(value, list) else [value]
+        if not texts or not all(isinstance(text, str) for text in texts):
+            raise sweep.error(name, f"must be a string or a list of strings, not {value!r}")
+        return list(texts)
+    if kind is not float:
+        vectors = value if isinstance(value, list) and value and isinstance(value[0], list) else [value]
+        return [cast(Vector2, sweep.as_vector(name, vector, 2)) for vector in vectors]
+    numbers = value if isinstance(value, list) else [value]
+    if not numbers:
+        raise sweep.error(name, "must hold at least one value")
+    return [sweep.as_number(name, number) for number in numbers]
+
+
+def _range(table: Table) -> list[Parameter]:
+    if len(table.keys()) != 1 or table.keys()[0] not in ("linspace", "geomspace"):
+        raise table.error("", "a range is { linspace = [first, last, number] } or { geomspace = … }")
+    kind = table.keys()[0]
+    first, last, number = table.vector(kind, 3)
+    if number < 2 or number != int(number):
+        raise table.error(kind, f"needs an integer number of values, at least 2, not {number!r}")
+    if number > _MOST_CASES:
+        raise table.error(kind, f"makes more than {_MOST_CASES} cases")
+    if kind == "geomspace" and (first <= 0 or last <= 0):
+        raise table.error(kind, "needs ends greater than 0")
+    count = int(number)
+    values = np.geomspace(first, last, count) if kind == "geomspace" else np.linspace(first, last, count)
+    return [float(value) for value in values]
+
+
+def _combinations(
+    sweep: Table, values: dict[str, list[Parameter]], combine: str
+) -> Iterator[dict[str, Parameter]]:
+    if combine == "product":
+        yield from (dict(zip(values, chosen)) for chosen in itertools.product(*values.values()))
+        return
+    lengths = {name: len(swept) for name, swept in values.items() if len(swept) > 1}
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        raise sweep.error("combine", f"zip needs lists of one length, not {told}")
+    for index in range(max(lengths.values(), default=1)):
+        yield {name: swept[index] if len(swept) > 1 else swept[0] for name, swept in values.items()}
+
+
+def _case(family: str, parameters: dict[str, Parameter], scene: Scene) -> Case:
+    text, hashed = canonical_and_identity(scene)
+    return Case(hashed, family, parameters, scene, text)
+
+
+def _told(parameters: dict[str, Any]) -> str:
+    return ", ".join(f"{name} = {list(v) if isinstance(v, tuple) else v}" for name, v in parameters.items())

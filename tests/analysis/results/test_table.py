@@ -1,0 +1,95 @@
+"""`table.csv`: its rows, the reference's error carried into the model error, the commands that recompute."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from pathlib import Path
+
+import pytest
+
+from analysis.results import study_results as results, table
+from analysis.results.answers import Estimate
+from tests.analysis.synthetic import PARALLEL, make_results, model_document, reference_document
+
+ONE_CASE = PARALLEL.replace("[0.01, 0.02, 0.04]", "0.02")
+
+
+def rows_of(tmp_path: Path, reference: dict[str, object], model: float) -> list[table.Row]:
+    return table.rows(results.load(make_results(tmp_path, ONE_CASE, {0: (reference, model_document(model))})))
+
+
+def test_each_case_gives_a_row_for_mutual_and_one_for_delta_self(tmp_path: Path) -> None:
+    mutual, delta_self = rows_of(tmp_path, reference_document(2, 1), 1.8)
+    assert (mutual.sensor, mutual.object, mutual.quantity) == ("sensor", "target", "mutual")
+    assert (delta_self.sensor, delta_self.object, delta_self.quantity) == ("sensor", "", "delta_self")
+    assert (mutual.reference.value, delta_self.reference.value) == (2e-12, 1e-12)
+
+
+def test_the_model_error_and_its_interval_computed_by_hand(tmp_path: Path) -> None:
+    """Model 1.8, reference 2.0 ± 0.1: −10 %, at least (1.8 − 2.1)/2.1 = −1/7 and at most (1.8 − 1.9)/1.9 = −1/19."""
+    mutual, _ = rows_of(tmp_path, reference_document(2, 1, error=0.1), 1.8)
+    assert mutual.model_error == pytest.approx(-0.1)
+    assert mutual.model_error_interval == pytest.approx((-1 / 7, -1 / 19))
+    assert mutual.reference_error == pytest.approx(0.05)
+
+
+def test_an_enclosure_counts_as_far_as_its_farther_end(tmp_path: Path) -> None:
+    """M = [[5, −2], [−2, 5]] in pF, each entry between 0.2 below and 0.1 above: mutual 2 may be 2.2."""
+    document = reference_document(2, 1, error=0.01, error_kind="enclosure")
+    lower = [[value - 0.2e-12 for value in row] for row in document["maxwell"]]
+    upper = [[value + 0.1e-12 for value in row] for row in document["maxwell"]]
+    mutual, _ = rows_of(tmp_path, document | {"lower": lower, "upper": upper}, 1.8)
+    assert mutual.reference_error == pytest.approx(0.1)
+
+
+def test_a_model_above_the_reference_has_a_positive_error(tmp_path: Path) -> None:
+    """Model 1.8 against delta_self 1.0 ± 0.1: +80 %, from 1.8/1.1 − 1 to 1.8/0.9 − 1."""
+    _, delta_self = rows_of(tmp_path, reference_document(2, 1, error=0.1), 1.8)
+    assert delta_self.model_error == pytest.approx(0.8)
+    assert delta_self.model_error_interval == pytest.approx((1.8 / 1.1 - 1, 1.0))
+
+
+def test_the_interval_has_no_upper_end_when_the_reference_may_be_zero() -> None:
+    low, high = table.error_interval(1.0, Estimate(0.5, 0.6))
+    assert low == pytest.approx(1 / 1.1 - 1)
+    assert high == math.inf
+
+
+def test_the_check_of_delta_self_is_the_difference_of_two_solves_with_both_errors(tmp_path: Path) -> None:
+    """M[s,s] is 5 ± 0.1 pF with the target and 4 ± 0.01 pF without."""
+    _, delta_self = rows_of(tmp_path, reference_document(2, 1, error=0.1), 1.8)
+    assert delta_self.check is not None
+    assert delta_self.check.value == pytest.approx(1e-12)
+    assert delta_self.check.error == pytest.approx(0.11e-12)
+    assert delta_self.reference.agrees_with(delta_self.check)
+
+
+def test_cases_without_both_answers_give_no_row(tmp_path: Path) -> None:
+    answers = {0: (None, model_document(1)), 1: (reference_document(2, 1), None)}
+    found = table.rows(results.load(make_results(tmp_path, PARALLEL, answers)))
+    assert {row.case.parameters["gap"] for row in found} == {0.04}
+
+
+def test_the_text_has_a_documented_column_for_everything(tmp_path: Path) -> None:
+    found = rows_of(tmp_path, reference_document(2, 1), 1.8)
+    records = list(csv.DictReader(io.StringIO(table.to_csv(found, ("exact", "split:0")))))
+    assert len(records) == 2
+    documented = table.__doc__ or ""
+    for column in records[0]:
+        assert column.replace("exact", "METHOD").replace("split:0", "METHOD") in documented
+    assert float(records[0]["reference_F"]) == 2e-12
+    assert float(records[0]["gap_over_size"]) == pytest.approx(0.2)
+    assert float(records[0]["model_exact_F"]) == pytest.approx(1.8e-12)
+
+
+def test_the_commands_name_the_scene_of_the_case_and_survive_spaces(tmp_path: Path) -> None:
+    folder = make_results(tmp_path / "with space", ONE_CASE)
+    loaded = results.load(folder)
+    case = loaded.compared()[0]
+    scene = f"'{folder}/cases/{case.id}/scene.toml'"
+    assert table.reference_command(loaded, case.id) == (
+        f"python3 -m fem_reference {scene} --rtol 0.001 --max-seconds 60 --error estimate"
+    )
+    assert table.model_command(loaded, case.id) == f"build/bin/fringe capacitance {scene} --method exact"

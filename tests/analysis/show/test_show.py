@@ -1,0 +1,228 @@
+"""The page of a scene: what its data say, that it needs nothing but itself, and how wrong input is refused."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis.pipeline.keys import REPOSITORY
+from analysis.pipeline.model_stage import model_module
+from analysis.show import data as show_data, make as show
+from geometries.scene import motion, reader
+
+SCENE = """
+[[link]]
+name = "arm"
+translation = [0, 0, 1]
+
+[[link]]
+name = "hand"
+parent = "arm"
+translation = [0.1, 0, 0]
+
+[[sensor]]
+name = "skin"
+link = "hand"
+plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+
+[[distance_sensor]]
+name = "eye"
+link = "hand"
+apex = [0, 0, 0]
+direction = [0, 0, -2]
+full_angle_degrees = 60
+range = 0.9
+
+[[object]]
+name = "floor </script>"
+shape = { type = "plate", size = [4, 4] }
+
+[[object]]
+name = "ball"
+link = "arm"
+shape = { type = "sphere", radius = 0.2, segments = 8 }
+translation = [0, 1, 0]
+"""
+
+MOTION = """
+[[frame]]
+[[frame]]
+name = "lowered"
+poses = [ { link = "arm", translation = [0, 0, 0.5], rotation = { axis = [0, 0, 1], degrees = 90 } } ]
+"""
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "a scene.toml"
+    path.write_text(SCENE)
+    path.with_name("a scene.motion.toml").write_text(MOTION)
+    return path
+
+
+def data_of(page: Path) -> dict[str, Any]:
+    found = re.search(
+        r'<script type="application/json" id="data">(.*?)</script>', page.read_text(), flags=re.DOTALL
+    )
+    assert found is not None
+    data: dict[str, Any] = json.loads(found[1])
+    return data
+
+
+def test_bodies_are_where_the_model_has_them_in_every_frame(scene: Path, tmp_path: Path) -> None:
+    data = data_of(show.make(str(scene), None, tmp_path / "page.html"))
+    live = model_module().Scene.load(str(scene))
+    assert [frame["name"] for frame in data["frames"]] == ["frame 1", "lowered"]
+    for frame, height in zip(data["frames"], (1.0, 0.5)):
+        if height == 0.5:
+            live.set_pose("arm", [0, 0, 0.5], [np.sqrt(0.5), 0, 0, np.sqrt(0.5)])
+        conductors = live.conductors()
+        for body in data["objects"] + data["sensors"]:
+            vertices = np.array(body["vertices"])
+            if body["link"] is not None:
+                matrix = np.array(frame["links"][body["link"]]).reshape(3, 4)
+                vertices = vertices @ matrix[:, :3].T + matrix[:, 3]
+            triangles = vertices[np.array(body["faces"])]
+            assert triangles == pytest.approx(conductors[body["name"]], abs=2e-5)
+
+
+def test_readings_are_those_of_the_model(scene: Path, tmp_path: Path) -> None:
+    data = data_of(show.make(str(scene), None, tmp_path / "page.html"))
+    first, second = data["frames"]
+    assert first["readings"] == [None]  # the floor is out of range
+    assert second["readings"][0]["distance"] == pytest.approx(0.5)
+    assert second["readings"][0]["object"] == "floor </script>"
+    live = model_module().Scene.load(str(scene))
+    (expected,) = live.capacitance()["sensors"]
+    (output,) = first["outputs"]
+    assert output["delta_voltage"] == expected["delta_voltage"]
+    assert output["total"] == expected["total"]
+    assert {name for name, _ in output["objects"]} == {"floor </script>", "ball"}
+
+
+def test_boxes_hold_their_objects(scene: Path, tmp_path: Path) -> None:
+    data = data_of(show.make(str(scene), None, tmp_path / "page.html"))
+    ball = data["objects"][1]
+    corners, vertices = np.array(ball["obb"]), np.array(ball["vertices"])
+    origin, edges = corners[0], corners[[4, 2, 1]] - corners[0]
+    shares = (vertices - origin) @ np.linalg.inv(edges)
+    assert shares.min() > -1e-3 and shares.max() < 1 + 1e-3
+    assert data["frames"][0]["aabb"][1] == pytest.approx([-0.2, 0.8, 0.8, 0.2, 1.2, 1.2], abs=2e-5)
+    assert data["frames"][1]["aabb"][1] == pytest.approx([-1.2, -0.2, 0.3, -0.8, 0.2, 0.7], abs=2e-5)
+
+
+def test_marks_are_the_pairs_that_are_not_clear(scene: Path) -> None:
+    module = model_module()
+
+    class Colliding:
+        """The model's scene with a collision test whose answer is known."""
+
+        def __init__(self, path: str) -> None:
+            self._scene = module.Scene.load(path)
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(self._scene, name)
+
+        def collide(self) -> dict[str, Any]:
+            pairs = [
+                {"a": "ball", "b": "floor </script>", "status": status}
+                for status in ("clear", "bounds", "collision")
+            ]
+            return {"tests": {"broad": 3, "narrow": 2}, "pairs": pairs}
+
+    class Model:
+        """The model's module with that scene."""
+
+        Scene = type("Scene", (), {"load": staticmethod(Colliding)})
+        obb, aabb = staticmethod(module.obb), staticmethod(module.aabb)
+
+    read = reader.load(scene)
+    data = show_data.collect(scene, read, (motion.at_rest(read),), Model)
+    assert data["frames"][0]["collisions"] == {
+        "tests": {"broad": 3, "narrow": 2},
+        "pairs": [["ball", "floor </script>", "bounds"], ["ball", "floor </script>", "collision"]],
+    }
+
+
+def test_outputs_that_the_model_refuses_are_left_out_with_its_reason(scene: Path, tmp_path: Path) -> None:
+    scene.write_text(SCENE + 'potential = "floating"\n')
+    frame = data_of(show.make(str(scene), None, tmp_path / "page.html"))["frames"][0]
+    assert frame["outputs"] is None
+    assert 'object "ball" is floating' in frame["refused"]
+
+
+def test_contact_is_no_number(scene: Path, tmp_path: Path) -> None:
+    touching = 'shape = { type = "plate", size = [1, 1] }\nlink = "hand"\n'
+    scene.write_text(SCENE + f'\n[[object]]\nname = "touching"\n{touching}')
+    (output,) = data_of(show.make(str(scene), None, tmp_path / "page.html"))["frames"][0]["outputs"]
+    assert (output["total"], output["objects"][0]) == (None, ["touching", None])
+
+
+def test_a_scene_without_a_motion_has_one_frame(scene: Path, tmp_path: Path) -> None:
+    scene.with_name("a scene.motion.toml").unlink()
+    data = data_of(show.make(str(scene), None, tmp_path / "page.html"))
+    assert [frame["name"] for frame in data["frames"]] == ["as in the scene"]
+
+
+def test_the_page_needs_nothing_but_itself(scene: Path, tmp_path: Path) -> None:
+    page = show.make(str(scene), None, tmp_path / "page.html").read_text()
+    own = page.replace(plotly_script(), "")
+    assert "http" not in own
+    assert not re.search(r"<(script|link|img)[^>]*\b(src|href)=", own)
+
+
+def plotly_script() -> str:
+    from plotly.offline import get_plotlyjs
+
+    script: str = get_plotlyjs()
+    return script
+
+
+def run(*arguments: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "analysis", "show", *map(str, arguments)]
+    return subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, check=False, timeout=100)
+
+
+def test_the_example_is_shown_by_its_name(tmp_path: Path) -> None:
+    target = tmp_path / "arm.html"
+    done = run("x_ray_arm", "--output", target)
+    assert (done.returncode, done.stderr, done.stdout) == (0, "", f"page: {target}\n")
+    data = data_of(target)
+    assert len(data["frames"]) >= 10
+    assert len(data["eyes"]) == 4
+    # The motion means something: every distance sensor sees the patient in some frame.
+    for number in range(4):
+        seen = {frame["readings"][number]["object"] for frame in data["frames"] if frame["readings"][number]}
+        assert seen & {"torso", "head", "left arm", "right arm"}
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "reason"),
+    [
+        ("none.toml", None, "cannot be read"),
+        ("none", None, "x_ray_arm"),
+        ("wrong.toml", SCENE + "colour = 1\n", "colour: unknown key"),
+    ],
+)
+def test_a_wrong_scene_is_refused(tmp_path: Path, name: str, text: str | None, reason: str) -> None:
+    if text is not None:
+        (tmp_path / name).write_text(text)
+    done = run(tmp_path / name if name.endswith(".toml") else name, "--output", tmp_path / "page.html")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert reason in done.stderr
+    assert not (tmp_path / "page.html").exists()
+
+
+def test_a_wrong_motion_is_refused(scene: Path, tmp_path: Path) -> None:
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text('[[frame]]\nposes = [ { link = "leg" } ]\n')
+    done = run(scene, "--motion", wrong, "--output", tmp_path / "page.html")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"analysis: {wrong}: frame[0].poses[0].link: there is no link 'leg'\n"

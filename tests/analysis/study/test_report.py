@@ -1,0 +1,297 @@
+"""The report: every plot with its finding, what failed, what is short of the accuracy, offline, rebuilt only when needed."""
+
+from __future__ import annotations
+
+import re
+from html import escape
+from pathlib import Path
+
+import pytest
+
+from analysis.report import plot_of_time
+from analysis.report.page import SCRIPT
+from analysis.results import store, study_results as results, table
+from analysis.results.study_results import Failure
+from analysis.study import report
+from analysis.study.questions import QUESTIONS
+from analysis.topics.corrections import stage as corrections_stage
+from analysis.topics.history import page as history_page
+from geometries.common.errors import InputError
+from tests.analysis.synthetic import (
+    corrections_document,
+    make_results,
+    model_document,
+    reference_document,
+    report_text,
+)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return make_results(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "title",
+    [
+        "Model against reference",
+        "Model error over gap/size",
+        "Model error over tilt",
+        "Model error over lateral offset",
+        "Model error over size ratio",
+        "Run time against error (mutual)",
+        "Family parallel",
+        "Family edge",
+    ],
+)
+def test_every_plot_has_a_figure_and_a_finding(folder: Path, title: str) -> None:
+    text = report_text(folder)
+    (section,) = re.findall(rf"<section>\s*<h2>{re.escape(title)}</h2>(.*?)</section>", text, re.DOTALL)
+    (finding,) = re.findall(r'<p class="finding">(.*?)</p>', section)
+    assert finding.endswith(".") and len(finding) > 30
+    assert "plotly-graph-div" in section
+
+
+def test_the_headline_has_a_line_for_each_quantity_and_family(folder: Path) -> None:
+    text = report_text(folder)
+    assert "mutual: the model is 10% off (rms over 5 cases), median 10%, worst -10%" in text
+    assert "delta_self: the model is 80% off (rms over 5 cases), median 80%, worst +80%" in text
+    assert "sure to 0.50% or better" in text
+
+
+def pages_of(folder: Path) -> list[Path]:
+    """Every page that there is, the report first."""
+    return [report.make(folder).path, *sorted(folder.rglob("*/*.html"))]
+
+
+def test_every_question_has_a_page_that_the_report_leads_to_with_its_finding(folder: Path) -> None:
+    text = report.make(folder).path.read_text()
+    cards = re.findall(r'<li><a href="(.*?)">(.*?)</a><p>(.*?)</p></li>', text)
+    titles = [
+        escape(question.title) for question in QUESTIONS if question.name not in ("experiment", "faults")
+    ]
+    assert [title for _, title, _ in cards] == titles
+    for target, title, finding in cards:
+        page = (folder / target).read_text()
+        assert f"<h1>{title}</h1>" in page and finding in page
+
+
+def test_every_page_leads_only_to_files_that_are_there(folder: Path) -> None:
+    pages = pages_of(folder)
+    assert (
+        len(pages) == 1 + 10 + 1 + 6
+    )  # the report, the questions, the published set-ups, the cases with the sensor alone
+    for page in pages:
+        targets = re.findall(r'(?:href|src)="([^"]*)"', page.read_text())
+        assert targets
+        for target in targets:
+            assert (page.parent / target).is_file(), f"{page}: {target}"
+
+
+def test_the_script_is_there_once_and_pages_are_light(folder: Path) -> None:
+    pages = pages_of(folder)
+    scripts = [path for path in folder.rglob("*") if path.is_file() and path.stat().st_size > 1_000_000]
+    assert scripts == [folder / SCRIPT]
+    assert "plotly.js v" in scripts[0].read_text()
+    assert "<script" not in pages[0].read_text()
+
+
+def test_points_open_their_case(folder: Path) -> None:
+    report.make(folder)
+    page = (folder / "report" / "model_error.html").read_text()
+    for case in results.load(folder).compared():
+        assert f'"{case.id}"' in page
+    cases = set(re.findall(r'data-cases="(.*?)"', page))
+    assert cases == {"../cases"} and "plotly_click" in page
+    opening = {
+        path.name
+        for path in (folder / "report").glob("*.html")
+        if "A click on a point opens its case." in path.read_text()
+    }
+    assert opening == {"model_error.html"}
+
+
+def test_the_page_of_a_case_has_its_drawing_its_numbers_and_its_commands(folder: Path) -> None:
+    report.make(folder)
+    for case in results.load(folder).compared():
+        page = (case.folder / "case.html").read_text()
+        assert page.count("plotly-graph-div") == 1 and "No slice of its potential is stored" in page
+        assert "mutual of sensor and target: 2 ± 0.01 pF by the reference; the model is -10.0% off" in page
+        assert f"cases/{case.id}/scene.toml --rtol 0.001 --max-seconds 60" in page
+        assert f"cases/{case.id}/scene.toml --method exact" in page
+        assert 'href="fem.json"' in page
+
+
+def test_points_of_the_published_table_open_its_set_ups_on_one_page(folder: Path) -> None:
+    report.make(folder)
+    page = (folder / "report" / "published.html").read_text()
+    assert 'data-set-ups="set_ups/published.html"' in page and "A click on a point opens its set-up." in page
+    opened = (folder / "report" / "set_ups" / "published.html").read_text()
+    assert 'href="../published.html"' in opened
+    points = set(re.findall(r'"([0-9a-f]{16})"', page))
+    assert len(points) == 530 and all(f'"name":"{point}"' in opened for point in points)
+
+
+def test_a_page_of_set_ups_that_is_gone_is_made_again(folder: Path) -> None:
+    report.make(folder)
+    (folder / "report" / "set_ups" / "published.html").unlink()
+    (folder / "report.html").unlink()
+    report.make(folder)
+    assert (folder / "report" / "set_ups" / "published.html").is_file()
+
+
+def test_pages_of_set_ups_are_made_again_only_when_what_they_show_has_changed(tmp_path: Path) -> None:
+    folder = make_results(tmp_path / "results")
+    corrections = corrections_stage.beside(folder) / corrections_stage.DOCUMENT
+    document = corrections_document()
+    store.write_json(corrections, document)
+    report.make(folder)
+    pages = [folder / "report" / "set_ups" / f"{name}.html" for name in ("corrections", "published")]
+    before = [page.stat().st_mtime_ns for page in pages]
+    (folder / "report.html").unlink()
+    (folder / "report" / "pages.json").unlink()
+    report.make(folder)
+    assert [page.stat().st_mtime_ns for page in pages] == before
+    store.write_json(corrections, {**document, "sealed": 2})
+    report.make(folder)
+    after = [page.stat().st_mtime_ns for page in pages]
+    assert after[0] != before[0] and after[1] == before[1]
+
+
+def test_only_the_page_of_a_case_that_changed_is_made_again(folder: Path) -> None:
+    report.make(folder)
+    first, second, *_ = results.load(folder).compared()
+    before = [(case.folder / "case.html").stat().st_mtime_ns for case in (first, second)]
+    store.write_json(first.folder / results.MODEL, model_document(1.7))
+    report.make(folder)
+    after = [(case.folder / "case.html").stat().st_mtime_ns for case in (first, second)]
+    assert after[0] != before[0] and after[1] == before[1]
+
+
+def test_a_page_that_is_gone_is_made_again_and_one_of_no_question_removed(folder: Path) -> None:
+    report.make(folder)
+    (folder / "report" / "stability.html").unlink()
+    report.make(folder)
+    assert (folder / "report" / "stability.html").is_file()
+    (folder / "report" / "outdated.html").write_text("")
+    (folder / "report" / "pages.json").unlink()
+    (folder / "report.html").unlink()
+    report.make(folder)
+    assert not (folder / "report" / "outdated.html").exists()
+
+
+def test_a_night_changes_the_report_alone(folder: Path) -> None:
+    report.make(folder)
+    page = (folder / "report" / "model_error.html").stat().st_mtime_ns
+    night = {"time": "2026-01-02T03:04:05+00:00", "table": "", "failed": 0, "to_do": 0, "seconds": 1.0}
+    worst = {"worst": {name: 0.1 for name in table.QUANTITIES}, "reference_seconds": 9.0}
+    store.write_json(folder / "history" / "2026.json", night | worst)
+    history = history_page.make(folder)
+    for target in re.findall(r'(?:href|src)="([^"]*)"', history.read_text()):
+        assert (folder / target).is_file()
+    text = report.make(folder).path.read_text()
+    assert 'href="history.html"' in text and "1 nights since 2026-01-02 03:04" in text
+    assert (folder / "report" / "model_error.html").stat().st_mtime_ns == page
+
+
+def test_failed_cases_are_listed_with_their_reason(tmp_path: Path) -> None:
+    failure = Failure("0123456789abcdef", "reference", "exit code 2: <no mesh>")
+    text = report_text(make_results(tmp_path, answers={0: (None, model_document(1))}, failures=[failure]))
+    assert "Failed cases" in text
+    assert "0123456789abcdef" in text and "exit code 2: &lt;no mesh&gt;" in text
+
+
+def test_without_failures_there_is_no_such_section(folder: Path) -> None:
+    assert "Failed cases" not in report_text(folder)
+
+
+def test_cases_short_of_the_asked_accuracy_are_named_and_counted(tmp_path: Path) -> None:
+    folder = make_results(
+        tmp_path, answers={0: (reference_document(2, 1, reached=False), model_document(1.8))}
+    )
+    assert report.make(folder).not_reached == 1
+    assert "5 of 6 solves reached the asked relative accuracy" in report_text(folder)
+    assert "Short of it" in report_text(folder)
+
+
+def test_enclosures_are_told_from_estimates(tmp_path: Path) -> None:
+    document = reference_document(2, 1, error_kind="enclosure")
+    lower = [[value - 0.02e-12 for value in row] for row in document["maxwell"]]
+    enclosed = document | {"lower": lower, "upper": document["maxwell"]}
+    text = report_text(make_results(tmp_path, answers={0: (enclosed, model_document(1.8))}))
+    assert "In 1 solves the truth is enclosed" in text and "the mutual one to within 1.0e-02" in text
+    assert "the truth is enclosed" not in report_text(make_results(tmp_path / "other"))
+
+
+def test_the_two_ways_to_delta_self_are_counted(tmp_path: Path) -> None:
+    disagreeing = reference_document(2, 1)
+    disagreeing["delta_self"]["sensor"]["value"] = 1.5e-12
+    folder = make_results(tmp_path, answers={0: (disagreeing, model_document(1.8))})
+    assert (
+        "4 of 5 cases agree within the sum of their errors; the largest difference is 0.5 pF"
+        in report_text(folder)
+    )
+
+
+def test_every_row_names_its_case_and_every_case_its_commands(folder: Path) -> None:
+    text = report_text(folder)
+    for case in results.load(folder).compared():
+        assert f"cases/{case.id}/scene.toml --rtol 0.001 --max-seconds 60" in text
+        assert f"cases/{case.id}/scene.toml --method exact" in text
+
+
+def test_versions_and_machine_are_told(folder: Path) -> None:
+    text = report_text(folder)
+    for word in ("dolfinx", "0.5.2", "processor", "cores"):
+        assert word in text
+
+
+def test_a_slice_of_the_potential_is_drawn_where_there_is_one(folder: Path) -> None:
+    assert "potential (V)" not in report_text(folder)
+    case = results.load(folder).compared()[0]
+    plane = {"origin": [0.0, 0.0], "direction": [1.0, 0.0]}
+    slice_of = plane | {"along": [-0.1, 0.1], "z": [-0.1, 0.1], "potential": [[0.1, 0.2], [0.3, 0.4]]}
+    store.write_json(case.folder / results.SLICE, {"key": "", **slice_of})
+    assert "potential (V) in the vertical plane through both centres" in report_text(folder)
+
+
+def test_the_report_is_made_again_only_when_an_answer_has_changed(folder: Path) -> None:
+    made = report.make(folder).path.stat().st_mtime_ns
+    assert report.make(folder).path.stat().st_mtime_ns == made
+    case = results.load(folder).compared()[0]
+    store.write_json(case.folder / results.MODEL, model_document(1.7))
+    assert report.make(folder).path.stat().st_mtime_ns != made
+    (folder / table.TABLE).unlink()
+    report.make(folder)
+    assert (folder / table.TABLE).is_file()
+
+
+def test_results_without_a_single_answer_still_give_a_report(tmp_path: Path) -> None:
+    folder = make_results(tmp_path, answers={number: (None, None) for number in range(5)})
+    assert report.make(folder).summaries == []
+    assert "Every row" in report_text(folder)
+
+
+def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="holds no results"):
+        report.make(tmp_path)
+
+
+def test_run_time_against_error_computed_by_hand(tmp_path: Path) -> None:
+    """Reference 2.0, exact 1.8, split:0 1.5, the coarse mesh 10 % off; all cases alike."""
+    answers = {number: (reference_document(2, 1), model_document(1.8, coarse=1.5)) for number in range(5)}
+    rows = [
+        row
+        for row in table.rows(results.load(make_results(tmp_path, answers=answers)))
+        if row.object == "target"
+    ]
+    integration = plot_of_time.integration_errors(rows)
+    assert [point.label for point in integration] == ["split:0", "split:4"]
+    assert integration[0].error == pytest.approx(0.3 / 1.8)
+    assert integration[0].seconds == 5e-7
+    assert [p.error for p in plot_of_time.total_errors(rows, ["exact", "split:0"])] == pytest.approx(
+        [0.1, 0.25]
+    )
+    coarse, fine = plot_of_time.level_errors(rows)
+    assert (coarse.error, coarse.seconds) == (pytest.approx(0.1), 1.5)
+    assert fine.error == pytest.approx(0)

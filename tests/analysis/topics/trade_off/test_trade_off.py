@@ -1,0 +1,134 @@
+"""Run time against error of everything that answers: what is measured, what becomes of it, where it is shown."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from analysis.pipeline.model_stage import model_module
+from analysis.report.page import PLOT, SCRIPT
+from analysis.results import store, study_results as results
+from analysis.results.study_results import Results
+from analysis.study import report
+from analysis.topics.trade_off import measure, points, section, stage
+from tests.analysis.synthetic import PARALLEL, PICO, make_results, report_text
+
+ONE = PARALLEL.replace("[0.01, 0.02, 0.04]", "0.04")
+
+
+def document(found: Results, **errors: float) -> dict[str, Any]:
+    """A measurement: the truth is 2 pF in every case; relative errors and microseconds by method, the latter 1, 2, 3 …"""
+    cases = [case.id for case in found.compared()]
+    kinds = {"exact": "model", "split:0": "thesis", "formula": "correction", "reduced:2": "reduced"}
+    return {
+        "truth_rtol": 3e-6,
+        "processor": "made up",
+        "instruction_sets": "none",
+        "truths": {case: {"mutual": 2 * PICO, "error": 2e-6 * PICO, "reached": True} for case in cases},
+        "methods": [
+            {
+                "kind": kinds[name],
+                "name": name,
+                "values": {case: 2 * PICO * (1 + error) for case in cases},
+                "seconds": {case: 1e-6 * number for case in cases},
+            }
+            for number, (name, error) in enumerate(errors.items(), start=1)
+        ],
+    }
+
+
+ERRORS = {"split:0": -0.3, "exact": -0.2, "formula": 0.02, "reduced:2": 1e-4}
+
+
+@pytest.fixture
+def found(tmp_path: Path) -> Results:
+    return results.load(make_results(tmp_path))
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """One pair of plates, measured by the module of the build."""
+    found = results.load(make_results(tmp_path_factory.mktemp("measured"), ONE))
+    return measure.measured(model_module(), found.compared())
+
+
+def test_every_method_of_the_module_answers_and_is_timed(measured: dict[str, Any]) -> None:
+    names = {entry["name"] for entry in measured["methods"]}
+    registered = {str(entry["name"]) for entry in model_module().corrections()} - {"none"}
+    assert names == {f"split:{n}" for n in range(9)} | {"exact"} | registered | {
+        *("reduced:1", "reduced:2", "reduced:3"),
+        *("1e-2", "1e-3", "1e-4", "1e-5"),
+    }
+    for entry in measured["methods"]:
+        ((seconds,), (value,)) = entry["seconds"].values(), entry["values"].values()
+        assert 0 < seconds < 60 and 0 < value < 1e-10
+
+
+def test_what_knows_the_truth_comes_near_it_and_what_does_not_does_not(measured: dict[str, Any]) -> None:
+    (truth,) = measured["truths"].values()
+    off = {
+        e["name"]: abs(next(iter(e["values"].values())) / truth["mutual"] - 1) for e in measured["methods"]
+    }
+    assert off["1e-2"] < 1e-2 and off["1e-5"] < 1e-5 and off["reduced:3"] < 3e-4
+    assert off["split:8"] == pytest.approx(off["exact"], rel=1e-3) and off["exact"] > 0.05
+
+
+def test_points_are_medians_and_meshes_those_that_most_cases_came_to(found: Results) -> None:
+    """The reference says 2 pF; its first mesh is 10 % above after 1.5 s, its second at it after 3 s."""
+    made = points.points(document(found, **ERRORS), found)
+    told = [(point.name, point.seconds, round(point.error, 9)) for point in made]
+    assert told == [
+        ("split:0", 1e-6, 0.3),
+        ("exact", 2e-6, 0.2),
+        ("formula", 3e-6, 0.02),
+        ("reduced:2", 4e-6, 1e-4),
+        ("1", 1.5, 0.1),
+        ("2", 3.0, 0.0),
+        ("answer", 4.5, 0.0),
+    ]
+    assert points.known_to(document(found, **ERRORS)) == pytest.approx(1e-6)
+    assert points.agreement(document(found, **ERRORS), found) == (5, 5)
+
+
+def test_a_point_opens_the_case_in_which_its_method_is_worst(found: Results) -> None:
+    told = document(found, **ERRORS)
+    worst = found.compared()[2].id
+    told["methods"][1]["values"][worst] *= 0.5
+    made = points.points(told, found)
+    assert {point.name: point.worst for point in made}["exact"] == worst
+    text = section.section(told, found, "cases")
+    assert 'data-cases="cases"' in text and f'"customdata":["{worst}"]' in text
+
+
+def test_the_front_ends_where_the_truth_is_known_to(found: Results) -> None:
+    made = points.points(document(found, **ERRORS), found)
+    names = [point.name for point in section.front(made, 1e-6)]
+    assert names == ["split:0", "exact", "formula", "reduced:2", "2"]
+
+
+def test_the_finding_is_computed(found: Results) -> None:
+    told = document(found, **ERRORS)
+    sentence = section.finding(points.points(told, found), told, found)
+    assert "Over 5 set-ups the plain model takes 2 µs and is 20% off" in sentence
+    assert "the correction formula 3 µs and 2 %, reduced:2 4 µs and 0.01 %" in sentence
+    assert "mesh 1 of the field solver is 10 % off after 1.5 s, 400,000 times as long" in sentence
+    assert "spans 6.7 decades" in sentence
+
+
+def test_it_is_the_first_plot_of_the_report_where_it_was_measured(found: Results) -> None:
+    assert PLOT not in report.make(found.folder).path.read_text()
+    assert "Run time against error (mutual)" in report_text(found.folder)
+    store.write_json(found.folder / stage.ANSWER, {"key": "", **document(found, **ERRORS)})
+    index = report.make(found.folder).path.read_text()
+    assert index.count(f'class="{PLOT}"') == 1 and f'src="{SCRIPT}"' in index
+    assert "Run time against error (mutual)" not in report_text(found.folder)
+
+
+def test_a_measurement_is_kept_until_the_set_ups_change(tmp_path: Path) -> None:
+    store.write_json(tmp_path / stage.ANSWER, {"key": stage.key(["one", "two"])})
+    assert stage.run(tmp_path, ["one", "two"], wanted=True) == []
+    assert stage.load(tmp_path) is not None
+    assert stage.run(tmp_path, ["one"], wanted=False) == []
+    assert stage.load(tmp_path) is None

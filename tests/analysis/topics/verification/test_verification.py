@@ -1,0 +1,275 @@
+"""The verification: rows kept under their keys, errors against truths, orders, time against error, and the chapter told."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis.pipeline import processes
+from analysis.results import machine, store
+from analysis.results.study_results import Failure
+from analysis.topics.verification import (
+    cost_section,
+    page as verification_page,
+    records as verification,
+    rows as verification_rows,
+    section as verification_section,
+    stage as verification_stage,
+    truths,
+    uniform_meshes,
+)
+from analysis.topics.verification.records import Asked, Cost, Held
+from analysis.topics.verification.set_ups import alone, plate, true_cases
+from tests.analysis.synthetic import make_results, report_text
+
+
+def quantity(value: float, error: float, **more: Any) -> dict[str, Any]:
+    """Of a truth that is 2, known to 1e-6, with levels of order 1 above it."""
+    levels = [2.08, 2.04, 2.02]
+    return {
+        "name": "C11",
+        "truth": 2.0,
+        "truth_error": 1e-6,
+        "value": value,
+        "error": error,
+        "levels": levels,
+    } | more
+
+
+def truth_row(*quantities: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "source": "a book",
+        "seconds": 3.0,
+        "edge_sizes": [0.4, 0.2, 0.1],
+        "quantities": list(quantities),
+    }
+
+
+INSIDE = quantity(2.002, 0.01, lower=1.99, upper=2.02)
+OUTSIDE = quantity(2.02, 0.01, lower=2.01, upper=2.04)
+
+
+def test_errors_effectivities_and_order_computed_by_hand() -> None:
+    (found,) = verification.compared({"truth/a plate": truth_row(INSIDE), "property/x": {"statements": []}})
+    assert (found.case, found.quantity, found.source) == ("a plate", "C11", "a book")
+    assert (found.off, found.stated) == pytest.approx((0.001, 0.005))
+    assert found.effectivity == pytest.approx(5) and found.within
+    assert found.half_width == pytest.approx(0.0075) and found.enclosed
+    assert found.enclosure_effectivity == pytest.approx(7.5)
+    assert found.order == pytest.approx(1)
+
+
+def test_an_error_below_what_the_truth_is_known_to_counts_as_that() -> None:
+    (found,) = verification.compared({"truth/a": truth_row(quantity(2.0, 1e-4))})
+    assert found.off == 0 and found.effectivity == pytest.approx(50)
+    assert found.half_width is None and found.enclosed is None and found.enclosure_effectivity is None
+
+
+def test_levels_as_near_as_the_truth_is_known_say_nothing_about_the_order() -> None:
+    (found,) = verification.compared({"truth/a": truth_row(quantity(2.0, 1e-4, truth_error=4e-3))})
+    assert len(found.clear_levels) == 2 and found.order is None
+
+
+def test_what_lies_outside_is_named_and_counted() -> None:
+    rows = verification.compared({"truth/good": truth_row(INSIDE), "truth/bad": truth_row(OUTSIDE)})
+    text = verification_section.finding(rows)
+    assert "1 of 2 known quantities of 2 set-ups are within the stated error" in text
+    assert "1 of 2 enclosures hold the truth" in text
+    assert text.endswith("Outside: bad, C11.")
+    assert "Outside" not in verification_section.finding(rows[:1])
+
+
+def test_of_each_case_the_worst_quantity_is_shown() -> None:
+    worse = quantity(2.008, 0.01, name="C12")
+    rows = verification.compared({"truth/a": truth_row(INSIDE, worse), "truth/b": truth_row(INSIDE)})
+    shown = verification.worst_of_each_case(rows)
+    assert [(row.case, row.quantity) for row in shown] == [("a", "C12"), ("b", "C11")]
+
+
+def test_broken_properties_are_named() -> None:
+    held = Held("scaling", "twice the size", 1e-12, 1e-11, "rounding")
+    broken = Held("monotony", "the larger one", 1.1, 1.0, "it contains the smaller")
+    assert verification_section.property_finding([held]) == "1 of 1 statements hold."
+    text = verification_section.property_finding([held, broken])
+    assert text == "1 of 2 statements hold; broken: the larger one."
+
+
+def reference_row(value: float, error: float, *meshes: tuple[float, float], **more: Any) -> dict[str, Any]:
+    """An answer for one conductor; the meshes are seconds from the start and values."""
+    points = [{"unknowns": 100, "seconds": seconds, "maxwell": [[mesh]]} for seconds, mesh in meshes]
+    end = {"value": [[value]], "error": [[error]], "stated": error / value, "seconds": meshes[-1][0] + 0.5}
+    return {"points": points} | end | more
+
+
+def uniform_row(*meshes: tuple[float, float]) -> dict[str, Any]:
+    return {
+        "points": [{"unknowns": 10, "seconds": seconds, "maxwell": [[value]]} for seconds, value in meshes]
+    }
+
+
+COST_ROWS = {
+    "cost/p/estimate": reference_row(1.001, 0.002, (1.0, 1.1), (3.0, 1.05)),
+    "cost/p/tight": reference_row(1.0, 0.0001, (2.0, 1.03), (9.0, 1.01)),
+    "cost/p/linear": uniform_row((1.0, 1.5), (2.0, 1.3)),
+    "cost/p/quadratic": uniform_row((1.5, 1.2)),
+}
+
+
+def asked(truth: float | None = None) -> Asked:
+    matrix = None if truth is None else np.array([[truth]])
+    return Asked("p", "a plate", ((5e-3, 4.0), (5e-5, 60.0)), matrix, 1e-6)
+
+
+def costs(truth: float | None = None) -> Cost:
+    found = verification.cost(COST_ROWS, asked(truth))
+    assert found is not None
+    return found
+
+
+def test_errors_are_those_against_the_best_known_value() -> None:
+    own = costs()
+    assert own.best_from == "the reference's own tight" and own.best_to == pytest.approx(1e-4)
+    assert [point.error for point in own.meshes] == pytest.approx([0.1, 0.05])
+    assert costs(truth=1.001).answers[0].error == 0
+    assert costs(truth=1.001).best_from == "the truth"
+
+
+def test_seconds_count_from_the_start_for_every_method() -> None:
+    found = costs()
+    assert [point.seconds for point in found.meshes] == [1.0, 3.0]
+    assert [point.seconds for point in found.linear] == [1.0, 3.0]
+
+
+def test_a_target_is_met_when_the_error_is_stated_in_time() -> None:
+    loose, tight = costs().targets
+    assert loose.met and loose.seconds == 3.5
+    assert not tight.met, "1e-4 is more than 5e-5"
+    text = cost_section.target_finding([costs()])
+    assert text == "1 of 2 errors asked for were stated in time; not: a plate, 5e-05."
+
+
+def test_the_finding_of_a_set_up_computed_by_hand() -> None:
+    text = cost_section.case_finding(costs())
+    assert text == (
+        "The estimate is 1.0e-03 off after 3.5 s, the best quadratic mesh 2.0e-01 after 1.5 s, the best linear mesh 3.0e-01 "
+        "after 3.0 s."
+    )
+    assert "In 1 of 1 set-ups" in cost_section.finding(
+        [costs()]
+    ) and "factor of 2 to 2" in cost_section.finding([costs()])
+
+
+def test_without_an_answer_of_the_reference_there_is_no_panel() -> None:
+    assert verification.cost({"cost/p/linear": COST_ROWS["cost/p/linear"]}, asked()) is None
+
+
+def test_a_carried_error_and_an_interval_are_those_of_the_corners() -> None:
+    value, error = np.array([[4.0, -1.0], [-1.0, 3.0]]), np.full((2, 2), 0.01)
+
+    def opposite(m: Any) -> float:
+        return float(m[0, 0] - m[0, 1])
+
+    assert verification_rows.carried_error(opposite, value, error) == pytest.approx(0.02)
+    low, high = verification_rows.extremes(opposite, value - error, value + error)
+    assert (low, high) == pytest.approx((4.98, 5.02))
+    low, high = verification_rows.extremes(truths.two_terminal, value - error, value + error)
+    assert low < truths.two_terminal(value) < high
+
+
+def test_the_limit_of_long_bodies_leaves_nothing_of_their_ends() -> None:
+    values = [7 * length + 3 + 5 / length for length in (2.0, 4.0, 6.0)]
+    limit, change = verification_rows.endless(values, 2.0)
+    assert limit == pytest.approx(7) and change == pytest.approx(5 / 24)
+
+
+def test_meshes_of_one_size_come_nearer_to_the_truth_from_above() -> None:
+    problem = alone(plate("plate", (0, 0, 0), (0.5, 0.5))).conductors()
+    truth = verification_rows.true_cases()["square plate"].quantities[0].truth
+    size = min(body.size for body in problem.bodies)
+    linear, finer = (uniform_meshes.solve(problem, size / n, 1).maxwell[0, 0] for n in (2, 4))
+    quadratic = uniform_meshes.solve(problem, size / 2, 2).maxwell[0, 0]
+    assert linear > finer > quadratic > truth
+    assert quadratic < 1.3 * truth
+
+
+def test_every_truth_has_a_set_up_that_can_be_solved_and_a_file_of_its_own(tmp_path: Path) -> None:
+    assert all(case.set_up.conductors().names for case in true_cases().values())
+    names = verification_stage.row_names()
+    assert len({verification_stage.path_of(tmp_path, name) for name in names}) == len(names)
+
+
+Solve = Callable[[str, Path, str, processes.Processes], Failure | None]
+
+
+@pytest.fixture
+def solved(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The rows that are asked to be solved; one called fails does not."""
+    names: list[str] = []
+
+    def solve(name: str, target: Path, key: str, _: processes.Processes) -> Failure | None:
+        names.append(name)
+        if name.endswith("fails"):
+            return Failure("", name, "no memory")
+        store.write_json(target, {"key": key, "row": name, **truth_row(INSIDE)})
+        return None
+
+    monkeypatch.setattr(verification_stage, "solve", solve)
+    return names
+
+
+ROWS = ["truth/one", "truth/fails", "cost/p/estimate"]
+
+
+def test_finished_rows_are_not_solved_again_and_failures_stop_nothing(
+    tmp_path: Path, solved: list[str]
+) -> None:
+    failures = verification_stage.run(tmp_path, ROWS, 1)
+    assert [(failure.stage, failure.reason) for failure in failures] == [("truth/fails", "no memory")]
+    assert solved == ROWS
+    verification_stage.run(tmp_path, ROWS, 1)
+    assert solved == [*ROWS, "truth/fails"]
+    assert sorted(verification_stage.load(tmp_path)) == ["cost/p/estimate", "truth/one"]
+
+
+def test_another_version_makes_all_rows_void_and_another_machine_run_times(
+    tmp_path: Path, solved: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    verification_stage.run(tmp_path, ROWS, 1)
+    monkeypatch.setattr(machine, "identity", lambda: {"name": "another"})
+    assert list(verification_stage.load(tmp_path)) == ["truth/one"]
+    monkeypatch.setattr(verification_stage, "code", lambda: "another")
+    assert not verification_stage.load(tmp_path)
+    verification_stage.run(tmp_path, ROWS, 1)
+    assert solved == [*ROWS, *ROWS]
+
+
+def test_a_report_without_rows_says_how_to_make_them_and_takes_them_up(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = make_results(tmp_path / "study")
+    assert verification_section.ABSENT in report_text(folder)
+    rows = {"truth/cube": truth_row(INSIDE)}
+    for name, row in rows.items():
+        key = verification_stage.key(name, verification_stage.code())
+        target = verification_stage.path_of(verification_page.beside(folder), name)
+        store.write_json(target, {"key": key, "row": name, **row})
+    text = report_text(folder)
+    assert verification_section.TITLE in text and verification_section.ABSENT not in text
+    assert "1 of 1 known quantities of 1 set-ups are within the stated error" in text
+    assert "property/scaling" in text, "what is not there yet is named"
+
+
+def test_the_page_by_itself_has_every_panel(tmp_path: Path) -> None:
+    made = verification_page.make(tmp_path)
+    assert (
+        made.headline == verification_section.ABSENT and verification_section.ABSENT in made.path.read_text()
+    )
+    (script,) = re.findall(r'src="(.*?)"', made.path.read_text())
+    assert (tmp_path / script).is_file()
+    text = cost_section.section([costs()])
+    assert text.count("plotly-graph-div") == 1 and "Every mesh" in text

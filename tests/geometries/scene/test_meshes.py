@@ -1,0 +1,127 @@
+"""Mesh files: read as triangles in the file's order, scaled, refused when damaged; converted whole or not at all."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+
+from geometries.__main__ import main
+from geometries.common.errors import InputError
+from geometries.scene import meshes, reader, writer
+
+TRIANGLES = np.array(
+    [
+        [(0, 0, 0), (1, 0, 0), (1, 1, 0)],
+        [(0, 0, 0), (1, 1, 0), (0, 1, 0.5)],
+        [(0, 0, 1), (2, 0, 1), (0, 2, 1)],
+    ],
+    dtype=np.float64,
+)
+OBJ = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nf 1 2 3 4\nf 1 2 5\nf 2 3 5\n"
+
+
+def scene_with(file: str, scale: float = 1.0) -> str:
+    return f'[[object]]\nname = "o"\nshape = {{ type = "mesh", file = "{file}", scale = {scale} }}\n'
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".obj", ".ply"])
+def test_the_faces_of_a_file_are_read_in_its_order(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"body{suffix}"
+    meshio.write(path, meshio.Mesh(TRIANGLES.reshape(-1, 3), [("triangle", np.arange(9).reshape(3, 3))]))
+    np.testing.assert_allclose(meshes.read_triangles(path), TRIANGLES)
+
+
+def test_polygons_become_fans_from_their_first_vertex(tmp_path: Path) -> None:
+    (tmp_path / "body.obj").write_text(OBJ)
+    triangles = meshes.read_triangles(tmp_path / "body.obj")
+    np.testing.assert_allclose(
+        triangles[:2], [[(0, 0, 0), (1, 0, 0), (1, 1, 0)], [(0, 0, 0), (1, 1, 0), (0, 1, 0)]]
+    )
+    assert len(triangles) == 4
+
+
+def test_a_scene_scales_its_mesh_and_finds_it_beside_itself(tmp_path: Path) -> None:
+    (tmp_path / "body.obj").write_text(OBJ)
+    (tmp_path / "scene.toml").write_text(scene_with("body.obj", 0.5))
+    triangles = reader.load(tmp_path / "scene.toml").conductors()["o"]
+    np.testing.assert_allclose(triangles, 0.5 * meshes.read_triangles(tmp_path / "body.obj"))
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "reason"),
+    [
+        ("empty.obj", "", "holds no triangles"),
+        ("points.obj", "v 0 0 0\nv 1 0 0\n", "holds no triangles"),
+        ("words.ply", "this is not a mesh", "cannot|not a mesh"),
+        ("words.obj", "v a b c\n", "is not a mesh that can be read"),
+        ("index.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n", "vertex that it does not hold"),
+        ("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "finite number"),
+    ],
+)
+def test_damaged_files_are_refused(tmp_path: Path, name: str, content: str, reason: str) -> None:
+    (tmp_path / name).write_text(content)
+    (tmp_path / "scene.toml").write_text(scene_with(name))
+    with pytest.raises(InputError, match=reason) as caught:
+        reader.load(tmp_path / "scene.toml")
+    assert caught.value.key == 'object "o": shape.file'
+
+
+def test_a_mesh_counts_by_its_bytes_not_by_its_place(tmp_path: Path) -> None:
+    for folder, text in (("a", OBJ), ("b", OBJ), ("c", OBJ.replace("f 2 3 5", "f 3 2 5"))):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "body.obj").write_text(text)
+        (tmp_path / folder / "scene.toml").write_text(scene_with("body.obj"))
+    here, there, other = (reader.load(tmp_path / folder / "scene.toml") for folder in "abc")
+    assert here == there != other
+    assert writer.identity(here) == writer.identity(there) != writer.identity(other)
+
+
+def test_the_canonical_text_of_a_mesh_can_be_loaded_from_elsewhere(tmp_path: Path) -> None:
+    (tmp_path / "body.obj").write_text(OBJ)
+    (tmp_path / "scene.toml").write_text(scene_with("body.obj", 0.001))
+    scene = reader.load(tmp_path / "scene.toml")
+    assert reader.loads(writer.canonical(scene), source="/elsewhere/scene.toml") == scene
+
+
+@pytest.mark.parametrize("suffix", [".vtk", ".vtu", ".msh"])
+def test_convert_writes_the_surface_of_another_format(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], suffix: str
+) -> None:
+    source, target = tmp_path / f"body{suffix}", tmp_path / "body.stl"
+    meshio.write(source, meshio.Mesh(TRIANGLES.reshape(-1, 3), [("triangle", np.arange(9).reshape(3, 3))]))
+    assert main(["convert", str(source), str(target)]) == 0
+    assert "3 triangles" in capsys.readouterr().out
+    np.testing.assert_allclose(meshes.read_triangles(target), TRIANGLES)
+
+
+@pytest.mark.parametrize(
+    ("points", "cells", "reason"),
+    [
+        (TRIANGLES.reshape(-1, 3), ("line", [[0, 1]]), "holds no triangles"),
+        (TRIANGLES.reshape(-1, 3), ("triangle", [[0, 1, 9]]), "names a vertex that it does not hold"),
+        (np.full((3, 3), np.inf), ("triangle", [[0, 1, 2]]), "not finite"),
+    ],
+)
+def test_another_format_without_a_surface_is_refused(
+    tmp_path: Path, points: np.ndarray, cells: tuple[str, list[list[int]]], reason: str
+) -> None:
+    meshio.write(tmp_path / "body.vtu", meshio.Mesh(points, [cells]))
+    with pytest.raises(InputError, match=reason):
+        meshes.read_triangles(tmp_path / "body.vtu")
+
+
+@pytest.mark.parametrize(
+    ("source", "target"), [("missing.vtk", "a.stl"), ("bad.vtk", "a.stl"), ("good.obj", "a.xyz")]
+)
+def test_convert_refuses_with_code_2_and_leaves_nothing_behind(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], source: str, target: str
+) -> None:
+    (tmp_path / "bad.vtk").write_text("not a mesh")
+    (tmp_path / "good.obj").write_text(OBJ)
+    assert main(["convert", str(tmp_path / source), str(tmp_path / target)]) == 2
+    printed = capsys.readouterr()
+    assert printed.err and not printed.out
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["bad.vtk", "good.obj"]

@@ -1,0 +1,114 @@
+"""Motion files: where each frame puts the links, and how a wrong file is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from geometries.common.errors import InputError
+from geometries.scene import motion, reader
+from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation
+
+SCENE = reader.loads(
+    """
+    [[link]]
+    name = "base"
+    [[link]]
+    name = "arm"
+    parent = "base"
+    translation = [0, 0, 1]
+    rotation = { axis = [0, 0, 1], degrees = 30 }
+    [[object]]
+    name = "ball"
+    link = "arm"
+    shape = { type = "sphere", radius = 0.1 }
+    """
+)
+REST = Pose((0.0, 0.0, 1.0), AxisRotation((0.0, 0.0, 1.0), 30.0))
+
+
+def test_a_frame_moves_the_links_it_names_and_what_it_leaves_out_stays() -> None:
+    frames = motion.loads(
+        """
+        [[frame]]
+        name = "rest"
+        [[frame]]
+        name = "up"
+        poses = [ { link = "arm", translation = [0, 0, 2] } ]
+        [[frame]]
+        poses = [ { link = "arm", rotation = { axis = [1, 0, 0], degrees = 5 } },
+                  { link = "base", quaternion = [0, 1, 0, 0] } ]
+        """,
+        SCENE,
+    )
+    assert [frame.name for frame in frames] == ["rest", "up", "frame 3"]
+    assert [frame.poses["arm"] for frame in frames] == [
+        REST,
+        Pose((0.0, 0.0, 2.0), REST.rotation),
+        Pose((0.0, 0.0, 2.0), AxisRotation((1.0, 0.0, 0.0), 5.0)),
+    ]
+    assert [frame.poses["base"] for frame in frames] == [
+        Pose(),
+        Pose(),
+        Pose(rotation=QuaternionRotation((0.0, 1.0, 0.0, 0.0))),
+    ]
+
+
+def test_at_rest_is_the_scene() -> None:
+    assert motion.at_rest(SCENE).poses == {"base": Pose(), "arm": REST}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "motion: frame: a motion needs at least one frame"),
+        ("[[frames]]", "motion: frames: unknown key"),
+        ("frame = 3", "motion: frame: must be a list of tables"),
+        ("[[frame]]\nlinks = []", "motion: frame[0].links: unknown key"),
+        ('[[frame]]\nname = ""', "motion: frame[0].name: must not be empty"),
+        ("[[frame]]\nposes = [ {} ]", "motion: frame[0].poses[0].link: is missing"),
+        (
+            '[[frame]]\n[[frame]]\nposes = [ { link = "leg" } ]',
+            "motion: frame[1].poses[0].link: there is no link 'leg'",
+        ),
+        (
+            '[[frame]]\nposes = [ { link = "arm" }, { link = "arm" } ]',
+            "motion: frame[0].poses[1].link: 'arm' has a pose in this frame already",
+        ),
+        (
+            '[[frame]]\nposes = [ { link = "arm", translation = [0, 0] } ]',
+            "motion: frame[0].poses[0].translation: must be a list of 3 numbers, not [0, 0]",
+        ),
+        (
+            '[[frame]]\nposes = [ { link = "arm", rotation = { axis = [0, 0, 0], degrees = 1 } } ]',
+            "motion: frame[0].poses[0].rotation.axis: must have a length greater than 0",
+        ),
+        (
+            '[[frame]]\nposes = [ { link = "arm", pose = 1 } ]',
+            "motion: frame[0].poses[0].pose: unknown key",
+        ),
+    ],
+)
+def test_a_wrong_file_is_refused_by_key_and_reason(text: str, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        motion.loads(text, SCENE)
+    assert str(caught.value) == message
+
+
+def test_a_file_that_is_no_toml_is_refused_by_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "motion.toml"
+    path.write_text("[[frame]]\nname = up\n")
+    with pytest.raises(InputError, match=rf"^{path}:2: is not TOML"):
+        motion.load(path, SCENE)
+    with pytest.raises(InputError, match="cannot be read"):
+        motion.load(tmp_path / "none.toml", SCENE)
+
+
+def test_the_example_motion_fits_the_example_scene() -> None:
+    folder = Path(motion.__file__).parents[1] / "scenes"
+    scene = reader.load(folder / "x_ray_arm.toml")
+    frames = motion.load(folder / "x_ray_arm.motion.toml", scene)
+    assert len(frames) >= 10
+    assert len(scene.distance_sensors) == 4
+    assert len(scene.sensors) >= 4

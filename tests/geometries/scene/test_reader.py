@@ -1,0 +1,224 @@
+"""Scene files: what is read, what is refused, and how the refusal names file, line, key and reason."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from geometries.common.errors import InputError
+from geometries.scene import reader
+from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation
+from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Plate, Room, Sensor
+from geometries.scene.shapes import Arc, Cone, Cuboid, Cylinder, PlateShape, Shape, Sphere
+
+PLATE = "{ corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] }"
+SENSOR = f'[[sensor]]\nname = "s"\nplates = [{PLATE}]\n'
+
+
+def object_with(lines: str, name: str = "o") -> str:
+    return f'[[object]]\nname = "{name}"\n{lines}\n'
+
+
+def test_everything_that_a_scene_may_hold_is_read() -> None:
+    scene = reader.loads(
+        f"""
+        [medium]
+        relative_permittivity = 2
+        [room]
+        size = [4, 3, 2.5]
+        translation = [0, 0, 1.25]
+        [[link]]
+        name = "room"
+        [[link]]
+        name = "arm"
+        parent = "room"
+        translation = [0, 0, 0.5]
+        rotation = {{ axis = [0, 0, 1], degrees = 30 }}
+        [[sensor]]
+        name = "front"
+        link = "arm"
+        input_voltage = 5
+        coupling_capacitance = 1e-12
+        plates = [{PLATE}]
+        [[distance_sensor]]
+        name = "eye"
+        apex = [0, 0, 0]
+        direction = [0, 0, 1]
+        full_angle_degrees = 40
+        range = 0.8
+        [[object]]
+        name = "target"
+        shape = {{ type = "plate", size = [0.1, 0.2] }}
+        quaternion = [1, 0, 0, 0]
+        potential = "floating"
+        collides = false
+        [[object]]
+        name = "glass"
+        shape = {{ type = "cube", size = 0.1 }}
+        rotation = {{ quaternion = [0, 1, 0, 0] }}
+        material = {{ relative_permittivity = 50 }}
+        """
+    )
+    assert scene.medium == Medium(2.0)
+    assert scene.room == Room((4.0, 3.0, 2.5), Pose((0.0, 0.0, 1.25)))
+    turned = Pose((0.0, 0.0, 0.5), AxisRotation((0.0, 0.0, 1.0), 30.0))
+    assert scene.links == (Link("room"), Link("arm", "room", turned))
+    plate = Plate((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0))
+    assert scene.sensors == (Sensor("front", (plate,), "arm", 5.0, 1e-12),)
+    assert scene.distance_sensors == (DistanceSensor("eye", (0, 0, 0), (0, 0, 1), 40.0, 0.8),)
+    target, glass = scene.objects
+    unturned, flipped = QuaternionRotation((1, 0, 0, 0)), QuaternionRotation((0, 1, 0, 0))
+    assert target == Object(
+        "target", PlateShape((0.1, 0.2)), None, Pose(rotation=unturned), "floating", None, False
+    )
+    assert glass == Object(
+        "glass", Cuboid((0.1, 0.1, 0.1)), pose=Pose(rotation=flipped), relative_permittivity=50.0
+    )
+
+
+def test_what_is_left_out_takes_the_defaults_of_the_format() -> None:
+    scene = reader.loads(SENSOR + object_with('shape = { type = "plane", size = [1, 1] }'))
+    assert scene.medium.relative_permittivity == 1
+    assert (scene.sensors[0].input_voltage, scene.sensors[0].coupling_capacitance) == (2.5, 5e-12)
+    assert scene.objects == (Object("o", PlateShape((1.0, 1.0))),)
+
+
+@pytest.mark.parametrize(
+    ("text", "shape"),
+    [
+        ('type = "cuboid", size = [1, 2, 3]', Cuboid((1, 2, 3))),
+        ('type = "cylinder", radius = 1, height = 2', Cylinder(1, 2, 48)),
+        ('type = "cone", radius = 1, height = 2, segments = 7', Cone(1, 2, 7)),
+        (
+            'type = "arc", inner_radius = 1, outer_radius = 2, height = 3, degrees = 90',
+            Arc(1, 2, 3, 90, 48),
+        ),
+        ('type = "sphere", radius = 1, segments = 12', Sphere(1, 12)),
+    ],
+)
+def test_every_shape_is_read(text: str, shape: Shape) -> None:
+    assert reader.loads(object_with(f"shape = {{ {text} }}")).objects[0].shape == shape
+
+
+def shape(text: str) -> str:
+    return object_with(f"shape = {{ {text} }}")
+
+
+def link(name: str, parent: str) -> str:
+    return f'[[link]]\nname = "{name}"\nparent = "{parent}"\n'
+
+
+BODY = 'shape = { type = "plate", size = [1, 1] }\n'
+EYE = "apex = [0, 0, 0]\ndirection = [0, 0, 1]\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "reason"),
+    [
+        ("", "", "at least one sensor or one object"),
+        (SENSOR + "[[wall]]\n", "wall", "unknown key"),
+        ("[medium]\nrelative_permittivity = 0\n" + SENSOR, "medium.relative_permittivity", "greater than 0"),
+        ("[medium]\npermittivity = 1\n" + SENSOR, "medium.permittivity", "unknown key"),
+        ("medium = 3\n" + SENSOR, "medium", "must be a table"),
+        ("sensor = 3", "sensor", "list of tables"),
+        ("[[sensor]]\nplates = []", "sensor[0].name", "is missing"),
+        ('[[sensor]]\nname = ""', "sensor[0].name", "must not be empty"),
+        ("[[sensor]]\nname = 3", "sensor[0].name", "must be a string"),
+        ('[[sensor]]\nname = "s"', 'sensor "s": plates', "at least one plate"),
+        (SENSOR + "voltage = 3", 'sensor "s": voltage', "unknown key"),
+        (SENSOR + "input_voltage = nan", 'sensor "s": input_voltage', "must be finite"),
+        (SENSOR + "input_voltage = true", 'sensor "s": input_voltage', "must be a number"),
+        (SENSOR.replace("0.1, 0, 0", "0, 0, 0"), 'sensor "s": plates[0].edge_u', "length greater than 0"),
+        (SENSOR.replace("[0, 0.1, 0]", "[0.01, 0.1, 0]"), 'sensor "s": plates[0].edge_v', "not a rectangle"),
+        (SENSOR.replace("edge_u", "edge_w"), 'sensor "s": plates[0].edge_u', "is missing"),
+        (
+            SENSOR.replace("corner = [0, 0, 0]", "corner = [0, 0]"),
+            'sensor "s": plates[0].corner',
+            "3 numbers",
+        ),
+        (SENSOR.replace("[0, 0, 0]", "[0, inf, 0]"), 'sensor "s": plates[0].corner[1]', "must be finite"),
+        (SENSOR + SENSOR, 'sensor "s": name', "taken already"),
+        (SENSOR + object_with(BODY, name="s"), 'object "s": name', "taken already"),
+        (SENSOR + 'link = "arm"', 'sensor "s": link', "there is no link 'arm'"),
+        (SENSOR + link("a", "b"), 'link "a": parent', "there is no link 'b'"),
+        (SENSOR + link("a", "b") + link("b", "a"), 'link "a": parent', "cycle: a → b → a"),
+        (SENSOR + link("a", "a"), 'link "a": parent', "cycle: a → a"),
+        ('[[distance_sensor]]\nname = "e"\n' + EYE, 'distance_sensor "e": full_angle_degrees', "is missing"),
+        (
+            '[[distance_sensor]]\nname = "e"\nfull_angle_degrees = 181\n' + EYE,
+            'distance_sensor "e": full_angle_degrees',
+            "at most 180",
+        ),
+        (object_with(""), 'object "o": shape', "is missing"),
+        (shape('type = "torus"'), 'object "o": shape.type', "must be one of plate"),
+        (shape('type = "plate", size = [0.1, 0]'), 'object "o": shape.size[1]', "greater than 0"),
+        (shape('type = "plate", size = [0.1, nan]'), 'object "o": shape.size[1]', "must be finite"),
+        (shape('type = "plate", size = 1'), 'object "o": shape.size', "list of 2 numbers"),
+        (shape('type = "plate", size = [1, 1], segments = 5'), 'object "o": shape.segments', "unknown key"),
+        (shape('type = "cube", size = -1'), 'object "o": shape.size', "greater than 0"),
+        (shape('type = "sphere", radius = 0'), 'object "o": shape.radius', "greater than 0"),
+        (shape('type = "sphere", radius = 1, segments = 2'), 'object "o": shape.segments', "at least 3"),
+        (shape('type = "sphere", radius = 1, segments = 4.0'), 'object "o": shape.segments', "an integer"),
+        (
+            shape('type = "arc", inner_radius = 2, outer_radius = 2, height = 1, degrees = 90'),
+            'object "o": shape.outer_radius',
+            "greater than inner_radius",
+        ),
+        (
+            shape('type = "arc", inner_radius = 1, outer_radius = 2, height = 1, degrees = 361'),
+            'object "o": shape.degrees',
+            "at most 360",
+        ),
+        (shape('type = "mesh", file = "x.vtk"'), 'object "o": shape.file', "must end in one of .stl"),
+        (shape('type = "mesh", file = "x.stl"'), 'object "o": shape.file', "no such mesh file"),
+        (object_with(BODY + 'potential = "live"'), 'object "o": potential', "grounded, floating"),
+        (object_with(BODY + "collides = 1"), 'object "o": collides', "true or false"),
+        (
+            object_with(BODY + 'potential = "floating"\nmaterial = { relative_permittivity = 5 }'),
+            'object "o": material',
+            "excludes potential",
+        ),
+        (object_with(BODY + "translation = [0, 0]"), 'object "o": translation', "list of 3 numbers"),
+        (
+            object_with(BODY + "rotation = { axis = [0, 0, 0], degrees = 3 }"),
+            'object "o": rotation.axis',
+            "length greater than 0",
+        ),
+        (object_with(BODY + "rotation = { axis = [0, 0, 1] }"), 'object "o": rotation.degrees', "is missing"),
+        (object_with(BODY + "quaternion = [0, 0, 0, 0]"), 'object "o": quaternion', "must not be zero"),
+        (
+            object_with(BODY + "quaternion = [1, 0, 0, 0]\nrotation = { axis = [0, 0, 1], degrees = 3 }"),
+            'object "o": quaternion',
+            "give one of them",
+        ),
+    ],
+)
+def test_what_the_format_does_not_allow_is_refused_by_key_and_reason(
+    text: str, key: str, reason: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        reader.loads(text, source="scene.toml")
+    assert (caught.value.file, caught.value.key) == ("scene.toml", key)
+    assert reason in caught.value.reason
+
+
+def test_text_that_is_not_toml_is_refused_with_its_line() -> None:
+    with pytest.raises(InputError, match=r"^scene\.toml:2: is not TOML: "):
+        reader.loads("[medium]\nrelative_permittivity = = 2\n", source="scene.toml")
+
+
+def test_an_error_reads_file_key_reason(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(SENSOR + "voltage = 3")
+    with pytest.raises(InputError) as caught:
+        reader.load(path)
+    assert str(caught.value) == f'{path}: sensor "s": voltage: unknown key'
+
+
+def test_a_file_that_is_missing_or_no_text_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot be read: it does not exist"):
+        reader.load(tmp_path / "missing.toml")
+    (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError, match="not UTF-8"):
+        reader.load(tmp_path / "binary.toml")

@@ -1,0 +1,127 @@
+"""The triangles of every shape: area, volume and outward normals against closed forms, vertices on the true surface."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from geometries.scene.shapes import Arc, Cone, Cuboid, Cylinder, PlateShape, Shape, Sphere
+
+SEGMENTS = 96
+
+
+def area(triangles: np.ndarray) -> float:
+    edges = triangles[:, 1:] - triangles[:, :1]
+    return float(np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1).sum() / 2)
+
+
+def volume(triangles: np.ndarray) -> float:
+    """Signed: positive when the triangles are anticlockwise seen from outside (divergence theorem)."""
+    return float(np.linalg.det(triangles).sum() / 6)
+
+
+def is_closed(triangles: np.ndarray) -> bool:
+    """Whether every edge is walked once in each direction."""
+    edges: dict[tuple[bytes, bytes], int] = {}
+    corners = np.round(triangles, 12) + 0.0
+    for triangle in corners:
+        for start, end in zip(triangle, np.roll(triangle, -1, axis=0)):
+            if not np.array_equal(start, end):
+                key = (start.tobytes(), end.tobytes())
+                edges[key] = edges.get(key, 0) + 1
+    return all(count == edges.get((end, start)) for (start, end), count in edges.items())
+
+
+def polygon_area(radius: float, n: int) -> float:
+    return n / 2 * radius**2 * math.sin(2 * math.pi / n)
+
+
+def test_a_plate_is_two_triangles_with_normal_up() -> None:
+    triangles = PlateShape((0.2, 0.1)).triangles()
+    expected = [
+        [(-0.1, -0.05, 0), (0.1, -0.05, 0), (0.1, 0.05, 0)],
+        [(-0.1, -0.05, 0), (0.1, 0.05, 0), (-0.1, 0.05, 0)],
+    ]
+    np.testing.assert_allclose(triangles, expected)
+    assert (np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])[:, 2] > 0).all()
+
+
+def test_a_cuboid_has_its_area_and_volume() -> None:
+    triangles = Cuboid((0.1, 0.2, 0.3)).triangles()
+    assert triangles.shape == (12, 3, 3)
+    assert area(triangles) == pytest.approx(2 * (0.02 + 0.06 + 0.03), rel=1e-14)
+    assert volume(triangles) == pytest.approx(0.006, rel=1e-14)
+
+
+def test_a_cuboid_lists_its_faces_in_the_order_of_the_format() -> None:
+    triangles = Cuboid((2.0, 2.0, 2.0)).triangles()
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    faces = [(0, 0, -1), (0, 0, 1), (0, -1, 0), (0, 1, 0), (-1, 0, 0), (1, 0, 0)]
+    np.testing.assert_allclose(normals / 4, np.repeat(faces, 2, axis=0), atol=1e-15)
+
+
+def test_a_cylinder_is_the_prism_inscribed() -> None:
+    n, radius, height = SEGMENTS, 0.05, 0.2
+    triangles = Cylinder(radius, height, n).triangles()
+    assert triangles.shape == (4 * n, 3, 3)
+    side = 2 * n * radius * math.sin(math.pi / n) * height
+    assert area(triangles) == pytest.approx(side + 2 * polygon_area(radius, n), rel=1e-12)
+    assert volume(triangles) == pytest.approx(polygon_area(radius, n) * height, rel=1e-12)
+
+
+def test_a_cone_is_the_pyramid_inscribed() -> None:
+    n, radius, height = SEGMENTS, 0.05, 0.2
+    triangles = Cone(radius, height, n).triangles()
+    assert triangles.shape == (2 * n, 3, 3)
+    slant = math.hypot(height, radius * math.cos(math.pi / n))
+    side = n * radius * math.sin(math.pi / n) * slant
+    assert area(triangles) == pytest.approx(side + polygon_area(radius, n), rel=1e-12)
+    assert volume(triangles) == pytest.approx(polygon_area(radius, n) * height / 3, rel=1e-12)
+
+
+@pytest.mark.parametrize("degrees", [30.0, 200.0, 360.0])
+def test_an_arc_is_the_ring_sector_inscribed(degrees: float) -> None:
+    n, inner, outer, height = SEGMENTS, 0.05, 0.08, 0.02
+    triangles = Arc(inner, outer, height, degrees, n).triangles()
+    assert len(triangles) == (8 * n if degrees == 360 else 8 * n + 4)
+    step = math.radians(degrees) / n
+    base = n / 2 * (outer**2 - inner**2) * math.sin(step)
+    curved = 2 * n * (inner + outer) * math.sin(step / 2) * height
+    ends = 0 if degrees == 360 else 2 * (outer - inner) * height
+    assert volume(triangles) == pytest.approx(base * height, rel=1e-12)
+    assert area(triangles) == pytest.approx(2 * base + curved + ends, rel=1e-12)
+
+
+def test_a_sphere_has_its_vertices_on_the_sphere_and_approaches_its_area_and_volume() -> None:
+    radius = 0.05
+    triangles = Sphere(radius, SEGMENTS).triangles()
+    assert len(triangles) == 2 * SEGMENTS * (SEGMENTS // 2 - 1)
+    np.testing.assert_allclose(np.linalg.norm(triangles, axis=2), radius, rtol=1e-14)
+    # An inscribed polyhedron is too small, by about (π/segments)²·4/3.
+    assert -2e-3 < area(triangles) / (4 * math.pi * radius**2) - 1 < 0
+    assert -3e-3 < volume(triangles) / (4 / 3 * math.pi * radius**3) - 1 < 0
+
+
+@pytest.mark.parametrize("segments", [3, 4, 5, 48])
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda n: Cylinder(0.05, 0.2, n),
+        lambda n: Cone(0.05, 0.2, n),
+        lambda n: Arc(0.05, 0.08, 0.02, 200.0, n),
+        lambda n: Arc(0.05, 0.08, 0.02, 360.0, n),
+        lambda n: Sphere(0.05, n),
+    ],
+    ids=["cylinder", "cone", "arc", "ring", "sphere"],
+)
+def test_solid_shapes_are_closed_with_outward_normals(make, segments: int) -> None:  # type: ignore[no-untyped-def]
+    shape: Shape = make(segments)
+    triangles = shape.triangles()
+    assert is_closed(triangles)
+    assert volume(triangles) > 0
+
+
+def test_the_cuboid_is_closed() -> None:
+    assert is_closed(Cuboid((0.1, 0.2, 0.3)).triangles())

@@ -1,0 +1,288 @@
+"""Study files: expansion into cases, their identities, the studies that come with the project, and what is refused."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from geometries.__main__ import main
+from geometries.common.errors import InputError
+from geometries.studies import families, study
+
+HEAD = """
+name = "n"
+title = "t"
+[reference]
+rtol = 1e-3
+max_seconds = 60
+[model]
+methods = ["exact", "split:4"]
+"""
+SWEEP = """
+[[sweep]]
+family = "parallel"
+sensor_size = [0.1, 0.1]
+target_size = [0.1, 0.1]
+gap = 0.02
+"""
+SCENE = """
+[[sweep]]
+family = "scene"
+file = "arm.toml"
+"""
+EDGE = SWEEP.replace("parallel", "edge") + "height = 0\n"
+
+
+def expand(*sweeps: str) -> list[study.Case]:
+    return study.loads(HEAD + "".join(sweeps)).cases()
+
+
+def values(cases: list[study.Case], name: str) -> list[study.Parameter]:
+    return [case.parameters[name] for case in cases if case.family != study.EMPTY]
+
+
+def test_a_sweep_without_lists_is_one_case_and_its_empty_scene() -> None:
+    case, alone = expand(SWEEP)
+    assert case.scene == families.parallel((0.1, 0.1), (0.1, 0.1), 0.02)
+    assert case.parameters == {
+        "sensor_size": (0.1, 0.1),
+        "target_size": (0.1, 0.1),
+        "gap": 0.02,
+        "offset": (0.0, 0.0),
+    }
+    assert (alone.family, alone.parameters) == ("empty", {"sensor_size": (0.1, 0.1)})
+    assert alone.scene == families.empty((0.1, 0.1))
+
+
+def test_lists_are_swept_as_a_product_by_default() -> None:
+    cases = expand(
+        SWEEP.replace("0.02", "[0.01, 0.02]").replace(
+            "target_size = [0.1, 0.1]", "target_size = [[1, 1], [2, 2]]"
+        )
+    )
+    assert list(zip(values(cases, "target_size"), values(cases, "gap"))) == [
+        ((1, 1), 0.01),
+        ((1, 1), 0.02),
+        ((2, 2), 0.01),
+        ((2, 2), 0.02),
+    ]
+
+
+def test_zip_walks_through_the_lists_together() -> None:
+    cases = expand(
+        EDGE.replace("0.02", "[0.01, 0.02]").replace("height = 0", "height = [0.3, 0.4]") + 'combine = "zip"'
+    )
+    assert list(zip(values(cases, "gap"), values(cases, "height"))) == [(0.01, 0.3), (0.02, 0.4)]
+
+
+def test_errors_are_estimated_unless_enclosures_are_asked_for() -> None:
+    assert study.loads(HEAD + SWEEP).error == "estimate"
+    asked = HEAD.replace("max_seconds = 60", 'max_seconds = 60\nerror = "enclosure"')
+    assert study.loads(asked + SWEEP).error == "enclosure"
+    with pytest.raises(InputError, match="reference.error.*estimate, enclosure.*guess"):
+        study.loads(asked.replace("enclosure", "guess") + SWEEP)
+
+
+def test_without_a_reference_nothing_is_asked_of_it() -> None:
+    alone = HEAD.replace("rtol = 1e-3\n", "").replace("max_seconds = 60", 'error = "none"')
+    assert alone != HEAD and study.loads(alone + SWEEP).error == "none"
+    with pytest.raises(InputError, match="reference.rtol.*missing"):
+        study.loads(alone.replace('"none"', '"estimate"') + SWEEP)
+
+
+def test_an_experiment_is_one_of_the_thesis() -> None:
+    assert study.loads(HEAD + SWEEP).experiment == ""
+    assert study.loads('experiment = "III"\n' + HEAD + SWEEP).experiment == "III"
+    with pytest.raises(InputError, match="experiment.*I, II, III, IV, V, VI.*'7'"):
+        study.loads('experiment = "7"\n' + HEAD + SWEEP)
+
+
+BOX = """
+[[sweep]]
+family = "box"
+sensor_size = [0.1, 0.1]
+target_size = [0.1, 0.1]
+thickness = 0.04
+gap = 0.02
+"""
+
+
+def test_a_text_is_a_parameter_like_any_other() -> None:
+    assert values(expand(BOX), "material") == ["grounded"]
+    assert values(expand(BOX + 'material = ["floating", "grounded"]'), "material") == ["floating", "grounded"]
+    for wrong in ('"wet"', "3", "[]", "{ linspace = [1, 2, 3] }"):
+        with pytest.raises(InputError, match="material"):
+            expand(BOX + f"material = {wrong}")
+
+
+def test_two_sensors_are_compared_with_both_of_them_alone() -> None:
+    two = SWEEP.replace("parallel", "sensors") + "separation = 0.01\n"
+    case, alone = expand(two)
+    assert [sensor.name for sensor in alone.scene.sensors] == ["sensor", "neighbour"]
+    assert alone.scene.sensors == case.scene.sensors and not alone.scene.objects
+
+
+def test_ranges() -> None:
+    linear = values(expand(SWEEP.replace("0.02", "{ linspace = [0.01, 0.03, 3] }")), "gap")
+    assert linear == pytest.approx([0.01, 0.02, 0.03])
+    geometric = values(expand(SWEEP.replace("0.02", "{ geomspace = [0.01, 0.04, 3] }")), "gap")
+    assert geometric == pytest.approx([0.01, 0.02, 0.04])
+
+
+def test_the_same_scene_is_one_case_and_keeps_the_first_place() -> None:
+    cases = expand(SWEEP, EDGE, SWEEP)
+    assert [case.family for case in cases] == ["parallel", "edge", "empty"]
+
+
+def test_each_distinct_sensor_gets_one_empty_scene() -> None:
+    sensors = SWEEP.replace("sensor_size = [0.1, 0.1]", "sensor_size = [[0.1, 0.1], [0.04, 0.04]]")
+    assert Counter(case.family for case in expand(sensors, EDGE)) == {"parallel": 2, "edge": 1, "empty": 2}
+
+
+def test_a_changed_parameter_of_one_family_changes_only_its_own_identities() -> None:
+    before = {case.id for case in expand(SWEEP, EDGE)}
+    after = {case.id for case in expand(SWEEP.replace("0.02", "0.03"), EDGE)}
+    assert len(before & after) == 2 and len(before - after) == 1
+
+
+def test_identities_are_sixteen_hexadecimal_digits() -> None:
+    for case in expand(SWEEP):
+        assert len(case.id) == 16 and int(case.id, 16) >= 0
+
+
+ARM = """
+[[link]]
+name = "arm"
+[[sensor]]
+name = "front"
+link = "arm"
+plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+[[object]]
+name = "target"
+shape = { type = "cube", size = 0.1 }
+translation = [0, 0, 0.2]
+"""
+MOTION = """
+[[frame]]
+name = "far"
+poses = [ { link = "arm", translation = [0, 0, -0.1] } ]
+[[frame]]
+name = "turned"
+poses = [ { link = "arm", rotation = { axis = [0, 0, 1], degrees = 30 } } ]
+"""
+
+
+def scene_study(folder: Path, sweep: str = SCENE, scene: str = ARM) -> study.Study:
+    (folder / "arm.toml").write_text(scene)
+    (folder / "arm.motion.toml").write_text(MOTION)
+    (folder / "study.toml").write_text(HEAD + sweep)
+    return study.load(folder / "study.toml")
+
+
+def test_a_scene_of_ones_own_is_a_case_as_it_stands(tmp_path: Path) -> None:
+    (case,) = scene_study(tmp_path).sweeps
+    assert case.family == "scene" and case.parameters == {"scene": "arm", "frame": "1 as in the scene"}
+    assert [body.name for body in case.scene.objects] == ["target"]
+
+
+def test_a_motion_makes_a_case_of_every_frame_and_one_of_the_sensor_alone(tmp_path: Path) -> None:
+    cases = scene_study(tmp_path, SCENE + 'motion = "arm.motion.toml"').cases()
+    assert [case.parameters.get("frame") for case in cases] == ["1 far", "2 turned", None]
+    assert cases[1].scene.pose_of_object("target")[1][2] == 0.2
+    assert cases[1].scene.links[0].pose.translation == (0, 0, -0.1)
+    assert not cases[2].scene.objects and not cases[2].scene.links
+
+
+def test_sensors_of_two_links_alone_are_a_case_for_every_pose(tmp_path: Path) -> None:
+    second = (
+        ARM.split("[[object]]")[0]
+        .split("[[sensor]]")[1]
+        .replace("front", "fixed")
+        .replace('link = "arm"', "")
+    )
+    second = second.replace("[0, 0, 0]", "[0.5, 0, 0]")
+    found = scene_study(tmp_path, SCENE + 'motion = "arm.motion.toml"', ARM + "[[sensor]]" + second).cases()
+    assert sum(case.family == study.EMPTY for case in found) == 2
+
+
+def test_a_scene_without_a_sensor_is_no_case(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no sensor"):
+        scene_study(tmp_path, scene="[[object]]" + ARM.split("[[object]]")[1])
+
+
+def test_what_is_wrong_in_a_studys_scene_is_told_with_its_file(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="arm.toml.*size"):
+        scene_study(tmp_path, scene=ARM.replace("size = 0.1", "size = -1"))
+
+
+def test_text_parameters_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["expand", "experiment_6"]) == 0
+    assert "material=floating" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "reason"),
+    [
+        (HEAD, "sweep", "at least one sweep"),
+        (SWEEP, "reference", "is missing"),
+        ("colour = 1" + HEAD + SWEEP, "colour", "unknown key"),
+        (HEAD.replace('"n"', '"../n"') + SWEEP, "name", "may hold no path"),
+        (HEAD.replace("1e-3", "0") + SWEEP, "reference.rtol", "greater than 0"),
+        (HEAD.replace('"exact", ', "") + SWEEP, "model.methods", '"exact"'),
+        (HEAD.replace('"exact"', "3") + SWEEP, "model.methods", "list of strings"),
+        (HEAD + SCENE, "sweep[0].file", "is not a file"),
+        (HEAD + SWEEP.replace("parallel", "paralel"), "sweep[0].family", "unknown family"),
+        (HEAD + SWEEP.replace("gap", "hinge_gap"), "sweep[0].gap", "is missing"),
+        (HEAD + SWEEP + "tilt_degrees = 3", "sweep[0].tilt_degrees", "unknown key"),
+        (HEAD + SWEEP.replace("0.02", '"2 cm"'), "sweep[0].gap", "must be a number"),
+        (HEAD + SWEEP.replace("0.02", "[]"), "sweep[0].gap", "at least one value"),
+        (HEAD + SWEEP.replace("0.02", "[0.02, nan]"), "sweep[0].gap", "must be finite"),
+        (HEAD + SWEEP.replace("0.02", "-0.02"), "sweep[0].gap", "greater than 0"),
+        (HEAD + SWEEP.replace("0.02", "{ logspace = [1, 2, 3] }"), "sweep[0].gap", "a range is"),
+        (HEAD + SWEEP.replace("0.02", "{ geomspace = [0, 1, 3] }"), "sweep[0].gap.geomspace", "ends greater"),
+        (
+            HEAD + SWEEP.replace("0.02", "{ linspace = [0, 1, 1.5] }"),
+            "sweep[0].gap.linspace",
+            "integer number",
+        ),
+        (HEAD + SWEEP.replace("[0.1, 0.1]", "0.1"), "sweep[0].sensor_size", "list of 2 numbers"),
+        (HEAD + SWEEP + 'combine = "sum"', "sweep[0].combine", "product or zip"),
+        (
+            HEAD
+            + EDGE.replace("0.02", "[1, 2]").replace("height = 0", "height = [1, 2, 3]")
+            + 'combine = "zip"',
+            "sweep[0].combine",
+            "lists of one length",
+        ),
+    ],
+)
+def test_what_cannot_be_expanded_is_refused_by_key_and_reason(text: str, key: str, reason: str) -> None:
+    with pytest.raises(InputError) as caught:
+        study.loads(text, source="study.toml")
+    assert (caught.value.file, caught.value.key) == ("study.toml", key)
+    assert reason in caught.value.reason
+
+
+def test_the_default_study_has_at_least_eight_cases_of_every_family() -> None:
+    cases = study.load(study.find("default")).cases()
+    count = Counter(case.family for case in cases)
+    assert all(count[family] >= 8 for family in ("parallel", "inclined", "edge", "corner", "straddle"))
+    assert count[study.EMPTY] <= 5
+
+
+def test_a_study_is_found_by_name_or_by_path(tmp_path: Path) -> None:
+    assert study.find("smoke").stem == "smoke"
+    own = tmp_path / "own.toml"
+    own.write_text(HEAD + SWEEP)
+    assert study.find(str(own)) == own
+    with pytest.raises(InputError, match="one of the studies here: default, .*nightly, .*smoke"):
+        study.find("missing")
+
+
+def test_expand_lists_the_cases(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["expand", "smoke"]) == 0
+    printed = capsys.readouterr().out
+    assert "3 cases" in printed and "gap=0.05" in printed
+    assert main(["expand", "missing"]) == 2
