@@ -16,7 +16,7 @@ import matplotlib
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.keys import REPOSITORY
+from analysis.pipeline.keys import REPOSITORY
 
 matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
