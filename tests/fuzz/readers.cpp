@@ -9,7 +9,7 @@
 #include "fringe/error.hpp"
 #include "fringe/scene_reader.hpp"
 #include "input.hpp"
-#include "mesh_formats.hpp"
+#include "io/mesh_formats.hpp"
 
 namespace fringe::fuzz {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <Eigen/LU>
 
+#include "collision/scaled_points.hpp"
 #include "fringe/bounding_volume.hpp"
-#include "scaled_points.hpp"
 
 namespace fringe {
 namespace {

@@ -1,4 +1,4 @@
-#include "box_tree.hpp"
+#include "collision/box_tree.hpp"
 
 #include <algorithm>
 #include <numeric>

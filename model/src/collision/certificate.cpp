@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "collision/rational_vector.hpp"
 #include "fringe/gjk.hpp"
-#include "rational_vector.hpp"
 
 /// Certificates are checked with nothing but the coordinates and rational arithmetic.
 namespace fringe {

@@ -1,4 +1,4 @@
-#include "convex_pieces.hpp"
+#include "collision/convex_pieces.hpp"
 
 #include <algorithm>
 #include <array>

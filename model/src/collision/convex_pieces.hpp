@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-#include "box_tree.hpp"
+#include "collision/box_tree.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/shape.hpp"

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "convex_shape_data.hpp"
+#include "collision/convex_shape_data.hpp"
 #include "fringe/error.hpp"
 
 namespace fringe {

@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "collision/gjk_filter.hpp"
 #include "fringe/convex_shape.hpp"
-#include "quick_search.hpp"
 
 namespace fringe::detail {
 

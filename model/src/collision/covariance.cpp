@@ -1,4 +1,4 @@
-#include "covariance.hpp"
+#include "collision/covariance.hpp"
 
 #include <Eigen/Eigenvalues>
 

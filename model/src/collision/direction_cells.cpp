@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 
-#include "convex_shape_data.hpp"
+#include "collision/convex_shape_data.hpp"
 
 namespace fringe::detail {
 namespace {

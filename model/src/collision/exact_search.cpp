@@ -1,11 +1,11 @@
-#include "exact_search.hpp"
+#include "collision/exact_search.hpp"
 
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <utility>
 
-#include "nearest_face.hpp"
+#include "collision/nearest_face.hpp"
 
 namespace fringe::detail {
 namespace {

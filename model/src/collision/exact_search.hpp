@@ -4,9 +4,9 @@
 
 #include <Eigen/Geometry>
 
-#include "exact_vector.hpp"
-#include "float_search.hpp"
-#include "hull_pair.hpp"
+#include "collision/exact_vector.hpp"
+#include "collision/float_search.hpp"
+#include "collision/hull_pair.hpp"
 
 /// The search in integers, which decides whatever floating point cannot (model/NUMERICS.md, section 13).
 namespace fringe::detail {

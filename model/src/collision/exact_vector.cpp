@@ -1,4 +1,4 @@
-#include "exact_vector.hpp"
+#include "collision/exact_vector.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "float_search.hpp"
+#include "collision/float_search.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "nearest_face.hpp"
+#include "collision/nearest_face.hpp"
 
 namespace fringe::detail {
 namespace {

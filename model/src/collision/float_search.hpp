@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "hull_pair.hpp"
+#include "collision/hull_pair.hpp"
 
 /// The search in floating point, which ends most queries and starts the exact one of the others
 /// (model/NUMERICS.md, section 13).

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <optional>
 
-#include "exact_search.hpp"
-#include "float_search.hpp"
-#include "hull_pair.hpp"
-#include "quick_search.hpp"
+#include "collision/exact_search.hpp"
+#include "collision/float_search.hpp"
+#include "collision/gjk_filter.hpp"
+#include "collision/hull_pair.hpp"
 
 namespace fringe {
 namespace {

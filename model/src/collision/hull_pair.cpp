@@ -1,4 +1,4 @@
-#include "hull_pair.hpp"
+#include "collision/hull_pair.hpp"
 
 #include <algorithm>
 #include <limits>

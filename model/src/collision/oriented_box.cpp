@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "covariance.hpp"
+#include "collision/covariance.hpp"
+#include "collision/scaled_points.hpp"
+#include "collision/tight_axes.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/error.hpp"
-#include "scaled_points.hpp"
-#include "tight_axes.hpp"
 
 namespace fringe {
 namespace {

@@ -3,9 +3,9 @@
 #include <limits>
 #include <type_traits>
 
-#include "box_overlap.hpp"
+#include "collision/gjk_filter.hpp"
 #include "fringe/bounding_volume.hpp"
-#include "quick_search.hpp"
+#include "geometry/box_overlap.hpp"
 
 namespace fringe {
 namespace {

@@ -1,6 +1,6 @@
-#include "posed_hulls.hpp"
+#include "collision/posed_hulls.hpp"
 
-#include "convex_shape_data.hpp"
+#include "collision/convex_shape_data.hpp"
 
 namespace fringe::detail {
 namespace {

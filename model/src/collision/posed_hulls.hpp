@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-#include "exact_search.hpp"
+#include "collision/exact_search.hpp"
 #include "fringe/convex_shape.hpp"
 
 namespace fringe::detail {

@@ -1,4 +1,4 @@
-#include "rational_vector.hpp"
+#include "collision/rational_vector.hpp"
 
 #include <algorithm>
 #include <cstddef>

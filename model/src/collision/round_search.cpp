@@ -1,12 +1,12 @@
-#include "round_search.hpp"
+#include "collision/round_search.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
-#include "convex_shape_data.hpp"
-#include "exact_search.hpp"
+#include "collision/convex_shape_data.hpp"
+#include "collision/exact_search.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -1,4 +1,4 @@
-#include "scaled_points.hpp"
+#include "collision/scaled_points.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "../link_motion.hpp"
-#include "../surrounds.hpp"
-#include "box_overlap.hpp"
-#include "convex_pieces.hpp"
-#include "convex_shape_data.hpp"
+#include "collision/convex_pieces.hpp"
+#include "collision/convex_shape_data.hpp"
+#include "geometry/box_overlap.hpp"
+#include "geometry/link_motion.hpp"
+#include "geometry/winding_number.hpp"
 
 namespace fringe {
 namespace {

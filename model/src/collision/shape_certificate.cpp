@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "convex_shape_data.hpp"
+#include "collision/convex_shape_data.hpp"
+#include "collision/rational_vector.hpp"
 #include "fringe/convex_shape.hpp"
-#include "rational_vector.hpp"
 
 /// Certificates of shapes are checked with nothing but the numbers given and rational arithmetic.
 namespace fringe {

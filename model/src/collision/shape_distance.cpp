@@ -6,13 +6,13 @@
 #include <span>
 #include <variant>
 
-#include "convex_shape_data.hpp"
-#include "exact_search.hpp"
+#include "collision/convex_shape_data.hpp"
+#include "collision/exact_search.hpp"
+#include "collision/gjk_filter.hpp"
+#include "collision/nearest_face.hpp"
+#include "collision/posed_hulls.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/error.hpp"
-#include "nearest_face.hpp"
-#include "posed_hulls.hpp"
-#include "quick_search.hpp"
 
 namespace fringe {
 namespace {

@@ -2,11 +2,11 @@
 #include <cmath>
 #include <optional>
 
-#include "convex_shape_data.hpp"
+#include "collision/convex_shape_data.hpp"
+#include "collision/posed_hulls.hpp"
+#include "collision/round_search.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/error.hpp"
-#include "posed_hulls.hpp"
-#include "round_search.hpp"
 
 namespace fringe {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <Eigen/Geometry>
 
+#include "collision/hull_pair.hpp"
 #include "fringe/gjk.hpp"
-#include "hull_pair.hpp"
 
 /// Algorithm 2.1 with appendix C as printed, mistakes included: it serves for comparison only.
 namespace fringe {

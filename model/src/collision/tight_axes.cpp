@@ -1,4 +1,4 @@
-#include "tight_axes.hpp"
+#include "collision/tight_axes.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "covariance.hpp"
+#include "collision/covariance.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -1,12 +1,12 @@
-#include "body_gap.hpp"
+#include "reduced/body_gap.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
-#include "../collision/quick_search.hpp"
-#include "prepared_mesh.hpp"
+#include "collision/gjk_filter.hpp"
+#include "reduced/prepared_mesh.hpp"
 
 namespace fringe::detail {
 namespace {

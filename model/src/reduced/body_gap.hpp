@@ -1,6 +1,6 @@
 #pragma once
 
-#include "node_pair.hpp"
+#include "reduced/node_pair.hpp"
 
 namespace fringe::detail {
 

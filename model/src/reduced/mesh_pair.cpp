@@ -1,10 +1,10 @@
-#include "mesh_pair.hpp"
+#include "reduced/mesh_pair.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "../boundary/panel.hpp"
+#include "bem/panel.hpp"
 
 namespace fringe::detail {
 namespace {

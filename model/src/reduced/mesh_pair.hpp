@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "node_pair.hpp"
-#include "prepared_mesh.hpp"
+#include "reduced/node_pair.hpp"
+#include "reduced/prepared_mesh.hpp"
 
 namespace fringe::detail {
 

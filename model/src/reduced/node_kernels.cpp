@@ -1,4 +1,4 @@
-#include "node_kernels.hpp"
+#include "reduced/node_kernels.hpp"
 
 #include <vector>
 

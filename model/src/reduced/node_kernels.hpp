@@ -8,7 +8,7 @@
 /// registers of the processor (model/BOUNDARY_ELEMENTS.md, section 8).
 ///
 /// What is declared here is compiled once for every instruction set, so it keeps to plain numbers and
-/// pointers, as src/batch/kernels.hpp does.
+/// pointers, as integral/batch/kernels.hpp does.
 namespace fringe::detail {
 
 /// All arrays are read and written in whole blocks of this many numbers, and some one block beyond.

@@ -4,9 +4,9 @@
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #endif
 
-#include "node_kernels.hpp"
-#include "node_kernels_template.hpp"
-#include "single_lanes_avx512.hpp"
+#include "reduced/node_kernels.hpp"
+#include "reduced/node_kernels_template.hpp"
+#include "simd/single_lanes_avx512.hpp"
 
 namespace fringe::detail {
 

@@ -1,6 +1,6 @@
-#include "node_kernels.hpp"
-#include "node_kernels_template.hpp"
-#include "single_lanes_scalar.hpp"
+#include "reduced/node_kernels.hpp"
+#include "reduced/node_kernels_template.hpp"
+#include "simd/single_lanes_scalar.hpp"
 
 namespace fringe::detail {
 

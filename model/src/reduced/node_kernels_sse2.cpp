@@ -1,6 +1,6 @@
-#include "node_kernels.hpp"
-#include "node_kernels_template.hpp"
-#include "single_lanes_sse2.hpp"
+#include "reduced/node_kernels.hpp"
+#include "reduced/node_kernels_template.hpp"
+#include "simd/single_lanes_sse2.hpp"
 
 namespace fringe::detail {
 

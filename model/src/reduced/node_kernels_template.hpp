@@ -1,6 +1,6 @@
 #pragma once
 
-#include "node_kernels.hpp"
+#include "reduced/node_kernels.hpp"
 
 /// The node kernels for one instruction set, which `Lanes` stands for.
 namespace fringe::detail {

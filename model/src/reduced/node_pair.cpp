@@ -1,11 +1,11 @@
-#include "node_pair.hpp"
+#include "reduced/node_pair.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "../boundary/patch_distance.hpp"
-#include "mesh_pair.hpp"
-#include "node_rules.hpp"
+#include "bem/patch_distance.hpp"
+#include "reduced/mesh_pair.hpp"
+#include "reduced/node_rules.hpp"
 
 namespace fringe::detail {
 namespace {

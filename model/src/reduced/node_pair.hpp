@@ -7,9 +7,9 @@
 
 #include <Eigen/Core>
 
-#include "../boundary/box_table.hpp"
-#include "node_kernels.hpp"
-#include "prepared_shape.hpp"
+#include "bem/box_self_interaction.hpp"
+#include "reduced/node_kernels.hpp"
+#include "reduced/prepared_shape.hpp"
 
 /// Quadrature between two bodies (model/BOUNDARY_ELEMENTS.md, section 8).
 namespace fringe::detail {

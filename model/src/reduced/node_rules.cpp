@@ -1,4 +1,4 @@
-#include "node_rules.hpp"
+#include "reduced/node_rules.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "../boundary/weighted_basis.hpp"
-#include "node_kernels.hpp"
+#include "bem/jacobi_basis.hpp"
+#include "reduced/node_kernels.hpp"
 
 namespace fringe::detail {
 

@@ -1,4 +1,4 @@
-#include "outside_charges.hpp"
+#include "reduced/outside_charges.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "../surrounds.hpp"
+#include "geometry/winding_number.hpp"
 
 namespace fringe::detail {
 namespace {

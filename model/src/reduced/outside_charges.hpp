@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "../boundary/panel.hpp"
+#include "bem/panel.hpp"
 
 namespace fringe::detail {
 

@@ -1,4 +1,4 @@
-#include "panel_clusters.hpp"
+#include "reduced/panel_clusters.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "fringe/bounding_volume.hpp"
-#include "node_kernels.hpp"
+#include "reduced/node_kernels.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "../boundary/panel.hpp"
-#include "../collision/quick_search.hpp"
+#include "bem/panel.hpp"
+#include "collision/gjk_filter.hpp"
 
 namespace fringe::detail {
 

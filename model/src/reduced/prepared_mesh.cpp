@@ -1,4 +1,4 @@
-#include "prepared_mesh.hpp"
+#include "reduced/prepared_mesh.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "lone_panels.hpp"
-#include "outside_charges.hpp"
+#include "reduced/outside_charges.hpp"
+#include "reduced/single_element_solve.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <Eigen/Core>
 
-#include "node_kernels.hpp"
-#include "panel_clusters.hpp"
-#include "prepared_shape.hpp"
+#include "reduced/node_kernels.hpp"
+#include "reduced/panel_clusters.hpp"
+#include "reduced/prepared_shape.hpp"
 
 /// What of a body of triangles does not change when it moves or grows (model/BOUNDARY_ELEMENTS.md, section
 /// 8).

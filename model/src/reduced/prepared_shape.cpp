@@ -1,4 +1,4 @@
-#include "prepared_shape.hpp"
+#include "reduced/prepared_shape.hpp"
 
 #include <array>
 #include <cmath>
@@ -6,11 +6,11 @@
 
 #include <Eigen/Cholesky>
 
-#include "../boundary/box_table.hpp"
-#include "../boundary/galerkin_system.hpp"
-#include "../boundary/self_table.hpp"
-#include "node_kernels.hpp"
-#include "prepared_mesh.hpp"
+#include "bem/box_self_interaction.hpp"
+#include "bem/face_self_interaction.hpp"
+#include "bem/galerkin_system.hpp"
+#include "reduced/node_kernels.hpp"
+#include "reduced/prepared_mesh.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <Eigen/Core>
 
-#include "../boundary/face.hpp"
+#include "bem/face.hpp"
 #include "fringe/triangle.hpp"
-#include "node_kernels.hpp"
+#include "reduced/node_kernels.hpp"
 
 /// What of a body does not change when it moves or grows (model/BOUNDARY_ELEMENTS.md, section 8).
 namespace fringe::detail {

@@ -10,15 +10,15 @@
 
 #include <fmt/format.h>
 
-#include "../boundary/charged_bodies.hpp"
-#include "../boundary/matrix_changes.hpp"
-#include "../link_motion.hpp"
-#include "body_gap.hpp"
+#include "bem/bodies.hpp"
+#include "bem/maxwell_matrix.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
-#include "reduced_system.hpp"
-#include "rigid_bodies.hpp"
-#include "shared_shapes.hpp"
+#include "geometry/link_motion.hpp"
+#include "reduced/body_gap.hpp"
+#include "reduced/reduced_system.hpp"
+#include "reduced/rigid_bodies.hpp"
+#include "reduced/shared_shapes.hpp"
 
 namespace fringe {
 namespace {

@@ -1,4 +1,4 @@
-#include "reduced_system.hpp"
+#include "reduced/reduced_system.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "node_pair.hpp"
-#include "prepared_shape.hpp"
+#include "reduced/node_pair.hpp"
+#include "reduced/prepared_shape.hpp"
 
 /// The Galerkin equations of rigid bodies in few vectors of charge for each (model/BOUNDARY_ELEMENTS.md,
 /// section 8). Capacitances are in metres: to be multiplied by 4πε.

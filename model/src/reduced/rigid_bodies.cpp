@@ -1,14 +1,14 @@
-#include "rigid_bodies.hpp"
+#include "reduced/rigid_bodies.hpp"
 
 #include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "../boundary/panel_mesh.hpp"
+#include "bem/panel_mesh.hpp"
 #include "fringe/error.hpp"
 #include "fringe/triangulation.hpp"
-#include "prepared_mesh.hpp"
+#include "reduced/prepared_mesh.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <Eigen/Geometry>
 
-#include "../boundary/charged_bodies.hpp"
-#include "shared_shapes.hpp"
+#include "bem/bodies.hpp"
+#include "reduced/shared_shapes.hpp"
 
 namespace fringe::detail {
 

@@ -1,7 +1,7 @@
-#include "shared_shapes.hpp"
+#include "reduced/shared_shapes.hpp"
 
-#include "../boundary/box_table.hpp"
-#include "prepared_mesh.hpp"
+#include "bem/box_self_interaction.hpp"
+#include "reduced/prepared_mesh.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "prepared_shape.hpp"
+#include "reduced/prepared_shape.hpp"
 
 namespace fringe::detail {
 

@@ -7,7 +7,7 @@
 #include <boost/multiprecision/cpp_int.hpp>
 #include <gtest/gtest.h>
 
-#include "collision/quick_search.hpp"
+#include "collision/gjk_filter.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "collision/convex_shape_data.hpp"
-#include "collision/quick_search.hpp"
+#include "collision/gjk_filter.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"

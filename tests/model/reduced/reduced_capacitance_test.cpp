@@ -10,7 +10,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "boundary/scenes.hpp"
+#include "bem/scenes.hpp"
 #include "fringe/error.hpp"
 #include "fringe/triangulation.hpp"
 #include "random_poses.hpp"

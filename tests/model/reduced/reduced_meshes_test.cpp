@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "boundary/panel.hpp"
-#include "boundary/scenes.hpp"
+#include "bem/panel.hpp"
+#include "bem/scenes.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/reduced_capacitance.hpp"

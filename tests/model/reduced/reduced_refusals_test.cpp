@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "boundary/scenes.hpp"
+#include "bem/scenes.hpp"
 #include "fringe/error.hpp"
 #include "fringe/reduced_capacitance.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "double_double.hpp"
+#include "numeric/double_double.hpp"
 
 /// Quadrature rules on [0, 1] for functions that are nearly singular at 0.
 namespace fringe::stress {

@@ -6,7 +6,7 @@
 #include <boost/multiprecision/eigen.hpp>
 #include <boost/multiprecision/mpfr.hpp>
 
-#include "double_double.hpp"
+#include "numeric/double_double.hpp"
 
 /// Numbers of 50 digits, on the stack, for everything that is done once per triangle: what cancels in the
 /// geometry of the thinnest slivers (1e-20 of the squares that make it up) still leaves 30 digits.

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "double_double.hpp"
 #include "graded_rule.hpp"
+#include "numeric/double_double.hpp"
 
 namespace fringe::stress {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "double_double.hpp"
+#include "numeric/double_double.hpp"
 #include "sectors.hpp"
 
 namespace fringe::stress {

@@ -36,7 +36,7 @@ RECOMMENDED_RMS, RECOMMENDED_WORST = 0.005, 0.01
 # Where the reduced method itself says that it has not reached its accuracy, bodies nearer than a thirtieth of their size.
 RECOMMENDED_WORST_NEAR = 0.025
 SET_UPS = "set_ups/corrections.html"
-FORMULA_CODE = REPOSITORY / "model" / "src" / "corrections" / "formula.cpp"
+FORMULA_CODE = REPOSITORY / "model" / "src" / "correction" / "formula.cpp"
 # The fit's own tolerance: its last digits depend on where it starts.
 FITTED_TO = 1e-3
 

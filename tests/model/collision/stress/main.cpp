@@ -14,11 +14,11 @@
 #include <rapidjson/stringbuffer.h>
 
 #include "collision/convex_shape_data.hpp"
-#include "collision/quick_search.hpp"
+#include "collision/gjk_filter.hpp"
+#include "collision/linear_programme.hpp"
+#include "collision/shape_pairs.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/gjk.hpp"
-#include "linear_programme.hpp"
-#include "shape_pairs.hpp"
 
 /// The stress program of collision queries: random pairs of every class, in units of length from 2^−150 to
 /// 2^150, against linear programming in integers. Every way to ask is asked, and every certificate is

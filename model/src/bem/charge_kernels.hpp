@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+/// What boundary elements spend their time on, in the widest registers of the processor: the potentials of
+/// charges at points (model/BOUNDARY_ELEMENTS.md, sections 5 and 9), and sums over these points.
+///
+/// What is declared here is compiled once for every instruction set, so it keeps to plain numbers and
+/// pointers, as integral/batch/kernels.hpp does.
+namespace fringe::detail {
+
+/// Weights are read in whole blocks of this many functions, results written so.
+constexpr std::ptrdiff_t face_block = 8;
+
+constexpr std::ptrdiff_t whole_face_blocks(std::ptrdiff_t count) {
+  return (count + face_block - 1) / face_block * face_block;
+}
+
+/// A rule along one direction of a face.
+struct RuleView {
+  std::ptrdiff_t points;
+  std::ptrdiff_t functions;
+  std::ptrdiff_t stride;  ///< whole_face_blocks(functions) or more
+  const double* nodes;    ///< in [−1, 1]
+  const double* weights;  ///< weight·(1 − x²)^α·p_k(x): a row of `stride` for every point
+};
+
+/// A point in a face's coordinates, and the face's half sides, lengths all.
+struct FacePoint {
+  double x;
+  double y;
+  double z;
+  double half_u;
+  double half_v;
+};
+
+/// Room for what a kernel keeps on the way.
+constexpr std::size_t face_scratch(const RuleView& u, const RuleView& v) {
+  return static_cast<std::size_t>((1 + face_block) * u.points +
+                                  (1 + u.functions) * whole_face_blocks(v.points));
+}
+
+struct ChargeKernels {
+  std::string_view instruction_set;
+
+  /// Element l + k·v.functions is the potential of f_k(x)·f_l(y) at the point.
+  void (*face_potentials)(const FacePoint& point, const RuleView& u, const RuleView& v, double* scratch,
+                          double* result);
+
+  /// The potentials of triangles, each with a charge of one spread evenly, at points: of any shape, also in
+  /// their planes, on their sides and at their corners, to 1e-12 where the distance is no more than a hundred
+  /// heights. By the vectors from the points to the corners, v0.x, v0.y, … v2.z, in whole face_blocks.
+  void (*triangle_potentials)(const double* const (&components)[9], std::size_t count, double* potentials);
+
+  /// Adds to each column of a matrix the combination of another's columns: sums(·, n) += Σ_k columns(·, k)·
+  /// factors[n + k·stride]. Columns follow each other in whole face_blocks of rows.
+  void (*add_combinations)(const double* columns, std::ptrdiff_t rows, std::ptrdiff_t count,
+                           const double* factors, std::ptrdiff_t stride, double* sums,
+                           std::ptrdiff_t sum_count);
+};
+
+/// The sets of functions this machine can run, the slowest first.
+std::span<const ChargeKernels* const> available_charge_kernels();
+
+/// The fastest of them.
+const ChargeKernels& best_charge_kernels();
+
+extern const ChargeKernels charge_kernels_scalar;
+#ifdef FRINGE_X86_KERNELS
+extern const ChargeKernels charge_kernels_sse2;
+extern const ChargeKernels charge_kernels_avx2;
+extern const ChargeKernels charge_kernels_avx512;
+#endif
+
+}  // namespace fringe::detail

@@ -1,0 +1,97 @@
+#include "bem/coarse_space.hpp"
+
+#include <algorithm>
+
+#include "bem/group_densities.hpp"
+
+namespace fringe::detail {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+NestedSpace::NestedSpace(const PanelEquations& equations)
+    : equations_(equations), group_count_(index_of(equations.mesh.groups().size())),
+      coarse_(index_of(equations.unknowns.coarse.size())), shares_(area_shares(equations.mesh)) {
+  factor_.compute(matrix());
+  is_positive_definite_ = factor_.info() == Eigen::Success;
+  for (const auto& group : groups_)
+    is_positive_definite_ &= group.info() == Eigen::Success;
+}
+
+/// Of the faces' functions, those of the smaller space first.
+Index NestedSpace::place(std::size_t function) const {
+  return index_of(function) < coarse_ ? index_of(function) : index_of(function) + group_count_;
+}
+
+/// Only the lower triangle is filled.
+MatrixXd NestedSpace::matrix() {
+  const PanelUnknowns& unknowns = equations_.unknowns;
+  const std::vector<PanelGroup>& groups = equations_.mesh.groups();
+  MatrixXd matrix(unknowns.functions + group_count_, unknowns.functions + group_count_);
+  std::vector<Index> functions = unknowns.coarse;
+  functions.insert(functions.end(), unknowns.highest.begin(), unknowns.highest.end());
+  for (std::size_t column = 0; column < functions.size(); ++column)
+    for (std::size_t row = column; row < functions.size(); ++row)
+      matrix(place(row), place(column)) = equations_.faces(functions[row], functions[column]);
+  matrix.block(coarse_, coarse_, group_count_, group_count_).triangularView<Eigen::Lower>() =
+      group_matrix(equations_.mesh, shares_, equations_.panels);
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const auto first = index_of(groups[g].first), count = index_of(groups[g].count);
+    const VectorXd with_faces = equations_.coupling.middleCols(first, count) * shares_.segment(first, count);
+    const Index at = coarse_ + index_of(g);
+    for (std::size_t k = 0; k < functions.size(); ++k)
+      matrix(std::max(place(k), at), std::min(place(k), at)) = with_faces[functions[k]];
+    groups_.emplace_back(matrix_of_group(groups[g], equations_.panels));
+  }
+  return matrix;
+}
+
+/// From all unknowns to those of the nested matrix: by what a density on each group is tested with.
+VectorXd NestedSpace::restricted(const VectorXd& full) const {
+  const PanelUnknowns& unknowns = equations_.unknowns;
+  VectorXd result(unknowns.functions + group_count_);
+  for (Index k = 0; k < coarse_; ++k)
+    result[k] = full[unknowns.coarse[static_cast<std::size_t>(k)]];
+  result.segment(coarse_, group_count_) = group_means(equations_.mesh, shares_, full.tail(shares_.size()));
+  for (std::size_t k = 0; k < unknowns.highest.size(); ++k)
+    result[coarse_ + group_count_ + index_of(k)] = full[unknowns.highest[k]];
+  return result;
+}
+
+/// The transpose of restricted().
+VectorXd NestedSpace::prolonged(const VectorXd& nested) const {
+  const PanelUnknowns& unknowns = equations_.unknowns;
+  VectorXd result(unknowns.functions + shares_.size());
+  for (Index k = 0; k < coarse_; ++k)
+    result[unknowns.coarse[static_cast<std::size_t>(k)]] = nested[k];
+  for (Index g = 0; g < group_count_; ++g) {
+    const PanelGroup& group = equations_.mesh.groups()[static_cast<std::size_t>(g)];
+    const auto first = index_of(group.first), count = index_of(group.count);
+    result.segment(unknowns.functions + first, count) = nested[coarse_ + g] * shares_.segment(first, count);
+  }
+  for (std::size_t k = 0; k < unknowns.highest.size(); ++k)
+    result[unknowns.highest[k]] = nested[coarse_ + group_count_ + index_of(k)];
+  return result;
+}
+
+VectorXd NestedSpace::solve(const VectorXd& right_side, VectorXd& smaller) const {
+  VectorXd charge = restricted(right_side);
+  factor_.matrixL().solveInPlace(charge);
+  smaller = charge.head(coarse_ + group_count_);
+  factor_.matrixU().solveInPlace(charge);
+  return prolonged(charge);
+}
+
+VectorXd NestedSpace::preconditioned(const VectorXd& residual) const {
+  VectorXd result = prolonged(factor_.solve(restricted(residual)));
+  const std::vector<PanelGroup>& groups = equations_.mesh.groups();
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const Index first = equations_.unknowns.functions + index_of(groups[g].first);
+    const auto count = index_of(groups[g].count);
+    result.segment(first, count) += groups_[g].solve(residual.segment(first, count));
+  }
+  return result;
+}
+
+}  // namespace fringe::detail

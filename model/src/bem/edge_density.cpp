@@ -1,0 +1,137 @@
+#include "bem/edge_density.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "bem/panel.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Vector3d;
+using Place = std::array<double, 3>;
+
+/// The exponent below which an edge is not sharp: between faces that meet at 160° or more. So are the sides
+/// of a round body's facets.
+constexpr double least_exponent = 0.1;
+
+/// The triangles at an edge.
+using Users = std::map<std::pair<Place, Place>, std::vector<std::size_t>>;
+
+Users users_of(std::span<const Triangle> triangles) {
+  Users users;
+  const auto corner = [](const Vector3d& p) { return Place{p.x(), p.y(), p.z()}; };
+  for (std::size_t k = 0; k < triangles.size(); ++k)
+    for (std::size_t side = 0; side < 3; ++side) {
+      const Place from = corner(triangles[k][side]), to = corner(triangles[k][(side + 1) % 3]);
+      users[std::minmax(from, to)].push_back(k);
+    }
+  return users;
+}
+
+Vector3d opposite_corner(const Triangle& triangle, const Vector3d& from, const Vector3d& to) {
+  for (const Vector3d& corner : triangle)
+    if (corner != from && corner != to)
+      return corner;
+  return from;
+}
+
+/// The widest angle between neighbouring triangles around an edge: where the charge is.
+double widest_angle(std::span<const Triangle> triangles, const std::vector<std::size_t>& users,
+                    const Vector3d& from, const Vector3d& to) {
+  const Vector3d axis = (to - from).normalized();
+  const auto away = [&](std::size_t user) -> Vector3d {
+    const Vector3d offset = opposite_corner(triangles[user], from, to) - from;
+    return offset - offset.dot(axis) * axis;
+  };
+  const Vector3d first = away(users.front()), second = axis.cross(first);
+  std::vector<double> angles;
+  for (const std::size_t user : users) {
+    const Vector3d direction = away(user);
+    const double angle = std::atan2(direction.dot(second), direction.dot(first));
+    angles.push_back(angle < 0 ? angle + 2 * std::numbers::pi : angle);
+  }
+  std::sort(angles.begin(), angles.end());
+  double widest = angles.front() + 2 * std::numbers::pi - angles.back();
+  for (std::size_t k = 0; k + 1 < angles.size(); ++k)
+    widest = std::max(widest, angles[k + 1] - angles[k]);
+  return widest;
+}
+
+/// Whether the faces of a closed surface meet at an edge as they do in a corner of a room.
+bool is_hollow(std::span<const Triangle> triangles, const std::vector<std::size_t>& users,
+               const Vector3d& from, const Vector3d& to) {
+  if (users.size() != 2)
+    return false;
+  const Triangle& one = triangles[users[0]];
+  const Vector3d normal = (one[1] - one[0]).cross(one[2] - one[0]);
+  return normal.dot(opposite_corner(triangles[users[1]], from, to) - from) > 0;
+}
+
+double charge_exponent(double angle) {
+  return 1 - std::numbers::pi / angle;
+}
+
+}  // namespace
+
+EdgeDensity::EdgeDensity(std::span<const Triangle> triangles)
+    : size_(std::sqrt(area(triangles))), part_of_(triangles.size()) {
+  const bool closed = is_closed(triangles), inside_out = signed_volume(triangles) < 0;
+  std::iota(part_of_.begin(), part_of_.end(), std::size_t{0});
+  const auto part = [&](std::size_t triangle) {
+    while (part_of_[triangle] != triangle)
+      triangle = part_of_[triangle];
+    return triangle;
+  };
+  std::vector<std::pair<std::size_t, SharpEdge>> found;
+  for (const auto& [ends, users] : users_of(triangles)) {
+    const Vector3d from(ends.first.data()), to(ends.second.data());
+    const double exponent = charge_exponent(widest_angle(triangles, users, from, to));
+    const bool is_smooth = exponent < least_exponent;
+    const bool grows = !is_smooth && !(closed && !inside_out && is_hollow(triangles, users, from, to));
+    for (const std::size_t user : users) {
+      if (grows)
+        found.push_back({user, {from, to, exponent}});
+      else if (is_smooth)
+        part_of_[part(user)] = part(users.front());
+    }
+  }
+  for (std::size_t triangle = 0; triangle < part_of_.size(); ++triangle)
+    part_of_[triangle] = part(triangle);
+  edges_.resize(triangles.size());
+  for (const auto& [triangle, edge] : found)
+    edges_[part_of_[triangle]].push_back(edge);
+}
+
+double EdgeDensity::at(std::size_t triangle, const Vector3d& point) const {
+  const std::vector<SharpEdge>& edges = edges_[part_of_[triangle]];
+  const auto distance = [&](const SharpEdge& edge) {
+    return std::min(segment_distance(point, edge.from, edge.to) / size_, 1.0);
+  };
+  const SharpEdge* nearest = nullptr;
+  double away = 1;
+  for (const SharpEdge& edge : edges)
+    if (const double here = distance(edge); nearest == nullptr || here < away) {
+      nearest = &edge;
+      away = here;
+    }
+  if (nearest == nullptr)
+    return 1;
+  // Near a corner the other edge counts, too; one that runs on in the same direction is the same edge.
+  const Vector3d along = (nearest->to - nearest->from).normalized();
+  double other = 1;
+  for (const SharpEdge& edge : edges) {
+    const double squared_sine = along.cross((edge.to - edge.from).normalized()).squaredNorm();
+    other = std::max(other, std::pow(distance(edge), -edge.exponent * squared_sine));
+  }
+  return std::pow(away, -nearest->exponent) * other;
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,168 @@
+#include "bem/mesh_size.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include <boost/math/tools/minima.hpp>
+
+#include "bem/proximity_refinement.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Vector3d;
+
+struct Segment {
+  Vector3d from;
+  Vector3d to;
+};
+
+/// The edges of a face; those of a box come twice.
+std::array<Segment, 4> edges_of(const ChargedFace& face) {
+  const std::array<Vector3d, 4> corners = corners_of(face);
+  return {{{corners[0], corners[1]},
+           {corners[1], corners[2]},
+           {corners[2], corners[3]},
+           {corners[3], corners[0]}}};
+}
+
+/// What the charges of a body end at or bend around: the edges of its faces, or the sides of its triangles.
+std::vector<Segment> edges_of(const ChargedBody& body) {
+  std::vector<Segment> edges;
+  for (const ChargedFace& face : body.faces)
+    for (const Segment& edge : edges_of(face))
+      edges.push_back(edge);
+  for (const Triangle& triangle : body.triangles)
+    for (std::size_t corner = 0; corner < 3; ++corner)
+      edges.push_back({triangle[corner], triangle[(corner + 1) % 3]});
+  return edges;
+}
+
+/// The logarithm of the parameter of the narrowest ellipse, with the ends of one direction of a face as foci,
+/// that a segment touches. The potential of what is beyond it is analytic inside. A line that meets the
+/// direction at an angle is seen as from so much farther away as its distance changes more slowly; of a
+/// parallel one only the ends are seen.
+double log_parameter(const Segment& segment, const ChargedFace& face, const Vector3d& along,
+                     double half_along, const Vector3d& across, double half_across) {
+  const Vector3d normal = face.axis_u.cross(face.axis_v);
+  const auto coordinates = [&](const Vector3d& point) {
+    const Vector3d offset = (point - face.centre) / half_along;
+    return Vector3d(offset.dot(along), offset.dot(across), offset.dot(normal));
+  };
+  const Vector3d from = coordinates(segment.from), way = coordinates(segment.to) - from;
+  const double width = half_across / half_along, sine = std::hypot(way.y(), way.z()) / way.norm();
+  // The sum of the distances from the foci: convex along the segment.
+  const auto sum = [&](double part, double slowness) {
+    const Vector3d point = from + part * way;
+    const double height = std::hypot(point.z(), std::max(std::abs(point.y()) - width, 0.0)) / slowness;
+    return std::hypot(point.x() - 1, height) + std::hypot(point.x() + 1, height);
+  };
+  double least = std::min(sum(0, 1), sum(1, 1));
+  /// Below, what lies between the ends is seen from as far as if it were not there.
+  constexpr double parallel = 1e-3;
+  /// The logarithm decides how many functions there are: three digits are plenty.
+  constexpr int bits = 10;
+  if (sine > parallel)
+    least = std::min(least, boost::math::tools::brent_find_minima(
+                                [&](double part) { return sum(part, sine); }, 0.0, 1.0, bits)
+                                .second);
+  return std::acosh(std::max(least / 2, 1.0));
+}
+
+int functions_for(double parameter, double features, int least) {
+  if (!(features < parameter * most_functions))
+    return most_functions;
+  const int wanted = static_cast<int>(std::ceil(1 + features / parameter)) | 1;
+  return std::clamp(wanted, least, most_functions);
+}
+
+/// log_parameter along both directions of a face, the least over all other bodies' edges.
+Eigen::Vector2d least_parameters(const ChargedFace& face, const ChargedBody& body,
+                                 const ChargedBodies& bodies) {
+  Eigen::Vector2d least = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  for (const ChargedBody& other : bodies.bodies) {
+    if (&other == &body)
+      continue;
+    for (const Segment& edge : edges_of(other)) {
+      least[0] =
+          std::min(least[0], log_parameter(edge, face, face.axis_u, face.half_u, face.axis_v, face.half_v));
+      least[1] =
+          std::min(least[1], log_parameter(edge, face, face.axis_v, face.half_v, face.axis_u, face.half_u));
+    }
+  }
+  return least;
+}
+
+/// The faces' corners, each once: what differs by rounding is the same.
+std::vector<Triangle> triangles_of(const std::vector<ChargedFace>& faces) {
+  std::vector<Vector3d> corners;
+  std::vector<Triangle> triangles;
+  for (const ChargedFace& face : faces) {
+    /// Far above rounding, and far below the length of an edge.
+    const double same = 1e-9 * std::min(face.half_u, face.half_v);
+    std::array<Vector3d, 4> own;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Vector3d corner = edges_of(face)[k].from;
+      const auto known = std::find_if(corners.begin(), corners.end(),
+                                      [&](const Vector3d& other) { return (other - corner).norm() < same; });
+      own[k] = known == corners.end() ? corners.emplace_back(corner) : *known;
+    }
+    triangles.push_back({own[0], own[1], own[2]});
+    triangles.push_back({own[0], own[2], own[3]});
+  }
+  return triangles;
+}
+
+/// The bodies with triangles in the place of the faces of those that have one for which they are needed.
+/// Nothing if there are none.
+template <typename Needed>
+std::optional<ChargedBodies> with_triangles_where(const ChargedBodies& bodies, const Needed& needed) {
+  ChargedBodies result = bodies;
+  bool changed = false;
+  for (ChargedBody& body : result.bodies) {
+    const ChargedBody& before = bodies.bodies[static_cast<std::size_t>(&body - result.bodies.data())];
+    if (std::none_of(before.faces.begin(), before.faces.end(),
+                     [&](const ChargedFace& face) { return needed(face, before); }))
+      continue;
+    body.triangles = triangles_of(before.faces);
+    body.faces.clear();
+    changed = true;
+  }
+  return changed ? std::optional(std::move(result)) : std::nullopt;
+}
+
+}  // namespace
+
+std::vector<FaceFunctions> resolving_functions(const ChargedBodies& bodies, double features, int least) {
+  std::vector<FaceFunctions> functions;
+  for (const ChargedBody& body : bodies.bodies)
+    for (const ChargedFace& face : body.faces) {
+      const Eigen::Vector2d parameters = least_parameters(face, body, bodies);
+      functions.push_back(
+          {functions_for(parameters[0], features, least), functions_for(parameters[1], features, least)});
+    }
+  return functions;
+}
+
+std::optional<ChargedBodies> with_triangles_beyond(const ChargedBodies& bodies, double features,
+                                                   double most) {
+  return with_triangles_where(bodies, [&](const ChargedFace& face, const ChargedBody& body) {
+    return features > least_parameters(face, body, bodies).minCoeff() * (most - 1);
+  });
+}
+
+std::optional<ChargedBodies> with_triangles_under_narrow_shadows(const ChargedBodies& bodies) {
+  const std::vector<Shadow> shadows = shadows_of(bodies);
+  return with_triangles_where(bodies, [&](const ChargedFace& face, const ChargedBody& body) {
+    const auto own = static_cast<std::size_t>(&body - bodies.bodies.data());
+    for (std::size_t k = 0; k < shadows.size(); ++k)
+      if (k != own && shadows[k].is_narrow_on(face))
+        return true;
+    return false;
+  });
+}
+
+}  // namespace fringe::detail

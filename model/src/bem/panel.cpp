@@ -1,0 +1,84 @@
+#include "bem/panel.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace fringe::detail {
+
+using Eigen::Vector3d;
+
+Panel make_panel(const Triangle& corners) {
+  const Vector3d centre = (corners[0] + corners[1] + corners[2]) / 3;
+  double squared_radius = 0;
+  for (const Vector3d& corner : corners)
+    squared_radius = std::max(squared_radius, (corner - centre).squaredNorm());
+  return {corners, centre, std::sqrt(squared_radius), twice_area(corners) / 2};
+}
+
+std::array<Triangle, 4> quarters(const Triangle& triangle) {
+  const auto& [a, b, c] = triangle;
+  const Vector3d ab = (a + b) / 2, bc = (b + c) / 2, ca = (c + a) / 2;
+  return {Triangle{a, ab, ca}, Triangle{ab, b, bc}, Triangle{ca, bc, c}, Triangle{ab, bc, ca}};
+}
+
+std::array<Triangle, 2> halves(const Triangle& triangle, std::size_t side) {
+  const Vector3d &from = triangle[side], &to = triangle[(side + 1) % 3], &opposite = triangle[(side + 2) % 3];
+  const Vector3d middle = (from + to) / 2;
+  return {Triangle{from, middle, opposite}, Triangle{middle, to, opposite}};
+}
+
+std::size_t longest_side(const Triangle& triangle) {
+  /// Sides that rounding makes longer than others are not.
+  constexpr double longer = 1 + 1e-6;
+  std::size_t longest = 0;
+  double length = 0;
+  for (std::size_t side = 0; side < 3; ++side) {
+    const double here = (triangle[(side + 1) % 3] - triangle[side]).norm();
+    if (here > longer * length) {
+      longest = side;
+      length = here;
+    }
+  }
+  return longest;
+}
+
+std::size_t side_to_halve(const Triangle& triangle, const Eigen::MatrixXd& quarter_charges) {
+  /// A triangle is not made longer, in terms of its height, than this.
+  constexpr double slimmest = 60;
+  const double longest =
+      (triangle[(longest_side(triangle) + 1) % 3] - triangle[longest_side(triangle)]).norm();
+  std::array<double, 3> changes{};
+  for (std::size_t side = 0; side < 3; ++side) {
+    const auto from = static_cast<Eigen::Index>(side), to = static_cast<Eigen::Index>((side + 1) % 3);
+    changes[side] = (quarter_charges.row(from) - quarter_charges.row(to)).norm();
+  }
+  const double largest = *std::max_element(changes.begin(), changes.end());
+  /// Of sides along which it changes about as much the longest is taken.
+  constexpr double about = 0.8;
+  std::size_t chosen = longest_side(triangle);
+  double length = changes[chosen] >= about * largest ? longest : 0;
+  for (std::size_t side = 0; side < 3; ++side) {
+    const double here = (triangle[(side + 1) % 3] - triangle[side]).norm();
+    if (changes[side] >= about * largest && here > (1 + 1e-6) * length) {
+      chosen = side;
+      length = here;
+    }
+  }
+  const double height = twice_area(triangle) / longest;
+  return longest > slimmest * height ? longest_side(triangle) : chosen;
+}
+
+double segment_distance(const Vector3d& point, const Vector3d& from, const Vector3d& to) {
+  const Vector3d along = to - from, offset = point - from;
+  const double part = std::clamp(offset.dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (offset - part * along).norm();
+}
+
+double outline_distance(const Triangle& triangle, const Vector3d& point) {
+  return std::min({segment_distance(point, triangle[0], triangle[1]),
+                   segment_distance(point, triangle[1], triangle[2]),
+                   segment_distance(point, triangle[2], triangle[0])});
+}
+
+}  // namespace fringe::detail

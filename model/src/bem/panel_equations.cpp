@@ -1,0 +1,38 @@
+#include "bem/panel_equations.hpp"
+
+namespace fringe::detail {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+PanelUnknowns number_unknowns(const ChargedBodies& bodies, const GalerkinSystem& faces,
+                              const PanelMesh& mesh) {
+  PanelUnknowns unknowns;
+  for (std::size_t face = 0; face < faces.faces(); ++face) {
+    unknowns.first.push_back(unknowns.functions);
+    const FaceFunctions functions = faces.functions(face);
+    for (int k = 0; k < functions.count(); ++k)
+      (is_coarse(functions, k) ? unknowns.coarse : unknowns.highest).push_back(unknowns.functions + k);
+    unknowns.functions += functions.count();
+  }
+  unknowns.net = Eigen::MatrixXd::Zero(unknowns.functions + index_of(mesh.panels().size()),
+                                       index_of(bodies.names.size()));
+  for (std::size_t face = 0; face < faces.faces(); ++face)
+    unknowns.net(unknowns.first[face], index_of(faces.conductor(face))) = faces.net_charge(face);
+  for (const PanelGroup& group : mesh.groups())
+    unknowns.net.col(index_of(bodies.bodies[group.body].conductor))
+        .segment(unknowns.functions + index_of(group.first), index_of(group.count))
+        .setOnes();
+  return unknowns;
+}
+
+VectorXd PanelEquations::apply(const VectorXd& charge) const {
+  const Index functions = unknowns.functions, count = index_of(mesh.panels().size());
+  VectorXd potential(charge.size());
+  potential.head(functions) = faces * charge.head(functions) + coupling * charge.tail(count);
+  potential.tail(count) = panels.selfadjointView<Eigen::Upper>() * charge.tail(count);
+  potential.tail(count) += coupling.transpose() * charge.head(functions);
+  return potential;
+}
+
+}  // namespace fringe::detail

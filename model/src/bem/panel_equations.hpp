@@ -1,0 +1,42 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "bem/bodies.hpp"
+#include "bem/galerkin_system.hpp"
+#include "bem/panel_mesh.hpp"
+
+namespace fringe::detail {
+
+inline Eigen::Index index_of(std::size_t k) {
+  return static_cast<Eigen::Index>(k);
+}
+
+/// The unknowns of faces and panels: the functions of all faces, one face after the other, then the panels.
+struct PanelUnknowns {
+  std::vector<Eigen::Index> first;  ///< of each face
+  Eigen::Index functions = 0;
+  std::vector<Eigen::Index> coarse;   ///< the faces' functions of the smaller space
+  std::vector<Eigen::Index> highest;  ///< the others
+  Eigen::MatrixXd net;                ///< net charges, a column for every conductor
+};
+
+PanelUnknowns number_unknowns(const ChargedBodies& bodies, const GalerkinSystem& faces,
+                              const PanelMesh& mesh);
+
+/// The matrix of all unknowns, in the parts that it is kept in.
+struct PanelEquations {
+  const GalerkinSystem& face_system;
+  const PanelMesh& mesh;
+  const PanelUnknowns& unknowns;
+  const Eigen::MatrixXd& faces;     ///< of the faces' functions
+  const Eigen::MatrixXd& panels;    ///< panel_matrix, the upper triangle
+  const Eigen::MatrixXd& coupling;  ///< of the faces' functions (rows) with the panels
+
+  /// The potentials of charges, tested with every unknown's function.
+  Eigen::VectorXd apply(const Eigen::VectorXd& charge) const;
+};
+
+}  // namespace fringe::detail

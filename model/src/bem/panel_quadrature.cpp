@@ -1,0 +1,129 @@
+#include "bem/panel_quadrature.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "numeric/gauss_rule.hpp"
+#include "numeric/triangle_rules.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Vector3d;
+
+/// From here on two halves take fewer points than the whole.
+constexpr int highest_rule_degree = 8;
+
+/// Where the distance says little, a rule of few points would be no rule.
+constexpr double near_ratio = 0.5;
+constexpr int lowest_near_degree = 5;
+
+/// Parts of 2^−24 of a panel's area: four thousandth of its size.
+constexpr int most_triangle_halvings = 24;
+
+/// The rule that is good enough for a ratio of size to distance; null if none is.
+const TriangleRule* rule_for(double ratio, double allowed) {
+  for (const TriangleRule& rule : triangle_rules()) {
+    if (rule.degree > highest_rule_degree)
+      break;
+    // The rule of one point sees no slope; everything counts twice that it misses.
+    if (rule.degree < 2 || (ratio > near_ratio && rule.degree < lowest_near_degree))
+      continue;
+    double missed = 1;
+    for (int k = 0; k <= rule.degree; ++k)
+      missed *= std::min(ratio, 1.0);
+    if (missed <= allowed)
+      return &rule;
+  }
+  return nullptr;
+}
+
+const TriangleRule& last_rule() {
+  const auto rules = triangle_rules();
+  return *std::find_if(rules.begin(), rules.end(),
+                       [](const TriangleRule& rule) { return rule.degree == highest_rule_degree; });
+}
+
+class TrianglePoints {
+ public:
+  TrianglePoints(double tolerance, const std::function<double(const Vector3d&)>& distance,
+                 const std::function<void(const Vector3d&, double)>& point)
+      : allowed_(rule_caution * tolerance / 2), distance_(distance), point_(point) {}
+
+  void lay(const Triangle& triangle, double share, int halvings) const {
+    const Vector3d centre = (triangle[0] + triangle[1] + triangle[2]) / 3;
+    const double squared_radius =
+        std::max({(triangle[0] - centre).squaredNorm(), (triangle[1] - centre).squaredNorm(),
+                  (triangle[2] - centre).squaredNorm()});
+    const TriangleRule* rule = rule_for(std::sqrt(squared_radius) / distance_(centre), allowed_ / share);
+    if (rule == nullptr && halvings < most_triangle_halvings) {
+      for (const Triangle& half : halves(triangle, longest_side(triangle)))
+        lay(half, share / 2, halvings + 1);
+      return;
+    }
+    if (rule == nullptr)
+      rule = &last_rule();
+    const Vector3d second = triangle[1] - triangle[0], third = triangle[2] - triangle[0];
+    for (int k = 0; k < rule->points; ++k) {
+      const TriangleNode& node = rule->nodes[k];
+      point_(triangle[0] + node.second * second + node.third * third, share * node.weight);
+    }
+  }
+
+ private:
+  double allowed_;
+  const std::function<double(const Vector3d&)>& distance_;
+  const std::function<void(const Vector3d&, double)>& point_;
+};
+
+const GaussRule& segment_rule(int points) {
+  static const std::array<GaussRule, 9> rules{gauss_rule(1), gauss_rule(1), gauss_rule(2),
+                                              gauss_rule(3), gauss_rule(4), gauss_rule(5),
+                                              gauss_rule(6), gauss_rule(7), gauss_rule(8)};
+  return rules[static_cast<std::size_t>(points)];
+}
+
+void lay_on_segment(const Vector3d& from, const Vector3d& to, double share, double allowed,
+                    const std::function<double(const Vector3d&, const Vector3d&)>& distance,
+                    const std::function<void(const Vector3d&, double)>& point) {
+  constexpr int most_points = 8;
+  /// Even the last part, at a singularity, has a logarithm to see.
+  constexpr int fewest_points = 3;
+  constexpr double least_share = 0x1p-20;
+  const double away = distance(from, to) / ((to - from).norm() / 2);
+  const double parameter = away + std::sqrt(1 + away * away);
+  // The slope at the singularity is a logarithm: what a part at it can miss falls with its length squared.
+  const double digits = std::log(std::max(share * share / allowed, 1.0));
+  const double wanted = digits == 0 ? 0 : digits / (2 * std::log(parameter));
+  if (wanted > most_points && share > least_share) {
+    const Vector3d middle = (from + to) / 2;
+    lay_on_segment(from, middle, share / 2, allowed, distance, point);
+    lay_on_segment(middle, to, share / 2, allowed, distance, point);
+    return;
+  }
+  const int points =
+      static_cast<int>(std::clamp(std::ceil(wanted), double{fewest_points}, double{most_points}));
+  for (const GaussNode& node : segment_rule(points))
+    point(from + node.position * (to - from), share * node.weight);
+}
+
+}  // namespace
+
+double far_ratio(double tolerance) {
+  return std::cbrt(rule_caution * tolerance / 2);
+}
+
+void for_each_point(const Triangle& triangle, double tolerance,
+                    const std::function<double(const Vector3d&)>& distance,
+                    const std::function<void(const Vector3d&, double)>& point) {
+  TrianglePoints(tolerance, distance, point).lay(triangle, 1, 0);
+}
+
+void for_each_point(const Vector3d& from, const Vector3d& to, double tolerance,
+                    const std::function<double(const Vector3d&, const Vector3d&)>& distance,
+                    const std::function<void(const Vector3d&, double)>& point) {
+  lay_on_segment(from, to, 1, rule_caution * tolerance / 2, distance, point);
+}
+
+}  // namespace fringe::detail

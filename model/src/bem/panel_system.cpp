@@ -1,0 +1,213 @@
+#include "bem/panel_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+#include "bem/conjugate_gradients.hpp"
+#include "bem/error_indicators.hpp"
+#include "bem/panel_equations.hpp"
+#include "bem/proximity_refinement.hpp"
+#include "bem/single_layer_face_panel.hpp"
+#include "bem/single_layer_panels.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// The panels' quadratures do much better than they have to: between a plate and a cube at a fifth of its
+/// size, at any of four levels, they changed no capacitance by more than a fiftieth of their tolerance.
+constexpr double panel_tolerances = 10;
+
+constexpr double unknown_tolerance = std::numeric_limits<double>::infinity();
+
+ChargedBodies with_faces(const ChargedBodies& bodies) {
+  ChargedBodies result = bodies;
+  std::erase_if(result.bodies, [](const ChargedBody& body) { return body.faces.empty(); });
+  return result;
+}
+
+/// As objects, for there are none beside them.
+ChargedBodies sensors_of(const ChargedBodies& bodies) {
+  ChargedBodies sensors;
+  sensors.names.assign(bodies.names.begin(),
+                       bodies.names.begin() + static_cast<std::ptrdiff_t>(bodies.sensors));
+  std::copy_if(bodies.bodies.begin(), bodies.bodies.end(), std::back_inserter(sensors.bodies),
+               [&](const ChargedBody& body) { return body.conductor < bodies.sensors; });
+  return sensors;
+}
+
+}  // namespace
+
+PanelSystem::PanelSystem(const ChargedBodies& bodies, const PanelGrading& grading)
+    : bodies_(bodies), bodies_of_faces_(with_faces(bodies)), faces_(bodies_of_faces_),
+      panel_tolerance_(unknown_tolerance), coupling_tolerance_(unknown_tolerance) {
+  for (std::size_t body = 0; body < bodies.bodies.size(); ++body)
+    if (bodies.bodies[body].faces.empty())
+      mesh_.add(body, bodies.bodies[body].triangles, grading);
+  divide_under_shadows(grading.most_panels);
+}
+
+PanelSystem::PanelSystem(const ChargedBodies& bodies, PanelMesh mesh)
+    : bodies_(bodies), bodies_of_faces_(with_faces(bodies)), faces_(bodies_of_faces_), mesh_(std::move(mesh)),
+      panel_tolerance_(unknown_tolerance), coupling_tolerance_(unknown_tolerance) {}
+
+void PanelSystem::divide_under_shadows(std::size_t most_panels) {
+  if (mesh_.panels().empty())
+    return;
+  const std::vector<Shadow> shadows = shadows_of(bodies_);
+  const auto is_too_large = [&](const PanelGroup& group) {
+    const std::vector<Triangle> triangles = mesh_.triangles(group);
+    for (std::size_t body = 0; body < shadows.size(); ++body)
+      if (body != group.body)
+        for (const Triangle& triangle : triangles)
+          if (shadows[body].is_narrow_on(triangle))
+            return true;
+    return false;
+  };
+  while (mesh_.panels().size() < most_panels) {
+    std::vector<bool> marked;
+    for (const PanelGroup& group : mesh_.groups())
+      marked.push_back(is_too_large(group));
+    if (std::find(marked.begin(), marked.end(), true) == marked.end())
+      break;
+    // Charges that are alike: across the longest sides.
+    mesh_.refine(marked, MatrixXd::Ones(index_of(mesh_.panels().size()), 1));
+  }
+}
+
+void PanelSystem::refine_groups(const std::vector<bool>& marked, const MatrixXd& charges) {
+  // Twice without a matrix between them leave no places that it has.
+  if (is_refined_)
+    panel_tolerance_ = unknown_tolerance;
+  mesh_.refine(marked, charges);
+  is_refined_ = true;
+  coupling_tolerance_ = unknown_tolerance;
+}
+
+void PanelSystem::refine(const std::vector<FaceFunctions>& functions, double tolerance) {
+  faces_.refine(functions, tolerance);
+  if (mesh_.panels().empty())
+    return;
+  if (panel_tolerance_ > panel_tolerances * tolerance) {
+    panel_tolerance_ = panel_tolerances * tolerance;
+    panels_ = panel_matrix(mesh_.panels(), panel_tolerance_);
+  } else if (is_refined_) {
+    const MatrixXd before = std::move(panels_);
+    panels_ = panel_matrix(mesh_.panels(), panel_tolerance_, {before, mesh_.places_before()});
+  }
+  is_refined_ = false;
+  if (coupling_tolerance_ > tolerance || coupled_functions_ != functions)
+    refine_coupling(functions, tolerance);
+}
+
+void PanelSystem::refine_coupling(const std::vector<FaceFunctions>& functions, double tolerance) {
+  Index rows = 0;
+  for (const FaceFunctions& face : functions)
+    rows += face.count();
+  coupling_.resize(rows, index_of(mesh_.panels().size()));
+  Index row = 0;
+  for (std::size_t face = 0; face < functions.size(); ++face) {
+    coupling_.middleRows(row, functions[face].count()) =
+        panel_coupling(faces_.face(face), functions[face], mesh_.panels(), tolerance);
+    row += functions[face].count();
+  }
+  coupled_functions_ = functions;
+  coupling_tolerance_ = tolerance;
+}
+
+MatrixXd PanelSystem::face_matrix(const PanelUnknowns& unknowns) const {
+  MatrixXd matrix(unknowns.functions, unknowns.functions);
+  for (std::size_t a = 0; a < faces(); ++a)
+    for (std::size_t b = a; b < faces(); ++b) {
+      const MatrixXd& block = faces_.block(a, b);
+      matrix.block(unknowns.first[a], unknowns.first[b], block.rows(), block.cols()) = block;
+      matrix.block(unknowns.first[b], unknowns.first[a], block.cols(), block.rows()) = block.transpose();
+    }
+  return matrix;
+}
+
+/// How much the errors of all quadratures, relative to what they are held to, may change the capacitances.
+MatrixXd PanelSystem::quadrature_effect(const PanelUnknowns& unknowns, const MatrixXd& charges,
+                                        const MatrixXd& norms) const {
+  const auto panels = index_of(mesh_.panels().size());
+  const MatrixXd absolute = charges.bottomRows(panels).cwiseAbs();
+  MatrixXd felt(panels, charges.cols());
+  for (Index c = 0; c < charges.cols(); ++c)
+    felt.col(c) = panels_.selfadjointView<Eigen::Upper>() * absolute.col(c);
+  for (std::size_t face = 0; face < faces(); ++face) {
+    const Eigen::RowVectorXd largest =
+        coupling_.middleRows(unknowns.first[face], faces_.functions(face).count())
+            .cwiseAbs()
+            .colwise()
+            .maxCoeff();
+    felt += 2 * largest.transpose() * norms.row(index_of(face));
+  }
+  const MatrixXd effect = absolute.transpose() * felt;
+  return faces_.quadrature_effect(norms) + panel_tolerances / 4 * (effect + effect.transpose());
+}
+
+PanelSolution PanelSystem::solve(double accuracy) const {
+  PanelSolution solution;
+  if (mesh_.panels().empty()) {
+    static_cast<GalerkinSolution&>(solution) = faces_.solve();
+    const Index conductors = solution.all.fine.rows();
+    solution.unfinished = MatrixXd::Zero(conductors, conductors);
+    return solution;
+  }
+  const PanelUnknowns unknowns = number_unknowns(bodies_, faces_, mesh_);
+  const MatrixXd matrix = face_matrix(unknowns);
+  const PanelEquations equations{faces_, mesh_, unknowns, matrix, panels_, coupling_};
+  const NestedSpace nested(equations);
+  solution.positive_definite = nested.is_positive_definite();
+  if (bodies_.sensors > 0 && !sensors_have_panels(bodies_)) {
+    solution.sensors = faces_.solve_sensors();
+    solution.positive_definite &= solution.sensors.fine.size() > 0;
+  }
+  if (!solution.positive_definite)
+    return solution;
+  const IteratedCharges found = iterate(equations, nested, accuracy);
+  solution.positive_definite = found.positive_definite;
+  if (!solution.positive_definite)
+    return solution;
+
+  solution.all.coarse = found.smaller.transpose() * found.smaller;
+  // Right to second order in what the iteration left.
+  const MatrixXd energies =
+      unknowns.net.transpose() * found.charges + found.charges.transpose() * found.residuals;
+  solution.all.fine = (energies + energies.transpose()) / 2;
+  solution.unfinished = (found.gains * found.gains.transpose()).cwiseSqrt();
+  solution.charges = found.charges.bottomRows(index_of(mesh_.panels().size()));
+
+  const VectorXd own = solution.all.fine.diagonal();
+  std::vector<MatrixXd> of_faces;
+  for (std::size_t face = 0; face < faces(); ++face)
+    of_faces.emplace_back(found.charges.middleRows(unknowns.first[face], faces_.functions(face).count()));
+  const FaceEnergies of_highest = faces_.energies(of_faces, own);
+  solution.highest = of_highest.highest;
+  solution.group_energies = group_energies(mesh_, panels_, nested.shares(), solution.charges, own);
+  const UnseenEnergy unseen = unseen_energy(equations, found.charges, own, panel_tolerance_);
+  if (unseen.gained.size() > 0) {
+    solution.all.coarse -= unseen.gained;
+    solution.group_energies += unseen.groups;
+  }
+  solution.quadrature_effect = quadrature_effect(unknowns, found.charges, of_highest.norms);
+  return solution;
+}
+
+PanelSolution PanelSystem::solve_sensors(double accuracy) const {
+  const ChargedBodies sensors = sensors_of(bodies_);
+  PanelSystem alone(sensors, mesh_.of_first(sensors.bodies.size()));
+  std::vector<FaceFunctions> functions;
+  for (std::size_t face = 0; face < alone.faces(); ++face)
+    functions.push_back(faces_.functions(face));
+  alone.refine(functions, coupling_tolerance_);
+  return alone.solve(accuracy);
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <span>
+
+#include <Eigen/Core>
+
+#include "bem/face.hpp"
+#include "bem/panel.hpp"
+
+namespace fringe::detail {
+
+/// The interaction of a face's functions (rows) with panels of a charge of one (columns) that do not touch
+/// it. `tolerance` is the error aimed at, relative to the largest elements of a column.
+Eigen::MatrixXd panel_coupling(const ChargedFace& face, FaceFunctions functions,
+                               std::span<const Panel> panels, double tolerance);
+
+}  // namespace fringe::detail

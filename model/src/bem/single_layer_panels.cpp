@@ -1,0 +1,262 @@
+#include "bem/single_layer_panels.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "bem/charge_kernels.hpp"
+#include "bem/panel_quadrature.hpp"
+#include "bem/patch_distance.hpp"
+#include "integral/batch/kernels.hpp"
+#include "numeric/triangle_rules.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+/// Sums of a panel's potential at points, evaluated many at a time.
+class PotentialSums {
+ public:
+  /// Adds weight·(the potential of the panel at the point) to `sum`, by the next flush at the latest.
+  void add(const Triangle& source, const Vector3d& point, double weight, double& sum) {
+    if (size_ == capacity)
+      flush();
+    for (std::size_t corner = 0; corner < 3; ++corner)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        components_[3 * corner + axis][size_] =
+            source[corner][static_cast<Index>(axis)] - point[static_cast<Index>(axis)];
+    weights_[size_] = weight;
+    sums_[size_++] = &sum;
+  }
+
+  void flush() {
+    const double* components[9];
+    for (std::size_t k = 0; k < 9; ++k)
+      components[k] = components_[k].data();
+    std::array<double, capacity> potentials{};
+    best_charge_kernels().triangle_potentials(components, size_, potentials.data());
+    for (std::size_t k = 0; k < size_; ++k)
+      *sums_[k] += weights_[k] * potentials[k];
+    size_ = 0;
+  }
+
+ private:
+  static constexpr std::size_t capacity = 256;
+  std::array<std::array<double, capacity>, 9> components_{};
+  std::array<double, capacity> weights_{};
+  std::array<double*, capacity> sums_{};
+  std::size_t size_ = 0;
+};
+
+/// A rule of degree 2 on every panel: 1/r between all their points, where the panels are far apart.
+class FarPairs {
+ public:
+  explicit FarPairs(std::span<const Panel> panels)
+      : stride_(padded(panels.size())), columns_(9 * stride_, 0.0) {
+    for (std::size_t panel = 0; panel < panels.size(); ++panel) {
+      const Triangle& corners = panels[panel].corners;
+      for (std::size_t k = 0; k < points; ++k) {
+        const TriangleNode& node = rule().nodes[k];
+        const Vector3d point =
+            corners[0] + node.second * (corners[1] - corners[0]) + node.third * (corners[2] - corners[0]);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          columns_[(3 * k + axis) * stride_ + panel] = point[static_cast<Index>(axis)];
+      }
+    }
+  }
+
+  /// The means of 1/r between a panel and the first `count`, of which those nearby are to be replaced.
+  void fill(const Panel& panel, std::size_t count, double* means) const {
+    /// A cache of 32 kB holds the distances of so many columns.
+    constexpr std::size_t together = 512;
+    std::array<double, points * 3> rows{};
+    for (std::size_t k = 0; k < points; ++k)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        rows[3 * k + axis] = node(panel, k)[static_cast<Index>(axis)];
+    std::array<double, points * together> values{};
+    for (std::size_t begin = 0; begin < count; begin += together) {
+      const std::size_t here = std::min(together, count - begin), stride = padded(here);
+      std::fill_n(means + begin, here, 0.0);
+      for (std::size_t k = 0; k < points; ++k) {
+        const double* const columns[3] = {columns_.data() + (3 * k) * stride_ + begin,
+                                          columns_.data() + (3 * k + 1) * stride_ + begin,
+                                          columns_.data() + (3 * k + 2) * stride_ + begin};
+        best_kernels().soft_inverse_distances(columns, stride, rows.data(), points, 0, values.data());
+        for (std::size_t c = 0; c < here; ++c)
+          means[begin + c] += (values[c] + values[stride + c] + values[2 * stride + c]) / (points * points);
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t points = 3;
+
+  static const TriangleRule& rule() {
+    const auto rules = triangle_rules();
+    return *std::find_if(rules.begin(), rules.end(), [](const TriangleRule& rule) {
+      return static_cast<std::size_t>(rule.points) == points;
+    });
+  }
+
+  static Vector3d node(const Panel& panel, std::size_t k) {
+    static const TriangleRule& used = rule();
+    const auto& [a, b, c] = panel.corners;
+    return a + used.nodes[k].second * (b - a) + used.nodes[k].third * (c - a);
+  }
+
+  static std::size_t padded(std::size_t count) {
+    return (count + TriangleArrays::padding - 1) / TriangleArrays::padding * TriangleArrays::padding;
+  }
+
+  std::size_t stride_;
+  std::vector<double> columns_;  ///< x, y, z of the panels' first points, of their second …
+};
+
+/// A corner of one of two triangles that lies on the other.
+std::optional<Vector3d> common_point(const Panel& a, const Panel& b) {
+  /// What rounding leaves between corners that are one, or beside a side; what is moved by so little does not
+  /// show.
+  constexpr double same = 1e-9;
+  const double near = same * std::min(a.radius, b.radius);
+  for (const auto& [one, other] : {std::pair(&a, &b), std::pair(&b, &a)})
+    for (const Vector3d& corner : one->corners)
+      if (outline_distance(other->corners, corner) <= near)
+        return corner;
+  return std::nullopt;
+}
+
+/// Pairs that touch. The integral over both triangles, grown by a factor λ about a common point, is λ³ times
+/// what it was, hence a third of what their sides bring in when they grow: the potential of each along the
+/// other's sides, times how fast these move.
+void add_touching(const Panel& a, const Panel& b, const Vector3d& common, double tolerance,
+                  PotentialSums& sums, double& sum) {
+  for (const auto& pair : {std::pair(&a, &b), std::pair(&b, &a)})
+    for (std::size_t side = 0; side < 3; ++side) {
+      const Panel &moving = *pair.first, &source = *pair.second;
+      const Vector3d &from = moving.corners[side], &to = moving.corners[(side + 1) % 3];
+      const double swept = (from - common).cross(to - common).norm() / moving.area;
+      // The common point lies in the triangle or on its outline: no side moves inwards.
+      constexpr double none = 1e-8;
+      if (swept <= none)
+        continue;
+      for_each_point(
+          from, to, tolerance,
+          [&](const Vector3d& p, const Vector3d& q) {
+            const Triangle& c = source.corners;
+            return std::min({segment_distance(p, q, c[0], c[1]), segment_distance(p, q, c[1], c[2]),
+                             segment_distance(p, q, c[2], c[0])});
+          },
+          [&](const Vector3d& point, double weight) {
+            sums.add(source.corners, point, weight * swept / 3, sum);
+          });
+    }
+}
+
+void add_near(const Panel& a, const Panel& b, double tolerance, PotentialSums& sums, double& sum) {
+  const Panel &outer = a.radius < b.radius ? a : b, &inner = a.radius < b.radius ? b : a;
+  const double safe = 2 * inner.radius;
+  const auto distance = [&](const Vector3d& point) {
+    const double centres = (point - inner.centre).norm();
+    return centres > safe ? centres - inner.radius : outline_distance(inner.corners, point);
+  };
+  const auto lay = [&](const Vector3d& point, double weight) { sums.add(inner.corners, point, weight, sum); };
+  // References: what a lambda holds would be copied for every pair.
+  for_each_point(outer.corners, tolerance, std::ref(distance), std::ref(lay));
+}
+
+/// Rows of the matrix, near pairs gathered to be evaluated many at a time.
+class MatrixRows {
+ public:
+  MatrixRows(std::span<const Panel> panels, double tolerance)
+      : panels_(panels), tolerance_(tolerance), farthest_(1 / far_ratio(tolerance)), far_(panels) {}
+
+  /// The interactions of a panel with the first `count`, but those that `is_known` has written; complete
+  /// after flush().
+  template <class IsKnown>
+  void fill(const Panel& panel, std::size_t count, double* row, const IsKnown& is_known) {
+    far_.fill(panel, count, row);
+    for (std::size_t j = 0; j < count; ++j) {
+      const Panel& other = panels_[j];
+      const double radii = panel.radius + other.radius, reach = farthest_ * radii;
+      const double squared = (panel.centre - other.centre).squaredNorm();
+      if (squared > reach * reach || is_known(j))
+        continue;
+      row[j] = 0;
+      const std::optional<Vector3d> common =
+          squared <= radii * radii ? common_point(panel, other) : std::nullopt;
+      if (common)
+        add_touching(panel, other, *common, tolerance_, sums_, row[j]);
+      else
+        add_near(panel, other, tolerance_, sums_, row[j]);
+    }
+  }
+
+  void flush() { sums_.flush(); }
+
+ private:
+  std::span<const Panel> panels_;
+  double tolerance_;
+  double farthest_;
+  FarPairs far_;
+  PotentialSums sums_;
+};
+
+}  // namespace
+
+double panel_self(const Panel& panel) {
+  const auto& [a, b, c] = panel.corners;
+  const std::array<double, 3> sides{(b - a).norm(), (c - b).norm(), (a - c).norm()};
+  const double half = (sides[0] + sides[1] + sides[2]) / 2;
+  double sum = 0;
+  for (std::size_t k = 0; k < 3; ++k)
+    // The half perimeter less a side, without the difference that loses a sliver's digits: by the area.
+    sum +=
+        std::log(half / std::max(half - sides[k], panel.area * panel.area / (half * half * half))) / sides[k];
+  return 4 * sum / 3;
+}
+
+MatrixXd panel_matrix(std::span<const Panel> panels, double tolerance, const KnownElements& known) {
+  const auto size = static_cast<Index>(panels.size());
+  MatrixXd matrix(size, size);
+  MatrixRows rows(panels, tolerance);
+  const auto place = [&](std::size_t panel) { return known.places.empty() ? -1 : known.places[panel]; };
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    double* const column = matrix.data() + static_cast<Index>(i) * size;
+    const Index old_i = place(i);
+    rows.fill(panels[i], i, column, [&](std::size_t j) {
+      const Index old_j = place(j);
+      if (old_i < 0 || old_j < 0)
+        return false;
+      column[j] = known.matrix(std::min(old_i, old_j), std::max(old_i, old_j));
+      return true;
+    });
+    column[i] = panel_self(panels[i]);
+  }
+  rows.flush();
+  return matrix;
+}
+
+MatrixXd panel_matrix(std::span<const Panel> panels, double tolerance) {
+  return panel_matrix(panels, tolerance, {MatrixXd(), {}});
+}
+
+MatrixXd panel_potentials(std::span<const Panel> targets, std::span<const Panel> panels,
+                          const MatrixXd& charges, double tolerance) {
+  MatrixXd result(static_cast<Index>(targets.size()), charges.cols());
+  MatrixRows rows(panels, tolerance);
+  Eigen::VectorXd row(charges.rows());
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    rows.fill(targets[k], panels.size(), row.data(), [](std::size_t) { return false; });
+    rows.flush();
+    result.row(static_cast<Index>(k)) = row.transpose() * charges;
+  }
+  return result;
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+
+#include "correction/charged_surface.hpp"
+#include "fringe/rectangle.hpp"
+
+/// The flux between surfaces that face each other, along arcs (model/CORRECTIONS.md, section 3).
+namespace fringe::detail {
+
+/// Sums over triangles. θ is the angle between a triangle and the plate; all are symmetric in the two.
+struct FacingFlux {
+  double flux = 0;           ///< ∫dA/L, L the length of the arc; m
+  double soft_flux = 0;      ///< the same with gaps √(g² + s²) instead of g; m
+  double tilted_excess = 0;  ///< flux − soft_flux of each triangle, times 1 − cos θ; m
+  double area = 0;           ///< where they face each other, m²
+};
+
+/// A sensor's plate, prepared for many triangles.
+struct FacingPlate {
+  explicit FacingPlate(const Rectangle& plate);
+
+  std::array<Eigen::Vector3d, 4> corners;  ///< in order
+  Eigen::Vector3d normal;                  ///< of length 1
+};
+
+/// @param triangle in the frame of `plate`, with its unit normal and its area
+/// @param one_sided only the side that the normal is on counts
+/// @param softness s, in m
+void add_facing_flux(FacingFlux& sum, const Triangle& triangle, const Eigen::Vector3d& normal, double area,
+                     bool one_sided, const FacingPlate& plate, double softness);
+
+}  // namespace fringe::detail

@@ -1,0 +1,81 @@
+#include "correction/recommended.hpp"
+
+#include <cmath>
+#include <variant>
+
+#include "fringe/error.hpp"
+#include "fringe/triangulation.hpp"
+
+namespace fringe::detail {
+namespace {
+
+/// Of the value. Where an answer states so large an error, in mean a quarter of it is met, which is what the
+/// formula is off (rms).
+constexpr double most_stated_error = 0.1;
+
+/// With as many a pose takes seven times as long as the integral over them, with half as many eleven times
+/// (model/CORRECTIONS.md, section 5).
+constexpr std::size_t fewest_triangles = 96;
+
+/// Whether a pose takes no more than ten times what the integral takes: with plates and boxes, and one body
+/// of many triangles at most. Two would take each other's distances, too.
+bool is_cheap(const Scene& scene) {
+  std::size_t meshes = 0;
+  for (const Object& object : scene.objects) {
+    if (std::holds_alternative<Plate>(object.shape) || std::holds_alternative<Cuboid>(object.shape))
+      continue;
+    if (++meshes > 1 || triangulate(object.shape).size() < fewest_triangles)
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Recommended::Recommended(const Scene& scene) {
+  try {
+    if (is_cheap(scene))
+      evaluator_.emplace(scene, ReducedOptions{1, std::nullopt});
+  } catch (const InputError&) {
+    // Shapes, rooms and sensors that it does not know are the formula's; what is wrong in itself, the formula
+    // refuses too.
+    evaluator_.reset();
+  }
+}
+
+void Recommended::set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
+  is_stale_ = true;
+  if (evaluator_)
+    evaluator_->set_pose(link, pose);
+}
+
+bool Recommended::update() {
+  if (!is_stale_)
+    return false;
+  is_stale_ = false;
+  matrix_ = nullptr;
+  if (!evaluator_)
+    return true;
+  try {
+    matrix_ = &evaluator_->maxwell();
+  } catch (const InputError&) {
+    // Conductors that touch: one that is not a sensor's is legal to the formula, and a sensor's contact
+    // known.
+    matrix_ = nullptr;
+  }
+  return true;
+}
+
+std::optional<double> Recommended::mutual(std::size_t sensor, std::size_t object) const {
+  if (matrix_ == nullptr)
+    return std::nullopt;
+  const std::size_t conductor = matrix_->sensors + object;
+  const double value = matrix_->mutual(sensor, conductor);
+  const double error =
+      matrix_->errors(static_cast<Eigen::Index>(sensor), static_cast<Eigen::Index>(conductor));
+  if (!(error <= most_stated_error * std::abs(value)))
+    return std::nullopt;
+  return value;
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,179 @@
+#include "geometry/clipping.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "numeric/compensated.hpp"
+
+namespace fringe::detail {
+namespace {
+
+enum class Side { lower, upper };
+
+/// The point where the edge ab meets coordinate = bound, `from_a` and `from_b` being the ends' signed
+/// distances to it. It is reached from the nearer end, which keeps components that do not change exact and
+/// the relative accuracy of those that do not change sign, and gives the same point for ab and ba.
+PieceVertex cut(const PieceVertex& a, const PieceVertex& b, double from_a, double from_b, int axis,
+                double bound) {
+  const double t = from_a / (from_a - from_b);
+  if (t > 0.5)
+    return cut(b, a, from_b, from_a, axis, bound);
+  PieceVertex vertex{a.position + t * (b.position - a.position),
+                     a.barycentric + t * (b.barycentric - a.barycentric)};
+  vertex.position[axis] = bound;
+  return vertex;
+}
+
+double inside_by(const PieceVertex& vertex, int axis, double bound, Side side) {
+  const double above = vertex.position[axis] - bound;
+  return side == Side::upper ? above : -above;
+}
+
+/// Whether each corner is inside, so that the outline changes sides at most twice: the corners nearest to the
+/// plane are not asked, and go with the next that is.
+std::array<bool, most_corners> sides(std::array<double, most_corners> inside, std::size_t size) {
+  const auto next_asked = [&](std::size_t i) {
+    do
+      i = i + 1 < size ? i + 1 : 0;
+    while (inside[i] == 0);
+    return i;
+  };
+  const auto changes = [&] {
+    int count = 0;
+    for (std::size_t i = 0; i < size; ++i)
+      count += inside[i] != 0 && (inside[i] > 0) != (inside[next_asked(i)] > 0);
+    return count;
+  };
+  while (changes() > 2) {
+    std::size_t nearest = next_asked(0);
+    for (std::size_t i = 0; i < size; ++i)
+      if (inside[i] != 0 && std::abs(inside[i]) < std::abs(inside[nearest]))
+        nearest = i;
+    inside[nearest] = 0;
+  }
+  std::array<bool, most_corners> result{};
+  for (std::size_t i = 0; i < size; ++i)
+    result[i] = inside[inside[i] == 0 ? next_asked(i) : i] > 0;
+  return result;
+}
+
+/// The part of a piece on one side, which it shares with the other along one chord whatever rounding says.
+Piece clip_along_chord(const Piece& piece, int axis, double bound, Side side) {
+  std::array<double, most_corners> inside{};
+  bool flat = true;
+  for (std::size_t i = 0; i < piece.size; ++i) {
+    inside[i] = inside_by(piece.vertices[i], axis, bound, side);
+    flat = flat && inside[i] == 0;
+  }
+  // It goes to either side, because the caller has chosen.
+  if (flat)
+    return piece;
+  const std::array<bool, most_corners> is_inside = sides(inside, piece.size);
+  Piece kept;
+  for (std::size_t i = 0; i < piece.size; ++i) {
+    const std::size_t next = i + 1 < piece.size ? i + 1 : 0;
+    if (is_inside[i])
+      kept.vertices[kept.size++] = piece.vertices[i];
+    if (is_inside[i] == is_inside[next])
+      continue;
+    // A corner on the wrong side is on the plane but for rounding.
+    const auto distance = [&](std::size_t corner) {
+      return (inside[corner] > 0) == is_inside[corner] ? std::abs(inside[corner]) : 0.0;
+    };
+    const double from = distance(i), to = distance(next);
+    kept.vertices[kept.size++] = from + to > 0
+                                     ? cut(piece.vertices[i], piece.vertices[next], from, -to, axis, bound)
+                                     : piece.vertices[next];
+  }
+  return kept;
+}
+
+/// The part of a convex piece on one side of coordinate = bound (Sutherland and Hodgman).
+Piece clip(const Piece& piece, int axis, double bound, Side side) {
+  Piece kept;
+  if (piece.size == 0)
+    return kept;
+  int meetings = 0;  // of the outline with the plane
+  double next_inside = inside_by(piece.vertices[0], axis, bound, side);
+  for (std::size_t i = 0; i < piece.size; ++i) {
+    const PieceVertex& current = piece.vertices[i];
+    const PieceVertex& next = piece.vertices[i + 1 < piece.size ? i + 1 : 0];
+    const double current_inside = std::exchange(next_inside, inside_by(next, axis, bound, side));
+    const bool crosses = (current_inside > 0 && next_inside < 0) || (current_inside < 0 && next_inside > 0);
+    // A plane that divides a convex outline meets it twice. If more often, the piece has an edge in the plane
+    // but for rounding, or all of it, and its two parts might overlap.
+    if ((crosses || current_inside == 0) && ++meetings > 2) {
+      // Assigned, not returned: with one variable to return, the piece is built in place.
+      kept = clip_along_chord(piece, axis, bound, side);
+      return kept;
+    }
+    if (current_inside >= 0)
+      kept.vertices[kept.size++] = current;
+    if (crosses)
+      kept.vertices[kept.size++] = cut(current, next, current_inside, next_inside, axis, bound);
+  }
+  return kept;
+}
+
+}  // namespace
+
+Piece whole(const LocalTriangle& triangle) {
+  Piece piece;
+  piece.size = 3;
+  for (std::size_t i = 0; i < 3; ++i)
+    piece.vertices[i] = {triangle[i], Eigen::Vector3d::Unit(static_cast<Eigen::Index>(i))};
+  return piece;
+}
+
+Extent extent(const Piece& piece, int axis) {
+  Extent result{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 0; i < piece.size; ++i) {
+    result.lowest = std::min(result.lowest, piece.vertices[i].position[axis]);
+    result.highest = std::max(result.highest, piece.vertices[i].position[axis]);
+  }
+  return result;
+}
+
+bool has_share(Strip strip, Extent extent, double length) {
+  switch (strip) {
+  case Strip::below:
+    return extent.lowest < 0 || extent.highest <= 0;
+  case Strip::within:
+    return extent.highest > 0 && extent.lowest < length;
+  case Strip::above:
+    return extent.highest > length || extent.lowest >= length;
+  }
+  return false;
+}
+
+std::optional<Strip> only_strip(Extent extent, double length) {
+  std::optional<Strip> only;
+  for (const Strip strip : strips) {
+    if (!has_share(strip, extent, length))
+      continue;
+    if (only)
+      return std::nullopt;
+    only = strip;
+  }
+  return only;
+}
+
+Piece clip_to_strip(const Piece& piece, int axis, Strip strip, double length) {
+  switch (strip) {
+  case Strip::below:
+    return clip(piece, axis, 0, Side::lower);
+  case Strip::within:
+    return clip(clip(piece, axis, 0, Side::upper), axis, length, Side::lower);
+  case Strip::above:
+    return clip(piece, axis, length, Side::upper);
+  }
+  return {};
+}
+
+double share_of_area(const PieceVertex& a, const PieceVertex& b, const PieceVertex& c) {
+  return std::abs(a.barycentric.dot(cross(b.barycentric, c.barycentric)));
+}
+
+}  // namespace fringe::detail

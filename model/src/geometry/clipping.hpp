@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "geometry/plate_frame.hpp"
+
+/// Cutting a triangle at the four planes that stand on a plate's edges (model/NUMERICS.md, section 6).
+namespace fringe::detail {
+
+/// Where a coordinate lies relative to the plate's extent [0, length].
+enum class Strip { below, within, above };
+
+constexpr std::array<Strip, 3> strips{Strip::below, Strip::within, Strip::above};
+
+/// One of the nine cells of space in which the nearest point of the plate is a linear function of the point:
+/// region I where both strips are `within`, II where one is, III where none is.
+struct Cell {
+  Strip u;
+  Strip v;
+};
+
+/// A corner of a piece, with its barycentric coordinates in the whole triangle.
+struct PieceVertex {
+  Eigen::Vector3d position;
+  Eigen::Vector3d barycentric;
+};
+
+/// Four cuts leave a triangle at most seven corners.
+constexpr std::size_t most_corners = 7;
+
+/// A convex piece of a triangle.
+struct Piece {
+  std::array<PieceVertex, most_corners> vertices;
+  std::size_t size = 0;
+};
+
+/// The whole triangle as a piece.
+Piece whole(const LocalTriangle& triangle);
+
+/// The vector to a point in the cell from the nearest point of the plate.
+inline Eigen::Vector3d from_plate(const PlateFrame& plate, Cell cell, const Eigen::Vector3d& point) {
+  const auto beside = [](Strip strip, double coordinate, double length) {
+    return strip == Strip::below ? coordinate : strip == Strip::within ? 0.0 : coordinate - length;
+  };
+  return {beside(cell.u, point.x(), plate.length_u), beside(cell.v, point.y(), plate.length_v), point.z()};
+}
+
+/// How far a piece reaches along an axis; from +infinity to −infinity when it is empty.
+struct Extent {
+  double lowest;
+  double highest;
+};
+
+Extent extent(const Piece& piece, int axis);
+
+/// Whether a piece of this extent has a share in the strip. A piece flat in a border plane belongs to exactly
+/// one of the two strips that meet there.
+bool has_share(Strip strip, Extent extent, double length);
+
+/// The strip that alone has a share in a piece of this extent, if there is one.
+std::optional<Strip> only_strip(Extent extent, double length);
+
+/// The part of a piece whose coordinate along the axis (0 or 1) lies in the strip.
+Piece clip_to_strip(const Piece& piece, int axis, Strip strip, double length);
+
+/// The area of the triangle of three corners as a share of the whole triangle's, in [0, 1].
+double share_of_area(const PieceVertex& a, const PieceVertex& b, const PieceVertex& c);
+
+}  // namespace fringe::detail

@@ -1,0 +1,75 @@
+#include "fringe/triangle.hpp"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "numeric/compensated.hpp"
+
+namespace fringe {
+namespace {
+
+using Eigen::Vector3d;
+using Coordinates = std::tuple<double, double, double>;
+
+Coordinates coordinates(const Vector3d& point) {
+  return {point.x(), point.y(), point.z()};
+}
+
+}  // namespace
+
+double twice_area(const Triangle& triangle) {
+  const Vector3d edge0 = triangle[2] - triangle[1];
+  const Vector3d edge1 = triangle[0] - triangle[2];
+  const Vector3d edge2 = triangle[1] - triangle[0];
+  const double squared0 = edge0.squaredNorm(), squared1 = edge1.squaredNorm(), squared2 = edge2.squaredNorm();
+  // The two shorter edges carry the smallest rounding error into the cross product.
+  if (squared0 >= squared1 && squared0 >= squared2)
+    return detail::cross(edge1, edge2).norm();
+  if (squared1 >= squared2)
+    return detail::cross(edge2, edge0).norm();
+  return detail::cross(edge0, edge1).norm();
+}
+
+double area(std::span<const Triangle> triangles) {
+  return std::accumulate(triangles.begin(), triangles.end(), 0.0,
+                         [](double sum, const Triangle& triangle) { return sum + twice_area(triangle) / 2; });
+}
+
+double signed_volume(std::span<const Triangle> triangles) {
+  if (triangles.empty())
+    return 0;
+  // Tetrahedra from a point of the surface, not from the world's origin: nothing is lost far from the origin.
+  const Vector3d apex = triangles.front()[0];
+  double sixfold = 0;
+  for (const Triangle& triangle : triangles)
+    sixfold += (triangle[0] - apex).dot((triangle[1] - apex).cross(triangle[2] - apex));
+  return sixfold / 6;
+}
+
+bool is_closed(std::span<const Triangle> triangles) {
+  std::map<std::pair<Coordinates, Coordinates>, int> uses;  // of an edge, minus those in the other direction
+  for (const Triangle& triangle : triangles) {
+    for (int i = 0; i < 3; ++i) {
+      const Coordinates from = coordinates(triangle[i]), to = coordinates(triangle[(i + 1) % 3]);
+      if (from < to)
+        ++uses[{from, to}];
+      else if (to < from)
+        --uses[{to, from}];
+    }
+  }
+  return !triangles.empty() &&
+         std::all_of(uses.begin(), uses.end(), [](const auto& use) { return use.second == 0; });
+}
+
+Eigen::AlignedBox3d axis_aligned_box(std::span<const Triangle> triangles) {
+  Eigen::AlignedBox3d box;
+  for (const Triangle& triangle : triangles)
+    for (const Vector3d& vertex : triangle)
+      box.extend(vertex);
+  return box;
+}
+
+}  // namespace fringe

@@ -1,0 +1,161 @@
+#include "integral/batch/chunks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "integral/batch/piece_buffer.hpp"
+
+namespace fringe::detail {
+
+PlateCoordinates plate_coordinates(const PlateFrame& plate) {
+  PlateCoordinates coordinates;
+  for (int i = 0; i < 3; ++i) {
+    coordinates.corner[i] = plate.corner[i];
+    for (int j = 0; j < 3; ++j)
+      coordinates.axes[3 * i + j] = plate.axes(i, j);
+  }
+  coordinates.length_u = plate.length_u;
+  coordinates.length_v = plate.length_v;
+  return coordinates;
+}
+
+namespace {
+
+Triangle triangle_at(const TriangleArrays& triangles, std::size_t index) {
+  Triangle triangle;
+  for (std::size_t vertex = 0; vertex < 3; ++vertex)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      triangle[vertex][static_cast<Eigen::Index>(axis)] = triangles.coordinates[3 * vertex + axis][index];
+  return triangle;
+}
+
+/// The triangles that the kernels left out, cut at all borders.
+void integrate_left(const Kernels& kernels, const TriangleArrays& triangles, std::span<std::uint32_t> left,
+                    const PlateFrame& plate, const Choices& choices, double* values) {
+  std::sort(left.begin(), left.end());
+  const auto end = std::unique(left.begin(), left.end());
+  PieceBuffer pieces(kernels, choices, values);
+  for (auto index = left.begin(); index != end; ++index) {
+    values[*index] = 0;
+    pieces.add(plate, to_local(plate, triangle_at(triangles, *index)), triangles.twice_area[*index], *index);
+  }
+  pieces.flush();
+}
+
+/// Sets values[0…count) to the integrals of triangles; count is at most chunk_size.
+void integrate_arrays(const Kernels& kernels, const TriangleArrays& triangles, std::size_t count,
+                      const PlateFrame& plate, const Choices& choices, double* values) {
+  std::fill_n(values, count, 0.0);
+  std::array<std::uint32_t, TriangleArrays::most_pieces * chunk_size> left;
+  const std::size_t left_count =
+      kernels.integrate(triangles, count, plate_coordinates(plate), choices, values, left.data());
+  if (left_count > 0)
+    integrate_left(kernels, triangles, std::span(left).first(left_count), plate, choices, values);
+}
+
+TriangleArrays arrays_from(const TriangleBatch& triangles, std::size_t begin) {
+  TriangleArrays arrays;
+  for (std::size_t k = 0; k < 9; ++k)
+    arrays.coordinates[k] = triangles.coordinate(k) + begin;
+  arrays.twice_area = triangles.twice_area() + begin;
+  arrays.squared_size = triangles.squared_size() + begin;
+  return arrays;
+}
+
+double sum_of(const double* values, std::size_t count) {
+  double sum = 0;
+  for (std::size_t i = 0; i < count; ++i)
+    sum += values[i];
+  return sum;
+}
+
+/// Triangles copied together from short ranges.
+class Gathering {
+ public:
+  Gathering(const Kernels& kernels, const PlateFrame& plate, const Choices& choices)
+      : kernels_(kernels), plate_(plate), choices_(choices) {}
+
+  void add(const TriangleArrays& triangles, std::size_t count) {
+    if (size_ + count > capacity)
+      flush();
+    for (std::size_t k = 0; k < 9; ++k)
+      copy(triangles.coordinates[k], count, numbers_[k]);
+    copy(triangles.twice_area, count, numbers_[9]);
+    copy(triangles.squared_size, count, numbers_[10]);
+    size_ += count;
+  }
+
+  double sum() {
+    flush();
+    return sum_;
+  }
+
+  /// As many fill long registers, and stay in the fastest cache.
+  static constexpr std::size_t capacity = 256;
+
+ private:
+  void copy(const double* from, std::size_t count, double* numbers) const {
+    for (std::size_t i = 0; i < count; ++i)
+      numbers[size_ + i] = from[i];
+  }
+
+  void flush() {
+    if (size_ == 0)
+      return;
+    // Whole registers are read: what is beyond the last triangle has no area.
+    for (std::size_t i = size_; i % TriangleArrays::padding != 0; ++i)
+      for (auto& numbers : numbers_)
+        numbers[i] = 0;
+    TriangleArrays arrays;
+    for (std::size_t k = 0; k < 9; ++k)
+      arrays.coordinates[k] = numbers_[k];
+    arrays.twice_area = numbers_[9];
+    arrays.squared_size = numbers_[10];
+    std::array<double, capacity> values;
+    integrate_arrays(kernels_, arrays, size_, plate_, choices_, values.data());
+    sum_ += sum_of(values.data(), size_);
+    size_ = 0;
+  }
+
+  const Kernels& kernels_;
+  const PlateFrame& plate_;
+  const Choices& choices_;
+  double numbers_[11][capacity];  // up to size_ only
+  std::size_t size_ = 0;
+  double sum_ = 0;
+};
+
+}  // namespace
+
+void integrate_chunk(const Kernels& kernels, const TriangleBatch& triangles, std::size_t begin,
+                     std::size_t count, const PlateFrame& plate, const Choices& choices, double* values) {
+  integrate_arrays(kernels, arrays_from(triangles, begin), count, plate, choices, values);
+}
+
+double sum_range(const Kernels& kernels, const TriangleBatch& triangles, std::size_t begin, std::size_t end,
+                 const PlateFrame& plate, const Choices& choices) {
+  std::array<double, chunk_size> values;
+  double sum = 0;
+  for (std::size_t first = begin; first < end; first += chunk_size) {
+    const std::size_t count = std::min(chunk_size, end - first);
+    integrate_chunk(kernels, triangles, first, count, plate, choices, values.data());
+    sum += sum_of(values.data(), count);
+  }
+  return sum;
+}
+
+double sum_ranges(const Kernels& kernels, const TriangleBatch& triangles, std::span<const Range> ranges,
+                  const PlateFrame& plate, const Choices& choices) {
+  Gathering gathering(kernels, plate, choices);
+  double sum = 0;
+  for (const auto& [first, count] : ranges) {
+    if (count < Gathering::capacity)
+      gathering.add(arrays_from(triangles, first), count);
+    else
+      sum += sum_range(kernels, triangles, first, first + count, plate, choices);
+  }
+  return sum + gathering.sum();
+}
+
+}  // namespace fringe::detail

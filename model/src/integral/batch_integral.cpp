@@ -1,0 +1,125 @@
+#include "fringe/batch_integral.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "fringe/error.hpp"
+#include "integral/batch/chunks.hpp"
+#include "numeric/loop_order.hpp"
+
+namespace fringe {
+namespace {
+
+using namespace detail;
+
+/// Chunks that one thread takes at a time: some 100 µs of work.
+constexpr std::size_t chunks_per_task = 16;
+
+void validate(const BatchOptions& options) {
+  if (!(options.tolerance >= 0) || std::isinf(options.tolerance))
+    throw InputError(fmt::format("tolerance {} must be finite and not negative", options.tolerance));
+  if (options.threads < 0)
+    throw InputError(fmt::format("threads {} must not be negative", options.threads));
+}
+
+/// Calls work(i) for i from 0 to count.
+template <class Work>
+void for_each_chunk(std::size_t count, int threads, const Work& work) {
+  if (threads == 1 || count <= chunks_per_task) {
+    for (std::size_t i = 0; i < count; ++i)
+      work(i);
+    return;
+  }
+  const int offered = tbb::info::default_concurrency();
+  tbb::task_arena arena(threads == 0 ? offered : std::min(threads, offered));
+  const LoopOrder order;
+  arena.execute([&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, chunks_per_task),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                        order.part_begins();
+                        for (std::size_t i = range.begin(); i < range.end(); ++i)
+                          work(i);
+                        order.part_ends();
+                      });
+  });
+  order.loop_ended();
+}
+
+/// The choices for the tolerance: prepared for this call, or those for full precision.
+class ChoicesFor {
+ public:
+  explicit ChoicesFor(double tolerance) {
+    if (tolerance > full_precision)
+      prepared_.emplace(tolerance);
+  }
+
+  Choices operator*() const { return prepared_ ? prepared_->choices() : full_precision_choices().choices(); }
+
+ private:
+  std::optional<PreparedChoices> prepared_;
+};
+
+std::size_t chunks_of(const TriangleBatch& triangles) {
+  return (triangles.size() + chunk_size - 1) / chunk_size;
+}
+
+std::size_t chunk_count(const TriangleBatch& triangles, std::size_t chunk) {
+  return std::min(chunk_size, triangles.size() - chunk * chunk_size);
+}
+
+}  // namespace
+
+std::vector<double> plate_integrals(const TriangleBatch& triangles, const Rectangle& plate,
+                                    const BatchOptions& options) {
+  validate(plate);
+  validate(options);
+  const ChoicesFor choices(options.tolerance);
+  const PlateFrame frame = plate_frame(plate);
+  const Kernels& kernels = best_kernels();
+  std::vector<double> values(triangles.size());
+  for_each_chunk(chunks_of(triangles), options.threads, [&](std::size_t chunk) {
+    integrate_chunk(kernels, triangles, chunk * chunk_size, chunk_count(triangles, chunk), frame, *choices,
+                    values.data() + chunk * chunk_size);
+  });
+  return values;
+}
+
+std::vector<BoundedIntegral> total_integrals(const TriangleBatch& triangles,
+                                             std::span<const Rectangle> plates, const BatchOptions& options) {
+  for (std::size_t i = 0; i < plates.size(); ++i) {
+    try {
+      validate(plates[i]);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("plate {}: {}", i, error.what()));
+    }
+  }
+  validate(options);
+  const ChoicesFor choices(options.tolerance);
+  const Kernels& kernels = best_kernels();
+  std::vector<PlateFrame> frames;
+  for (const Rectangle& plate : plates)
+    frames.push_back(plate_frame(plate));
+  const std::size_t chunks = chunks_of(triangles);
+  std::vector<double> sums(plates.size() * chunks);
+  for_each_chunk(sums.size(), options.threads, [&](std::size_t i) {
+    const std::size_t begin = i % chunks * chunk_size;
+    sums[i] = sum_range(kernels, triangles, begin, begin + chunk_count(triangles, i % chunks),
+                        frames[i / chunks], *choices);
+  });
+  std::vector<BoundedIntegral> totals;
+  for (std::size_t plate = 0; plate < plates.size(); ++plate) {
+    double total = 0;
+    for (std::size_t chunk = 0; chunk < chunks; ++chunk)
+      total += sums[plate * chunks + chunk];
+    totals.push_back({total, options.tolerance * total});
+  }
+  return totals;
+}
+
+}  // namespace fringe

@@ -1,0 +1,98 @@
+#include "fringe/plate_integral.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "fringe/batch_integral.hpp"
+#include "fringe/error.hpp"
+#include "geometry/plate_frame.hpp"
+#include "integral/exact_integral.hpp"
+#include "integral/gauss.hpp"
+#include "integral/splitting.hpp"
+
+namespace fringe {
+namespace {
+
+using namespace detail;
+
+/// A triangle that has points on both sides of the plate's plane, or on it.
+bool meets_plane(const LocalTriangle& triangle) {
+  const auto [lowest, highest] = std::minmax({triangle[0].z(), triangle[1].z(), triangle[2].z()});
+  return lowest <= 0 && highest >= 0;
+}
+
+/// A method with what it prepares once for all triangles.
+class Integrator {
+ public:
+  explicit Integrator(const Method& method) : method_(method) {
+    if (const auto* gauss = std::get_if<Gauss>(&method))
+      rule_ = gauss_rule(gauss->points);
+  }
+
+  double operator()(const PlateFrame& plate, const Triangle& triangle) const {
+    const double doubled = twice_area(triangle);
+    if (doubled == 0)
+      return 0;
+    const LocalTriangle local = to_local(plate, triangle);
+    if (std::holds_alternative<Exact>(method_))
+      return exact_integral(plate, local, doubled);
+    // A sum over nodes is finite even where the integral is not, and only a triangle that meets the plate's
+    // plane can touch the plate.
+    if (meets_plane(local) && std::isinf(exact_integral(plate, local, doubled)))
+      return std::numeric_limits<double>::infinity();
+    if (const auto* split = std::get_if<Split>(&method_))
+      return split_integral(plate, local, doubled, split->levels);
+    return gauss_integral(plate, local, doubled, rule_);
+  }
+
+ private:
+  Method method_;
+  GaussRule rule_;
+};
+
+void validate(const Method& method) {
+  // What the text form refuses is refused here too.
+  parse_method(to_string(method));
+}
+
+void validate(const Triangle& triangle) {
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!triangle[i].allFinite())
+      throw InputError(fmt::format("vertex {} is not finite", i));
+}
+
+}  // namespace
+
+double plate_integral(const Triangle& triangle, const Rectangle& plate, const Method& method) {
+  validate(plate);
+  validate(method);
+  validate(triangle);
+  return Integrator(method)(plate_frame(plate), triangle);
+}
+
+std::vector<double> plate_integrals(std::span<const Triangle> triangles, const Rectangle& plate,
+                                    const Method& method) {
+  validate(plate);
+  validate(method);
+  if (std::holds_alternative<Exact>(method))
+    return plate_integrals(TriangleBatch(triangles), plate);
+  const PlateFrame frame = plate_frame(plate);
+  const Integrator integrate(method);
+  std::vector<double> integrals;
+  integrals.reserve(triangles.size());
+  for (const Triangle& triangle : triangles) {
+    try {
+      validate(triangle);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("triangle {}: {}", integrals.size(), error.what()));
+    }
+    integrals.push_back(integrate(frame, triangle));
+  }
+  return integrals;
+}
+
+}  // namespace fringe

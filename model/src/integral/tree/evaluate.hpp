@@ -1,0 +1,11 @@
+#pragma once
+
+#include "fringe/surface_tree.hpp"
+#include "integral/tree/node.hpp"
+
+namespace fringe::detail {
+
+/// SurfaceTree::integrate for valid arguments.
+TreeIntegral evaluate(const SurfaceNodes& tree, const Rectangle& plate, const TreeOptions& options);
+
+}  // namespace fringe::detail

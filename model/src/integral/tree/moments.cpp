@@ -1,0 +1,118 @@
+#include "integral/tree/moments.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "integral/tree/monomial_rows.hpp"
+
+namespace fringe::detail {
+namespace {
+
+struct RuleNode {
+  std::array<double, 3> barycentric;
+  double weight;
+};
+
+/// The seven-point rule of degree 5 (J. Radon, Monatshefte für Mathematik und Physik 52, 1948, 286).
+std::array<RuleNode, 7> radon_rule() {
+  const double root = std::sqrt(15.0);
+  std::array<RuleNode, 7> rule{};
+  rule[0] = {{1.0 / 3, 1.0 / 3, 1.0 / 3}, 9.0 / 40};
+  std::size_t next = 1;
+  for (const double sign : {-1.0, 1.0}) {
+    const double beside = (6 + sign * root) / 21, weight = (155 + sign * root) / 1200;
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      RuleNode& node = rule[next++];
+      node = {{beside, beside, beside}, weight};
+      node.barycentric[corner] = 1 - 2 * beside;
+    }
+  }
+  return rule;
+}
+
+constexpr std::size_t powers = moment_degree + 1;
+
+/// Indices of all monomials by their exponents, and the binomial coefficients.
+struct Tables {
+  std::array<std::array<std::array<std::size_t, powers>, powers>, powers> index{};
+  std::array<std::array<double, powers>, powers> binomial{};
+};
+
+constexpr Tables make_tables() {
+  Tables tables{};
+  for (int a = 0; a <= moment_degree; ++a)
+    for (int b = 0; a + b <= moment_degree; ++b)
+      for (int c = 0; a + b + c <= moment_degree; ++c)
+        tables.index[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)][static_cast<std::size_t>(c)] =
+            monomial_index(a, b, c);
+  for (std::size_t n = 0; n < powers; ++n) {
+    tables.binomial[n][0] = 1;
+    for (std::size_t k = 1; k <= n; ++k)
+      tables.binomial[n][k] = tables.binomial[n - 1][k - 1] + (k < n ? tables.binomial[n - 1][k] : 0);
+  }
+  return tables;
+}
+
+constexpr Tables tables = make_tables();
+
+/// The moments of the same measure when every point's coordinate along the axis grows by `shift`.
+void shift_along(std::size_t axis, double shift, Moments& moments) {
+  std::array<double, powers> shift_to{1};
+  for (std::size_t k = 1; k < powers; ++k)
+    shift_to[k] = shift_to[k - 1] * shift;
+  // Downwards, so that the lower powers that a moment needs are still those of the unshifted measure.
+  for (std::size_t i = all_monomials; i-- > 0;) {
+    std::array<std::size_t, 3> exponents{};
+    for (std::size_t k = 0; k < 3; ++k)
+      exponents[k] = static_cast<std::size_t>(monomials[i].exponents[k]);
+    const std::size_t order = exponents[axis];
+    double sum = 0;
+    for (std::size_t k = 0; k <= order; ++k) {
+      exponents[axis] = k;
+      const double unshifted = moments[tables.index[exponents[0]][exponents[1]][exponents[2]]];
+      sum += tables.binomial[order][k] * shift_to[order - k] * unshifted;
+    }
+    moments[i] = sum;
+  }
+}
+
+}  // namespace
+
+void append_rule(const Triangle& triangle, double area, std::vector<WeightedPoint>& points) {
+  static const std::array<RuleNode, 7> rule = radon_rule();
+  const auto& [a, b, c] = triangle;
+  for (const auto& [barycentric, weight] : rule)
+    points.push_back({barycentric[0] * a + barycentric[1] * b + barycentric[2] * c, area * weight});
+}
+
+Moments moments_of(const std::vector<WeightedPoint>& points, const MomentFrame& frame) {
+  // So few that their monomials stay in the fastest cache.
+  constexpr std::size_t block = 48;
+  Moments moments{};
+  for (std::size_t first = 0; first < points.size(); first += block) {
+    const std::span part = std::span(points).subspan(first, std::min(block, points.size() - first));
+    MonomialRows(part, frame.centre, Eigen::Matrix3d::Identity() / frame.scale, moment_degree,
+                 MonomialRows::Factor::weight)
+        .add_up(moments);
+  }
+  return moments;
+}
+
+void add_translated(const Moments& part, const MomentFrame& part_frame, const MomentFrame& frame,
+                    Moments& moments) {
+  const double ratio = part_frame.scale / frame.scale;
+  const Eigen::Vector3d shift = (part_frame.centre - frame.centre) / frame.scale;
+  std::array<double, powers> ratio_to{1};
+  for (std::size_t k = 1; k < powers; ++k)
+    ratio_to[k] = ratio_to[k - 1] * ratio;
+  Moments moved{};
+  for (std::size_t i = 0; i < all_monomials; ++i)
+    moved[i] = part[i] * ratio_to[static_cast<std::size_t>(monomials[i].degree)];
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    shift_along(axis, shift[static_cast<Eigen::Index>(axis)], moved);
+  for (std::size_t i = 0; i < all_monomials; ++i)
+    moments[i] += moved[i];
+}
+
+}  // namespace fringe::detail

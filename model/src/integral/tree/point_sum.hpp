@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+
+#include "integral/batch/chunks.hpp"
+#include "integral/tree/node.hpp"
+
+namespace fringe::detail {
+
+/// Σ w/d over points that come in small ranges: they are gathered, so that few are summed at a time.
+class PointSum {
+ public:
+  PointSum(const Kernels& kernels, const PlateFrame& plate)
+      : kernels_(kernels), plate_(plate_coordinates(plate)) {}
+
+  void add(const PointArrays& arrays, const Range& range);
+
+  double sum();
+  std::size_t count() const { return count_; }
+
+ private:
+  /// Few enough to stay in the fastest cache, many enough to fill long registers.
+  static constexpr std::size_t capacity = 512;
+
+  /// More points are summed where they lie.
+  static constexpr std::size_t most_gathered = 32;
+
+  void gather(const PointArrays& arrays, const Range& range);
+  void flush();
+
+  const Kernels& kernels_;
+  PlateCoordinates plate_;
+  double x_[capacity], y_[capacity], z_[capacity], weight_[capacity];  // up to size_ only
+  std::size_t size_ = 0;
+  std::size_t count_ = 0;
+  double sum_ = 0;
+};
+
+}  // namespace fringe::detail

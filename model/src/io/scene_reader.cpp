@@ -1,0 +1,317 @@
+#include "fringe/scene_reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "fringe/error.hpp"
+#include "fringe/mesh_file.hpp"
+#include "fringe/pose.hpp"
+#include "io/input_file.hpp"
+#include "io/table_reader.hpp"
+
+namespace fringe {
+namespace {
+
+using detail::TableReader;
+using Eigen::Vector3d;
+
+using LinkIndices = std::map<std::string, std::size_t, std::less<>>;
+using Names = std::set<std::string, std::less<>>;
+
+constexpr int default_segments = 48;
+constexpr int fewest_segments = 3;
+/// A shape of more would fill the memory; a mesh of as many is half a gigabyte.
+constexpr int most_triangles = 10'000'000;
+
+Eigen::Isometry3d read_quaternion(TableReader& table, const Vector3d& translation) {
+  const std::vector<double> wxyz = table.numbers("quaternion", 4);
+  const Eigen::Quaterniond quaternion(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+  if (quaternion.coeffs().isZero(0))
+    table.fail("quaternion", "must not be zero");
+  return pose_from_quaternion(quaternion, translation);
+}
+
+/// The pose that `translation` and `rotation` or `quaternion` of a link or an object describe.
+Eigen::Isometry3d read_pose(TableReader& table) {
+  const Vector3d translation = table.vector_or_zero("translation");
+  if (table.has("quaternion")) {
+    if (table.has("rotation"))
+      table.fail("quaternion", "cannot stand beside rotation");
+    return read_quaternion(table, translation);
+  }
+  if (!table.has("rotation"))
+    return Eigen::Isometry3d(Eigen::Translation3d(translation));
+  TableReader rotation = table.table("rotation");
+  Eigen::Isometry3d pose;
+  if (rotation.has("quaternion")) {
+    pose = read_quaternion(rotation, translation);
+  } else {
+    const Vector3d axis = rotation.nonzero_vector("axis");
+    pose = pose_from_axis(axis, rotation.number("degrees"), translation);
+  }
+  rotation.finish();
+  return pose;
+}
+
+/// The name of a table, which from then on is called by it.
+std::string read_name(TableReader& table, std::string_view kind, Names& taken) {
+  std::string name = table.name("name");
+  if (!taken.insert(name).second)
+    table.fail("name", fmt::format("\"{}\" is taken", name));
+  table.rename(fmt::format("{} \"{}\": ", kind, name));
+  return name;
+}
+
+std::optional<std::size_t> read_link_reference(TableReader& table, std::string_view key,
+                                               const LinkIndices& links) {
+  if (!table.has(key))
+    return std::nullopt;
+  const std::string name = table.text(key);
+  const auto link = links.find(name);
+  if (link == links.end())
+    table.fail(key, fmt::format("there is no link \"{}\"", name));
+  return link->second;
+}
+
+/// A link whose ancestors lead back to it would have no place in the world.
+void require_tree(const std::vector<Link>& links, const std::vector<TableReader>& tables) {
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    std::size_t steps = 0;
+    for (std::optional<std::size_t> parent = links[i].parent; parent; parent = links[*parent].parent)
+      if (++steps > links.size() || *parent == i)
+        tables[i].fail("parent", "the links form a cycle");
+  }
+}
+
+std::vector<Link> read_links(TableReader& root, LinkIndices& indices) {
+  std::vector<TableReader> tables = root.tables("link");
+  std::vector<Link> links;
+  Names taken;
+  for (TableReader& table : tables) {
+    Link link;
+    link.name = read_name(table, "link", taken);
+    indices[link.name] = links.size();
+    link.pose = read_pose(table);
+    links.push_back(std::move(link));
+  }
+  // A parent may be named before it is described.
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    links[i].parent = read_link_reference(tables[i], "parent", indices);
+    tables[i].finish();
+  }
+  require_tree(links, tables);
+  return links;
+}
+
+/// A file may say which version of the format it is written in; this one is the first.
+void require_known_format(TableReader& root) {
+  constexpr int known = 1, most_formats = 1'000'000;
+  const int format = root.whole_number_or("format", 1, most_formats, known);
+  if (format != known)
+    root.fail("format", fmt::format("is {}, and this program knows {} only", format, known));
+}
+
+Medium read_medium(TableReader& root) {
+  Medium medium;
+  if (root.has("medium")) {
+    TableReader table = root.table("medium");
+    medium.relative_permittivity =
+        table.positive_number_or("relative_permittivity", medium.relative_permittivity);
+    table.finish();
+  }
+  return medium;
+}
+
+/// Whether there is a room. What stands between surface and plate is all that the model looks at: where the
+/// walls are is checked and not kept.
+bool read_room(TableReader& root) {
+  if (!root.has("room"))
+    return false;
+  TableReader table = root.table("room");
+  table.positive_numbers("size", 3);
+  read_pose(table);
+  table.finish();
+  return true;
+}
+
+Rectangle read_rectangle(TableReader& table) {
+  Rectangle rectangle{table.vector("corner"), table.nonzero_vector("edge_u"), table.nonzero_vector("edge_v")};
+  table.finish();
+  try {
+    validate(rectangle);
+  } catch (const InputError& error) {
+    table.fail("edge_v", error.what());
+  }
+  return rectangle;
+}
+
+Sensor read_sensor(TableReader& table, const LinkIndices& links, Names& taken) {
+  Sensor sensor;
+  sensor.name = read_name(table, "sensor", taken);
+  sensor.link = read_link_reference(table, "link", links);
+  sensor.input_voltage = table.positive_number_or("input_voltage", sensor.input_voltage);
+  sensor.coupling_capacitance = table.positive_number_or("coupling_capacitance", sensor.coupling_capacitance);
+  for (TableReader& plate : table.tables("plates"))
+    sensor.plates.push_back(read_rectangle(plate));
+  if (sensor.plates.empty())
+    table.fail("plates", "a sensor needs at least one plate");
+  table.finish();
+  return sensor;
+}
+
+DistanceSensor read_distance_sensor(TableReader& table, const LinkIndices& links, Names& taken) {
+  DistanceSensor sensor;
+  sensor.name = read_name(table, "distance_sensor", taken);
+  sensor.link = read_link_reference(table, "link", links);
+  sensor.apex = table.vector("apex");
+  sensor.direction = table.nonzero_vector("direction");
+  sensor.full_angle_degrees = table.positive_number("full_angle_degrees");
+  if (sensor.full_angle_degrees > 180)
+    table.fail("full_angle_degrees", "must be at most 180");
+  sensor.range = table.positive_number("range");
+  table.finish();
+  return sensor;
+}
+
+/// `each`: how many triangles a segment makes.
+int read_segments(TableReader& table, int each) {
+  return table.whole_number_or("segments", fewest_segments, most_triangles / each, default_segments);
+}
+
+/// A sphere has half as many bands as segments, and makes about the square of their number of triangles.
+int read_segments_of_sphere(TableReader& table) {
+  const auto most = static_cast<int>(std::sqrt(static_cast<double>(most_triangles)));
+  return table.whole_number_or("segments", fewest_segments, most, default_segments);
+}
+
+Arc read_arc(TableReader& table) {
+  const Arc arc{table.positive_number("inner_radius"), table.positive_number("outer_radius"),
+                table.positive_number("height"), table.positive_number("degrees"), read_segments(table, 8)};
+  if (arc.outer_radius <= arc.inner_radius)
+    table.fail("outer_radius", "must be greater than inner_radius");
+  if (arc.degrees > 360)
+    table.fail("degrees", "must be at most 360");
+  return arc;
+}
+
+Mesh read_mesh(TableReader& table, const std::filesystem::path& folder) {
+  Mesh mesh{folder / table.name("file"), table.positive_number_or("scale", 1), {}};
+  try {
+    mesh.triangles = read_mesh_file(mesh.file);
+  } catch (const InputError& error) {
+    table.fail("file", error.what());
+  }
+  for (Triangle& triangle : mesh.triangles)
+    for (Vector3d& vertex : triangle) {
+      vertex *= mesh.scale;
+      if (!(vertex.cwiseAbs().maxCoeff() <= detail::largest_number))
+        table.fail("file", fmt::format("the mesh is larger than {:g}", detail::largest_number));
+    }
+  return mesh;
+}
+
+Shape read_form(TableReader& table, const std::filesystem::path& folder) {
+  const std::string type = table.text("type");
+  if (type == "plate" || type == "plane") {
+    const std::vector<double> size = table.positive_numbers("size", 2);
+    return Plate{size[0], size[1]};
+  }
+  if (type == "cuboid") {
+    const std::vector<double> size = table.positive_numbers("size", 3);
+    return Cuboid{size[0], size[1], size[2]};
+  }
+  if (type == "cube") {
+    const double size = table.positive_number("size");
+    return Cuboid{size, size, size};
+  }
+  if (type == "cylinder")
+    return Cylinder{table.positive_number("radius"), table.positive_number("height"),
+                    read_segments(table, 4)};
+  if (type == "cone")
+    return Cone{table.positive_number("radius"), table.positive_number("height"), read_segments(table, 2)};
+  if (type == "arc")
+    return read_arc(table);
+  if (type == "sphere")
+    return Sphere{table.positive_number("radius"), read_segments_of_sphere(table)};
+  if (type == "mesh")
+    return read_mesh(table, folder);
+  table.fail("type", fmt::format("\"{}\" is not a known shape", type));
+}
+
+ElectricalRole read_role(TableReader& table) {
+  if (table.has("material")) {
+    if (table.has("potential"))
+      table.fail("material", "cannot stand beside potential");
+    TableReader material = table.table("material");
+    const Dielectric dielectric{material.positive_number("relative_permittivity")};
+    material.finish();
+    return dielectric;
+  }
+  if (!table.has("potential"))
+    return Grounded{};
+  const std::string potential = table.text("potential");
+  if (potential == "grounded")
+    return Grounded{};
+  if (potential == "floating")
+    return Floating{};
+  table.fail("potential", R"(must be "grounded" or "floating")");
+}
+
+Object read_object(TableReader& table, const LinkIndices& links, Names& taken,
+                   const std::filesystem::path& folder) {
+  std::string name = read_name(table, "object", taken);
+  const std::optional<std::size_t> link = read_link_reference(table, "link", links);
+  TableReader shape_table = table.table("shape");
+  Shape shape = read_form(shape_table, folder);
+  shape_table.finish();
+  Object object{std::move(name),  link,
+                std::move(shape), read_pose(table),
+                read_role(table), table.boolean_or("collides", true)};
+  table.finish();
+  return object;
+}
+
+toml::table parse(const std::filesystem::path& path) {
+  if (!detail::is_file(path))
+    throw InputError(
+        detail::located_message(path.string(), 0, "", "the file does not exist or is not a file"));
+  try {
+    return toml::parse_file(path.string());
+  } catch (const toml::parse_error& error) {
+    throw InputError(
+        detail::located_message(path.string(), error.source().begin.line, "", error.description()));
+  }
+}
+
+}  // namespace
+
+Scene load_scene(const std::filesystem::path& path) {
+  const toml::table document = parse(path);
+  TableReader root(document, path.string(), "");
+  const std::filesystem::path folder = path.parent_path();
+
+  require_known_format(root);
+  Scene scene;
+  scene.medium = read_medium(root);
+  scene.has_room = read_room(root);
+  LinkIndices links;
+  scene.links = read_links(root, links);
+  Names taken;
+  for (TableReader& table : root.tables("sensor"))
+    scene.sensors.push_back(read_sensor(table, links, taken));
+  for (TableReader& table : root.tables("distance_sensor"))
+    scene.distance_sensors.push_back(read_distance_sensor(table, links, taken));
+  for (TableReader& table : root.tables("object"))
+    scene.objects.push_back(read_object(table, links, taken, folder));
+  root.finish();
+  if (scene.sensors.empty() && scene.objects.empty())
+    root.fail("", "a scene needs at least one sensor or object");
+  return scene;
+}
+
+}  // namespace fringe

@@ -1,0 +1,107 @@
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "fringe/error.hpp"
+#include "io/mesh_formats.hpp"
+#include "io/mesh_words.hpp"
+
+namespace fringe::detail {
+namespace {
+
+constexpr std::size_t header_size = 84, count_at = 80, facet_size = 50, corners_at = 12;
+
+/// A number stored with its lowest byte first.
+template <class Number>
+Number little_endian(std::string_view bytes) {
+  static_assert(std::endian::native == std::endian::little);
+  Number number;
+  std::memcpy(&number, bytes.data(), sizeof number);
+  return number;
+}
+
+/// The number of triangles of a file of bytes; none for one of text.
+std::optional<std::size_t> count_of_bytes(std::string_view content) {
+  if (content.size() < header_size)
+    return std::nullopt;
+  const std::size_t count = little_endian<std::uint32_t>(content.substr(count_at));
+  return content.size() == header_size + count * facet_size ? std::optional(count) : std::nullopt;
+}
+
+Triangle facet_of_bytes(std::string_view facet, std::size_t number) {
+  Triangle triangle;
+  for (std::size_t corner = 0; corner < 3; ++corner)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      triangle[corner][static_cast<Eigen::Index>(axis)] =
+          little_endian<float>(facet.substr(corners_at + (3 * corner + axis) * sizeof(float)));
+  for (std::size_t corner = 0; corner < 3; ++corner)
+    if (!triangle[corner].allFinite())
+      throw InputError(fmt::format("vertex {} of face {} is not finite", corner, number));
+  return triangle;
+}
+
+void expect(std::string_view& text, std::string_view word, std::size_t number) {
+  if (const std::string_view found = take_word(text); found != word)
+    throw InputError(
+        found.empty() ? fmt::format("ends within facet {}", number)
+                      : fmt::format("has {} in the place of '{}' in facet {}", shown(found), word, number));
+}
+
+/// A facet whose first word is taken already. Its normal may be anything: the triangle has one of its own.
+Triangle facet_of_text(std::string_view& text, std::size_t number) {
+  expect(text, "normal", number);
+  for (int axis = 0; axis < 3; ++axis)
+    take_word(text);
+  expect(text, "outer", number);
+  expect(text, "loop", number);
+  Triangle triangle;
+  for (Eigen::Vector3d& corner : triangle) {
+    expect(text, "vertex", number);
+    for (double& coordinate : corner)
+      coordinate = decimal(take_word(text));
+  }
+  expect(text, "endloop", number);
+  expect(text, "endfacet", number);
+  return triangle;
+}
+
+/// Several solids in one file are one surface. The rest of a line that begins or ends one is its name.
+std::vector<Triangle> of_text(std::string_view text) {
+  std::vector<Triangle> triangles;
+  bool inside = false;
+  for (std::string_view word = take_word(text); !word.empty(); word = take_word(text)) {
+    if (word == (inside ? "endsolid" : "solid")) {
+      inside = !inside;
+      take_line(text);
+    } else if (inside && word == "facet") {
+      triangles.push_back(facet_of_text(text, triangles.size()));
+    } else {
+      throw InputError(fmt::format("has {} out of place after facet {}", shown(word), triangles.size()));
+    }
+  }
+  if (inside)
+    throw InputError("ends before its 'endsolid'");
+  return triangles;
+}
+
+}  // namespace
+
+std::vector<Triangle> read_stl(std::string_view content) {
+  if (const std::optional<std::size_t> count = count_of_bytes(content)) {
+    std::vector<Triangle> triangles;
+    triangles.reserve(*count);
+    for (std::size_t number = 0; number < *count; ++number)
+      triangles.push_back(
+          facet_of_bytes(content.substr(header_size + number * facet_size, facet_size), number));
+    return triangles;
+  }
+  std::string_view begin = content;
+  if (!take_word(begin).starts_with("solid"))
+    throw InputError("is neither text that begins with 'solid' nor as long as its count of triangles says");
+  return of_text(content);
+}
+
+}  // namespace fringe::detail

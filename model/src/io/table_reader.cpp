@@ -1,0 +1,171 @@
+#include "io/table_reader.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "fringe/error.hpp"
+
+namespace fringe::detail {
+std::string located_message(std::string_view file, unsigned line, std::string_view key,
+                            std::string_view reason) {
+  std::string message(file);
+  if (line > 0)
+    message += fmt::format(":{}", line);
+  if (!key.empty())
+    message += fmt::format(": {}", key);
+  return message + fmt::format(": {}", reason);
+}
+
+TableReader::TableReader(const toml::table& table, std::string file, std::string prefix)
+    : table_(&table), file_(std::move(file)), prefix_(std::move(prefix)) {}
+
+void TableReader::fail(std::string_view key, std::string_view reason) const {
+  const toml::node* node = table_->get(key);
+  const toml::source_region& source =
+      (node != nullptr ? *node : static_cast<const toml::node&>(*table_)).source();
+  throw InputError(located_message(file_, source.begin.line, prefix_ + std::string(key), reason));
+}
+
+const toml::node* TableReader::find(std::string_view key) {
+  asked_.emplace(key);
+  return table_->get(key);
+}
+
+const toml::node& TableReader::require(std::string_view key) {
+  const toml::node* node = find(key);
+  if (node == nullptr)
+    fail(key, "is missing");
+  return *node;
+}
+
+double TableReader::finite(std::string_view key, const toml::node& node) const {
+  double value = 0;
+  if (const auto* integer = node.as_integer())
+    value = static_cast<double>(integer->get());
+  else if (const auto* floating = node.as_floating_point())
+    value = floating->get();
+  else
+    fail(key, "must be a number");
+  if (!std::isfinite(value))
+    fail(key, "must be finite");
+  if (std::abs(value) > largest_number)
+    fail(key, fmt::format("must be at most {:g}", largest_number));
+  return value;
+}
+
+std::string TableReader::text(std::string_view key) {
+  const auto* value = require(key).as_string();
+  if (value == nullptr)
+    fail(key, "must be a string");
+  return value->get();
+}
+
+std::string TableReader::name(std::string_view key) {
+  std::string value = text(key);
+  if (value.empty())
+    fail(key, "must not be empty");
+  return value;
+}
+
+bool TableReader::boolean_or(std::string_view key, bool otherwise) {
+  const toml::node* node = find(key);
+  if (node == nullptr)
+    return otherwise;
+  if (!node->is_boolean())
+    fail(key, "must be true or false");
+  return node->as_boolean()->get();
+}
+
+double TableReader::number(std::string_view key) {
+  return finite(key, require(key));
+}
+
+double TableReader::positive_number(std::string_view key) {
+  const double value = number(key);
+  if (value <= 0)
+    fail(key, "must be greater than zero");
+  return value;
+}
+
+double TableReader::positive_number_or(std::string_view key, double otherwise) {
+  return find(key) == nullptr ? otherwise : positive_number(key);
+}
+
+int TableReader::whole_number_or(std::string_view key, int least, int most, int otherwise) {
+  const toml::node* node = find(key);
+  if (node == nullptr)
+    return otherwise;
+  if (!node->is_integer())
+    fail(key, "must be a whole number");
+  const std::int64_t value = node->as_integer()->get();
+  if (value < least)
+    fail(key, fmt::format("must be at least {}", least));
+  if (value > most)
+    fail(key, fmt::format("must be at most {}", most));
+  return static_cast<int>(value);
+}
+
+std::vector<double> TableReader::numbers(std::string_view key, std::size_t count) {
+  const auto* array = require(key).as_array();
+  if (array == nullptr || array->size() != count)
+    fail(key, fmt::format("must be an array of {} numbers", count));
+  std::vector<double> values;
+  for (const toml::node& element : *array)
+    values.push_back(finite(key, element));
+  return values;
+}
+
+std::vector<double> TableReader::positive_numbers(std::string_view key, std::size_t count) {
+  std::vector<double> values = numbers(key, count);
+  for (const double value : values)
+    if (value <= 0)
+      fail(key, "must be greater than zero");
+  return values;
+}
+
+Eigen::Vector3d TableReader::vector(std::string_view key) {
+  return Eigen::Vector3d(numbers(key, 3).data());
+}
+
+Eigen::Vector3d TableReader::vector_or_zero(std::string_view key) {
+  return find(key) == nullptr ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : vector(key);
+}
+
+Eigen::Vector3d TableReader::nonzero_vector(std::string_view key) {
+  Eigen::Vector3d value = vector(key);
+  if (value.isZero(0))
+    fail(key, "must not be zero");
+  return value;
+}
+
+TableReader TableReader::table(std::string_view key) {
+  const auto* value = require(key).as_table();
+  if (value == nullptr)
+    fail(key, "must be a table");
+  return {*value, file_, fmt::format("{}{}.", prefix_, key)};
+}
+
+std::vector<TableReader> TableReader::tables(std::string_view key) {
+  const toml::node* node = find(key);
+  if (node == nullptr)
+    return {};
+  const auto* array = node->as_array();
+  if (array == nullptr)
+    fail(key, "must be an array of tables");
+  std::vector<TableReader> readers;
+  for (const toml::node& element : *array) {
+    if (!element.is_table())
+      fail(key, "must be an array of tables");
+    readers.emplace_back(*element.as_table(), file_, fmt::format("{}{}[{}].", prefix_, key, readers.size()));
+  }
+  return readers;
+}
+
+void TableReader::finish() const {
+  for (const auto& [key, node] : *table_)
+    if (!asked_.contains(key.str()))
+      fail(key.str(), "is not a known key");
+}
+
+}  // namespace fringe::detail

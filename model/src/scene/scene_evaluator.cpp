@@ -1,0 +1,306 @@
+#include "fringe/scene_evaluator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "correction/corrected_integral.hpp"
+#include "correction/recommended.hpp"
+#include "fringe/error.hpp"
+#include "fringe/pose.hpp"
+#include "fringe/triangulation.hpp"
+#include "geometry/link_motion.hpp"
+#include "integral/surface_integral.hpp"
+
+namespace fringe {
+namespace {
+
+using detail::Enclosure;
+using detail::Surface;
+using detail::SurfaceIntegral;
+
+void validate(const CapacitanceOptions& options) {
+  if (!std::isfinite(options.tolerance) || options.tolerance < 0)
+    throw InputError(fmt::format("tolerance {} must be finite and not negative", options.tolerance));
+  if (options.tolerance > 0 && !std::holds_alternative<Exact>(options.method))
+    throw InputError(fmt::format("a tolerance needs the method exact: {} does not know its own error",
+                                 to_string(options.method)));
+  if (options.correction == Correction::none)
+    return;
+  // Each correction says itself which faces count and how they are integrated.
+  if (!std::holds_alternative<Exact>(options.method) || options.plates != PlateRule::sum ||
+      options.faces != FaceRule::all || options.tolerance > 0)
+    throw InputError(fmt::format("correction {}: method, plates, faces and tolerance must be their defaults",
+                                 to_string(options.correction)));
+}
+
+Surface surface_of(const Object& object) {
+  if (!std::holds_alternative<Grounded>(object.role))
+    throw InputError(
+        fmt::format("object \"{}\" is {}: the triangle-integral model knows only grounded conductors",
+                    object.name, std::holds_alternative<Floating>(object.role) ? "floating" : "dielectric"));
+  std::vector<Triangle> triangles = triangulate(object.shape);
+  if (triangles.empty())
+    throw InputError(fmt::format("object \"{}\" has no triangles", object.name));
+  try {
+    return detail::make_surface(std::move(triangles));
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("object \"{}\": {}", object.name, error.what()));
+  }
+}
+
+/// A sensor's plates where they are.
+struct PlacedSensor {
+  std::vector<Rectangle> plates;
+  std::vector<detail::PlateFrame> frames;
+};
+
+PlacedSensor placed(const Sensor& sensor, const Eigen::Isometry3d& pose) {
+  PlacedSensor result;
+  for (const Rectangle& plate : sensor.plates) {
+    const Rectangle& moved = result.plates.emplace_back(transformed(plate, pose));
+    try {
+      validate(moved);
+      if (!(moved.corner + moved.edge_u + moved.edge_v).allFinite())
+        throw InputError("the rectangle reaches too far");
+    } catch (const InputError& error) {
+      throw InputError(
+          fmt::format("sensor \"{}\": plates[{}]: {}", sensor.name, result.plates.size() - 1, error.what()));
+    }
+    result.frames.push_back(detail::plate_frame(moved));
+  }
+  return result;
+}
+
+/// An object's surface and where it is.
+struct PlacedObject {
+  std::optional<std::size_t> link;
+  Eigen::Isometry3d on_link;
+  Surface surface;
+  Eigen::Isometry3d from_world = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+};
+
+/// What is known of one sensor and one object.
+struct Pair {
+  Enclosure enclosure;
+  SurfaceIntegral integral;
+  bool known = false;
+};
+
+}  // namespace
+
+class SceneEvaluator::Implementation {
+ public:
+  Implementation(const Scene& scene, const CapacitanceOptions& options)
+      : options_(options), permittivity_(vacuum_permittivity * scene.medium.relative_permittivity),
+        motion_(scene.links), sensors_(scene.sensors), placed_sensors_(scene.sensors.size()) {
+    validate(options);
+    for (const Object& object : scene.objects)
+      objects_.push_back({object.link, object.pose, surface_of(object)});
+    pairs_.resize(sensors_.size() * objects_.size());
+    for (const Sensor& sensor : sensors_) {
+      SensorCapacitance felt{sensor.name, 0, 0, 0, false, {}};
+      for (const Object& object : scene.objects)
+        felt.objects.push_back({object.name, 0, 0, false});
+      answer_.sensors.push_back(std::move(felt));
+    }
+    if (options.correction == Correction::none)
+      return;
+    for (const Sensor& sensor : sensors_) {
+      // Refuses plates that are none, before anything is made of them.
+      placed(sensor, Eigen::Isometry3d::Identity());
+      charged_sensors_.push_back(detail::make_charged_surface(detail::plate_triangles(sensor.plates)));
+    }
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      const Surface& surface = objects_[i].surface;
+      if (std::none_of(surface.triangles.begin(), surface.triangles.end(), detail::has_area))
+        throw InputError(
+            fmt::format("object \"{}\" has no area, and so no charge to correct", scene.objects[i].name));
+      charged_objects_.push_back(detail::make_charged_surface(surface.triangles));
+    }
+    if (options.correction == Correction::recommended)
+      recommended_.emplace(scene);
+  }
+
+  void set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
+    motion_.set_pose(link, pose);
+    if (recommended_)
+      recommended_->set_pose(link, pose);
+  }
+
+  const SceneCapacitance& capacitance() {
+    answer_.counts = {};
+    motion_.update();
+    place();
+    // In the Maxwell matrix every body matters to every pair.
+    all_moved_ = recommended_ && recommended_->update();
+    for (std::size_t sensor = 0; sensor < sensors_.size(); ++sensor)
+      evaluate(sensor);
+    motion_.settle();
+    ++answers_;
+    return answer_;
+  }
+
+ private:
+  bool has_moved(std::optional<std::size_t> link) const {
+    return answers_ == 0 || !motion_.rigid(link, std::nullopt);
+  }
+
+  /// Brings what moved to where it is.
+  void place() {
+    for (std::size_t i = 0; i < sensors_.size(); ++i)
+      if (has_moved(sensors_[i].link))
+        placed_sensors_[i] = placed(sensors_[i], motion_.world_pose(sensors_[i].link));
+    for (PlacedObject& object : objects_) {
+      if (!has_moved(object.link))
+        continue;
+      const Eigen::Isometry3d pose = motion_.world_pose(object.link) * object.on_link;
+      object.from_world = pose.inverse(Eigen::Isometry);
+      object.centroid = pose * object.surface.centroid;
+    }
+  }
+
+  /// Whether objects may be lumped, or their surfaces looked at from outside only.
+  bool lumps() const { return options_.tolerance > 0 && options_.plates == PlateRule::sum; }
+
+  void evaluate(std::size_t sensor) {
+    const std::span<Pair> pairs = std::span(pairs_).subspan(sensor * objects_.size(), objects_.size());
+    for (std::size_t object = 0; object < pairs.size(); ++object) {
+      Pair& pair = pairs[object];
+      pair.known = pair.known && !all_moved_ && motion_.rigid(sensors_[sensor].link, objects_[object].link);
+      if (!pair.known && lumps())
+        pair.enclosure = detail::enclosure(objects_[object].surface, objects_[object].centroid,
+                                           placed_sensors_[sensor].frames);
+    }
+    const double allowance = allowance_per_object(pairs);
+    for (std::size_t object = 0; object < pairs.size(); ++object)
+      if (options_.correction == Correction::none)
+        integrate(pairs[object], objects_[object], placed_sensors_[sensor].plates, allowance);
+      else
+        correct(pairs[object], sensor, object);
+    tell(sensor, pairs);
+  }
+
+  /// Half of the tolerance goes with each object's own integral. The other half, of what the objects add up
+  /// to at least, is divided among them equally: the many that hardly matter need no accuracy of their own.
+  double allowance_per_object(std::span<const Pair> pairs) const {
+    if (!lumps() || options_.faces == FaceRule::facing)
+      return 0;
+    double total = 0;
+    for (const Pair& pair : pairs)
+      total += pair.enclosure.lower;
+    return options_.tolerance / 2 * total / static_cast<double>(pairs.size());
+  }
+
+  void integrate(Pair& pair, PlacedObject& object, std::span<const Rectangle> plates, double allowance) {
+    Surface& surface = object.surface;
+    const double own = options_.tolerance / 2 * (pair.integral.value - pair.integral.bound);
+    if (pair.known && (!lumps() || pair.integral.bound <= own + allowance)) {
+      ++answer_.counts.objects_reused;
+      answer_.counts.triangles_reused += plates.size() * surface.triangles.size();
+      return;
+    }
+    const Enclosure& known = pair.enclosure;
+    if (allowance > 0 && (known.upper - known.lower) / 2 <= allowance) {
+      pair.integral = {(known.upper + known.lower) / 2, (known.upper - known.lower) / 2, true, {}};
+      pair.integral.counts.objects_skipped = 1;
+      pair.integral.counts.triangles_skipped = plates.size() * surface.triangles.size();
+    } else {
+      if (lumps() && answers_ > 0 && !surface.tree)
+        surface.tree.emplace(surface.triangles);
+      CapacitanceOptions options = options_;
+      if (lumps() && options_.faces == FaceRule::all)
+        options.tolerance /= 2;
+      in_object_frame_.clear();
+      for (const Rectangle& plate : plates)
+        in_object_frame_.push_back(transformed(plate, object.from_world));
+      pair.integral = detail::surface_integral(surface, in_object_frame_, options, allowance);
+    }
+    pair.known = true;
+    answer_.counts += pair.integral.counts;
+  }
+
+  void correct(Pair& pair, std::size_t sensor, std::size_t object) {
+    const std::vector<Rectangle>& plates = placed_sensors_[sensor].plates;
+    const PlacedObject& before = objects_[object];
+    const std::size_t triangles = plates.size() * before.surface.triangles.size();
+    if (pair.known) {
+      ++answer_.counts.objects_reused;
+      answer_.counts.triangles_reused += triangles;
+      return;
+    }
+    pair.known = true;
+    ++answer_.counts.objects_evaluated;
+    answer_.counts.triangles_evaluated += triangles;
+    pair.integral = {};
+    if (const std::optional<double> mutual =
+            recommended_ ? recommended_->mutual(sensor, object) : std::nullopt) {
+      pair.integral.value = *mutual / permittivity_;
+      return;
+    }
+    in_object_frame_.clear();
+    for (const Rectangle& plate : plates)
+      in_object_frame_.push_back(transformed(plate, before.from_world));
+    const Eigen::Isometry3d sensor_pose = before.from_world * motion_.world_pose(sensors_[sensor].link);
+    // Contact is the integral's to tell; where the object's sphere is off the plates it need not be asked.
+    if (std::isinf(detail::enclosure(before.surface, before.centroid, placed_sensors_[sensor].frames).upper))
+      pair.integral = detail::surface_integral(before.surface, in_object_frame_, {}, 0);
+    if (!std::isinf(pair.integral.value))
+      pair.integral.value =
+          detail::corrected_integral(options_.correction, charged_objects_[object], before.surface.batch,
+                                     charged_sensors_[sensor], sensor_pose, in_object_frame_);
+  }
+
+  void tell(std::size_t sensor, std::span<const Pair> pairs) {
+    SensorCapacitance& felt = answer_.sensors[sensor];
+    felt.total = 0;
+    for (std::size_t object = 0; object < pairs.size(); ++object) {
+      const SurfaceIntegral& integral = pairs[object].integral;
+      ObjectCapacitance& share = felt.objects[object];
+      share.capacitance = permittivity_ * integral.value;
+      share.bound = permittivity_ * integral.bound;
+      share.skipped = integral.skipped;
+      felt.total += share.capacitance;
+    }
+    felt.voltage = divider_voltage(sensors_[sensor], felt.total);
+    felt.delta_voltage = sensors_[sensor].input_voltage - felt.voltage;
+    felt.contact = std::isinf(felt.total);
+  }
+
+  CapacitanceOptions options_;
+  double permittivity_;
+  detail::LinkMotion motion_;
+  std::vector<Sensor> sensors_;
+  std::vector<PlacedSensor> placed_sensors_;
+  std::vector<PlacedObject> objects_;
+  std::vector<detail::ChargedSurface>
+      charged_sensors_;  ///< in their links' frames; empty without a correction
+  std::vector<detail::ChargedSurface> charged_objects_;  ///< in their own frames; likewise
+  std::optional<detail::Recommended> recommended_;
+  bool all_moved_ = false;
+  std::vector<Pair> pairs_;  ///< of the first sensor with every object, then of the second
+  std::vector<Rectangle> in_object_frame_;
+  SceneCapacitance answer_;
+  std::size_t answers_ = 0;
+};
+
+SceneEvaluator::SceneEvaluator(const Scene& scene, const CapacitanceOptions& options)
+    : implementation_(std::make_unique<Implementation>(scene, options)) {}
+SceneEvaluator::~SceneEvaluator() = default;
+SceneEvaluator::SceneEvaluator(SceneEvaluator&&) noexcept = default;
+SceneEvaluator& SceneEvaluator::operator=(SceneEvaluator&&) noexcept = default;
+
+void SceneEvaluator::set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
+  implementation_->set_pose(link, pose);
+}
+
+const SceneCapacitance& SceneEvaluator::capacitance() {
+  return implementation_->capacitance();
+}
+
+}  // namespace fringe

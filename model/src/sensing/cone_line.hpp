@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "sensing/precise_cone.hpp"
+
+/// The two ways of the thesis to say which points of a line lie in a cone with its apex in the origin.
+namespace fringe::detail {
+
+/// The points distance·to_foot + u·along, for all u. Both directions have length 1 and are perpendicular, so
+/// u = 0 is the point nearest to the origin.
+struct PreciseLine {
+  DoubleDouble distance;
+  PreciseVector to_foot;
+  PreciseVector along;
+
+  PreciseVector point(DoubleDouble u) const { return distance * to_foot + u * along; }
+};
+
+/// Where a line meets a cone's side: none, one or two values of u.
+struct Crossings {
+  std::array<DoubleDouble, 2> positions{};
+  std::size_t count = 0;
+
+  void add(DoubleDouble position) { positions[count++] = position; }
+  const DoubleDouble* begin() const { return positions.data(); }
+  const DoubleDouble* end() const { return positions.data() + count; }
+};
+
+/// By the angle to the axis, in the frame the triangles are given in (thesis 4.2.2).
+class FieldOfView {
+ public:
+  explicit FieldOfView(const PreciseCone& cone) : cone_(cone) {}
+
+  static const PreciseVector& to_frame(const PreciseVector& vector) { return vector; }
+  static const PreciseVector& from_frame(const PreciseVector& vector) { return vector; }
+  const PreciseVector& axis() const { return cone_.axis; }
+
+  bool contains(const PreciseVector& point) const;
+  Crossings crossings(const PreciseLine& line) const;
+
+ private:
+  PreciseCone cone_;
+};
+
+/// By the equation cos²·(x² + y²) = sin²·z², in the frame whose z axis is the cone's (thesis 4.2.1; the
+/// tangent, multiplied out, may be infinite).
+class ConeEquation {
+ public:
+  explicit ConeEquation(const PreciseCone& cone);
+
+  PreciseVector to_frame(const PreciseVector& vector) const {
+    return {dot(x_, vector), dot(y_, vector), dot(z_, vector)};
+  }
+  PreciseVector from_frame(const PreciseVector& vector) const {
+    return vector.x * x_ + vector.y * y_ + vector.z * z_;
+  }
+  const PreciseVector& axis() const { return axis_; }
+
+  bool contains(const PreciseVector& point) const;
+  Crossings crossings(const PreciseLine& line) const;
+
+ private:
+  bool on_mirror_cone(const PreciseLine& line, DoubleDouble position_over_distance) const;
+
+  PreciseVector x_, y_, z_;
+  PreciseVector axis_{{}, {}, {1, 0}};
+  DoubleDouble cosine_squared_, sine_squared_;
+  double cosine_sign_;
+};
+
+}  // namespace fringe::detail

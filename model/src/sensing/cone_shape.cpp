@@ -1,0 +1,54 @@
+#include "sensing/cone_shape.hpp"
+
+#include <cmath>
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Covers what a cone's boundary is widened by, and the rounding of its sizes and its pose.
+constexpr double widened = 1 + 0x1p-40;
+
+/// What rounding moves an apex or a vertex by, relative to its coordinates and the pose's, with room to
+/// spare.
+constexpr double placing_rounding = 0x1p-46;
+
+/// Half of the angle from which on a cone's base would be far wider than what the sensor sees.
+constexpr double widest = 1.0;
+
+}  // namespace
+
+ConeShape::ConeShape(const SensingCone& cone, double reach) : coordinates_(cone.apex.cwiseAbs().maxCoeff()) {
+  const double half_angle = cone.full_angle / 2, length = reach * widened;
+  const bool is_wide = half_angle > widest;
+  const double radius = is_wide ? length : length * std::tan(half_angle) * widened;
+  shape_.form = is_wide ? Form::cylinder : Form::cone;
+  shape_.size[0] = radius;
+  shape_.size[1] = length / 2;
+  shape_.reach = std::hypot(radius, length / 2) * widened;
+  // A cone's apex is its upper end. The rounding that the rotation has beyond the poses of a scene is as
+  // small as that of the sizes.
+  const Vector3d axis = cone.direction.stableNormalized();
+  pose_.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), -axis).toRotationMatrix();
+  pose_.translation() = cone.apex + length / 2 * axis;
+}
+
+bool ConeShape::misses(const Eigen::AlignedBox3d& box, const Eigen::Isometry3d& pose) const {
+  const Vector3d centre = box.min() / 2 + box.max() / 2;
+  const double farthest = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
+  const double rounding =
+      placing_rounding * (farthest + coordinates_ + pose.translation().cwiseAbs().maxCoeff()) +
+      (widened - 1) * shape_.reach;
+  const Vector3d half = ((box.max() / 2 - box.min() / 2).array() + rounding).matrix();
+  SupportShape moved{};
+  moved.form = Form::box;
+  for (Eigen::Index k = 0; k < 3; ++k)
+    moved.size[k] = half[k];
+  moved.reach = half.stableNorm() * widened;
+  Eigen::Isometry3d place = pose;
+  place.translation() = pose * centre;
+  return best_search().decide({&shape_, pose_.data()}, {&moved, place.data()}) == Verdict::disjoint;
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,94 @@
+/// The charge kernels of every instruction set against plain sums and the accurate triangle integral.
+
+#include "bem/charge_kernels.hpp"
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <gtest/gtest.h>
+
+#include "bem/jacobi_basis.hpp"
+#include "geometry.hpp"
+#include "integral/kernel.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+class ChargeKernelsTest : public testing::TestWithParam<const ChargeKernels*> {};
+
+RuleView view(const DirectionRule& rule, int functions) {
+  return {rule.nodes.size(), functions, rule.weights.rows(), rule.nodes.data(), rule.weights.data()};
+}
+
+TEST_P(ChargeKernelsTest, SumTheInverseDistancesOverAFace) {
+  const FacePoint point{0.3, -0.2, 0.4, 1, 0.7};
+  for (const int functions_u : {1, 7, 9, 31})
+    for (const int functions_v : {2, 8, 11})
+      for (const int points : {1, 5, 16, 33}) {
+        const DirectionRule &u = whole_rule(EdgeKind::thin, points),
+                            &v = whole_rule(EdgeKind::right_angle, points + 2);
+        const RuleView along_u = view(u, functions_u), along_v = view(v, functions_v);
+        std::vector<double> scratch(face_scratch(along_u, along_v));
+        MatrixXd result(functions_v, functions_u);
+        GetParam()->face_potentials(point, along_u, along_v, scratch.data(), result.data());
+        MatrixXd inverse(v.nodes.size(), u.nodes.size());
+        for (Index q = 0; q < inverse.rows(); ++q)
+          for (Index p = 0; p < inverse.cols(); ++p)
+            inverse(q, p) = 1 / std::hypot(point.half_u * u.nodes[p] - point.x,
+                                           point.half_v * v.nodes[q] - point.y, point.z);
+        const MatrixXd wanted =
+            v.weights.topRows(functions_v) * inverse * u.weights.topRows(functions_u).transpose();
+        EXPECT_LT((result - wanted).norm(), 1e-13 * wanted.norm())
+            << functions_u << " " << functions_v << " " << points;
+      }
+}
+
+/// In front of it, in its plane, on a side, at a corner; also of a sliver.
+TEST_P(ChargeKernelsTest, KnowThePotentialOfATriangleAnywhere) {
+  test::Random random(3);
+  for (const double height : {1.0, 0.02}) {
+    const std::array<Vector3d, 3> corners{Vector3d(0, 0, 0), Vector3d(1, 0.1, 0), Vector3d(0.3, height, 0)};
+    std::vector<Vector3d> points{(corners[0] + corners[1]) / 2, corners[2], Vector3d(0.4, 0.3 * height, 0),
+                                 2 * corners[1], Vector3d(0.5, 0.2 * height, 1e-7)};
+    while (points.size() < 40)
+      points.emplace_back(random.in_box({-2, -2, -2}, {2, 2, 2}));
+    std::array<std::vector<double>, 9> components;
+    const double* columns[9];
+    for (std::size_t k = 0; k < 9; ++k) {
+      for (const Vector3d& point : points)
+        components[k].push_back((corners[k / 3] - point)[static_cast<Index>(k % 3)]);
+      columns[k] = components[k].data();
+    }
+    std::vector<double> potentials(points.size());
+    GetParam()->triangle_potentials(columns, points.size(), potentials.data());
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const double wanted =
+          2 * kernel(corners[0] - points[k], corners[1] - points[k], corners[2] - points[k]);
+      EXPECT_NEAR(potentials[k], wanted, 1e-11 * wanted) << "point " << k << ", height " << height;
+    }
+  }
+}
+
+TEST_P(ChargeKernelsTest, AddCombinationsOfColumns) {
+  const MatrixXd columns = MatrixXd::Random(24, 5), factors = MatrixXd::Random(7, 5);
+  MatrixXd sums = MatrixXd::Ones(24, 7);
+  GetParam()->add_combinations(columns.data(), 24, 5, factors.data(), 7, sums.data(), 7);
+  EXPECT_LT((sums - MatrixXd::Ones(24, 7) - columns * factors.transpose()).norm(), 1e-13);
+}
+
+INSTANTIATE_TEST_SUITE_P(InstructionSets, ChargeKernelsTest, testing::ValuesIn(available_charge_kernels()),
+                         [](const auto& test) {
+                           std::string name(test.param->instruction_set);
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace fringe::detail

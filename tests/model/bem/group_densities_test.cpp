@@ -1,0 +1,104 @@
+/// One density on each group of panels: what it can hold, and which groups are the first to be refined.
+
+#include "bem/group_densities.hpp"
+
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "bem/marking.hpp"
+#include "bem/single_layer_panels.hpp"
+#include "fringe/triangulation.hpp"
+
+namespace fringe {
+namespace {
+
+using detail::groups_to_refine;
+using detail::PanelGroup;
+using detail::PanelMesh;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// A ball of panels in groups of about four, and a box of quartered triangles.
+PanelMesh ball_and_box() {
+  PanelMesh mesh;
+  mesh.add(0, triangulate(Sphere{0.02, 24}));
+  std::vector<Triangle> box = triangulate(Cuboid{0.03, 0.02, 0.01});
+  for (Triangle& triangle : box)
+    for (Eigen::Vector3d& corner : triangle)
+      corner.z() += 0.05;
+  mesh.add(1, box);
+  return mesh;
+}
+
+/// The panels' charges (rows) where one group (column) has a charge of one.
+MatrixXd charges_of_groups(const PanelMesh& mesh) {
+  MatrixXd charges =
+      MatrixXd::Zero(static_cast<Index>(mesh.panels().size()), static_cast<Index>(mesh.groups().size()));
+  for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
+    const PanelGroup& group = mesh.groups()[g];
+    double area = 0;
+    for (std::size_t k = group.first; k < group.first + group.count; ++k)
+      area += mesh.panels()[k].area;
+    for (std::size_t k = group.first; k < group.first + group.count; ++k)
+      charges(static_cast<Index>(k), static_cast<Index>(g)) = mesh.panels()[k].area / area;
+  }
+  return charges;
+}
+
+TEST(GroupDensities, SpreadAChargeEvenlyOverTheGroup) {
+  const PanelMesh mesh = ball_and_box();
+  const MatrixXd charges = charges_of_groups(mesh);
+  const VectorXd shares = detail::area_shares(mesh);
+  EXPECT_LT((charges.rowwise().sum() - shares).cwiseAbs().maxCoeff(), 1e-15);
+  const MatrixXd values = MatrixXd::Random(charges.rows(), 3);
+  EXPECT_LT((detail::group_means(mesh, shares, values) - charges.transpose() * values).norm(), 1e-13);
+}
+
+TEST(GroupDensities, InteractAsTheirPanelsDoTogether) {
+  const PanelMesh mesh = ball_and_box();
+  const MatrixXd panels = detail::panel_matrix(mesh.panels(), 1e-3);
+  const MatrixXd charges = charges_of_groups(mesh);
+  const MatrixXd wanted = charges.transpose() * (panels.selfadjointView<Eigen::Upper>() * charges);
+  const MatrixXd found = detail::group_matrix(mesh, detail::area_shares(mesh), panels);
+  EXPECT_LT((found - wanted).triangularView<Eigen::Lower>().toDenseMatrix().norm(), 1e-13 * wanted.norm());
+}
+
+/// Each grows by four panels.
+std::vector<PanelGroup> quartered_groups(std::size_t count) {
+  std::vector<PanelGroup> groups;
+  for (std::size_t k = 0; k < count; ++k)
+    groups.push_back({4 * k, 4, 0, true});
+  return groups;
+}
+
+constexpr std::size_t plenty = 1000;
+
+TEST(GroupsToRefine, AreThoseWithTheGreaterPartOfTheEnergy) {
+  EXPECT_THAT(groups_to_refine(quartered_groups(4), Eigen::Vector4d(1, 8, 2, 1), 0, plenty),
+              ElementsAre(false, true, true, false));
+}
+
+TEST(GroupsToRefine, AreNoMoreThanTheErrorAsksFor) {
+  // 8 of 12 fall to 3.2: to 7.2 in all.
+  EXPECT_THAT(groups_to_refine(quartered_groups(4), Eigen::Vector4d(1, 8, 2, 1), 7.3, plenty),
+              ElementsAre(false, true, false, false));
+}
+
+TEST(GroupsToRefine, WhatHoldsTheSameButForRoundingIsRefinedTogether) {
+  EXPECT_THAT(groups_to_refine(quartered_groups(4), Eigen::Vector4d(3, 1, 2.999, 3), 8, plenty),
+              ElementsAre(true, false, true, true));
+}
+
+TEST(GroupsToRefine, AreAsManyAsThereIsRoomFor) {
+  const Eigen::Vector4d energies(1, 8, 2, 1);
+  EXPECT_THAT(groups_to_refine(quartered_groups(4), energies, 0, 7), ElementsAre(false, true, false, false));
+  EXPECT_THAT(groups_to_refine(quartered_groups(4), energies, 0, 3), IsEmpty());
+}
+
+}  // namespace
+}  // namespace fringe

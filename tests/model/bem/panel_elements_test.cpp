@@ -1,0 +1,117 @@
+/// The interaction of charged triangles: against itself on finer triangles, where other formulas serve.
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bem/panel_mesh.hpp"
+#include "bem/single_layer_face_panel.hpp"
+#include "bem/single_layer_faces.hpp"
+#include "bem/single_layer_panels.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+const Triangle base{Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0.2, 0.8, 0)};
+
+double element(const Triangle& a, const Triangle& b, double tolerance) {
+  const std::array<Panel, 2> panels{make_panel(a), make_panel(b)};
+  return panel_matrix(panels, tolerance)(0, 1);
+}
+
+/// The same from the 4^levels parts of the first: most of them do not touch the other, and those that do
+/// touch it otherwise.
+double element_from_parts(const Triangle& a, const Triangle& b, int levels) {
+  if (levels == 0)
+    return element(a, b, 1e-8);
+  double sum = 0;
+  for (const Triangle& part : quarters(a))
+    sum += element_from_parts(part, b, levels - 1);
+  return sum / 4;
+}
+
+struct Pair {
+  const char* name;
+  Triangle other;
+};
+
+const std::array<Pair, 8> pairs{
+    {{"a common side", {Vector3d(1, 0, 0), Vector3d(0, 0, 0), Vector3d(0.5, -0.3, 0.7)}},
+     {"a common side in one plane", {Vector3d(1, 0, 0), Vector3d(0, 0, 0), Vector3d(0.5, -0.7, 0)}},
+     {"a common corner", {Vector3d(0, 0, 0), Vector3d(-1, 0, 0.2), Vector3d(-0.5, -0.7, 0)}},
+     {"a part of a side", {Vector3d(0.5, 0, 0), Vector3d(0.25, 0, 0), Vector3d(0.3, -0.2, 0)}},
+     {"a sliver", {Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0.5, -0.02, 0)}},
+     {"close by", {Vector3d(0, 0, 0.01), Vector3d(1, 0, 0.1), Vector3d(0.5, 0.7, 0.2)}},
+     {"a size away", {Vector3d(0, 0, 1.5), Vector3d(1, 0, 1.5), Vector3d(0.5, 0.7, 1.8)}},
+     {"far away", {Vector3d(0, 0, 8), Vector3d(1, 0, 8), Vector3d(0.5, 0.7, 8.3)}}}};
+
+TEST(PanelElements, AreTheSumsOverParts) {
+  for (const auto& [name, other] : pairs) {
+    const double truth = element_from_parts(base, other, 2);
+    EXPECT_NEAR(element_from_parts(other, base, 2), truth, 1e-6 * truth) << name;
+    for (const double tolerance : {1e-2, 1e-4, 1e-6})
+      EXPECT_NEAR(element(base, other, tolerance), truth, tolerance * truth) << name;
+  }
+}
+
+TEST(PanelElements, WithItselfAsWell) {
+  for (const Triangle& triangle :
+       {base, Triangle{Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0.7, 1e-3, 0)}}) {
+    std::vector<Panel> parts;
+    for (const Triangle& part : quarters(triangle))
+      parts.push_back(make_panel(part));
+    const MatrixXd upper = panel_matrix(parts, 1e-8);
+    const MatrixXd all = upper.selfadjointView<Eigen::Upper>();
+    const double self = panel_self(make_panel(triangle));
+    EXPECT_NEAR(all.sum() / 16, self, 1e-7 * self);
+  }
+}
+
+TEST(PanelElements, WithAFaceAreThePotentialsMeans) {
+  const ChargedFace face{Vector3d(0, 0, 0), Vector3d::UnitX(), Vector3d::UnitY(), 1, 0.6, EdgeKind::thin};
+  const std::array<Panel, 1> panel{
+      make_panel({Vector3d(-0.3, 0, 0.1), Vector3d(0.9, 0.2, 0.15), Vector3d(0, 0.5, 0.4)})};
+  std::vector<Panel> parts{panel[0]};
+  for (int level = 0; level < 3; ++level) {
+    std::vector<Panel> finer;
+    for (const Panel& part : parts)
+      for (const Triangle& quarter : quarters(part.corners))
+        finer.push_back(make_panel(quarter));
+    parts = finer;
+  }
+  std::vector<Vector3d> centres;
+  for (const Panel& part : parts)
+    centres.push_back(part.centre);
+  const Eigen::VectorXd potentials = face_potentials(face, {5, 5}, centres, 1e-8).rowwise().mean();
+  const MatrixXd coupling = panel_coupling(face, {5, 5}, panel, 1e-6);
+  // The centres see no curvature: a 64th of an eighth of it is left.
+  EXPECT_LT((coupling.col(0) - potentials).cwiseAbs().maxCoeff(), 2e-3 * potentials.cwiseAbs().maxCoeff());
+  const MatrixXd of_parts = panel_coupling(face, {5, 5}, parts, 1e-8).rowwise().mean();
+  EXPECT_LT((coupling - of_parts).cwiseAbs().maxCoeff(), 1e-5 * of_parts.cwiseAbs().maxCoeff());
+}
+
+TEST(PanelMeshes, KeepTheAreaAndHalveWhereTheDensityChanges) {
+  PanelMesh mesh;
+  mesh.add(0, std::array<Triangle, 1>{base});
+  ASSERT_EQ(mesh.panels().size(), 4U);
+  // More charge along the side from the first corner to the second.
+  mesh.refine({true}, Eigen::Vector4d(2, 2, 1, 1.5));
+  ASSERT_EQ(mesh.groups().size(), 2U);
+  ASSERT_EQ(mesh.panels().size(), 8U);
+  double area = 0;
+  for (const Panel& panel : mesh.panels())
+    area += panel.area;
+  EXPECT_NEAR(area, twice_area(base) / 2, 1e-15);
+  // The first half has the whole side of much charge.
+  EXPECT_EQ(mesh.panels()[0].corners[0], base[1]);
+  EXPECT_EQ(mesh.panels()[2].corners[2], base[0]);
+  EXPECT_EQ(mesh.places_before(), std::vector<Eigen::Index>(8, PanelMesh::no_place));
+}
+
+}  // namespace
+}  // namespace fringe::detail

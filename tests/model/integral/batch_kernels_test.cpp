@@ -1,0 +1,275 @@
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "geometry.hpp"
+#include "integral/batch/choices.hpp"
+#include "integral/batch/chunks.hpp"
+#include "integral/batch/kernels.hpp"
+#include "integral/batch/near_forms.hpp"
+#include "integral/exact_integral.hpp"
+#include "numeric/triangle_rules.hpp"
+
+/// Every instruction set the machine can run gives what the path for single triangles gives.
+namespace fringe {
+namespace {
+
+using namespace detail;
+using Eigen::Vector3d;
+using test::Random;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+const Rectangle plate{{0, 0, 0}, {0.1, 0, 0}, {0, 0.08, 0}};
+
+class BatchKernels : public testing::TestWithParam<const Kernels*> {
+ protected:
+  static std::vector<double> integrals(const std::vector<Triangle>& triangles, double tolerance = 0) {
+    const PreparedChoices choices(tolerance);
+    const TriangleBatch batch(triangles);
+    std::vector<double> values(triangles.size());
+    for (std::size_t begin = 0; begin < values.size(); begin += chunk_size)
+      integrate_chunk(*GetParam(), batch, begin, std::min(chunk_size, values.size() - begin),
+                      plate_frame(plate), choices.choices(), values.data() + begin);
+    return values;
+  }
+};
+
+double exact(const Triangle& triangle) {
+  const PlateFrame frame = plate_frame(plate);
+  return exact_integral(frame, to_local(frame, triangle), twice_area(triangle));
+}
+
+/// Triangles of a size that is a share of their distance from the plate, anywhere around it.
+std::vector<Triangle> around_the_plate(double size_over_distance, std::size_t count) {
+  Random random(3);
+  const PlateFrame frame = plate_frame(plate);
+  std::vector<Triangle> triangles;
+  while (triangles.size() < count) {
+    const Vector3d centre = random.in_box({-0.2, -0.2, -0.2}, {0.3, 0.3, 0.2});
+    const double size = size_over_distance * distance(frame, centre);
+    const auto vertex = [&]() -> Vector3d { return centre + size * random.in_box({-1, -1, -1}, {1, 1, 1}); };
+    const Triangle triangle{vertex(), vertex(), vertex()};
+    // Not slivers, whose area is known no better than their vertices.
+    if (twice_area(triangle) > 0.1 * size * size)
+      triangles.push_back(triangle);
+  }
+  return triangles;
+}
+
+TEST_P(BatchKernels, AgreeWithTheSingleTriangleAtFullPrecision) {
+  for (const double size_over_distance : {0.01, 0.05, 0.2, 0.6}) {
+    const std::vector<Triangle> triangles = around_the_plate(size_over_distance, 2000);
+    const std::vector<double> values = integrals(triangles);
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      EXPECT_NEAR(values[i], exact(triangles[i]), 4e-15 * values[i])
+          << size_over_distance << ", triangle " << i;
+  }
+}
+
+TEST_P(BatchKernels, KeepTheirErrorBelowTheTolerance) {
+  for (const double tolerance : {1e-12, 1e-9, 1e-6, 1e-3}) {
+    for (const double size_over_distance : {0.01, 0.1, 0.6}) {
+      const std::vector<Triangle> triangles = around_the_plate(size_over_distance, 1000);
+      const std::vector<double> values = integrals(triangles, tolerance);
+      for (std::size_t i = 0; i < triangles.size(); ++i)
+        EXPECT_NEAR(values[i], exact(triangles[i]), (tolerance + 4e-15) * values[i])
+            << tolerance << ", " << size_over_distance << ", triangle " << i;
+    }
+  }
+}
+
+TEST_P(BatchKernels, MeasureLargeTrianglesOverAllBorders) {
+  Random random(4);
+  std::vector<Triangle> triangles;
+  triangles.reserve(500);
+  for (int i = 0; i < 500; ++i)
+    triangles.push_back(random.triangle_in_box({-0.3, -0.3, 0.02}, {0.4, 0.4, 0.1}));
+  const std::vector<double> values = integrals(triangles);
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    EXPECT_NEAR(values[i], exact(triangles[i]), 1e-14 * values[i]) << i;
+}
+
+TEST_P(BatchKernels, FindContactAndMissingArea) {
+  const Triangle crossing{Vector3d(0.05, 0.04, -0.01), {0.06, 0.04, 0.02}, {0.05, 0.05, 0.02}};
+  const Triangle on_edge{Vector3d(0, 0, 0), {0.1, 0, 0}, {0.05, -0.05, 0.05}};
+  const Triangle one_vertex{Vector3d(0.05, 0.04, 0), {0.06, 0.04, 0.02}, {0.05, 0.05, 0.02}};
+  const Triangle no_area{Vector3d(0.05, 0.04, 0), {0.06, 0.04, 0}, {0.07, 0.04, 0}};
+  const std::vector<double> values = integrals({crossing, on_edge, one_vertex, no_area, crossing});
+  EXPECT_EQ(values[0], infinity);
+  EXPECT_EQ(values[1], infinity);
+  EXPECT_NEAR(values[2], exact(one_vertex), 4e-15 * values[2]);
+  EXPECT_EQ(values[3], 0);
+  EXPECT_EQ(values[4], infinity);
+}
+
+TEST_P(BatchKernels, ScaleWithTheLength) {
+  const Triangle triangle{Vector3d(-0.1, 0.2, 0.1), {0.03, 0.25, 0.2}, {-0.2, 0.1, 0.15}};
+  for (const double factor : {1e-70, 1e-30, 1e30, 1e70}) {
+    const Rectangle scaled{factor * plate.corner, factor * plate.edge_u, factor * plate.edge_v};
+    const std::vector<Triangle> triangles{{factor * triangle[0], factor * triangle[1], factor * triangle[2]}};
+    double value = 0;
+    integrate_chunk(*GetParam(), TriangleBatch(triangles), 0, 1, plate_frame(scaled),
+                    full_precision_choices().choices(), &value);
+    EXPECT_NEAR(value / factor, exact(triangle), 1e-14 * exact(triangle)) << factor;
+  }
+}
+
+TEST_P(BatchKernels, KeepTheAreaOfSlivers) {
+  // Products whose difference is what remains: without fused operations, or exact products in their place, a
+  // sliver's area has lost as many digits as it is thin.
+  Random random(7);
+  constexpr std::size_t count = 64;
+  std::vector<std::vector<double>> coordinates(9, std::vector<double>(count));
+  std::vector<double> twice(count), squared_size(count);
+  const double* pointers[9];
+  std::vector<Triangle> slivers;
+  slivers.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector3d a = random.in_box({-1, -1, -1}, {1, 1, 1}), b = random.in_box({-1, -1, -1}, {1, 1, 1});
+    const Vector3d off = 1e-10 * random.in_box({-1, -1, -1}, {1, 1, 1});
+    slivers.push_back({a, b, a + random.uniform(0.1, 0.9) * (b - a) + off});
+    for (std::size_t k = 0; k < 9; ++k)
+      coordinates[k][i] = slivers[i][k / 3][static_cast<Eigen::Index>(k % 3)];
+  }
+  for (std::size_t k = 0; k < 9; ++k)
+    pointers[k] = coordinates[k].data();
+  GetParam()->measure(pointers, count, twice.data(), squared_size.data());
+  for (std::size_t i = 0; i < count; ++i)
+    EXPECT_NEAR(twice[i], twice_area(slivers[i]), 1e-15 * twice[i]) << i;
+}
+
+TEST_P(BatchKernels, SumOverNodes) {
+  Random random(5);
+  constexpr std::size_t count = 13, readable = 16;
+  std::vector<double> x(readable), y(readable), z(readable), weight(readable);
+  const PlateFrame frame = plate_frame(plate);
+  double expected = 0;
+  for (std::size_t i = 0; i < readable; ++i) {
+    const Vector3d point = random.in_box({-0.2, -0.2, 0.01}, {0.3, 0.3, 0.2});
+    x[i] = point.x(), y[i] = point.y(), z[i] = point.z();
+    // What lies beyond the count must not weigh.
+    weight[i] = i < count ? random.uniform(0, 1) : 0;
+    expected += weight[i] / distance(frame, frame.axes * (point - frame.corner));
+  }
+  EXPECT_NEAR(GetParam()->sum_over_nodes(plate_coordinates(frame), x.data(), y.data(), z.data(),
+                                         weight.data(), count),
+              expected, 1e-14 * expected);
+}
+
+TEST_P(BatchKernels, SoftInverseDistances) {
+  Random random(6);
+  constexpr std::size_t rows = 5, columns = 16;
+  constexpr double squared_softness = 1e-3;
+  Eigen::Matrix3Xd points(3, rows);
+  std::vector<double> x(columns), y(columns), z(columns), values(rows * columns);
+  for (std::size_t i = 0; i < rows; ++i)
+    points.col(static_cast<Eigen::Index>(i)) = random.in_box({-0.2, -0.2, -0.2}, {0.3, 0.3, 0.2});
+  for (std::size_t i = 0; i < columns; ++i) {
+    const Vector3d point = random.in_box({-0.2, -0.2, -0.2}, {0.3, 0.3, 0.2});
+    x[i] = point.x(), y[i] = point.y(), z[i] = point.z();
+  }
+  GetParam()->soft_inverse_distances({x.data(), y.data(), z.data()}, columns, points.data(), rows,
+                                     squared_softness, values.data());
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (std::size_t i = 0; i < columns; ++i) {
+      const Vector3d between = points.col(static_cast<Eigen::Index>(row)) - Vector3d(x[i], y[i], z[i]);
+      const double expected = 1 / std::sqrt(between.squaredNorm() + squared_softness);
+      EXPECT_NEAR(values[row * columns + i], expected, 1e-15 * expected) << row << ' ' << i;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(InstructionSets, BatchKernels,
+                         testing::ValuesIn(available_kernels().begin(), available_kernels().end()),
+                         [](const auto& info) {
+                           std::string name(info.param->instruction_set);
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+/// The mean of λ₁^a·λ₂^b over a triangle.
+double moment(int a, int b) {
+  return 2 * std::exp(std::lgamma(a + 1) + std::lgamma(b + 1) - std::lgamma(a + b + 3));
+}
+
+TEST(TriangleRules, IntegratePolynomialsUpToTheirDegree) {
+  for (const TriangleRule& rule : triangle_rules()) {
+    for (int a = 0; a <= rule.degree; ++a)
+      for (int b = 0; a + b <= rule.degree; ++b) {
+        double sum = 0;
+        for (int i = 0; i < rule.points; ++i)
+          sum += rule.nodes[i].weight * std::pow(rule.nodes[i].second, a) * std::pow(rule.nodes[i].third, b);
+        EXPECT_NEAR(sum, moment(a, b), 1e-15) << "degree " << rule.degree << ", λ₁^" << a << " λ₂^" << b;
+      }
+  }
+}
+
+TEST(TriangleRules, HavePositiveWeightsAndPointsInside) {
+  for (const TriangleRule& rule : triangle_rules())
+    for (int i = 0; i < rule.points; ++i) {
+      const TriangleNode& node = rule.nodes[i];
+      EXPECT_GT(node.weight, 0);
+      EXPECT_GT(node.second, 0);
+      EXPECT_GT(node.third, 0);
+      EXPECT_LT(node.second + node.third, 1);
+    }
+}
+
+TEST(TriangleRules, StateABoundThatNoTriangleExceeds) {
+  // The mean of |δ|^k by a rule of much higher order: 2500 points of a collapsed product rule.
+  const GaussRule gauss = gauss_rule(50);
+  Random random(6);
+  for (const TriangleRule& rule : triangle_rules()) {
+    const int k = rule.degree + 1;
+    double largest = 0;
+    for (int repetition = 0; repetition < 200; ++repetition) {
+      const Vector3d a = random.in_box({-1, -1, 0}, {1, 1, 0}), b = random.in_box({-1, -1, 0}, {1, 1, 0});
+      const double size = std::max({a.norm(), b.norm(), (a + b).norm()});
+      // The centroid is the origin: the third vertex is −a − b.
+      const auto power = [&](double second, double third) {
+        return std::pow(((1 - second - third) * a + second * b - third * (a + b)).norm() / size, k);
+      };
+      double total = 0;
+      for (const GaussNode& u : gauss)
+        for (const GaussNode& v : gauss)
+          total += 2 * u.weight * v.weight * u.position *
+                   power(u.position * (1 - v.position), u.position * v.position);
+      for (int i = 0; i < rule.points; ++i)
+        total += rule.nodes[i].weight * power(rule.nodes[i].second, rule.nodes[i].third);
+      largest = std::max(largest, total);
+    }
+    EXPECT_LE(largest, rule.bound_constant) << "degree " << rule.degree;
+    // Random triangles come near the worst one, so the constant is no larger than it has to be.
+    EXPECT_GT(largest, 0.6 * rule.bound_constant) << "degree " << rule.degree;
+  }
+}
+
+double series_of_excess(double x) {
+  double sum = 0, power = 1;
+  for (int k = 0; k < 60; ++k, power *= x)
+    sum += power / (2 * k + 3);
+  return sum;
+}
+
+template <int terms>
+double value(double x, const double (&coefficients)[terms]) {
+  double sum = 0;
+  for (int k = terms - 1; k >= 0; --k)
+    sum = sum * x + coefficients[k];
+  return sum;
+}
+
+TEST(ExcessPolynomials, EqualTheSeries) {
+  for (int i = 0; i <= 1000; ++i) {
+    const double share = i / 1000.0;
+    EXPECT_NEAR(value(share / 4, excess_to_quarter), series_of_excess(share / 4), 3e-16);
+    EXPECT_NEAR(value(share / 64, excess_to_64th), series_of_excess(share / 64), 3e-16);
+  }
+}
+
+}  // namespace
+}  // namespace fringe

@@ -1,0 +1,282 @@
+#include "integral/nearest_plate.hpp"
+
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "fringe/capacitance.hpp"
+#include "geometry.hpp"
+#include "geometry/triangle_slices.hpp"
+#include "integral/nearest_nodes.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Vector3d;
+using test::draws;
+using test::Random;
+using test::total_integral;
+
+/// ∫dA/min_k d_k as the division leaves it.
+struct Division {
+  double integral;
+  double bound;
+  std::size_t parts;
+};
+
+Division divide(const std::vector<Triangle>& triangles, const std::vector<Rectangle>& plates,
+                double tolerance) {
+  std::vector<std::size_t> all(plates.size());
+  std::iota(all.begin(), all.end(), 0U);
+  NearestPlates division(plates);
+  for (const Triangle& triangle : triangles)
+    division.add(triangle, all);
+  division.refine(tolerance);
+  const std::vector<std::vector<Triangle>> shares = division.shares();
+  Division result{0, division.bound(), 0};
+  for (std::size_t k = 0; k < plates.size(); ++k) {
+    result.integral += total_integral(shares[k], plates[k]);
+    result.parts += shares[k].size();
+  }
+  return result;
+}
+
+/// Tiles of 1 × 1 that together are the rectangle of columns × rows at the given pose.
+std::vector<Rectangle> tiles(int columns, int rows, const Eigen::Isometry3d& pose) {
+  std::vector<Rectangle> plates;
+  for (int i = 0; i < columns; ++i)
+    for (int j = 0; j < rows; ++j)
+      plates.push_back({pose * Vector3d(i, j, 0), pose.linear().col(0), pose.linear().col(1)});
+  return plates;
+}
+
+Rectangle any_plate(Random& random) {
+  const Eigen::Isometry3d pose = random.rigid_motion();
+  return {pose.translation(), random.uniform(0.1, 1) * pose.linear().col(0),
+          random.uniform(0.1, 1) * pose.linear().col(1)};
+}
+
+double area_of(const Slice& slice) {
+  return area(std::vector<Triangle>(slice.begin(), slice.end()));
+}
+
+TEST(Slices, CoverTheTriangleAndKeepToTheirSides) {
+  Random random(1);
+  for (int i = 0; i < draws(300); ++i) {
+    const Triangle triangle = random.triangle_in_box({-1, -1, -1}, {1, 1, 1});
+    const Vector3d direction = random.in_box({-1, -1, -1}, {1, 1, 1});
+    const Vector3d values(direction.dot(triangle[0]), direction.dot(triangle[1]), direction.dot(triangle[2]));
+    const double low = random.uniform(-0.5, 0.5), high = low + random.uniform(0, 0.5);
+    const Slices parts = slices(triangle, values, low, high);
+    EXPECT_NEAR(area_of(parts.below) + area_of(parts.between) + area_of(parts.above),
+                twice_area(triangle) / 2, 1e-15);
+    for (const Triangle& part : parts.below)
+      for (const Vector3d& vertex : part)
+        EXPECT_LE(direction.dot(vertex), low + 1e-15);
+    for (const Triangle& part : parts.between)
+      for (const Vector3d& vertex : part) {
+        EXPECT_GE(direction.dot(vertex), low - 1e-15);
+        EXPECT_LE(direction.dot(vertex), high + 1e-15);
+      }
+    for (const Triangle& part : parts.above)
+      for (const Vector3d& vertex : part)
+        EXPECT_GE(direction.dot(vertex), high - 1e-15);
+  }
+}
+
+TEST(Slices, OfATriangleInABorderAreOne) {
+  const Triangle triangle{Vector3d{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  EXPECT_EQ(slices(triangle, {2, 2, 2}, 2, 3).below.size, 1U);
+  EXPECT_EQ(slices(triangle, {3, 3, 3}, 2, 3).above.size, 1U);
+  EXPECT_EQ(slices(triangle, {2, 2, 3}, 2, 3).between.size, 1U);
+  EXPECT_EQ(slices(triangle, {2, 2, 3}, 2, 3).below.size + slices(triangle, {2, 2, 3}, 2, 3).above.size, 0U);
+}
+
+TEST(Halves, AreEqualAndTurnTheSameWay) {
+  const Triangle triangle{Vector3d{0, 0, 0}, {4, 0, 0}, {1, 1, 0}};
+  for (const Triangle& half : halves(triangle)) {
+    EXPECT_EQ(twice_area(half), 2);
+    EXPECT_EQ((half[1] - half[0]).cross(half[2] - half[0]).z(), 2);
+  }
+}
+
+TEST(NearestPlates, OfOnePlateIsThatPlate) {
+  Random random(2);
+  std::vector<Triangle> triangles;
+  triangles.reserve(100);
+  for (int i = 0; i < draws(100); ++i)
+    triangles.push_back(random.triangle_in_box({-1, -1, 0.1}, {2, 2, 1}));
+  const std::vector<Rectangle> plates = tiles(1, 1, Eigen::Isometry3d::Identity());
+  NearestPlates division(plates);
+  for (const Triangle& triangle : triangles)
+    division.add(triangle, std::vector<std::size_t>{0});
+  division.refine(0);
+  EXPECT_EQ(division.shares().at(0), triangles);
+  EXPECT_EQ(division.bound(), 0);
+}
+
+TEST(NearestPlates, OfTilesIsThePlateTheyMakeUp) {
+  // A union of rectangles that is a rectangle is at the same distance from every point as that.
+  Random random(3);
+  for (int i = 0; i < draws(200); ++i) {
+    const Eigen::Isometry3d pose = random.rigid_motion();
+    const Rectangle whole{pose.translation(), 3 * pose.linear().col(0), 2 * pose.linear().col(1)};
+    Triangle triangle = random.triangle_in_box({-2, -2, 0.05}, {5, 4, 1});
+    for (Vector3d& vertex : triangle)
+      vertex = pose * vertex;
+    const double expected = plate_integral(triangle, whole);
+    const Division division = divide({triangle}, tiles(3, 2, pose), 1e-12);
+    EXPECT_NEAR(division.integral, expected, 1e-13 * expected);
+    // The border between two tiles is a plane: nothing is refined.
+    EXPECT_LT(division.parts, 500U);
+  }
+}
+
+TEST(NearestPlates, OfTheSamePlateTwiceIsThatPlate) {
+  Random random(4);
+  for (int i = 0; i < draws(100); ++i) {
+    const Rectangle plate = any_plate(random);
+    const Triangle triangle = random.triangle_in_box({3, 3, 3}, {4, 4, 4});
+    const double expected = plate_integral(triangle, plate);
+    EXPECT_NEAR(divide({triangle}, {plate, plate, plate}, 1e-12).integral, expected, 1e-13 * expected);
+  }
+}
+
+TEST(NearestPlates, OfParallelPlatesIsTheNearerSideOfTheMiddlePlane) {
+  // Between plates at z = 0 and z = 2 the distance is min(z, 2 − z). A vertical strip from z = 1/2 to 3/2,
+  // one wide: 2·∫dz/z from 1/2 to 1 = 2·ln 2.
+  const std::vector<Rectangle> plates{{{-9, -9, 0}, {18, 0, 0}, {0, 18, 0}},
+                                      {{-9, -9, 2}, {18, 0, 0}, {0, 18, 0}}};
+  const std::vector<Triangle> strip = test::parallelogram({0, 0, 0.5}, {1, 0, 0}, {0, 0, 1});
+  const Division division = divide(strip, plates, 1e-12);
+  EXPECT_NEAR(division.integral, 2 * std::log(2), 1e-15);
+  EXPECT_EQ(division.bound, 0);
+}
+
+TEST(NearestPlates, IsInfiniteWhenThePlateThatIsNotNearestToTheCentroidIsTouched) {
+  const std::vector<Rectangle> plates{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0.9, 0, 1}, {1, 0, 0}, {0, 1, 0}}};
+  // Crosses the first plate at one end and lies close to the second one everywhere else.
+  const Triangle triangle{Vector3d{0.5, 0.2, -0.01}, {9, 0.4, 1.1}, {9, 0.6, 1.1}};
+  ASSERT_TRUE(std::isinf(plate_integral(triangle, plates[0])));
+  EXPECT_TRUE(std::isinf(divide({triangle}, plates, 1e-12).integral));
+  const std::vector<PlateFrame> frames{plate_frame(plates[0]), plate_frame(plates[1])};
+  const Vector3d centroid = (triangle[0] + triangle[1] + triangle[2]) / 3;
+  EXPECT_LT(distance(frames[1], frames[1].axes * (centroid - frames[1].corner)),
+            distance(frames[0], frames[0].axes * (centroid - frames[0].corner)));
+}
+
+TEST(NearestPlates, OfACornerThatTouchesTwoPlatesIsFinite) {
+  // The plates share an edge at right angles; the triangle stands on a point of it.
+  const std::vector<Rectangle> plates{{{0, -1, 0}, {1, 0, 0}, {0, 2, 0}}, {{0, -1, 0}, {0, 0, 1}, {0, 2, 0}}};
+  const Triangle triangle{Vector3d{0, 0, 0}, {0.7, 0.1, 0.2}, {0.3, -0.2, 0.9}};
+  const Division division = divide({triangle}, plates, 1e-12);
+  const Division coarse = divide({triangle}, plates, 1e-3);
+  EXPECT_TRUE(std::isfinite(division.integral));
+  EXPECT_LE(division.bound, 1e-12 * division.integral);
+  EXPECT_LE(coarse.integral, division.integral * (1 + 1e-13));
+  EXPECT_LE(division.integral, coarse.integral + coarse.bound + 1e-12 * division.integral);
+}
+
+TEST(NearestPlates, LeavesOutNothingWithoutArea) {
+  const std::vector<Rectangle> plates = tiles(2, 1, Eigen::Isometry3d::Identity());
+  const Division division = divide({{Vector3d{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}}, plates, 1e-12);
+  EXPECT_EQ(division.integral, 0);
+  EXPECT_EQ(division.bound, 0);
+}
+
+/// Plates and a triangle that has points nearest to several of them, in any position; none touches another.
+struct Case {
+  std::vector<Rectangle> plates;
+  Triangle triangle;
+};
+
+Case any_case(Random& random, int plates) {
+  while (true) {
+    Case result;
+    for (int k = 0; k < plates; ++k)
+      result.plates.push_back(any_plate(random));
+    result.triangle = random.triangle_in_box({-2, -2, -2}, {2, 2, 2});
+    if (std::isfinite(divide({result.triangle}, result.plates, 1).integral) &&
+        divide({result.triangle}, result.plates, 1).parts > 4)
+      return result;
+  }
+}
+
+TEST(NearestPlates, IsWhatFineNodesFind) {
+  // The sum over centroids converges like the square of their spacing, kinks or not: what a level changes is
+  // three times what remains.
+  Random random(5);
+  for (int i = 0; i < draws(40); ++i) {
+    const auto [plates, triangle] = any_case(random, 2 + i % 4);
+    std::vector<PlateFrame> frames;
+    frames.reserve(plates.size());
+    for (const Rectangle& plate : plates)
+      frames.push_back(plate_frame(plate));
+    const double coarse = nearest_node_sum(triangle, frames, Split{5}),
+                 fine = nearest_node_sum(triangle, frames, Split{6});
+    const double found = divide({triangle}, plates, 1e-12).integral;
+    EXPECT_NEAR(found, fine, 2 * std::abs(fine - coarse) + 1e-5 * found);
+  }
+}
+
+TEST(NearestPlates, StaysWithinItsBoundAndTheBoundWithinTheTolerance) {
+  Random random(6);
+  for (int i = 0; i < draws(200); ++i) {
+    const auto [plates, triangle] = any_case(random, 2 + i % 5);
+    const Division accurate = divide({triangle}, plates, 1e-13);
+    EXPECT_LE(accurate.bound, 1e-13 * accurate.integral);
+    const double slack = 1e-12 * accurate.integral;
+    for (const double tolerance : {1e-1, 1e-3, 1e-6, 1e-9}) {
+      const Division division = divide({triangle}, plates, tolerance);
+      EXPECT_LE(division.bound, tolerance * accurate.integral);
+      EXPECT_LE(division.integral, accurate.integral + slack);
+      EXPECT_LE(accurate.integral, division.integral + division.bound + slack);
+      EXPECT_LE(division.parts, accurate.parts);
+    }
+  }
+}
+
+TEST(NearestPlates, LiesBetweenTheLargestOfThePlatesAndTheirSum) {
+  Random random(7);
+  for (int i = 0; i < draws(200); ++i) {
+    const auto [plates, triangle] = any_case(random, 2);
+    const double first = plate_integral(triangle, plates[0]), second = plate_integral(triangle, plates[1]);
+    const double found = divide({triangle}, plates, 1e-12).integral;
+    EXPECT_GE(found, std::max(first, second) * (1 - 1e-12));
+    EXPECT_LE(found, first + second);
+  }
+}
+
+TEST(NearestPlates, DoesNotChangeWhenEverythingMoves) {
+  Random random(8);
+  for (int i = 0; i < draws(100); ++i) {
+    auto [plates, triangle] = any_case(random, 3);
+    const double expected = divide({triangle}, plates, 1e-12).integral;
+    const Eigen::Isometry3d motion = random.rigid_motion();
+    for (Vector3d& vertex : triangle)
+      vertex = motion * vertex;
+    for (Rectangle& plate : plates)
+      plate = {motion * plate.corner, motion.linear() * plate.edge_u, motion.linear() * plate.edge_v};
+    EXPECT_NEAR(divide({triangle}, plates, 1e-12).integral, expected, 1e-11 * expected);
+  }
+}
+
+TEST(NearestNodes, OfOnePlateAreTheMethods) {
+  Random random(9);
+  for (int i = 0; i < 30; ++i) {
+    const Rectangle plate = any_plate(random);
+    const Triangle triangle = random.triangle_in_box({3, 3, 3}, {4, 4, 4});
+    const std::vector<PlateFrame> frames{plate_frame(plate), plate_frame(plate)};
+    for (const int n : {0, 1, 3}) {
+      const double split = plate_integral(triangle, plate, Split{n});
+      EXPECT_NEAR(nearest_node_sum(triangle, frames, Split{n}), split, 1e-13 * split);
+      const double gauss = plate_integral(triangle, plate, Gauss{n + 1});
+      EXPECT_NEAR(nearest_node_sum(triangle, frames, Gauss{n + 1}), gauss, 1e-13 * gauss);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace fringe::detail

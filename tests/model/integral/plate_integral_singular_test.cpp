@@ -1,0 +1,197 @@
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "fringe/plate_integral.hpp"
+#include "geometry.hpp"
+#include "integral/kernel.hpp"
+
+/// Triangles at which formulas break: without area, on the plate, in a plane between two regions, thin,
+/// nearly parallel.
+namespace fringe {
+namespace {
+
+using Eigen::Vector3d;
+using test::parallelogram;
+using test::total_integral;
+
+const Rectangle plate{{0, 0, 0}, {3, 0, 0}, {0, 2, 0}};
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+void expect_close(double value, double expected, double tolerance = 4e-15) {
+  EXPECT_NEAR(value, expected, tolerance * expected);
+}
+
+TEST(PlateIntegralWithoutArea, IsZeroWhereverTheTriangleIs) {
+  EXPECT_EQ(plate_integral({Vector3d{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, plate), 0);
+  EXPECT_EQ(plate_integral({Vector3d{1, 1, 1}, {2, 1, 1}, {4, 1, 1}}, plate), 0);
+  EXPECT_EQ(plate_integral({Vector3d{1, 1, 0}, {1, 1, 0}, {2, 1, 0}}, plate), 0) << "on the plate";
+  EXPECT_EQ(plate_integral({Vector3d{1, 1, -1}, {1, 1, 1}, {1, 1, 0}}, plate), 0) << "through the plate";
+  EXPECT_EQ(plate_integral({Vector3d{1, 1, -1}, {1, 1, 1}, {1, 1, 0}}, plate, Split{3}), 0);
+}
+
+TEST(PlateIntegralOnThePlate, DivergesWhenTheTriangleLiesOnThePlate) {
+  EXPECT_EQ(plate_integral({Vector3d{1, 1, 0}, {2, 1, 0}, {1, 2, 0}}, plate), infinity);
+  EXPECT_EQ(plate_integral({Vector3d{-1, 1, 0}, {1, 1, 0}, {-1, 2, 0}}, plate), infinity) << "in part";
+}
+
+TEST(PlateIntegralOnThePlate, DivergesWhenTheTriangleCrossesThePlate) {
+  EXPECT_EQ(plate_integral({Vector3d{1, 1, -1}, {2, 1, 1}, {1, 2, 1}}, plate), infinity);
+  EXPECT_EQ(plate_integral({Vector3d{-1, 1, -2}, {1, 1, 1}, {-1, 1.5, 1}}, plate), infinity) << "in part";
+  EXPECT_EQ(plate_integral({Vector3d{0, 0.5, -1}, {0, 1.5, -1}, {0, 1, 1}}, plate), infinity)
+      << "through the edge";
+}
+
+TEST(PlateIntegralOnThePlate, DivergesWhenAnEdgeOfTheTriangleLiesOnThePlate) {
+  EXPECT_EQ(plate_integral({Vector3d{1, 1, 0}, {2, 1, 0}, {1, 1, 1}}, plate), infinity);
+  EXPECT_EQ(plate_integral({Vector3d{0, 0.5, 0}, {0, 1.5, 0}, {-1, 1, 0}}, plate), infinity)
+      << "edge on edge";
+  EXPECT_EQ(plate_integral({Vector3d{0, -1, 0}, {0, 3, 0}, {-1, 1, 1}}, plate), infinity) << "edge over edge";
+}
+
+TEST(PlateIntegralOnThePlate, IsFiniteWhenOnlyAVertexTouchesThePlate) {
+  const std::vector<Triangle> touching{
+      {Vector3d{1, 1, 0}, {1, 2, 1}, {2, 1, 1}},        // in front of it
+      {Vector3d{0, 1, 0}, {-1, 0.5, 0}, {-1, 1.5, 0}},  // beside an edge, in the plate's plane
+      {Vector3d{0, 1, 0}, {-1, 1, -1}, {-1, 1, 1}},     // across an edge's line, beside the plate
+      {Vector3d{0, 0, 0}, {-1, -2, 0.5}, {-2, -1, 1}},  // at a corner
+      {Vector3d{0, 0, 0}, {1, -1, 0}, {-1, -1, 0.5}},   // at a corner, in two regions
+  };
+  for (const Triangle& triangle : touching) {
+    // The limit of the triangle without its tip: the tip of relative size s adds in proportion to s.
+    const auto [tip, b, c] = triangle;
+    const double whole = plate_integral(triangle, plate);
+    ASSERT_TRUE(std::isfinite(whole));
+    const double size = 1e-3;
+    const Vector3d tip_b = tip + size * (b - tip), tip_c = tip + size * (c - tip);
+    expect_close(plate_integral({tip, tip_b, tip_c}, plate), size * whole, 1e-12);
+    expect_close(total_integral({{tip, tip_b, tip_c}, {tip_b, b, c}, {tip_b, c, tip_c}}, plate), whole,
+                 1e-12);
+  }
+}
+
+TEST(PlateIntegralOnThePlate, IsFiniteInThePlatesPlaneBesideIt) {
+  // x from −1 − w to −1, all in one line with the edge: w·∫dx/x
+  expect_close(total_integral(parallelogram({-2, 0.5, 0}, {1, 0, 0}, {0, 1, 0}), plate), std::log(2.0));
+}
+
+TEST(PlateIntegralInABorderPlane, IsCountedExactlyOnce) {
+  // A vertical rectangle over an edge of the plate: d = z, so w·ln(z₂/z₁), for each of the four edges
+  const Vector3d up(0, 0, 1);
+  const double expected = std::log(2.0);
+  for (const auto& [corner, along] : std::vector<std::pair<Vector3d, Vector3d>>{{{0, 0.5, 1}, {0, 1, 0}},
+                                                                                {{3, 0.5, 1}, {0, 1, 0}},
+                                                                                {{0.5, 0, 1}, {1, 0, 0}},
+                                                                                {{0.5, 2, 1}, {1, 0, 0}}})
+    expect_close(total_integral(parallelogram(corner, along, up), plate), expected);
+}
+
+TEST(PlateIntegralInABorderPlane, IsCountedOnceBesideTheCornersToo) {
+  // In the plane x = 0 or x = 3 beside the edge: the distance to the corner, as in any plane through it. At z
+  // from 1 to 2 and y from −1 to 0 that is ∫∫dy dz/√(y² + z²), which the mean over thin strips to either side
+  // of the plane encloses.
+  for (const double x : {0.0, 3.0}) {
+    const double value = total_integral(parallelogram({x, -1, 1}, {0, 1, 0}, {0, 0, 1}), plate);
+    // F(y, z) = y·asinh(z/y) + z·asinh(y/z) is the integral over (0, y) × (0, z)
+    const auto primitive = [](double y, double z) { return y * std::asinh(z / y) + z * std::asinh(y / z); };
+    expect_close(value, primitive(1, 2) - primitive(1, 1));
+  }
+}
+
+TEST(PlateIntegralInABorderPlane, IsContinuousAcrossThePlane) {
+  for (const double offset : {-1e-15, 1e-15}) {
+    const double value = total_integral(parallelogram({offset, -0.5, 1}, {0, 3, 0}, {0, 0, 1}), plate);
+    expect_close(value, total_integral(parallelogram({0, -0.5, 1}, {0, 3, 0}, {0, 0, 1}), plate), 1e-14);
+  }
+}
+
+TEST(PlateIntegralInABorderPlane, KeepsItsDigitsNextToThePlatesEdge) {
+  // d = z, so the second divided difference of z·ln z over the three heights, to 20
+  // digits 56.330799391238285179, times twice the area. To rounding two edges are as long as each other.
+  const double small = 0x1p-53;
+  for (const double x : {0.0, 3.0})
+    expect_close(plate_integral({Vector3d{x, 0.5, 0.625}, {x, 1, small}, {x, 1.5, 1.125 * small}}, plate),
+                 0.3125 * 56.330799391238285);
+}
+
+TEST(PlateIntegralOfASliver, IsTheIntegralAlongItWhateverItsWidth) {
+  // A triangle of base w and unit length with vertex A and base at B: ∫dA/d = w·∫₀¹ s ds/d(A + s(B − A)). The
+  // width cancels from the ratio to w, which therefore must not depend on it.
+  const Vector3d apex(-2, -1, 0.5), base(-1, -2.5, 1.5), across(0.75, 0.5, 0);  // across ⟂ base − apex
+  const auto ratio = [&](double width) {
+    return plate_integral({apex, base, base + width * across}, plate) /
+           (twice_area({apex, base, base + width * across}));
+  };
+  const double expected = ratio(0x1p-40);
+  for (const double width : {0x1p-30, 0x1p-36, 0x1p-44, 0x1p-48})
+    expect_close(ratio(width), expected, 2e-9);
+  for (const double width : {0x1p-44, 0x1p-48})
+    expect_close(ratio(width), expected, 2e-12);
+}
+
+TEST(PlateIntegralOfANearlyParallelTriangle, AgreesWithQuadratureAtAnyTilt) {
+  for (const Vector3d& corner : {Vector3d(1, 0.5, 1), Vector3d(-2, 0.5, 1), Vector3d(-2, -2, 1)})
+    for (double tilt = 1e-17; tilt < 0.2; tilt *= 10) {
+      const Triangle triangle{corner, corner + Vector3d(0.7, 0, 0.7 * tilt),
+                              corner + Vector3d(0, 0.6, -0.3 * tilt)};
+      expect_close(plate_integral(triangle, plate), plate_integral(triangle, plate, Gauss{32}), 4e-15);
+    }
+}
+
+TEST(PlateIntegralOfAPlaneThroughTheCorner, AgreesWithQuadrature) {
+  // The three vectors from the corner lie in one plane with it: the pyramid over the triangle is flat.
+  const Vector3d u(-1, -0.5, 0.25), v(-0.25, -1, 0.5);
+  const Triangle triangle{u, 2 * u + v, u + 3 * v};
+  expect_close(plate_integral(triangle, plate), plate_integral(triangle, plate, Gauss{64}), 4e-15);
+}
+
+TEST(PlateIntegralOfAPlaneThroughTheEdge, AgreesWithQuadrature) {
+  // Beside the edge the three vectors lie on one line through the origin of the cross section.
+  const Triangle triangle{Vector3d{-1, 0.5, 0.5}, {-2, 0.75, 1}, {-1.5, 1.5, 0.75}};
+  expect_close(plate_integral(triangle, plate), plate_integral(triangle, plate, Gauss{32}), 4e-15);
+}
+
+TEST(PlateIntegralNextToThePlate, DoesNotOverflowWhereHeightsHaveNoRatio) {
+  // In front of the plate, the mean of 1/z: 1/h with one vertex at 0 and two at h, and (ln(h/z) − 1)/h with
+  // two at z, which h/z is too large a number for.
+  const double z = 1e-315, h = 29;
+  const Triangle one{Vector3d{1, 1, z}, {2, 1, h}, {1, 1.5, h}},
+      two{Vector3d{1, 1, z}, {2, 1, z}, {1, 1.5, h}};
+  const double mean_of_two = (std::log(h) - std::log(z) - 1) / h;
+  expect_close(plate_integral(one, plate), twice_area(one) / h);
+  expect_close(plate_integral(two, plate), twice_area(two) * mean_of_two);
+  const std::vector<double> together = plate_integrals(std::vector{one, two}, plate);
+  expect_close(together[0], twice_area(one) / h);
+  expect_close(together[1], twice_area(two) * mean_of_two);
+}
+
+TEST(Kernel, IsANumberWhereLengthsHaveNoPowerOfTwoThatScalesThem) {
+  // K is of degree −1 in the lengths, and beyond the range of numbers for the smallest of them.
+  const auto of_size = [](double length) {
+    return detail::kernel({length, 0, 0}, {0, length, 0}, {0, 0, length});
+  };
+  const double least = std::numeric_limits<double>::denorm_min();
+  EXPECT_EQ(of_size(least), infinity);
+  EXPECT_NEAR(of_size(0x1p-1022) * 0x1p-1022, of_size(1), 1e-15);
+}
+
+TEST(PlateIntegral, IsANumberNextToEveryFeatureOfThePlate) {
+  test::Random random(11);
+  for (double distance = 1e-300; distance < 1; distance *= 1e10)
+    for (const Vector3d& feature :
+         {Vector3d(1, 1, 0), Vector3d(0, 1, 0), Vector3d(0, 0, 0), Vector3d(3, 2, 0)})
+      for (int i = 0; i < 20; ++i) {
+        const Vector3d near = feature + distance * random.in_box({-1, -1, 0}, {1, 1, 1});
+        const Triangle triangle{near, random.in_box({-1, -1, 0}, {4, 3, 2}),
+                                random.in_box({-1, -1, 0}, {4, 3, 2})};
+        const double value = plate_integral(triangle, plate);
+        EXPECT_GT(value, 0);
+        EXPECT_FALSE(std::isnan(value));
+      }
+}
+
+}  // namespace
+}  // namespace fringe

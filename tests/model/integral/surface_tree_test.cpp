@@ -1,0 +1,399 @@
+#include "fringe/surface_tree.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "fringe/error.hpp"
+#include "fringe/pose.hpp"
+#include "fringe/triangulation.hpp"
+#include "geometry.hpp"
+#include "integral/facing.hpp"
+#include "integral/tree/build.hpp"
+#include "integral/tree/node_bound.hpp"
+
+namespace fringe {
+namespace {
+
+using Eigen::Vector3d;
+using test::Random;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// What rounding may add to the bound, as a share of the value.
+constexpr double rounding = 1e-13;
+
+std::vector<Triangle> moved(std::vector<Triangle> triangles, const Eigen::Isometry3d& motion) {
+  for (Triangle& triangle : triangles)
+    triangle = transformed(triangle, motion);
+  return triangles;
+}
+
+/// Triangles of all sizes, some of them twice, some without area.
+std::vector<Triangle> soup(Random& random, int count) {
+  std::vector<Triangle> triangles;
+  while (static_cast<int>(triangles.size()) < count) {
+    const double size = std::pow(10, random.uniform(-3, 0));
+    const Vector3d place = random.in_box({-1, -1, -1}, {1, 1, 1});
+    const Triangle triangle = random.triangle_in_box(place, place + Vector3d::Constant(size));
+    triangles.push_back(triangle);
+    if (triangles.size() % 5 == 0)
+      triangles.push_back(triangle);
+    if (triangles.size() % 7 == 0)
+      triangles.push_back({triangle[0], triangle[1], triangle[1]});
+  }
+  return triangles;
+}
+
+struct NamedMesh {
+  std::string name;
+  std::vector<Triangle> triangles;
+};
+
+/// Closed, open, flat, thick, coarse and fine surfaces about a metre large.
+std::vector<NamedMesh> meshes() {
+  Random random(1);
+  std::vector<NamedMesh> result{
+      {"sphere", triangulate(Sphere{0.5, 48})},
+      {"cuboid", triangulate(Cuboid{0.4, 0.7, 1})},
+      {"cylinder", triangulate(Cylinder{0.2, 0.8, 64})},
+      {"plate", triangulate(Plate{0.6, 0.4})},
+      {"triangle", {random.triangle_in_box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5})}},
+      {"large soup", soup(random, 1500)},
+      {"small soup", soup(random, 40)},
+  };
+  // A sheet of many small triangles, to be flat and fine at once.
+  std::vector<Triangle> sheet;
+  constexpr int cells = 30;
+  for (int i = 0; i < cells; ++i)
+    for (int j = 0; j < cells; ++j)
+      for (const Triangle& half : test::parallelogram(Vector3d(i, j, 0) / cells, Vector3d(1, 0, 0) / cells,
+                                                      Vector3d(0, 1, 0) / cells))
+        sheet.push_back(half);
+  result.push_back({"sheet", sheet});
+  return result;
+}
+
+/// A plate of any size that need not be far from a surface about the origin, nor near it.
+Rectangle any_plate(Random& random) {
+  const double size = std::pow(10, random.uniform(-2, 0.5)),
+               distance = std::pow(10, random.uniform(-0.5, 1.5));
+  const Rectangle plate{Vector3d::Zero(), {size, 0, 0}, {0, size * random.uniform(0.2, 1), 0}};
+  Eigen::Isometry3d motion = random.rigid_motion();
+  motion.translation() = distance * random.in_box({-1, -1, -1}, {1, 1, 1});
+  return transformed(plate, motion);
+}
+
+void expect_covered(const TreeIntegral& integral, double truth, double tolerance) {
+  if (std::isinf(truth)) {
+    EXPECT_EQ(integral.value, infinity);
+    return;
+  }
+  EXPECT_LE(std::abs(integral.value - truth), integral.bound + rounding * truth);
+  EXPECT_LE(integral.bound, tolerance * truth * (1 + rounding));
+}
+
+void expect_every_triangle_counted(const TreeCounts& counts, std::size_t triangles) {
+  EXPECT_EQ(counts.triangles_evaluated + counts.triangles_lumped + counts.triangles_skipped, triangles);
+}
+
+TEST(SurfaceTree, BoundCoversTheErrorAndKeepsTheTolerance) {
+  constexpr int poses = 25;
+  Random random(2);
+  for (const auto& [name, triangles] : meshes()) {
+    SCOPED_TRACE(name);
+    const SurfaceTree tree(triangles);
+    for (int i = 0; i < poses; ++i) {
+      const Rectangle plate = any_plate(random);
+      const double truth = test::total_integral(triangles, plate);
+      for (const double tolerance : {1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 0.0}) {
+        SCOPED_TRACE(fmt::format("pose {}, tolerance {}", i, tolerance));
+        const TreeIntegral integral = tree.integrate(plate, {.tolerance = tolerance});
+        expect_covered(integral, truth, tolerance);
+        expect_every_triangle_counted(integral.counts, triangles.size());
+      }
+    }
+  }
+}
+
+TEST(SurfaceTree, BoundCoversTheErrorNextToThePlate) {
+  const std::vector<Triangle> triangles = triangulate(Sphere{0.5, 64});
+  const SurfaceTree tree(triangles);
+  Random random(3);
+  for (const double gap : {1e-6, 1e-4, 1e-2, 1e-1}) {
+    for (int i = 0; i < 10; ++i) {
+      const Vector3d shift(random.uniform(-0.6, 0.2), random.uniform(-0.6, 0.2), 0.5 + gap);
+      const Rectangle plate{shift, {0.4, 0, 0}, {0, 0.4, 0}};
+      const double truth = test::total_integral(triangles, plate);
+      for (const double tolerance : {1e-3, 1e-6}) {
+        SCOPED_TRACE(fmt::format("gap {}, position {}, tolerance {}", gap, i, tolerance));
+        expect_covered(tree.integrate(plate, {.tolerance = tolerance}), truth, tolerance);
+      }
+    }
+  }
+}
+
+TEST(SurfaceTree, IsInfiniteOnContact) {
+  const std::vector<Triangle> triangles = triangulate(Sphere{0.5, 64});
+  const SurfaceTree tree(triangles);
+  const Rectangle cutting{{-0.3, -0.3, 0.45}, {0.6, 0, 0}, {0, 0.6, 0}};
+  for (const double tolerance : {0.0, 1e-6, 1e-1}) {
+    const TreeIntegral integral = tree.integrate(cutting, {.tolerance = tolerance});
+    EXPECT_EQ(integral.value, infinity);
+    EXPECT_EQ(integral.bound, 0);
+    expect_every_triangle_counted(integral.counts, triangles.size());
+  }
+}
+
+TEST(SurfaceTree, WithoutToleranceEvaluatesEveryTriangle) {
+  const std::vector<Triangle> triangles = triangulate(Sphere{0.5, 32});
+  const Rectangle plate{{5, 5, 5}, {0.1, 0, 0}, {0, 0.1, 0}};
+  const TreeIntegral integral = SurfaceTree(triangles).integrate(plate, {});
+  EXPECT_EQ(integral.counts.triangles_evaluated, triangles.size());
+  EXPECT_EQ(integral.counts.nodes_lumped, 0U);
+  EXPECT_EQ(integral.bound, 0);
+}
+
+TEST(SurfaceTree, LumpsWhatIsFar) {
+  const std::vector<Triangle> triangles = triangulate(Sphere{0.5, 128});
+  const Rectangle plate{{20, 20, 20}, {0.1, 0, 0}, {0, 0.1, 0}};
+  const TreeIntegral integral = SurfaceTree(triangles).integrate(plate, {.tolerance = 1e-4});
+  EXPECT_EQ(integral.counts.triangles_lumped, triangles.size());
+  EXPECT_EQ(integral.counts.nodes_visited, 1U);
+  EXPECT_LE(integral.counts.points, 60U);
+}
+
+TEST(SurfaceTree, AllowanceAddsToTheTolerance) {
+  const std::vector<Triangle> triangles = triangulate(Sphere{0.5, 64});
+  const SurfaceTree tree(triangles);
+  Random random(4);
+  for (int i = 0; i < 30; ++i) {
+    const Rectangle plate = any_plate(random);
+    const double truth = test::total_integral(triangles, plate);
+    if (std::isinf(truth))
+      continue;
+    for (const double tolerance : {0.0, 1e-6}) {
+      const double allowance = 1e-3 * truth;
+      const TreeIntegral integral = tree.integrate(plate, {.tolerance = tolerance, .allowance = allowance});
+      EXPECT_LE(std::abs(integral.value - truth), integral.bound + rounding * truth);
+      EXPECT_LE(integral.bound, (tolerance * truth + allowance) * (1 + rounding));
+      EXPECT_LE(integral.counts.nodes_visited,
+                tree.integrate(plate, {.tolerance = 1e-6}).counts.nodes_visited);
+    }
+  }
+}
+
+TEST(SurfaceTree, FacingCountsTheTrianglesThatSeeThePlate) {
+  Random random(5);
+  for (const auto& [name, triangles] : meshes()) {
+    SCOPED_TRACE(name);
+    const SurfaceTree tree(triangles);
+    for (int i = 0; i < 15; ++i) {
+      const Rectangle plate = any_plate(random);
+      if (std::isinf(test::total_integral(triangles, plate)))
+        continue;
+      std::vector<Triangle> counting;
+      std::copy_if(
+          triangles.begin(), triangles.end(), std::back_inserter(counting),
+          [&](const Triangle& triangle) { return detail::sight(triangle, plate) == detail::Sight::outward; });
+      const double truth = test::total_integral(counting, plate);
+      for (const double tolerance : {0.0, 1e-6, 1e-3, 1e-1}) {
+        SCOPED_TRACE(fmt::format("pose {}, tolerance {}", i, tolerance));
+        const TreeIntegral integral =
+            tree.integrate(plate, {.tolerance = tolerance, .faces = FaceRule::facing});
+        expect_covered(integral, truth, tolerance);
+        expect_every_triangle_counted(integral.counts, triangles.size());
+        EXPECT_GE(integral.counts.triangles_skipped, triangles.size() - counting.size());
+      }
+    }
+  }
+}
+
+TEST(SurfaceTree, DoesNotChangeWhenEverythingMoves) {
+  Random random(6);
+  const std::vector<Triangle> triangles = triangulate(Sphere{0.5, 32});
+  const SurfaceTree tree(triangles);
+  for (int i = 0; i < 20; ++i) {
+    const Rectangle plate = any_plate(random);
+    const Eigen::Isometry3d motion = random.rigid_motion();
+    const SurfaceTree moved_tree(moved(triangles, motion));
+    const TreeIntegral here = tree.integrate(plate, {.tolerance = 1e-6});
+    const TreeIntegral there = moved_tree.integrate(transformed(plate, motion), {.tolerance = 1e-6});
+    if (std::isinf(here.value))
+      EXPECT_EQ(there.value, infinity);
+    else
+      EXPECT_NEAR(here.value, there.value, here.bound + there.bound + rounding * here.value);
+  }
+}
+
+TEST(SurfaceTree, OfTrianglesWithoutAreaIsZero) {
+  const Vector3d a(0, 0, 0), b(1, 0, 0);
+  const TreeIntegral integral = SurfaceTree(std::vector<Triangle>{{a, b, b}, {a, a, a}})
+                                    .integrate({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {.tolerance = 1e-3});
+  EXPECT_EQ(integral.value, 0);
+  EXPECT_EQ(integral.bound, 0);
+  EXPECT_EQ(integral.counts.triangles_skipped, 2U);
+}
+
+TEST(SurfaceTree, RefusesWhatCannotBeIntegrated) {
+  EXPECT_THROW(SurfaceTree(std::vector<Triangle>{}), InputError);
+  const Vector3d a(0, 0, 0), b(1, 0, 0), c(0, 1, 0);
+  EXPECT_THAT(
+      [&] {
+        SurfaceTree(std::vector<Triangle>{{a, b, c}, {a, b, {0, infinity, 0}}});
+      },
+      testing::ThrowsMessage<InputError>(testing::HasSubstr("triangle 1: vertex 2")));
+  const SurfaceTree tree(std::vector<Triangle>{{a, b, c}});
+  const Rectangle plate{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
+  EXPECT_THROW(tree.integrate({{0, 0, 1}, {1, 0, 0}, {1, 1, 0}}, {}), InputError);
+  for (const double bad : {-1e-3, infinity, std::nan("")}) {
+    EXPECT_THROW(tree.integrate(plate, {.tolerance = bad}), InputError);
+    EXPECT_THROW(tree.integrate(plate, {.allowance = bad}), InputError);
+  }
+}
+
+/// ∫(direction·(p − centre))^power dA in closed form.
+double integral_of_power(const std::vector<Triangle>& triangles, const Vector3d& centre,
+                         const Vector3d& direction, int power) {
+  // ∫ (n·δ)^k dA = 2A · k!/(k+2)! · Σ_{i+j+l=k} a^i b^j c^l, with a, b, c the values of n·δ at the corners.
+  double sum = 0;
+  for (const Triangle& triangle : triangles) {
+    const double a = direction.dot(triangle[0] - centre), b = direction.dot(triangle[1] - centre),
+                 c = direction.dot(triangle[2] - centre);
+    double products = 0;
+    for (int i = 0; i <= power; ++i)
+      for (int j = 0; i + j <= power; ++j)
+        products += std::pow(a, i) * std::pow(b, j) * std::pow(c, power - i - j);
+    sum += twice_area(triangle) * products / ((power + 1) * (power + 2));
+  }
+  return sum;
+}
+
+TEST(SurfaceTree, MomentsOfEveryNodeAreWithinTheStatedMismatch) {
+  Random random(7);
+  for (const auto& [name, triangles] : meshes()) {
+    SCOPED_TRACE(name);
+    const detail::SurfaceNodes tree = detail::build_nodes(triangles);
+    for (const detail::Node& node : tree.nodes) {
+      std::vector<Triangle> part;
+      for (std::size_t i = 0; i < node.triangles.count; ++i)
+        part.push_back(tree.triangles[node.triangles.first + i]);
+      const Vector3d direction = random.in_box({-1, -1, -1}, {1, 1, 1}).normalized();
+      for (std::size_t step = 0; step < node.quadratures.size(); ++step) {
+        const detail::Range& points = node.quadratures[step];
+        if (points.count == 0)
+          continue;
+        for (int power = 0; power <= detail::highest_degree; ++power) {
+          double sum = 0;
+          for (std::size_t i = points.first; i < points.first + points.count; ++i) {
+            const Vector3d point(tree.points.x[i], tree.points.y[i], tree.points.z[i]);
+            sum += tree.points.weight[i] * std::pow(direction.dot(point - node.centre), power);
+          }
+          const double scale = node.area * std::pow(node.radius, power);
+          EXPECT_NEAR(sum, integral_of_power(part, node.centre, direction, power),
+                      (node.errors.mismatch[static_cast<std::size_t>(power)][step] + rounding) * scale);
+        }
+        // What is not matched may not be much, or the quadratures would be of no use.
+        EXPECT_LE(node.errors.mismatch[0][step], 1e-4);
+      }
+    }
+  }
+}
+
+/// A triangle much smaller than a metre about a point, in a plane of constant z, of a given area.
+Triangle small_triangle(const Vector3d& place, double area) {
+  const double size = std::sqrt(4 * area / std::sqrt(27.0));
+  Triangle triangle;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double angle = 2 * std::acos(-1.0) * static_cast<double>(k) / 3;
+    triangle[k] = place + size * Vector3d(std::cos(angle), std::sin(angle), 0);
+  }
+  return triangle;
+}
+
+/// The error of a quadrature and the bound of it, for a tree of one node.
+struct MeasuredBound {
+  double error;
+  double bound;
+};
+
+MeasuredBound measured_bound(const std::vector<Triangle>& triangles, const Rectangle& plate,
+                             std::size_t step) {
+  const detail::SurfaceNodes tree = detail::build_nodes(triangles);
+  const detail::Node& node = tree.nodes.front();
+  const detail::PlateFrame frame = detail::plate_frame(plate);
+  const detail::Placement placement = detail::place(frame, node.centre);
+  double sum = 0;
+  const detail::Range& points = node.quadratures[step];
+  for (std::size_t i = points.first; i < points.first + points.count; ++i)
+    sum += tree.points.weight[i] /
+           detail::place(frame, {tree.points.x[i], tree.points.y[i], tree.points.z[i]}).distance;
+  return {std::abs(sum - test::total_integral(triangles, plate)),
+          detail::smooth_errors(placement, node)[step] + detail::kink_error(frame, placement, node)};
+}
+
+/// A bound that were five times smaller would be passed.
+void expect_nearly_attained(const MeasuredBound& measured) {
+  EXPECT_LE(measured.error, measured.bound);
+  EXPECT_GE(measured.error, measured.bound / 5);
+}
+
+/// A large plate in the plane z = height.
+Rectangle wide_plate(double height) {
+  return {{-1e4, -1e4, height}, {2e4, 0, 0}, {0, 2e4, 0}};
+}
+
+// Two spots one above the other: the expansion's forms all take their largest values there. Far away the
+// first term that is not matched dominates the bound, at 1.05 radii the remainder does.
+TEST(SurfaceTree, BoundIsNearlyAttainedByTwoSpots) {
+  for (const double heavy : {1.0, 4.0}) {
+    // About the centroid, the lighter spot a metre away and towards the plate.
+    const std::vector<Triangle> spots{small_triangle({0, 0, -1 / heavy}, 1e-8 * heavy),
+                                      small_triangle({0, 0, 1}, 1e-8)};
+    for (const double distance : {1.05, 1.2, 2.0, 10.0, 100.0}) {
+      SCOPED_TRACE(fmt::format("heavy {}, distance {}", heavy, distance));
+      expect_nearly_attained(measured_bound(spots, wide_plate(distance), 0));
+    }
+  }
+}
+
+// The four points of degree 2 are symmetric, spots of unequal weight are not: the term of degree 3 is left.
+TEST(SurfaceTree, BoundOfTheThirdMomentsIsNearlyAttained) {
+  const std::vector<Triangle> spots{small_triangle({0, 0, -1.0 / 9}, 9e-8), small_triangle({0, 0, 1}, 1e-8)};
+  for (const double distance : {20.0, 100.0})
+    expect_nearly_attained(measured_bound(spots, wide_plate(distance), 1));
+}
+
+// Above the plate the distance of a surface parallel to it is constant: all error comes from the lighter spot
+// beyond the border.
+TEST(SurfaceTree, BoundAcrossABorderIsNearlyAttained) {
+  const std::vector<Triangle> spots{small_triangle({-1.0 / 20, 0, 0}, 20e-8),
+                                    small_triangle({1, 0, 0}, 1e-8)};
+  for (const double distance : {200.0, 1000.0})
+    expect_nearly_attained(
+        measured_bound(spots, {{-5000, -5000, -distance}, {5000, 0, 0}, {0, 10000, 0}}, 1));
+}
+
+TEST(SurfaceTree, BoundDoesNotDependOnTheUnitOfLength) {
+  const std::vector<Triangle> triangles = triangulate(Sphere{0.5, 32});
+  const Rectangle plate{{0.4, -0.3, 0.9}, {1, 0, 0}, {0, 1, 0}};
+  const TreeIntegral expected = SurfaceTree(triangles).integrate(plate, {.tolerance = 1e-4});
+  for (const double scale : {std::ldexp(1.0, -120), std::ldexp(1.0, 120)}) {
+    std::vector<Triangle> scaled = triangles;
+    for (Triangle& triangle : scaled)
+      for (Vector3d& vertex : triangle)
+        vertex *= scale;
+    const TreeIntegral integral = SurfaceTree(scaled).integrate(
+        {scale * plate.corner, scale * plate.edge_u, scale * plate.edge_v}, {.tolerance = 1e-4});
+    EXPECT_NEAR(integral.value / scale, expected.value, rounding * expected.value);
+    EXPECT_NEAR(integral.bound / scale, expected.bound, rounding * expected.value);
+  }
+}
+
+}  // namespace
+}  // namespace fringe

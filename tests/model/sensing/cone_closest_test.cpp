@@ -1,0 +1,254 @@
+#include "fringe/distance_sensor.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <gtest/gtest.h>
+
+#include "fringe/error.hpp"
+#include "geometry.hpp"
+#include "sensing/precise_cone.hpp"
+
+namespace fringe {
+namespace {
+
+using Eigen::Vector3d;
+using std::numbers::pi;
+
+/// From the origin along z, to both sides by 45°, as far as 10.
+SensingCone upward_cone() {
+  return {Vector3d::Zero(), {0, 0, 1}, pi / 2, 10};
+}
+
+/// Where a side or a plane meets the cone at a low angle, the widening of its boundary counts several times.
+constexpr double tolerance = 10 * 0x1p-50;
+
+class ConeClosest : public testing::TestWithParam<ConeMethod> {
+ protected:
+  static std::optional<VisiblePoint> closest(const std::vector<Triangle>& triangles,
+                                             const SensingCone& cone) {
+    return cone_closest(triangles, cone, GetParam());
+  }
+
+  static void expect_seen(const Triangle& triangle, const SensingCone& cone, const Vector3d& point) {
+    const auto answer = closest({triangle}, cone);
+    ASSERT_TRUE(answer);
+    const double distance = (point - cone.apex).norm();
+    EXPECT_NEAR(answer->distance, distance, tolerance * distance);
+    EXPECT_LE((answer->point - point).cwiseAbs().maxCoeff(), tolerance * (distance + point.norm()));
+    EXPECT_EQ(answer->triangle, 0U);
+  }
+
+  static void expect_unseen(const Triangle& triangle, const SensingCone& cone) {
+    EXPECT_FALSE(closest({triangle}, cone));
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(, ConeClosest, testing::Values(ConeMethod::field_of_view, ConeMethod::cone_equation),
+                         [](const auto& info) {
+                           return info.param == ConeMethod::field_of_view ? "FieldOfView" : "ConeEquation";
+                         });
+
+// The five cases of the thesis' section 4.2.
+
+TEST_P(ConeClosest, Case1FootOnThePlane) {
+  expect_seen({{{-3, -3, 2}, {3, -3, 2}, {0, 3, 2}}}, upward_cone(), {0, 0, 2});
+}
+
+TEST_P(ConeClosest, Case2BorderOfTheConicSection) {
+  // The plane x + 2z = 6 has its foot at (6/5, 0, 12/5), inside the cone of 45°, but outside one of tan =
+  // 1/4: there x = z/4 gives z = 8/3.
+  SensingCone cone = upward_cone();
+  cone.full_angle = 2 * std::atan(0.25);
+  const Triangle triangle{{{6, -9, 0}, {6, 9, 0}, {-8, 0, 7}}};
+  expect_seen(triangle, upward_cone(), {1.2, 0, 2.4});
+  expect_seen(triangle, cone, {2. / 3, 0, 8. / 3});
+}
+
+TEST_P(ConeClosest, Case3SideMeetsTheCone) {
+  // The side x = 2 + z/2 in the plane y = 0 enters the cone x = z at z = 4.
+  expect_seen({{{2, 0, 0}, {5, 0, 6}, {9, 7, 3}}}, upward_cone(), {4, 0, 4});
+}
+
+TEST_P(ConeClosest, Case4FootOnASide) {
+  expect_seen({{{-3, 1, 2}, {3, 1, 2}, {0, 4, 2}}}, upward_cone(), {0, 1, 2});
+}
+
+TEST_P(ConeClosest, Case5Vertex) {
+  expect_seen({{{0.5, 1, 2}, {3, 2, 4}, {0, 4, 5}}}, upward_cone(), {0.5, 1, 2});
+}
+
+// Where the thesis' text fails.
+
+TEST_P(ConeClosest, AxisParallelToThePlane) {
+  // The plane x = 1 has its foot at (1, 0, 0); on it the cone begins at (1, 0, 1).
+  expect_seen({{{1, -5, -5}, {1, 5, -5}, {1, 0, 9}}}, upward_cone(), {1, 0, 1});
+}
+
+TEST_P(ConeClosest, AxisInThePlane) {
+  expect_seen({{{-9, 0, 3}, {9, 0, 3}, {0, 0, 5}}}, upward_cone(), {0, 0, 3});
+  expect_seen({{{1, 0, -5}, {1, 0, 5}, {9, 0, 0}}}, upward_cone(), {1, 0, 1});
+}
+
+TEST_P(ConeClosest, AxisMeetsThePlaneBehindTheApex) {
+  // The plane z = x/2 − 1 goes below the apex, where the mirror cone is, and meets the cone of tan = 4, x =
+  // 4z, at z = 1.
+  SensingCone cone = upward_cone();
+  cone.full_angle = 2 * std::atan(4.0);
+  expect_seen({{{-8, -9, -5}, {-8, 9, -5}, {22, 0, 10}}}, cone, {4, 0, 1});
+}
+
+TEST_P(ConeClosest, MirrorConeIsNotSeen) {
+  expect_unseen({{{-3, -3, -2}, {3, -3, -2}, {0, 3, -2}}}, upward_cone());
+  expect_unseen({{{1, 0, -5}, {5, 0, -6}, {9, 7, -3}}}, upward_cone());
+}
+
+TEST_P(ConeClosest, RangeEndsAtASphericalCap) {
+  // At 40° off the axis, 10 away: its height is only 7.66.
+  const Vector3d sight(std::sin(40 * pi / 180), 0, std::cos(40 * pi / 180));
+  const Vector3d point = 10 * sight;
+  const Triangle within{{point * 0.9999, point + Vector3d(5, 0, 5), point + Vector3d(5, 1, 5)}};
+  const Triangle beyond{{point * 1.0001, point + Vector3d(5, 0, 5), point + Vector3d(5, 1, 5)}};
+  expect_seen(within, upward_cone(), point * 0.9999);
+  expect_unseen(beyond, upward_cone());
+}
+
+TEST_P(ConeClosest, ApexOnTheTriangleHasDistanceZero) {
+  const Triangle triangle{{{1, 2, 3}, {4, -1, 2}, {0, 1, 5}}};
+  SensingCone cone = upward_cone();
+  // Weights whose products are rounded; whichever way the sensor looks.
+  for (const Vector3d& weights : {Vector3d(0.1, 0.2, 0.7), Vector3d(0.3, 0.7, 0), Vector3d(1, 0, 0)})
+    for (const Vector3d& direction : {Vector3d(0, 0, 1), Vector3d(0, 0, -1), Vector3d(1, -1, 0.3)}) {
+      cone.apex = weights.x() * triangle[0] + weights.y() * triangle[1] + weights.z() * triangle[2];
+      cone.direction = direction;
+      const auto answer = closest({triangle}, cone);
+      ASSERT_TRUE(answer);
+      EXPECT_EQ(answer->distance, 0);
+      EXPECT_EQ(answer->point, cone.apex);
+    }
+}
+
+TEST_P(ConeClosest, ApexOnATriangleInACoordinatePlaneHasDistanceZero) {
+  // Its z is exactly 0 and has no rounding, whereas in the frame of a cone across all axes it has.
+  const Triangle triangle{{{-6.3125, 0.125, 0}, {0, -1.375, 0}, {0, 0, 0}}};
+  const SensingCone cone{{-0.0625, 0, 0}, {4, 5.8125, -7.25}, 1.34375, 2.875};
+  const auto answer = closest({triangle}, cone);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->distance, 0);
+}
+
+TEST_P(ConeClosest, ApexNextToTheTriangleHasNot) {
+  for (const double gap : {1e-9, 1e-15, 1e-100})
+    expect_seen({{{-3, -3, gap}, {3, -3, gap}, {0, 3, gap}}}, upward_cone(), {0, 0, gap});
+}
+
+TEST_P(ConeClosest, BoundaryCountsAsInside) {
+  // A vertex, a side along the cone and a plane that touches it, all from outside; in any direction.
+  const Triangle at_vertex{{{1, 0, 1}, {2, 0, 1}, {2, 1, 1}}};
+  const Triangle along_side{{{1, 0, 1}, {3, 0, 3}, {3, 0, 1}}};
+  const Triangle in_tangent_plane{{{1, -1, 1}, {1, 1, 1}, {3, 0, 3}}};
+  test::Random random(1);
+  for (const Triangle& triangle : {at_vertex, along_side, in_tangent_plane}) {
+    expect_seen(triangle, upward_cone(), {1, 0, 1});
+    for (int i = 0; i < 100; ++i) {
+      const Eigen::Isometry3d motion(random.rigid_motion().linear());
+      const SensingCone cone{Vector3d::Zero(), motion * Vector3d(0, 0, 1), pi / 2, 10};
+      expect_seen({motion * triangle[0], motion * triangle[1], motion * triangle[2]}, cone,
+                  motion * Vector3d(1, 0, 1));
+    }
+  }
+  SensingCone short_cone = upward_cone();
+  short_cone.range = 0.3;
+  expect_seen({{{0, 0, 0.1 + 0.2}, {0, 1, 1}, {1, 0, 1}}}, short_cone, {0, 0, 0.3});
+}
+
+TEST_P(ConeClosest, JustOutsideDoesNotCount) {
+  constexpr double off = 1e-14;
+  expect_unseen({{{1 + off, 0, 1}, {2, 0, 1}, {2, 1, 1}}}, upward_cone());
+  SensingCone cone = upward_cone();
+  cone.range = 1 - off;
+  expect_unseen({{{-1, -1, 1}, {1, -1, 1}, {0, 1, 1}}}, cone);
+}
+
+TEST_P(ConeClosest, HalfSpaceIsACone) {
+  SensingCone cone = upward_cone();
+  cone.full_angle = pi;
+  const Triangle wall{{{2, -5, -5}, {2, 5, -5}, {2, 0, 9}}};
+  expect_seen(wall, cone, {2, 0, 0});
+  // A floor in the plane of its end, and one below.
+  expect_seen({{{1, -1, 0}, {2, -1, 0}, {1, 1, 0}}}, cone, {1, 0, 0});
+  expect_unseen({{{1, -1, -1e-9}, {2, -1, -1e-9}, {1, 1, -1e-9}}}, cone);
+}
+
+TEST_P(ConeClosest, TrianglesMayBeSegmentsAndPoints) {
+  const Vector3d a(-3, 1, 2), b(3, 1, 2), c(1, 1, 2);
+  for (const Triangle& segment : {Triangle{a, b, b}, Triangle{a, a, b}, Triangle{a, b, a}, Triangle{a, c, b}})
+    expect_seen(segment, upward_cone(), {0, 1, 2});
+  expect_seen({c, c, c}, upward_cone(), c);
+  expect_unseen({{{3, 0, 1}, {3, 0, 1}, {3, 0, 1}}}, upward_cone());
+}
+
+TEST_P(ConeClosest, LineThroughTheApexIsSeenAtItsNearEnd) {
+  expect_seen({{{0.5, 0.25, 1}, {2, 1, 4}, {2, 1, 4}}}, upward_cone(), {0.5, 0.25, 1});
+  expect_unseen({{{0.5, 0.25, -1}, {2, 1, -4}, {2, 1, -4}}}, upward_cone());
+}
+
+TEST_P(ConeClosest, NoTrianglesNoPoint) {
+  EXPECT_FALSE(closest({}, upward_cone()));
+}
+
+TEST_P(ConeClosest, OfEquallyNearTrianglesTheFirst) {
+  const Triangle above{{{-3, -3, 2}, {3, -3, 2}, {0, 3, 2}}}, higher{{{-3, -3, 3}, {3, -3, 3}, {0, 3, 3}}};
+  EXPECT_EQ(closest({higher, above, above, higher}, upward_cone())->triangle, 1U);
+}
+
+TEST_P(ConeClosest, WorksAtTheEndsOfTheRangeOfDoubles) {
+  const Triangle triangle{{{6, -9, 0}, {6, 9, 0}, {-8, 0, 7}}};
+  for (const int exponent : {-1060, -600, 600, 1018}) {
+    const auto scaled = [=](const Vector3d& p) { return Vector3d(std::ldexp(1, exponent) * p); };
+    const SensingCone cone{Vector3d::Zero(), {0, 0, 1}, 2 * std::atan(0.25), std::ldexp(10, exponent)};
+    const auto answer = closest({{scaled(triangle[0]), scaled(triangle[1]), scaled(triangle[2])}}, cone);
+    ASSERT_TRUE(answer);
+    const double distance = std::hypot(2. / 3, 8. / 3);
+    EXPECT_NEAR(std::ldexp(answer->distance, -exponent), distance, exponent < -1022 ? 1e-4 : 1e-15);
+  }
+}
+
+TEST(SensingCone, SaysWhatIsWrong) {
+  const auto refused = [](auto change) {
+    SensingCone cone = upward_cone();
+    change(cone);
+    EXPECT_THROW(cone_closest({}, cone), InputError);
+  };
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
+                   infinity = std::numeric_limits<double>::infinity();
+  refused([](SensingCone& cone) { cone.apex.x() = nan; });
+  refused([](SensingCone& cone) { cone.direction.y() = infinity; });
+  refused([](SensingCone& cone) { cone.direction.setZero(); });
+  for (const double angle : {0.0, -1.0, 3.15, nan})
+    refused([=](SensingCone& cone) { cone.full_angle = angle; });
+  for (const double range : {0.0, -1.0, infinity, nan})
+    refused([=](SensingCone& cone) { cone.range = range; });
+  const std::vector<Triangle> triangles{{{{0, 0, 1}, {0, 1, 1}, {nan, 0, 1}}}};
+  EXPECT_THROW(cone_closest(triangles, upward_cone()), InputError);
+  EXPECT_THROW(SensedSurface{triangles}, InputError);
+  EXPECT_THROW(parse_cone_method("cone"), InputError);
+}
+
+TEST(PreciseCone, HasSineAndCosineToThirtyDigits) {
+  using Real = boost::multiprecision::cpp_bin_float_100;
+  for (const double angle : {1e-300, 1e-10, 0.1, 1.0, 2.0, 3.0, 3.14159, pi}) {
+    const detail::PreciseCone cone = detail::precise_cone({0, 0, 3}, angle);
+    const Real half = Real(angle) / 2 + Real(detail::boundary_width);
+    const auto error = [](detail::DoubleDouble value, const Real& truth) {
+      return Real(abs(Real(value.high) + Real(value.low) - truth));
+    };
+    EXPECT_LE(error(cone.sine, sin(half)), 1e-30 * sin(half));
+    EXPECT_LE(error(cone.cosine, cos(half)), Real(1e-31));
+  }
+}
+
+}  // namespace
+}  // namespace fringe
