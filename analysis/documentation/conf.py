@@ -11,6 +11,8 @@ extensions = ["myst_parser", "sphinx.ext.autodoc"]
 root_doc = "analysis/documentation/index"
 # Relative to the root of the repository, which is Sphinx' source folder: links between the notes stay as they are.
 include_patterns = [
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
     "README.md",
     "analysis/**/*.md",
     "fem_reference/*.md",

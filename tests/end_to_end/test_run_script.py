@@ -53,6 +53,11 @@ def test_what_it_asks_of_the_analysis(tmp_path: Path, given: str, asked: list[st
     assert re.findall(r"asked: (.*)", done.stdout) == asked
 
 
+def test_it_prints_the_python_that_has_the_field_solver() -> None:
+    done = subprocess.run([ROOT / "run", "--python"], capture_output=True, text=True, check=True)
+    subprocess.run([done.stdout.strip(), "-c", "import dolfinx, gmsh"], check=True)
+
+
 @pytest.fixture
 def new_machine(tmp_path: Path) -> Path:
     """A repository that needs one package, and Debian's apt-get with folders of its own, where that package is missing.
