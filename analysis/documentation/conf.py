@@ -14,11 +14,13 @@ include_patterns = [
     "CHANGELOG.md",
     "CONTRIBUTING.md",
     "README.md",
+    "analysis/*.md",
     "analysis/**/*.md",
     "fem_reference/*.md",
     "geometries/*.md",
     "geometries/schemas/*.md",
     "model/*.md",
+    "model/examples/*.md",
     "tests/clean/*.md",
 ]
 html_theme = "furo"

@@ -41,3 +41,10 @@ def test_the_build_has_every_example() -> None:
     listed = re.search(r"foreach\(example ([^)]+)\)", (EXAMPLES / "CMakeLists.txt").read_text())
     assert listed is not None
     assert listed[1].split() == [program.stem for program in PROGRAMS if program.suffix == ".cpp"]
+
+
+def test_the_list_has_every_example() -> None:
+    listed = re.findall(
+        r"^\| `([\w.]+)` \|", (EXAMPLES / "README.md").read_text(encoding="utf-8"), re.MULTILINE
+    )
+    assert sorted(listed) == sorted(program.name for program in PROGRAMS)
