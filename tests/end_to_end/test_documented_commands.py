@@ -77,6 +77,7 @@ ELSEWHERE = {
     "python3 -m analysis nightly STUDY": ("analysis/nightly/test_night.py", "test_the_next_night_solves_only_what_is_missing_and_tells_what_is_new", "nightly"),
     "python3 -m analysis run STUDY --measure-model": (OPTIONS, "test_an_option_reaches_what_it_is_for", "--measure-model"),
     "python3 -m analysis.documentation.figures": ("analysis/documentation/test_figures.py", "test_the_figures_are_those_that_the_script_draws", "figures"),
+    "python3 -m analysis.documentation.measurements": ("analysis/documentation/test_measurements.py", "test_tables_are_replaced_and_nothing_else", "measurements"),
     "python3 -m fem_reference SCENE": (README, "test_the_reference_agrees_with_what_the_readme_shows", "fem_reference"),
     "python3 -m analysis run STUDY": ("end_to_end/test_run.py", "", "run"),
     "python3 -m analysis table": ("analysis/topics/published/test_table.py", "test_the_options_of_the_command_reach_what_they_are_for", "table"),
