@@ -85,7 +85,7 @@ ELSEWHERE = {
     "python3 -m fem_reference analysis/documentation/hand.toml --rtol 2e-3": (README, "test_the_reference_agrees_with_what_the_readme_shows", "fem_reference"),
     "python3 -m fem_reference hand.toml": (README, "test_the_reference_agrees_with_what_the_readme_shows", "fem_reference"),
     "python3 -m fem_reference results/published/cases/CASE/scene.toml": ("analysis/topics/published/test_table.py", "test_the_field_solvers_own_best_values_agree", ""),
-    "python3 -m geometries.studies.schema": ("geometries/test_schemas.py", "test_the_schema_of_studies_is_that_of_the_families", "study_schema"),
+    "python3 -m geometries.studies.schema": ("geometries/test_schemas.py", "test_the_schema_of_studies_is_that_of_the_families", "schema"),
     "python3 -m tests.analysis.nightly.kill_cluster_nights": ("end_to_end/test_cluster.py", "test_jobs_end_with_a_night_that_is_asked_to_end_and_before_what_follows_one_that_is_killed", "kill_cluster_nights"),
     "python3 -m tests.analysis.nightly.kill_nights": ("analysis/nightly/test_night.py", "test_nights_that_are_killed_lose_nothing_and_leave_nothing_in_the_way", "kill_nights"),
     "python3 -m tests.faults.run": ("faults/test_faults.py", "test_nothing_is_lost_it_is_told_and_the_next_run_completes", "faults.run"),
