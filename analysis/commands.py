@@ -9,7 +9,6 @@ from pathlib import Path
 from analysis.documentation import make as documentation
 from analysis.nightly import chunks, cluster, night
 from analysis.pipeline import reference_stage
-from analysis.pipeline.model_stage import model_module
 from analysis.results import statistics, store
 from analysis.results.store import InUse, exclusive
 from analysis.results.study_results import Failure
@@ -199,7 +198,7 @@ def _errors(folder: Path | None, jobs: int | None) -> int:
 def _corrections(folder: Path | None) -> int:
     target = folder or installation.results_folder() / corrections_stage.FOLDER
     with exclusive(target):
-        failures = corrections_stage.run(target, model_module())
+        failures = corrections_stage.run(target)
         _tell(failures)
         made = corrections_page.make(target)
     document = corrections_stage.load(target)

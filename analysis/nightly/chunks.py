@@ -81,9 +81,7 @@ def solve(file: Path) -> None:
         if not file.is_file():
             return
         work = _left(Work(**entry), results)
-        failures += workflow.evaluate_model([work], study.methods, results)
-        failures += workflow.solve_by_boundary_elements([work], study, results)
-        failures += workflow.solve([work], study, results, workers=1, shown=False)
+        failures += workflow.compute([work], study, results, workers=1, shown=False)
     write_json(file.with_name(file.stem + _ENDED), {"failures": [asdict(failure) for failure in failures]})
 
 

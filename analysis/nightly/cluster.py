@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 from analysis.nightly.chunks import FOLDER
+from analysis.pipeline.processes import Finished
 from analysis.results.store import write_text
 
 NAME_VARIABLE = "FRINGE_JOBS"
@@ -61,5 +62,5 @@ def _cancel(folder: Path, profile: Path) -> None:
         [sys.executable, str(program), name(folder)], capture_output=True, text=True, check=False
     )
     if done.returncode != 0:
-        told = (done.stderr.strip() or "no message").splitlines()[-1]
-        raise OSError(f"jobs called {name(folder)} may be left on the cluster: {told}")
+        reason = Finished(done.returncode, done.stdout, done.stderr).reason
+        raise OSError(f"jobs called {name(folder)} may be left on the cluster: {reason}")

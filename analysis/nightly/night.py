@@ -16,10 +16,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.nightly import chunks, cluster
-from analysis.pipeline import reference_stage
-from analysis.pipeline.jobs import Progress, parallel_jobs
 from analysis.pipeline.keys import REPOSITORY
-from analysis.pipeline.processes import ENDS_WITH_US, Processes
+from analysis.pipeline.processes import ENDS_WITH_US, Processes, forget_unfinished_forms
+from analysis.pipeline.scheduler import Progress, parallel_jobs
 from analysis.results.store import write_text
 from analysis.results.study_results import Failure, case_folder, write_manifest
 from analysis.study import plan, workflow
@@ -81,7 +80,7 @@ def prepare(
     if (folder / chunks.FOLDER).exists():
         shutil.rmtree(folder / chunks.FOLDER)
     workflow.forget(works, folder)
-    reference_stage.forget_unfinished_forms()
+    forget_unfinished_forms()
     grouped = chunks.group(works, seconds, workers)
     chunks.write(grouped, study, folder)
     return grouped

@@ -21,6 +21,7 @@ from analysis.nightly.chunks import Chunk
 from analysis.pipeline.keys import REPOSITORY
 from analysis.results import study_results as results
 from analysis.results.store import write_json, write_text
+from analysis.results.units import PICOFARAD
 from analysis.study import plan
 from geometries.studies import study
 
@@ -40,7 +41,6 @@ hinge_gap = {{ linspace = [0.01, 0.1, {gaps}] }}
 tilt_degrees = {{ linspace = [5, 85, {tilts}] }}
 """
 _JOB_SECONDS, _WORKERS = 600.0, 200
-_PICO = 1e-12
 
 
 def main() -> int:
@@ -126,13 +126,15 @@ def _answer(text: str, place: Path) -> None:
 
 
 def _reference(bodies: int) -> dict[str, object]:
-    matrix = [[(4.0 if row == column else -2.0) * _PICO for column in range(bodies)] for row in range(bodies)]
-    error = [[0.01 * _PICO] * bodies] * bodies
+    matrix = [
+        [(4.0 if row == column else -2.0) * PICOFARAD for column in range(bodies)] for row in range(bodies)
+    ]
+    error = [[0.01 * PICOFARAD] * bodies] * bodies
     return {
         "conductors": ["sensor", "target"][:bodies],
         "maxwell": matrix,
         "error": error,
-        "delta_self": {"sensor": {"value": _PICO, "error": 0.01 * _PICO}} if bodies == 2 else {},
+        "delta_self": {"sensor": {"value": PICOFARAD, "error": 0.01 * PICOFARAD}} if bodies == 2 else {},
         "levels": [{"unknowns": 1000, "seconds": 1.0, "maxwell": matrix}] * 3,
         "unknowns": 1000,
         "seconds": 1.0,
@@ -146,8 +148,8 @@ def _reference(bodies: int) -> dict[str, object]:
 def _model() -> dict[str, object]:
     sensor = {
         "name": "sensor",
-        "total": 2 * _PICO,
-        "objects": [{"name": "target", "capacitance": 2 * _PICO}],
+        "total": 2 * PICOFARAD,
+        "objects": [{"name": "target", "capacitance": 2 * PICOFARAD}],
     }
     return {"version": "made up", "methods": {"exact": {"seconds": 1e-6, "sensors": [sensor]}}}
 

@@ -7,12 +7,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from analysis.results.store import Document, write_json
-from analysis.results.study_results import Failure
+from analysis.results.store import Document
 from geometries.common.installation import module_folders
 from geometries.scene.scene import Scene
 from geometries.studies.families import GROUNDED
 
+NAME = "model"
 # Single evaluations take a microsecond, less than what else the machine does now and then: the smallest of many counts.
 _REPEATS = 25
 
@@ -30,14 +30,11 @@ def knows(scene: Scene) -> bool:
     return all(body.potential == GROUNDED and body.relative_permittivity is None for body in scene.objects)
 
 
-def evaluate(scene: Path, target: Path, key: str, methods: tuple[str, ...], module: Any) -> Failure | None:
-    """Evaluate a scene file by every method and store the answers with their key; returns why, when there is none."""
-    try:
-        answers = {method: _timed(module, scene, method) for method in methods}
-    except (ValueError, RuntimeError) as error:
-        return Failure(scene.parent.name, "model", str(error))
-    write_json(target, {"key": key, "format": 1, "version": str(module.__version__), "methods": answers})
-    return None
+def answer(scene: Path, methods: tuple[str, ...]) -> Document:
+    """Evaluates a scene file by every method."""
+    module = model_module()
+    answers = {method: _timed(module, scene, method) for method in methods}
+    return {"format": 1, "version": str(module.__version__), "methods": answers}
 
 
 def _timed(module: Any, scene: Path, method: str) -> Document:

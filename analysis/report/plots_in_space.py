@@ -12,12 +12,12 @@ from analysis.report.plot import INK, SENSOR_COLOUR, TARGET_COLOUR, Panel, Plot,
 from analysis.results.store import Document
 from analysis.results.study_results import CaseResult
 from analysis.results.table import MUTUAL, Row
+from analysis.results.units import CENTIMETRE, PICOFARAD
 from geometries.scene.poses import Transform
 from geometries.scene.scene import Object, Scene
 
 Array = NDArray[np.float64]
 
-CENTIMETRE = 1e-2
 _WITHOUT_UNIT = "relative_permittivity"
 FLATTEST = 0.1
 """Height of the box around a scene over its largest side, at least: plates in one plane have none of their own."""
@@ -90,7 +90,7 @@ def parameters(case: CaseResult) -> str:
 
 def _picture(row: Row) -> Plot:
     case = row.case
-    mutual = row.reference.value / 1e-12
+    mutual = row.reference.value / PICOFARAD
     finding = (
         f"In case {case.id} the grounded target carries {mutual:.3g} pC for each volt on the sensor (mutual, reference);"
         f" the model's value is {abs(row.model_error):.0%} too {'high' if row.model_error > 0 else 'low'}."

@@ -13,9 +13,9 @@ from analysis.results.statistics import ALL_FAMILIES, Summary
 from analysis.results.study_results import Results
 from analysis.results.symmetry import Pair
 from analysis.results.table import COMPARED_METHOD, DELTA_SELF, MUTUAL, Row, model_command, reference_command
+from analysis.results.units import PICOFARAD
 from geometries.studies.study import EMPTY, NO_REFERENCE
 
-PICOFARAD = 1e-12
 
 _QUESTION = (
     "How wrong is the fast triangle-integral model of a capacitive proximity sensor, where, and how sure are we? The model "

@@ -14,6 +14,7 @@ from plotly.utils import PlotlyJSONEncoder
 
 from analysis.report import page, plots_in_space
 from analysis.results.store import Document
+from analysis.results.units import CENTIMETRE
 from geometries.common import installation
 from geometries.scene.scene import Scene
 
@@ -140,6 +141,6 @@ def _set_up(each: Shown, heads: list[str]) -> Document:
 
 def _body_of(triangles: plots_in_space.Array) -> Document:
     """Its vertices, each once (cm), and three of their numbers for each triangle."""
-    vertices = np.round(triangles.reshape(-1, 3) / plots_in_space.CENTIMETRE, _DECIMALS) + 0.0
+    vertices = np.round(triangles.reshape(-1, 3) / CENTIMETRE, _DECIMALS) + 0.0
     distinct, numbers = np.unique(vertices, axis=0, return_inverse=True)
     return {"vertices": distinct.tolist(), "triangles": numbers.reshape(-1, 3).tolist()}

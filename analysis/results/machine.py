@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 from pathlib import Path
+from typing import Any
 
 _CPUINFO = Path("/proc/cpuinfo")
 # What the model's vector code is made for, from wide to narrow.
@@ -48,3 +49,8 @@ def _values(name: str) -> list[str]:
     """The values under a name, one for each core."""
     lines = _CPUINFO.read_text(encoding="utf-8").splitlines()
     return [line.split(":", 1)[1].strip() for line in lines if line.partition(":")[0].strip() == name]
+
+
+def origin() -> dict[str, Any]:
+    """What a stored measurement says of the machine that it was made on."""
+    return {"processor": description()["processor"], "instruction_sets": instruction_sets()}

@@ -15,11 +15,11 @@ from analysis.results.answers import BoundaryAnswer, Estimate, ReferenceAnswer
 from analysis.results.store import write_text
 from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, CaseResult, Results
 from analysis.results.table import DELTA_SELF, MUTUAL, Row, model_command, reference_command
+from analysis.results.units import PICOFARAD
 from analysis.topics.errors import section as errors_section
 from analysis.topics.errors.records import Entry
 from geometries.studies.study import EMPTY, NO_REFERENCE
 
-PICOFARAD = 1e-12
 _FILES = (SCENE, REFERENCE, MODEL, BOUNDARY, SLICE)
 _SCRIPT = f"../../{page.SCRIPT}"
 

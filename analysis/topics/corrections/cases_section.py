@@ -11,6 +11,7 @@ from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, family_marker, figure, log_axis
 from analysis.report.set_ups_page import Around, Shown
 from analysis.results.store import Document
+from analysis.results.units import CENTIMETRE, PICOFARAD, signed_percent
 from analysis.topics.corrections.truths import RTOL
 from geometries.scene import reader
 from geometries.scene.scene import Scene
@@ -18,7 +19,7 @@ from geometries.scene.shapes import Cuboid, PlateShape
 
 SHOWN = ("formula", "recommended")
 """The corrections whose errors are plotted set-up by set-up."""
-_PICOFARAD, _CENTIMETRE, _PERCENT = 1e-12, 1e-2, 100.0
+_PERCENT = 100.0
 _WITHIN = 0.05
 
 
@@ -97,15 +98,15 @@ def set_ups_document(cases: list[Document], back: str, back_title: str, inputs: 
 def _shown(case: Document) -> Shown:
     scene = reader.loads(case["scene"], case["name"])
     kept = "sealed: no constant was fitted on it" if case["sealed"] else "open to the fit of constants"
-    truth, error = case["truth"] / _PICOFARAD, case["error"] / _PICOFARAD
-    off = ", ".join(f"{name} is off by {_signed(_error(case, name))}" for name in SHOWN)
-    finding_ = f"mutual: {truth:.6g} ± {error:.1g} pF by boundary elements; {off}, the plain model {_signed(_error(case, 'none'))}."
+    truth, error = case["truth"] / PICOFARAD, case["error"] / PICOFARAD
+    off = ", ".join(f"{name} is off by {signed_percent(_error(case, name))}" for name in SHOWN)
+    finding_ = f"mutual: {truth:.6g} ± {error:.1g} pF by boundary elements; {off}, the plain model {signed_percent(_error(case, 'none'))}."
     rows = [("boundary elements", f"{truth:.6g} ± {error:.1g}", "")]
     rows += [
-        (name, f"{value / _PICOFARAD:.6g}", _signed(value / case["truth"] - 1))
+        (name, f"{value / PICOFARAD:.6g}", signed_percent(value / case["truth"] - 1))
         for name, value in case["estimates"].items()
     ]
-    told = f"{_sizes(scene)}; {case['distance'] / _CENTIMETRE:.3g} cm between them; {kept}."
+    told = f"{_sizes(scene)}; {case['distance'] / CENTIMETRE:.3g} cm between them; {kept}."
     return Shown(case["name"], case["family"], told, (finding_,), tuple(rows), scene, case["scene"])
 
 
@@ -120,11 +121,7 @@ def _sizes(scene: Scene) -> str:
 
 
 def _lengths(metres: Any) -> str:
-    return f"{' × '.join(f'{length / _CENTIMETRE:.3g}' for length in metres)} cm"
-
-
-def _signed(error: float) -> str:
-    return f"{_PERCENT * error:+.2g} %"
+    return f"{' × '.join(f'{length / CENTIMETRE:.3g}' for length in metres)} cm"
 
 
 def _error(case: Document, name: str) -> float:

@@ -12,6 +12,7 @@ import numpy as np
 
 from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.model_stage import model_module
+from analysis.results.units import percent
 from analysis.topics.corrections import estimates, evaluation, large_targets, shapes
 from analysis.topics.corrections.estimates import Errors
 from analysis.topics.corrections.evaluation import Evaluation
@@ -38,17 +39,17 @@ def by_family(found: Sequence[Evaluation]) -> str:
 
 def _row(each: Evaluation) -> str:
     every = each.all
-    told = (percent(value) for value in (every.rms, every.median, every.percentile_95, every.worst))
+    told = (_per_cent(value) for value in (every.rms, every.median, every.percentile_95, every.worst))
     return f"| `{each.name}` | {' | '.join(told)} | {_both(each.sealed)} | {_both(each.left_out)} |"
 
 
 def _both(errors: Errors) -> str:
-    return f"{percent(errors.rms)} / {percent(errors.worst)}"
+    return f"{_per_cent(errors.rms)} / {_per_cent(errors.worst)}"
 
 
-def percent(value: float) -> str:
-    """Two digits, or all before the point."""
-    return f"{100 * value:.2g}" if value < 0.995 else f"{100 * value:.0f}"
+def _per_cent(value: float) -> str:
+    """A number for a column in per cent."""
+    return percent(value).removesuffix(" %")
 
 
 def figures(module: Any) -> list[str]:

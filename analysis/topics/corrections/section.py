@@ -9,6 +9,7 @@ import plotly.graph_objects as go
 from analysis.report import page
 from analysis.report.plot import Panel, figure, power_axis, series_colour
 from analysis.results.store import Document
+from analysis.results.units import percent
 from analysis.topics.corrections import cases_section, stage
 
 TITLE = "Corrections of the model (mutual)"
@@ -41,12 +42,12 @@ def finding(document: Document) -> str:
     recommended = _entry(document, _RECOMMENDED)
     statistical = document["discrepancy"]
     return (
-        f"In the {best['sealed']['count']} set-ups never used to find it, the formula is {_percent(best['sealed']['rms'])} off (rms) and "
-        f"{_percent(best['sealed']['worst'])} at worst, where the plain model is {_percent(plain['sealed']['rms'])} and "
-        f"{_percent(plain['sealed']['worst'])}, at {min(ratios.values()):.1f} to {max(ratios.values()):.1f} times its time per "
-        f"triangle; a Gaussian process on top leaves {_percent(statistical['sealed']['rms'])}, and its 95 % intervals hold the "
+        f"In the {best['sealed']['count']} set-ups never used to find it, the formula is {percent(best['sealed']['rms'])} off (rms) and "
+        f"{percent(best['sealed']['worst'])} at worst, where the plain model is {percent(plain['sealed']['rms'])} and "
+        f"{percent(plain['sealed']['worst'])}, at {min(ratios.values()):.1f} to {max(ratios.values()):.1f} times its time per "
+        f"triangle; a Gaussian process on top leaves {percent(statistical['sealed']['rms'])}, and its 95 % intervals hold the "
         f"truth in {statistical['sealed_coverage']:.0%}. Recommended is the reduced method, which has no fitted constant: "
-        f"{_percent(recommended['all']['rms'])} off (rms) and {_percent(recommended['all']['worst'])} at worst in all "
+        f"{percent(recommended['all']['rms'])} off (rms) and {percent(recommended['all']['worst'])} at worst in all "
         f"{recommended['all']['count']}."
     )
 
@@ -105,15 +106,15 @@ def _table(document: Document) -> str:
         rows.append(
             [
                 f"<code>{escape(entry['name'])}</code>",
-                *(_percent(every[name]) for name in ("rms", "median", "percentile_95", "worst")),
-                *(_percent(entry["sealed"][name]) for name in ("rms", "worst")),
-                *(_percent(entry["left_out"][name]) for name in ("rms", "worst")),
+                *(percent(every[name]) for name in ("rms", "median", "percentile_95", "worst")),
+                *(percent(entry["sealed"][name]) for name in ("rms", "worst")),
+                *(percent(entry["left_out"][name]) for name in ("rms", "worst")),
                 *(f"{document['nanoseconds'][shape][entry['name']]:.3g}" for shape in shapes),
             ]
         )
     both = document["discrepancy"]
-    unseen = [_percent(both["open"][name]) for name in ("rms", "median", "percentile_95", "worst")]
-    sealed = [_percent(both["sealed"][name]) for name in ("rms", "worst")]
+    unseen = [percent(both["open"][name]) for name in ("rms", "median", "percentile_95", "worst")]
+    sealed = [percent(both["sealed"][name]) for name in ("rms", "worst")]
     rows.append(
         [
             f"{escape(both['correction'])} and Gaussian process",
@@ -133,7 +134,7 @@ def _families(document: Document) -> str:
         [
             f"<code>{escape(entry['name'])}</code>",
             *(
-                f"{_percent(entry['families'][family]['rms'])} / {_percent(entry['families'][family]['worst'])}"
+                f"{percent(entry['families'][family]['rms'])} / {percent(entry['families'][family]['worst'])}"
                 for family in families
             ),
         ]
@@ -173,7 +174,3 @@ def _entry(document: Document, name: str) -> Document:
 
 def _names(document: Document) -> list[str]:
     return [entry["name"] for entry in document["corrections"]]
-
-
-def _percent(value: float) -> str:
-    return f"{100 * value:.2g} %" if value < 0.995 else f"{100 * value:.0f} %"

@@ -9,10 +9,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from analysis.pipeline import keys
+from analysis.pipeline import keys, model_stage
 from analysis.pipeline.keys import REPOSITORY
+from analysis.pipeline.processes import Processes
+from analysis.pipeline.scheduler import run_all
+from analysis.pipeline.stage import NoAnswer, Stage, outdated
 from analysis.results import machine
-from analysis.results.store import Document, is_current, read_json, write_json
+from analysis.results.store import Document, read_json
 from analysis.results.study_results import Failure
 from analysis.topics.corrections import cases, evaluation
 from analysis.topics.corrections.set_ups import set_ups
@@ -23,11 +26,17 @@ FOLDER = "corrections"
 DOCUMENT = "corrections.json"
 COMMAND = "python3 -m analysis corrections"
 _BENCHMARK = Path("build", "bin", "correction_benchmark")
+_SECONDS = 60.0
 _SOURCES = ("model", "CMakeLists.txt", "CMakePresets.json")
 
 
-def run(folder: Path, module: Any) -> list[Failure]:
+def run(folder: Path) -> list[Failure]:
     """Fill the folder, unless its document was made by just this code on this machine; returns what failed."""
+    return run_all(outdated([stage(folder)]), 1, shown=False)
+
+
+def stage(folder: Path) -> Stage:
+    """The stage of the one document."""
     python = [
         path.relative_to(REPOSITORY).as_posix()
         for name in ("analysis/topics/corrections", "geometries")
@@ -36,17 +45,17 @@ def run(folder: Path, module: Any) -> list[Failure]:
     truths = FILE.relative_to(REPOSITORY).as_posix()
     code = keys.code_of((*_SOURCES, *python, truths), REPOSITORY)
     key = keys.measurement_key(COMMAND, code, machine.identity())
-    if is_current(folder / DOCUMENT, key):
-        return []
+    return Stage("corrections", "", folder / DOCUMENT, key, _SECONDS, _answer)
+
+
+def _answer(_: Processes) -> Document:
     program = REPOSITORY / _BENCHMARK
     if not program.is_file():
-        return [Failure("", "corrections", no_benchmark(_BENCHMARK))]
+        raise NoAnswer(no_benchmark(_BENCHMARK))
     try:
-        document = {"key": key, **evaluated(module), "nanoseconds": nanoseconds(program)}
-    except (OSError, ValueError, subprocess.SubprocessError) as error:
-        return [Failure("", "corrections", str(error))]
-    write_json(folder / DOCUMENT, document)
-    return []
+        return {**evaluated(model_stage.model_module()), "nanoseconds": nanoseconds(program)}
+    except (OSError, subprocess.SubprocessError) as error:
+        raise NoAnswer(str(error)) from error
 
 
 def load(folder: Path) -> Document | None:

@@ -10,6 +10,7 @@ import plotly.graph_objects as go
 from analysis.report import page
 from analysis.report.plot import INK, Panel, family_marker, figure, power_axis, series_colour
 from analysis.results.study_results import Results
+from analysis.results.units import PICOFARAD
 from analysis.topics.cross_check import agreement
 from analysis.topics.cross_check.agreement import Bracket, Comparison
 
@@ -17,7 +18,6 @@ TITLE = "Boundary elements against the field solver"
 _ABSENT = (
     "No case of these results has been solved by both methods: the command that ran the study does it anew."
 )
-_PICOFARAD = 1e-12
 # A logarithmic axis has no zero: differences below rounding are drawn here.
 _ROUNDING = 1e-9
 _WHAT = (
@@ -141,10 +141,10 @@ def _table(found: list[Comparison]) -> str:
         [
             f"{escape(c.case.family)} {page.case_link(c.case.id)}",
             escape(c.what),
-            f"{c.reference / _PICOFARAD:.6f}",
-            f"{c.low / _PICOFARAD:.6f}",
-            f"{c.high / _PICOFARAD:.6f}",
-            f"{c.boundary.value / _PICOFARAD:.6f} ± {c.boundary.error / _PICOFARAD:.6f}",
+            f"{c.reference / PICOFARAD:.6f}",
+            f"{c.low / PICOFARAD:.6f}",
+            f"{c.high / PICOFARAD:.6f}",
+            f"{c.boundary.value / PICOFARAD:.6f} ± {c.boundary.error / PICOFARAD:.6f}",
             f"{c.difference:+.1e}",
             f"{c.allowed:.1e}",
             "yes" if c.agrees else "<strong>no</strong>",
@@ -160,8 +160,8 @@ def _brackets(brackets: list[Bracket]) -> str:
         [
             f"{escape(bracket.case.family)} {page.case_link(bracket.case.id)}",
             escape(bracket.conductor),
-            f"{max(bracket.lower, bracket.flux) / _PICOFARAD:.6f}",
-            f"{bracket.upper / _PICOFARAD:.6f}",
+            f"{max(bracket.lower, bracket.flux) / PICOFARAD:.6f}",
+            f"{bracket.upper / PICOFARAD:.6f}",
             f"{bracket.width:.1e}",
             f"{bracket.width_before:.1e}",
         ]

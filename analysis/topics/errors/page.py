@@ -15,13 +15,13 @@ from analysis.report.page import is_current
 from analysis.results.set_up import describe
 from analysis.results.store import write_text
 from analysis.results.table import QUANTITIES
+from analysis.results.units import PICOFARAD
 from analysis.topics.errors import records, section, set_ups, stage
 from analysis.topics.errors.records import Entry
 from geometries.common import installation
 
 PAGE = "errors.html"
 _TITLE = "Where does the model's error come from?"
-_PICOFARAD = 1e-12
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def _case(folder: Path, entry: Entry) -> Iterable[str]:
     for quantity in QUANTITIES:
         true = entry.true(quantity)
         yield page.finding(
-            f"{quantity}: {true.value / _PICOFARAD:.6g} ± {true.error / _PICOFARAD:.1g} pF by boundary elements; the model is "
+            f"{quantity}: {true.value / PICOFARAD:.6g} ± {true.error / PICOFARAD:.1g} pF by boundary elements; the model is "
             f"{entry.error(quantity):+.1%} off, mostly by {entry.largest(quantity)}."
         )
     yield f"</header>{page.figures([plots_in_space.in_space(made.scene)])}"

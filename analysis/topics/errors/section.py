@@ -9,12 +9,12 @@ import numpy as np
 from analysis.report import page
 from analysis.report.plot import Panel
 from analysis.results.table import DELTA_SELF, MUTUAL, QUANTITIES
+from analysis.results.units import PICOFARAD, signed_percent
 from analysis.topics.errors import parts, plots, records
 from analysis.topics.errors.records import Entry, Statistics
 from analysis.topics.errors.set_ups import MAPS, OFFSET_MAP, SIZE_MAP, TILT_MAP
 
 ABSENT = "The errors have not been taken apart with this version of the model: python3 -m analysis errors does it in a minute or two."
-_PICOFARAD = 1e-12
 _TITLES = {
     SIZE_MAP: "The error over gap and size ratio",
     TILT_MAP: "The error over gap and tilt",
@@ -66,7 +66,7 @@ def _parts_of_one(entry: Entry, quantity: str) -> str:
     rows = [
         [
             escape(name),
-            f"{value * true / _PICOFARAD:+.5f}",
+            f"{value * true / PICOFARAD:+.5f}",
             f"{value:+.2%}",
             f"{effects[name].least / true:+.2%} to {effects[name].greatest / true:+.2%}"
             if name in effects
@@ -74,7 +74,7 @@ def _parts_of_one(entry: Entry, quantity: str) -> str:
         ]
         for name, value in entry.parts(quantity).items()
     ]
-    rows.append(["model − truth", f"{error * true / _PICOFARAD:+.5f}", f"{error:+.2%}", ""])
+    rows.append(["model − truth", f"{error * true / PICOFARAD:+.5f}", f"{error:+.2%}", ""])
     header = ["part", "pF", f"of {quantity}", "by the order"]
     return f"<h3>{quantity}</h3>{page.table(header, rows, strong=frozenset({len(rows) - 1}))}"
 
@@ -164,19 +164,14 @@ def _table(found: list[Entry], quantity: str, cases: str) -> str:
 def _cells(each: Statistics, count: int, cases: str) -> list[str]:
     return [
         escape(each.name),
-        _percent(each.median),
-        _percent(each.mean),
+        signed_percent(each.median),
+        signed_percent(each.mean),
         f"{each.rms:.1%}",
         f"{each.worst:+.0%}",
         f"{each.largest_in} of {count}",
         f"{each.spread:.1%}" if each.name in parts.EFFECTS else "",
         page.case_link(each.worst_case, cases),
     ]
-
-
-def _percent(value: float) -> str:
-    # The sum turns -0.0 into 0.0.
-    return f"{round(value, 3) + 0.0:+.1%}"
 
 
 def _map(group: str, found: list[Entry], cases: str) -> str:

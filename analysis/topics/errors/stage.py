@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from analysis.pipeline import keys, model_stage
-from analysis.pipeline.jobs import Job, parallel_jobs, run_all
 from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.processes import Processes
+from analysis.pipeline.scheduler import parallel_jobs, run_all
+from analysis.pipeline.stage import Stage, outdated
 from analysis.results.answers import Estimate
 from analysis.results.set_up import rectangles
-from analysis.results.store import Document, is_current, read_current, write_json, write_text
+from analysis.results.store import Document, read_current, write_text
 from analysis.results.study_results import SCENE, Failure, case_folder
 from analysis.topics.errors import parts, set_ups
 from analysis.topics.errors.set_ups import SetUp
@@ -35,15 +37,16 @@ def beside(results: Path) -> Path:
 def run(folder: Path, chosen: tuple[SetUp, ...], workers: int | None = None) -> list[Failure]:
     """Do what is missing or out of date; returns the failures."""
     current = code()
-    jobs = []
-    for set_up in {each.id: each for each in chosen}.values():
-        target, key_ = case_folder(folder, set_up.id) / ANSWER, key(set_up.identity, current)
-        if not is_current(target, key_):
-            # With what killed writers left there.
-            for outdated in (target, *target.parent.glob(".*")):
-                outdated.unlink(missing_ok=True)
-            jobs.append(_job(set_up, target, key_))
-    return run_all(jobs, workers or parallel_jobs(), "set-ups taken apart") if jobs else []
+    distinct = {each.id: each for each in chosen}.values()
+    stages = outdated([stage(folder, set_up, current) for set_up in distinct])
+    return run_all(stages, workers or parallel_jobs(), "set-ups taken apart")
+
+
+def stage(folder: Path, set_up: SetUp, code: str) -> Stage:
+    """The stage of one set-up."""
+    target = case_folder(folder, set_up.id) / ANSWER
+    answer = functools.partial(_answer, set_up, target.with_name(SCENE))
+    return Stage("errors", set_up.id, target, key(set_up.identity, code), _SECONDS, answer)
 
 
 def load(folder: Path) -> dict[str, Document]:
@@ -95,17 +98,7 @@ def answer(model: Any, scene: Path, set_up: SetUp) -> Document:
     }
 
 
-def _job(set_up: SetUp, target: Path, key: str) -> Job:
-    return Job(_SECONDS, lambda processes: _solve(set_up, target, key, processes))
-
-
-def _solve(set_up: SetUp, target: Path, key: str, _: Processes) -> Failure | None:
-    scene = target.with_name(SCENE)
+def _answer(set_up: SetUp, scene: Path, _: Processes) -> Document:
     if not scene.is_file():
         write_text(scene, set_up.text)
-    try:
-        found = answer(model_stage.model_module(), scene, set_up)
-    except (ValueError, RuntimeError) as error:
-        return Failure(set_up.id, "errors", str(error))
-    write_json(target, {"key": key, **found})
-    return None
+    return answer(model_stage.model_module(), scene, set_up)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from analysis.report import page
+from analysis.results.units import signed_percent
 from analysis.topics.experiments import plots, tables
 from analysis.topics.experiments.calibration import OWN, Calibration, deviation, summary
 from analysis.topics.experiments.curves import ANGLE, DISTANCE, Curve
@@ -44,11 +45,11 @@ def finding(flat: Curve, pivoted: list[Curve], own: Calibration) -> str:
     )
     turned = sorted(_change_over_angle(curve, own) for curve in pivoted)
     return (
-        f"Tuned to the plate lying parallel ({tables.percent(lying.observable)} at most there), the model is off by up to "
-        f"{tables.percent(seen[worst].observable)}, at {tables.place(seen[worst].observable_at, ANGLE)} with the hinge at "
+        f"Tuned to the plate lying parallel ({signed_percent(lying.observable)} at most there), the model is off by up to "
+        f"{signed_percent(seen[worst].observable)}, at {tables.place(seen[worst].observable_at, ANGLE)} with the hinge at "
         f"{tables.place(worst, DISTANCE)}; in volts most, {1000 * seen[largest].rms:.3g} mV rms, with the hinge at "
         f"{tables.place(largest, DISTANCE)}, {nearest}. From the least to the greatest angle the deviation changes by "
-        f"{tables.percent(turned[0])} to {tables.percent(turned[-1])}; the thesis "
+        f"{signed_percent(turned[0])} to {signed_percent(turned[-1])}; the thesis "
         "thought that orientation has probably no part in it."
     )
 

@@ -9,9 +9,10 @@ import plotly.graph_objects as go
 from analysis.report import page
 from analysis.report.plot import INK, Panel, axis, figure, log_axis, power_axis, series_colour
 from analysis.results.study_results import Results
+from analysis.results.units import CENTIMETRE, PICOFARAD
 from analysis.topics.experiments.curves import DISTANCE
 from analysis.topics.experiments.materials import Material, materials, ratios
-from analysis.topics.experiments.tables import CENTIMETRE, PICOFARAD, place
+from analysis.topics.experiments.tables import place
 
 _WHAT = (
     "Floating: a conductor without charge, which is also the limit of a great permittivity. The model knows grounded conductors only: "

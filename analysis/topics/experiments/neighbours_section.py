@@ -7,8 +7,8 @@ import plotly.graph_objects as go
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, log_axis, power_axis, series_colour
 from analysis.results.answers import Estimate
+from analysis.results.units import CENTIMETRE, PICOFARAD, percent, signed_percent
 from analysis.topics.experiments.neighbours import Felt, Point, Series
-from analysis.topics.experiments.tables import CENTIMETRE, PICOFARAD, percent
 
 _WHAT = (
     "The object lies in front of the sensor at the origin, the other sensor is its neighbour; each is at its own voltage in "
@@ -39,9 +39,9 @@ def finding(found: list[Series]) -> str:
         shares = [_share(point) for point in series.points]
         model = [point.neighbour.model / point.near.model for point in series.points]
         told.append(
-            f"{_centimetres(series.separation)} away it feels {_percent(shares[0])} of what the near sensor does with the object at "
-            f"{_centimetres(series.points[0].gap)}, {_percent(shares[-1])} at {_centimetres(series.points[-1].gap)} (model: "
-            f"{_percent(model[0])} and {_percent(model[-1])})"
+            f"{_centimetres(series.separation)} away it feels {percent(shares[0])} of what the near sensor does with the object at "
+            f"{_centimetres(series.points[0].gap)}, {percent(shares[-1])} at {_centimetres(series.points[-1].gap)} (model: "
+            f"{percent(model[0])} and {percent(model[-1])})"
         )
     return f"The neighbour, in delta_self: {'; '.join(told)}."
 
@@ -54,7 +54,7 @@ def coupling_finding(found: list[Series]) -> str:
         change = near.coupling.value / near.coupling_alone.value - 1
         sentence = (
             f"{_centimetres(series.separation)} apart the sensors are coupled by {near.coupling_alone.value / PICOFARAD:.3g} pF, which "
-            f"the object at {_centimetres(near.gap)} changes by {percent(change)}"
+            f"the object at {_centimetres(near.gap)} changes by {signed_percent(change)}"
         )
         taken = [
             (p.near.delta_self.value / p.single.value - 1, p.gap)
@@ -64,7 +64,7 @@ def coupling_finding(found: list[Series]) -> str:
         if taken:
             most, gap = max(taken, key=lambda each: abs(each[0]))
             sentence += (
-                f"; beside the neighbour the near sensor's delta_self differs from that of a sensor alone by up to {percent(most)}, "
+                f"; beside the neighbour the near sensor's delta_self differs from that of a sensor alone by up to {signed_percent(most)}, "
                 f"at {_centimetres(gap)}"
             )
         told.append(sentence)
@@ -185,7 +185,3 @@ def _estimate(value: Estimate) -> str:
 
 def _centimetres(length: float) -> str:
     return f"{length / CENTIMETRE:.3g} cm"
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.2g} %"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from html import escape
 
 from analysis.report import page
+from analysis.results.units import signed_percent
 from analysis.topics.experiments import claims, plots, tables
 from analysis.topics.experiments.calibration import OWN, Calibration, summary
 from analysis.topics.experiments.curves import DISTANCE, Curve
@@ -45,7 +46,7 @@ def finding(flat: Curve, others: list[Curve], own: Calibration) -> str:
             continue
         signs.append((held.mean < 0) == claim.is_low)
         told.append(
-            f"{tables.percent(held.worst)} for {tables.plate(curve)} at {tables.place(held.worst_at, DISTANCE)} (thesis: at most "
+            f"{signed_percent(held.worst)} for {tables.plate(curve)} at {tables.place(held.worst_at, DISTANCE)} (thesis: at most "
             f"{100 * claim.greatest:.0f} % on a {'smaller' if claim.is_low else 'larger'} plate)"
         )
     if not told:
@@ -53,7 +54,7 @@ def finding(flat: Curve, others: list[Curve], own: Calibration) -> str:
     lying = summary(flat, own.predict(flat), flat)
     agreeing = "for all of them here" if all(signs) else f"for {sum(signs)} of {len(signs)} here"
     return (
-        f"Tuned to {tables.plate(flat)}, where it is {tables.percent(lying.observable)} off at most, the model is off by up to "
+        f"Tuned to {tables.plate(flat)}, where it is {signed_percent(lying.observable)} off at most, the model is off by up to "
         f"{' and '.join(told)}, while the plate is observable. In the thesis smaller plates come out too low and larger ones too high; "
         f"on the average over distance that is so {agreeing}."
     )
@@ -83,9 +84,9 @@ def _claims_table(flat: Curve, others: list[Curve], tunings: list[Calibration]) 
                     escape(tables.plate(curve)),
                     escape(tuned.form.name),
                     f"{100 * claim.greatest:.0f} %, too {'low' if claim.is_low else 'high'}",
-                    tables.percent(held.worst),
+                    signed_percent(held.worst),
                     tables.place(held.worst_at, DISTANCE),
-                    tables.percent(held.mean),
+                    signed_percent(held.mean),
                     "yes" if held.holds else "no",
                     f"below {100 * claim.later:.0f} %",
                     "nowhere" if held.later_from is None else tables.place(held.later_from, DISTANCE),

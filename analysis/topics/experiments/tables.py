@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from html import escape
 
 from analysis.report import page
+from analysis.results.units import CENTIMETRE, PICOFARAD, signed_percent
 from analysis.topics.experiments.calibration import Calibration, Summary, summary
 from analysis.topics.experiments.curves import DISTANCE, Curve
-
-PICOFARAD, CENTIMETRE = 1e-12, 0.01
 
 
 def calibrations(found: Sequence[Calibration], curve: Curve) -> str:
@@ -54,19 +53,11 @@ def figures(found: Summary, swept: str) -> list[str]:
     """Cells: rms, worst, where, worst while observable, where."""
     return [
         f"{1000 * found.rms:.3g}",
-        percent(found.worst),
+        signed_percent(found.worst),
         place(found.worst_at, swept),
-        percent(found.observable) if found.is_observable else "",
+        signed_percent(found.observable) if found.is_observable else "",
         place(found.observable_at, swept) if found.is_observable else "",
     ]
-
-
-def percent(value: float) -> str:
-    """With its sign, and as many digits as mean something."""
-    if abs(value) >= 0.1:
-        return f"{100 * value:+.0f} %"
-    # The sum turns -0.0 into 0.0.
-    return f"{round(100 * value, 1) + 0.0:+.1f} %"
 
 
 def place(at: float, swept: str) -> str:

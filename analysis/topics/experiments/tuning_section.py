@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from analysis.report import page
+from analysis.results.units import signed_percent
 from analysis.topics.experiments import plots, tables
 from analysis.topics.experiments.calibration import OWN, THESIS, Calibration, summary, untuned
 from analysis.topics.experiments.curves import DISTANCE, Curve
@@ -36,11 +37,11 @@ def finding(flat: Curve, own: Calibration, thesis: Calibration) -> str:
     predictions = (own.predict(flat), thesis.predict(flat), untuned(flat))
     fit, bare, before = (summary(flat, prediction, flat) for prediction in predictions)
     share = 100 * fit.rms / float(flat.reference.max())
-    beyond = f", at {tables.place(fit.worst_at, DISTANCE)} by {tables.percent(fit.worst)}"
+    beyond = f", at {tables.place(fit.worst_at, DISTANCE)} by {signed_percent(fit.worst)}"
     farther = beyond if fit.worst_at > fit.observable_until else ""
     return (
         f"Tuned by {tables.constants(own)}, the model misses the curve by {1000 * fit.rms:.3g} mV rms, {share:.2g} % of its "
         f"greatest; while the plate is observable, to {tables.place(fit.observable_until, DISTANCE)}, by at most "
-        f"{tables.percent(fit.observable)}{farther}. Tuned as in the thesis, by the ratio alone, it misses by "
+        f"{signed_percent(fit.observable)}{farther}. Tuned as in the thesis, by the ratio alone, it misses by "
         f"{1000 * bare.rms:.3g} mV rms, not tuned by {1000 * before.rms:.3g} mV."
     )

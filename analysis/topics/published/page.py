@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from analysis.results.units import percent
 from analysis.topics.published import rows, stage
 from analysis.topics.published.files import CHECKS, TABLE, Check
 from analysis.topics.published.rows import QUANTITIES, Row
@@ -115,11 +116,7 @@ def check_finding(checks: list[Check]) -> str:
 
 def _widths(found: list[Row], quantity: str) -> str:
     widths = rows.half_widths(found, quantity)
-    return f"| {quantity} | {_percent(float(np.median(widths)))} | {_percent(float(widths.max()))} |"
-
-
-def _percent(value: float) -> str:
-    return f"{100 * value:.2g} %"
+    return f"| {quantity} | {percent(float(np.median(widths)))} | {percent(float(widths.max()))} |"
 
 
 def _scientific(value: float) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from analysis.results.set_up import Rectangle, rectangles
 from analysis.results.store import Document
+from analysis.results.units import PICOFARAD
 from fem_reference.enclosure import enclosure
 from geometries.studies.study import Case
 
@@ -18,7 +19,6 @@ Array = NDArray[np.float64]
 
 MUTUAL, SENSOR, TARGET, DELTA_SELF = "mutual", "self_sensor", "self_target", "delta_self"
 QUANTITIES = (MUTUAL, SENSOR, TARGET, DELTA_SELF)
-_PICOFARAD = 1e-12
 # Of a bound as it is written down, in pF: rounded away from the truth.
 _DECIMALS = 6
 
@@ -122,10 +122,10 @@ def _written(best: float, error: float, low: float, high: float) -> Value:
     """As the table has them, in pF: bounds rounded outwards, errors upwards."""
     unit = 10.0**-_DECIMALS
     return Value(
-        round(float(best) / _PICOFARAD, _DECIMALS + 1),
-        _upwards(float(error) / _PICOFARAD + unit / 20),
-        round(math.floor(float(low) / _PICOFARAD / unit) * unit, _DECIMALS),
-        round(math.ceil(float(high) / _PICOFARAD / unit) * unit, _DECIMALS),
+        round(float(best) / PICOFARAD, _DECIMALS + 1),
+        _upwards(float(error) / PICOFARAD + unit / 20),
+        round(math.floor(float(low) / PICOFARAD / unit) * unit, _DECIMALS),
+        round(math.ceil(float(high) / PICOFARAD / unit) * unit, _DECIMALS),
     )
 
 

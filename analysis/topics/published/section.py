@@ -10,6 +10,7 @@ import plotly.graph_objects as go
 from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, family_marker, figure, log_axis
 from analysis.report.set_ups_page import Around, Shown
+from analysis.results.units import CENTIMETRE
 from analysis.topics.published import files, rows, stage, table
 from analysis.topics.published.files import Check
 from analysis.topics.published.page import COMMAND, check_finding, headline
@@ -18,7 +19,7 @@ from geometries.common import installation
 from geometries.studies.study import Case
 
 TITLE = "A reference table of capacitances around a plate"
-_CENTIMETRE, _PERCENT = 1e-2, 100.0
+_PERCENT = 100.0
 
 
 def section(set_ups: str) -> str:
@@ -99,7 +100,7 @@ def _by_family(found: list[Row], families: list[str]) -> list[tuple[str, list[Ro
 
 
 def _gaps(members: list[Row]) -> list[float]:
-    return [row.parameters["gap"] / _CENTIMETRE for row in members]
+    return [row.parameters["gap"] / CENTIMETRE for row in members]
 
 
 def _shown(row: Row, case: Case) -> Shown:
@@ -122,12 +123,12 @@ def _shown(row: Row, case: Case) -> Shown:
 def _told(row: Row, case: Case) -> str:
     """Its parameters in words."""
     (plate,) = case.scene.sensors[0].plates
-    sides = (f"{np.linalg.norm(edge) / _CENTIMETRE:g}" for edge in (plate.edge_u, plate.edge_v))
+    sides = (f"{np.linalg.norm(edge) / CENTIMETRE:g}" for edge in (plate.edge_u, plate.edge_v))
     told = [f"Sensor {' × '.join(sides)} cm"]
     for name, value in row.parameters.items():
         label = name.replace("_", " ")
         if name.endswith("_degrees"):
             told.append(f"{label.removesuffix(' degrees')} {value:g}°")
         else:
-            told.append(f"{label} {value / _CENTIMETRE:g} cm")
+            told.append(f"{label} {value / CENTIMETRE:g} cm")
     return ", ".join(told) + "."

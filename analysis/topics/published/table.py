@@ -8,6 +8,7 @@ from pathlib import Path
 
 from analysis.results.store import Document, write_text
 from analysis.results.study_results import REFERENCE, Failure
+from analysis.results.units import PICOFARAD
 from analysis.topics.published import files, page, rows, stage
 from analysis.topics.published.files import Check
 from analysis.topics.published.rows import Row
@@ -81,6 +82,13 @@ def _checks(row: Row, solved: Document) -> list[Check]:
         rows.DELTA_SELF: (change["value"], change["error"]),
     }
     return [
-        Check(row.case, name, 1e12 * value, 1e12 * uncertain, row.values[name].best, row.values[name].error)
+        Check(
+            row.case,
+            name,
+            value / PICOFARAD,
+            uncertain / PICOFARAD,
+            row.values[name].best,
+            row.values[name].error,
+        )
         for name, (value, uncertain) in values.items()
     ]

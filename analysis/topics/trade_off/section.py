@@ -10,6 +10,7 @@ from analysis.report import page
 from analysis.report.plot import INK, Panel, figure, power_axis, series_colour
 from analysis.results.store import Document
 from analysis.results.study_results import Results
+from analysis.results.units import percent
 from analysis.topics.trade_off import points, stage
 from analysis.topics.trade_off.points import Point
 
@@ -50,15 +51,15 @@ def finding(found: list[Point], document: Document, results: Results) -> str:
     seconds = [point.seconds for point in found]
     sentence = (
         f"Over {len(document['truths'])} set-ups the plain model takes {duration(exact.seconds)} and is {exact.error:.0%} off in mutual "
-        f"(medians), the correction {best.name} {duration(best.seconds)} and {_percent(best.error)}, {fast.name} "
-        f"{duration(fast.seconds)} and {_percent(fast.error)}"
+        f"(medians), the correction {best.name} {duration(best.seconds)} and {percent(best.error)}, {fast.name} "
+        f"{duration(fast.seconds)} and {percent(fast.error)}"
     )
     meshes = [point for point in found if point.kind == points.MESH]
     matched = [point for point in meshes if point.error >= fast.error]
     if matched:
         last = matched[-1]
         sentence += (
-            f"; mesh {last.name} of the field solver is {_percent(last.error)} off after {duration(last.seconds)}, "
+            f"; mesh {last.name} of the field solver is {percent(last.error)} off after {duration(last.seconds)}, "
             f"{_rounded(last.seconds / fast.seconds)} times as long"
         )
     return f"{sentence}. The plot spans {math.log10(max(seconds) / min(seconds)):.1f} decades of time."
@@ -177,10 +178,6 @@ def _explanation(document: Document, results: Results) -> str:
         f"the study was solved, and of the whole answer. {document['processor']} with {document['instruction_sets']}. Again, from the "
         f"project's folder: {stage.command(results.folder)}"
     )
-
-
-def _percent(error: float) -> str:
-    return f"{100 * error:.2g} %"
 
 
 def _rounded(factor: float) -> str:

@@ -5,16 +5,15 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import psutil
 from tqdm import tqdm
 
-from analysis.pipeline.processes import Processes, Stopped
+from analysis.pipeline.processes import Processes, Stopped, forget_unfinished_forms
 from analysis.results.study_results import Failure
 
 # What one solve of the reference may take at its finest level, with room to spare.
@@ -22,12 +21,15 @@ _MEMORY_PER_JOB = 3 * 2**30
 _REFRESH_SECONDS = 1.0
 
 
-@dataclass(frozen=True)
-class Job:
-    """Work for one case or one measurement. `cost` is its expected seconds; `work` returns a failure or None."""
+class Job(Protocol):
+    """Work that takes about `seconds` on one core. `run` returns a failure or None; a Stage is a Job."""
 
-    cost: float
-    work: Callable[[Processes], Failure | None]
+    @property
+    def seconds(self) -> float:
+        ...
+
+    def run(self, processes: Processes) -> Failure | None:
+        ...
 
 
 def parallel_jobs() -> int:
@@ -36,15 +38,17 @@ def parallel_jobs() -> int:
     return max(1, min(cores, int(psutil.virtual_memory().available) // _MEMORY_PER_JOB))
 
 
-def run_all(jobs: list[Job], workers: int, done: str = "solved", shown: bool = True) -> list[Failure]:
+def run_all(jobs: Sequence[Job], workers: int, done: str = "solved", shown: bool = True) -> list[Failure]:
     """Run the jobs, the costly ones first so that none is left over at the end; returns the failures.
 
     `done` is what the progress bar says of those that have ended; without `shown` there is none.
 
     KeyboardInterrupt ends the running jobs' processes, starts no more, and is raised again.
     """
+    if not jobs:
+        return []
     processes = Processes()
-    ordered = sorted(jobs, key=lambda job: -job.cost)
+    ordered = sorted(jobs, key=lambda job: -job.seconds)
     with ThreadPoolExecutor(workers) as pool:
         try:
             futures = {pool.submit(_run, job, processes): job for job in ordered}
@@ -52,6 +56,7 @@ def run_all(jobs: list[Job], workers: int, done: str = "solved", shown: bool = T
         except BaseException:
             processes.stop()
             pool.shutdown(cancel_futures=True)
+            forget_unfinished_forms()
             raise
 
 
@@ -108,20 +113,20 @@ def _watch(
     futures: dict[Future[Failure | None], Job], workers: int, done: str, shown: bool
 ) -> Iterator[Failure | None]:
     """The jobs' outcomes as they come, with a progress bar."""
-    total, pending = sum(job.cost for job in futures.values()), set(futures)
+    total, pending = sum(job.seconds for job in futures.values()), set(futures)
     # A terminal shows the time running; a log gets a line for each finished job only.
     patience = _REFRESH_SECONDS if sys.stderr.isatty() else None
     with Progress(total, len(futures), workers, done, shown) as progress:
         while pending:
             finished, pending = wait(pending, patience, FIRST_COMPLETED)
             for future in finished:
-                progress.advance(futures[future].cost)
+                progress.advance(futures[future].seconds)
                 yield future.result()
             progress.tell(len(futures) - len(pending))
 
 
 def _run(job: Job, processes: Processes) -> Failure | None:
     try:
-        return job.work(processes)
+        return job.run(processes)
     except Stopped:
         return None
