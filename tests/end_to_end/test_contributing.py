@@ -25,7 +25,7 @@ def test_a_triangle_and_a_row_are_followed() -> None:
 @pytest.mark.parametrize(("function", "file"), FOLLOWED)
 def test_a_function_on_the_way_is_where_it_is_said_to_be(function: str, file: str) -> None:
     text = (ROOT / file).read_text(encoding="utf-8")
-    defined = rf"^def {function}\(" if file.endswith(".py") else rf"^[\w].*\b{function}\("
+    defined = rf"^ *def {function}\(" if file.endswith(".py") else rf"^[\w].*\b{function}\("
     assert re.search(defined, text, re.MULTILINE)
 
 
