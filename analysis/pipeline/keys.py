@@ -23,6 +23,7 @@ _SOURCE_SUFFIXES = {".cpp", ".hpp", ".h", ".txt", ".cmake", ".in"}
 # Of geometries: only what reads scenes. A new family or a new motion must not make old answers void.
 _SCENE_SOURCES = ("common/errors.py", "common/tables.py", "scene/*.py")
 _NOT_SOLVING = {"motion.py", "__init__.py"}
+_REPORT_SUFFIXES = {".css", ".html", ".js", ".py"}
 _REFERENCE_PACKAGES = ("fenics-dolfinx", "fenics-basix", "petsc4py", "numpy")
 _GMSH_VERSION = re.compile(r'^GMSH_API_VERSION *= *"([^"]+)"', re.MULTILINE)
 
@@ -83,8 +84,9 @@ def reference_code(repository: Path = REPOSITORY) -> str:
 
 
 def report_code(repository: Path = REPOSITORY) -> str:
-    """The version of the report: a hash of this package."""
-    return hash_of_files((repository / "analysis").rglob("*.py"), repository)
+    """The version of the report: a hash of this package, with its templates, styles and scripts."""
+    found = (repository / "analysis").rglob("*")
+    return hash_of_files((path for path in found if path.suffix in _REPORT_SUFFIXES), repository)
 
 
 def hash_of_files(paths: Iterable[Path], root: Path) -> str:

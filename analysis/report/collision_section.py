@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from markupsafe import Markup
+
 from analysis.report import page
 from analysis.results.collision_measurements import Collision, PairClass, QueryTimes, SceneTimes
 
@@ -28,11 +30,11 @@ _QUERIES = (
 _SCENES = "Milliseconds per frame in which every object moves, and small how many collisions were found."
 
 
-def section(measured: Collision | None) -> str:
+def section(measured: Collision | None) -> Markup:
     """Three tables, each below its finding; those that were not measured are left out."""
     if measured is None:
         return page.section(TITLE, page.paragraph(_ABSENT))
-    parts: list[str] = []
+    parts: list[Markup] = []
     if measured.classes:
         parts += [page.finding(finding_on_answers(measured.classes)), _classes_table(measured.classes)]
         parts.append(page.soft(_ANSWERS))
@@ -118,7 +120,7 @@ def _figures(number: float) -> str:
     return f"{number:.0f}" if abs(number) >= 10 else f"{number:.2g}"
 
 
-def _classes_table(classes: Sequence[PairClass]) -> str:
+def _classes_table(classes: Sequence[PairClass]) -> Markup:
     header = ["class", "pairs", "intersecting", "wrong", "unproven", "exactly", "thesis wrong", "did not end"]
     rows = [
         [
@@ -134,7 +136,7 @@ def _classes_table(classes: Sequence[PairClass]) -> str:
     return page.table(header, rows)
 
 
-def _queries_table(queries: Sequence[QueryTimes]) -> str:
+def _queries_table(queries: Sequence[QueryTimes]) -> Markup:
     names = list(dict.fromkeys(name for row in queries for name in row.nanoseconds))
     rows = [[row.name, *(_query_cell(row, name) for name in names)] for row in queries]
     return page.table(["pairs of", *names], rows)
@@ -145,18 +147,18 @@ def _query_cell(row: QueryTimes, name: str) -> str:
         return ""
     time = f"{row.nanoseconds[name]:,.1f}"
     if name == OWN:
-        return f"<strong>{time}</strong>"
+        return page.strong(time)
     difference = row.intersecting[name] - row.intersecting[OWN]
-    return f"{time}<br><small>{difference:+,}</small>" if difference else time
+    return page.two_lines(time, f"{difference:+,}", small=True) if difference else time
 
 
-def _scenes_table(scenes: Sequence[SceneTimes]) -> str:
+def _scenes_table(scenes: Sequence[SceneTimes]) -> Markup:
     names = list(scenes[0].milliseconds)
     rows = [
         [
             f"{scene.objects:,}",
             *(
-                f"{scene.milliseconds[name]:,.3g}<br><small>{scene.collisions[name]:,}</small>"
+                page.two_lines(f"{scene.milliseconds[name]:,.3g}", f"{scene.collisions[name]:,}", small=True)
                 for name in names
             ),
         ]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-from html import escape
 from pathlib import Path
+
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.results.store import Document, read_json
@@ -36,7 +37,7 @@ def inputs(document: Document | None) -> str:
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
 
 
-def section(document: Document) -> str:
+def section(document: Document) -> Markup:
     kinds = {name: counts for name, counts in document["kinds"].items() if counts["rounds"]}
     header = [
         "fault",
@@ -47,7 +48,7 @@ def section(document: Document) -> str:
     ]
     rows = [
         [
-            escape(_KINDS.get(name, name)),
+            _KINDS.get(name, name),
             *(
                 str(counts[key])
                 for key in ("rounds", "during_the_run", "unfinished_files", "completed_afterwards")
@@ -68,9 +69,9 @@ def section(document: Document) -> str:
     )
 
 
-def _told(kinds: dict[str, Document]) -> str:
+def _told(kinds: dict[str, Document]) -> Markup:
     """The first sentence of every kind that had one."""
-    return "".join(
+    return Markup("").join(
         page.paragraph(f"{_KINDS.get(name, name)}: “{counts['sentences'][0].removeprefix('analysis: ')}”")
         for name, counts in kinds.items()
         if counts["sentences"]

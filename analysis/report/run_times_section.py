@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import INK, Panel, figure, power_axis, series_colour
@@ -32,7 +33,7 @@ _SETS = (
 )
 
 
-def section(measured: RunTimes | None) -> str:
+def section(measured: RunTimes | None) -> Markup:
     """Finding, a panel for each set, the table, and how to measure again."""
     if measured is None:
         return page.section(TITLE, page.paragraph(_ABSENT))
@@ -158,7 +159,7 @@ def _kind(method: str) -> str:
     return method.partition(":")[0]
 
 
-def _table(sets: dict[str, list[MethodTime]], methods: list[str]) -> str:
+def _table(sets: dict[str, list[MethodTime]], methods: list[str]) -> Markup:
     cells = {}
     for name, times in sets.items():
         best = {time.method for time in front(times)}
@@ -170,5 +171,5 @@ def _table(sets: dict[str, list[MethodTime]], methods: list[str]) -> str:
 def _cell(time: MethodTime, strong: bool) -> str:
     nanoseconds = time.seconds_per_triangle / _NANOSECOND
     text = f"{nanoseconds:,.0f}" if nanoseconds >= 100 else f"{nanoseconds:.3g}"
-    cell = f"{text}<br>{time.error:.0e}"
-    return f"<strong>{cell}</strong>" if strong else cell
+    cell = page.two_lines(text, f"{time.error:.0e}")
+    return page.strong(cell) if strong else cell

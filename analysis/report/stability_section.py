@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import INK, Panel, axis, figure, power_axis, series_colour
@@ -27,7 +28,7 @@ _WHAT = (
 )
 
 
-def section(measured: Stability | None) -> str:
+def section(measured: Stability | None) -> Markup:
     """Finding, error over conditioning of every class, and the counts of values that are no numbers or wrong."""
     if measured is None:
         return page.section(TITLE, page.paragraph(_ABSENT))
@@ -135,7 +136,7 @@ def _trace(values: list[tuple[str, float | None]], name: str, marker: dict[str, 
     )
 
 
-def _table(measured: Stability) -> str:
+def _table(measured: Stability) -> Markup:
     methods = methods_of(measured)
     header = ["class", "triangles"]
     for method in methods:

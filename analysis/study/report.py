@@ -6,8 +6,9 @@ import hashlib
 import json
 import re
 from dataclasses import asdict, dataclass
-from html import escape
 from pathlib import Path
+
+from markupsafe import Markup
 
 from analysis.pipeline import keys
 from analysis.report import faults_section, index_page, page, sections
@@ -113,7 +114,7 @@ def _pages(material: Material, inputs: str) -> list[Card]:
     place = material.found.folder / PAGES
     known = read_json(place / _FINDINGS)
     if known is not None and known["made_from"] == inputs:
-        cards = [index_page.Card(**card) for card in known["pages"]]
+        cards = [_card(card) for card in known["pages"]]
         needed = [place.parent / card.target for card in cards]
         needed += [place / each.file for each in pages_of_set_ups.pages(material.corrected)]
         if all(path.is_file() for path in needed):
@@ -134,9 +135,13 @@ def _pages(material: Material, inputs: str) -> list[Card]:
     return cards
 
 
+def _card(stored: Document) -> Card:
+    return Card(stored["target"], stored["title"], Markup(stored["says"]))
+
+
 def _question_pages(material: Material, inputs: str) -> list[Card]:
     place, title = material.found.folder / PAGES, material.found.title
-    bodies = {question: "\n".join(question.body(material)).strip() for question in QUESTIONS}
+    bodies = {question: Markup(page.lines(question.body(material)).strip()) for question in QUESTIONS}
     asked = [question for question in QUESTIONS if bodies[question]]
     around = [(f"{question.name}.html", question.short) for question in asked]
     cards = []
@@ -144,11 +149,11 @@ def _question_pages(material: Material, inputs: str) -> list[Card]:
         file = f"{question.name}.html"
         # Pages of set-ups that are no cases say themselves what their points open.
         cases = _CASES_IN_FIGURE.search(bodies[question]) and "data-set-ups" not in bodies[question]
-        hint = page.soft(_HINT) if cases else ""
+        hint = [page.soft(_HINT)] if cases else []
         way = index_page.navigation(title, around, file)
-        head = f"{way}<header><h1>{escape(question.title)}</h1>{hint}</header>"
+        head = page.header(question.title, *hint)
         text = page.document(
-            f"{question.title} {title}", inputs, [head, bodies[question]], Path(page.SCRIPT).name
+            f"{question.title} {title}", inputs, [way, head, bodies[question]], Path(page.SCRIPT).name
         )
         write_text(place / file, text)
         cards.append(

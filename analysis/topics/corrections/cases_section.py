@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, family_marker, figure, log_axis
@@ -23,11 +24,11 @@ _PERCENT = 100.0
 _WITHIN = 0.05
 
 
-def section(cases: list[Document], set_ups: str) -> str:
+def section(cases: list[Document], set_ups: str) -> Markup:
     """Finding and plot; `set_ups` is the file of the page that the points open, as seen from the page."""
-    return "\n".join(
+    return page.lines(
         [
-            "<h3>Set-up by set-up</h3>",
+            page.heading("Set-up by set-up"),
             page.finding(finding(cases)),
             page.figures([_panel(cases, name) for name in SHOWN], set_ups=set_ups),
             page.soft(

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from html import escape
-
 import numpy as np
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel
@@ -35,17 +34,17 @@ _WHAT = (
 )
 
 
-def sections(found: list[Entry], cases: str) -> list[str]:
+def sections(found: list[Entry], cases: str) -> list[Markup]:
     """Parts and maps; one sentence without answers. `cases` is the folder of the set-ups as seen from the page."""
     if not found:
         return [page.section("The parts of the error", page.paragraph(ABSENT))]
     return [_parts(found, cases), *(_map(group, found, cases) for group in MAPS if _on(group, found))]
 
 
-def of_study(pairs: list[tuple[Entry, Entry]]) -> str:
+def of_study(pairs: list[tuple[Entry, Entry]]) -> Markup:
     """A study's own cases, as (by boundary elements, by the field solver); empty without any."""
     if not pairs:
-        return ""
+        return Markup("")
     solved = [entry for _, entry in pairs]
     return page.section(
         "The cases of this study, by the field solver",
@@ -56,16 +55,16 @@ def of_study(pairs: list[tuple[Entry, Entry]]) -> str:
     )
 
 
-def of_one(entry: Entry) -> list[str]:
+def of_one(entry: Entry) -> list[Markup]:
     """A table of the parts for each quantity."""
     return [_parts_of_one(entry, quantity) for quantity in QUANTITIES]
 
 
-def _parts_of_one(entry: Entry, quantity: str) -> str:
+def _parts_of_one(entry: Entry, quantity: str) -> Markup:
     true, effects, error = entry.true(quantity).value, entry.split.effects, entry.error(quantity)
     rows = [
         [
-            escape(name),
+            name,
             f"{value * true / PICOFARAD:+.5f}",
             f"{value:+.2%}",
             f"{effects[name].least / true:+.2%} to {effects[name].greatest / true:+.2%}"
@@ -76,7 +75,7 @@ def _parts_of_one(entry: Entry, quantity: str) -> str:
     ]
     rows.append(["model − truth", f"{error * true / PICOFARAD:+.5f}", f"{error:+.2%}", ""])
     header = ["part", "pF", f"of {quantity}", "by the order"]
-    return f"<h3>{quantity}</h3>{page.table(header, rows, strong=frozenset({len(rows) - 1}))}"
+    return page.lines([page.heading(quantity), page.table(header, rows, strong=frozenset({len(rows) - 1}))])
 
 
 def agreement_finding(pairs: list[tuple[Entry, Entry]]) -> str:
@@ -125,7 +124,7 @@ def _place(group: str, entry: Entry) -> str:
     return f"gap/size {gap:g} and {_NAMES[group]} {other:g}{unit}"
 
 
-def _parts(found: list[Entry], cases: str) -> str:
+def _parts(found: list[Entry], cases: str) -> Markup:
     distinct = records.once(found)
     short = sum(not entry.reached for entry in distinct)
     return page.section(
@@ -134,7 +133,7 @@ def _parts(found: list[Entry], cases: str) -> str:
         page.figures([plots.bars(f"mean error in {name} and its parts", found, name) for name in QUANTITIES]),
         page.soft(_WHAT),
         page.paragraph("The same over all set-ups, relative to the truth:"),
-        *(f"<h3>{quantity}</h3>{_table(distinct, quantity, cases)}" for quantity in QUANTITIES),
+        *(page.lines([page.heading(quantity), _table(distinct, quantity, cases)]) for quantity in QUANTITIES),
         page.finding(quantity_finding(distinct)),
         page.soft(
             f"The truth is that of the boundary elements; {short} of {len(distinct)} are short of the asked 1e-4 and kept with "
@@ -155,7 +154,7 @@ def quantity_finding(found: list[Entry]) -> str:
     )
 
 
-def _table(found: list[Entry], quantity: str, cases: str) -> str:
+def _table(found: list[Entry], quantity: str, cases: str) -> Markup:
     header = ["part", "median", "mean", "rms", "worst", "greatest part in", "between orders", "worst case"]
     rows = [_cells(each, len(found), cases) for each in records.statistics(found, quantity)]
     return page.table(header, rows)
@@ -163,7 +162,7 @@ def _table(found: list[Entry], quantity: str, cases: str) -> str:
 
 def _cells(each: Statistics, count: int, cases: str) -> list[str]:
     return [
-        escape(each.name),
+        each.name,
         signed_percent(each.median),
         signed_percent(each.mean),
         f"{each.rms:.1%}",
@@ -174,7 +173,7 @@ def _cells(each: Statistics, count: int, cases: str) -> list[str]:
     ]
 
 
-def _map(group: str, found: list[Entry], cases: str) -> str:
+def _map(group: str, found: list[Entry], cases: str) -> Markup:
     panels: list[Panel] = [plots.error_map(group, found, quantity) for quantity in QUANTITIES]
     return page.section(
         _TITLES[group],

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from markupsafe import Markup
+
 from analysis.report import page
 from analysis.results.units import signed_percent
 from analysis.topics.experiments import plots, tables
@@ -9,7 +11,7 @@ from analysis.topics.experiments.calibration import OWN, Calibration, deviation,
 from analysis.topics.experiments.curves import ANGLE, DISTANCE, Curve
 
 
-def parts(flat: Curve, pivoted: list[Curve], tunings: list[Calibration]) -> list[str]:
+def parts(flat: Curve, pivoted: list[Curve], tunings: list[Calibration]) -> list[Markup]:
     """Finding, curves over angle, deviations, every tuning and its constants."""
     own = next(tuned for tuned in tunings if tuned.form == OWN)
     labelled = [(f"hinge at {tables.place(curve.hinge_gap, DISTANCE)}", curve) for curve in pivoted]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from html import escape
 
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import INK, Panel, axis, figure, log_axis, power_axis, series_colour
@@ -20,7 +21,7 @@ _WHAT = (
 )
 
 
-def parts(results: Results) -> list[str]:
+def parts(results: Results) -> list[Markup]:
     """Findings, delta_self over the gap by material, the ratio to the grounded target, and every number."""
     found = materials(results)
     grounded = next((each for each in found if each.is_grounded), None)
@@ -117,14 +118,14 @@ def _ratios(others: list[Material], grounded: Material) -> Panel:
     return Panel("the same over that of the grounded target", figure(traces, log_axis("gap (cm)"), y, 440))
 
 
-def _table(found: list[Material], grounded: Material) -> str:
+def _table(found: list[Material], grounded: Material) -> Markup:
     rows = []
     for each in found:
         for point, ratio in ratios(each, grounded):
             true = point.delta_self
             rows.append(
                 [
-                    escape(each.label),
+                    each.label,
                     page.case_link(point.case),
                     place(point.gap, DISTANCE),
                     f"{true.value / PICOFARAD:.5f} ± {true.error / PICOFARAD:.5f}",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, log_axis, power_axis, series_colour
@@ -18,7 +19,7 @@ _WHAT = (
 )
 
 
-def parts(found: list[Series]) -> list[str]:
+def parts(found: list[Series]) -> list[Markup]:
     """Finding, what each sensor feels over the gap, the coupling between them, and every number."""
     if not found:
         return [page.paragraph("No set-up of two sensors has both answers.")]
@@ -149,7 +150,7 @@ def _coupling(found: list[Series]) -> Panel:
     )
 
 
-def _table(found: list[Series]) -> str:
+def _table(found: list[Series]) -> Markup:
     header = [
         "apart",
         "gap",

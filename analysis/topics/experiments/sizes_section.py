@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from html import escape
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.results.units import signed_percent
@@ -11,7 +11,7 @@ from analysis.topics.experiments.calibration import OWN, Calibration, summary
 from analysis.topics.experiments.curves import DISTANCE, Curve
 
 
-def parts(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> list[str]:
+def parts(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> list[Markup]:
     """Finding, curves, deviations, the thesis' figures beside them, and every tuning."""
     own = next(tuned for tuned in tunings if tuned.form == OWN)
     labelled = [(tables.plate(curve), curve) for curve in [flat, *others]]
@@ -60,7 +60,7 @@ def finding(flat: Curve, others: list[Curve], own: Calibration) -> str:
     )
 
 
-def _claims_table(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> str:
+def _claims_table(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> Markup:
     header = [
         "plate",
         "tuned",
@@ -81,8 +81,8 @@ def _claims_table(flat: Curve, others: list[Curve], tunings: list[Calibration]) 
                 continue
             rows.append(
                 [
-                    escape(tables.plate(curve)),
-                    escape(tuned.form.name),
+                    tables.plate(curve),
+                    tuned.form.name,
                     f"{100 * claim.greatest:.0f} %, too {'low' if claim.is_low else 'high'}",
                     signed_percent(held.worst),
                     tables.place(held.worst_at, DISTANCE),

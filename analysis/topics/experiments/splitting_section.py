@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from html import escape
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.topics.experiments import claims, plots
@@ -14,14 +14,14 @@ _EXPLANATION = (
 )
 
 
-def parts(found: list[Accuracy]) -> list[str]:
+def parts(found: list[Accuracy]) -> list[Markup]:
     """Finding, plot and figures."""
     if not found:
         return [page.paragraph("No case has answers of the model by split:N.")]
     header = ["region", "splits", "set-ups", "median", "worst", "below exact"]
     rows = [
         [
-            escape(each.region),
+            each.region,
             str(each.level),
             str(len(each.errors)),
             f"{100 * each.median:.3g} %",

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
+
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.results.units import CENTIMETRE, PICOFARAD, signed_percent
@@ -11,7 +12,7 @@ from analysis.topics.experiments.calibration import Calibration, Summary, summar
 from analysis.topics.experiments.curves import DISTANCE, Curve
 
 
-def calibrations(found: Sequence[Calibration], curve: Curve) -> str:
+def calibrations(found: Sequence[Calibration], curve: Curve) -> Markup:
     """The tuned constants, and how well each tuning reproduces the curve it was tuned to."""
     header = [
         "tuned",
@@ -26,7 +27,7 @@ def calibrations(found: Sequence[Calibration], curve: Curve) -> str:
     ]
     rows = [
         [
-            escape(each.form.name),
+            each.form.name,
             _coupling(each),
             _constant(each, each.permittivity.value, each.permittivity.error),
         ]
@@ -38,11 +39,11 @@ def calibrations(found: Sequence[Calibration], curve: Curve) -> str:
 
 def predictions(
     labelled: Sequence[tuple[str, Curve]], tunings: Sequence[Calibration], flat: Curve, swept: str
-) -> str:
+) -> Markup:
     """How far each tuning is off on each curve."""
     header = ["curve", "tuned", "rms (mV)", "worst", "at", "worst while observable", "at"]
     rows = [
-        [escape(name), escape(each.form.name), *figures(summary(curve, each.predict(curve), flat), swept)]
+        [name, each.form.name, *figures(summary(curve, each.predict(curve), flat), swept)]
         for name, curve in labelled
         for each in tunings
     ]

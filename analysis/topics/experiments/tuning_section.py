@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from markupsafe import Markup
+
 from analysis.report import page
 from analysis.results.units import signed_percent
 from analysis.topics.experiments import plots, tables
@@ -9,7 +11,7 @@ from analysis.topics.experiments.calibration import OWN, THESIS, Calibration, su
 from analysis.topics.experiments.curves import DISTANCE, Curve
 
 
-def parts(flat: Curve, tunings: list[Calibration]) -> list[str]:
+def parts(flat: Curve, tunings: list[Calibration]) -> list[Markup]:
     """Finding, curve, residuals and constants."""
     chosen = {tuned.form: tuned for tuned in tunings}
     own, thesis = chosen[OWN], chosen[THESIS]

@@ -6,6 +6,7 @@ import functools
 
 import numpy as np
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, family_marker, figure, log_axis
@@ -22,7 +23,7 @@ TITLE = "A reference table of capacitances around a plate"
 _PERCENT = 100.0
 
 
-def section(set_ups: str) -> str:
+def section(set_ups: str) -> Markup:
     """What the table holds and how sure it is; `set_ups` is the file of the page of its set-ups, as seen from the page."""
     found, checks = _published()
     families = list(dict.fromkeys(row.family for row in found))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import INK, Panel, figure, power_axis, series_colour
@@ -29,10 +30,10 @@ _NAMED_OF_SPLITS = ("split:0", "split:4", "split:8")
 _BETTER_THAN_PLAIN = 0.75
 
 
-def section(document: Document | None, results: Results, cases: str) -> str:
+def section(document: Document | None, results: Results, cases: str) -> Markup:
     """Finding, plot and what it shows; empty without a measurement. `cases` is the folder of the cases as seen from the page."""
     if document is None or not document["truths"]:
-        return ""
+        return Markup("")
     found = points.points(document, results)
     return page.section(
         TITLE,

@@ -7,6 +7,8 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
+from markupsafe import Markup
+
 from analysis.pipeline import keys
 from analysis.report import page
 from analysis.results.store import Document, write_text
@@ -29,7 +31,7 @@ def beside(results: Path) -> Path:
     return results.resolve().parent / stage.FOLDER
 
 
-def truths(rows: dict[str, Document]) -> str:
+def truths(rows: dict[str, Document]) -> Markup:
     """The chapter on known capacitances; one sentence without rows."""
     if not rows:
         return section.chapter([], [], [])
@@ -39,10 +41,10 @@ def truths(rows: dict[str, Document]) -> str:
     return section.chapter(records.compared(ordered), records.held(ordered), missing)
 
 
-def costs(rows: dict[str, Document]) -> str:
+def costs(rows: dict[str, Document]) -> Markup:
     """The section on the reference's run times; empty without rows."""
     if not rows:
-        return ""
+        return Markup("")
     from analysis.topics.verification.set_ups import cost_cases
 
     asked = [
@@ -63,9 +65,7 @@ def make(folder: Path) -> Made:
     rows = stage.load(folder)
     title = "Verification of the field reference"
     body = [
-        f"<header>\n<h1>{title}</h1>",
-        page.paragraph(_INTRODUCTION),
-        "</header>",
+        page.header(title, page.paragraph(_INTRODUCTION)),
         truths(rows),
         costs(rows),
     ]
