@@ -31,7 +31,7 @@ _SCENES = "Milliseconds per frame in which every object moves, and small how man
 
 
 def section(measured: Collision | None) -> Markup:
-    """Three tables, each below its finding; those that were not measured are left out."""
+    """Returns three tables, each below its finding; those that were not measured are left out."""
     if measured is None:
         return page.section(TITLE, page.paragraph(_ABSENT))
     parts: list[Markup] = []
@@ -51,7 +51,7 @@ def section(measured: Collision | None) -> Markup:
 
 
 def finding_on_answers(classes: Sequence[PairClass]) -> str:
-    """How many answers are wrong, of this project and of the thesis, and where the thesis' are worst."""
+    """Returns how many answers are wrong, of this project and of the thesis, and where the thesis' are worst."""
     pairs = sum(each.pairs for each in classes)
     wrong, unproven = sum(each.wrong for each in classes), sum(each.unproven for each in classes)
     exact = sum(each.exact for each in classes)
@@ -66,7 +66,7 @@ def finding_on_answers(classes: Sequence[PairClass]) -> str:
 
 
 def finding_on_queries(queries: Sequence[QueryTimes]) -> str:
-    """Against the fastest other library of every row."""
+    """Compares the times of every row with those of the fastest other library."""
     ratios = {}
     for row in queries:
         others = [time for name, time in row.nanoseconds.items() if name != OWN]
@@ -84,7 +84,7 @@ def finding_on_queries(queries: Sequence[QueryTimes]) -> str:
 
 
 def finding_on_scenes(scenes: Sequence[SceneTimes]) -> str:
-    """How cost grows, and whether all ways found the same."""
+    """Returns how cost grows, and whether all ways found the same."""
     small, large = scenes[0], scenes[-1]
     agree = all(len(set(scene.collisions.values())) == 1 for scene in scenes)
     own = large.milliseconds[OWN]
@@ -116,7 +116,7 @@ def _share(part: int, whole: int) -> str:
 
 
 def _figures(number: float) -> str:
-    """Two digits, more only where they stand before the point."""
+    """Returns two digits, more only where they stand before the point."""
     return f"{number:.0f}" if abs(number) >= 10 else f"{number:.2g}"
 
 

@@ -28,12 +28,12 @@ _KINDS = {
 
 
 def beside(results: Path) -> Document | None:
-    """The counts in the folder that belongs to a study's results; None without any."""
+    """Returns the counts in the folder that belongs to a study's results; None without any."""
     return read_json(results.resolve().parent / FOLDER / FILE)
 
 
 def inputs(document: Document | None) -> str:
-    """A hash of what the section is made from."""
+    """Returns a hash of what the section is made from."""
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
 
 
@@ -70,7 +70,7 @@ def section(document: Document) -> Markup:
 
 
 def _told(kinds: dict[str, Document]) -> Markup:
-    """The first sentence of every kind that had one."""
+    """Returns the first sentence of every kind that had one."""
     return Markup("").join(
         page.paragraph(f"{_KINDS.get(name, name)}: “{counts['sentences'][0].removeprefix('analysis: ')}”")
         for name, counts in kinds.items()

@@ -23,18 +23,18 @@ class Card:
 
 
 def first_finding(text: Markup) -> Markup:
-    """The first finding in a page's body, or its first paragraph where nothing was found out."""
+    """Returns the first finding in a page's body, or its first paragraph where nothing was found out."""
     found = _FINDING.search(text) or _PARAGRAPH.search(text)
     return Markup(found[1] if found else "")
 
 
 def document(title: str, inputs: str, headline: Markup, cards: list[Card], rest: list[Markup]) -> str:
-    """The whole page. Its script is loaded only where the headline holds a figure."""
+    """Returns the whole page. Its script is loaded only where the headline holds a figure."""
     body = page.filled("index.html", headline=headline, cards=cards, rest=rest)
     return page.document(title, inputs, [body], page.SCRIPT if page.PLOT in headline else "")
 
 
 def navigation(title: str, pages: list[tuple[str, str]], current: str) -> Markup:
-    """The way from a page to the index and to the others: (file, short title) of each."""
+    """Returns the way from a page to the index and to the others: (file, short title) of each."""
     links = [page.link(file, short, current=file == current) for file, short in pages]
     return page.navigation(page.link("../report.html", f"‹ {title}"), *links)

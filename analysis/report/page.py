@@ -46,18 +46,18 @@ def filled(template: str, **values: object) -> Markup:
 
 
 def static(file: str) -> Markup:
-    """The text of a style or a script of the folder `static`."""
+    """Returns the text of a style or a script of the folder `static`."""
     return Markup((_FOLDER / "static" / file).read_text(encoding="utf-8"))
 
 
 def json_in_page(data: str) -> Markup:
-    """JSON text as it may stand within a script element."""
+    """Returns JSON text as it may stand within a script element."""
     # What ends a script element in HTML must not stand in one.
     return Markup(data.replace("</", "<\\/"))
 
 
 def document(title: str, inputs: str, body: Iterable[Markup], script: str | None = None) -> str:
-    """The whole page. `inputs`, the hash of what it was made from, is kept in its head. plotly.js is the file `script`, named as
+    """Returns the whole page. `inputs`, the hash of what it was made from, is kept in its head. plotly.js is the file `script`, named as
     seen from the page; it is put into the page where that is None, and left out where it is empty."""
     return filled(
         "page.html",
@@ -72,19 +72,19 @@ def document(title: str, inputs: str, body: Iterable[Markup], script: str | None
 
 
 def provide_script(folder: Path) -> None:
-    """Put plotly.js into a folder of results, unless it is there."""
+    """Puts plotly.js into a folder of results, unless it is there."""
     text, target = get_plotlyjs(), folder / SCRIPT
     if not target.is_file() or target.stat().st_size != len(text.encode()):
         write_text(target, text)
 
 
 def inputs_mark(inputs: str) -> Markup:
-    """The line in a page's head by which a later run sees that the page is up to date."""
+    """Returns the line in a page's head by which a later run sees that the page is up to date."""
     return Markup('<meta name="made-from" content="{}">').format(inputs)
 
 
 def is_current(page: Path, inputs: str) -> bool:
-    """Whether a page was made from just these inputs."""
+    """Tells whether a page was made from just these inputs."""
     if not page.is_file():
         return False
     with page.open(encoding="utf-8") as file:
@@ -96,27 +96,27 @@ def section(title: str, *parts: Markup) -> Markup:
 
 
 def header(title: str | Markup, *parts: Markup) -> Markup:
-    """The head of a page: its title and what it says first."""
+    """Returns the head of a page: its title and what it says first."""
     return Markup(_PARTS.header(title, parts))
 
 
 def navigation(*links: Markup) -> Markup:
-    """The way to other pages, above the title."""
+    """Returns the way to other pages, above the title."""
     return Markup(_PARTS.navigation(links))
 
 
 def lines(parts: Iterable[Markup]) -> Markup:
-    """Parts below each other."""
+    """Puts parts below each other."""
     return Markup("\n").join(parts)
 
 
 def heading(text: str) -> Markup:
-    """The title of a part of a section."""
+    """Returns the title of a part of a section."""
     return Markup(_PARTS.heading(text))
 
 
 def plot_section(plot: Plot) -> Markup:
-    """A plot with its finding above and its explanation below."""
+    """Returns a plot with its finding above and its explanation below."""
     parts = [finding(plot.finding), figures(plot.panels)]
     if plot.explanation:
         parts.append(soft(plot.explanation))
@@ -131,7 +131,7 @@ def figures(panels: list[Panel], cases: str = CASES, set_ups: str = "") -> Marku
 
 
 def finding(text: str) -> Markup:
-    """A paragraph that says what was found out."""
+    """Returns a paragraph that says what was found out."""
     return Markup(_PARTS.paragraph(text, "finding"))
 
 
@@ -140,7 +140,7 @@ def paragraph(text: str) -> Markup:
 
 
 def soft(text: str) -> Markup:
-    """A paragraph of explanation, in a lighter colour."""
+    """Returns a paragraph of explanation, in a lighter colour."""
     return Markup(_PARTS.paragraph(text, "soft"))
 
 
@@ -153,49 +153,49 @@ def strong(text: str) -> Markup:
 
 
 def two_lines(first: str, second: str, small: bool = False) -> Markup:
-    """Two lines in a cell of a table."""
+    """Returns two lines in a cell of a table."""
     return Markup(_PARTS.two_lines(first, second, small))
 
 
 def yes_or_no(held: bool) -> str:
-    """What a table says of something that should hold."""
+    """Returns what a table says of something that should hold."""
     return "yes" if held else strong("no")
 
 
 def link(target: str, text: str | Markup, current: bool = False) -> Markup:
-    """A link to a file, relative to the page; `current` if it is the page itself."""
+    """Returns a link to a file, relative to the page; `current` if it is the page itself."""
     return Markup(_PARTS.link(target, text, current))
 
 
 def case_link(case: str, cases: str = CASES) -> Markup:
-    """A link to a case's page."""
+    """Returns a link to a case's page."""
     return link(f"{cases}/{case}/{CASE_PAGE}", code(case))
 
 
 def family_and_case(family: str, case: str) -> Markup:
-    """The family of a case and a link to its page, for a cell of a table."""
+    """Returns the family of a case and a link to its page, for a cell of a table."""
     return Markup("{} {}").format(family, case_link(case))
 
 
 def command(text: str) -> Markup:
-    """A command on a line of its own, which may be long."""
+    """Returns a command on a line of its own, which may be long."""
     return Markup(_PARTS.command(text))
 
 
 def folded(summary: str, content: Markup) -> Markup:
-    """Content that is opened by a click, for what few readers need."""
+    """Hides content that few readers need until a click opens it."""
     return Markup(_PARTS.folded(summary, content))
 
 
 def table(
     header: list[str], rows: list[list[str]], text_columns: int = 1, strong: frozenset[int] = frozenset()
 ) -> Markup:
-    """A table; the first `text_columns` are set left, the rest, numbers, right. The rows numbered in `strong` are bold."""
+    """Returns a table; the first `text_columns` are set left, the rest, numbers, right. The rows numbered in `strong` are bold."""
     return Markup(_PARTS.table(header, rows, text_columns, strong))
 
 
 def _figure(figure: Any) -> dict[str, object]:
-    """The height of a figure and the arguments that plotly draws it from. Everything is styled by `plot.figure`: plotly's template,
+    """Returns the height of a figure and the arguments that plotly draws it from. Everything is styled by `plot.figure`: plotly's template,
     longer than most figures, is left out."""
     content = figure.to_plotly_json()
     layout = {key: value for key, value in content["layout"].items() if key != "template"}

@@ -34,7 +34,7 @@ _SETS = (
 
 
 def section(measured: RunTimes | None) -> Markup:
-    """Finding, a panel for each set, the table, and how to measure again."""
+    """Returns the finding, a panel for each set of triangles, the table, and how to measure again."""
     if measured is None:
         return page.section(TITLE, page.paragraph(_ABSENT))
     sets = by_set(measured)
@@ -56,7 +56,7 @@ def section(measured: RunTimes | None) -> Markup:
 
 
 def by_set(measured: RunTimes) -> dict[str, list[MethodTime]]:
-    """The times of each set, sets and methods in the benchmark's order."""
+    """Returns the times of each set, sets and methods in the benchmark's order."""
     sets: dict[str, list[MethodTime]] = {}
     for time in measured.times:
         sets.setdefault(time.set, []).append(time)
@@ -64,7 +64,7 @@ def by_set(measured: RunTimes) -> dict[str, list[MethodTime]]:
 
 
 def front(times: list[MethodTime]) -> list[MethodTime]:
-    """Those that no other is at least as good as in both time and error and better in one, from fast to accurate."""
+    """Returns those that no other is at least as good as in both time and error and better in one, from fast to accurate."""
     best: list[MethodTime] = []
     for time in sorted(times, key=lambda t: (t.seconds_per_triangle, t.error)):
         if not best or time.error < best[-1].error:
@@ -73,7 +73,7 @@ def front(times: list[MethodTime]) -> list[MethodTime]:
 
 
 def finding(sets: dict[str, list[MethodTime]]) -> str:
-    """The exact method beside the thesis' method over all sets, and the methods that are worth choosing somewhere."""
+    """Returns the exact method beside the thesis' method over all sets, and the methods that are worth choosing somewhere."""
     pairs = []
     for times in sets.values():
         named = {time.method: time for time in times}
@@ -95,7 +95,7 @@ def finding(sets: dict[str, list[MethodTime]]) -> str:
 
 
 def _caption(times: list[MethodTime]) -> str:
-    """The set, and what the exact method costs on it beside the thesis'."""
+    """Returns the set, and what the exact method costs on it beside the thesis'."""
     named = {time.method: time for time in times}
     told = "; ".join(
         f"{method} {named[method].seconds_per_triangle / _NANOSECOND:.3g} ns, off by {named[method].error:.0e}"
@@ -111,7 +111,7 @@ def _words(name: str) -> str:
 
 
 def _panel(times: list[MethodTime], measured: RunTimes) -> go.Figure:
-    """All panels have the same axes and colours."""
+    """Returns all panels have the same axes and colours."""
     kinds = list(dict.fromkeys(_kind(time.method) for time in measured.times))
     best = front(times)
     traces = [
@@ -151,7 +151,7 @@ def _panel(times: list[MethodTime], measured: RunTimes) -> go.Figure:
 
 
 def _range(values: list[float]) -> list[float]:
-    """Exponents of ten, with a margin for the marks on the edge."""
+    """Returns the exponents of ten at the ends of an axis, with a margin for the marks on the edge."""
     return [math.log10(min(values)) - 0.5, math.log10(max(values)) + 0.5]
 
 

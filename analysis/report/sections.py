@@ -39,7 +39,7 @@ FILES = (
 
 
 def headline(results: Results, summaries: list[Summary]) -> Markup:
-    """Title, question, and the model errors for each family and quantity."""
+    """Returns the title, the question, and the model errors for each family and quantity."""
     whole = {summary.quantity: summary for summary in summaries if summary.family == ALL_FAMILIES}
     parts = [page.paragraph(_QUESTION)]
     for quantity, summary in whole.items():
@@ -71,7 +71,7 @@ def headline(results: Results, summaries: list[Summary]) -> Markup:
 
 
 def trust(results: Results, rows: list[Row], pairs: list[Pair]) -> Markup:
-    """Why the reference can be believed: set-ups that must agree, delta_self in two ways, accuracies not reached.
+    """Returns why the reference can be believed: set-ups that must agree, delta_self in two ways, accuracies not reached.
 
     Empty where nothing was asked of it.
     """
@@ -164,7 +164,7 @@ def _accuracy(results: Results, rows: list[Row]) -> list[Markup]:
 
 
 def _widths(enclosed: list[ReferenceAnswer]) -> str:
-    """How far the proven bounds of the entries are from the best values."""
+    """Returns how far the proven bounds of the entries are from the best values."""
     own = [answer.error[0, 0] / answer.maxwell[0, 0] for answer in enclosed]
     mutual = [answer.error[0, 1] / -answer.maxwell[0, 1] for answer in enclosed if len(answer.maxwell) > 1]
     sentence = (
@@ -177,7 +177,7 @@ def _widths(enclosed: list[ReferenceAnswer]) -> str:
 
 
 def failures(results: Results) -> Markup:
-    """The cases without an answer, with the reason."""
+    """Returns the cases without an answer, with the reason."""
     if not results.failures:
         return Markup("")
     rows = [
@@ -192,7 +192,7 @@ def failures(results: Results) -> Markup:
 
 
 def all_rows(results: Results, rows: list[Row]) -> Markup:
-    """Every row with its case folder and the commands that recompute it."""
+    """Returns every row with its case folder and the commands that recompute it."""
     header = [
         "family",
         "case",
@@ -231,7 +231,7 @@ def all_rows(results: Results, rows: list[Row]) -> Markup:
 
 
 def reproduce(results: Results, rows: list[Row]) -> Markup:
-    """Commands, versions and the machine."""
+    """Returns the commands, the versions and the machine."""
     commands = [
         [
             page.family_and_case(case.family, case.id),

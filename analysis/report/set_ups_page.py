@@ -52,7 +52,7 @@ class Around:
 
 
 def document(around: Around, shown: list[Shown], inputs: str, script: str) -> str:
-    """The whole page. `inputs` is the hash of what it was made from, `script` the file of plotly.js as seen from it."""
+    """Returns the whole page. `inputs` is the hash of what it was made from, `script` the file of plotly.js as seen from it."""
     data = json.dumps(_data(around, shown), cls=PlotlyJSONEncoder, separators=(",", ":"))
     body = page.filled(
         "set_ups.html",
@@ -67,7 +67,7 @@ def document(around: Around, shown: list[Shown], inputs: str, script: str) -> st
 
 
 def _data(around: Around, shown: list[Shown]) -> Document:
-    """What the script needs: the look of the figure, the commands, and the set-ups."""
+    """Collects what the script needs: the look of the figure, the commands, and the set-ups."""
     drawn: dict[str, Any] = plots_in_space.in_space(shown[0].scene).figure.to_plotly_json()
     layout = {key: value for key, value in drawn["layout"].items() if key != "template"}
     looks = [
@@ -89,7 +89,7 @@ def _data(around: Around, shown: list[Shown]) -> Document:
 
 
 def _around_target(text: str) -> tuple[str, str]:
-    """A scene's text in two, before the target and the rest, with each array on a line of its own."""
+    """Returns a scene's text in two, before the target and the rest, with each array on a line of its own."""
     before, mark, rest = _ARRAY.sub(_on_one_line, text).partition(_TARGET)
     return before, mark + rest
 
@@ -114,7 +114,7 @@ def _set_up(each: Shown, heads: list[str]) -> Document:
 
 
 def _body_of(triangles: plots_in_space.Array) -> Document:
-    """Its vertices, each once (cm), and three of their numbers for each triangle."""
+    """Returns its vertices, each once (cm), and three of their numbers for each triangle."""
     vertices = np.round(triangles.reshape(-1, 3) / CENTIMETRE, _DECIMALS) + 0.0
     distinct, numbers = np.unique(vertices, axis=0, return_inverse=True)
     return {"vertices": distinct.tolist(), "triangles": numbers.reshape(-1, 3).tolist()}

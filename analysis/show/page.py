@@ -7,7 +7,7 @@ from analysis.results.store import Document
 
 
 def document(title: str, digest: str, text: str, data: Document) -> str:
-    """The whole page. `text` is the data as JSON, `digest` its hash."""
+    """Returns the whole page. `text` is the data as JSON, `digest` its hash."""
     body = page.filled(
         "show.html",
         style=page.static("show.css"),

@@ -26,7 +26,7 @@ _SCRIPT = f"../../{page.SCRIPT}"
 
 
 def make(results: Results, case: CaseResult, rows: list[Row], apart: Entry | None) -> None:
-    """Write the page of a case unless it is up to date. Its rows are given, and its error taken apart where that is known."""
+    """Writes the page of a case unless it is up to date. Its rows are given, and its error taken apart where that is known."""
     target = case.folder / page.CASE_PAGE
     inputs = _inputs(results, case, apart)
     if not is_current(target, inputs):
@@ -35,7 +35,7 @@ def make(results: Results, case: CaseResult, rows: list[Row], apart: Entry | Non
 
 
 def _inputs(results: Results, case: CaseResult, apart: Entry | None) -> str:
-    """A hash of everything the page is made from."""
+    """Returns a hash of everything the page is made from."""
     files = [path for path in (case.folder / name for name in _FILES) if path.is_file()]
     asked = f"{results.title} {results.rtol} {results.max_seconds} {results.error} {case.parameters} {apart and apart.split}"
     answers = f"{keys.hash_of_files(files, results.folder)} {keys.report_code()} {asked}"

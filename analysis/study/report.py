@@ -45,7 +45,7 @@ class Report:
 
 
 def make(folder: Path) -> Report:
-    """Write the table and the report of the results in a folder, unless they are up to date; InputError without results."""
+    """Writes the table and the report of the results in a folder, unless they are up to date; InputError without results."""
     found = results.load(folder)
     rows = table.rows(found)
     summaries = statistics.summaries(rows)
@@ -72,7 +72,7 @@ def make(folder: Path) -> Report:
 def _inputs(
     folder: Path, found: results.Results, verified: dict[str, Document], apart: dict[str, Document]
 ) -> str:
-    """A hash of everything the pages are made from: the answers, what was asked, and the code of this package."""
+    """Returns a hash of everything the pages are made from: the answers, what was asked, and the code of this package."""
     files = [
         folder / name for name in (results.MANIFEST, results.RUN_TIMES, results.STABILITY, *results.COLLISION)
     ]
@@ -86,13 +86,13 @@ def _inputs(
 
 
 def _is_complete(folder: Path) -> bool:
-    """Whether the files that the report leads to are there."""
+    """Tells whether the files that the report leads to are there."""
     text = (folder / page.REPORT).read_text(encoding="utf-8")
     return all((folder / target).is_file() for target in _HREF.findall(text))
 
 
 def _write(material: Material, nights: list[Document], inputs: str, whole: str) -> None:
-    """The table, the pages, and at last the report itself, which says that all are there."""
+    """Returns the table, the pages, and at last the report itself, which says that all are there."""
     folder = material.found.folder
     write_text(folder / table.TABLE, table.to_csv(material.rows, material.found.methods))
     cards = _pages(material, inputs)
@@ -110,7 +110,7 @@ def _write(material: Material, nights: list[Document], inputs: str, whole: str) 
 
 
 def _pages(material: Material, inputs: str) -> list[Card]:
-    """Write the pages unless they are up to date; returns them as the index shows them."""
+    """Writes the pages unless they are up to date; returns them as the index shows them."""
     place = material.found.folder / PAGES
     known = read_json(place / _FINDINGS)
     if known is not None and known["made_from"] == inputs:

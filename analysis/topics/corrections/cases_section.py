@@ -25,7 +25,7 @@ _WITHIN = 0.05
 
 
 def section(cases: list[Document], set_ups: str) -> Markup:
-    """Finding and plot; `set_ups` is the file of the page that the points open, as seen from the page."""
+    """Returns the finding and the plot; `set_ups` is the file of the page that the points open, as seen from the page."""
     return page.lines(
         [
             page.heading("Set-up by set-up"),
@@ -40,7 +40,7 @@ def section(cases: list[Document], set_ups: str) -> Markup:
 
 
 def finding(cases: list[Document]) -> str:
-    """How many the best closed formula has nearly right, and where it and the recommended one are worst."""
+    """Returns how many the best closed formula has nearly right, and where it and the recommended one are worst."""
     best, recommended = SHOWN
     near = sum(abs(_error(case, best)) <= _WITHIN for case in cases)
     worst = {name: max(cases, key=lambda case: abs(_error(case, name))) for name in SHOWN}
@@ -55,7 +55,7 @@ def _told_worst(case: Document, name: str) -> str:
 
 
 def worst(cases: list[Document], name: str, sealed: bool) -> str:
-    """The name of the set-up in which a correction is worst, among the sealed ones or all."""
+    """Returns the name of the set-up in which a correction is worst, among the sealed ones or all."""
     chosen = [case for case in cases if case["sealed"] or not sealed]
     return str(max(chosen, key=lambda case: abs(_error(case, name)))["name"])
 
@@ -81,7 +81,7 @@ def _panel(cases: list[Document], name: str) -> Panel:
 
 
 def set_ups_document(cases: list[Document], back: str, back_title: str, inputs: str, script: str) -> str:
-    """The page of all set-ups; `back` is the file of the page that leads to it."""
+    """Returns the page of all set-ups; `back` is the file of the page that leads to it."""
     around = Around(
         "Set-ups of the corrections",
         back,
@@ -112,7 +112,7 @@ def _shown(case: Document) -> Shown:
 
 
 def _sizes(scene: Scene) -> str:
-    """Both bodies' sides in words."""
+    """Returns both bodies' sides in words."""
     (plate,) = scene.sensors[0].plates
     shape = scene.objects[0].shape
     assert isinstance(shape, (PlateShape, Cuboid))
@@ -130,5 +130,5 @@ def _error(case: Document, name: str) -> float:
 
 
 def _relative_distance(case: Document) -> float:
-    """Over the root of the sensor's area."""
+    """Returns the distance relative to the root of the sensor's area."""
     return float(case["distance"] / case["sensor_size"])

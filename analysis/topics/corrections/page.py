@@ -16,7 +16,7 @@ _TITLE = "Corrections"
 
 
 def make(folder: Path) -> Path:
-    """Write the page of the document in a folder; returns where it is."""
+    """Writes the page of the document in a folder; returns where it is."""
     document = stage.load(folder)
     page.provide_script(folder)
     body = [page.header(_TITLE), section.section(document, SET_UPS)]
@@ -28,6 +28,6 @@ def make(folder: Path) -> Path:
 
 
 def inputs(document: Document | None) -> str:
-    """A hash of what the section is made from."""
+    """Returns a hash of what the section is made from."""
     answers = json.dumps(document, sort_keys=True)
     return hashlib.sha256(f"{answers} {keys.report_code()}".encode()).hexdigest()

@@ -17,7 +17,7 @@ _PLAIN, _BEST, _RECOMMENDED = "none", "formula", "recommended"
 
 
 def section(document: Document | None, set_ups: str) -> Markup:
-    """The section of a document of analysis.topics.corrections.stage; one sentence without one. `set_ups` is the file of the page of its
+    """Returns the section of a document of analysis.topics.corrections.stage; one sentence without one. `set_ups` is the file of the page of its
     set-ups, as seen from the page."""
     if document is None:
         return page.section(TITLE, page.paragraph(ABSENT))
@@ -35,7 +35,7 @@ def section(document: Document | None, set_ups: str) -> Markup:
 
 
 def finding(document: Document) -> str:
-    """What the best closed formula leaves, where nothing was fitted, and what it costs."""
+    """Tells the error that the best closed formula leaves on unseen set-ups, and its cost."""
     plain, best = _entry(document, _PLAIN), _entry(document, _BEST)
     ratios = {shape: times[_BEST] / times[_PLAIN] for shape, times in document["nanoseconds"].items()}
     recommended = _entry(document, _RECOMMENDED)
@@ -81,7 +81,7 @@ def _panels(document: Document) -> list[Panel]:
 
 
 def _worst_cases(document: Document) -> list[str]:
-    """For each correction the sealed set-up in which it is worst."""
+    """Names, for each correction, the sealed set-up in which it is worst."""
     return [cases_section.worst(document["cases"], name, sealed=True) for name in _names(document)]
 
 

@@ -32,7 +32,7 @@ _PROOF = (
 
 
 def sections(results: Results) -> list[Markup]:
-    """Agreement, brackets, what is not comparable; one sentence where nothing is."""
+    """Returns the agreement, the brackets and what is not comparable; one sentence if nothing is comparable."""
     found = agreement.comparisons(results)
     refused = {case.id: case.refused for case in results.cases.values() if case.refused}
     if not found:
@@ -49,7 +49,7 @@ def sections(results: Results) -> list[Markup]:
 
 
 def finding(found: list[Comparison]) -> str:
-    """How many values agree, and by how much the others miss."""
+    """Returns how many values agree, and by how much the others miss."""
     cases = {comparison.case.id for comparison in found}
     wrong = agreement.disagreements(found)
     worst = found[0]
@@ -71,7 +71,7 @@ def _reached(results: Results) -> str:
 
 
 def warning(results: Results, target: str) -> Markup:
-    """For the head of the report: a finding where values disagree, with a link to the page; else nothing."""
+    """Returns, for the head of the report, a finding with a link if values disagree; else nothing."""
     wrong = agreement.contradictions(results)
     if not wrong:
         return Markup("")
@@ -82,7 +82,7 @@ def warning(results: Results, target: str) -> Markup:
 
 
 def bracket_finding(brackets: list[Bracket]) -> str:
-    """How wide the combined brackets are beside the field solver's alone."""
+    """Returns how wide the combined brackets are beside the field solver's alone."""
     widths = np.array([bracket.width for bracket in brackets])
     before = np.array([bracket.width_before for bracket in brackets])
     contradicted = int((widths < 0).sum())
@@ -203,7 +203,7 @@ def _bracket_panel(brackets: list[Bracket]) -> Panel:
 
 
 def _refused(results: Results, refused: dict[str, str]) -> list[Markup]:
-    """The cases that boundary elements do not know, by reason."""
+    """Returns the cases that boundary elements do not know, by reason."""
     if not refused:
         return []
     reasons: dict[str, list[Markup]] = {}

@@ -34,7 +34,7 @@ class Made:
 
 
 def make(folder: Path) -> Made:
-    """Write the page of the answers in a folder and those of its set-ups, unless they are up to date."""
+    """Writes the page of the answers in a folder and those of its set-ups, unless they are up to date."""
     answers = stage.load(folder)
     found = records.entries(answers, set_ups.all_set_ups())
     inputs = hashlib.sha256(

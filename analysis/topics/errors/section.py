@@ -35,14 +35,14 @@ _WHAT = (
 
 
 def sections(found: list[Entry], cases: str) -> list[Markup]:
-    """Parts and maps; one sentence without answers. `cases` is the folder of the set-ups as seen from the page."""
+    """Returns the parts and the maps; one sentence without answers. `cases` is the folder of the set-ups as seen from the page."""
     if not found:
         return [page.section("The parts of the error", page.paragraph(ABSENT))]
     return [_parts(found, cases), *(_map(group, found, cases) for group in MAPS if _on(group, found))]
 
 
 def of_study(pairs: list[tuple[Entry, Entry]]) -> Markup:
-    """A study's own cases, as (by boundary elements, by the field solver); empty without any."""
+    """Returns a study's own cases, as (by boundary elements, by the field solver); empty without any."""
     if not pairs:
         return Markup("")
     solved = [entry for _, entry in pairs]
@@ -56,7 +56,7 @@ def of_study(pairs: list[tuple[Entry, Entry]]) -> Markup:
 
 
 def of_one(entry: Entry) -> list[Markup]:
-    """A table of the parts for each quantity."""
+    """Returns a table of the parts for each quantity."""
     return [_parts_of_one(entry, quantity) for quantity in QUANTITIES]
 
 
@@ -79,7 +79,7 @@ def _parts_of_one(entry: Entry, quantity: str) -> Markup:
 
 
 def agreement_finding(pairs: list[tuple[Entry, Entry]]) -> str:
-    """How far apart the two truths are, and the greatest parts."""
+    """Returns how far apart the two truths are, and the greatest parts."""
     both = [(one.true(name), other.true(name)) for name in QUANTITIES for one, other in pairs]
     agreeing = sum(one.agrees_with(other) for one, other in both)
     largest = max(abs(one.value / other.value - 1) for one, other in both)
@@ -90,7 +90,7 @@ def agreement_finding(pairs: list[tuple[Entry, Entry]]) -> str:
 
 
 def finding(found: list[Entry], quantity: str) -> str:
-    """The greatest parts of the error, and how sure they are."""
+    """Returns the greatest parts of the error, and how sure they are."""
     first, second = sorted(records.statistics(found, quantity), key=lambda each: -each.largest_in)[:2]
     middle = float(np.median([abs(entry.error(quantity)) for entry in found]))
     sure = float(np.median([entry.uncertainty(quantity) for entry in found]))
@@ -102,7 +102,7 @@ def finding(found: list[Entry], quantity: str) -> str:
 
 
 def map_finding(group: str, found: list[Entry]) -> str:
-    """Where the error in either quantity is least and greatest, and what it is made of there."""
+    """Returns where the error in either quantity is least and greatest, and what it is made of there."""
     told = []
     for quantity in QUANTITIES:
         worst = max(_on(group, found), key=lambda entry: abs(entry.error(quantity)))
@@ -143,7 +143,7 @@ def _parts(found: list[Entry], cases: str) -> Markup:
 
 
 def quantity_finding(found: list[Entry]) -> str:
-    """What the difference between the two quantities is made of."""
+    """Tells which parts make up the difference between the two quantities."""
     own = [entry.true(DELTA_SELF).value for entry in found]
     drawn = np.median([parts.drawn_from_infinity(e.truth) / value for e, value in zip(found, own)])
     raised = np.median([parts.polarisation(e.truth) / value for e, value in zip(found, own)])

@@ -22,7 +22,7 @@ _WHAT = (
 
 
 def parts(results: Results) -> list[Markup]:
-    """Findings, delta_self over the gap by material, the ratio to the grounded target, and every number."""
+    """Returns the findings, delta_self over the gap by material, its ratio to the grounded target, and every number."""
     found = materials(results)
     grounded = next((each for each in found if each.is_grounded), None)
     if grounded is None:
@@ -38,7 +38,7 @@ def parts(results: Results) -> list[Markup]:
 
 
 def finding(grounded: Material, others: list[Material]) -> str:
-    """The part of the grounded target's delta_self that each other material gives, near and far."""
+    """Returns the part of the grounded target's delta_self that each other material gives, near and far."""
     told = []
     for each in others:
         (near, close), (far, distant) = ratios(each, grounded)[0], ratios(each, grounded)[-1]
@@ -53,7 +53,7 @@ def finding(grounded: Material, others: list[Material]) -> str:
 
 
 def model_finding(grounded: Material, others: list[Material]) -> str:
-    """How many times each material's delta_self the model gives, which takes all of them for grounded."""
+    """Returns how many times each material's delta_self the model gives, which takes all of them for grounded."""
     model = {point.gap: point.model for point in grounded.points if point.model is not None}
     told = []
     for each in [grounded, *others]:

@@ -12,7 +12,7 @@ from analysis.topics.experiments.curves import DISTANCE, Curve
 
 
 def parts(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> list[Markup]:
-    """Finding, curves, deviations, the thesis' figures beside them, and every tuning."""
+    """Returns the finding, the curves, the deviations, the thesis' figures beside them, and every calibration."""
     own = next(tuned for tuned in tunings if tuned.form == OWN)
     labelled = [(tables.plate(curve), curve) for curve in [flat, *others]]
     drawn = [
@@ -37,7 +37,7 @@ def parts(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> list[
 
 
 def finding(flat: Curve, others: list[Curve], own: Calibration) -> str:
-    """The greatest deviations on the plates that were not tuned to, beside the thesis'."""
+    """Returns the greatest deviations on the plates that were not tuned to, beside the thesis'."""
     told, signs = [], []
     for curve in others:
         claim = claims.for_plate(curve.target_area, flat.target_area)

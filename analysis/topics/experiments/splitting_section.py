@@ -15,7 +15,7 @@ _EXPLANATION = (
 
 
 def parts(found: list[Accuracy]) -> list[Markup]:
-    """Finding, plot and figures."""
+    """Returns the finding, the plot and its numbers."""
     if not found:
         return [page.paragraph("No case has answers of the model by split:N.")]
     header = ["region", "splits", "set-ups", "median", "worst", "below exact"]
@@ -39,7 +39,7 @@ def parts(found: list[Accuracy]) -> list[Markup]:
 
 
 def finding(found: list[Accuracy]) -> str:
-    """The error at the thesis' recommended level in every region, and how often splitting is too low."""
+    """Returns the error at the thesis' recommended level in every region, and how often splitting is too low."""
     levels = {each.level for each in found}
     recommended = claims.NEGLIGIBLE_FROM_LEVEL
     level = recommended if recommended in levels else max(levels)

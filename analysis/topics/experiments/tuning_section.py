@@ -12,7 +12,7 @@ from analysis.topics.experiments.curves import DISTANCE, Curve
 
 
 def parts(flat: Curve, tunings: list[Calibration]) -> list[Markup]:
-    """Finding, curve, residuals and constants."""
+    """Returns the finding, the curve, the residuals and the constants."""
     chosen = {tuned.form: tuned for tuned in tunings}
     own, thesis = chosen[OWN], chosen[THESIS]
     lines = (
@@ -35,7 +35,7 @@ def parts(flat: Curve, tunings: list[Calibration]) -> list[Markup]:
 
 
 def finding(flat: Curve, own: Calibration, thesis: Calibration) -> str:
-    """How well the model fits when tuned in both ways, and when not."""
+    """Returns how well the model fits when tuned in both ways, and when not."""
     predictions = (own.predict(flat), thesis.predict(flat), untuned(flat))
     fit, bare, before = (summary(flat, prediction, flat) for prediction in predictions)
     share = 100 * fit.rms / float(flat.reference.max())

@@ -25,7 +25,7 @@ _LEAST = 1e-6
 
 
 def make(folder: Path) -> Path:
-    """Write the page of the nights in a folder, unless it is up to date."""
+    """Writes the page of the nights in a folder, unless it is up to date."""
     nights = history.load(folder)
     target = folder / HISTORY
     inputs = hashlib.sha256(f"{json.dumps(nights)} {keys.report_code()}".encode()).hexdigest()
@@ -57,7 +57,7 @@ def _page(title: str, nights: list[Document], inputs: str) -> str:
 
 
 def finding(nights: list[Document]) -> str:
-    """One sentence on all nights, one on the last that moved something."""
+    """Returns one sentence on all nights, one on the last that moved something."""
     if not nights:
         return "There was no night yet."
     compared = [night for night in nights if "moved" in night]
@@ -122,7 +122,7 @@ def _panels(nights: list[Document]) -> list[Panel]:
 
 
 def _at_most(nights: list[Document], values: list[Any], name: str = "") -> str:
-    """When a value was greatest, as the end of a caption."""
+    """Writes when a value was greatest, as the end of a caption."""
     known = [(value, _day(night)) for value, night in zip(values, nights) if value is not None]
     if not known:
         return ""

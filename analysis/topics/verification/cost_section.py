@@ -24,7 +24,7 @@ _WHAT = (
 
 
 def section(costs: list[Cost]) -> Markup:
-    """Finding, targets, a panel for each set-up, and every point."""
+    """Returns the finding, the targets, a panel for each set-up, and every point."""
     if not costs:
         return Markup("")
     known = [cost for cost in costs if cost.best_to <= KNOWN]
@@ -42,7 +42,7 @@ def section(costs: list[Cost]) -> Markup:
 
 
 def finding(costs: list[Cost]) -> str:
-    """The first mesh of the reference beside the most accurate ungraded one, over all set-ups."""
+    """Returns the first mesh of the reference beside the most accurate ungraded one, over all set-ups."""
     better, factors = 0, []
     shown = [cost for cost in costs if cost.meshes and cost.linear + cost.quadratic]
     for cost in shown:
@@ -61,7 +61,7 @@ def finding(costs: list[Cost]) -> str:
 
 
 def case_finding(cost: Cost) -> str:
-    """The answer with its error, and the best ungraded mesh."""
+    """Returns the answer with its error, and the best ungraded mesh."""
     end = cost.answers[0]
     sentence = f"The estimate is {_error(end.error, cost)} off after {end.seconds:.1f} s"
     for name, points in (("quadratic", cost.quadratic), ("linear", cost.linear)):
@@ -136,7 +136,7 @@ def _panel(cost: Cost, ranges: tuple[list[float], list[float]]) -> go.Figure:
 
 
 def _ranges(costs: list[Cost]) -> tuple[list[float], list[float]]:
-    """Exponents of ten, the same for all panels."""
+    """Returns the exponents of ten at the ends of the axes, the same for all panels."""
     points = [(point, cost) for cost in costs for _, series, *_ in _series(cost) for point in series]
     seconds = [math.log10(point.seconds) for point, _ in points]
     errors = [math.log10(max(point.error, cost.best_to)) for point, cost in points]

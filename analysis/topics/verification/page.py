@@ -27,12 +27,12 @@ class Made:
 
 
 def beside(results: Path) -> Path:
-    """The folder of the verification that belongs to a study's results."""
+    """Returns the folder of the verification that belongs to a study's results."""
     return results.resolve().parent / stage.FOLDER
 
 
 def truths(rows: dict[str, Document]) -> Markup:
-    """The chapter on known capacitances; one sentence without rows."""
+    """Returns the chapter on known capacitances; one sentence without rows."""
     if not rows:
         return section.chapter([], [], [])
     names = stage.row_names()
@@ -42,7 +42,7 @@ def truths(rows: dict[str, Document]) -> Markup:
 
 
 def costs(rows: dict[str, Document]) -> Markup:
-    """The section on the reference's run times; empty without rows."""
+    """Returns the section on the reference's run times; empty without rows."""
     if not rows:
         return Markup("")
     from analysis.topics.verification.set_ups import cost_cases
@@ -61,7 +61,7 @@ def _ordered(rows: dict[str, Document]) -> dict[str, Document]:
 
 
 def make(folder: Path) -> Made:
-    """Write the page of the rows in a folder."""
+    """Writes the page of the rows in a folder."""
     rows = stage.load(folder)
     title = "Verification of the field reference"
     body = [
@@ -77,6 +77,6 @@ def make(folder: Path) -> Made:
 
 
 def inputs(rows: dict[str, Document]) -> str:
-    """A hash of what the sections are made from."""
+    """Returns a hash of what the sections are made from."""
     answers = json.dumps(rows, sort_keys=True)
     return hashlib.sha256(f"{answers} {keys.report_code()}".encode()).hexdigest()

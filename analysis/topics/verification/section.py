@@ -32,7 +32,7 @@ _SMALLEST = 1e-7
 
 
 def chapter(found: list[Compared], properties: list[Held], missing: list[str]) -> Markup:
-    """Everything but run times; one sentence when there is nothing."""
+    """Returns everything but run times; one sentence when there is nothing."""
     if not found and not properties:
         return page.section(TITLE, page.paragraph(ABSENT))
     parts = []
@@ -49,7 +49,7 @@ def chapter(found: list[Compared], properties: list[Held], missing: list[str]) -
 
 
 def finding(found: list[Compared]) -> str:
-    """How many truths lie where they should, how far off the values are, and the effectivities."""
+    """Returns how many truths lie where they should, how far off the values are, and the effectivities."""
     cases = len({row.case for row in found})
     within = sum(row.within for row in found)
     off = [row.off for row in found]
@@ -142,7 +142,7 @@ def _table(rows: list[Compared]) -> Markup:
 
 
 def _full_table(rows: list[Compared]) -> Markup:
-    """With the source of every truth, and what the answer took."""
+    """Returns the table with the source of every truth, and the run time of every answer."""
     more = [[*_cells(row), f"{row.seconds:.1f}", row.source] for row in rows]
     return page.table([*_HEADER, *_MORE, "seconds", "truth from"], more, text_columns=2)
 
@@ -179,7 +179,7 @@ def _orders(found: list[Compared]) -> list[Markup]:
 
 
 def order_finding(shown: list[Compared]) -> str:
-    """The median order, and how many are near the theory's."""
+    """Returns the median order, and how many are near the theory's."""
     orders = [row.order for row in shown if row.order is not None]
     near = sum(0.7 <= order <= 1.4 for order in orders)
     return (
