@@ -131,7 +131,7 @@ def _study(name: str, folder: Path | None) -> tuple[Study, Path]:
 
 
 def _verified(options: argparse.Namespace, target: Path) -> list[Failure]:
-    """What failed while the reference was verified, if it was to be, in the folder beside a study's results."""
+    """Verifies the reference if the option asks for it, in the folder beside a study's results; returns the failures."""
     if not options.verify:
         return []
     return verification_stage.run(
@@ -146,12 +146,12 @@ def _tell(failures: list[Failure]) -> None:
 
 
 def _any_failed(failures: list[Failure]) -> bool:
-    """A missing picture is told, but takes nothing from the comparison."""
+    """Returns a missing picture is told, but takes nothing from the comparison."""
     return any(failure.stage != reference_stage.SLICE for failure in failures)
 
 
 def _own_report(folder: Path) -> int:
-    """Of results that this very run has made: if they cannot be read, somebody has removed or changed them meanwhile."""
+    """Reports results that this run has made. If they cannot be read, somebody has removed or changed them meanwhile: OSError."""
     try:
         return _report(folder)
     except InputError as error:

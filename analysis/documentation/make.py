@@ -21,7 +21,7 @@ class DocumentationError(Exception):
 
 
 def build(folder: Path) -> Path:
-    """Make the site in a folder, which is replaced as a whole if it holds one; returns its first page. Raises DocumentationError
+    """Makes the site in a folder, which is replaced as a whole if it holds one; returns its first page. Raises DocumentationError
     for any warning, and for a folder that holds something else."""
     if is_installed():
         raise DocumentationError("the notes are not installed: the repository makes the site of them")

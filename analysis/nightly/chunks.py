@@ -31,7 +31,7 @@ class Chunk:
 
 
 def group(works: list[Work], seconds: float, workers: int) -> list[Chunk]:
-    """Jobs of about `seconds` each, shorter where not every worker would have one, and never more than a thousand.
+    """Groups the cases into jobs of about `seconds` each: shorter if some workers would have none, and at most a thousand.
 
     The costly cases come first, and each goes to the job that has least to do.
     """
@@ -50,7 +50,7 @@ def group(works: list[Work], seconds: float, workers: int) -> list[Chunk]:
 
 
 def write(chunks: list[Chunk], study: Study, results: Path) -> None:
-    """Write a file for each job into the results' folder of jobs."""
+    """Writes a file for each job into the results' folder of jobs."""
     asked = {
         "rtol": study.rtol,
         "max_seconds": study.max_seconds,
@@ -64,7 +64,7 @@ def write(chunks: list[Chunk], study: Study, results: Path) -> None:
 
 
 def solve(file: Path) -> None:
-    """Solve what a job's file names and is not answered yet, then say how it went; InputError when there is no such file.
+    """Solves what a job's file names and is not answered yet, then say how it went; InputError when there is no such file.
 
     Ends without a word when the file is removed meanwhile: another night has begun, and has taken over what is left.
     """
@@ -86,7 +86,7 @@ def solve(file: Path) -> None:
 
 
 def failures(chunks: list[Chunk], results: Path) -> list[Failure]:
-    """What the jobs say has failed, and the answers that are missing without a word."""
+    """Returns the failures that the jobs report, and one for every answer that is missing without a report."""
     found: list[Failure] = []
     for chunk in chunks:
         told = read_json(results / FOLDER / (chunk.name + _ENDED))
@@ -102,7 +102,7 @@ def failures(chunks: list[Chunk], results: Path) -> list[Failure]:
 
 
 def _left(work: Work, results: Path) -> Work:
-    """What is still to do: a job that was killed before may have done some of it."""
+    """Returns what is still to do: a job that was killed earlier may have done some of it."""
     place = case_folder(results, work.case)
     keys = {file: key for file, key in work.keys.items() if not is_current(place / file, key)}
     return replace(work, keys=keys)

@@ -25,12 +25,12 @@ _MARK = "cluster.txt"
 
 
 def name(folder: Path) -> str:
-    """Of the jobs of a folder of results, every night the same."""
+    """Returns the name of the jobs of a folder of results, the same every night."""
     return f"fringe-{hashlib.sha256(str(folder.resolve()).encode()).hexdigest()[:16]}"
 
 
 def begin(folder: Path, profile: Path | None) -> None:
-    """End what an earlier night left, and remember the profile (None: this machine) of the one that begins."""
+    """Ends what an earlier night left, and remember the profile (None: this machine) of the one that begins."""
     end_left_over(folder)
     if profile is not None:
         write_text(folder / _MARK, str(profile))
@@ -39,7 +39,7 @@ def begin(folder: Path, profile: Path | None) -> None:
 
 
 def end(folder: Path) -> None:
-    """Remove the jobs' files, and end those that are still on the cluster; OSError when that fails."""
+    """Removes the jobs' files, and end those that are still on the cluster; OSError when that fails."""
     # A job that begins from here on finds its file gone, and does nothing.
     shutil.rmtree(folder / FOLDER, ignore_errors=True)
     mark = folder / _MARK
@@ -49,7 +49,7 @@ def end(folder: Path) -> None:
 
 
 def end_left_over(folder: Path) -> None:
-    """The same for a night that was killed, if there was one."""
+    """Returns the same for a night that was killed, if there was one."""
     if (folder / _MARK).is_file():
         end(folder)
 

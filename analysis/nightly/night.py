@@ -48,7 +48,7 @@ class Options:
 
 
 def run(study: Study, folder: Path, options: Options) -> Night:
-    """Bring every case of the study up to date in `folder`. KeyboardInterrupt ends it at once, with its jobs on a cluster; what was
+    """Brings every case of the study up to date in `folder`. KeyboardInterrupt ends it at once, with its jobs on a cluster; what was
     finished stays."""
     start = time.monotonic()
     workers = options.workers or parallel_jobs()
@@ -76,7 +76,7 @@ def run(study: Study, folder: Path, options: Options) -> Night:
 def prepare(
     works: list[Work], study: Study, folder: Path, seconds: float, workers: int
 ) -> list[chunks.Chunk]:
-    """Remove the jobs of an earlier night and outdated answers, and write the files of the jobs for what is to do."""
+    """Removes the jobs of an earlier night and outdated answers, and write the files of the jobs for what is to do."""
     if (folder / chunks.FOLDER).exists():
         shutil.rmtree(folder / chunks.FOLDER)
     workflow.forget(works, folder)
@@ -87,7 +87,7 @@ def prepare(
 
 
 def command(folder: Path, profile: Path | None, workers: int) -> list[str]:
-    """Snakemake's command line for the jobs in a folder."""
+    """Returns Snakemake's command line for the jobs in a folder."""
     job = [*ENDS_WITH_US, sys.executable, "-P", "-m", "analysis", "job"]
     where = ["--cores", str(workers)] if profile is None else ["--profile", str(profile)]
     return [
@@ -104,7 +104,7 @@ def command(folder: Path, profile: Path | None, workers: int) -> list[str]:
 
 
 def find_profile(profile: str) -> Path:
-    """The folder of a profile given by its name in `analysis/nightly/profiles` or by its path; InputError when there is none."""
+    """Returns the folder of a profile given by its name in `analysis/nightly/profiles` or by its path; InputError when there is none."""
     for place in (_PROFILES / profile, Path(profile)):
         if (place / "config.yaml").is_file():
             return place.resolve()
@@ -115,7 +115,7 @@ def find_profile(profile: str) -> Path:
 
 
 def _carry(jobs: list[chunks.Chunk], folder: Path, command: list[str], workers: int) -> None:
-    """Run Snakemake to its end, with a progress bar; its own words go to a file."""
+    """Runs Snakemake to its end, with a progress bar; its own words go to a file."""
     processes, ended = Processes(), threading.Event()
     told: list[str] = []
 
@@ -144,7 +144,7 @@ def _environment(folder: Path) -> dict[str, str]:
 
 
 def _show(jobs: list[chunks.Chunk], folder: Path, workers: int, ended: threading.Event) -> None:
-    """The progress bar, by the files that have come to be, until Snakemake has ended."""
+    """Returns the progress bar, by the files that have come to be, until Snakemake has ended."""
     left = {
         case_folder(folder, work.case) / file: cost
         for job in jobs

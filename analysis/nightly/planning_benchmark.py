@@ -75,7 +75,7 @@ def _planning(folder: Path, count: int) -> Iterator[tuple[str, str]]:
 
 
 def _plan_of_snakemake(place: Path, jobs: list[Chunk]) -> None:
-    """Snakemake goes through its whole plan and starts nothing."""
+    """Lets Snakemake go through its whole plan without starting a job."""
     command = [*night.command(place, None, _WORKERS), "--dry-run", "--quiet"]
     done = subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, check=True)
     assert any(line.split()[:2] == ["solve", str(len(jobs))] for line in done.stdout.splitlines())
@@ -109,7 +109,7 @@ def _text(count: int) -> str:
 
 
 def _answer(text: str, place: Path) -> None:
-    """Store an answer for everything that is to do."""
+    """Stores an answer for everything that is to do."""
     chosen = study.loads(text)
     for work in plan.missing(chosen, chosen.cases(), place):
         case = results.case_folder(place, work.case)
@@ -160,7 +160,7 @@ def _slice() -> dict[str, object]:
 
 
 def _timed(work: Callable[[], None]) -> str:
-    """Seconds, and those of them in which a processor was at work, here and in processes that were started."""
+    """Returns the elapsed seconds and the processor seconds, here and in processes that were started."""
     start, before = time.monotonic(), os.times()
     work()
     seconds, after = time.monotonic() - start, os.times()

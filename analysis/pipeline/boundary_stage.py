@@ -22,7 +22,7 @@ _ROUND = "round bodies: boundary elements answer for the polyhedron of their tri
 
 
 def rtol(asked: float, scene: Scene) -> float:
-    """What is asked of boundary elements where `asked` is asked of the field solver.
+    """Returns the relative accuracy asked of boundary elements where `asked` is asked of the field solver.
 
     Of a mesh no more than that: its charges converge so slowly that a tenth would take minutes and gigabytes.
     """
@@ -31,7 +31,7 @@ def rtol(asked: float, scene: Scene) -> float:
 
 
 def boundary_command(results: Results, case: str) -> str:
-    """The command, from the repository's folder, that computes the boundary elements' answer for a case."""
+    """Returns the command, from the repository's folder, that computes the boundary elements' answer for a case."""
     asked = rtol(results.rtol, results.cases[case].scene)
     return f"{model_command(results, case, 'boundary-elements')} --rtol {asked:g}"
 
@@ -69,5 +69,5 @@ def _answer(solved: Document) -> Document:
 
 
 def _without_place(reason: str, scene: Path) -> str:
-    """The reason alone: the same in every folder."""
+    """Returns the reason alone: the same in every folder."""
     return reason.removeprefix(f"{scene}: ")

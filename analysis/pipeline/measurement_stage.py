@@ -94,12 +94,12 @@ MEASUREMENTS = (
 
 
 def stages(folder: Path) -> list[Stage]:
-    """The stages of all measurements, whose answers lie in a folder of results."""
+    """Returns the stages of all measurements, whose answers lie in a folder of results."""
     return [stage(measurement, folder) for measurement in MEASUREMENTS]
 
 
 def stage(measurement: Measurement, folder: Path) -> Stage:
-    """The stage of one measurement. Its key depends on the machine, as do run times and the instructions that the code chooses."""
+    """Returns the stage of one measurement. Its key depends on the machine, as do run times and the instructions that the code chooses."""
     code = keys.code_of(measurement.sources, REPOSITORY)
     key = keys.measurement_key(measurement.command, code, machine.identity())
     target = folder / measurement.file

@@ -18,7 +18,7 @@ _REPEATS = 25
 
 
 def model_module() -> Any:
-    """The model's Python module, from the build or installed. ModuleNotFoundError when it is not there."""
+    """Returns the model's Python module, from the build or installed. ModuleNotFoundError when it is not there."""
     for folder in map(str, module_folders()):
         if folder not in sys.path:
             sys.path.insert(0, folder)
@@ -26,7 +26,7 @@ def model_module() -> Any:
 
 
 def knows(scene: Scene) -> bool:
-    """Whether the model can be asked: it knows grounded conductors only."""
+    """Tells whether the model can be asked: it knows grounded conductors only."""
     return all(body.potential == GROUNDED and body.relative_permittivity is None for body in scene.objects)
 
 

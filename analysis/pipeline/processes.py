@@ -45,7 +45,7 @@ class Processes:
         self._stopped = False
 
     def run(self, command: list[str], folder: Path, environment: dict[str, str]) -> Finished:
-        """Run a command in a folder to its end. Raises Stopped when `stop` was called before or meanwhile."""
+        """Runs a command in a folder to its end. Raises Stopped when `stop` was called before or meanwhile."""
         with self._lock:
             if self._stopped:
                 raise Stopped
@@ -69,7 +69,7 @@ class Processes:
         return Finished(process.returncode, output, errors)
 
     def run_module(self, module: str, *arguments: str) -> Finished:
-        """Run one of the project's Python modules to its end, on one core."""
+        """Runs one of the project's Python modules to its end, on one core."""
         path = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH", "")]))
         environment = os.environ | {
             "OMP_NUM_THREADS": "1",
@@ -81,7 +81,7 @@ class Processes:
         return self.run([sys.executable, "-P", "-m", module, *arguments], ROOT, environment)
 
     def stop(self) -> None:
-        """Kill every running command and its children."""
+        """Kills every running command and its children."""
         with self._lock:
             self._stopped = True
             for process in self._running:

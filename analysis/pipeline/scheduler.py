@@ -33,13 +33,13 @@ class Job(Protocol):
 
 
 def parallel_jobs() -> int:
-    """How many jobs this machine carries: by its cores, and by the memory that is free now."""
+    """Returns how many jobs this machine carries: by its cores, and by the memory that is free now."""
     cores = len(os.sched_getaffinity(0))
     return max(1, min(cores, int(psutil.virtual_memory().available) // _MEMORY_PER_JOB))
 
 
 def run_all(jobs: Sequence[Job], workers: int, done: str = "solved", shown: bool = True) -> list[Failure]:
-    """Run the jobs, the costly ones first so that none is left over at the end; returns the failures.
+    """Runs the jobs, the costly ones first so that none is left over at the end; returns the failures.
 
     `done` is what the progress bar says of those that have ended; without `shown` there is none.
 
@@ -62,7 +62,7 @@ def run_all(jobs: Sequence[Job], workers: int, done: str = "solved", shown: bool
 
 @contextmanager
 def _undisturbed() -> Iterator[None]:
-    """Signals come afterwards: a bar that is half made would complain when it is thrown away."""
+    """Delays signals: a progress bar that is interrupted while it is constructed complains when it is deleted."""
     blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     try:
         yield
@@ -71,7 +71,7 @@ def _undisturbed() -> Iterator[None]:
 
 
 def remaining_seconds(total: float, done: float, elapsed: float, workers: int) -> float:
-    """How long the rest takes, by the pace so far; before the first job has ended, by its expected seconds."""
+    """Returns how long the rest takes, by the pace so far; before the first job has ended, by its expected seconds."""
     if done == 0:
         return max(0.0, total / workers - elapsed)
     return elapsed * (total - done) / done
@@ -100,7 +100,7 @@ class Progress:
         self._bar.update(min(cost, self._bar.total - self._bar.n))
 
     def tell(self, ended: int) -> None:
-        """Say how many jobs have ended."""
+        """Says how many jobs have ended."""
         if not self._shown:
             return
         bar = self._bar
@@ -112,7 +112,7 @@ class Progress:
 def _watch(
     futures: dict[Future[Failure | None], Job], workers: int, done: str, shown: bool
 ) -> Iterator[Failure | None]:
-    """The jobs' outcomes as they come, with a progress bar."""
+    """Returns the jobs' outcomes as they come, with a progress bar."""
     total, pending = sum(job.seconds for job in futures.values()), set(futures)
     # A terminal shows the time running; a log gets a line for each finished job only.
     patience = _REFRESH_SECONDS if sys.stderr.isatty() else None

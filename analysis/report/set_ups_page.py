@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,7 +16,6 @@ from analysis.results.units import CENTIMETRE
 from geometries.common import installation
 from geometries.scene.scene import Scene
 
-_FOLDER = Path(__file__).parent
 # Of a coordinate in cm: a micrometre.
 _DECIMALS = 4
 _TARGET = "[[object]]"
@@ -55,45 +52,22 @@ class Around:
 
 
 def document(around: Around, shown: list[Shown], inputs: str, script: str) -> str:
-    """The whole page. `inputs` is the hash of what it was made from, `script` the file of plotly.js as seen from it."""
-    style, code = ((_FOLDER / f"set_ups.{kind}").read_text(encoding="utf-8") for kind in ("css", "js"))
+    """Returns the whole page. `inputs` is the hash of what it was made from, `script` the file of plotly.js as seen from it."""
     data = json.dumps(_data(around, shown), cls=PlotlyJSONEncoder, separators=(",", ":"))
-    # What ends a script element in HTML must not stand in one.
-    harmless = data.replace("</", "<\\/")
-    body = [
-        f"<style>{style}</style>",
-        *_body(around, shown),
-        f'<script type="application/json" id="set-ups">{harmless}</script>',
-        f"<script>{code}</script>",
-    ]
-    return page.document(around.title, inputs, body, script)
-
-
-def _body(around: Around, shown: list[Shown]) -> Iterable[str]:
-    yield f"<nav>{page.link(around.back, f'‹ {around.back_title}')} {_STEPS}</nav>"
-    yield '<header><h1><span id="family"></span> <code id="name"></code></h1><p id="told"></p><div id="findings"></div></header>'
-    drawn = f'<figcaption>sensor (blue) and target (orange)</figcaption><div class="{page.PLOT}" id="scene"></div>'
-    yield f'<div class="panels single"><figure class="panel">{drawn}</figure></div>'
-    yield page.paragraph(
-        f"No slice of the potential is stored: for {len(shown)} set-ups they would take the field solver hours. The last command below "
-        "computes this one's."
+    body = page.filled(
+        "set_ups.html",
+        style=page.static("set_ups.css"),
+        script=page.static("set_ups.js"),
+        around=around,
+        count=len(shown),
+        plot=page.PLOT,
+        data=page.json_in_page(data),
     )
-    yield page.section("Numbers", page.table(list(around.header), []), page.soft(around.explanation))
-    yield page.section(
-        "Reproduce",
-        page.paragraph("From the project's folder, all of it as it stands:"),
-        '<pre class="command" id="commands"></pre>',
-    )
-
-
-_STEPS = (
-    '<a id="previous">previous</a> <a id="next">next</a> '
-    '<label>set-up <select id="choice" aria-label="set-up"></select></label>'
-)
+    return page.document(around.title, inputs, [body], script)
 
 
 def _data(around: Around, shown: list[Shown]) -> Document:
-    """What the script needs: the look of the figure, the commands, and the set-ups."""
+    """Collects what the script needs: the look of the figure, the commands, and the set-ups."""
     drawn: dict[str, Any] = plots_in_space.in_space(shown[0].scene).figure.to_plotly_json()
     layout = {key: value for key, value in drawn["layout"].items() if key != "template"}
     looks = [
@@ -115,7 +89,7 @@ def _data(around: Around, shown: list[Shown]) -> Document:
 
 
 def _around_target(text: str) -> tuple[str, str]:
-    """A scene's text in two, before the target and the rest, with each array on a line of its own."""
+    """Returns a scene's text in two, before the target and the rest, with each array on a line of its own."""
     before, mark, rest = _ARRAY.sub(_on_one_line, text).partition(_TARGET)
     return before, mark + rest
 
@@ -140,7 +114,7 @@ def _set_up(each: Shown, heads: list[str]) -> Document:
 
 
 def _body_of(triangles: plots_in_space.Array) -> Document:
-    """Its vertices, each once (cm), and three of their numbers for each triangle."""
+    """Returns its vertices, each once (cm), and three of their numbers for each triangle."""
     vertices = np.round(triangles.reshape(-1, 3) / CENTIMETRE, _DECIMALS) + 0.0
     distinct, numbers = np.unique(vertices, axis=0, return_inverse=True)
     return {"vertices": distinct.tolist(), "triangles": numbers.reshape(-1, 3).tolist()}

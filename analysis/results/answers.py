@@ -20,7 +20,7 @@ class Estimate:
     error: float
 
     def agrees_with(self, other: Estimate) -> bool:
-        """Whether the two intervals overlap."""
+        """Tells whether the two intervals overlap."""
         return abs(self.value - other.value) <= self.error + other.error
 
 
@@ -56,7 +56,7 @@ class ReferenceAnswer:
 
     @staticmethod
     def of(document: Document) -> ReferenceAnswer:
-        """The answer in a document of `fem_reference --json`; KeyError when a part is missing."""
+        """Returns the answer in a document of `fem_reference --json`; KeyError when a part is missing."""
         changes = document.get("delta_self", {})
         lower, upper = _interval(document)
         value = np.array(document["maxwell"], dtype=np.float64)
@@ -80,25 +80,25 @@ class ReferenceAnswer:
         )
 
     def mutual(self, sensor: str, body: str) -> Estimate:
-        """−M[sensor, body]: the charge on the grounded body for each volt on the sensor."""
+        """Returns −M[sensor, body]: the charge on the grounded body per volt on the sensor."""
         place = self.conductors.index(sensor), self.conductors.index(body)
         return Estimate(float(-self.maxwell[place]), float(self.error[place]))
 
     def self_capacitance(self, sensor: str) -> Estimate:
-        """M[sensor, sensor]."""
+        """Returns M[sensor, sensor]."""
         place = self.conductors.index(sensor)
         return Estimate(float(self.maxwell[place, place]), float(self.error[place, place]))
 
 
 def _error(document: Document, value: Array, lower: Array, upper: Array) -> Array:
-    """What a value of the Maxwell matrix may be off: proven where there is an enclosure, else estimated."""
+    """Returns the error of a value of the Maxwell matrix: proven where there is an enclosure, else estimated."""
     if document["error_kind"] != "enclosure":
         return np.array(document["error"], dtype=np.float64)
     return np.asarray(np.maximum(value - lower, upper - value))
 
 
 def _interval(document: Document) -> tuple[Array, Array]:
-    """Where the Maxwell matrix lies: proven where there is an enclosure, else by the estimated errors."""
+    """Returns where the Maxwell matrix lies: proven where there is an enclosure, else by the estimated errors."""
     if document["error_kind"] == "enclosure":
         return np.array(document["lower"], dtype=np.float64), np.array(document["upper"], dtype=np.float64)
     value, error = (np.array(document[name], dtype=np.float64) for name in ("maxwell", "error"))
@@ -120,7 +120,7 @@ class BoundaryAnswer:
 
     @staticmethod
     def of(document: Document) -> BoundaryAnswer:
-        """The answer in a stored `boundary.json`; KeyError when a part is missing."""
+        """Returns the answer in a stored `boundary.json`; KeyError when a part is missing."""
         return BoundaryAnswer(
             conductors=tuple(document["conductors"]),
             maxwell=np.array(document["maxwell"], dtype=np.float64),
@@ -150,7 +150,7 @@ class ModelAnswer:
 
     @staticmethod
     def of(document: Document) -> ModelAnswer:
-        """The answer in a stored `model.json`; KeyError when a part is missing."""
+        """Returns the answer in a stored `model.json`; KeyError when a part is missing."""
         values = {
             method: {
                 sensor["name"]: ModelValue(

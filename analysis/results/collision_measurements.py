@@ -58,7 +58,7 @@ class Collision:
 def collision(
     answers: Document | None, queries: Document | None, scenes: Document | None
 ) -> Collision | None:
-    """The stored answers of the three programs; None without any."""
+    """Returns the stored answers of the three programs; None without any."""
     documents = [document for document in (answers, queries, scenes) if document is not None]
     if not documents:
         return None

@@ -12,7 +12,7 @@ _INSTRUCTION_SETS = {"avx512f": "AVX-512", "avx2": "AVX2"}
 
 
 def description() -> dict[str, str]:
-    """For people."""
+    """Describes the machine for people."""
     models = _values("model name")
     return {
         "processor": models[0] if models else platform.machine(),
@@ -23,7 +23,7 @@ def description() -> dict[str, str]:
 
 
 def instruction_sets() -> str:
-    """The wide instruction sets that the processor has."""
+    """Returns the wide instruction sets that the processor has."""
     flags = _flags()
     return (
         ", ".join(name for flag, name in _INSTRUCTION_SETS.items() if flag in flags)
@@ -32,7 +32,7 @@ def instruction_sets() -> str:
 
 
 def identity() -> dict[str, str]:
-    """What makes two machines different where run times count: name, processor, instructions."""
+    """Returns what makes two machines different where run times count: name, processor, instructions."""
     return {
         "name": platform.node(),
         "processor": description()["processor"],
@@ -46,11 +46,11 @@ def _flags() -> set[str]:
 
 
 def _values(name: str) -> list[str]:
-    """The values under a name, one for each core."""
+    """Returns the values under a name, one for each core."""
     lines = _CPUINFO.read_text(encoding="utf-8").splitlines()
     return [line.split(":", 1)[1].strip() for line in lines if line.partition(":")[0].strip() == name]
 
 
 def origin() -> dict[str, Any]:
-    """What a stored measurement says of the machine that it was made on."""
+    """Describes the machine that a stored measurement was made on."""
     return {"processor": description()["processor"], "instruction_sets": instruction_sets()}

@@ -71,7 +71,7 @@ class Stability:
 
 
 def run_times(document: Document | None) -> RunTimes | None:
-    """The times in a stored answer of the benchmark; None without one."""
+    """Returns the times in a stored answer of the benchmark; None without one."""
     if document is None:
         return None
     answer = document["answer"]
@@ -87,7 +87,7 @@ def run_times(document: Document | None) -> RunTimes | None:
 
 
 def stability(document: Document | None) -> Stability | None:
-    """The errors in a stored answer of the stress program; None without one."""
+    """Returns the errors in a stored answer of the stress program; None without one."""
     if document is None:
         return None
     answer = document["answer"]

@@ -74,7 +74,7 @@ class Results:
     collision: collision_measurements.Collision | None
 
     def compared(self) -> list[CaseResult]:
-        """The cases with objects, in the study's order."""
+        """Returns the cases with objects, in the study's order."""
         return [case for case in self.cases.values() if case.family != EMPTY]
 
 
@@ -83,7 +83,7 @@ def case_folder(results: Path, case: str) -> Path:
 
 
 def write_manifest(folder: Path, study: Study, failures: list[Failure]) -> None:
-    """Write down what the study asked and which cases failed; left alone when it says so already."""
+    """Writes down what the study asked and which cases failed; left alone when it says so already."""
     document: Document = {
         "format": 1,
         "name": study.name,
@@ -102,7 +102,7 @@ def write_manifest(folder: Path, study: Study, failures: list[Failure]) -> None:
 
 
 def load(folder: Path) -> Results:
-    """The results in a folder; InputError when it holds none."""
+    """Returns the results in a folder; InputError when it holds none."""
     manifest = read_json(folder / MANIFEST)
     if manifest is None:
         raise InputError(str(folder), "", f"holds no results: there is no {MANIFEST}")
@@ -124,7 +124,7 @@ def load(folder: Path) -> Results:
 
 
 def title(folder: Path) -> str:
-    """The title of the study whose results are in a folder."""
+    """Returns the title of the study whose results are in a folder."""
     return str((read_json(folder / MANIFEST) or {})["title"])
 
 

@@ -28,7 +28,7 @@ class SetUpsPage:
 
 
 def pages(corrected: Document | None) -> list[SetUpsPage]:
-    """Those that there are; `corrected` is the document of the corrections."""
+    """Returns those that there are; `corrected` is the document of the corrections."""
 
     def of_published(inputs: str) -> str:
         return published_section.set_ups_document(*_back(questions.PUBLISHED), inputs, _SCRIPT)
@@ -47,13 +47,13 @@ def pages(corrected: Document | None) -> list[SetUpsPage]:
 
 
 def write(corrected: Document | None, place: Path) -> None:
-    """Write those that are not up to date into the folder of the report's pages."""
+    """Writes those that are not up to date into the folder of the report's pages."""
     for each in pages(corrected):
         if not is_current(place / each.file, each.inputs):
             write_text(place / each.file, each.text(each.inputs))
 
 
 def _back(name: str) -> tuple[str, str]:
-    """The page of a question as seen from that of its set-ups, and its title."""
+    """Returns the page of a question as seen from that of its set-ups, and its title."""
     (title,) = (question.title for question in questions.QUESTIONS if question.name == name)
     return f"../{name}.html", title

@@ -40,7 +40,7 @@ class Work:
 
 
 def missing(study: Study, cases: list[Case], folder: Path) -> list[Work]:
-    """What is to do so that every case is up to date in `folder`; nothing is changed there."""
+    """Returns what is to do so that every case is up to date in `folder`; nothing is changed there."""
     model, reference = keys.model_code(), keys.reference_code()
     there = _case_folders(folder)
     pictured = set() if study.error == NO_REFERENCE else _pictured(cases)
@@ -75,7 +75,7 @@ def _case_folders(folder: Path) -> set[str]:
 
 
 def _pictured(cases: list[Case]) -> set[str]:
-    """Every case of a small study; of a large one a case for each family, the second of its list where it can be: the first of
+    """Returns every case of a small study; of a large one a case for each family, the second of its list where it can be: the first of
     a sweep is its extreme."""
     members: dict[str, list[str]] = {}
     for case in cases:

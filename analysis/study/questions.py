@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from markupsafe import Markup
+
 from analysis.report import (
     collision_section,
     faults_section,
@@ -60,14 +62,14 @@ class Question:
     name: str
     short: str
     title: str
-    body: Callable[[Material], list[str]]
+    body: Callable[[Material], list[Markup]]
 
 
-def _experiment(material: Material) -> list[str]:
+def _experiment(material: Material) -> list[Markup]:
     return [experiments_section.section(material.found)]
 
 
-def _model_error(material: Material) -> list[str]:
+def _model_error(material: Material) -> list[Markup]:
     if not material.rows:
         return []
     plots = [plots_of_errors.model_against_reference(material.rows)]
@@ -86,30 +88,30 @@ def _over_what_describes(rows: list[table.Row]) -> list[Plot]:
     ]
 
 
-def _parts(material: Material) -> list[str]:
+def _parts(material: Material) -> list[Markup]:
     own = error_records.by_reference(material.taken_apart, material.found)
     return [*errors_section.sections(material.taken_apart, ERRORS_CASES), errors_section.of_study(own)]
 
 
-def _corrections(material: Material) -> list[str]:
+def _corrections(material: Material) -> list[Markup]:
     return [corrections_section.section(material.corrected, CORRECTIONS_SET_UPS)]
 
 
-def _published(material: Material) -> list[str]:
+def _published(material: Material) -> list[Markup]:
     return [published_section.section(PUBLISHED_SET_UPS)]
 
 
-def _reference(material: Material) -> list[str]:
+def _reference(material: Material) -> list[Markup]:
     pairs = symmetry.pairs(material.found.compared())
     trusted = sections.trust(material.found, material.rows, pairs)
     return [trusted, verification_page.truths(material.verified)]
 
 
-def _cross_check(material: Material) -> list[str]:
+def _cross_check(material: Material) -> list[Markup]:
     return [] if material.found.error == NO_REFERENCE else cross_check_section.sections(material.found)
 
 
-def _run_time(material: Material) -> list[str]:
+def _run_time(material: Material) -> list[Markup]:
     parts = [trade_off_section.section(trade_off.load(material.found.folder), material.found, page.CASES)]
     if not parts[0] and material.rows:
         parts = [page.plot_section(plot_of_time.time_against_error(material.rows))]
@@ -117,19 +119,19 @@ def _run_time(material: Material) -> list[str]:
     return [*parts, verification_page.costs(material.verified)]
 
 
-def _stability(material: Material) -> list[str]:
+def _stability(material: Material) -> list[Markup]:
     return [stability_section.section(material.found.stability)]
 
 
-def _collisions(material: Material) -> list[str]:
+def _collisions(material: Material) -> list[Markup]:
     return [collision_section.section(material.found.collision)]
 
 
-def _faults(material: Material) -> list[str]:
+def _faults(material: Material) -> list[Markup]:
     return [faults_section.section(material.faults)] if material.faults else []
 
 
-def _set_ups(material: Material) -> list[str]:
+def _set_ups(material: Material) -> list[Markup]:
     pictures = plots_in_space.pictures(material.rows) if material.rows else []
     return [
         *(page.plot_section(plot) for plot in pictures),

@@ -6,8 +6,9 @@ import hashlib
 import json
 import re
 from dataclasses import asdict, dataclass
-from html import escape
 from pathlib import Path
+
+from markupsafe import Markup
 
 from analysis.pipeline import keys
 from analysis.report import faults_section, index_page, page, sections
@@ -44,7 +45,7 @@ class Report:
 
 
 def make(folder: Path) -> Report:
-    """Write the table and the report of the results in a folder, unless they are up to date; InputError without results."""
+    """Writes the table and the report of the results in a folder, unless they are up to date; InputError without results."""
     found = results.load(folder)
     rows = table.rows(found)
     summaries = statistics.summaries(rows)
@@ -71,7 +72,7 @@ def make(folder: Path) -> Report:
 def _inputs(
     folder: Path, found: results.Results, verified: dict[str, Document], apart: dict[str, Document]
 ) -> str:
-    """A hash of everything the pages are made from: the answers, what was asked, and the code of this package."""
+    """Returns a hash of everything the pages are made from: the answers, what was asked, and the code of this package."""
     files = [
         folder / name for name in (results.MANIFEST, results.RUN_TIMES, results.STABILITY, *results.COLLISION)
     ]
@@ -85,13 +86,13 @@ def _inputs(
 
 
 def _is_complete(folder: Path) -> bool:
-    """Whether the files that the report leads to are there."""
+    """Tells whether the files that the report leads to are there."""
     text = (folder / page.REPORT).read_text(encoding="utf-8")
     return all((folder / target).is_file() for target in _HREF.findall(text))
 
 
 def _write(material: Material, nights: list[Document], inputs: str, whole: str) -> None:
-    """The table, the pages, and at last the report itself, which says that all are there."""
+    """Returns the table, the pages, and at last the report itself, which says that all are there."""
     folder = material.found.folder
     write_text(folder / table.TABLE, table.to_csv(material.rows, material.found.methods))
     cards = _pages(material, inputs)
@@ -109,11 +110,11 @@ def _write(material: Material, nights: list[Document], inputs: str, whole: str) 
 
 
 def _pages(material: Material, inputs: str) -> list[Card]:
-    """Write the pages unless they are up to date; returns them as the index shows them."""
+    """Writes the pages unless they are up to date; returns them as the index shows them."""
     place = material.found.folder / PAGES
     known = read_json(place / _FINDINGS)
     if known is not None and known["made_from"] == inputs:
-        cards = [index_page.Card(**card) for card in known["pages"]]
+        cards = [_card(card) for card in known["pages"]]
         needed = [place.parent / card.target for card in cards]
         needed += [place / each.file for each in pages_of_set_ups.pages(material.corrected)]
         if all(path.is_file() for path in needed):
@@ -134,9 +135,13 @@ def _pages(material: Material, inputs: str) -> list[Card]:
     return cards
 
 
+def _card(stored: Document) -> Card:
+    return Card(stored["target"], stored["title"], Markup(stored["says"]))
+
+
 def _question_pages(material: Material, inputs: str) -> list[Card]:
     place, title = material.found.folder / PAGES, material.found.title
-    bodies = {question: "\n".join(question.body(material)).strip() for question in QUESTIONS}
+    bodies = {question: Markup(page.lines(question.body(material)).strip()) for question in QUESTIONS}
     asked = [question for question in QUESTIONS if bodies[question]]
     around = [(f"{question.name}.html", question.short) for question in asked]
     cards = []
@@ -144,11 +149,11 @@ def _question_pages(material: Material, inputs: str) -> list[Card]:
         file = f"{question.name}.html"
         # Pages of set-ups that are no cases say themselves what their points open.
         cases = _CASES_IN_FIGURE.search(bodies[question]) and "data-set-ups" not in bodies[question]
-        hint = page.soft(_HINT) if cases else ""
+        hint = [page.soft(_HINT)] if cases else []
         way = index_page.navigation(title, around, file)
-        head = f"{way}<header><h1>{escape(question.title)}</h1>{hint}</header>"
+        head = page.header(question.title, *hint)
         text = page.document(
-            f"{question.title} {title}", inputs, [head, bodies[question]], Path(page.SCRIPT).name
+            f"{question.title} {title}", inputs, [way, head, bodies[question]], Path(page.SCRIPT).name
         )
         write_text(place / file, text)
         cards.append(

@@ -25,7 +25,7 @@ from geometries.studies.study import Study
 
 
 def run(study: Study, folder: Path, workers: int | None, measure_model: bool = False) -> list[Failure]:
-    """Bring every case of the study up to date in `folder`; returns the failures, which are written down there too.
+    """Brings every case of the study up to date in `folder`; returns the failures, which are written down there too.
 
     With `measure_model` the measurements of the model by itself, too. Those that are out of date are removed in any case.
 
@@ -46,7 +46,7 @@ def run(study: Study, folder: Path, workers: int | None, measure_model: bool = F
 
 
 def forget(works: list[Work], folder: Path) -> None:
-    """Remove the outdated answers of what is to do, so that no report shows them, and what killed writers left there."""
+    """Removes the outdated answers of what is to do, so that no report shows them, and what killed writers left there."""
     for work in works:
         place = case_folder(folder, work.case)
         if not place.is_dir():
@@ -58,7 +58,7 @@ def forget(works: list[Work], folder: Path) -> None:
 
 
 def write_scenes(works: list[Work], folder: Path) -> None:
-    """Write down the scenes that are not there."""
+    """Writes down the scenes that are not there."""
     for work in works:
         scene = case_folder(folder, work.case) / SCENE
         if not scene.is_file():
@@ -74,7 +74,7 @@ def compute(works: list[Work], study: Study, folder: Path, workers: int, shown: 
 
 
 def stages(works: list[Work], study: Study, folder: Path, files: tuple[str, ...]) -> list[Stage]:
-    """The stages whose answers are the given files of the cases, where these are to do and not there."""
+    """Returns the stages whose answers are the given files of the cases, where these are to do and not there."""
     found = [
         _stage(file, work, study, case_folder(folder, work.case))
         for file in files

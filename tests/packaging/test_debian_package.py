@@ -71,6 +71,8 @@ def test_its_copyright_is_the_licence_of_the_repository() -> None:
         "/usr/share/bash-completion/completions/fringe",
         "/usr/share/doc/fringe/copyright",
         "/usr/share/fringe/analysis/__main__.py",
+        "/usr/share/fringe/analysis/report/static/page.css",
+        "/usr/share/fringe/analysis/report/templates/page.html",
         "/usr/share/fringe/fem_reference/__main__.py",
         "/usr/share/fringe/geometries/studies/default.toml",
         "/usr/share/man/man1/fringe.1.gz",

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, family_marker, figure, log_axis
@@ -23,11 +24,11 @@ _PERCENT = 100.0
 _WITHIN = 0.05
 
 
-def section(cases: list[Document], set_ups: str) -> str:
-    """Finding and plot; `set_ups` is the file of the page that the points open, as seen from the page."""
-    return "\n".join(
+def section(cases: list[Document], set_ups: str) -> Markup:
+    """Returns the finding and the plot; `set_ups` is the file of the page that the points open, as seen from the page."""
+    return page.lines(
         [
-            "<h3>Set-up by set-up</h3>",
+            page.heading("Set-up by set-up"),
             page.finding(finding(cases)),
             page.figures([_panel(cases, name) for name in SHOWN], set_ups=set_ups),
             page.soft(
@@ -39,7 +40,7 @@ def section(cases: list[Document], set_ups: str) -> str:
 
 
 def finding(cases: list[Document]) -> str:
-    """How many the best closed formula has nearly right, and where it and the recommended one are worst."""
+    """Returns how many the best closed formula has nearly right, and where it and the recommended one are worst."""
     best, recommended = SHOWN
     near = sum(abs(_error(case, best)) <= _WITHIN for case in cases)
     worst = {name: max(cases, key=lambda case: abs(_error(case, name))) for name in SHOWN}
@@ -54,7 +55,7 @@ def _told_worst(case: Document, name: str) -> str:
 
 
 def worst(cases: list[Document], name: str, sealed: bool) -> str:
-    """The name of the set-up in which a correction is worst, among the sealed ones or all."""
+    """Returns the name of the set-up in which a correction is worst, among the sealed ones or all."""
     chosen = [case for case in cases if case["sealed"] or not sealed]
     return str(max(chosen, key=lambda case: abs(_error(case, name)))["name"])
 
@@ -80,7 +81,7 @@ def _panel(cases: list[Document], name: str) -> Panel:
 
 
 def set_ups_document(cases: list[Document], back: str, back_title: str, inputs: str, script: str) -> str:
-    """The page of all set-ups; `back` is the file of the page that leads to it."""
+    """Returns the page of all set-ups; `back` is the file of the page that leads to it."""
     around = Around(
         "Set-ups of the corrections",
         back,
@@ -111,7 +112,7 @@ def _shown(case: Document) -> Shown:
 
 
 def _sizes(scene: Scene) -> str:
-    """Both bodies' sides in words."""
+    """Returns both bodies' sides in words."""
     (plate,) = scene.sensors[0].plates
     shape = scene.objects[0].shape
     assert isinstance(shape, (PlateShape, Cuboid))
@@ -129,5 +130,5 @@ def _error(case: Document, name: str) -> float:
 
 
 def _relative_distance(case: Document) -> float:
-    """Over the root of the sensor's area."""
+    """Returns the distance relative to the root of the sensor's area."""
     return float(case["distance"] / case["sensor_size"])

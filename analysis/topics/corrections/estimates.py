@@ -29,7 +29,7 @@ class Estimates:
     by_correction: dict[str, Array]
 
     def errors(self, correction: str) -> Array:
-        """(estimate − truth)/truth."""
+        """Returns (estimate − truth)/truth."""
         return np.asarray(self.by_correction[correction] / self.truth - 1)
 
 
@@ -56,12 +56,12 @@ class Errors:
 
 
 def names(module: Any) -> tuple[str, ...]:
-    """The registry's corrections, the plain model first."""
+    """Returns the registry's corrections, the plain model first."""
     return tuple(str(entry["name"]) for entry in module.corrections())
 
 
 def estimate(module: Any, corrections: Sequence[str], chosen: Sequence[SetUp] | None = None) -> Estimates:
-    """Evaluate corrections on the set-ups, all of them if none are given."""
+    """Evaluates corrections on the set-ups, all of them if none are given."""
     truths = load()
     asked = list(set_ups(module)) if chosen is None else list(chosen)
     values: dict[str, list[float]] = {correction: [] for correction in corrections}

@@ -32,7 +32,7 @@ class Discrepancy:
 
 
 def discrepancy(found: Estimates, correction: str) -> Discrepancy:
-    """Train on ln(truth/correction); the numbers that describe a set-up are ratios of the registry's own estimates."""
+    """Fits ln(truth/correction); the features of a set-up are ratios of the registry's own estimates."""
     described = _described(found, correction)
     left = -np.log1p(found.errors(correction))
     opened = np.flatnonzero(~found.sealed)
@@ -59,7 +59,7 @@ def discrepancy(found: Estimates, correction: str) -> Discrepancy:
 
 
 def _described(found: Estimates, correction: str) -> Array:
-    """Logarithms of what the corrections of other kinds make of the same set-up, over this one, and its size."""
+    """Returns the features of a set-up: logarithms of the other corrections' estimates over this one, and its size."""
     own = found.by_correction[correction]
     others = ("none", "arc", "kirchhoff", "reciprocity", "two-sided-arc")
     columns = [np.log(np.maximum(found.by_correction[other] / own, 1e-3)) for other in others]

@@ -51,7 +51,7 @@ class Large:
 
 
 def measured(module: Any) -> Large:
-    """Ask the formula and boundary elements; seconds."""
+    """Asks the formula and boundary elements; seconds."""
     formula, value, error = (np.empty((len(SIDES), len(GAPS))) for _ in range(3))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "scene.toml"
@@ -74,7 +74,7 @@ def measured(module: Any) -> Large:
 
 
 def lines(found: Large) -> list[str]:
-    """The table in Markdown, per cent."""
+    """Returns the table in Markdown, per cent."""
     rows = [
         f"| {side} | " + " | ".join(_cell(*each) for each in zip(errors, uncertainties)) + " |"
         for side, errors, uncertainties in zip(SIDES, found.error, found.uncertainty)
@@ -94,7 +94,7 @@ def _load(module: Any, path: Path, scene: Scene) -> Any:
 
 
 def _before_plane(image: Any) -> float:
-    """The charge per volt of a sensor whose mirror image has the opposite potential."""
+    """Returns the charge per volt of a sensor whose mirror image has the opposite potential."""
     matrix = image.maxwell(rtol=_RTOL)["maxwell"]
     return float(matrix[0, 0] - matrix[0, 1])
 

@@ -26,12 +26,12 @@ _HEADER = (
 
 
 def errors_table(found: Sequence[Evaluation]) -> list[str]:
-    """A row for each correction, per cent of the truth."""
+    """Returns a row for each correction, per cent of the truth."""
     return [*_HEADER, *(_row(each) for each in found)]
 
 
 def by_family(found: Sequence[Evaluation]) -> str:
-    """The formula, family by family."""
+    """Returns the formula, family by family."""
     (formula,) = (each for each in found if each.name == "formula")
     told = (f"{family} {_both(errors)}" for family, errors in formula.families.items())
     return f"The formula by family, rms / worst: {', '.join(told)}."
@@ -48,12 +48,12 @@ def _both(errors: Errors) -> str:
 
 
 def _per_cent(value: float) -> str:
-    """A number for a column in per cent."""
+    """Returns a number for a column in per cent."""
     return percent(value).removesuffix(" %")
 
 
 def figures(module: Any) -> list[str]:
-    """All of them, line by line; half a minute."""
+    """Returns all of them, line by line; half a minute."""
     chosen = list(set_ups(module))
     asked = estimates.estimate(module, estimates.names(module), chosen)
     found = evaluation.evaluations(module, asked, chosen)
@@ -67,7 +67,7 @@ def figures(module: Any) -> list[str]:
 
 
 def near_misses(found: estimates.Estimates) -> int:
-    """How many set-ups the recommended correction has wrong by more than 1 %."""
+    """Returns how many set-ups the recommended correction has wrong by more than 1 %."""
     return int(np.sum(np.abs(found.errors("recommended")) > 0.01))
 
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from html import escape
-
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel, figure, power_axis, series_colour
@@ -17,8 +16,8 @@ ABSENT = f"Not evaluated yet: {stage.COMMAND} does it in a minute."
 _PLAIN, _BEST, _RECOMMENDED = "none", "formula", "recommended"
 
 
-def section(document: Document | None, set_ups: str) -> str:
-    """The section of a document of analysis.topics.corrections.stage; one sentence without one. `set_ups` is the file of the page of its
+def section(document: Document | None, set_ups: str) -> Markup:
+    """Returns the section of a document of analysis.topics.corrections.stage; one sentence without one. `set_ups` is the file of the page of its
     set-ups, as seen from the page."""
     if document is None:
         return page.section(TITLE, page.paragraph(ABSENT))
@@ -36,7 +35,7 @@ def section(document: Document | None, set_ups: str) -> str:
 
 
 def finding(document: Document) -> str:
-    """What the best closed formula leaves, where nothing was fitted, and what it costs."""
+    """Tells the error that the best closed formula leaves on unseen set-ups, and its cost."""
     plain, best = _entry(document, _PLAIN), _entry(document, _BEST)
     ratios = {shape: times[_BEST] / times[_PLAIN] for shape, times in document["nanoseconds"].items()}
     recommended = _entry(document, _RECOMMENDED)
@@ -82,11 +81,11 @@ def _panels(document: Document) -> list[Panel]:
 
 
 def _worst_cases(document: Document) -> list[str]:
-    """For each correction the sealed set-up in which it is worst."""
+    """Names, for each correction, the sealed set-up in which it is worst."""
     return [cases_section.worst(document["cases"], name, sealed=True) for name in _names(document)]
 
 
-def _table(document: Document) -> str:
+def _table(document: Document) -> Markup:
     shapes = list(document["nanoseconds"])
     header = [
         "correction",
@@ -105,7 +104,7 @@ def _table(document: Document) -> str:
         every = entry["all"]
         rows.append(
             [
-                f"<code>{escape(entry['name'])}</code>",
+                page.code(entry["name"]),
                 *(percent(every[name]) for name in ("rms", "median", "percentile_95", "worst")),
                 *(percent(entry["sealed"][name]) for name in ("rms", "worst")),
                 *(percent(entry["left_out"][name]) for name in ("rms", "worst")),
@@ -117,7 +116,7 @@ def _table(document: Document) -> str:
     sealed = [percent(both["sealed"][name]) for name in ("rms", "worst")]
     rows.append(
         [
-            f"{escape(both['correction'])} and Gaussian process",
+            f"{both['correction']} and Gaussian process",
             *unseen,
             *sealed,
             "",
@@ -128,11 +127,11 @@ def _table(document: Document) -> str:
     return page.table(header, rows, strong=frozenset({_names(document).index(_RECOMMENDED)}))
 
 
-def _families(document: Document) -> str:
+def _families(document: Document) -> Markup:
     families = list(document["corrections"][0]["families"])
     rows = [
         [
-            f"<code>{escape(entry['name'])}</code>",
+            page.code(entry["name"]),
             *(
                 f"{percent(entry['families'][family]['rms'])} / {percent(entry['families'][family]['worst'])}"
                 for family in families
@@ -145,11 +144,11 @@ def _families(document: Document) -> str:
     return page.table(header, rows)
 
 
-def _registry(document: Document) -> str:
+def _registry(document: Document) -> Markup:
     rows = [
         [
-            f"<code>{escape(entry['name'])}</code>",
-            *(escape(entry[key]) for key in ("formula", "source", "constants", "cost")),
+            page.code(entry["name"]),
+            *(entry[key] for key in ("formula", "source", "constants", "cost")),
         ]
         for entry in document["corrections"]
     ]

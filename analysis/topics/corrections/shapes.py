@@ -25,7 +25,7 @@ SHAPES: dict[str, Shape] = {
 
 
 def errors(module: Any) -> dict[str, float]:
-    """(formula − truth)/truth by shape; its centre lies above that of the sensor, its axis turned."""
+    """Returns (formula − truth)/truth by shape; its centre lies above that of the sensor, its axis turned."""
     found = {}
     alone = families.empty((_SENSOR, _SENSOR))
     with tempfile.TemporaryDirectory() as folder:
@@ -41,7 +41,7 @@ def errors(module: Any) -> dict[str, float]:
 
 
 def sentence(found: dict[str, float]) -> str:
-    """As model/CORRECTIONS.md has it."""
+    """Writes the sentence of model/CORRECTIONS.md on these shapes."""
     return ", ".join(f"{name} {100 * error:+.1f} %" for name, error in found.items())
 
 

@@ -31,12 +31,12 @@ _SOURCES = ("model", "CMakeLists.txt", "CMakePresets.json")
 
 
 def run(folder: Path) -> list[Failure]:
-    """Fill the folder, unless its document was made by just this code on this machine; returns what failed."""
+    """Fills the folder, unless its document was made by just this code on this machine; returns what failed."""
     return run_all(outdated([stage(folder)]), 1, shown=False)
 
 
 def stage(folder: Path) -> Stage:
-    """The stage of the one document."""
+    """Returns the stage of the one document."""
     python = [
         path.relative_to(REPOSITORY).as_posix()
         for name in ("analysis/topics/corrections", "geometries")
@@ -59,18 +59,18 @@ def _answer(_: Processes) -> Document:
 
 
 def load(folder: Path) -> Document | None:
-    """The document in a folder; None without one, or with one of an earlier form, which knows nothing of single set-ups."""
+    """Returns the document in a folder; None without one, or with one of an earlier form, which knows nothing of single set-ups."""
     document = read_json(folder / DOCUMENT)
     return document if document is not None and "cases" in document else None
 
 
 def beside(results: Path) -> Path:
-    """The folder that belongs to a study's results."""
+    """Returns the folder that belongs to a study's results."""
     return results.resolve().parent / FOLDER
 
 
 def evaluated(module: Any) -> Document:
-    """The errors of every correction, with what the registry says of it, as a document."""
+    """Returns the errors of every correction, with what the registry says of it, as a document."""
     chosen = list(set_ups(module))
     found = evaluation.evaluate(module, chosen)
     registry = {str(entry["name"]): entry for entry in module.corrections()}

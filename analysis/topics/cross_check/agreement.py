@@ -66,7 +66,7 @@ class Bracket:
 
 
 def comparisons(results: Results) -> list[Comparison]:
-    """The entries on and above the diagonal and delta_self of every case that both have solved, the worst first."""
+    """Returns the entries on and above the diagonal and delta_self of every case that both have solved, the worst first."""
     found = []
     for case in results.cases.values():
         if case.reference is not None and case.boundary is not None:
@@ -75,18 +75,18 @@ def comparisons(results: Results) -> list[Comparison]:
 
 
 def disagreements(found: list[Comparison]) -> list[Comparison]:
-    """Those whose error bars do not overlap: one of the two methods is wrong, or its error is."""
+    """Returns those whose error bars do not overlap: one of the two methods is wrong, or its error is."""
     return [comparison for comparison in found if not comparison.agrees]
 
 
 def contradictions(results: Results) -> int:
-    """How many values disagree, and how many own entries have a lower bound above the upper one."""
+    """Returns how many values disagree, and how many own entries have a lower bound above the upper one."""
     empty = sum(bracket.width < 0 for bracket in brackets(results))
     return len(disagreements(comparisons(results))) + empty
 
 
 def brackets(results: Results) -> list[Bracket]:
-    """Of every own entry that the field solver encloses and boundary elements bound from below."""
+    """Returns the bracket of every diagonal entry that the field solver encloses and boundary elements bound from below."""
     found = []
     for case in results.cases.values():
         reference, boundary = case.reference, case.boundary

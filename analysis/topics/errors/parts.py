@@ -55,7 +55,7 @@ class Truth:
 
 
 def split(model: Any, sensor: Rectangle, target: Rectangle) -> Split:
-    """The effects' parts in a set-up of two plates. `model` is the model's module."""
+    """Returns the effects' parts in a set-up of two plates. `model` is the model's module."""
     values = _values(model, sensor, target)
     everything = values[frozenset(EFFECTS)]
     return Split(
@@ -67,7 +67,7 @@ def split(model: Any, sensor: Rectangle, target: Rectangle) -> Split:
 
 
 def shares(names: Iterable[str], value: Callable[[Effects], float]) -> dict[str, Part]:
-    """How much each name lowers `value` when it joins, over all orders of joining: the means add up to value(none) −
+    """Returns how much each name lowers `value` when it joins, over all orders of joining: the means add up to value(none) −
     value(all) (Shapley's value)."""
     known = tuple(names)
     changes: dict[str, list[float]] = {name: [] for name in known}
@@ -80,7 +80,7 @@ def shares(names: Iterable[str], value: Callable[[Effects], float]) -> dict[str,
 
 
 def parts(found: Split, truth: Truth, quantity: str) -> dict[str, float]:
-    """The parts (F) of model − truth; they add up to it but for rounding."""
+    """Returns the parts (F) of model − truth; they add up to it but for rounding."""
     named = {name: part.value for name, part in found.effects.items()}
     if quantity == DELTA_SELF:
         named[QUANTITY] = truth.mutual.value - truth.delta_self.value
@@ -88,24 +88,24 @@ def parts(found: Split, truth: Truth, quantity: str) -> dict[str, float]:
 
 
 def uncertainty(found: Split, truth: Truth, name: str) -> float:
-    """What a part may be off (F), by the truth's error and the quadrature's."""
+    """Returns the error of a part (F), from the truth's error and the quadrature's."""
     if name == QUANTITY:
         return truth.mutual.error + truth.delta_self.error
     return found.error + (truth.mutual.error if name == REST else 0.0)
 
 
 def drawn_from_infinity(truth: Truth) -> float:
-    """The share of `another quantity` (F) that is charge which the target, grounded, draws without pushing as much back."""
+    """Returns the share of `another quantity` (F) that is charge which the target, grounded, draws without pushing as much back."""
     return truth.mutual.value * (1 - truth.mutual.value / truth.target_own.value)
 
 
 def polarisation(truth: Truth) -> float:
-    """The share of it (F, negative) by which even the floating target raises the sensor's own capacitance."""
+    """Returns the share of it (F, negative) by which even the floating target raises the sensor's own capacitance."""
     return truth.mutual.value**2 / truth.target_own.value - truth.delta_self.value
 
 
 def _values(model: Any, sensor: Rectangle, target: Rectangle) -> dict[Effects, paths.Integral]:
-    """`mutual` (F) by the formula with each choice of effects put right."""
+    """Computes `mutual` (F) by the formula, for each choice of effects that are corrected."""
     arc = paths.arc_over_chord(target, sensor)
     found = {}
     for count in range(len(EFFECTS) + 1):

@@ -38,14 +38,14 @@ class Integral:
 
 
 def arc_over_chord(surface: Rectangle, plate: Rectangle) -> float:
-    """θ/sin θ for the angle θ between two planes, 0 … 90 degrees."""
+    """Returns θ/sin θ for the angle θ between two planes, 0 … 90 degrees."""
     sine = float(np.linalg.norm(np.cross(surface.normal, plate.normal)))
     angle = math.atan2(sine, abs(float(surface.normal @ plate.normal)))
     return angle / math.sin(angle) if angle > 0 else 1.0
 
 
 def front(model: Any, surface: Rectangle, plate: Rectangle, stretch: Stretch) -> Integral:
-    """Over a surface, L to a plate. `model` is the model's module.
+    """Computes the length L to a plate over a surface. `model` is the model's module.
 
     Stretching space by the two factors makes a plate of a plate and a distance of L, so the model's closed form serves; the
     area's own stretch is divided out again.
@@ -81,7 +81,7 @@ def _back(surface: Rectangle, plate: Rectangle, stretch: Stretch, count: int) ->
 
 
 def _length(surface: Rectangle, plate: Rectangle, stretch: Stretch, u: Array, v: Array) -> Array:
-    """L from the points corner + u·edge_u + v·edge_v to the plate."""
+    """Computes L from the points corner + u·edge_u + v·edge_v to the plate."""
     points = surface.corner + u[..., None] * surface.edge_u + v[..., None] * surface.edge_v
     local = (points - plate.corner) @ _frame(plate).T
     ends = [float(np.linalg.norm(edge)) for edge in (plate.edge_u, plate.edge_v)]
@@ -91,7 +91,7 @@ def _length(surface: Rectangle, plate: Rectangle, stretch: Stretch, u: Array, v:
 
 
 def _frame(plate: Rectangle) -> Array:
-    """Rows: along the plate's edges, and its normal."""
+    """Returns rows: along the plate's edges, and its normal."""
     return np.array(
         [
             plate.edge_u / np.linalg.norm(plate.edge_u),
@@ -102,7 +102,7 @@ def _frame(plate: Rectangle) -> Array:
 
 
 def _graded(count: int) -> tuple[Array, Array]:
-    """Nodes and weights on [0, 1], both halves graded towards their end."""
+    """Returns nodes and weights on [0, 1], both halves graded towards their end."""
     nodes, weights = np.polynomial.legendre.leggauss(count)  # type: ignore[no-untyped-call]
     t = (nodes + 1) / 2
     half, slope = t**_GRADING / 2, _GRADING * t ** (_GRADING - 1) / 4

@@ -24,7 +24,7 @@ _ACROSS = {
 
 
 def bars(caption: str, found: list[Entry], quantity: str) -> Panel:
-    """The mean of each part by kind of set-up, stacked; together they are the mean error, which is marked."""
+    """Returns the mean of each part by kind of set-up, stacked; together they are the mean error, which is marked."""
     kinds = list(dict.fromkeys(kind(entry) for entry in found))
     members = {name: [entry for entry in found if kind(entry) == name] for name in kinds}
     traces: list[object] = []
@@ -58,12 +58,12 @@ def bars(caption: str, found: list[Entry], quantity: str) -> Panel:
 
 
 def kind(entry: Entry) -> str:
-    """A family of the default study, or the group."""
+    """Returns a family of the default study, or the group."""
     return entry.set_up.family if entry.set_up.group == DEFAULT else entry.set_up.group
 
 
 def error_map(group: str, found: list[Entry], quantity: str) -> Panel:
-    """The model's error over gap and the map's other axis; a click opens the set-up."""
+    """Returns the model's error over gap and the map's other axis; a click opens the set-up."""
     shown = [entry for entry in found if entry.set_up.group == group]
     places = [entry.set_up.place or (0.0, 0.0) for entry in shown]
     gaps, across = (sorted({place[axis_] for place in places}) for axis_ in (0, 1))
@@ -104,7 +104,7 @@ def _told(entry: Entry, quantity: str) -> str:
 
 
 def _number(column: int, row: int, value: float) -> dict[str, object]:
-    """The figure in its cell, light on dark."""
+    """Returns the figure in its cell, light on dark."""
     colour = "white" if abs(value) > 0.6 * _CLIPPED else INK
     return {
         "x": column,

@@ -53,7 +53,7 @@ class SetUp:
 
 @cache
 def all_set_ups() -> tuple[SetUp, ...]:
-    """Every set-up, in the order of its groups. One that is on two maps is in both."""
+    """Returns every set-up, in the order of its groups. One that is on two maps is in both."""
     square = (SIDE, SIDE)
     found: list[SetUp] = []
     for gap in _GAPS:
@@ -94,7 +94,7 @@ def _set_up(
 
 
 def _random_scenes() -> Iterator[Scene]:
-    """Plates of any shape in any orientation in front of the sensor or beside it, not closer than a part of the smallest side.
+    """Draws plates of any shape and orientation before or beside the sensor, at least a fraction of the smallest side away.
 
     Python promises that the generator's numbers stay the same.
     """
@@ -116,12 +116,12 @@ def _scene(empty: Scene, target: Object) -> Scene:
 
 
 def _side(chance: random.Random) -> float:
-    """Small and large sides alike: uniform in the logarithm."""
+    """Draws a length uniformly in its logarithm, so that small and large sides are equally frequent."""
     return math.exp(chance.uniform(math.log(_SHORTEST), math.log(_LONGEST)))
 
 
 def _rotation(chance: random.Random) -> tuple[float, float, float, float]:
-    """Uniform over all rotations (K. Shoemake, Graphics Gems III (1992) 124)."""
+    """Draws a rotation uniformly from all rotations (K. Shoemake, Graphics Gems III (1992) 124)."""
     u, first, second = chance.random(), 2 * math.pi * chance.random(), 2 * math.pi * chance.random()
     a, b = math.sqrt(1 - u), math.sqrt(u)
     return a * math.sin(first), a * math.cos(first), b * math.sin(second), b * math.cos(second)

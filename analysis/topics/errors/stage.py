@@ -30,12 +30,12 @@ _SECONDS = 0.5
 
 
 def beside(results: Path) -> Path:
-    """The folder of the errors that belongs to a study's results."""
+    """Returns the folder of the errors that belongs to a study's results."""
     return results.resolve().parent / FOLDER
 
 
 def run(folder: Path, chosen: tuple[SetUp, ...], workers: int | None = None) -> list[Failure]:
-    """Do what is missing or out of date; returns the failures."""
+    """Does what is missing or out of date; returns the failures."""
     current = code()
     distinct = {each.id: each for each in chosen}.values()
     stages = outdated([stage(folder, set_up, current) for set_up in distinct])
@@ -43,14 +43,14 @@ def run(folder: Path, chosen: tuple[SetUp, ...], workers: int | None = None) -> 
 
 
 def stage(folder: Path, set_up: SetUp, code: str) -> Stage:
-    """The stage of one set-up."""
+    """Returns the stage of one set-up."""
     target = case_folder(folder, set_up.id) / ANSWER
     answer = functools.partial(_answer, set_up, target.with_name(SCENE))
     return Stage("errors", set_up.id, target, key(set_up.identity, code), _SECONDS, answer)
 
 
 def load(folder: Path) -> dict[str, Document]:
-    """The answers in a folder that are up to date, by the set-up's id."""
+    """Returns the answers in a folder that are up to date, by the set-up's id."""
     if not folder.is_dir():
         return {}
     current = code()
@@ -63,7 +63,7 @@ def load(folder: Path) -> dict[str, Document]:
 
 
 def code(repository: Path = REPOSITORY) -> str:
-    """The version of what answers are made by: the model with its boundary elements, and this package's definitions."""
+    """Returns the version of what answers are made by: the model with its boundary elements, and this package's definitions."""
     own = keys.hash_of_files(
         [repository / "analysis" / "topics" / "errors" / name for name in _SOURCES]
         + [repository / "analysis" / "results" / "set_up.py"],
@@ -73,12 +73,12 @@ def code(repository: Path = REPOSITORY) -> str:
 
 
 def key(identity: str, code: str) -> str:
-    """The key of a set-up's answer."""
+    """Returns the key of a set-up's answer."""
     return keys.measurement_key(f"errors {identity} {RTOL}", code, {})
 
 
 def answer(model: Any, scene: Path, set_up: SetUp) -> Document:
-    """The truth with its error, and the split."""
+    """Returns the truth with its error, and the split."""
     plates = rectangles(set_up.scene)
     assert plates is not None
     solved = model.Scene.load(str(scene)).maxwell(rtol=RTOL)

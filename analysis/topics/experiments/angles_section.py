@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from markupsafe import Markup
+
 from analysis.report import page
 from analysis.results.units import signed_percent
 from analysis.topics.experiments import plots, tables
@@ -9,8 +11,8 @@ from analysis.topics.experiments.calibration import OWN, Calibration, deviation,
 from analysis.topics.experiments.curves import ANGLE, DISTANCE, Curve
 
 
-def parts(flat: Curve, pivoted: list[Curve], tunings: list[Calibration]) -> list[str]:
-    """Finding, curves over angle, deviations, every tuning and its constants."""
+def parts(flat: Curve, pivoted: list[Curve], tunings: list[Calibration]) -> list[Markup]:
+    """Returns the finding, the curves over angle, the deviations, and every calibration with its constants."""
     own = next(tuned for tuned in tunings if tuned.form == OWN)
     labelled = [(f"hinge at {tables.place(curve.hinge_gap, DISTANCE)}", curve) for curve in pivoted]
     drawn = [
@@ -32,7 +34,7 @@ def parts(flat: Curve, pivoted: list[Curve], tunings: list[Calibration]) -> list
 
 
 def finding(flat: Curve, pivoted: list[Curve], own: Calibration) -> str:
-    """The greatest deviation over angle, whether the nearest hinge has it, and what the angle itself adds."""
+    """Returns the greatest deviation over angle, whether the nearest hinge has it, and what the angle itself adds."""
     found = {curve.hinge_gap: summary(curve, own.predict(curve), flat) for curve in pivoted}
     seen = {gap: each for gap, each in found.items() if each.is_observable}
     if not seen:

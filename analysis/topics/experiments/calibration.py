@@ -62,18 +62,18 @@ class Calibration:
         return all(constant.error < constant.value for constant in constants)
 
     def predict(self, curve: Curve) -> Array:
-        """The delta output of the tuned model at the points of a curve (V)."""
+        """Returns the delta output of the tuned model at the points of a curve (V)."""
         divider = Divider(self.coupling.value, self.own, self.voltage)
         return divider.delta_output(self.permittivity.value * curve.model)
 
 
 def untuned(curve: Curve) -> Array:
-    """The delta output of the model as it comes: ε = 1, the scene's coupling capacitance, nothing of the sensor's own (V)."""
+    """Returns the delta output of the model as it comes: ε = 1, the scene's coupling capacitance, nothing of the sensor's own (V)."""
     return Divider(curve.coupling, 0.0, curve.voltage).delta_output(curve.model)
 
 
 def calibrate(curve: Curve, form: Form) -> Calibration:
-    """Least squares over the points of a curve. ValueError with too few of them.
+    """Fits the constants by least squares over the points of a curve. ValueError with too few of them.
 
     Standard errors are those of the linearised problem, with the scatter of the residuals themselves where it exceeds the error
     bars (Birge's ratio): the model's form, not the reference's noise, is what does not fit.
@@ -132,14 +132,14 @@ class Deviation:
         return int(np.argmax(np.abs(self.value)))
 
     def within(self, limit: float) -> float | None:
-        """From where on, to the end of the curve, the deviation is below `limit`; None where the last point is not."""
+        """Returns the place from which to the end of the curve the deviation is below `limit`; None if the last point is not."""
         outside = np.flatnonzero(np.abs(self.value) >= limit)
         first = 0 if len(outside) == 0 else int(outside[-1]) + 1
         return float(self.at[first]) if first < len(self.at) else None
 
 
 def deviation(curve: Curve, prediction: Array) -> Deviation:
-    """How far a prediction (V) is off."""
+    """Returns how far a prediction (V) is off."""
     reference, error = curve.reference, curve.error
     # An interval that reaches zero leaves the deviation open upwards.
     least = np.maximum(reference - error, np.finfo(np.float64).tiny)
@@ -167,7 +167,7 @@ class Summary:
 
 
 def summary(curve: Curve, prediction: Array, calibrated_on: Curve) -> Summary:
-    """The figures of a prediction (V); those of observable points are NaN without any."""
+    """Returns the figures of a prediction (V); those of observable points are NaN without any."""
     found = deviation(curve, prediction)
     seen = np.flatnonzero(curve.reference >= OBSERVABLE * calibrated_on.reference.max())
     residuals = prediction - curve.reference

@@ -45,14 +45,14 @@ class Held:
 
 
 def for_plate(area: float, calibrated: float) -> PlateClaim | None:
-    """The claim on a plate of an area (m²) with the model tuned to another; None for the same."""
+    """Returns the claim on a plate of an area (m²) with the model tuned to another; None for the same."""
     if area == calibrated:
         return None
     return SMALLER_PLATE if area < calibrated else LARGER_PLATE
 
 
 def hold(curve: Curve, prediction: Array, calibrated_on: Curve, claim: PlateClaim) -> Held | None:
-    """Hold a prediction (V) against a claim, over the observable points; None without any."""
+    """Compares a prediction (V) with a claim, over the observable points; None without any."""
     found = summary(curve, prediction, calibrated_on)
     if not found.is_observable:
         return None

@@ -60,7 +60,7 @@ class Curve:
         return np.array([point.reference.error for point in self.points])
 
     def until(self, last: float) -> Curve:
-        """The part of the curve that ends at `last`."""
+        """Returns the part of the curve that ends at `last`."""
         return replace(self, points=tuple(point for point in self.points if point.at <= last))
 
     @property
@@ -91,7 +91,7 @@ class Curve:
 
 
 def curves(results: Results) -> list[Curve]:
-    """A curve for each plate over distance and for each hinge over angle, in the study's order.
+    """Returns a curve for each plate over distance and for each hinge over angle, in the study's order.
 
     Cases of other families, and those without both answers or without the sensor alone, are left out.
     """
@@ -103,7 +103,7 @@ def curves(results: Results) -> list[Curve]:
 
 
 def with_flat_start(curve: Curve, flat: Curve) -> Curve:
-    """A curve over angle with the parallel plate of the same size at the hinge's height as its angle 0, where there is one.
+    """Returns a curve over angle with the parallel plate of the same size at the hinge's height as its angle 0, where there is one.
 
     Hinged to the sensor's edge, a plate is centred before the sensor only if they are equally wide.
     """

@@ -21,17 +21,17 @@ class Divider:
     voltage: float
 
     def output(self, capacitance: Array) -> Array:
-        """V_in·C_c/(C_c + C_own + C) for capacitances that nearby objects add (F), in V."""
+        """Returns V_in·C_c/(C_c + C_own + C), in V, for the capacitances C that nearby objects add (F)."""
         return np.asarray(self.voltage * self.coupling / (self.coupling + self.own + capacitance))
 
     def delta_output(self, capacitance: Array) -> Array:
-        """The output with nothing near less the output with the objects (V): what the thesis plots."""
+        """Returns the output with nothing near less the output with the objects (V): what the thesis plots."""
         base = self.coupling + self.own
         return np.asarray(self.voltage * self.coupling * capacitance / (base * (base + capacitance)))
 
 
 def reference_delta_output(own: Estimate, delta_self: Estimate, coupling: float, voltage: float) -> Estimate:
-    """The delta output (V) of a sensor whose own capacitance and whose change are known with errors (F).
+    """Returns the delta output (V) of a sensor whose own capacitance and whose change are known with errors (F).
 
     The two errors count fully and together: to first order, with the derivatives by the change and by the own capacitance.
     """

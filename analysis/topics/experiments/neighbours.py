@@ -45,7 +45,7 @@ class Series:
 
 
 def series(results: Results) -> list[Series]:
-    """A series for each distance between the sensors; set-ups without both answers are left out."""
+    """Returns a series for each distance between the sensors; set-ups without both answers are left out."""
     found: dict[float, list[Point]] = {}
     for case in results.compared():
         point = _point(results, case) if case.family == FAMILY else None
@@ -87,7 +87,7 @@ def _coupling(answer: ReferenceAnswer) -> Estimate:
 
 
 def _single(results: Results, case: CaseResult) -> Estimate | None:
-    """delta_self of the same set-up without the neighbour."""
+    """Finds delta_self of the same set-up without the neighbour."""
     same = ("sensor_size", "target_size", "gap", "offset")
     for other in results.compared():
         alike = all(other.parameters.get(name) == case.parameters[name] for name in same)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, log_axis, power_axis, series_colour
@@ -18,8 +19,8 @@ _WHAT = (
 )
 
 
-def parts(found: list[Series]) -> list[str]:
-    """Finding, what each sensor feels over the gap, the coupling between them, and every number."""
+def parts(found: list[Series]) -> list[Markup]:
+    """Returns the finding, the output of each sensor over the gap, the coupling between them, and every number."""
     if not found:
         return [page.paragraph("No set-up of two sensors has both answers.")]
     return [
@@ -33,7 +34,7 @@ def parts(found: list[Series]) -> list[str]:
 
 
 def finding(found: list[Series]) -> str:
-    """How much the neighbour feels of an object that is not in front of it, by reference and model."""
+    """Returns how much the neighbour feels of an object that is not in front of it, by reference and model."""
     told = []
     for series in found:
         shares = [_share(point) for point in series.points]
@@ -47,7 +48,7 @@ def finding(found: list[Series]) -> str:
 
 
 def coupling_finding(found: list[Series]) -> str:
-    """How the object shields the sensors from each other, and what the neighbour takes from the near sensor."""
+    """Returns how the object shields the sensors from each other, and what the neighbour takes from the near sensor."""
     told = []
     for series in found:
         near = series.points[0]
@@ -76,7 +77,7 @@ def _share(point: Point) -> float:
 
 
 def _felt(series: Series) -> Panel:
-    """Both sensors' delta_self over the gap with error bars, and the model's values."""
+    """Returns both sensors' delta_self over the gap with error bars, and the model's values."""
     traces: list[object] = []
     for index, (name, felt) in enumerate(
         (
@@ -149,7 +150,7 @@ def _coupling(found: list[Series]) -> Panel:
     )
 
 
-def _table(found: list[Series]) -> str:
+def _table(found: list[Series]) -> Markup:
     header = [
         "apart",
         "gap",

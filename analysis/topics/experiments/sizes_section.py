@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from html import escape
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.results.units import signed_percent
@@ -11,8 +11,8 @@ from analysis.topics.experiments.calibration import OWN, Calibration, summary
 from analysis.topics.experiments.curves import DISTANCE, Curve
 
 
-def parts(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> list[str]:
-    """Finding, curves, deviations, the thesis' figures beside them, and every tuning."""
+def parts(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> list[Markup]:
+    """Returns the finding, the curves, the deviations, the thesis' figures beside them, and every calibration."""
     own = next(tuned for tuned in tunings if tuned.form == OWN)
     labelled = [(tables.plate(curve), curve) for curve in [flat, *others]]
     drawn = [
@@ -37,7 +37,7 @@ def parts(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> list[
 
 
 def finding(flat: Curve, others: list[Curve], own: Calibration) -> str:
-    """The greatest deviations on the plates that were not tuned to, beside the thesis'."""
+    """Returns the greatest deviations on the plates that were not tuned to, beside the thesis'."""
     told, signs = [], []
     for curve in others:
         claim = claims.for_plate(curve.target_area, flat.target_area)
@@ -60,7 +60,7 @@ def finding(flat: Curve, others: list[Curve], own: Calibration) -> str:
     )
 
 
-def _claims_table(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> str:
+def _claims_table(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> Markup:
     header = [
         "plate",
         "tuned",
@@ -81,8 +81,8 @@ def _claims_table(flat: Curve, others: list[Curve], tunings: list[Calibration]) 
                 continue
             rows.append(
                 [
-                    escape(tables.plate(curve)),
-                    escape(tuned.form.name),
+                    tables.plate(curve),
+                    tuned.form.name,
                     f"{100 * claim.greatest:.0f} %, too {'low' if claim.is_low else 'high'}",
                     signed_percent(held.worst),
                     tables.place(held.worst_at, DISTANCE),

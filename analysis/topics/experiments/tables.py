@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
+
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.results.units import CENTIMETRE, PICOFARAD, signed_percent
@@ -11,8 +12,8 @@ from analysis.topics.experiments.calibration import Calibration, Summary, summar
 from analysis.topics.experiments.curves import DISTANCE, Curve
 
 
-def calibrations(found: Sequence[Calibration], curve: Curve) -> str:
-    """The tuned constants, and how well each tuning reproduces the curve it was tuned to."""
+def calibrations(found: Sequence[Calibration], curve: Curve) -> Markup:
+    """Returns the tuned constants, and how well each tuning reproduces the curve it was tuned to."""
     header = [
         "tuned",
         "coupling (pF)",
@@ -26,7 +27,7 @@ def calibrations(found: Sequence[Calibration], curve: Curve) -> str:
     ]
     rows = [
         [
-            escape(each.form.name),
+            each.form.name,
             _coupling(each),
             _constant(each, each.permittivity.value, each.permittivity.error),
         ]
@@ -38,11 +39,11 @@ def calibrations(found: Sequence[Calibration], curve: Curve) -> str:
 
 def predictions(
     labelled: Sequence[tuple[str, Curve]], tunings: Sequence[Calibration], flat: Curve, swept: str
-) -> str:
-    """How far each tuning is off on each curve."""
+) -> Markup:
+    """Returns how far each tuning is off on each curve."""
     header = ["curve", "tuned", "rms (mV)", "worst", "at", "worst while observable", "at"]
     rows = [
-        [escape(name), escape(each.form.name), *figures(summary(curve, each.predict(curve), flat), swept)]
+        [name, each.form.name, *figures(summary(curve, each.predict(curve), flat), swept)]
         for name, curve in labelled
         for each in tunings
     ]
@@ -50,7 +51,7 @@ def predictions(
 
 
 def figures(found: Summary, swept: str) -> list[str]:
-    """Cells: rms, worst, where, worst while observable, where."""
+    """Returns the cells: rms, worst, where, worst while observable, where."""
     return [
         f"{1000 * found.rms:.3g}",
         signed_percent(found.worst),
@@ -61,23 +62,23 @@ def figures(found: Summary, swept: str) -> list[str]:
 
 
 def place(at: float, swept: str) -> str:
-    """A distance in cm or an angle in degrees."""
+    """Returns a distance in cm or an angle in degrees."""
     return f"{at / CENTIMETRE:.3g} cm" if swept == DISTANCE else f"{at:.3g}°"
 
 
 def plate(curve: Curve) -> str:
-    """The target's size."""
+    """Returns the target's size."""
     return size(curve.target_size)
 
 
 def size(lengths: tuple[float, float]) -> str:
-    """Lengths in metres, written in cm."""
+    """Writes lengths in metres as centimetres."""
     x, y = lengths
     return f"{x / CENTIMETRE:.3g} cm × {y / CENTIMETRE:.3g} cm"
 
 
 def constants(found: Calibration) -> str:
-    """The tuned constants as part of a sentence."""
+    """Returns the tuned constants as part of a sentence."""
     if not found.determined:
         return "constants that the curve does not determine"
     coupling, permittivity = found.coupling, found.permittivity

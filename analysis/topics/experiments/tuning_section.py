@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from markupsafe import Markup
+
 from analysis.report import page
 from analysis.results.units import signed_percent
 from analysis.topics.experiments import plots, tables
@@ -9,8 +11,8 @@ from analysis.topics.experiments.calibration import OWN, THESIS, Calibration, su
 from analysis.topics.experiments.curves import DISTANCE, Curve
 
 
-def parts(flat: Curve, tunings: list[Calibration]) -> list[str]:
-    """Finding, curve, residuals and constants."""
+def parts(flat: Curve, tunings: list[Calibration]) -> list[Markup]:
+    """Returns the finding, the curve, the residuals and the constants."""
     chosen = {tuned.form: tuned for tuned in tunings}
     own, thesis = chosen[OWN], chosen[THESIS]
     lines = (
@@ -33,7 +35,7 @@ def parts(flat: Curve, tunings: list[Calibration]) -> list[str]:
 
 
 def finding(flat: Curve, own: Calibration, thesis: Calibration) -> str:
-    """How well the model fits when tuned in both ways, and when not."""
+    """Returns how well the model fits when tuned in both ways, and when not."""
     predictions = (own.predict(flat), thesis.predict(flat), untuned(flat))
     fit, bare, before = (summary(flat, prediction, flat) for prediction in predictions)
     share = 100 * fit.rms / float(flat.reference.max())

@@ -33,7 +33,7 @@ class Night:
 
 
 def add(folder: Path, night: Night) -> Difference | None:
-    """Write down a night of the results in a folder; returns what is different from the night before, None without one."""
+    """Writes down a night of the results in a folder; returns what is different from the night before, None without one."""
     place = folder / FOLDER
     now = (folder / TABLE).read_text(encoding="utf-8")
     nights = load(folder)
@@ -58,13 +58,13 @@ def add(folder: Path, night: Night) -> Difference | None:
 
 
 def load(folder: Path) -> list[Document]:
-    """The nights of a study, the earliest first."""
+    """Returns the nights of a study, the earliest first."""
     read = (read_json(path) for path in sorted((folder / FOLDER).glob("*.json")))
     return [night for night in read if night is not None]
 
 
 def _finish(place: Path, now: str, nights: list[Document]) -> None:
-    """A night that was killed between its last two files has been told already: its table becomes the last one."""
+    """Returns a night that was killed between its last two files has been told already: its table becomes the last one."""
     if nights and nights[-1]["table"] == _hash(now):
         _keep(place, now)
 

@@ -76,7 +76,7 @@ To cite it, name the project, the file and its sha256: `sha256sum {table}`.
 
 
 def headline(found: list[Row], checks: list[Check]) -> str:
-    """How many set-ups and values, how sure."""
+    """Returns how many set-ups and values, how sure."""
     values = len(found) * len(QUANTITIES)
     return (
         f"{len(found)} set-ups of a plate above, beside and diagonal to a square plate, {values} values: mutual, both own capacitances and "
@@ -85,7 +85,7 @@ def headline(found: list[Row], checks: list[Check]) -> str:
 
 
 def text(found: list[Row], checks: list[Check]) -> str:
-    """The page."""
+    """Returns the page."""
     counts = {family: sum(row.family == family for row in found) for family in ("inclined", "edge", "corner")}
     return _TEXT.format(
         table=TABLE,
@@ -103,7 +103,7 @@ def text(found: list[Row], checks: list[Check]) -> str:
 
 
 def check_finding(checks: list[Check]) -> str:
-    """How far the field solver's own best values are away."""
+    """Returns how far the field solver's own best values are away."""
     agreeing = sum(check.agrees for check in checks)
     differences = [abs(check.difference) for check in checks]
     cases = len({check.case for check in checks})

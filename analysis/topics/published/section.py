@@ -6,6 +6,7 @@ import functools
 
 import numpy as np
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, family_marker, figure, log_axis
@@ -22,8 +23,8 @@ TITLE = "A reference table of capacitances around a plate"
 _PERCENT = 100.0
 
 
-def section(set_ups: str) -> str:
-    """What the table holds and how sure it is; `set_ups` is the file of the page of its set-ups, as seen from the page."""
+def section(set_ups: str) -> Markup:
+    """Tells what the table holds and how sure it is; `set_ups` is the file of the page of its set-ups, as seen from the page."""
     found, checks = _published()
     families = list(dict.fromkeys(row.family for row in found))
     panels = [
@@ -44,7 +45,7 @@ def section(set_ups: str) -> str:
 
 @functools.cache
 def set_ups_document(back: str, back_title: str, inputs: str, script: str) -> str:
-    """The page of the table's set-ups; `back` is the file of the page that leads to it, `inputs` the hash of what it is made from."""
+    """Returns the page of the table's set-ups; `back` is the file of the page that leads to it, `inputs` the hash of what it is made from."""
     found, _ = _published()
     texts = {case.id: case for case in stage.cases()}
     around = Around(
@@ -121,7 +122,7 @@ def _shown(row: Row, case: Case) -> Shown:
 
 
 def _told(row: Row, case: Case) -> str:
-    """Its parameters in words."""
+    """Returns its parameters in words."""
     (plate,) = case.scene.sensors[0].plates
     sides = (f"{np.linalg.norm(edge) / CENTIMETRE:g}" for edge in (plate.edge_u, plate.edge_v))
     told = [f"Sensor {' × '.join(sides)} cm"]

@@ -41,17 +41,17 @@ _SECONDS_UPPER, _SECONDS_CHECK, _SECONDS_BOUNDARY = 3.0, 12.0, 0.5
 
 
 def cases() -> list[Case]:
-    """The set-ups, and at last the sensor alone."""
+    """Returns the set-ups, and at last the sensor alone."""
     return _asked().cases()
 
 
 def checked(found: list[Case]) -> list[Case]:
-    """The set-ups that the field solver checks."""
+    """Returns the set-ups that the field solver checks."""
     return [case for case in found if case.family != EMPTY][::CHECKED_EACH]
 
 
 def run(folder: Path, workers: int | None = None) -> list[Failure]:
-    """Do what is missing or out of date; returns the failures."""
+    """Does what is missing or out of date; returns the failures."""
     found = cases()
     for case in found:
         scene = case_folder(folder, case.id) / SCENE
@@ -66,12 +66,12 @@ def run(folder: Path, workers: int | None = None) -> list[Failure]:
 
 
 def load(folder: Path, case: Case, file: str) -> Document | None:
-    """What is stored of a case and made by today's code."""
+    """Returns the stored answer of a case if today's code made it."""
     return read_current(case_folder(folder, case.id) / file, _key(case, file))
 
 
 def boundary(module: Any, scene: Path) -> Document:
-    """Maxwell matrix and delta_self by boundary elements, as strict as four digits of every quantity take."""
+    """Computes Maxwell matrix and delta_self by boundary elements, as accurately as four digits of every quantity need."""
     loaded = module.Scene.load(str(scene))
     for rtol in RTOLS:
         solved = loaded.maxwell(rtol=rtol)
@@ -89,7 +89,7 @@ def boundary(module: Any, scene: Path) -> Document:
 
 
 def worst_error(solved: Document) -> float:
-    """The largest stated error of what the table holds, relative to each; of a sensor alone that of its own entry."""
+    """Returns the largest stated error of what the table holds, relative to each; of a sensor alone that of its own entry."""
     errors = [solved["error"][i][j] / abs(solved["maxwell"][i][j]) for i, j in _entries(solved["maxwell"])]
     if len(solved["maxwell"]) > 1:
         change = solved["delta_self"]["sensor"]
@@ -127,7 +127,7 @@ def _stages(
     seconds: float,
     answer: Callable[[Path, Processes], Document],
 ) -> list[Stage]:
-    """The stages of the cases without an answer of today."""
+    """Returns the stages of the cases without an answer of today."""
     places = [(case, case_folder(folder, case.id)) for case in found]
     return outdated(
         [
@@ -181,7 +181,7 @@ def _upper_bounds(folder: Path, found: list[Case]) -> Iterator[UpperBounds]:
 
 
 def _check_study() -> Study:
-    """Estimated errors: proven ones are in the table already."""
+    """Asks for estimated errors: the table holds proven ones already."""
     return replace(_asked(), error="estimate")
 
 
@@ -194,7 +194,7 @@ def _key(case: Case, file: str) -> str:
 
 @functools.cache
 def _code(file: str) -> str:
-    """The version of what makes an answer; once, since there are hundreds."""
+    """Returns the version of what makes an answer; once, since there are hundreds."""
     if file == BOUNDARY:
         return keys.model_code()
     own = [] if file == REFERENCE else [REPOSITORY / "analysis" / "topics" / "published" / "upper_bound.py"]

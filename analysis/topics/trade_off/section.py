@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import INK, Panel, figure, power_axis, series_colour
@@ -29,10 +30,10 @@ _NAMED_OF_SPLITS = ("split:0", "split:4", "split:8")
 _BETTER_THAN_PLAIN = 0.75
 
 
-def section(document: Document | None, results: Results, cases: str) -> str:
-    """Finding, plot and what it shows; empty without a measurement. `cases` is the folder of the cases as seen from the page."""
+def section(document: Document | None, results: Results, cases: str) -> Markup:
+    """Returns the finding, the plot and what it shows; empty without a measurement. `cases` is the folder of the cases as seen from the page."""
     if document is None or not document["truths"]:
-        return ""
+        return Markup("")
     found = points.points(document, results)
     return page.section(
         TITLE,
@@ -43,7 +44,7 @@ def section(document: Document | None, results: Results, cases: str) -> str:
 
 
 def finding(found: list[Point], document: Document, results: Results) -> str:
-    """From the plain model to the field solver, and what the reduced method is worth beside a mesh that is as accurate."""
+    """Tells time and error from the plain model to the field solver, and compares the reduced method with an equally accurate mesh."""
     named = {point.name: point for point in found}
     exact, fast = named["exact"], named["reduced:2"]
     corrections = [point for point in found if point.kind == "correction"]
@@ -66,7 +67,7 @@ def finding(found: list[Point], document: Document, results: Results) -> str:
 
 
 def plot(found: list[Point], known_to: float) -> go.Figure:
-    """Every series, the front, and what the truth is known to. Errors below that are drawn there, open."""
+    """Returns every series, the front, and what the truth is known to. Errors below that are drawn there, open."""
     traces = [_front(found, known_to)]
     (plain,) = (point.error for point in found if point.kind == "model")
     for kind, (name, colour, symbol, mode) in _SERIES.items():
@@ -90,7 +91,7 @@ def plot(found: list[Point], known_to: float) -> go.Figure:
 
 
 def duration(seconds: float) -> str:
-    """To two digits."""
+    """Writes a time with two digits."""
     for unit, name in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")):
         if seconds >= unit:
             break
@@ -98,7 +99,7 @@ def duration(seconds: float) -> str:
 
 
 def front(found: list[Point], known_to: float) -> list[Point]:
-    """The points that no other beats in both, from fast to accurate; errors below what the truth is known to are equal."""
+    """Returns the points that no other beats in both, from fast to accurate; errors below what the truth is known to are equal."""
     best: list[Point] = []
     for point in sorted(found, key=lambda each: (each.seconds, each.error)):
         if not best or max(point.error, known_to) < max(best[-1].error, known_to):
@@ -153,7 +154,7 @@ def _series(
 
 
 def _label(point: Point, plain: float) -> str:
-    """`plain` is the error of the model without a correction."""
+    """Writes the label of a point; `plain` is the error of the model without a correction."""
     if point.kind == "correction" and point.error > _BETTER_THAN_PLAIN * plain:
         return ""
     if point.kind == "thesis":
@@ -181,6 +182,6 @@ def _explanation(document: Document, results: Results) -> str:
 
 
 def _rounded(factor: float) -> str:
-    """To one digit: a ratio of times of different days deserves no more."""
+    """Rounds to one digit: a ratio of times measured on different days is not known better."""
     digits = 10 ** math.floor(math.log10(factor))
     return f"{round(factor / digits) * digits:,.0f}"

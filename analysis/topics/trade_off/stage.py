@@ -32,17 +32,17 @@ def run(folder: Path, cases: list[str], wanted: bool) -> list[Failure]:
 
 
 def load(folder: Path) -> Document | None:
-    """The answer in a folder of results; None without one."""
+    """Returns the answer in a folder of results; None without one."""
     return read_json(folder / ANSWER)
 
 
 def command(folder: Path) -> str:
-    """The command, from the project's folder, that repeats the measurement."""
+    """Returns the command, from the project's folder, that repeats the measurement."""
     return f"python3 -m {_MODULE} {installation.from_repository(folder)} again.json"
 
 
 def key(cases: list[str]) -> str:
-    """Times belong to a machine; `cases` are the identities of the set-ups."""
+    """Returns the key, which depends on the machine because times do; `cases` are the identities of the set-ups."""
     return keys.measurement_key(
         f"{_MODULE} {' '.join(cases)}", keys.code_of(_SOURCES, REPOSITORY), machine.identity()
     )

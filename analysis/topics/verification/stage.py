@@ -40,7 +40,7 @@ _COMPILES_FORMS = "truth/cube"
 
 
 def row_names() -> list[str]:
-    """Every row there is."""
+    """Returns every row there is."""
     # Imported here: the solver takes a second, and a report that is up to date needs none.
     from analysis.topics.verification import rows
 
@@ -48,7 +48,7 @@ def row_names() -> list[str]:
 
 
 def code(repository: Path = REPOSITORY) -> str:
-    """The version of what rows are computed by: the reference, and the set-ups and comparisons of this package."""
+    """Returns the version of what rows are computed by: the reference, and the set-ups and comparisons of this package."""
     own = keys.hash_of_files(
         [repository / "analysis" / "topics" / "verification" / name for name in _SOURCES], repository
     )
@@ -56,7 +56,7 @@ def code(repository: Path = REPOSITORY) -> str:
 
 
 def key(name: str, code: str) -> str:
-    """The key of a row; run times belong to a machine as well."""
+    """Returns the key of a row; run times belong to a machine as well."""
     return keys.measurement_key(name, code, machine.identity() if name.startswith("cost/") else {})
 
 
@@ -65,7 +65,7 @@ def path_of(folder: Path, name: str) -> Path:
 
 
 def run(folder: Path, names: list[str], workers: int | None = None) -> list[Failure]:
-    """Solve the rows that are missing or out of date; returns those that failed.
+    """Solves the rows that are missing or out of date; returns those that failed.
 
     Truths and properties first, as many at a time as cores; then the run times, as many at a time again.
     """
@@ -82,13 +82,13 @@ def run(folder: Path, names: list[str], workers: int | None = None) -> list[Fail
 
 
 def stage(folder: Path, name: str, code: str) -> Stage:
-    """The stage of one row."""
+    """Returns the stage of one row."""
     seconds = _LONG.get(name, _SECONDS[name.partition("/")[0]])
     return Stage(name, "", path_of(folder, name), key(name, code), seconds, functools.partial(answer, name))
 
 
 def load(folder: Path) -> dict[str, Document]:
-    """The rows in a folder that are up to date, by name; a row of another version of the code or machine is none."""
+    """Returns the rows in a folder that are up to date, by name; a row of another version of the code or machine is none."""
     stored = [read_json(path) for path in sorted((folder / "rows").glob("*.json"))]
     current = code() if stored else ""
     return {row["row"]: row for row in stored if row is not None and row["key"] == key(row["row"], current)}

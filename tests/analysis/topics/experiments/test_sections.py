@@ -96,7 +96,7 @@ def test_other_sizes_are_held_beside_the_thesis(tmp_path: Path) -> None:
     assert f"{100 * off(0.85):+.1f} % for 5 cm × 5 cm" in finding and "24 % on a smaller plate" in finding
     assert f"{100 * off(0.5):+.0f} % for 15 cm × 15 cm" in finding and "10 % on a larger plate" in finding
     assert finding.endswith("that is so for all of them here.")
-    assert "<td >yes</td>" in text and "<td >no</td>" in text
+    assert "<td>yes</td>" in text and "<td>no</td>" in text
 
 
 def test_signs_unlike_the_thesis_are_told(tmp_path: Path) -> None:
