@@ -53,7 +53,9 @@ def test_its_copyright_is_the_licence_of_the_repository() -> None:
     stated = " ".join(word for word in copyright_file.split() if word != ".")
     title, owner, *paragraphs = (ROOT / "LICENSE").read_text(encoding="utf-8").split("\n\n")
     assert title == "BSD 3-Clause License" and "License: BSD-3-Clause" in stated
-    assert owner == "Copyright (c) 2026, the fringe authors" and "Copyright: 2026 the fringe authors" in stated
+    assert (
+        owner == "Copyright (c) 2026, the fringe authors" and "Copyright: 2026 the fringe authors" in stated
+    )
     assert all(" ".join(paragraph.split()) in stated for paragraph in paragraphs)
 
 
