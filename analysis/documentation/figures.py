@@ -107,7 +107,7 @@ def virtual_triangle() -> Any:
         x, y, z = point
         return np.array([x + 0.3 * y, z + 0.42 * y])
 
-    corners = np.array([(1.1, 0.2, 0.5), (2.9, 1.3, 0.45), (1.5, 2.7, 1.75)])
+    corners = np.array([(1.1, 0.2, 0.5), (2.9, 1.3, 0.45), (1.5, 2.7, 1.45)])
     _polygon(left, [seen(p) for p in ((-1.3, 0, 0), (0, 0, 0), (0, 3.0, 0), (-1.3, 3.0, 0))], BLUE, 0.25)
     left.text(*seen((-0.75, 1.3, 0)), "plate", color=BLUE, ha="center", va="center")
     _polygon(left, [seen(p) for p in corners], ORANGE, 0.3)
