@@ -1,5 +1,4 @@
-"""`python3 -m analysis`: run a study, also night by night, compare two of them, verify the reference, take the
-model's error apart, show a scene."""
+"""`python3 -m analysis`: the command line; `commands` does the work."""
 
 from __future__ import annotations
 
@@ -173,7 +172,7 @@ def _count(text: str) -> int:
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    """Stops, once: a second signal while the running processes are ended would only leave them behind."""
+    """Stops on the first signal and ignores later ones, which would leave running processes behind."""
     for other in (signal.SIGINT, signal.SIGTERM):
         signal.signal(other, signal.SIG_IGN)
     raise KeyboardInterrupt

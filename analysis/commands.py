@@ -32,7 +32,7 @@ from geometries.common.errors import InputError
 from geometries.studies import study
 from geometries.studies.study import Study
 
-# As everywhere in the project.
+# Exit statuses, the same for all commands of the project.
 ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
 
 
@@ -71,12 +71,12 @@ def run_command(options: argparse.Namespace) -> int:
             raise
         print("analysis: the model's Python module is missing: ./run builds it", file=sys.stderr)
         return FAILED
-    # What the machine refuses: a full or read-only file system, a folder that is gone, memory, processes.
+    # The machine refused something: a full or read-only file system, a folder that is gone, memory, processes.
     except (OSError, MemoryError) as error:
         place = f"{error.filename}: " if isinstance(error, OSError) and error.filename else ""
-        told = (error.strerror if isinstance(error, OSError) else "") or str(error) or "out of memory"
+        reason = (error.strerror if isinstance(error, OSError) else "") or str(error) or "out of memory"
         print(
-            f"\nanalysis: {place}{told}; finished cases are kept, the same command goes on from there",
+            f"\nanalysis: {place}{reason}; finished cases are kept, the same command goes on from there",
             file=sys.stderr,
         )
         return FAILED
@@ -104,7 +104,7 @@ def _nightly(options: argparse.Namespace) -> int:
         code = _own_report(target)
         moved = nights.add(target, done)
         print(f"nights: {history_page.make(target)}")
-        # It leads to the nights, of which this one is the last.
+        # The report links to the nights, which now include this one.
         disagreements = report.make(target).disagreements
     if moved is not None:
         print(difference.to_text(moved), end="")
@@ -146,7 +146,7 @@ def _tell(failures: list[Failure]) -> None:
 
 
 def _any_failed(failures: list[Failure]) -> bool:
-    """Returns a missing picture is told, but takes nothing from the comparison."""
+    """Tells whether an answer is missing. A missing slice is reported too, but the comparison does not need it."""
     return any(failure.stage != reference_stage.SLICE for failure in failures)
 
 

@@ -28,5 +28,5 @@ html_title = "fringe"
 autodoc_default_options = {"members": True}
 autodoc_typehints = "description"
 myst_enable_extensions = ["dollarmath"]
-# Folders, studies and source files are linked for those who read on the disk; they are no pages.
+# Links to folders, studies and source files work on the disk; the site has no pages of them.
 suppress_warnings = ["myst.xref_missing", "myst.header"]

@@ -1,4 +1,4 @@
-"""`python3 -m analysis documentation`: the notes, the algorithms' pages and the references of Python and C++ as one site."""
+"""`python3 -m analysis documentation`: makes one site of the notes, the algorithms' pages and the references of Python and C++."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MADE_BY_SPHINX = ".buildinfo"
 
 
 class DocumentationError(Exception):
-    """A tool refused a page; the message is what it said."""
+    """A tool refused a page; the message is the tool's."""
 
 
 def build(folder: Path) -> Path:

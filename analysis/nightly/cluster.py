@@ -1,4 +1,4 @@
-"""The jobs that nights have on a cluster: how they are known, and their end when a night ends before them.
+"""Ends the jobs that a night has on a cluster when the night ends before them.
 
 All jobs of a folder of results have one name. While a night may have some, a file in that folder says by which profile; a night that
 was killed leaves it behind, and whoever works in the folder next ends those jobs first: no case is ever solved twice at once.
@@ -17,7 +17,7 @@ from analysis.pipeline.processes import Finished
 from analysis.results.store import write_text
 
 NAME_VARIABLE = "FRINGE_JOBS"
-"""Of the environment that Snakemake and a profile's commands find the jobs' name in."""
+"""The environment variable that gives the jobs' name to Snakemake and to a profile's commands."""
 CANCEL = "cancel.py"
 """In a profile's folder: called with the name, it ends all jobs of that name and returns when none is left. A profile without one has
 jobs that end by themselves after the case they are at."""
@@ -30,17 +30,17 @@ def name(folder: Path) -> str:
 
 
 def begin(folder: Path, profile: Path | None) -> None:
-    """Ends what an earlier night left, and remember the profile (None: this machine) of the one that begins."""
+    """Ends the jobs that an earlier night left, and stores the profile (None: this machine) of the night that begins."""
     end_left_over(folder)
     if profile is not None:
         write_text(folder / _MARK, str(profile))
-        # Of a folder of the same name that is gone, with its mark.
+        # Jobs of a deleted folder of the same name, whose mark is gone too.
         _cancel(folder, profile)
 
 
 def end(folder: Path) -> None:
-    """Removes the jobs' files, and end those that are still on the cluster; OSError when that fails."""
-    # A job that begins from here on finds its file gone, and does nothing.
+    """Removes the jobs' files and ends the jobs that are still on the cluster; OSError if that fails."""
+    # A job that starts from here on finds no file and does nothing.
     shutil.rmtree(folder / FOLDER, ignore_errors=True)
     mark = folder / _MARK
     if mark.is_file():
@@ -49,7 +49,7 @@ def end(folder: Path) -> None:
 
 
 def end_left_over(folder: Path) -> None:
-    """Returns the same for a night that was killed, if there was one."""
+    """Does the same for a night that was killed, if there was one."""
     if (folder / _MARK).is_file():
         end(folder)
 

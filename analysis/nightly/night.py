@@ -1,4 +1,4 @@
-"""A night: Snakemake carries what is to do of a study to this machine's cores or, with a profile, to a cluster.
+"""Runs a study's missing answers by Snakemake on this machine's cores or, with a profile, on a cluster.
 
 What is to do is found before, by the keys of the stored answers. Snakemake gets jobs of several cases each, in a folder that
 every night makes anew, so nothing that an earlier night left there, however it ended, has to be unlocked or repaired.
@@ -31,16 +31,16 @@ from geometries.studies.study import Study
 LOG = "snakemake.log"
 _PROFILES = Path(__file__).parent / "profiles"
 _SNAKEFILE = Path(__file__).parent / "Snakefile"
-# How often the stored answers are looked at for the progress bar.
+# Interval (s) at which the progress bar looks for stored answers.
 _LOOK_SECONDS = 1.0
-# A job lasts minutes on a cluster, where starting one takes seconds, and less here, where a night may be ended any time.
+# Expected length of a job (s): minutes on a cluster, where starting one takes seconds; less here.
 _SECONDS_HERE, _SECONDS_ON_A_CLUSTER = 60.0, 600.0
 
 
 @dataclass(frozen=True)
 class Options:
-    """How a night is carried: Snakemake's profile (None: this machine), jobs at a time and expected seconds of a job, where
-    None stands for what suits."""
+    """How a night is carried: Snakemake's profile (None: this machine), jobs at a time and expected seconds of a job, None
+    means a suitable value."""
 
     profile: str | None = None
     workers: int | None = None
@@ -65,7 +65,7 @@ def run(study: Study, folder: Path, options: Options) -> Night:
         if prepared:
             _carry(prepared, folder, command(folder, profile, workers), workers)
             failures = chunks.failures(prepared, folder)
-            # A job that never began has left none, and the report tells what it was to solve.
+            # A job that never started has written no scenes, but the report shows every case.
             workflow.write_scenes(works, folder)
     finally:
         cluster.end(folder)
@@ -76,7 +76,7 @@ def run(study: Study, folder: Path, options: Options) -> Night:
 def prepare(
     works: list[Work], study: Study, folder: Path, seconds: float, workers: int
 ) -> list[chunks.Chunk]:
-    """Removes the jobs of an earlier night and outdated answers, and write the files of the jobs for what is to do."""
+    """Removes outdated answers and the jobs of an earlier night, and writes the files of the jobs for the missing answers."""
     if (folder / chunks.FOLDER).exists():
         shutil.rmtree(folder / chunks.FOLDER)
     workflow.forget(works, folder)
@@ -94,9 +94,9 @@ def command(folder: Path, profile: Path | None, workers: int) -> list[str]:
         *(sys.executable, "-m", "snakemake", "--snakefile", str(_SNAKEFILE)),
         *("--directory", str((folder / chunks.FOLDER).resolve())),
         *("--config", f"command={shlex.join(job)}"),
-        # Nobody else is in the folder, and it is gone afterwards.
+        # The folder belongs to this night alone and is deleted afterwards.
         *("--nolock", "--drop-metadata", "--rerun-incomplete", "--rerun-triggers", "mtime"),
-        # A job ends well even when cases fail; one that does not was killed, perhaps for want of memory.
+        # A job succeeds even if cases fail; one that does not was killed, perhaps for lack of memory.
         *("--keep-going", "--retries", "1"),
         *("--scheduler", "greedy", "--nocolor"),
         *where,
@@ -115,14 +115,14 @@ def find_profile(profile: str) -> Path:
 
 
 def _carry(jobs: list[chunks.Chunk], folder: Path, command: list[str], workers: int) -> None:
-    """Runs Snakemake to its end, with a progress bar; its own words go to a file."""
+    """Runs Snakemake to its end, with a progress bar; its output goes to a file."""
     processes, ended = Processes(), threading.Event()
-    told: list[str] = []
+    printed: list[str] = []
 
     def snakemake() -> None:
         try:
             finished = processes.run(command, REPOSITORY, _environment(folder))
-            told.extend([finished.output, finished.errors])
+            printed.extend([finished.output, finished.errors])
         finally:
             ended.set()
 
@@ -135,7 +135,7 @@ def _carry(jobs: list[chunks.Chunk], folder: Path, command: list[str], workers: 
         raise
     finally:
         thread.join()
-    write_text(folder / LOG, "\n".join([shlex.join(command), *told]))
+    write_text(folder / LOG, "\n".join([shlex.join(command), *printed]))
 
 
 def _environment(folder: Path) -> dict[str, str]:
@@ -144,7 +144,7 @@ def _environment(folder: Path) -> dict[str, str]:
 
 
 def _show(jobs: list[chunks.Chunk], folder: Path, workers: int, ended: threading.Event) -> None:
-    """Returns the progress bar, by the files that have come to be, until Snakemake has ended."""
+    """Shows the progress, counted by stored answers, until Snakemake has ended."""
     left = {
         case_folder(folder, work.case) / file: cost
         for job in jobs

@@ -98,7 +98,7 @@ def _idle(folder: Path, count: int) -> str:
     def run() -> None:
         subprocess.run(command, cwd=REPOSITORY, check=True, capture_output=True)
 
-    # The first makes the report.
+    # The first run makes the report.
     run()
     return _timed(run)
 
@@ -109,7 +109,7 @@ def _text(count: int) -> str:
 
 
 def _answer(text: str, place: Path) -> None:
-    """Stores an answer for everything that is to do."""
+    """Stores a made-up answer for everything that is missing."""
     chosen = study.loads(text)
     for work in plan.missing(chosen, chosen.cases(), place):
         case = results.case_folder(place, work.case)

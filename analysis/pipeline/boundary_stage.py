@@ -16,7 +16,7 @@ from geometries.scene.shapes import Arc, Cone, Cylinder, MeshShape, Sphere
 
 NAME = "boundary elements"
 SHARE = 0.1
-"""Of the accuracy asked of the field solver: its own error is what the comparison is to show."""
+"""Accuracy asked of boundary elements relative to that asked of the field solver, whose error the comparison shows."""
 _STRICTEST, _LOOSEST = 1e-6, 0.5
 _ROUND = "round bodies: boundary elements answer for the polyhedron of their triangles, the field solver for what is round"
 
@@ -24,7 +24,7 @@ _ROUND = "round bodies: boundary elements answer for the polyhedron of their tri
 def rtol(asked: float, scene: Scene) -> float:
     """Returns the relative accuracy asked of boundary elements where `asked` is asked of the field solver.
 
-    Of a mesh no more than that: its charges converge so slowly that a tenth would take minutes and gigabytes.
+    For a mesh it is the same as `asked`: its charges converge so slowly that a tenth would take minutes and gigabytes.
     """
     has_mesh = any(isinstance(body.shape, MeshShape) for body in scene.objects)
     return min(max(asked if has_mesh else SHARE * asked, _STRICTEST), _LOOSEST)
@@ -41,7 +41,7 @@ def answer(scene: Path, asked: float) -> Document:
     try:
         described = reader.load(scene)
     except InputError as error:
-        # It was written by this program: somebody has removed or changed it meanwhile.
+        # This program wrote the scene: somebody has removed or changed it since.
         raise NoAnswer(str(error)) from error
     return {"rtol": rtol(asked, described), **_answer_or_refusal(scene, described, rtol(asked, described))}
 
@@ -69,5 +69,5 @@ def _answer(solved: Document) -> Document:
 
 
 def _without_place(reason: str, scene: Path) -> str:
-    """Returns the reason alone: the same in every folder."""
+    """Removes the path from a reason, so that it is the same in every folder."""
     return reason.removeprefix(f"{scene}: ")

@@ -1,7 +1,7 @@
-"""The keys of stored answers: a hash of all that can change an answer. Equal key, equal answer.
+"""Computes the keys of stored answers. A key is a hash of everything that can change the answer: equal keys, equal answers.
 
-That is the scene, the options, and the version of the code: a hash of the stage's sources, and for the reference the
-versions of the packages that it stands on.
+It covers the scene, the options and the version of the code: a hash of the stage's sources and, for the reference, the versions
+of the packages that it uses.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from geometries.studies.study import Study
 REPOSITORY = ROOT
 
 _SOURCE_SUFFIXES = {".cpp", ".hpp", ".h", ".txt", ".cmake", ".in"}
-# Of geometries: only what reads scenes. A new family or a new motion must not make old answers void.
+# The files of geometries that read scenes. A new family or a new motion must not invalidate answers.
 _SCENE_SOURCES = ("common/errors.py", "common/tables.py", "scene/*.py")
 _NOT_SOLVING = {"motion.py", "__init__.py"}
 _REPORT_SUFFIXES = {".css", ".html", ".js", ".py"}
@@ -68,7 +68,7 @@ def code_of(places: Iterable[str], repository: Path = REPOSITORY) -> str:
     code = hash_of_files(found, repository)
     if not is_installed():
         return code
-    # What is installed has no sources: the module that was built of them stands for them.
+    # An installed copy has no sources; the hash of the module that was built from them takes their place.
     modules = [path for folder in module_folders() for path in folder.glob("fringe.*.so")]
     return _hash([code, *(hashlib.sha256(path.read_bytes()).hexdigest() for path in modules)])
 
@@ -107,7 +107,7 @@ def _package_version(name: str) -> str:
 
 
 def _gmsh_version() -> str:
-    """Reads from the module's text: Debian's gmsh has no package metadata, and importing it takes half a second."""
+    """Reads gmsh's version from its source: Debian's package has no metadata, and importing it takes half a second."""
     module = find_spec("gmsh")
     if module is None or module.origin is None:
         return "absent"

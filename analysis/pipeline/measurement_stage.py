@@ -1,4 +1,4 @@
-"""Programs of the build that measure the model by itself, without a study: their answers are kept like all others."""
+"""Runs the programs of the build that measure the model by itself, without a study."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from analysis.results.study_results import COLLISION, RUN_TIMES, STABILITY
 from geometries.common.installation import no_benchmark
 
 _BIN = Path("build", "bin")
-# With an answer: all is well, and the integral is not what it should be.
+# Exit statuses with an answer: everything is correct, and some values are wrong.
 _ANSWERED = (0, 1)
-# Stands for the file that a program writes its answer to.
+# Placeholder in the arguments for the file that a program writes its answer to.
 _ANSWER = "ANSWER.json"
 
 
 @dataclass(frozen=True)
 class Measurement:
-    """`arguments` name the answer's file as ANSWER.json; `seconds` is what it takes, roughly; `sources` is what it measures
-    and what it measures with, as folders and files of the repository."""
+    """`arguments` name the answer's file as ANSWER.json; `seconds` is the expected time; `sources` are the folders and
+    files of the repository that determine the result."""
 
     name: str
     file: str
@@ -49,7 +49,7 @@ MEASUREMENTS = (
         RUN_TIMES,
         "plate_integral_benchmark",
         (
-            # Three times, far apart: what disturbs one of them is over before the next.
+            # Three times, far apart, so that a disturbance affects only one of them.
             "--benchmark_repetitions=3",
             "--benchmark_enable_random_interleaving=true",
             f"--benchmark_out={_ANSWER}",

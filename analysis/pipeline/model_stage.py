@@ -13,7 +13,7 @@ from geometries.scene.scene import Scene
 from geometries.studies.families import GROUNDED
 
 NAME = "model"
-# Single evaluations take a microsecond, less than what else the machine does now and then: the smallest of many counts.
+# Evaluations per method. Each takes about a microsecond, so the smallest of many times is stored.
 _REPEATS = 25
 
 
@@ -26,7 +26,7 @@ def model_module() -> Any:
 
 
 def knows(scene: Scene) -> bool:
-    """Tells whether the model can be asked: it knows grounded conductors only."""
+    """Tells whether the model applies: it needs grounded conductors."""
     return all(body.potential == GROUNDED and body.relative_permittivity is None for body in scene.objects)
 
 
@@ -38,6 +38,6 @@ def answer(scene: Path, methods: tuple[str, ...]) -> Document:
 
 
 def _timed(module: Any, scene: Path, method: str) -> Document:
-    # A scene asked again keeps what has not moved: each time is that of a scene's first answer.
+    # Each scene is loaded anew, because a scene keeps the results of what has not moved.
     answers = [module.Scene.load(str(scene)).capacitance(method=method) for _ in range(_REPEATS)]
     return {"seconds": min(answer["seconds"] for answer in answers), "sensors": answers[0]["sensors"]}

@@ -12,14 +12,14 @@ from pathlib import Path
 
 from geometries.common.installation import ROOT, cache_folder
 
-# Before a command: however the process that starts it ends, the command does not outlive it.
+# Prefix of every command: the kernel kills the command when the process that started it ends.
 _LONGEST_REASON = 300
 ENDS_WITH_US = ("setpriv", "--pdeathsig", "KILL")
 
 
 @dataclass(frozen=True)
 class Finished:
-    """What a command left behind. A negative exit code is the signal that ended it."""
+    """The result of a command. A negative exit code is the signal that ended it."""
 
     exit_code: int
     output: str
@@ -49,7 +49,7 @@ class Processes:
         with self._lock:
             if self._stopped:
                 raise Stopped
-            # A session of its own: a Ctrl-C at the terminal reaches this process alone, which then stops its children.
+            # In a session of its own: a Ctrl-C at the terminal reaches this process only, which then stops its children.
             process = subprocess.Popen(
                 [*ENDS_WITH_US, *command],
                 cwd=folder,

@@ -11,7 +11,7 @@ from geometries.studies.study import Study
 
 SOLVE, SLICE = "reference", "slice of the potential"
 MODULE = "fem_reference"
-# The reference's exit codes with an answer: within the asked accuracy, and short of it but with honest bounds.
+# Exit statuses with an answer: within the asked accuracy, and short of it with its true error.
 _ANSWERED = (0, 3)
 
 

@@ -1,4 +1,4 @@
-"""Jobs run side by side, as many as cores and memory allow, with a progress bar that shows the remaining time."""
+"""Runs jobs in parallel, as many as cores and memory allow, with a progress bar that shows the remaining time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tqdm import tqdm
 from analysis.pipeline.processes import Processes, Stopped, forget_unfinished_forms
 from analysis.results.study_results import Failure
 
-# What one solve of the reference may take at its finest level, with room to spare.
+# Memory (bytes) of one solve of the reference at its finest level, with room to spare.
 _MEMORY_PER_JOB = 3 * 2**30
 _REFRESH_SECONDS = 1.0
 
@@ -33,7 +33,7 @@ class Job(Protocol):
 
 
 def parallel_jobs() -> int:
-    """Returns how many jobs this machine carries: by its cores, and by the memory that is free now."""
+    """Returns how many jobs fit on this machine, by its cores and its free memory."""
     cores = len(os.sched_getaffinity(0))
     return max(1, min(cores, int(psutil.virtual_memory().available) // _MEMORY_PER_JOB))
 
@@ -41,7 +41,7 @@ def parallel_jobs() -> int:
 def run_all(jobs: Sequence[Job], workers: int, done: str = "solved", shown: bool = True) -> list[Failure]:
     """Runs the jobs, the costly ones first so that none is left over at the end; returns the failures.
 
-    `done` is what the progress bar says of those that have ended; without `shown` there is none.
+    `done` is the progress bar's word for finished jobs; without `shown` there is no bar.
 
     KeyboardInterrupt ends the running jobs' processes, starts no more, and is raised again.
     """
@@ -71,7 +71,7 @@ def _undisturbed() -> Iterator[None]:
 
 
 def remaining_seconds(total: float, done: float, elapsed: float, workers: int) -> float:
-    """Returns how long the rest takes, by the pace so far; before the first job has ended, by its expected seconds."""
+    """Estimates the remaining time from the pace so far; before the first job has ended, from the expected seconds."""
     if done == 0:
         return max(0.0, total / workers - elapsed)
     return elapsed * (total - done) / done
@@ -96,11 +96,11 @@ class Progress:
         self._bar.close()
 
     def advance(self, cost: float) -> None:
-        # Sums of costs differ by rounding from their total.
+        # Rounding may make the sum of the parts exceed the total.
         self._bar.update(min(cost, self._bar.total - self._bar.n))
 
     def tell(self, ended: int) -> None:
-        """Says how many jobs have ended."""
+        """Shows how many jobs have ended."""
         if not self._shown:
             return
         bar = self._bar

@@ -84,7 +84,7 @@ def finding_on_queries(queries: Sequence[QueryTimes]) -> str:
 
 
 def finding_on_scenes(scenes: Sequence[SceneTimes]) -> str:
-    """Returns how cost grows, and whether all ways found the same."""
+    """Tells how the cost grows with the scene, and whether all methods found the same collisions."""
     small, large = scenes[0], scenes[-1]
     agree = all(len(set(scene.collisions.values())) == 1 for scene in scenes)
     own = large.milliseconds[OWN]
@@ -116,7 +116,7 @@ def _share(part: int, whole: int) -> str:
 
 
 def _figures(number: float) -> str:
-    """Returns two digits, more only where they stand before the point."""
+    """Writes a number with two digits, or with all digits before the point."""
     return f"{number:.0f}" if abs(number) >= 10 else f"{number:.2g}"
 
 

@@ -1,4 +1,4 @@
-"""What `python3 -m tests.faults.run` has counted, as a section of a report: faults made while a study ran, and what became of it."""
+"""The section on `python3 -m tests.faults.run`, which injects faults into a running study and counts the consequences."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`report.html`: what a study found in few numbers, and the way to the page of every question."""
+"""`report.html`: the summary of a study, with a link to the page of every question."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _PARAGRAPH = re.compile(r"<p[^>]*>(.*?)</p>", re.DOTALL)
 
 @dataclass(frozen=True)
 class Card:
-    """A page as the index shows it: `target` relative to the index, `says` its first finding."""
+    """A page's entry in the index: `target` relative to the index, `says` the page's first finding."""
 
     target: str
     title: str
@@ -35,6 +35,6 @@ def document(title: str, inputs: str, headline: Markup, cards: list[Card], rest:
 
 
 def navigation(title: str, pages: list[tuple[str, str]], current: str) -> Markup:
-    """Returns the way from a page to the index and to the others: (file, short title) of each."""
+    """Links a page to the index and to the other pages, given as (file, short title)."""
     links = [page.link(file, short, current=file == current) for file, short in pages]
     return page.navigation(page.link("../report.html", f"‹ {title}"), *links)

@@ -17,15 +17,15 @@ from analysis.results.store import write_text
 
 REPORT = "report.html"
 SCRIPT = "report/plotly.js"
-"""Of all pages of a folder of results: megabytes, so it is there once."""
+"""plotly.js, megabytes, once for all pages of a folder of results."""
 CASES = "../cases"
 """The cases' folder as seen from a page in the folder of the pages."""
 CASE_PAGE = "case.html"
 PLOT = "plotly-graph-div"
-"""The class of a figure's place."""
+"""The HTML class of the element that a figure is drawn in."""
 
 _HEIGHT = 400
-# The mark of the inputs stands in the first lines of a page whose script takes megabytes.
+# The mark of the inputs is within so many characters of a page's beginning; its scripts may take megabytes.
 _MARK_WITHIN = 1000
 
 

@@ -1,4 +1,4 @@
-"""What every plot shares: its parts, its colours, its axes."""
+"""The parts, colours and axes of all plots."""
 
 from __future__ import annotations
 

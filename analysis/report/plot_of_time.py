@@ -57,7 +57,7 @@ def level_errors(rows: list[Row]) -> list[Point]:
 
 
 def time_against_error(rows: list[Row]) -> Plot:
-    """Returns all of the above for `mutual`."""
+    """Plots run time against all of these errors for `mutual`."""
     mutual = [row for row in rows if row.quantity == MUTUAL]
     integration, splits = integration_errors(mutual), total_errors(mutual, split_methods(mutual))
     (exact,) = total_errors(mutual, [COMPARED_METHOD])
@@ -107,7 +107,7 @@ def _point(label: str, rows: list[Row], errors: list[float]) -> Point:
 
 
 def _series(name: str, points: list[Point], index: int, symbol: str, mode: str, size: int = 9) -> go.Scatter:
-    # A logarithmic axis has no zero: where split and exact agree to the last bit there is no point to draw.
+    # A logarithmic axis has no zero: no point is drawn where split and exact agree to the last bit.
     shown = [point for point in points if point.error > 0]
     return go.Scatter(
         x=[point.seconds for point in shown],

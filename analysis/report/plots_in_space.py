@@ -1,4 +1,4 @@
-"""A set-up as one sees it: the two plates in space, and the potential in the plane through their centres."""
+"""Draws a set-up: the two plates in space, and the potential in the plane through their centres."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 _WITHOUT_UNIT = "relative_permittivity"
 FLATTEST = 0.1
-"""Height of the box around a scene over its largest side, at least: plates in one plane have none of their own."""
+"""Least height of the box around a scene, relative to its largest side; plates in one plane have no height."""
 
 
 def pictures(rows: list[Row]) -> list[Plot]:
@@ -72,7 +72,7 @@ def in_space(scene: Scene) -> Panel:
 
 
 def parameters(case: CaseResult) -> str:
-    """Returns the parameters for people: lengths in cm."""
+    """Writes the parameters for people, with lengths in cm."""
     told = []
     for name, value in case.parameters.items():
         label = name.replace("_", " ")
@@ -157,7 +157,7 @@ def _slice(case: CaseResult, slice_of: Document) -> go.Figure:
 
 
 def _cuts(case: CaseResult, origin: Array, direction: Array) -> list[go.Scatter]:
-    """Returns where the conductors' triangles cross the plane: the lines between the crossings of their edges."""
+    """Returns the lines in which the conductors' triangles intersect the plane."""
     sensors = {sensor.name for sensor in case.scene.sensors}
     across_plane = np.array([-direction[1], direction[0]])
     traces = []

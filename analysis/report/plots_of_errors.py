@@ -21,7 +21,7 @@ def families_of(rows: list[Row]) -> list[str]:
 
 
 def model_against_reference(rows: list[Row]) -> Plot:
-    """Returns every case as a point, reference across, model upwards, with the reference's error bar; on the diagonal they agree."""
+    """Plots the model's values over the reference's, with error bars; on the diagonal they agree."""
     panels = [Panel(quantity, _values(rows, quantity)) for quantity in QUANTITIES]
     shares = [f"{_shares(rows, quantity)} of {quantity}" for quantity in QUANTITIES]
     return Plot(
@@ -151,7 +151,7 @@ def _errors(described: list[tuple[float, Row]], quantity: str, label: str, logar
 
 
 def _finding(described: list[tuple[float, Row]], name: str) -> str:
-    """Returns the median errors of the lowest third beside those of the highest; where most are alike, of what lies off them."""
+    """Compares the median error of the lowest third with that of the highest; if most abscissae are equal, of those below and above."""
     if len({x for x, _ in described}) < 2:
         return f"All cases of this study have the same {name}."
     ordered = sorted(x for x, _ in described)

@@ -15,7 +15,7 @@ TITLE = "Run time against error of the integral"
 EXACT, THESIS = "exact", "split:4"
 
 _NANOSECOND = 1e-9
-# Half a unit in the last place of 1: errors below it are those of writing the result down, and zero has no logarithm.
+# Half a unit in the last place of 1. Smaller errors are those of rounding the result; zero has no logarithm.
 _ROUNDING = 2.0**-54
 _SYMBOLS = ("star", "circle", "square", "diamond", "triangle-up", "x", "cross")
 _ABSENT = (
@@ -64,7 +64,7 @@ def by_set(measured: RunTimes) -> dict[str, list[MethodTime]]:
 
 
 def front(times: list[MethodTime]) -> list[MethodTime]:
-    """Returns those that no other is at least as good as in both time and error and better in one, from fast to accurate."""
+    """Returns the Pareto front: the methods that no other method beats in both time and error, from fast to accurate."""
     best: list[MethodTime] = []
     for time in sorted(times, key=lambda t: (t.seconds_per_triangle, t.error)):
         if not best or time.error < best[-1].error:
@@ -73,7 +73,7 @@ def front(times: list[MethodTime]) -> list[MethodTime]:
 
 
 def finding(sets: dict[str, list[MethodTime]]) -> str:
-    """Returns the exact method beside the thesis' method over all sets, and the methods that are worth choosing somewhere."""
+    """Compares the exact method with the thesis' over all sets, and names the methods on a Pareto front."""
     pairs = []
     for times in sets.values():
         named = {time.method: time for time in times}
@@ -95,7 +95,7 @@ def finding(sets: dict[str, list[MethodTime]]) -> str:
 
 
 def _caption(times: list[MethodTime]) -> str:
-    """Returns the set, and what the exact method costs on it beside the thesis'."""
+    """Names the set and the cost of the exact method on it relative to the thesis'."""
     named = {time.method: time for time in times}
     told = "; ".join(
         f"{method} {named[method].seconds_per_triangle / _NANOSECOND:.3g} ns, off by {named[method].error:.0e}"
@@ -111,7 +111,7 @@ def _words(name: str) -> str:
 
 
 def _panel(times: list[MethodTime], measured: RunTimes) -> go.Figure:
-    """Returns all panels have the same axes and colours."""
+    """Plots one set; all panels have the same axes and colours."""
     kinds = list(dict.fromkeys(_kind(time.method) for time in measured.times))
     best = front(times)
     traces = [

@@ -73,7 +73,7 @@ def headline(results: Results, summaries: list[Summary]) -> Markup:
 def trust(results: Results, rows: list[Row], pairs: list[Pair]) -> Markup:
     """Returns why the reference can be believed: set-ups that must agree, delta_self in two ways, accuracies not reached.
 
-    Empty where nothing was asked of it.
+    Empty if the study does not use the reference.
     """
     if results.error == NO_REFERENCE:
         return Markup("")

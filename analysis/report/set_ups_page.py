@@ -1,4 +1,4 @@
-"""One light page for hundreds of set-ups: it shows the one that its address names after the #, drawn, in numbers, with its commands."""
+"""One small page for hundreds of set-ups. It shows the set-up that its address names after the #: drawing, numbers, commands."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from analysis.results.units import CENTIMETRE
 from geometries.common import installation
 from geometries.scene.scene import Scene
 
-# Of a coordinate in cm: a micrometre.
+# Decimals of a coordinate in cm: a micrometre.
 _DECIMALS = 4
 _TARGET = "[[object]]"
 _ARRAY = re.compile(r"\[\n[^\[\]]*\]")
-# Of a trace: they are those of the set-up shown.
+# The keys of a trace that depend on the set-up.
 _COORDINATES = ("x", "y", "z", "i", "j", "k")
 
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """A set-up on the page. `name` is what its address ends in; `told` describes it, `findings` are sentences on it, `rows` its numbers
-    as text; `text` is its scene in canonical form."""
+    """A set-up on the page. `name` is what its address ends in; `told` describes it, `findings` are sentences on it, `rows` are
+    its numbers as text; `text` is its scene in canonical form."""
 
     name: str
     family: str
@@ -74,7 +74,7 @@ def _data(around: Around, shown: list[Shown]) -> Document:
         {key: value for key, value in trace.items() if key not in _COORDINATES} for trace in drawn["data"]
     ]
     model = installation.model_command()
-    # What comes before the target is the same for most.
+    # The text before the target is the same for most set-ups, so it is stored once.
     heads = list(dict.fromkeys(_around_target(each.text)[0] for each in shown))
     return {
         "looks": looks,
@@ -114,7 +114,7 @@ def _set_up(each: Shown, heads: list[str]) -> Document:
 
 
 def _body_of(triangles: plots_in_space.Array) -> Document:
-    """Returns its vertices, each once (cm), and three of their numbers for each triangle."""
+    """Returns the distinct vertices (cm), and three of their indices for each triangle."""
     vertices = np.round(triangles.reshape(-1, 3) / CENTIMETRE, _DECIMALS) + 0.0
     distinct, numbers = np.unique(vertices, axis=0, return_inverse=True)
     return {"vertices": distinct.tolist(), "triangles": numbers.reshape(-1, 3).tolist()}

@@ -1,4 +1,4 @@
-"""The report's section on the integral's errors beside what the rounding of its input alone does to it."""
+"""The report's section on the integral's errors, compared with its conditioning: the effect of rounding its input."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ABSENT = (
     "python3 -m analysis run STUDY --measure-model with any."
 )
 _LABELS = {_THESIS: "the thesis' formula"}
-# Above the figure: the names of the classes need the room below.
+# The legend lies above the figure, because the names of the classes need the room below.
 _LEGEND = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0, "xanchor": "left"}
 _SYMBOLS = ("star", "circle", "square", "diamond")
 _WHAT = (
@@ -112,7 +112,7 @@ def _figure(measured: Stability) -> go.Figure:
 
 
 def _traces(measured: Stability, method: str, index: int) -> list[go.Scatter]:
-    """Returns the largest error of every class, and small and open the error that all but one in a hundred stay below."""
+    """Plots the largest error of every class and, with small open symbols, its 99th percentile."""
     found = [(entry.name, entry.methods[method]) for entry in measured.classes if method in entry.methods]
     colour, symbol = series_colour(index), _SYMBOLS[index % len(_SYMBOLS)]
     largest = [(name, errors.largest_over_conditioning) for name, errors in found]
@@ -153,7 +153,7 @@ def _triangles(entry: StabilityClass) -> int:
 
 
 def _cells(entry: StabilityClass, errors: MethodErrors | None) -> list[str]:
-    """Returns a method that was asked for some of a class's triangles only says for how many."""
+    """Writes the cells of a method; one that was evaluated for some triangles of a class also says for how many."""
     if errors is None:
         return ["", "", ""]
     largest = errors.largest_over_conditioning

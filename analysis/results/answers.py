@@ -26,7 +26,7 @@ class Estimate:
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """One mesh of the reference: its Maxwell matrix (n, n) in F and what it took."""
+    """One mesh of the reference: its Maxwell matrix (n, n) in F, its unknowns and its run time."""
 
     unknowns: int
     seconds: float
@@ -37,7 +37,8 @@ class Level:
 class ReferenceAnswer:
     """The Maxwell matrix (n, n) in F with its error, sensors first in `conductors`.
 
-    Where the reference encloses the truth, from `lower` to `upper`, the error reaches to the farther end. `delta_self` is told by the reference itself, from two solutions on the same mesh.
+    Where the reference encloses the truth, from `lower` to `upper`, the error is the distance to the farther bound. `delta_self` is
+    the reference's own value, from two solutions on the same mesh.
     """
 
     conductors: tuple[str, ...]
@@ -98,7 +99,7 @@ def _error(document: Document, value: Array, lower: Array, upper: Array) -> Arra
 
 
 def _interval(document: Document) -> tuple[Array, Array]:
-    """Returns where the Maxwell matrix lies: proven where there is an enclosure, else by the estimated errors."""
+    """Returns the interval of the Maxwell matrix: proven where there is an enclosure, else from the estimated errors."""
     if document["error_kind"] == "enclosure":
         return np.array(document["lower"], dtype=np.float64), np.array(document["upper"], dtype=np.float64)
     value, error = (np.array(document[name], dtype=np.float64) for name in ("maxwell", "error"))

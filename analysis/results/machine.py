@@ -1,4 +1,4 @@
-"""The machine that this runs on, as far as it matters to a run time or to the instructions that are chosen."""
+"""Describes this machine: what determines run times and the instruction set that the model chooses."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 _CPUINFO = Path("/proc/cpuinfo")
-# What the model's vector code is made for, from wide to narrow.
+# The instruction sets that the model has vector code for, from wide to narrow.
 _INSTRUCTION_SETS = {"avx512f": "AVX-512", "avx2": "AVX2"}
 
 

@@ -1,4 +1,4 @@
-"""What a set-up of one sensor plate and one target plate looks like in four numbers, whatever family it comes from."""
+"""Describes a set-up of one sensor plate and one target plate by four numbers, the same for every family."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class SetUp:
 
     @property
     def size_ratio(self) -> float:
-        """Target over sensor."""
+        """The target's size relative to the sensor's."""
         return self.target_size / self.sensor_size
 
     @property

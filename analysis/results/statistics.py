@@ -1,4 +1,4 @@
-"""How wrong the model is, in few numbers."""
+"""Summary statistics of the model's error."""
 
 from __future__ import annotations
 

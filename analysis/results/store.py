@@ -1,4 +1,4 @@
-"""Stored answers: documents that are there whole or not at all."""
+"""Stores answers as JSON documents. A reader finds a whole document or none."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ def read_current(path: Path, key: str) -> Document | None:
 
 
 def is_current(path: Path, key: str) -> bool:
-    """Tells whether `read_current` would find a document. Nothing is parsed where the key stands first, as it does in what this
-    program writes."""
+    """Tells whether `read_current` would find a document. The document is not parsed if
+    the key comes first in it, as in every document that this program writes."""
     try:
         content = path.read_bytes()
     except OSError:
@@ -61,8 +61,8 @@ class InUse(Exception):
 
 @contextmanager
 def exclusive(folder: Path) -> Iterator[None]:
-    """Keeps every other process out of a folder that takes this care. The lock is the system's: it ends with this process,
-    however that ends, and nobody has to remove it. Raises InUse at once when another has it."""
+    """Locks a folder against other processes that use this lock. The operating system releases it when this process ends, however
+    it ends. Raises InUse at once if another process holds it."""
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / ".lock").open("a") as file:
         try:

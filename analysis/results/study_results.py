@@ -25,7 +25,7 @@ COLLISION = ("collision_answers.json", "collision_times.json", "collision_scenes
 
 @dataclass(frozen=True)
 class Failure:
-    """A case that a stage could not answer, and why. Without a case it is a measurement of the model by itself."""
+    """A stage without an answer, and why. `case` is empty for measurements of the model by itself."""
 
     case: str
     stage: str
@@ -56,8 +56,8 @@ class CaseResult:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """All of a study's results. The last three are of the model itself; None where they were not measured. `experiment` is the
-    study's, or empty."""
+    """All of a study's results. The last three measure the model by itself and are None if they were not made. `experiment`
+    is that of the study, or empty."""
 
     folder: Path
     title: str
@@ -83,7 +83,7 @@ def case_folder(results: Path, case: str) -> Path:
 
 
 def write_manifest(folder: Path, study: Study, failures: list[Failure]) -> None:
-    """Writes down what the study asked and which cases failed; left alone when it says so already."""
+    """Writes what the study asked and which cases failed. An identical file is not written again."""
     document: Document = {
         "format": 1,
         "name": study.name,

@@ -3,7 +3,7 @@
 | column | what it is |
 |---|---|
 | case, family, parameters | the case's folder, its family, the family's parameters as JSON (metres, degrees) |
-| sensor, object | names; `object` is empty for delta_self, which all objects make together |
+| sensor, object | names; `object` is empty for delta_self, which belongs to all objects together |
 | quantity | mutual = −M[s,o], or delta_self = M[s,s] − M0[s,s] with M0 from the scene without objects |
 | gap_over_size | shortest distance between the plates over the sensor's size (a size is the square root of an area) |
 | tilt_degrees | angle between the planes, 0 … 90 |
@@ -13,8 +13,8 @@
 | reached | whether the reference reached the asked accuracy |
 | check_F, check_error_F | delta_self once more, as the difference of two separate solves |
 | model_error | (exact model − reference)/reference |
-| model_error_low, model_error_high | the same for the ends of the reference's interval (ASME V&V 20: the comparison error, with the numerical uncertainty told apart) |
-| reference_seconds, reference_unknowns | what the reference took |
+| model_error_low, model_error_high | the same for the ends of the reference's interval (ASME V&V 20: the comparison error, with the numerical uncertainty kept apart) |
+| reference_seconds, reference_unknowns | run time and unknowns of the reference |
 | model_METHOD_F, model_METHOD_seconds | the model's value for each method (for delta_self the sum over the objects) and its time |
 | command | recomputes the reference's answer |
 """

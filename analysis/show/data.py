@@ -1,4 +1,4 @@
-"""What the page of a scene shows: bodies in the frames of their links, and what every frame of a motion makes of them."""
+"""The data of a scene's page: bodies in the frames of their links, and poses and readings in every frame of a motion."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def _load(path: Path, model: Any) -> Any:
     try:
         return model.Scene.load(str(path))
     except ValueError as error:
-        # The model's reader names file, key and reason itself.
+        # The message of the model's reader names file, key and reason.
         raise InputError("", "", str(error)) from error
 
 
@@ -87,7 +87,7 @@ def _mesh(triangles: Array) -> Document:
 
 
 def _box_corners(triangles: Array, model: Any) -> list[list[float]]:
-    """Returns the corners of the oriented bounding box, the one of −, −, − first, the sign of the last axis changing fastest."""
+    """Returns the corners of the oriented bounding box, from (−, −, −) on; the sign of the last axis changes fastest."""
     vertices = np.unique(triangles.reshape(-1, 3), axis=0)
     centre, axes, half_widths = model.obb(vertices, None, "tight")
     signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
@@ -139,7 +139,7 @@ def _reading(reading: Document) -> Document | None:
 
 
 def _outputs(live: Any) -> Document:
-    """Returns the capacitive sensors' outputs, or why there are none: the model knows only grounded conductors."""
+    """Returns the outputs of the capacitive sensors, or why there are none: the model needs grounded conductors."""
     try:
         answer = live.capacitance()
     except ValueError as error:
@@ -169,7 +169,7 @@ def _finite(number: float) -> float | None:
 
 
 def _collisions(live: Any) -> Document:
-    """Returns the pairs that are not clear and what they cost."""
+    """Returns the pairs that are not clear of each other, and how many tests were made."""
     answer = live.collide()
     pairs = answer["pairs"]
     return {

@@ -1,4 +1,4 @@
-"""A scene and its motion as one page to look at: `python3 -m analysis show SCENE`."""
+"""`python3 -m analysis show SCENE`: makes one page that shows a scene and its motion."""
 
 from __future__ import annotations
 

@@ -26,7 +26,8 @@ _SCRIPT = f"../../{page.SCRIPT}"
 
 
 def make(results: Results, case: CaseResult, rows: list[Row], apart: Entry | None) -> None:
-    """Writes the page of a case unless it is up to date. Its rows are given, and its error taken apart where that is known."""
+    """Writes the page of a case unless it is up to date. `apart` holds the parts of its error, if they are
+    known."""
     target = case.folder / page.CASE_PAGE
     inputs = _inputs(results, case, apart)
     if not is_current(target, inputs):

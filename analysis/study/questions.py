@@ -1,4 +1,4 @@
-"""The pages of a study's report, one for each question: a line in QUESTIONS makes a page, its way around, its card in the index."""
+"""The pages of a study's report, one for each question. A line in QUESTIONS makes a page, its navigation and its card in the index."""
 
 from __future__ import annotations
 
@@ -32,18 +32,18 @@ from analysis.topics.verification import page as verification_page
 from geometries.studies.study import NO_REFERENCE
 
 CROSS_CHECK = "cross_check"
-"""The page that a disagreement is told on."""
+"""The page that shows disagreements."""
 ERRORS_CASES = "../../errors/cases"
 """The cases of `python3 -m analysis errors`, as seen from a page of a study's report."""
 CORRECTIONS, PUBLISHED = "corrections", "published"
-"""The pages whose points open set-ups that are no cases of the study …"""
+"""The pages whose points open set-ups that are not cases of the study."""
 CORRECTIONS_SET_UPS, PUBLISHED_SET_UPS = (f"set_ups/{name}.html" for name in (CORRECTIONS, PUBLISHED))
-"""… and the page that shows these, as seen from there."""
+"""The pages that show these set-ups, relative to the folder of pages."""
 
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """What pages are made from: a study's answers, and what is known of reference and model without it."""
+    """The data that pages are made from: a study's answers, and measurements of reference and model that belong to no study."""
 
     found: results.Results
     rows: list[table.Row]
@@ -56,8 +56,8 @@ class Material:
 
 @dataclass(frozen=True)
 class Question:
-    """A page: `name` of its file, `short` title for the way around, and the sections; without any there is no page. The first
-    finding of the first section that has one is shown in the index."""
+    """A page: `name` of its file, `short` title for the navigation, and the sections; without sections there is no page. The
+    index shows the first finding of the page."""
 
     name: str
     short: str
@@ -73,7 +73,7 @@ def _model_error(material: Material) -> list[Markup]:
     if not material.rows:
         return []
     plots = [plots_of_errors.model_against_reference(material.rows)]
-    # What describes a set-up in four numbers is for one plate before another.
+    # The four numbers describe one plate before another; other set-ups have none.
     if any(row.set_up is not None for row in material.rows):
         plots += _over_what_describes(material.rows)
     return [page.plot_section(plot) for plot in plots]

@@ -1,4 +1,4 @@
-"""From stored answers to `table.csv`, `report.html`, and the pages it leads to: one for every question and every case."""
+"""Makes `table.csv`, `report.html` and the pages that it links to, one for every question and every case, from stored answers."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from analysis.topics.trade_off import section as trade_off_section, stage as tra
 from analysis.topics.verification import page as verification_page, stage as verification_stage
 
 PAGES = "report"
-"""The folder of the pages and of the script they share."""
+"""The folder of the pages and of plotly.js, which they share."""
 _FINDINGS = "pages.json"
 _CASES_IN_FIGURE = re.compile(r'"customdata":\[+"[0-9a-f]{16}"')
 _HINT = "A click on a point opens its case."
@@ -35,8 +35,8 @@ _HREF = re.compile(r'href="([^"#]+)"')
 
 @dataclass(frozen=True)
 class Report:
-    """Where the report is, what it says in few numbers, how many cases are short of the asked accuracy, and how many values of the
-    two references disagree."""
+    """The report's path, its summaries, the number of cases short of the asked accuracy, and the number of values on which the two
+    references disagree."""
 
     path: Path
     summaries: list[statistics.Summary]
@@ -86,13 +86,13 @@ def _inputs(
 
 
 def _is_complete(folder: Path) -> bool:
-    """Tells whether the files that the report leads to are there."""
+    """Tells whether all files that the report links to exist."""
     text = (folder / page.REPORT).read_text(encoding="utf-8")
     return all((folder / target).is_file() for target in _HREF.findall(text))
 
 
 def _write(material: Material, nights: list[Document], inputs: str, whole: str) -> None:
-    """Returns the table, the pages, and at last the report itself, which says that all are there."""
+    """Writes the table, the pages, and last the report itself, which marks all of them as complete."""
     folder = material.found.folder
     write_text(folder / table.TABLE, table.to_csv(material.rows, material.found.methods))
     cards = _pages(material, inputs)
@@ -147,7 +147,7 @@ def _question_pages(material: Material, inputs: str) -> list[Card]:
     cards = []
     for question in asked:
         file = f"{question.name}.html"
-        # Pages of set-ups that are no cases say themselves what their points open.
+        # Pages whose points open other set-ups say so themselves.
         cases = _CASES_IN_FIGURE.search(bodies[question]) and "data-set-ups" not in bodies[question]
         hint = [page.soft(_HINT)] if cases else []
         way = index_page.navigation(title, around, file)

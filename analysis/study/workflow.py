@@ -1,4 +1,4 @@
-"""From a study to its stored answers: what is there under the right key stays, the rest is computed."""
+"""Computes a study's answers; those stored under the right key are kept."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ from geometries.studies.study import Study
 def run(study: Study, folder: Path, workers: int | None, measure_model: bool = False) -> list[Failure]:
     """Brings every case of the study up to date in `folder`; returns the failures, which are written down there too.
 
-    With `measure_model` the measurements of the model by itself, too. Those that are out of date are removed in any case.
+    With `measure_model` the model is also measured by itself. Outdated measurements are removed in any case.
 
-    KeyboardInterrupt ends it at once; what was finished stays.
+    KeyboardInterrupt ends it at once; finished answers are kept.
     """
     cases = study.cases()
     works = plan.missing(study, cases, folder)
     forget(works, folder)
     failures = measure(folder, measure_model)
     failures += compute(works, study, folder, workers or parallel_jobs())
-    # The pairs of plates are found in the manifest.
+    # The trade-off reads the pairs of plates from the manifest.
     write_manifest(folder, study, failures)
     measured = trade_off.run(folder, [case.identity for case in cases], measure_model)
     if measured:
@@ -46,7 +46,7 @@ def run(study: Study, folder: Path, workers: int | None, measure_model: bool = F
 
 
 def forget(works: list[Work], folder: Path) -> None:
-    """Removes the outdated answers of what is to do, so that no report shows them, and what killed writers left there."""
+    """Removes outdated answers, so that no report shows them, and the unfinished files of killed writers."""
     for work in works:
         place = case_folder(folder, work.case)
         if not place.is_dir():
@@ -58,7 +58,7 @@ def forget(works: list[Work], folder: Path) -> None:
 
 
 def write_scenes(works: list[Work], folder: Path) -> None:
-    """Writes down the scenes that are not there."""
+    """Writes the scenes that are missing."""
     for work in works:
         scene = case_folder(folder, work.case) / SCENE
         if not scene.is_file():
@@ -66,15 +66,15 @@ def write_scenes(works: list[Work], folder: Path) -> None:
 
 
 def compute(works: list[Work], study: Study, folder: Path, workers: int, shown: bool = True) -> list[Failure]:
-    """Computes what is to do: the answers in microseconds and milliseconds one after the other, because their times are stored, then
-    the reference's, `workers` at a time, with a progress bar if `shown`."""
+    """Computes the missing answers: first, one after the other because their times are stored, those of the model and of boundary
+    elements, then the reference's, `workers` at a time, with a progress bar if `shown`."""
     write_scenes(works, folder)
     quick = run_all(stages(works, study, folder, (MODEL, BOUNDARY)), 1, shown=False)
     return quick + run_all(stages(works, study, folder, (REFERENCE, SLICE)), workers, shown=shown)
 
 
 def stages(works: list[Work], study: Study, folder: Path, files: tuple[str, ...]) -> list[Stage]:
-    """Returns the stages whose answers are the given files of the cases, where these are to do and not there."""
+    """Returns the stages of the given files for all cases where they are missing."""
     found = [
         _stage(file, work, study, case_folder(folder, work.case))
         for file in files
@@ -99,6 +99,6 @@ def _stage(file: str, work: Work, study: Study, place: Path) -> Stage:
 
 
 def measure(folder: Path, wanted: bool) -> list[Failure]:
-    """Makes one measurement after the other, and nothing beside them, which would spoil the times; outdated ones are removed."""
+    """Measures the model by itself, one measurement at a time because others would disturb it; removes outdated ones."""
     stages = outdated(measurement_stage.stages(folder))
     return run_all(stages, 1, "measurements of the model") if wanted else []

@@ -1,4 +1,4 @@
-"""The set-ups one by one: a plot whose points open them, and the page that shows them. They are documents of `cases`."""
+"""A plot whose points open the set-ups, and the page that shows them. The set-ups are documents of `cases`."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def section(cases: list[Document], set_ups: str) -> Markup:
 
 
 def finding(cases: list[Document]) -> str:
-    """Returns how many the best closed formula has nearly right, and where it and the recommended one are worst."""
+    """Tells for how many set-ups the best closed formula is nearly right, and where it and the recommended correction are worst."""
     best, recommended = SHOWN
     near = sum(abs(_error(case, best)) <= _WITHIN for case in cases)
     worst = {name: max(cases, key=lambda case: abs(_error(case, name))) for name in SHOWN}

@@ -1,4 +1,4 @@
-"""What every correction makes of every set-up, and how far it is from the truth."""
+"""The estimate of every correction for every set-up, and its error."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Estimates:
 
 @dataclass(frozen=True)
 class Errors:
-    """Relative errors of some set-ups in one line."""
+    """Statistics of the relative errors over some set-ups."""
 
     count: int
     rms: float

@@ -1,6 +1,6 @@
-"""The constants of `formula`, fitted anew to the set-ups that are not sealed: `python3 -m analysis.topics.corrections.fit`.
+"""`python3 -m analysis.topics.corrections.fit`: fits the constants of `formula` to the set-ups that are not sealed.
 
-Least sum of fourth powers of ln(formula/truth): worst errors count more than in least squares.
+It minimises the sum of the fourth powers of ln(formula/truth), in which the worst errors count more than in least squares.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def fit(found: dict[str, Array], truth: Array) -> Array:
     """Returns the constants in the order of NAMES."""
 
     def squares(constants: Array) -> Array:
-        # What is squared once more by the solver; scaled so that its tolerances fit.
+        # The solver squares these once more; they are scaled to suit its tolerances.
         return np.asarray(100 * np.log(np.maximum(formula(found, constants) / truth, 1e-6)) ** 2)
 
     first = least_squares(lambda c: np.log(np.maximum(formula(found, c) / truth, 1e-6)), _START)

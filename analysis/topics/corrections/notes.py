@@ -1,6 +1,6 @@
-"""The figures of model/CORRECTIONS.md, section 5, as they must stand there: `python3 -m analysis.topics.corrections.notes` prints them.
+"""`python3 -m analysis.topics.corrections.notes`: prints the numbers of model/CORRECTIONS.md, section 5.
 
-A test holds the page against them. Times and the Gaussian process are told by `python3 -m analysis corrections`.
+A test compares the page with them. `python3 -m analysis corrections` measures run times and the Gaussian process.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def errors_table(found: Sequence[Evaluation]) -> list[str]:
 
 
 def by_family(found: Sequence[Evaluation]) -> str:
-    """Returns the formula, family by family."""
+    """Returns the formula's errors by family."""
     (formula,) = (each for each in found if each.name == "formula")
     told = (f"{family} {_both(errors)}" for family, errors in formula.families.items())
     return f"The formula by family, rms / worst: {', '.join(told)}."
@@ -53,7 +53,7 @@ def _per_cent(value: float) -> str:
 
 
 def figures(module: Any) -> list[str]:
-    """Returns all of them, line by line; half a minute."""
+    """Returns all lines; takes half a minute."""
     chosen = list(set_ups(module))
     asked = estimates.estimate(module, estimates.names(module), chosen)
     found = evaluation.evaluations(module, asked, chosen)
@@ -67,7 +67,7 @@ def figures(module: Any) -> list[str]:
 
 
 def near_misses(found: estimates.Estimates) -> int:
-    """Returns how many set-ups the recommended correction has wrong by more than 1 %."""
+    """Counts the set-ups in which the recommended correction is off by more than 1 %."""
     return int(np.sum(np.abs(found.errors("recommended")) > 0.01))
 
 

@@ -1,4 +1,4 @@
-"""The corrections as a section of a report: what they cost and what they leave, one sentence, a plot and a table."""
+"""The section on the corrections: their cost and remaining error, as a sentence, a plot and tables."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""The set-ups on which corrections are found and judged: plates and boxes before one rectangular sensor, drawn with a fixed seed.
+"""The set-ups for fitting and testing corrections: plates and boxes before one rectangular sensor, drawn with a fixed seed.
 
-A third of them is sealed: the rule looks at nothing but the name, and the names were there before any correction was.
+A third of them is sealed for testing. The rule depends on the name alone, and the names are older than any correction.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class SetUp:
 
 
 def set_ups(module: Any) -> Iterator[SetUp]:
-    """Returns all set-ups in their order. `module` is the model's, which knows the distance of bodies."""
+    """Returns all set-ups in their order. `module` is the model's, which computes the distance of bodies."""
     for index, (family, count) in enumerate(COUNTS.items()):
         draw = np.random.default_rng([SEED, index])
         scenes = (_drawn(family, draw, module) for _ in itertools.count())
@@ -64,7 +64,7 @@ def set_ups(module: Any) -> Iterator[SetUp]:
 
 
 def _drawn(family: str, draw: Draw, module: Any) -> Scene | None:
-    """Returns one set-up, or None where the numbers drawn make none of the family."""
+    """Draws one set-up; None if the random numbers give no valid set-up of the family."""
     try:
         return _FAMILIES[family](draw, module)
     except InputError:

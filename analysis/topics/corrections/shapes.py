@@ -1,4 +1,4 @@
-"""The formula before shapes that it was not fitted to, beside boundary elements: `python3 -m analysis.topics.corrections.shapes`."""
+"""`python3 -m analysis.topics.corrections.shapes`: the formula's error for shapes that it was not fitted to."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from geometries.studies import families
 
 _SENSOR, _HEIGHT, _DEGREES = 0.1, 0.075, 70.0
 _RTOL = 3e-3
-"""Of the truth: a third of the last digit told."""
+"""Relative accuracy of the truth: a third of the last printed digit."""
 SHAPES: dict[str, Shape] = {
     "sphere": Sphere(0.03, 16),
     "cylinder": Cylinder(0.03, 0.1, 16),

@@ -1,4 +1,4 @@
-"""`python3 -m analysis corrections`: evaluate the registry, measure what each correction costs, keep both as one document."""
+"""`python3 -m analysis corrections`: evaluates all corrections and measures their run times, stored as one document."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _SOURCES = ("model", "CMakeLists.txt", "CMakePresets.json")
 
 
 def run(folder: Path) -> list[Failure]:
-    """Fills the folder, unless its document was made by just this code on this machine; returns what failed."""
+    """Fills the folder, unless this code made its document on this machine; returns the failures."""
     return run_all(outdated([stage(folder)]), 1, shown=False)
 
 
@@ -59,7 +59,7 @@ def _answer(_: Processes) -> Document:
 
 
 def load(folder: Path) -> Document | None:
-    """Returns the document in a folder; None without one, or with one of an earlier form, which knows nothing of single set-ups."""
+    """Returns the document in a folder; None without one, or with one of an earlier format without single set-ups."""
     document = read_json(folder / DOCUMENT)
     return document if document is not None and "cases" in document else None
 
@@ -88,8 +88,8 @@ def evaluated(module: Any) -> Document:
 
 
 def nanoseconds(program: Path) -> dict[str, dict[str, float]]:
-    """Processor time per triangle of every correction (second key) on every shape, all in one run, their order random; the least
-    of three."""
+    """Measures the processor time per triangle of every correction (second key) on every shape, all in one run in random order; the
+    least of three."""
     with tempfile.TemporaryDirectory() as folder:
         answer = Path(folder) / "answer.json"
         subprocess.run(

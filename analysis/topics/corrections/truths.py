@@ -44,7 +44,7 @@ def load(file: Path = FILE) -> dict[str, Truth]:
 
 
 def make(module: Any, file: Path = FILE) -> int:
-    """Solves every set-up and write the file; returns how many there are."""
+    """Solves every set-up and writes the file; returns the number of set-ups."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(_COLUMNS)

@@ -17,7 +17,7 @@ TITLE = "Boundary elements against the field solver"
 _ABSENT = (
     "No case of these results has been solved by both methods: the command that ran the study does it anew."
 )
-# A logarithmic axis has no zero: differences below rounding are drawn here.
+# Ordinate of differences below rounding: a logarithmic axis has no zero.
 _ROUNDING = 1e-9
 _WHAT = (
     "Boundary elements (model/BOUNDARY_ELEMENTS.md) share nothing with the field solver but the scene file: other equations, another "
@@ -49,7 +49,7 @@ def sections(results: Results) -> list[Markup]:
 
 
 def finding(found: list[Comparison]) -> str:
-    """Returns how many values agree, and by how much the others miss."""
+    """Tells how many values agree, and how far apart the others are."""
     cases = {comparison.case.id for comparison in found}
     wrong = agreement.disagreements(found)
     worst = found[0]
@@ -82,7 +82,7 @@ def warning(results: Results, target: str) -> Markup:
 
 
 def bracket_finding(brackets: list[Bracket]) -> str:
-    """Returns how wide the combined brackets are beside the field solver's alone."""
+    """Compares the widths of the combined brackets with those of the field solver alone."""
     widths = np.array([bracket.width for bracket in brackets])
     before = np.array([bracket.width_before for bracket in brackets])
     contradicted = int((widths < 0).sum())
@@ -203,7 +203,7 @@ def _bracket_panel(brackets: list[Bracket]) -> Panel:
 
 
 def _refused(results: Results, refused: dict[str, str]) -> list[Markup]:
-    """Returns the cases that boundary elements do not know, by reason."""
+    """Returns the cases that boundary elements refuse, by reason."""
     if not refused:
         return []
     reasons: dict[str, list[Markup]] = {}

@@ -1,4 +1,4 @@
-"""The errors' parts and maps as a page, with a page for every set-up."""
+"""The page of the errors' parts and maps, and a page for every set-up."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _TITLE = "Where does the model's error come from?"
 
 @dataclass(frozen=True)
 class Made:
-    """Where the page is, and what it says."""
+    """The page's path, and its finding."""
 
     path: Path
     headline: str

@@ -1,4 +1,4 @@
-"""Set-ups with their truth and their error's parts, as numbers."""
+"""Set-ups with their truth and the parts of their error."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from analysis.topics.errors.set_ups import SetUp
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """A set-up whose error is taken apart; `reached` whether the truth is as accurate as was asked."""
+    """A set-up with the parts of its error; `reached` tells whether the truth is as accurate as asked."""
 
     set_up: SetUp
     truth: Truth
@@ -32,22 +32,22 @@ class Entry:
         return self.split.model / self.true(quantity).value - 1
 
     def parts(self, quantity: str) -> dict[str, float]:
-        """Returns the parts of the above, which add up to it."""
+        """Returns the parts of the relative error, which add up to it."""
         value = self.true(quantity).value
         return {name: part / value for name, part in parts.parts(self.split, self.truth, quantity).items()}
 
     def uncertainty(self, quantity: str) -> float:
-        """Returns the most that any part may be off, relative to the truth."""
+        """Returns the largest uncertainty of any part, relative to the truth."""
         most = max(parts.uncertainty(self.split, self.truth, name) for name in parts.PARTS[quantity])
         return most / self.true(quantity).value
 
     def spread(self, name: str, quantity: str) -> float:
-        """Returns how far the orders in which effects can be put right differ over an effect's part, relative to the truth."""
+        """Returns the spread of an effect's part over the orders of correction, relative to the truth."""
         part = self.split.effects.get(name)
         return 0.0 if part is None else (part.greatest - part.least) / self.true(quantity).value
 
     def largest(self, quantity: str) -> str:
-        """Returns the part of the greatest size."""
+        """Returns the name of the largest part."""
         found = self.parts(quantity)
         return max(found, key=lambda name: abs(found[name]))
 
@@ -69,12 +69,12 @@ class Statistics:
 
 
 def entries(answers: dict[str, Document], set_ups: tuple[SetUp, ...]) -> list[Entry]:
-    """Returns the set-ups that have an answer, in their order; one on two maps is there twice."""
+    """Returns the set-ups that have an answer, in their order; a set-up on two maps appears twice."""
     return [_entry(each, answers[each.id]) for each in set_ups if each.id in answers]
 
 
 def once(found: list[Entry]) -> list[Entry]:
-    """Returns every set-up once."""
+    """Removes repeated set-ups."""
     return list({entry.set_up.id: entry for entry in found}.values())
 
 

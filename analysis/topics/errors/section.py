@@ -79,7 +79,7 @@ def _parts_of_one(entry: Entry, quantity: str) -> Markup:
 
 
 def agreement_finding(pairs: list[tuple[Entry, Entry]]) -> str:
-    """Returns how far apart the two truths are, and the greatest parts."""
+    """Tells how far the two truths differ, and which parts are the largest."""
     both = [(one.true(name), other.true(name)) for name in QUANTITIES for one, other in pairs]
     agreeing = sum(one.agrees_with(other) for one, other in both)
     largest = max(abs(one.value / other.value - 1) for one, other in both)
@@ -90,7 +90,7 @@ def agreement_finding(pairs: list[tuple[Entry, Entry]]) -> str:
 
 
 def finding(found: list[Entry], quantity: str) -> str:
-    """Returns the greatest parts of the error, and how sure they are."""
+    """Tells the largest parts of the error and their uncertainty."""
     first, second = sorted(records.statistics(found, quantity), key=lambda each: -each.largest_in)[:2]
     middle = float(np.median([abs(entry.error(quantity)) for entry in found]))
     sure = float(np.median([entry.uncertainty(quantity) for entry in found]))
@@ -102,7 +102,7 @@ def finding(found: list[Entry], quantity: str) -> str:
 
 
 def map_finding(group: str, found: list[Entry]) -> str:
-    """Returns where the error in either quantity is least and greatest, and what it is made of there."""
+    """Tells where the error in each quantity is least and greatest, and its largest parts there."""
     told = []
     for quantity in QUANTITIES:
         worst = max(_on(group, found), key=lambda entry: abs(entry.error(quantity)))

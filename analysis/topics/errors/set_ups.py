@@ -1,4 +1,4 @@
-"""The set-ups whose errors are taken apart: three maps, the default study's cases, and random poses. Metres, degrees."""
+"""The set-ups of the error study: three maps, the default study's cases, and random poses. Metres, degrees."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ MAPS = (SIZE_MAP, TILT_MAP, OFFSET_MAP)
 DEFAULT, RANDOM = "default study", "random poses"
 
 SIDE = 0.1
-"""Of the sensor in the maps."""
+"""The sensor's sides (m) in the maps."""
 _RATIOS = (0.2, 0.35, 0.6, 1.0, 1.6, 2.5, 4.0)
 _GAPS = (0.03, 0.06, 0.12, 0.25, 0.5, 1.0, 2.0)
 _TILTS = (0.0, 10.0, 20.0, 35.0, 50.0, 70.0, 90.0)
 _OFFSETS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0)
 _RANDOM_COUNT, _SEED = 160, 6
-# Of the random plates' sides, and the closest approach over the smallest of them.
+# Range of the random plates' sides (m), and their least distance relative to the smallest side.
 _SHORTEST, _LONGEST, _CLOSEST = 0.02, 0.3, 0.02
 _REACH = 0.15
-"""Random targets have their centre within this of the sensor's, along every axis."""
+"""Largest distance (m), along every axis, of a random target's centre from the sensor's."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class SetUp:
 
 @cache
 def all_set_ups() -> tuple[SetUp, ...]:
-    """Returns every set-up, in the order of its groups. One that is on two maps is in both."""
+    """Returns every set-up, in the order of its groups. A set-up on two maps appears in both."""
     square = (SIDE, SIDE)
     found: list[SetUp] = []
     for gap in _GAPS:

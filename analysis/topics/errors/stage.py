@@ -1,4 +1,4 @@
-"""Each set-up solved by boundary elements and its error taken apart, kept under a key: finished set-ups are not done again."""
+"""Solves each set-up by boundary elements and splits the model's error into parts; finished set-ups are not computed again."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from analysis.topics.errors import parts, set_ups
 from analysis.topics.errors.set_ups import SetUp
 
 FOLDER = "errors"
-"""Of the answers, beside the folders of the studies' results."""
+"""The folder of the answers, beside the folders of the studies' results."""
 ANSWER = "errors.json"
 RTOL = 1e-4
-"""Asked of boundary elements: far below the parts, which matter to a per cent."""
+"""Relative accuracy asked of boundary elements: far below the parts, which matter from a per cent on."""
 _SOURCES = ("paths.py", "parts.py", "stage.py")
-# All are alike to the progress bar: what takes long cannot be told before.
+# Expected seconds, the same for all set-ups: the run time cannot be predicted.
 _SECONDS = 0.5
 
 
@@ -35,7 +35,7 @@ def beside(results: Path) -> Path:
 
 
 def run(folder: Path, chosen: tuple[SetUp, ...], workers: int | None = None) -> list[Failure]:
-    """Does what is missing or out of date; returns the failures."""
+    """Computes the missing and outdated answers; returns the failures."""
     current = code()
     distinct = {each.id: each for each in chosen}.values()
     stages = outdated([stage(folder, set_up, current) for set_up in distinct])
@@ -63,7 +63,7 @@ def load(folder: Path) -> dict[str, Document]:
 
 
 def code(repository: Path = REPOSITORY) -> str:
-    """Returns the version of what answers are made by: the model with its boundary elements, and this package's definitions."""
+    """Returns the version of the code that makes the answers: the model with its boundary elements, and this package's definitions."""
     own = keys.hash_of_files(
         [repository / "analysis" / "topics" / "errors" / name for name in _SOURCES]
         + [repository / "analysis" / "results" / "set_up.py"],
@@ -78,7 +78,7 @@ def key(identity: str, code: str) -> str:
 
 
 def answer(model: Any, scene: Path, set_up: SetUp) -> Document:
-    """Returns the truth with its error, and the split."""
+    """Computes the truth with its error, and the parts of the model's error."""
     plates = rectangles(set_up.scene)
     assert plates is not None
     solved = model.Scene.load(str(scene)).maxwell(rtol=RTOL)

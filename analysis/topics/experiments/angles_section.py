@@ -1,4 +1,4 @@
-"""Experiment IV in the report: a plate pivoted about one edge, by the model tuned to the plate lying parallel."""
+"""Experiment IV in the report: a plate pivoted about one edge, predicted by the model calibrated on the parallel plate."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def parts(flat: Curve, pivoted: list[Curve], tunings: list[Calibration]) -> list
 
 
 def finding(flat: Curve, pivoted: list[Curve], own: Calibration) -> str:
-    """Returns the greatest deviation over angle, whether the nearest hinge has it, and what the angle itself adds."""
+    """Tells the largest deviation over angle, whether it belongs to the nearest hinge, and how the angle changes it."""
     found = {curve.hinge_gap: summary(curve, own.predict(curve), flat) for curve in pivoted}
     seen = {gap: each for gap, each in found.items() if each.is_observable}
     if not seen:

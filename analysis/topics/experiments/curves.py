@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 DISTANCE, ANGLE = "gap", "tilt_degrees"
 _HINGE = "hinge_gap"
-# What a family is swept over; every other parameter tells its curves apart.
+# The parameter that a family is swept over; the other parameters distinguish its curves.
 _SWEPT = {"parallel": DISTANCE, "inclined": ANGLE}
 
 
@@ -34,7 +34,7 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Points in the order of `at`, with what is the same in all of them: lengths in metres, F, V."""
+    """Points in the order of `at`, with the values that they share: lengths in metres, F, V."""
 
     family: str
     parameters: dict[str, Parameter]
@@ -65,7 +65,7 @@ class Curve:
 
     @property
     def target_area(self) -> float:
-        """m²."""
+        """The target's area (m²)."""
         x, y = self.target_size
         return x * y
 
@@ -84,7 +84,7 @@ class Curve:
 
     @property
     def hinge_gap(self) -> float:
-        """m, of a pivoted plate."""
+        """The height of a pivoted plate's hinge (m)."""
         gap = self.parameters[_HINGE]
         assert isinstance(gap, float)
         return gap

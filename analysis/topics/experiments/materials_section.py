@@ -38,7 +38,7 @@ def parts(results: Results) -> list[Markup]:
 
 
 def finding(grounded: Material, others: list[Material]) -> str:
-    """Returns the part of the grounded target's delta_self that each other material gives, near and far."""
+    """Tells each material's delta_self relative to the grounded target's, near and far."""
     told = []
     for each in others:
         (near, close), (far, distant) = ratios(each, grounded)[0], ratios(each, grounded)[-1]
@@ -53,7 +53,7 @@ def finding(grounded: Material, others: list[Material]) -> str:
 
 
 def model_finding(grounded: Material, others: list[Material]) -> str:
-    """Returns how many times each material's delta_self the model gives, which takes all of them for grounded."""
+    """Tells the model's value relative to each material's delta_self; the model takes all targets for grounded."""
     model = {point.gap: point.model for point in grounded.points if point.model is not None}
     told = []
     for each in [grounded, *others]:

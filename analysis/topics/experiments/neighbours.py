@@ -1,4 +1,4 @@
-"""Experiment V: what two adjacent sensors and an object near one of them are to each other, from the answers of a study."""
+"""Experiment V: the interaction of two adjacent sensors and an object near one of them, from the answers of a study."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ NEAR, NEIGHBOUR = "sensor", "neighbour"
 
 @dataclass(frozen=True)
 class Felt:
-    """What one sensor feels of the object: delta_self and mutual by the reference, and the model's value (F)."""
+    """The effect of the object on one sensor: delta_self and mutual by the reference, and the model's value (F)."""
 
     delta_self: Estimate
     mutual: Estimate
@@ -24,7 +24,7 @@ class Felt:
 @dataclass(frozen=True)
 class Point:
     """One set-up at a gap (m). `coupling` is −M between the sensors, `coupling_alone` the same without the object;
-    `single` is what the near sensor's delta_self is without the neighbour, None where the study does not ask (F).
+    `single` is the near sensor's delta_self without the neighbour, None if the study does not contain it (F).
     """
 
     case: str

@@ -34,7 +34,7 @@ def parts(found: list[Series]) -> list[Markup]:
 
 
 def finding(found: list[Series]) -> str:
-    """Returns how much the neighbour feels of an object that is not in front of it, by reference and model."""
+    """Tells how strongly an object affects the sensor that it is not in front of, by reference and model."""
     told = []
     for series in found:
         shares = [_share(point) for point in series.points]
@@ -48,7 +48,7 @@ def finding(found: list[Series]) -> str:
 
 
 def coupling_finding(found: list[Series]) -> str:
-    """Returns how the object shields the sensors from each other, and what the neighbour takes from the near sensor."""
+    """Tells how the object shields the sensors from each other, and how the neighbour lowers the near sensor's output."""
     told = []
     for series in found:
         near = series.points[0]

@@ -40,7 +40,7 @@ _DELTA = (
 
 
 def section(results: Results) -> Markup:
-    """Returns the section of the experiment that the study is; empty where it is none."""
+    """Returns the section of a study's experiment; empty if the study is no experiment."""
     if not results.experiment:
         return Markup("")
     if results.experiment == "I":
@@ -55,7 +55,7 @@ def section(results: Results) -> Markup:
 
 
 def _tuned(experiment: str, found: list[Curve]) -> list[Markup]:
-    """Returns each sensor by itself, tuned to its first plate over distance."""
+    """Returns the parts for each sensor, calibrated on its first plate over distance."""
     groups: dict[tuple[float, float], list[Curve]] = {}
     for curve in found:
         groups.setdefault(curve.sensor_size, []).append(curve)

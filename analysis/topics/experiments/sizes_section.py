@@ -1,4 +1,4 @@
-"""Experiment III in the report: the model tuned to one plate predicts others."""
+"""Experiment III in the report: the model calibrated on one plate predicts others."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def parts(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> list[
 
 
 def finding(flat: Curve, others: list[Curve], own: Calibration) -> str:
-    """Returns the greatest deviations on the plates that were not tuned to, beside the thesis'."""
+    """Compares the largest deviations on the other plates with the thesis'."""
     told, signs = [], []
     for curve in others:
         claim = claims.for_plate(curve.target_area, flat.target_area)

@@ -39,7 +39,7 @@ def parts(found: list[Accuracy]) -> list[Markup]:
 
 
 def finding(found: list[Accuracy]) -> str:
-    """Returns the error at the thesis' recommended level in every region, and how often splitting is too low."""
+    """Tells the error at the thesis' recommended level in every region, and how often splitting gives too little."""
     levels = {each.level for each in found}
     recommended = claims.NEGLIGIBLE_FROM_LEVEL
     level = recommended if recommended in levels else max(levels)

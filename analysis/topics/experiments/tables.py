@@ -1,4 +1,4 @@
-"""What the experiments' sections say in words and tables in the same way."""
+"""The tables and phrases that the experiments' sections share."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from analysis.topics.experiments.curves import DISTANCE, Curve
 
 
 def calibrations(found: Sequence[Calibration], curve: Curve) -> Markup:
-    """Returns the tuned constants, and how well each tuning reproduces the curve it was tuned to."""
+    """Returns a table of the calibrated constants and of the residuals of each calibration."""
     header = [
         "tuned",
         "coupling (pF)",
@@ -40,7 +40,7 @@ def calibrations(found: Sequence[Calibration], curve: Curve) -> Markup:
 def predictions(
     labelled: Sequence[tuple[str, Curve]], tunings: Sequence[Calibration], flat: Curve, swept: str
 ) -> Markup:
-    """Returns how far each tuning is off on each curve."""
+    """Returns a table of the deviations of each calibration on each curve."""
     header = ["curve", "tuned", "rms (mV)", "worst", "at", "worst while observable", "at"]
     rows = [
         [name, each.form.name, *figures(summary(curve, each.predict(curve), flat), swept)]
@@ -62,12 +62,12 @@ def figures(found: Summary, swept: str) -> list[str]:
 
 
 def place(at: float, swept: str) -> str:
-    """Returns a distance in cm or an angle in degrees."""
+    """Writes a distance in cm or an angle in degrees."""
     return f"{at / CENTIMETRE:.3g} cm" if swept == DISTANCE else f"{at:.3g}°"
 
 
 def plate(curve: Curve) -> str:
-    """Returns the target's size."""
+    """Writes the target's size."""
     return size(curve.target_size)
 
 
@@ -78,7 +78,7 @@ def size(lengths: tuple[float, float]) -> str:
 
 
 def constants(found: Calibration) -> str:
-    """Returns the tuned constants as part of a sentence."""
+    """Writes the calibrated constants as part of a sentence."""
     if not found.determined:
         return "constants that the curve does not determine"
     coupling, permittivity = found.coupling, found.permittivity

@@ -1,4 +1,4 @@
-"""Experiment II in the report: the model tuned to one plate over distance."""
+"""Experiment II in the report: the model calibrated on one plate over distance."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def parts(flat: Curve, tunings: list[Calibration]) -> list[Markup]:
 
 
 def finding(flat: Curve, own: Calibration, thesis: Calibration) -> str:
-    """Returns how well the model fits when tuned in both ways, and when not."""
+    """Tells how well the model fits with either calibration, and without."""
     predictions = (own.predict(flat), thesis.predict(flat), untuned(flat))
     fit, bare, before = (summary(flat, prediction, flat) for prediction in predictions)
     share = 100 * fit.rms / float(flat.reference.max())

@@ -1,8 +1,8 @@
-"""What is different between two tables of results: what moved, what got slower, what is new or gone.
+"""Compares two tables of results: which values moved, which got slower, which are new or gone.
 
-The reference's value has moved when its two intervals do not meet, so that one of them must be wrong. The model has no
-error bars but rounding: each of its values has moved when it changed by more than 1e-9 of itself.
-Seconds are no property of the code alone: what got slower is told, and is no drift.
+A value of the reference has moved if its two intervals do not overlap, so that one of them must be wrong. The model has no error
+bars except rounding: a value has moved if it changed by more than 1e-9 of itself. Run times depend on the machine, too: what got
+slower is reported, but does not count as drift.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from analysis.results.table import TABLE
 from geometries.common.errors import InputError
 
 REFERENCE = "reference"
-# A hundred thousand times what the methods lose to rounding, on any of the instruction sets; nothing that a reader sees.
+# Relative change of the model's values that counts as moved: 1e5 times the rounding errors on any instruction set.
 _MODEL_ROUNDING = 1e-9
-# Slower by half, and by more than a busy machine makes of a short solve or of a microsecond.
+# Slower means by this factor, and by these seconds, which a busy machine may add to a solve or to a microsecond.
 _SLOWER_FACTOR, _SLOWER_SOLVE, _SLOWER_MODEL = 1.5, 5.0, 20e-6
 _MOST_LINES = 20
 
@@ -41,8 +41,8 @@ class Line:
 
 @dataclass(frozen=True)
 class Change:
-    """A value of one row. `who` is the reference or a method of the model; `over_errors` how large the change is beside what
-    it may be."""
+    """A value of one row. `who` is the reference or a method of the model; `over_errors` is the change relative to the
+    allowed change."""
 
     name: RowName
     family: str
@@ -58,7 +58,7 @@ class Change:
 
 @dataclass(frozen=True)
 class Slower:
-    """Seconds of one row's reference, or of a method of the model."""
+    """Run times (s) of one row's reference, or of a method of the model."""
 
     name: RowName
     family: str

@@ -20,7 +20,7 @@ from analysis.results.table import QUANTITIES
 from analysis.topics.history import nights as history
 
 HISTORY = "history.html"
-# The smallest change that a logarithmic axis shows; where nothing changed, the curve lies there.
+# Ordinate of nights without any change: a logarithmic axis has no zero.
 _LEAST = 1e-6
 
 
