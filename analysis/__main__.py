@@ -1,5 +1,4 @@
-"""`python3 -m analysis`: run a study, also night by night, compare two of them, verify the reference, take the
-model's error apart, show a scene."""
+"""`python3 -m analysis`: the command line; `commands` does the work."""
 
 from __future__ import annotations
 
@@ -17,7 +16,7 @@ _INTERRUPTED = 130
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command line; returns the exit code."""
+    """Runs the command line; returns the exit code."""
     options = _parser(installation.command("analysis")).parse_args(arguments)
     before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
@@ -173,7 +172,7 @@ def _count(text: str) -> int:
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    """Stop, once: a second signal while the running processes are ended would only leave them behind."""
+    """Stops on the first signal and ignores later ones, which would leave running processes behind."""
     for other in (signal.SIGINT, signal.SIGTERM):
         signal.signal(other, signal.SIG_IGN)
     raise KeyboardInterrupt

@@ -9,7 +9,6 @@ from pathlib import Path
 from analysis.documentation import make as documentation
 from analysis.nightly import chunks, cluster, night
 from analysis.pipeline import reference_stage
-from analysis.pipeline.model_stage import model_module
 from analysis.results import statistics, store
 from analysis.results.store import InUse, exclusive
 from analysis.results.study_results import Failure
@@ -33,7 +32,7 @@ from geometries.common.errors import InputError
 from geometries.studies import study
 from geometries.studies.study import Study
 
-# As everywhere in the project.
+# Exit statuses, the same for all commands of the project.
 ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
 
 
@@ -72,12 +71,12 @@ def run_command(options: argparse.Namespace) -> int:
             raise
         print("analysis: the model's Python module is missing: ./run builds it", file=sys.stderr)
         return FAILED
-    # What the machine refuses: a full or read-only file system, a folder that is gone, memory, processes.
+    # The machine refused something: a full or read-only file system, a folder that is gone, memory, processes.
     except (OSError, MemoryError) as error:
         place = f"{error.filename}: " if isinstance(error, OSError) and error.filename else ""
-        told = (error.strerror if isinstance(error, OSError) else "") or str(error) or "out of memory"
+        reason = (error.strerror if isinstance(error, OSError) else "") or str(error) or "out of memory"
         print(
-            f"\nanalysis: {place}{told}; finished cases are kept, the same command goes on from there",
+            f"\nanalysis: {place}{reason}; finished cases are kept, the same command goes on from there",
             file=sys.stderr,
         )
         return FAILED
@@ -105,7 +104,7 @@ def _nightly(options: argparse.Namespace) -> int:
         code = _own_report(target)
         moved = nights.add(target, done)
         print(f"nights: {history_page.make(target)}")
-        # It leads to the nights, of which this one is the last.
+        # The report links to the nights, which now include this one.
         disagreements = report.make(target).disagreements
     if moved is not None:
         print(difference.to_text(moved), end="")
@@ -132,7 +131,7 @@ def _study(name: str, folder: Path | None) -> tuple[Study, Path]:
 
 
 def _verified(options: argparse.Namespace, target: Path) -> list[Failure]:
-    """What failed while the reference was verified, if it was to be, in the folder beside a study's results."""
+    """Verifies the reference if the option asks for it, in the folder beside a study's results; returns the failures."""
     if not options.verify:
         return []
     return verification_stage.run(
@@ -147,12 +146,12 @@ def _tell(failures: list[Failure]) -> None:
 
 
 def _any_failed(failures: list[Failure]) -> bool:
-    """A missing picture is told, but takes nothing from the comparison."""
+    """Tells whether an answer is missing. A missing slice is reported too, but the comparison does not need it."""
     return any(failure.stage != reference_stage.SLICE for failure in failures)
 
 
 def _own_report(folder: Path) -> int:
-    """Of results that this very run has made: if they cannot be read, somebody has removed or changed them meanwhile."""
+    """Reports results that this run has made. If they cannot be read, somebody has removed or changed them meanwhile: OSError."""
     try:
         return _report(folder)
     except InputError as error:
@@ -199,7 +198,7 @@ def _errors(folder: Path | None, jobs: int | None) -> int:
 def _corrections(folder: Path | None) -> int:
     target = folder or installation.results_folder() / corrections_stage.FOLDER
     with exclusive(target):
-        failures = corrections_stage.run(target, model_module())
+        failures = corrections_stage.run(target)
         _tell(failures)
         made = corrections_page.make(target)
     document = corrections_stage.load(target)

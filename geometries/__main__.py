@@ -16,7 +16,7 @@ _WRONG_INPUT = 2
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command line; returns the exit code."""
+    """Runs the command line; returns the exit code."""
     options = _parser(command("geometries")).parse_args(arguments)
     try:
         if options.command == "convert":

@@ -11,12 +11,16 @@ extensions = ["myst_parser", "sphinx.ext.autodoc"]
 root_doc = "analysis/documentation/index"
 # Relative to the root of the repository, which is Sphinx' source folder: links between the notes stay as they are.
 include_patterns = [
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
     "README.md",
+    "analysis/*.md",
     "analysis/**/*.md",
     "fem_reference/*.md",
     "geometries/*.md",
     "geometries/schemas/*.md",
     "model/*.md",
+    "model/examples/*.md",
     "tests/clean/*.md",
 ]
 html_theme = "furo"
@@ -24,5 +28,5 @@ html_title = "fringe"
 autodoc_default_options = {"members": True}
 autodoc_typehints = "description"
 myst_enable_extensions = ["dollarmath"]
-# Folders, studies and source files are linked for those who read on the disk; they are no pages.
+# Links to folders, studies and source files work on the disk; the site has no pages of them.
 suppress_warnings = ["myst.xref_missing", "myst.header"]

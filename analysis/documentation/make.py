@@ -1,4 +1,4 @@
-"""`python3 -m analysis documentation`: the notes, the algorithms' pages and the references of Python and C++ as one site."""
+"""`python3 -m analysis documentation`: makes one site of the notes, the algorithms' pages and the references of Python and C++."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ _MADE_BY_SPHINX = ".buildinfo"
 
 
 class DocumentationError(Exception):
-    """A tool refused a page; the message is what it said."""
+    """A tool refused a page; the message is the tool's."""
 
 
 def build(folder: Path) -> Path:
-    """Make the site in a folder, which is replaced as a whole if it holds one; returns its first page. Raises DocumentationError
+    """Makes the site in a folder, which is replaced as a whole if it holds one; returns its first page. Raises DocumentationError
     for any warning, and for a folder that holds something else."""
     if is_installed():
         raise DocumentationError("the notes are not installed: the repository makes the site of them")

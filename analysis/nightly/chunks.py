@@ -1,4 +1,4 @@
-"""The jobs of a night: files that name the cases a job solves, and what the job says of them when it has ended."""
+"""The jobs of a night: files that name the cases of a job, and files in which finished jobs report their failures."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from analysis.study.plan import Work
 from geometries.common.errors import InputError
 from geometries.studies.study import Study
 
-# The folder of a night's jobs, in that of the results; a new night begins with a new one.
+# The folder of a night's jobs, within the results; every night makes it anew.
 FOLDER = "jobs"
 _ENDED = ".ended.json"
-# Snakemake looks at all of its jobs again and again: a thousand take it two seconds.
+# Most jobs of a night. Snakemake checks all jobs repeatedly, which takes two seconds for a thousand.
 _MOST = 1000
 
 
@@ -31,7 +31,7 @@ class Chunk:
 
 
 def group(works: list[Work], seconds: float, workers: int) -> list[Chunk]:
-    """Jobs of about `seconds` each, shorter where not every worker would have one, and never more than a thousand.
+    """Groups the cases into jobs of about `seconds` each: shorter if some workers would have none, and at most a thousand.
 
     The costly cases come first, and each goes to the job that has least to do.
     """
@@ -39,18 +39,18 @@ def group(works: list[Work], seconds: float, workers: int) -> list[Chunk]:
     count = min(len(works), _MOST, max(workers, round(total / seconds)))
     if count == 0:
         return []
-    # Dealt out like cards, to and fro: equal within a case, and as quick for a hundred thousand.
+    # Dealt out like cards, back and forth: equal up to one case, and fast for a hundred thousand cases.
     hands: list[list[Work]] = [[] for _ in range(count)]
     for number, work in enumerate(sorted(works, key=lambda work: -work.cost)):
         turn, place = divmod(number, count)
         hands[count - 1 - place if turn % 2 else place].append(work)
-    # A job that was left over by an earlier night finds its own file gone, not another of the same name.
+    # Names differ from night to night: a job left over from an earlier night must not find a file of the same name.
     night = f"{time.time_ns():x}"
     return [Chunk(f"{night}-{number:04}", hand) for number, hand in enumerate(hands)]
 
 
 def write(chunks: list[Chunk], study: Study, results: Path) -> None:
-    """Write a file for each job into the results' folder of jobs."""
+    """Writes a file for each job into the results' folder of jobs."""
     asked = {
         "rtol": study.rtol,
         "max_seconds": study.max_seconds,
@@ -59,14 +59,14 @@ def write(chunks: list[Chunk], study: Study, results: Path) -> None:
     }
     for chunk in chunks:
         document: Document = {"asked": asked, "works": [vars(work) for work in chunk.works]}
-        # On one line, which is written several times as fast: nobody reads it, and there may be a hundred thousand cases.
+        # On one line, which is several times as fast to write; there may be a hundred thousand cases.
         write_text(results / FOLDER / f"{chunk.name}.json", json.dumps(document))
 
 
 def solve(file: Path) -> None:
-    """Solve what a job's file names and is not answered yet, then say how it went; InputError when there is no such file.
+    """Solves the unanswered cases of a job's file, then writes its failures beside it; InputError if there is no such file.
 
-    Ends without a word when the file is removed meanwhile: another night has begun, and has taken over what is left.
+    Stops silently when the file disappears: another night has begun and has taken over the remaining cases.
     """
     document = read_json(file)
     if document is None:
@@ -81,14 +81,12 @@ def solve(file: Path) -> None:
         if not file.is_file():
             return
         work = _left(Work(**entry), results)
-        failures += workflow.evaluate_model([work], study.methods, results)
-        failures += workflow.solve_by_boundary_elements([work], study, results)
-        failures += workflow.solve([work], study, results, workers=1, shown=False)
+        failures += workflow.compute([work], study, results, workers=1, shown=False)
     write_json(file.with_name(file.stem + _ENDED), {"failures": [asdict(failure) for failure in failures]})
 
 
 def failures(chunks: list[Chunk], results: Path) -> list[Failure]:
-    """What the jobs say has failed, and the answers that are missing without a word."""
+    """Returns the failures that the jobs report, and one for every answer that is missing without a report."""
     found: list[Failure] = []
     for chunk in chunks:
         told = read_json(results / FOLDER / (chunk.name + _ENDED))
@@ -104,7 +102,7 @@ def failures(chunks: list[Chunk], results: Path) -> list[Failure]:
 
 
 def _left(work: Work, results: Path) -> Work:
-    """What is still to do: a job that was killed before may have done some of it."""
+    """Returns what is still to do: a job that was killed earlier may have done some of it."""
     place = case_folder(results, work.case)
     keys = {file: key for file, key in work.keys.items() if not is_current(place / file, key)}
     return replace(work, keys=keys)

@@ -1,4 +1,4 @@
-"""The jobs that nights have on a cluster: how they are known, and their end when a night ends before them.
+"""Ends the jobs that a night has on a cluster when the night ends before them.
 
 All jobs of a folder of results have one name. While a night may have some, a file in that folder says by which profile; a night that
 was killed leaves it behind, and whoever works in the folder next ends those jobs first: no case is ever solved twice at once.
@@ -13,10 +13,11 @@ import sys
 from pathlib import Path
 
 from analysis.nightly.chunks import FOLDER
+from analysis.pipeline.processes import Finished
 from analysis.results.store import write_text
 
 NAME_VARIABLE = "FRINGE_JOBS"
-"""Of the environment that Snakemake and a profile's commands find the jobs' name in."""
+"""The environment variable that gives the jobs' name to Snakemake and to a profile's commands."""
 CANCEL = "cancel.py"
 """In a profile's folder: called with the name, it ends all jobs of that name and returns when none is left. A profile without one has
 jobs that end by themselves after the case they are at."""
@@ -24,22 +25,22 @@ _MARK = "cluster.txt"
 
 
 def name(folder: Path) -> str:
-    """Of the jobs of a folder of results, every night the same."""
+    """Returns the name of the jobs of a folder of results, the same every night."""
     return f"fringe-{hashlib.sha256(str(folder.resolve()).encode()).hexdigest()[:16]}"
 
 
 def begin(folder: Path, profile: Path | None) -> None:
-    """End what an earlier night left, and remember the profile (None: this machine) of the one that begins."""
+    """Ends the jobs that an earlier night left, and stores the profile (None: this machine) of the night that begins."""
     end_left_over(folder)
     if profile is not None:
         write_text(folder / _MARK, str(profile))
-        # Of a folder of the same name that is gone, with its mark.
+        # Jobs of a deleted folder of the same name, whose mark is gone too.
         _cancel(folder, profile)
 
 
 def end(folder: Path) -> None:
-    """Remove the jobs' files, and end those that are still on the cluster; OSError when that fails."""
-    # A job that begins from here on finds its file gone, and does nothing.
+    """Removes the jobs' files and ends the jobs that are still on the cluster; OSError if that fails."""
+    # A job that starts from here on finds no file and does nothing.
     shutil.rmtree(folder / FOLDER, ignore_errors=True)
     mark = folder / _MARK
     if mark.is_file():
@@ -48,7 +49,7 @@ def end(folder: Path) -> None:
 
 
 def end_left_over(folder: Path) -> None:
-    """The same for a night that was killed, if there was one."""
+    """Does the same for a night that was killed, if there was one."""
     if (folder / _MARK).is_file():
         end(folder)
 
@@ -61,5 +62,5 @@ def _cancel(folder: Path, profile: Path) -> None:
         [sys.executable, str(program), name(folder)], capture_output=True, text=True, check=False
     )
     if done.returncode != 0:
-        told = (done.stderr.strip() or "no message").splitlines()[-1]
-        raise OSError(f"jobs called {name(folder)} may be left on the cluster: {told}")
+        reason = Finished(done.returncode, done.stdout, done.stderr).reason
+        raise OSError(f"jobs called {name(folder)} may be left on the cluster: {reason}")

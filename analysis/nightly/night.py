@@ -1,4 +1,4 @@
-"""A night: Snakemake carries what is to do of a study to this machine's cores or, with a profile, to a cluster.
+"""Runs a study's missing answers by Snakemake on this machine's cores or, with a profile, on a cluster.
 
 What is to do is found before, by the keys of the stored answers. Snakemake gets jobs of several cases each, in a folder that
 every night makes anew, so nothing that an earlier night left there, however it ended, has to be unlocked or repaired.
@@ -16,10 +16,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.nightly import chunks, cluster
-from analysis.pipeline import reference_stage
-from analysis.pipeline.jobs import Progress, parallel_jobs
 from analysis.pipeline.keys import REPOSITORY
-from analysis.pipeline.processes import ENDS_WITH_US, Processes
+from analysis.pipeline.processes import ENDS_WITH_US, Processes, forget_unfinished_forms
+from analysis.pipeline.scheduler import Progress, parallel_jobs
 from analysis.results.store import write_text
 from analysis.results.study_results import Failure, case_folder, write_manifest
 from analysis.study import plan, workflow
@@ -32,16 +31,16 @@ from geometries.studies.study import Study
 LOG = "snakemake.log"
 _PROFILES = Path(__file__).parent / "profiles"
 _SNAKEFILE = Path(__file__).parent / "Snakefile"
-# How often the stored answers are looked at for the progress bar.
+# Interval (s) at which the progress bar looks for stored answers.
 _LOOK_SECONDS = 1.0
-# A job lasts minutes on a cluster, where starting one takes seconds, and less here, where a night may be ended any time.
+# Expected length of a job (s): minutes on a cluster, where starting one takes seconds; less here.
 _SECONDS_HERE, _SECONDS_ON_A_CLUSTER = 60.0, 600.0
 
 
 @dataclass(frozen=True)
 class Options:
-    """How a night is carried: Snakemake's profile (None: this machine), jobs at a time and expected seconds of a job, where
-    None stands for what suits."""
+    """How a night is carried: Snakemake's profile (None: this machine), jobs at a time and expected seconds of a job, None
+    means a suitable value."""
 
     profile: str | None = None
     workers: int | None = None
@@ -49,7 +48,7 @@ class Options:
 
 
 def run(study: Study, folder: Path, options: Options) -> Night:
-    """Bring every case of the study up to date in `folder`. KeyboardInterrupt ends it at once, with its jobs on a cluster; what was
+    """Brings every case of the study up to date in `folder`. KeyboardInterrupt ends it at once, with its jobs on a cluster; what was
     finished stays."""
     start = time.monotonic()
     workers = options.workers or parallel_jobs()
@@ -66,7 +65,7 @@ def run(study: Study, folder: Path, options: Options) -> Night:
         if prepared:
             _carry(prepared, folder, command(folder, profile, workers), workers)
             failures = chunks.failures(prepared, folder)
-            # A job that never began has left none, and the report tells what it was to solve.
+            # A job that never started has written no scenes, but the report shows every case.
             workflow.write_scenes(works, folder)
     finally:
         cluster.end(folder)
@@ -77,27 +76,27 @@ def run(study: Study, folder: Path, options: Options) -> Night:
 def prepare(
     works: list[Work], study: Study, folder: Path, seconds: float, workers: int
 ) -> list[chunks.Chunk]:
-    """Remove the jobs of an earlier night and outdated answers, and write the files of the jobs for what is to do."""
+    """Removes outdated answers and the jobs of an earlier night, and writes the files of the jobs for the missing answers."""
     if (folder / chunks.FOLDER).exists():
         shutil.rmtree(folder / chunks.FOLDER)
     workflow.forget(works, folder)
-    reference_stage.forget_unfinished_forms()
+    forget_unfinished_forms()
     grouped = chunks.group(works, seconds, workers)
     chunks.write(grouped, study, folder)
     return grouped
 
 
 def command(folder: Path, profile: Path | None, workers: int) -> list[str]:
-    """Snakemake's command line for the jobs in a folder."""
+    """Returns Snakemake's command line for the jobs in a folder."""
     job = [*ENDS_WITH_US, sys.executable, "-P", "-m", "analysis", "job"]
     where = ["--cores", str(workers)] if profile is None else ["--profile", str(profile)]
     return [
         *(sys.executable, "-m", "snakemake", "--snakefile", str(_SNAKEFILE)),
         *("--directory", str((folder / chunks.FOLDER).resolve())),
         *("--config", f"command={shlex.join(job)}"),
-        # Nobody else is in the folder, and it is gone afterwards.
+        # The folder belongs to this night alone and is deleted afterwards.
         *("--nolock", "--drop-metadata", "--rerun-incomplete", "--rerun-triggers", "mtime"),
-        # A job ends well even when cases fail; one that does not was killed, perhaps for want of memory.
+        # A job succeeds even if cases fail; one that does not was killed, perhaps for lack of memory.
         *("--keep-going", "--retries", "1"),
         *("--scheduler", "greedy", "--nocolor"),
         *where,
@@ -105,7 +104,7 @@ def command(folder: Path, profile: Path | None, workers: int) -> list[str]:
 
 
 def find_profile(profile: str) -> Path:
-    """The folder of a profile given by its name in `analysis/nightly/profiles` or by its path; InputError when there is none."""
+    """Returns the folder of a profile given by its name in `analysis/nightly/profiles` or by its path; InputError when there is none."""
     for place in (_PROFILES / profile, Path(profile)):
         if (place / "config.yaml").is_file():
             return place.resolve()
@@ -116,14 +115,14 @@ def find_profile(profile: str) -> Path:
 
 
 def _carry(jobs: list[chunks.Chunk], folder: Path, command: list[str], workers: int) -> None:
-    """Run Snakemake to its end, with a progress bar; its own words go to a file."""
+    """Runs Snakemake to its end, with a progress bar; its output goes to a file."""
     processes, ended = Processes(), threading.Event()
-    told: list[str] = []
+    printed: list[str] = []
 
     def snakemake() -> None:
         try:
             finished = processes.run(command, REPOSITORY, _environment(folder))
-            told.extend([finished.output, finished.errors])
+            printed.extend([finished.output, finished.errors])
         finally:
             ended.set()
 
@@ -136,7 +135,7 @@ def _carry(jobs: list[chunks.Chunk], folder: Path, command: list[str], workers: 
         raise
     finally:
         thread.join()
-    write_text(folder / LOG, "\n".join([shlex.join(command), *told]))
+    write_text(folder / LOG, "\n".join([shlex.join(command), *printed]))
 
 
 def _environment(folder: Path) -> dict[str, str]:
@@ -145,7 +144,7 @@ def _environment(folder: Path) -> dict[str, str]:
 
 
 def _show(jobs: list[chunks.Chunk], folder: Path, workers: int, ended: threading.Event) -> None:
-    """The progress bar, by the files that have come to be, until Snakemake has ended."""
+    """Shows the progress, counted by stored answers, until Snakemake has ended."""
     left = {
         case_folder(folder, work.case) / file: cost
         for job in jobs

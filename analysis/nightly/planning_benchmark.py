@@ -21,6 +21,7 @@ from analysis.nightly.chunks import Chunk
 from analysis.pipeline.keys import REPOSITORY
 from analysis.results import study_results as results
 from analysis.results.store import write_json, write_text
+from analysis.results.units import PICOFARAD
 from analysis.study import plan
 from geometries.studies import study
 
@@ -40,7 +41,6 @@ hinge_gap = {{ linspace = [0.01, 0.1, {gaps}] }}
 tilt_degrees = {{ linspace = [5, 85, {tilts}] }}
 """
 _JOB_SECONDS, _WORKERS = 600.0, 200
-_PICO = 1e-12
 
 
 def main() -> int:
@@ -75,7 +75,7 @@ def _planning(folder: Path, count: int) -> Iterator[tuple[str, str]]:
 
 
 def _plan_of_snakemake(place: Path, jobs: list[Chunk]) -> None:
-    """Snakemake goes through its whole plan and starts nothing."""
+    """Lets Snakemake go through its whole plan without starting a job."""
     command = [*night.command(place, None, _WORKERS), "--dry-run", "--quiet"]
     done = subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, check=True)
     assert any(line.split()[:2] == ["solve", str(len(jobs))] for line in done.stdout.splitlines())
@@ -98,7 +98,7 @@ def _idle(folder: Path, count: int) -> str:
     def run() -> None:
         subprocess.run(command, cwd=REPOSITORY, check=True, capture_output=True)
 
-    # The first makes the report.
+    # The first run makes the report.
     run()
     return _timed(run)
 
@@ -109,7 +109,7 @@ def _text(count: int) -> str:
 
 
 def _answer(text: str, place: Path) -> None:
-    """Store an answer for everything that is to do."""
+    """Stores a made-up answer for everything that is missing."""
     chosen = study.loads(text)
     for work in plan.missing(chosen, chosen.cases(), place):
         case = results.case_folder(place, work.case)
@@ -126,13 +126,15 @@ def _answer(text: str, place: Path) -> None:
 
 
 def _reference(bodies: int) -> dict[str, object]:
-    matrix = [[(4.0 if row == column else -2.0) * _PICO for column in range(bodies)] for row in range(bodies)]
-    error = [[0.01 * _PICO] * bodies] * bodies
+    matrix = [
+        [(4.0 if row == column else -2.0) * PICOFARAD for column in range(bodies)] for row in range(bodies)
+    ]
+    error = [[0.01 * PICOFARAD] * bodies] * bodies
     return {
         "conductors": ["sensor", "target"][:bodies],
         "maxwell": matrix,
         "error": error,
-        "delta_self": {"sensor": {"value": _PICO, "error": 0.01 * _PICO}} if bodies == 2 else {},
+        "delta_self": {"sensor": {"value": PICOFARAD, "error": 0.01 * PICOFARAD}} if bodies == 2 else {},
         "levels": [{"unknowns": 1000, "seconds": 1.0, "maxwell": matrix}] * 3,
         "unknowns": 1000,
         "seconds": 1.0,
@@ -146,8 +148,8 @@ def _reference(bodies: int) -> dict[str, object]:
 def _model() -> dict[str, object]:
     sensor = {
         "name": "sensor",
-        "total": 2 * _PICO,
-        "objects": [{"name": "target", "capacitance": 2 * _PICO}],
+        "total": 2 * PICOFARAD,
+        "objects": [{"name": "target", "capacitance": 2 * PICOFARAD}],
     }
     return {"version": "made up", "methods": {"exact": {"seconds": 1e-6, "sensors": [sensor]}}}
 
@@ -158,7 +160,7 @@ def _slice() -> dict[str, object]:
 
 
 def _timed(work: Callable[[], None]) -> str:
-    """Seconds, and those of them in which a processor was at work, here and in processes that were started."""
+    """Returns the elapsed seconds and the processor seconds, here and in processes that were started."""
     start, before = time.monotonic(), os.times()
     work()
     seconds, after = time.monotonic() - start, os.times()

@@ -25,7 +25,7 @@ _ON_ITS_WAY = {
 
 
 def word(told: str) -> str:
-    """Snakemake's word for what `scontrol --oneliner show job` tells."""
+    """Translates what `scontrol --oneliner show job` prints into Snakemake's word for it."""
     state = re.search(r"\bJobState=(\w+)", told)
     if state is None:
         return "failed"

@@ -3,58 +3,56 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
-from analysis.results.store import Document, write_json
-from analysis.results.study_results import Failure, Results
+from analysis.pipeline import model_stage
+from analysis.pipeline.stage import NoAnswer
+from analysis.results.store import Document
+from analysis.results.study_results import Results
 from analysis.results.table import model_command
 from geometries.common.errors import InputError
 from geometries.scene import reader
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Arc, Cone, Cylinder, MeshShape, Sphere
 
-STAGE = "boundary elements"
+NAME = "boundary elements"
 SHARE = 0.1
-"""Of the accuracy asked of the field solver: its own error is what the comparison is to show."""
+"""Accuracy asked of boundary elements relative to that asked of the field solver, whose error the comparison shows."""
 _STRICTEST, _LOOSEST = 1e-6, 0.5
 _ROUND = "round bodies: boundary elements answer for the polyhedron of their triangles, the field solver for what is round"
 
 
 def rtol(asked: float, scene: Scene) -> float:
-    """What is asked of boundary elements where `asked` is asked of the field solver.
+    """Returns the relative accuracy asked of boundary elements where `asked` is asked of the field solver.
 
-    Of a mesh no more than that: its charges converge so slowly that a tenth would take minutes and gigabytes.
+    For a mesh it is the same as `asked`: its charges converge so slowly that a tenth would take minutes and gigabytes.
     """
     has_mesh = any(isinstance(body.shape, MeshShape) for body in scene.objects)
     return min(max(asked if has_mesh else SHARE * asked, _STRICTEST), _LOOSEST)
 
 
 def boundary_command(results: Results, case: str) -> str:
-    """The command, from the repository's folder, that computes the boundary elements' answer for a case."""
+    """Returns the command, from the repository's folder, that computes the boundary elements' answer for a case."""
     asked = rtol(results.rtol, results.cases[case].scene)
     return f"{model_command(results, case, 'boundary-elements')} --rtol {asked:g}"
 
 
-def evaluate(scene: Path, target: Path, key: str, asked: float, module: Any) -> Failure | None:
-    """Solve a scene file and store the answer, or the reason for which there is none to compare, with the key; `asked` is the
-    field solver's relative accuracy. Returns why, when there is neither."""
+def answer(scene: Path, asked: float) -> Document:
+    """Solves a scene file, or says why there is nothing to compare; `asked` is the field solver's relative accuracy."""
     try:
         described = reader.load(scene)
     except InputError as error:
-        # It was written by this program: somebody has removed or changed it meanwhile.
-        return Failure(scene.parent.name, STAGE, str(error))
-    wanted = rtol(asked, described)
+        # This program wrote the scene: somebody has removed or changed it since.
+        raise NoAnswer(str(error)) from error
+    return {"rtol": rtol(asked, described), **_answer_or_refusal(scene, described, rtol(asked, described))}
+
+
+def _answer_or_refusal(scene: Path, described: Scene, wanted: float) -> Document:
+    if any(isinstance(body.shape, Arc | Cone | Cylinder | Sphere) for body in described.objects):
+        return {"refused": _ROUND}
     try:
-        if any(isinstance(body.shape, Arc | Cone | Cylinder | Sphere) for body in described.objects):
-            answer: Document = {"refused": _ROUND}
-        else:
-            answer = _answer(module.Scene.load(str(scene)).maxwell(rtol=wanted))
+        return _answer(model_stage.model_module().Scene.load(str(scene)).maxwell(rtol=wanted))
     except ValueError as error:
-        answer = {"refused": _without_place(str(error), scene)}
-    except RuntimeError as error:
-        return Failure(scene.parent.name, STAGE, str(error))
-    write_json(target, {"key": key, "rtol": wanted, **answer})
-    return None
+        return {"refused": _without_place(str(error), scene)}
 
 
 def _answer(solved: Document) -> Document:
@@ -71,5 +69,5 @@ def _answer(solved: Document) -> Document:
 
 
 def _without_place(reason: str, scene: Path) -> str:
-    """The reason alone: the same in every folder."""
+    """Removes the path from a reason, so that it is the same in every folder."""
     return reason.removeprefix(f"{scene}: ")

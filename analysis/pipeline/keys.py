@@ -1,7 +1,7 @@
-"""The keys of stored answers: a hash of all that can change an answer. Equal key, equal answer.
+"""Computes the keys of stored answers. A key is a hash of everything that can change the answer: equal keys, equal answers.
 
-That is the scene, the options, and the version of the code: a hash of the stage's sources, and for the reference the
-versions of the packages that it stands on.
+It covers the scene, the options and the version of the code: a hash of the stage's sources and, for the reference, the versions
+of the packages that it uses.
 """
 
 from __future__ import annotations
@@ -20,46 +20,47 @@ from geometries.studies.study import Study
 REPOSITORY = ROOT
 
 _SOURCE_SUFFIXES = {".cpp", ".hpp", ".h", ".txt", ".cmake", ".in"}
-# Of geometries: only what reads scenes. A new family or a new motion must not make old answers void.
+# The files of geometries that read scenes. A new family or a new motion must not invalidate answers.
 _SCENE_SOURCES = ("common/errors.py", "common/tables.py", "scene/*.py")
 _NOT_SOLVING = {"motion.py", "__init__.py"}
+_REPORT_SUFFIXES = {".css", ".html", ".js", ".py"}
 _REFERENCE_PACKAGES = ("fenics-dolfinx", "fenics-basix", "petsc4py", "numpy")
 _GMSH_VERSION = re.compile(r'^GMSH_API_VERSION *= *"([^"]+)"', re.MULTILINE)
 
 
 def model_key(scene: str, study: Study, code: str) -> str:
-    """The key of a model answer; `scene` is its identity, `code` is `model_code`."""
+    """Returns the key of a model answer; `scene` is its identity, `code` is `model_code`."""
     return _hash({"scene": scene, "methods": study.methods, "code": code})
 
 
 def reference_key(scene: str, study: Study, code: str) -> str:
-    """The key of a reference answer; `scene` is its identity, `code` is `reference_code`."""
+    """Returns the key of a reference answer; `scene` is its identity, `code` is `reference_code`."""
     options = {"rtol": study.rtol, "max_seconds": study.max_seconds, "error": study.error}
     return _hash({"scene": scene, "options": options, "code": code})
 
 
 def boundary_key(scene: str, rtol: float, code: str) -> str:
-    """The key of an answer by boundary elements; `scene` is its identity, `code` is `model_code`."""
+    """Returns the key of an answer by boundary elements; `scene` is its identity, `code` is `model_code`."""
     return _hash({"scene": scene, "boundary elements": rtol, "code": code})
 
 
 def slice_key(scene: str, code: str) -> str:
-    """The key of a slice of the potential; `scene` is its identity, `code` is `reference_code`."""
+    """Returns the key of a slice of the potential; `scene` is its identity, `code` is `reference_code`."""
     return _hash({"scene": scene, "slice": True, "code": code})
 
 
 def measurement_key(command: str, code: str, machine: dict[str, str]) -> str:
-    """The key of a measurement of the model by itself; `code` is `code_of` what it measures."""
+    """Returns the key of a measurement of the model by itself; `code` is `code_of` what it measures."""
     return _hash({"command": command, "code": code, "machine": machine})
 
 
 def model_code(repository: Path = REPOSITORY) -> str:
-    """The version of the model: a hash of its sources."""
+    """Returns the version of the model: a hash of its sources."""
     return code_of(["model"], repository)
 
 
 def code_of(places: Iterable[str], repository: Path = REPOSITORY) -> str:
-    """A hash of the files named, and of the C++ and CMake sources in the folders named."""
+    """Returns a hash of the files named, and of the C++ and CMake sources in the folders named."""
     found: list[Path] = []
     for place in (repository / name for name in places):
         found += [path for path in place.rglob("*") if path.suffix in _SOURCE_SUFFIXES]
@@ -67,13 +68,13 @@ def code_of(places: Iterable[str], repository: Path = REPOSITORY) -> str:
     code = hash_of_files(found, repository)
     if not is_installed():
         return code
-    # What is installed has no sources: the module that was built of them stands for them.
+    # An installed copy has no sources; the hash of the module that was built from them takes their place.
     modules = [path for folder in module_folders() for path in folder.glob("fringe.*.so")]
     return _hash([code, *(hashlib.sha256(path.read_bytes()).hexdigest() for path in modules)])
 
 
 def reference_code(repository: Path = REPOSITORY) -> str:
-    """The version of the reference: a hash of its sources, of the scene reader's, and of the packages' versions."""
+    """Returns the version of the reference: a hash of its sources, of the scene reader's, and of the packages' versions."""
     sources = list((repository / "fem_reference").rglob("*.py"))
     for pattern in _SCENE_SOURCES:
         found = (repository / "geometries").glob(pattern)
@@ -83,12 +84,13 @@ def reference_code(repository: Path = REPOSITORY) -> str:
 
 
 def report_code(repository: Path = REPOSITORY) -> str:
-    """The version of the report: a hash of this package."""
-    return hash_of_files((repository / "analysis").rglob("*.py"), repository)
+    """Returns the version of the report: a hash of this package, with its templates, styles and scripts."""
+    found = (repository / "analysis").rglob("*")
+    return hash_of_files((path for path in found if path.suffix in _REPORT_SUFFIXES), repository)
 
 
 def hash_of_files(paths: Iterable[Path], root: Path) -> str:
-    """sha256 over the names relative to `root` and the contents of files, in the order of their names."""
+    """Computes sha256 over the names (relative to `root`) and the contents of files, sorted by name."""
     digest = hashlib.sha256()
     for path in sorted(paths):
         content = path.read_bytes()
@@ -105,7 +107,7 @@ def _package_version(name: str) -> str:
 
 
 def _gmsh_version() -> str:
-    """Read from the module's text: Debian's gmsh has no package metadata, and importing it takes half a second."""
+    """Reads gmsh's version from its source: Debian's package has no metadata, and importing it takes half a second."""
     module = find_spec("gmsh")
     if module is None or module.origin is None:
         return "absent"

@@ -1,8 +1,8 @@
-"""Programs of the build that measure the model by itself, without a study: their answers are kept like all others."""
+"""Runs the programs of the build that measure the model by itself, without a study."""
 
 from __future__ import annotations
 
-import json
+import functools
 import os
 import shlex
 from dataclasses import dataclass
@@ -11,22 +11,23 @@ from pathlib import Path
 from analysis.pipeline import keys
 from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.processes import Processes
+from analysis.pipeline.stage import NoAnswer, Stage, parsed, unfinished_file
 from analysis.results import machine
-from analysis.results.store import write_json
-from analysis.results.study_results import COLLISION, RUN_TIMES, STABILITY, Failure
+from analysis.results.store import Document
+from analysis.results.study_results import COLLISION, RUN_TIMES, STABILITY
 from geometries.common.installation import no_benchmark
 
 _BIN = Path("build", "bin")
-# With an answer: all is well, and the integral is not what it should be.
+# Exit statuses with an answer: everything is correct, and some values are wrong.
 _ANSWERED = (0, 1)
-# Stands for the file that a program writes its answer to.
+# Placeholder in the arguments for the file that a program writes its answer to.
 _ANSWER = "ANSWER.json"
 
 
 @dataclass(frozen=True)
 class Measurement:
-    """`arguments` name the answer's file as ANSWER.json; `seconds` is what it takes, roughly; `sources` is what it measures
-    and what it measures with, as folders and files of the repository."""
+    """`arguments` name the answer's file as ANSWER.json; `seconds` is the expected time; `sources` are the folders and
+    files of the repository that determine the result."""
 
     name: str
     file: str
@@ -48,7 +49,7 @@ MEASUREMENTS = (
         RUN_TIMES,
         "plate_integral_benchmark",
         (
-            # Three times, far apart: what disturbs one of them is over before the next.
+            # Three times, far apart, so that a disturbance affects only one of them.
             "--benchmark_repetitions=3",
             "--benchmark_enable_random_interleaving=true",
             f"--benchmark_out={_ANSWER}",
@@ -92,35 +93,30 @@ MEASUREMENTS = (
 )
 
 
-def key(measurement: Measurement) -> str:
-    """The key of a measurement's answer: times belong to a machine, and the code that is chosen to its instructions."""
+def stages(folder: Path) -> list[Stage]:
+    """Returns the stages of all measurements, whose answers lie in a folder of results."""
+    return [stage(measurement, folder) for measurement in MEASUREMENTS]
+
+
+def stage(measurement: Measurement, folder: Path) -> Stage:
+    """Returns the stage of one measurement. Its key depends on the machine, as do run times and the instructions that the code chooses."""
     code = keys.code_of(measurement.sources, REPOSITORY)
-    return keys.measurement_key(measurement.command, code, machine.identity())
+    key = keys.measurement_key(measurement.command, code, machine.identity())
+    target = folder / measurement.file
+    answer = functools.partial(_answer, measurement, target)
+    return Stage(measurement.name, "", target, key, measurement.seconds, answer)
 
 
-def measure(measurement: Measurement, target: Path, key: str, processes: Processes) -> Failure | None:
-    """Run the program and store its answer with its key and whether it was content; returns why, when there is none."""
+def _answer(measurement: Measurement, target: Path, processes: Processes) -> Document:
+    """Runs the program; the document says where its answer was measured and whether the program found it right."""
     program = REPOSITORY / _BIN / measurement.program
     if not program.is_file():
-        return Failure("", measurement.name, no_benchmark(_BIN / measurement.program))
-    target.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = target.with_name(f".{target.name}.unfinished").resolve()
-    arguments = [argument.replace(_ANSWER, str(unfinished)) for argument in measurement.arguments]
-    try:
+        raise NoAnswer(no_benchmark(_BIN / measurement.program))
+    with unfinished_file(target) as unfinished:
+        arguments = [argument.replace(_ANSWER, str(unfinished)) for argument in measurement.arguments]
         finished = processes.run([str(program), *arguments], REPOSITORY, dict(os.environ))
         if finished.exit_code not in _ANSWERED or not unfinished.is_file():
-            told = (finished.errors.strip() or "no message").splitlines()[-1]
-            return Failure("", measurement.name, f"exit code {finished.exit_code}: {told}")
-        answer = json.loads(unfinished.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        return Failure("", measurement.name, f"wrote no JSON document: {error}")
-    finally:
-        unfinished.unlink(missing_ok=True)
-    origin = {
-        "processor": machine.description()["processor"],
-        "instruction_sets": machine.instruction_sets(),
-        "command": measurement.command,
-        "passed": finished.exit_code == 0,
-    }
-    write_json(target, {"key": key, **origin, "answer": answer})
-    return None
+            raise NoAnswer(finished.reason)
+        answer = parsed(unfinished.read_text(encoding="utf-8"))
+    origin = {"command": measurement.command, "passed": finished.exit_code == 0}
+    return {**machine.origin(), **origin, "answer": answer}

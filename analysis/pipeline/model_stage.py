@@ -7,18 +7,18 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from analysis.results.store import Document, write_json
-from analysis.results.study_results import Failure
+from analysis.results.store import Document
 from geometries.common.installation import module_folders
 from geometries.scene.scene import Scene
 from geometries.studies.families import GROUNDED
 
-# Single evaluations take a microsecond, less than what else the machine does now and then: the smallest of many counts.
+NAME = "model"
+# Evaluations per method. Each takes about a microsecond, so the smallest of many times is stored.
 _REPEATS = 25
 
 
 def model_module() -> Any:
-    """The model's Python module, from the build or installed. ModuleNotFoundError when it is not there."""
+    """Returns the model's Python module, from the build or installed. ModuleNotFoundError when it is not there."""
     for folder in map(str, module_folders()):
         if folder not in sys.path:
             sys.path.insert(0, folder)
@@ -26,21 +26,18 @@ def model_module() -> Any:
 
 
 def knows(scene: Scene) -> bool:
-    """Whether the model can be asked: it knows grounded conductors only."""
+    """Tells whether the model applies: it needs grounded conductors."""
     return all(body.potential == GROUNDED and body.relative_permittivity is None for body in scene.objects)
 
 
-def evaluate(scene: Path, target: Path, key: str, methods: tuple[str, ...], module: Any) -> Failure | None:
-    """Evaluate a scene file by every method and store the answers with their key; returns why, when there is none."""
-    try:
-        answers = {method: _timed(module, scene, method) for method in methods}
-    except (ValueError, RuntimeError) as error:
-        return Failure(scene.parent.name, "model", str(error))
-    write_json(target, {"key": key, "format": 1, "version": str(module.__version__), "methods": answers})
-    return None
+def answer(scene: Path, methods: tuple[str, ...]) -> Document:
+    """Evaluates a scene file by every method."""
+    module = model_module()
+    answers = {method: _timed(module, scene, method) for method in methods}
+    return {"format": 1, "version": str(module.__version__), "methods": answers}
 
 
 def _timed(module: Any, scene: Path, method: str) -> Document:
-    # A scene asked again keeps what has not moved: each time is that of a scene's first answer.
+    # Each scene is loaded anew, because a scene keeps the results of what has not moved.
     answers = [module.Scene.load(str(scene)).capacitance(method=method) for _ in range(_REPEATS)]
     return {"seconds": min(answer["seconds"] for answer in answers), "sensors": answers[0]["sensors"]}

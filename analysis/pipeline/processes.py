@@ -5,21 +5,31 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import sys
 import threading
 from dataclasses import dataclass
 from pathlib import Path
 
-# Before a command: however the process that starts it ends, the command does not outlive it.
+from geometries.common.installation import ROOT, cache_folder
+
+# Prefix of every command: the kernel kills the command when the process that started it ends.
+_LONGEST_REASON = 300
 ENDS_WITH_US = ("setpriv", "--pdeathsig", "KILL")
 
 
 @dataclass(frozen=True)
 class Finished:
-    """What a command left behind. A negative exit code is the signal that ended it."""
+    """The result of a command. A negative exit code is the signal that ended it."""
 
     exit_code: int
     output: str
     errors: str
+
+    @property
+    def reason(self) -> str:
+        """Why the command failed: its exit code and the last line that it wrote to its standard error."""
+        lines = [line.strip() for line in self.errors.splitlines() if line.strip()]
+        return f"exit code {self.exit_code}: {lines[-1][:_LONGEST_REASON] if lines else 'no message'}"
 
 
 class Stopped(Exception):
@@ -35,11 +45,11 @@ class Processes:
         self._stopped = False
 
     def run(self, command: list[str], folder: Path, environment: dict[str, str]) -> Finished:
-        """Run a command in a folder to its end. Raises Stopped when `stop` was called before or meanwhile."""
+        """Runs a command in a folder to its end. Raises Stopped when `stop` was called before or meanwhile."""
         with self._lock:
             if self._stopped:
                 raise Stopped
-            # A session of its own: a Ctrl-C at the terminal reaches this process alone, which then stops its children.
+            # In a session of its own: a Ctrl-C at the terminal reaches this process only, which then stops its children.
             process = subprocess.Popen(
                 [*ENDS_WITH_US, *command],
                 cwd=folder,
@@ -58,8 +68,20 @@ class Processes:
                 raise Stopped
         return Finished(process.returncode, output, errors)
 
+    def run_module(self, module: str, *arguments: str) -> Finished:
+        """Runs one of the project's Python modules to its end, on one core."""
+        path = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH", "")]))
+        environment = os.environ | {
+            "OMP_NUM_THREADS": "1",
+            "PYTHONPATH": path,
+            # The forms that the field solver compiles are kept for the next process.
+            "XDG_CACHE_HOME": str(cache_folder()),
+        }
+        # -P: a folder of the same name where the user stands must not be taken for the module.
+        return self.run([sys.executable, "-P", "-m", module, *arguments], ROOT, environment)
+
     def stop(self) -> None:
-        """Kill every running command and its children."""
+        """Kills every running command and its children."""
         with self._lock:
             self._stopped = True
             for process in self._running:
@@ -67,3 +89,10 @@ class Processes:
                     os.killpg(process.pid, signal.SIGKILL)
                 except ProcessLookupError:
                     pass
+
+
+def forget_unfinished_forms(cache: Path | None = None) -> None:
+    """Removes the marks of compilations that were killed: FFCx would wait for them in vain, in every later process."""
+    for source in ((cache or cache_folder()) / "fenics").glob("libffcx_*.c"):
+        if not source.with_name(f"{source.name}.cached").exists():
+            source.unlink(missing_ok=True)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from markupsafe import Markup
+
 from analysis.report import page
 from analysis.results.collision_measurements import Collision, PairClass, QueryTimes, SceneTimes
 
@@ -28,11 +30,11 @@ _QUERIES = (
 _SCENES = "Milliseconds per frame in which every object moves, and small how many collisions were found."
 
 
-def section(measured: Collision | None) -> str:
-    """Three tables, each below its finding; those that were not measured are left out."""
+def section(measured: Collision | None) -> Markup:
+    """Returns three tables, each below its finding; those that were not measured are left out."""
     if measured is None:
         return page.section(TITLE, page.paragraph(_ABSENT))
-    parts: list[str] = []
+    parts: list[Markup] = []
     if measured.classes:
         parts += [page.finding(finding_on_answers(measured.classes)), _classes_table(measured.classes)]
         parts.append(page.soft(_ANSWERS))
@@ -49,7 +51,7 @@ def section(measured: Collision | None) -> str:
 
 
 def finding_on_answers(classes: Sequence[PairClass]) -> str:
-    """How many answers are wrong, of this project and of the thesis, and where the thesis' are worst."""
+    """Returns how many answers are wrong, of this project and of the thesis, and where the thesis' are worst."""
     pairs = sum(each.pairs for each in classes)
     wrong, unproven = sum(each.wrong for each in classes), sum(each.unproven for each in classes)
     exact = sum(each.exact for each in classes)
@@ -64,7 +66,7 @@ def finding_on_answers(classes: Sequence[PairClass]) -> str:
 
 
 def finding_on_queries(queries: Sequence[QueryTimes]) -> str:
-    """Against the fastest other library of every row."""
+    """Compares the times of every row with those of the fastest other library."""
     ratios = {}
     for row in queries:
         others = [time for name, time in row.nanoseconds.items() if name != OWN]
@@ -82,7 +84,7 @@ def finding_on_queries(queries: Sequence[QueryTimes]) -> str:
 
 
 def finding_on_scenes(scenes: Sequence[SceneTimes]) -> str:
-    """How cost grows, and whether all ways found the same."""
+    """Tells how the cost grows with the scene, and whether all methods found the same collisions."""
     small, large = scenes[0], scenes[-1]
     agree = all(len(set(scene.collisions.values())) == 1 for scene in scenes)
     own = large.milliseconds[OWN]
@@ -114,11 +116,11 @@ def _share(part: int, whole: int) -> str:
 
 
 def _figures(number: float) -> str:
-    """Two digits, more only where they stand before the point."""
+    """Writes a number with two digits, or with all digits before the point."""
     return f"{number:.0f}" if abs(number) >= 10 else f"{number:.2g}"
 
 
-def _classes_table(classes: Sequence[PairClass]) -> str:
+def _classes_table(classes: Sequence[PairClass]) -> Markup:
     header = ["class", "pairs", "intersecting", "wrong", "unproven", "exactly", "thesis wrong", "did not end"]
     rows = [
         [
@@ -134,7 +136,7 @@ def _classes_table(classes: Sequence[PairClass]) -> str:
     return page.table(header, rows)
 
 
-def _queries_table(queries: Sequence[QueryTimes]) -> str:
+def _queries_table(queries: Sequence[QueryTimes]) -> Markup:
     names = list(dict.fromkeys(name for row in queries for name in row.nanoseconds))
     rows = [[row.name, *(_query_cell(row, name) for name in names)] for row in queries]
     return page.table(["pairs of", *names], rows)
@@ -145,18 +147,18 @@ def _query_cell(row: QueryTimes, name: str) -> str:
         return ""
     time = f"{row.nanoseconds[name]:,.1f}"
     if name == OWN:
-        return f"<strong>{time}</strong>"
+        return page.strong(time)
     difference = row.intersecting[name] - row.intersecting[OWN]
-    return f"{time}<br><small>{difference:+,}</small>" if difference else time
+    return page.two_lines(time, f"{difference:+,}", small=True) if difference else time
 
 
-def _scenes_table(scenes: Sequence[SceneTimes]) -> str:
+def _scenes_table(scenes: Sequence[SceneTimes]) -> Markup:
     names = list(scenes[0].milliseconds)
     rows = [
         [
             f"{scene.objects:,}",
             *(
-                f"{scene.milliseconds[name]:,.3g}<br><small>{scene.collisions[name]:,}</small>"
+                page.two_lines(f"{scene.milliseconds[name]:,.3g}", f"{scene.collisions[name]:,}", small=True)
                 for name in names
             ),
         ]

@@ -1,11 +1,12 @@
-"""What `python3 -m tests.faults.run` has counted, as a section of a report: faults made while a study ran, and what became of it."""
+"""The section on `python3 -m tests.faults.run`, which injects faults into a running study and counts the consequences."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from html import escape
 from pathlib import Path
+
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.results.store import Document, read_json
@@ -27,16 +28,16 @@ _KINDS = {
 
 
 def beside(results: Path) -> Document | None:
-    """The counts in the folder that belongs to a study's results; None without any."""
+    """Returns the counts in the folder that belongs to a study's results; None without any."""
     return read_json(results.resolve().parent / FOLDER / FILE)
 
 
 def inputs(document: Document | None) -> str:
-    """A hash of what the section is made from."""
+    """Returns a hash of what the section is made from."""
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
 
 
-def section(document: Document) -> str:
+def section(document: Document) -> Markup:
     kinds = {name: counts for name, counts in document["kinds"].items() if counts["rounds"]}
     header = [
         "fault",
@@ -47,7 +48,7 @@ def section(document: Document) -> str:
     ]
     rows = [
         [
-            escape(_KINDS.get(name, name)),
+            _KINDS.get(name, name),
             *(
                 str(counts[key])
                 for key in ("rounds", "during_the_run", "unfinished_files", "completed_afterwards")
@@ -68,9 +69,9 @@ def section(document: Document) -> str:
     )
 
 
-def _told(kinds: dict[str, Document]) -> str:
-    """The first sentence of every kind that had one."""
-    return "".join(
+def _told(kinds: dict[str, Document]) -> Markup:
+    """Returns the first sentence of every kind that had one."""
+    return Markup("").join(
         page.paragraph(f"{_KINDS.get(name, name)}: “{counts['sentences'][0].removeprefix('analysis: ')}”")
         for name, counts in kinds.items()
         if counts["sentences"]

@@ -1,10 +1,11 @@
-"""`report.html`: what a study found in few numbers, and the way to the page of every question."""
+"""`report.html`: the summary of a study, with a link to the page of every question."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from html import escape
+
+from markupsafe import Markup
 
 from analysis.report import page
 
@@ -14,31 +15,26 @@ _PARAGRAPH = re.compile(r"<p[^>]*>(.*?)</p>", re.DOTALL)
 
 @dataclass(frozen=True)
 class Card:
-    """A page as the index shows it: `target` relative to the index, `says` its first finding as HTML."""
+    """A page's entry in the index: `target` relative to the index, `says` the page's first finding."""
 
     target: str
     title: str
-    says: str
+    says: str | Markup
 
 
-def first_finding(text: str) -> str:
-    """The first finding in a page's body, or its first paragraph where nothing was found out; HTML."""
+def first_finding(text: Markup) -> Markup:
+    """Returns the first finding in a page's body, or its first paragraph where nothing was found out."""
     found = _FINDING.search(text) or _PARAGRAPH.search(text)
-    return found[1] if found else ""
+    return Markup(found[1] if found else "")
 
 
-def document(title: str, inputs: str, headline: str, cards: list[Card], rest: list[str]) -> str:
-    """The whole page. Its script is loaded only where the headline holds a figure."""
-    entries = "\n".join(f"<li>{page.link(card.target, card.title)}<p>{card.says}</p></li>" for card in cards)
-    body = [headline, f'<ul class="cards">\n{entries}\n</ul>', *rest]
-    script = page.SCRIPT if page.PLOT in headline else ""
-    return page.document(title, inputs, body, script)
+def document(title: str, inputs: str, headline: Markup, cards: list[Card], rest: list[Markup]) -> str:
+    """Returns the whole page. Its script is loaded only where the headline holds a figure."""
+    body = page.filled("index.html", headline=headline, cards=cards, rest=rest)
+    return page.document(title, inputs, [body], page.SCRIPT if page.PLOT in headline else "")
 
 
-def navigation(title: str, pages: list[tuple[str, str]], current: str) -> str:
-    """The way from a page to the index and to the others: (file, short title) of each."""
-    links = [page.link("../report.html", f"‹ {title}")]
-    for file, short in pages:
-        mark = ' aria-current="page"' if file == current else ""
-        links.append(f'<a href="{escape(file)}"{mark}>{escape(short)}</a>')
-    return f"<nav>{' '.join(links)}</nav>"
+def navigation(title: str, pages: list[tuple[str, str]], current: str) -> Markup:
+    """Links a page to the index and to the other pages, given as (file, short title)."""
+    links = [page.link(file, short, current=file == current) for file, short in pages]
+    return page.navigation(page.link("../report.html", f"‹ {title}"), *links)

@@ -1,4 +1,4 @@
-"""What every plot shares: its parts, its colours, its axes."""
+"""The parts, colours and axes of all plots."""
 
 from __future__ import annotations
 
@@ -33,19 +33,19 @@ class Plot:
 
 
 def family_marker(family: str, families: list[str], **more: Any) -> dict[str, Any]:
-    """Colour and symbol of a family, the same in every plot."""
+    """Returns the colour and the symbol of a family, the same in every plot."""
     index = families.index(family)
     colour, symbol = _COLOURS[index % len(_COLOURS)], _SYMBOLS[index % len(_SYMBOLS)]
     return {"color": colour, "symbol": symbol, "size": 8, **more}
 
 
 def series_colour(index: int) -> str:
-    """The colour of a series that stands for no family."""
+    """Returns the colour of a series that stands for no family."""
     return _COLOURS[index % len(_COLOURS)]
 
 
 def axis(title: str, **more: Any) -> dict[str, Any]:
-    """An axis with a title that holds the unit."""
+    """Returns an axis with a title that holds the unit."""
     return {
         "title": {"text": title, "standoff": 8},
         "gridcolor": GRID,
@@ -60,20 +60,20 @@ def axis(title: str, **more: Any) -> dict[str, Any]:
 
 
 def log_axis(title: str, **more: Any) -> dict[str, Any]:
-    """A logarithmic axis whose ticks are powers of ten with 2 and 5 between, written out."""
+    """Returns a logarithmic axis whose ticks are powers of ten with 2 and 5 between, written out."""
     ticks = [digit * 10.0**exponent for exponent in range(-6, 7) for digit in (1, 2, 5)]
     return axis(title, type="log", tickvals=ticks, ticktext=[f"{tick:g}" for tick in ticks], **more)
 
 
 def power_axis(title: str, decades: int = 1, **more: Any) -> dict[str, Any]:
-    """A logarithmic axis over many decades, whose ticks are powers of ten, one every so many decades."""
+    """Returns a logarithmic axis over many decades, whose ticks are powers of ten, one every so many decades."""
     return axis(title, type="log", tick0=0, dtick=decades, exponentformat="power", **more)
 
 
 def figure(
     traces: list[Any], x: dict[str, Any], y: dict[str, Any], height: int = 400, **more: Any
 ) -> go.Figure:
-    """A figure in the report's style; the legend lies below, where a narrow screen has room."""
+    """Returns a figure in the report's style; the legend lies below, where a narrow screen has room."""
     layout = {
         "font": {"family": _FONT, "size": 13, "color": INK},
         "plot_bgcolor": "white",

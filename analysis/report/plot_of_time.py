@@ -21,13 +21,13 @@ class Point:
 
 
 def split_methods(rows: list[Row]) -> list[str]:
-    """The thesis' methods among those evaluated, from coarse to fine."""
+    """Returns the thesis' methods among those evaluated, from coarse to fine."""
     methods = {method for row in rows for method in row.model if method.startswith("split:")}
     return sorted(methods, key=lambda method: int(method.removeprefix("split:")))
 
 
 def integration_errors(rows: list[Row]) -> list[Point]:
-    """|split − exact|/exact: what dividing into small triangles costs in accuracy, the formula being the same."""
+    """Returns |split − exact|/exact: the error of dividing into small triangles, with the same formula."""
     return [
         _point(method, rows, [abs(row.model[method] / row.model[COMPARED_METHOD] - 1) for row in rows])
         for method in split_methods(rows)
@@ -35,12 +35,12 @@ def integration_errors(rows: list[Row]) -> list[Point]:
 
 
 def total_errors(rows: list[Row], methods: list[str]) -> list[Point]:
-    """|method − reference|/reference."""
+    """Returns |method − reference|/reference."""
     return [_point(m, rows, [abs(row.model[m] / row.reference.value - 1) for row in rows]) for m in methods]
 
 
 def level_errors(rows: list[Row]) -> list[Point]:
-    """|level − best|/best of the reference's meshes from coarse to fine, with each mesh's own seconds."""
+    """Returns |level − best|/best of the reference's meshes from coarse to fine, with the seconds of each mesh."""
     points = []
     for depth in range(max(len(row.case.reference.levels) for row in rows if row.case.reference)):
         errors, seconds = [], []
@@ -57,7 +57,7 @@ def level_errors(rows: list[Row]) -> list[Point]:
 
 
 def time_against_error(rows: list[Row]) -> Plot:
-    """All of the above for `mutual`."""
+    """Plots run time against all of these errors for `mutual`."""
     mutual = [row for row in rows if row.quantity == MUTUAL]
     integration, splits = integration_errors(mutual), total_errors(mutual, split_methods(mutual))
     (exact,) = total_errors(mutual, [COMPARED_METHOD])
@@ -107,7 +107,7 @@ def _point(label: str, rows: list[Row], errors: list[float]) -> Point:
 
 
 def _series(name: str, points: list[Point], index: int, symbol: str, mode: str, size: int = 9) -> go.Scatter:
-    # A logarithmic axis has no zero: where split and exact agree to the last bit there is no point to draw.
+    # A logarithmic axis has no zero: no point is drawn where split and exact agree to the last bit.
     shown = [point for point in points if point.error > 0]
     return go.Scatter(
         x=[point.seconds for point in shown],

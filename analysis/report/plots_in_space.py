@@ -1,4 +1,4 @@
-"""A set-up as one sees it: the two plates in space, and the potential in the plane through their centres."""
+"""Draws a set-up: the two plates in space, and the potential in the plane through their centres."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from analysis.report.plot import INK, SENSOR_COLOUR, TARGET_COLOUR, Panel, Plot,
 from analysis.results.store import Document
 from analysis.results.study_results import CaseResult
 from analysis.results.table import MUTUAL, Row
+from analysis.results.units import CENTIMETRE, PICOFARAD
 from geometries.scene.poses import Transform
 from geometries.scene.scene import Object, Scene
 
 Array = NDArray[np.float64]
 
-CENTIMETRE = 1e-2
 _WITHOUT_UNIT = "relative_permittivity"
 FLATTEST = 0.1
-"""Height of the box around a scene over its largest side, at least: plates in one plane have none of their own."""
+"""Least height of the box around a scene, relative to its largest side; plates in one plane have no height."""
 
 
 def pictures(rows: list[Row]) -> list[Plot]:
-    """For each family the first case with a slice of the potential, or its first case where none has one."""
+    """Draws the first case of each family that has a slice of the potential, or its first case if none has one."""
     found = []
     for family in dict.fromkeys(row.case.family for row in rows):
         members = [row for row in rows if row.case.family == family and row.quantity == MUTUAL]
@@ -33,7 +33,7 @@ def pictures(rows: list[Row]) -> list[Plot]:
 
 
 def panels(case: CaseResult) -> list[Panel]:
-    """The case in space, and the potential around it where there is a slice of it."""
+    """Returns the case in space, and the potential around it where there is a slice of it."""
     found = [in_space(case.scene)]
     if case.slice is not None:
         first, *others = case.scene.sensors
@@ -50,7 +50,7 @@ def _role(body: Object) -> str:
 
 
 def triangles(scene: Scene) -> dict[str, Array]:
-    """Name → triangles (n, 3, 3) in the world frame: the sensors', then those of all objects, dielectric ones too."""
+    """Names → triangles (n, 3, 3) in the world frame: the sensors', then those of all objects, dielectric ones too."""
     conductors = scene.conductors()
     found = {sensor.name: conductors[sensor.name] for sensor in scene.sensors}
     for body in scene.objects:
@@ -59,20 +59,20 @@ def triangles(scene: Scene) -> dict[str, Array]:
 
 
 def aspect(bodies: Iterable[Array]) -> list[float]:
-    """Sides of the box around triangles (n, 3, 3) over the largest; none below FLATTEST."""
+    """Returns the sides of the box around triangles (n, 3, 3) relative to the largest; none below FLATTEST."""
     extent = np.ptp(np.concatenate([own.reshape(-1, 3) for own in bodies]), axis=0)
     sides: list[float] = np.maximum(extent / extent.max(), FLATTEST).tolist()
     return sides
 
 
 def in_space(scene: Scene) -> Panel:
-    """A scene's sensors and objects in space."""
+    """Returns a scene's sensors and objects in space."""
     sensors = "sensor" if len(scene.sensors) == 1 else "sensors"
     return Panel(f"{sensors} (blue) and target (orange)" if scene.objects else f"{sensors}", _space(scene))
 
 
 def parameters(case: CaseResult) -> str:
-    """The parameters for people: lengths in cm."""
+    """Writes the parameters for people, with lengths in cm."""
     told = []
     for name, value in case.parameters.items():
         label = name.replace("_", " ")
@@ -90,7 +90,7 @@ def parameters(case: CaseResult) -> str:
 
 def _picture(row: Row) -> Plot:
     case = row.case
-    mutual = row.reference.value / 1e-12
+    mutual = row.reference.value / PICOFARAD
     finding = (
         f"In case {case.id} the grounded target carries {mutual:.3g} pC for each volt on the sensor (mutual, reference);"
         f" the model's value is {abs(row.model_error):.0%} too {'high' if row.model_error > 0 else 'low'}."
@@ -157,7 +157,7 @@ def _slice(case: CaseResult, slice_of: Document) -> go.Figure:
 
 
 def _cuts(case: CaseResult, origin: Array, direction: Array) -> list[go.Scatter]:
-    """Where the conductors' triangles cross the plane: the lines between the crossings of their edges."""
+    """Returns the lines in which the conductors' triangles intersect the plane."""
     sensors = {sensor.name for sensor in case.scene.sensors}
     across_plane = np.array([-direction[1], direction[0]])
     traces = []
@@ -179,7 +179,7 @@ def _cuts(case: CaseResult, origin: Array, direction: Array) -> list[go.Scatter]
 
 
 def _crossings(triangle: Array) -> list[tuple[float, float]]:
-    """(along, z) where the edges of a triangle (along, across, z) meet the plane across = 0."""
+    """Returns (along, z) where the edges of a triangle (along, across, z) meet the plane across = 0."""
     found = []
     for start, end in zip(triangle, np.roll(triangle, -1, axis=0)):
         if start[1] * end[1] <= 0 and start[1] != end[1]:

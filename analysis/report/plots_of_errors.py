@@ -11,8 +11,8 @@ import plotly.graph_objects as go
 from analysis.report.plot import Panel, Plot, axis, family_marker, figure, log_axis
 from analysis.results.set_up import SetUp
 from analysis.results.table import COMPARED_METHOD, QUANTITIES, Row
+from analysis.results.units import PICOFARAD
 
-PICOFARAD = 1e-12
 PERCENT = 100.0
 
 
@@ -21,7 +21,7 @@ def families_of(rows: list[Row]) -> list[str]:
 
 
 def model_against_reference(rows: list[Row]) -> Plot:
-    """Every case as a point, reference across, model upwards, with the reference's error bar; on the diagonal they agree."""
+    """Plots the model's values over the reference's, with error bars; on the diagonal they agree."""
     panels = [Panel(quantity, _values(rows, quantity)) for quantity in QUANTITIES]
     shares = [f"{_shares(rows, quantity)} of {quantity}" for quantity in QUANTITIES]
     return Plot(
@@ -87,23 +87,23 @@ def _told(row: Row) -> str:
 
 
 def error_over_gap(rows: list[Row]) -> Plot:
-    """Model error over the shortest distance between the plates, in sensor sizes."""
+    """Plots the model error over the shortest distance between the plates, in sensor sizes."""
     return _error_over(rows, "gap/size", "gap over sensor size", lambda s: s.gap_over_size, logarithmic=True)
 
 
 def error_over_tilt(rows: list[Row]) -> Plot:
-    """Model error over the angle between the plates."""
+    """Plots the model error over the angle between the plates."""
     return _error_over(rows, "tilt", "tilt (degrees)", lambda s: s.tilt_degrees, logarithmic=False)
 
 
 def error_over_offset(rows: list[Row]) -> Plot:
-    """Model error over the lateral distance of the centres, in sensor sizes."""
+    """Plots the model error over the lateral distance of the centres, in sensor sizes."""
     label = "lateral offset of the centres over sensor size"
     return _error_over(rows, "lateral offset", label, lambda s: s.lateral_offset_over_size, logarithmic=False)
 
 
 def error_over_size_ratio(rows: list[Row]) -> Plot:
-    """Model error over the target's size, in sensor sizes."""
+    """Plots the model error over the target's size, in sensor sizes."""
     return _error_over(
         rows, "size ratio", "target size over sensor size", lambda s: s.size_ratio, logarithmic=True
     )
@@ -151,7 +151,7 @@ def _errors(described: list[tuple[float, Row]], quantity: str, label: str, logar
 
 
 def _finding(described: list[tuple[float, Row]], name: str) -> str:
-    """The median errors of the lowest third beside those of the highest; where most are alike, of what lies off them."""
+    """Compares the median error of the lowest third with that of the highest; if most abscissae are equal, of those below and above."""
     if len({x for x, _ in described}) < 2:
         return f"All cases of this study have the same {name}."
     ordered = sorted(x for x, _ in described)

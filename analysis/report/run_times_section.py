@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import INK, Panel, figure, power_axis, series_colour
@@ -14,7 +15,7 @@ TITLE = "Run time against error of the integral"
 EXACT, THESIS = "exact", "split:4"
 
 _NANOSECOND = 1e-9
-# Half a unit in the last place of 1: errors below it are those of writing the result down, and zero has no logarithm.
+# Half a unit in the last place of 1. Smaller errors are those of rounding the result; zero has no logarithm.
 _ROUNDING = 2.0**-54
 _SYMBOLS = ("star", "circle", "square", "diamond", "triangle-up", "x", "cross")
 _ABSENT = (
@@ -32,8 +33,8 @@ _SETS = (
 )
 
 
-def section(measured: RunTimes | None) -> str:
-    """Finding, a panel for each set, the table, and how to measure again."""
+def section(measured: RunTimes | None) -> Markup:
+    """Returns the finding, a panel for each set of triangles, the table, and how to measure again."""
     if measured is None:
         return page.section(TITLE, page.paragraph(_ABSENT))
     sets = by_set(measured)
@@ -55,7 +56,7 @@ def section(measured: RunTimes | None) -> str:
 
 
 def by_set(measured: RunTimes) -> dict[str, list[MethodTime]]:
-    """The times of each set, sets and methods in the benchmark's order."""
+    """Returns the times of each set, sets and methods in the benchmark's order."""
     sets: dict[str, list[MethodTime]] = {}
     for time in measured.times:
         sets.setdefault(time.set, []).append(time)
@@ -63,7 +64,7 @@ def by_set(measured: RunTimes) -> dict[str, list[MethodTime]]:
 
 
 def front(times: list[MethodTime]) -> list[MethodTime]:
-    """Those that no other is at least as good as in both time and error and better in one, from fast to accurate."""
+    """Returns the Pareto front: the methods that no other method beats in both time and error, from fast to accurate."""
     best: list[MethodTime] = []
     for time in sorted(times, key=lambda t: (t.seconds_per_triangle, t.error)):
         if not best or time.error < best[-1].error:
@@ -72,7 +73,7 @@ def front(times: list[MethodTime]) -> list[MethodTime]:
 
 
 def finding(sets: dict[str, list[MethodTime]]) -> str:
-    """The exact method beside the thesis' method over all sets, and the methods that are worth choosing somewhere."""
+    """Compares the exact method with the thesis' over all sets, and names the methods on a Pareto front."""
     pairs = []
     for times in sets.values():
         named = {time.method: time for time in times}
@@ -94,7 +95,7 @@ def finding(sets: dict[str, list[MethodTime]]) -> str:
 
 
 def _caption(times: list[MethodTime]) -> str:
-    """The set, and what the exact method costs on it beside the thesis'."""
+    """Names the set and the cost of the exact method on it relative to the thesis'."""
     named = {time.method: time for time in times}
     told = "; ".join(
         f"{method} {named[method].seconds_per_triangle / _NANOSECOND:.3g} ns, off by {named[method].error:.0e}"
@@ -110,7 +111,7 @@ def _words(name: str) -> str:
 
 
 def _panel(times: list[MethodTime], measured: RunTimes) -> go.Figure:
-    """All panels have the same axes and colours."""
+    """Plots one set; all panels have the same axes and colours."""
     kinds = list(dict.fromkeys(_kind(time.method) for time in measured.times))
     best = front(times)
     traces = [
@@ -150,7 +151,7 @@ def _panel(times: list[MethodTime], measured: RunTimes) -> go.Figure:
 
 
 def _range(values: list[float]) -> list[float]:
-    """Exponents of ten, with a margin for the marks on the edge."""
+    """Returns the exponents of ten at the ends of an axis, with a margin for the marks on the edge."""
     return [math.log10(min(values)) - 0.5, math.log10(max(values)) + 0.5]
 
 
@@ -158,7 +159,7 @@ def _kind(method: str) -> str:
     return method.partition(":")[0]
 
 
-def _table(sets: dict[str, list[MethodTime]], methods: list[str]) -> str:
+def _table(sets: dict[str, list[MethodTime]], methods: list[str]) -> Markup:
     cells = {}
     for name, times in sets.items():
         best = {time.method for time in front(times)}
@@ -170,5 +171,5 @@ def _table(sets: dict[str, list[MethodTime]], methods: list[str]) -> str:
 def _cell(time: MethodTime, strong: bool) -> str:
     nanoseconds = time.seconds_per_triangle / _NANOSECOND
     text = f"{nanoseconds:,.0f}" if nanoseconds >= 100 else f"{nanoseconds:.3g}"
-    cell = f"{text}<br>{time.error:.0e}"
-    return f"<strong>{cell}</strong>" if strong else cell
+    cell = page.two_lines(text, f"{time.error:.0e}")
+    return page.strong(cell) if strong else cell

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from html import escape
-
 import numpy as np
+from markupsafe import Markup
 
 from analysis.pipeline.model_stage import knows
 from analysis.report import page
@@ -13,9 +12,9 @@ from analysis.results.statistics import ALL_FAMILIES, Summary
 from analysis.results.study_results import Results
 from analysis.results.symmetry import Pair
 from analysis.results.table import COMPARED_METHOD, DELTA_SELF, MUTUAL, Row, model_command, reference_command
+from analysis.results.units import PICOFARAD
 from geometries.studies.study import EMPTY, NO_REFERENCE
 
-PICOFARAD = 1e-12
 
 _QUESTION = (
     "How wrong is the fast triangle-integral model of a capacitive proximity sensor, where, and how sure are we? The model "
@@ -39,10 +38,10 @@ FILES = (
 )
 
 
-def headline(results: Results, summaries: list[Summary]) -> str:
-    """Title, question, and the model errors for each family and quantity."""
+def headline(results: Results, summaries: list[Summary]) -> Markup:
+    """Returns the title, the question, and the model errors for each family and quantity."""
     whole = {summary.quantity: summary for summary in summaries if summary.family == ALL_FAMILIES}
-    parts = [f"<header>\n<h1>{escape(results.title)}</h1>", page.paragraph(_QUESTION)]
+    parts = [page.paragraph(_QUESTION)]
     for quantity, summary in whole.items():
         parts.append(
             page.finding(
@@ -55,8 +54,8 @@ def headline(results: Results, summaries: list[Summary]) -> str:
     header = ["quantity", "family", "cases", "rms", "median size", "worst", "reference sure to", "worst case"]
     rows = [
         [
-            escape(s.quantity),
-            escape(s.family),
+            s.quantity,
+            s.family,
             str(s.count),
             f"{s.rms:.1%}",
             f"{s.median:.1%}",
@@ -68,23 +67,23 @@ def headline(results: Results, summaries: list[Summary]) -> str:
     ]
     if summaries:
         parts += [page.table(header, rows, text_columns=2, strong=strong), page.soft(_ERROR)]
-    return "\n".join(parts) + "\n</header>"
+    return page.header(results.title, *parts)
 
 
-def trust(results: Results, rows: list[Row], pairs: list[Pair]) -> str:
-    """Why the reference can be believed: set-ups that must agree, delta_self in two ways, accuracies not reached.
+def trust(results: Results, rows: list[Row], pairs: list[Pair]) -> Markup:
+    """Returns why the reference can be believed: set-ups that must agree, delta_self in two ways, accuracies not reached.
 
-    Empty where nothing was asked of it.
+    Empty if the study does not use the reference.
     """
     if results.error == NO_REFERENCE:
-        return ""
+        return Markup("")
     return page.section(
         "Agreement and accuracy in this study", *_pairs(pairs), *_checks(rows), *_accuracy(results, rows)
     )
 
 
-def _pairs(pairs: list[Pair]) -> list[str]:
-    title = "<h3>Set-ups that must agree</h3>"
+def _pairs(pairs: list[Pair]) -> list[Markup]:
+    title = page.heading("Set-ups that must agree")
     if not pairs:
         return [title, page.paragraph("The study holds no pair of set-ups whose answers must agree.")]
     agreeing = sum(pair.agrees for pair in pairs)
@@ -101,9 +100,9 @@ def _pairs(pairs: list[Pair]) -> list[str]:
     ]
     rows = [
         [
-            f"{escape(pair.first.family)} {page.case_link(pair.first.id)}",
-            f"{escape(pair.second.family)} {page.case_link(pair.second.id)}",
-            escape(pair.relation),
+            page.family_and_case(pair.first.family, pair.first.id),
+            page.family_and_case(pair.second.family, pair.second.id),
+            pair.relation,
             pair.quantity,
             f"{pair.first_value.value / PICOFARAD:.5f} ± {pair.first_value.error / PICOFARAD:.5f}",
             f"{pair.second_value.value / PICOFARAD:.5f} ± {pair.second_value.error / PICOFARAD:.5f}",
@@ -119,9 +118,9 @@ def _pairs(pairs: list[Pair]) -> list[str]:
     return [title, page.finding(sentence), page.table(header, rows, text_columns=4)]
 
 
-def _checks(rows: list[Row]) -> list[str]:
+def _checks(rows: list[Row]) -> list[Markup]:
     checked = [(row.reference, row.check) for row in rows if row.check is not None]
-    title = "<h3>delta_self in two ways</h3>"
+    title = page.heading("delta_self in two ways")
     if not checked:
         return [
             title,
@@ -136,13 +135,13 @@ def _checks(rows: list[Row]) -> list[str]:
     return [title, page.finding(sentence)]
 
 
-def _accuracy(results: Results, rows: list[Row]) -> list[str]:
+def _accuracy(results: Results, rows: list[Row]) -> list[Markup]:
     solved = [case.reference for case in results.cases.values() if case.reference is not None]
     short = [
         case for case in results.cases.values() if case.reference is not None and not case.reference.reached
     ]
     seconds = [answer.seconds for answer in solved]
-    parts = ["<h3>Accuracy</h3>"]
+    parts = [page.heading("Accuracy")]
     if solved:
         worst = max((row.reference_error for row in rows), default=0.0)
         parts.append(
@@ -165,7 +164,7 @@ def _accuracy(results: Results, rows: list[Row]) -> list[str]:
 
 
 def _widths(enclosed: list[ReferenceAnswer]) -> str:
-    """How far the proven bounds of the entries are from the best values."""
+    """Returns how far the proven bounds of the entries are from the best values."""
     own = [answer.error[0, 0] / answer.maxwell[0, 0] for answer in enclosed]
     mutual = [answer.error[0, 1] / -answer.maxwell[0, 1] for answer in enclosed if len(answer.maxwell) > 1]
     sentence = (
@@ -177,12 +176,12 @@ def _widths(enclosed: list[ReferenceAnswer]) -> str:
     return f"{sentence}."
 
 
-def failures(results: Results) -> str:
-    """The cases without an answer, with the reason."""
+def failures(results: Results) -> Markup:
+    """Returns the cases without an answer, with the reason."""
     if not results.failures:
-        return ""
+        return Markup("")
     rows = [
-        [page.code(failure.case) if failure.case else "", escape(failure.stage), escape(failure.reason)]
+        [page.code(failure.case) if failure.case else "", failure.stage, failure.reason]
         for failure in results.failures
     ]
     return page.section(
@@ -192,8 +191,8 @@ def failures(results: Results) -> str:
     )
 
 
-def all_rows(results: Results, rows: list[Row]) -> str:
-    """Every row with its case folder and the commands that recompute it."""
+def all_rows(results: Results, rows: list[Row]) -> Markup:
+    """Returns every row with its case folder and the commands that recompute it."""
     header = [
         "family",
         "case",
@@ -210,7 +209,7 @@ def all_rows(results: Results, rows: list[Row]) -> str:
         low, high = row.model_error_interval
         lines.append(
             [
-                escape(row.case.family),
+                row.case.family,
                 page.case_link(row.case.id),
                 row.quantity,
                 f"{row.reference.value / PICOFARAD:.5f} ± {row.reference.error / PICOFARAD:.5f}",
@@ -231,11 +230,11 @@ def all_rows(results: Results, rows: list[Row]) -> str:
     )
 
 
-def reproduce(results: Results, rows: list[Row]) -> str:
-    """Commands, versions and the machine."""
+def reproduce(results: Results, rows: list[Row]) -> Markup:
+    """Returns the commands, the versions and the machine."""
     commands = [
         [
-            f"{escape(case.family)} {page.case_link(case.id)}",
+            page.family_and_case(case.family, case.id),
             page.code(reference_command(results, case.id)) if results.error != NO_REFERENCE else "",
             page.code(model_command(results, case.id)) if case.family != EMPTY and knows(case.scene) else "",
         ]
@@ -251,7 +250,7 @@ def reproduce(results: Results, rows: list[Row]) -> str:
         page.folded(
             "Show the commands", page.table(["case", "reference", "model"], commands, text_columns=3)
         ),
-        "<h3>Versions and machine</h3>",
+        page.heading("Versions and machine"),
         page.table(["what", "which"], _versions(results, rows), text_columns=2),
     )
 
@@ -268,4 +267,4 @@ def _versions(results: Results, rows: list[Row]) -> list[list[str]]:
         quantity: str(sum(row.quantity == quantity for row in rows)) for quantity in (MUTUAL, DELTA_SELF)
     }
     counted = {f"rows of {quantity}": count for quantity, count in counts.items()}
-    return [[escape(name), escape(value)] for name, value in (told | results.machine | counted).items()]
+    return [[name, value] for name, value in (told | results.machine | counted).items()]

@@ -1,12 +1,10 @@
-"""One light page for hundreds of set-ups: it shows the one that its address names after the #, drawn, in numbers, with its commands."""
+"""One small page for hundreds of set-ups. It shows the set-up that its address names after the #: drawing, numbers, commands."""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,22 +12,22 @@ from plotly.utils import PlotlyJSONEncoder
 
 from analysis.report import page, plots_in_space
 from analysis.results.store import Document
+from analysis.results.units import CENTIMETRE
 from geometries.common import installation
 from geometries.scene.scene import Scene
 
-_FOLDER = Path(__file__).parent
-# Of a coordinate in cm: a micrometre.
+# Decimals of a coordinate in cm: a micrometre.
 _DECIMALS = 4
 _TARGET = "[[object]]"
 _ARRAY = re.compile(r"\[\n[^\[\]]*\]")
-# Of a trace: they are those of the set-up shown.
+# The keys of a trace that depend on the set-up.
 _COORDINATES = ("x", "y", "z", "i", "j", "k")
 
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """A set-up on the page. `name` is what its address ends in; `told` describes it, `findings` are sentences on it, `rows` its numbers
-    as text; `text` is its scene in canonical form."""
+    """A set-up on the page. `name` is what its address ends in; `told` describes it, `findings` are sentences on it, `rows` are
+    its numbers as text; `text` is its scene in canonical form."""
 
     name: str
     family: str
@@ -54,52 +52,29 @@ class Around:
 
 
 def document(around: Around, shown: list[Shown], inputs: str, script: str) -> str:
-    """The whole page. `inputs` is the hash of what it was made from, `script` the file of plotly.js as seen from it."""
-    style, code = ((_FOLDER / f"set_ups.{kind}").read_text(encoding="utf-8") for kind in ("css", "js"))
+    """Returns the whole page. `inputs` is the hash of what it was made from, `script` the file of plotly.js as seen from it."""
     data = json.dumps(_data(around, shown), cls=PlotlyJSONEncoder, separators=(",", ":"))
-    # What ends a script element in HTML must not stand in one.
-    harmless = data.replace("</", "<\\/")
-    body = [
-        f"<style>{style}</style>",
-        *_body(around, shown),
-        f'<script type="application/json" id="set-ups">{harmless}</script>',
-        f"<script>{code}</script>",
-    ]
-    return page.document(around.title, inputs, body, script)
-
-
-def _body(around: Around, shown: list[Shown]) -> Iterable[str]:
-    yield f"<nav>{page.link(around.back, f'‹ {around.back_title}')} {_STEPS}</nav>"
-    yield '<header><h1><span id="family"></span> <code id="name"></code></h1><p id="told"></p><div id="findings"></div></header>'
-    drawn = f'<figcaption>sensor (blue) and target (orange)</figcaption><div class="{page.PLOT}" id="scene"></div>'
-    yield f'<div class="panels single"><figure class="panel">{drawn}</figure></div>'
-    yield page.paragraph(
-        f"No slice of the potential is stored: for {len(shown)} set-ups they would take the field solver hours. The last command below "
-        "computes this one's."
+    body = page.filled(
+        "set_ups.html",
+        style=page.static("set_ups.css"),
+        script=page.static("set_ups.js"),
+        around=around,
+        count=len(shown),
+        plot=page.PLOT,
+        data=page.json_in_page(data),
     )
-    yield page.section("Numbers", page.table(list(around.header), []), page.soft(around.explanation))
-    yield page.section(
-        "Reproduce",
-        page.paragraph("From the project's folder, all of it as it stands:"),
-        '<pre class="command" id="commands"></pre>',
-    )
-
-
-_STEPS = (
-    '<a id="previous">previous</a> <a id="next">next</a> '
-    '<label>set-up <select id="choice" aria-label="set-up"></select></label>'
-)
+    return page.document(around.title, inputs, [body], script)
 
 
 def _data(around: Around, shown: list[Shown]) -> Document:
-    """What the script needs: the look of the figure, the commands, and the set-ups."""
+    """Collects what the script needs: the look of the figure, the commands, and the set-ups."""
     drawn: dict[str, Any] = plots_in_space.in_space(shown[0].scene).figure.to_plotly_json()
     layout = {key: value for key, value in drawn["layout"].items() if key != "template"}
     looks = [
         {key: value for key, value in trace.items() if key not in _COORDINATES} for trace in drawn["data"]
     ]
     model = installation.model_command()
-    # What comes before the target is the same for most.
+    # The text before the target is the same for most set-ups, so it is stored once.
     heads = list(dict.fromkeys(_around_target(each.text)[0] for each in shown))
     return {
         "looks": looks,
@@ -114,7 +89,7 @@ def _data(around: Around, shown: list[Shown]) -> Document:
 
 
 def _around_target(text: str) -> tuple[str, str]:
-    """A scene's text in two, before the target and the rest, with each array on a line of its own."""
+    """Returns a scene's text in two, before the target and the rest, with each array on a line of its own."""
     before, mark, rest = _ARRAY.sub(_on_one_line, text).partition(_TARGET)
     return before, mark + rest
 
@@ -139,7 +114,7 @@ def _set_up(each: Shown, heads: list[str]) -> Document:
 
 
 def _body_of(triangles: plots_in_space.Array) -> Document:
-    """Its vertices, each once (cm), and three of their numbers for each triangle."""
-    vertices = np.round(triangles.reshape(-1, 3) / plots_in_space.CENTIMETRE, _DECIMALS) + 0.0
+    """Returns the distinct vertices (cm), and three of their indices for each triangle."""
+    vertices = np.round(triangles.reshape(-1, 3) / CENTIMETRE, _DECIMALS) + 0.0
     distinct, numbers = np.unique(vertices, axis=0, return_inverse=True)
     return {"vertices": distinct.tolist(), "triangles": numbers.reshape(-1, 3).tolist()}

@@ -1,8 +1,9 @@
-"""The report's section on the integral's errors beside what the rounding of its input alone does to it."""
+"""The report's section on the integral's errors, compared with its conditioning: the effect of rounding its input."""
 
 from __future__ import annotations
 
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import INK, Panel, axis, figure, power_axis, series_colour
@@ -16,7 +17,7 @@ _ABSENT = (
     "python3 -m analysis run STUDY --measure-model with any."
 )
 _LABELS = {_THESIS: "the thesis' formula"}
-# Above the figure: the names of the classes need the room below.
+# The legend lies above the figure, because the names of the classes need the room below.
 _LEGEND = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0, "xanchor": "left"}
 _SYMBOLS = ("star", "circle", "square", "diamond")
 _WHAT = (
@@ -27,8 +28,8 @@ _WHAT = (
 )
 
 
-def section(measured: Stability | None) -> str:
-    """Finding, error over conditioning of every class, and the counts of values that are no numbers or wrong."""
+def section(measured: Stability | None) -> Markup:
+    """Returns the finding, the error over the conditioning of every class, and the counts of wrong values."""
     if measured is None:
         return page.section(TITLE, page.paragraph(_ABSENT))
     return page.section(
@@ -46,7 +47,7 @@ def section(measured: Stability | None) -> str:
 
 
 def finding(measured: Stability) -> str:
-    """Whether the exact method keeps the limit, where it does not, and the worst of every method over all classes."""
+    """Tells whether the exact method keeps the limit, where it does not, and the worst of every method over all classes."""
     failing = [entry.name for entry in measured.classes if _fails(entry, measured.limit)]
     if failing or not measured.passed:
         verdict = f"{EXACT} fails" + (f", in: {', '.join(failing)}." if failing else ".")
@@ -60,7 +61,7 @@ def finding(measured: Stability) -> str:
 
 
 def methods_of(measured: Stability) -> list[str]:
-    """The methods that any class was evaluated with, the exact one first, then the thesis'."""
+    """Returns the methods that any class was evaluated with, the exact one first, then the thesis'."""
     return sorted({name for entry in measured.classes for name in entry.methods}, key=_rank)
 
 
@@ -111,7 +112,7 @@ def _figure(measured: Stability) -> go.Figure:
 
 
 def _traces(measured: Stability, method: str, index: int) -> list[go.Scatter]:
-    """The largest error of every class, and small and open the error that all but one in a hundred stay below."""
+    """Plots the largest error of every class and, with small open symbols, its 99th percentile."""
     found = [(entry.name, entry.methods[method]) for entry in measured.classes if method in entry.methods]
     colour, symbol = series_colour(index), _SYMBOLS[index % len(_SYMBOLS)]
     largest = [(name, errors.largest_over_conditioning) for name, errors in found]
@@ -135,7 +136,7 @@ def _trace(values: list[tuple[str, float | None]], name: str, marker: dict[str, 
     )
 
 
-def _table(measured: Stability) -> str:
+def _table(measured: Stability) -> Markup:
     methods = methods_of(measured)
     header = ["class", "triangles"]
     for method in methods:
@@ -152,7 +153,7 @@ def _triangles(entry: StabilityClass) -> int:
 
 
 def _cells(entry: StabilityClass, errors: MethodErrors | None) -> list[str]:
-    """A method that was asked for some of a class's triangles only says for how many."""
+    """Writes the cells of a method; one that was evaluated for some triangles of a class also says for how many."""
     if errors is None:
         return ["", "", ""]
     largest = errors.largest_over_conditioning

@@ -20,13 +20,13 @@ class Estimate:
     error: float
 
     def agrees_with(self, other: Estimate) -> bool:
-        """Whether the two intervals overlap."""
+        """Tells whether the two intervals overlap."""
         return abs(self.value - other.value) <= self.error + other.error
 
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """One mesh of the reference: its Maxwell matrix (n, n) in F and what it took."""
+    """One mesh of the reference: its Maxwell matrix (n, n) in F, its unknowns and its run time."""
 
     unknowns: int
     seconds: float
@@ -37,7 +37,8 @@ class Level:
 class ReferenceAnswer:
     """The Maxwell matrix (n, n) in F with its error, sensors first in `conductors`.
 
-    Where the reference encloses the truth, from `lower` to `upper`, the error reaches to the farther end. `delta_self` is told by the reference itself, from two solutions on the same mesh.
+    Where the reference encloses the truth, from `lower` to `upper`, the error is the distance to the farther bound. `delta_self` is
+    the reference's own value, from two solutions on the same mesh.
     """
 
     conductors: tuple[str, ...]
@@ -56,7 +57,7 @@ class ReferenceAnswer:
 
     @staticmethod
     def of(document: Document) -> ReferenceAnswer:
-        """The answer in a document of `fem_reference --json`; KeyError when a part is missing."""
+        """Returns the answer in a document of `fem_reference --json`; KeyError when a part is missing."""
         changes = document.get("delta_self", {})
         lower, upper = _interval(document)
         value = np.array(document["maxwell"], dtype=np.float64)
@@ -80,25 +81,25 @@ class ReferenceAnswer:
         )
 
     def mutual(self, sensor: str, body: str) -> Estimate:
-        """−M[sensor, body]: the charge on the grounded body for each volt on the sensor."""
+        """Returns −M[sensor, body]: the charge on the grounded body per volt on the sensor."""
         place = self.conductors.index(sensor), self.conductors.index(body)
         return Estimate(float(-self.maxwell[place]), float(self.error[place]))
 
     def self_capacitance(self, sensor: str) -> Estimate:
-        """M[sensor, sensor]."""
+        """Returns M[sensor, sensor]."""
         place = self.conductors.index(sensor)
         return Estimate(float(self.maxwell[place, place]), float(self.error[place, place]))
 
 
 def _error(document: Document, value: Array, lower: Array, upper: Array) -> Array:
-    """What a value of the Maxwell matrix may be off: proven where there is an enclosure, else estimated."""
+    """Returns the error of a value of the Maxwell matrix: proven where there is an enclosure, else estimated."""
     if document["error_kind"] != "enclosure":
         return np.array(document["error"], dtype=np.float64)
     return np.asarray(np.maximum(value - lower, upper - value))
 
 
 def _interval(document: Document) -> tuple[Array, Array]:
-    """Where the Maxwell matrix lies: proven where there is an enclosure, else by the estimated errors."""
+    """Returns the interval of the Maxwell matrix: proven where there is an enclosure, else from the estimated errors."""
     if document["error_kind"] == "enclosure":
         return np.array(document["lower"], dtype=np.float64), np.array(document["upper"], dtype=np.float64)
     value, error = (np.array(document[name], dtype=np.float64) for name in ("maxwell", "error"))
@@ -120,7 +121,7 @@ class BoundaryAnswer:
 
     @staticmethod
     def of(document: Document) -> BoundaryAnswer:
-        """The answer in a stored `boundary.json`; KeyError when a part is missing."""
+        """Returns the answer in a stored `boundary.json`; KeyError when a part is missing."""
         return BoundaryAnswer(
             conductors=tuple(document["conductors"]),
             maxwell=np.array(document["maxwell"], dtype=np.float64),
@@ -150,7 +151,7 @@ class ModelAnswer:
 
     @staticmethod
     def of(document: Document) -> ModelAnswer:
-        """The answer in a stored `model.json`; KeyError when a part is missing."""
+        """Returns the answer in a stored `model.json`; KeyError when a part is missing."""
         values = {
             method: {
                 sensor["name"]: ModelValue(

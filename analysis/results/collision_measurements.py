@@ -1,4 +1,4 @@
-"""What the programs that measure collision detection have found: right and wrong answers, times of queries and of scenes."""
+"""Measurements of collision detection: right and wrong answers, run times of queries and of scenes."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from analysis.results.store import Document
 
 @dataclass(frozen=True)
 class PairClass:
-    """Pairs of one kind against exact arithmetic.
+    """The answers on pairs of one kind, compared with exact arithmetic.
 
-    `wrong` and `unproven` are of this project's answers; `exact` are the pairs that floating point left open;
+    `wrong` and `unproven` are of this project's answers; `exact` counts the pairs that needed exact arithmetic;
     `thesis_wrong` and `thesis_endless` are of the thesis' algorithm as it is printed.
     """
 
@@ -47,7 +47,7 @@ class SceneTimes:
 
 @dataclass(frozen=True)
 class Collision:
-    """What was measured; empty where it was not. The origins are of the measurements, in that order."""
+    """The measurements; empty where one is missing. `origins` has one entry for each measurement, in this order."""
 
     origins: tuple[Origin, ...]
     classes: tuple[PairClass, ...]
@@ -58,7 +58,7 @@ class Collision:
 def collision(
     answers: Document | None, queries: Document | None, scenes: Document | None
 ) -> Collision | None:
-    """The stored answers of the three programs; None without any."""
+    """Returns the stored answers of the three programs; None without any."""
     documents = [document for document in (answers, queries, scenes) if document is not None]
     if not documents:
         return None

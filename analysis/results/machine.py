@@ -1,17 +1,18 @@
-"""The machine that this runs on, as far as it matters to a run time or to the instructions that are chosen."""
+"""Describes this machine: what determines run times and the instruction set that the model chooses."""
 
 from __future__ import annotations
 
 import platform
 from pathlib import Path
+from typing import Any
 
 _CPUINFO = Path("/proc/cpuinfo")
-# What the model's vector code is made for, from wide to narrow.
+# The instruction sets that the model has vector code for, from wide to narrow.
 _INSTRUCTION_SETS = {"avx512f": "AVX-512", "avx2": "AVX2"}
 
 
 def description() -> dict[str, str]:
-    """For people."""
+    """Describes the machine for people."""
     models = _values("model name")
     return {
         "processor": models[0] if models else platform.machine(),
@@ -22,7 +23,7 @@ def description() -> dict[str, str]:
 
 
 def instruction_sets() -> str:
-    """The wide instruction sets that the processor has."""
+    """Returns the wide instruction sets that the processor has."""
     flags = _flags()
     return (
         ", ".join(name for flag, name in _INSTRUCTION_SETS.items() if flag in flags)
@@ -31,7 +32,7 @@ def instruction_sets() -> str:
 
 
 def identity() -> dict[str, str]:
-    """What makes two machines different where run times count: name, processor, instructions."""
+    """Returns what makes two machines different where run times count: name, processor, instructions."""
     return {
         "name": platform.node(),
         "processor": description()["processor"],
@@ -45,6 +46,11 @@ def _flags() -> set[str]:
 
 
 def _values(name: str) -> list[str]:
-    """The values under a name, one for each core."""
+    """Returns the values under a name, one for each core."""
     lines = _CPUINFO.read_text(encoding="utf-8").splitlines()
     return [line.split(":", 1)[1].strip() for line in lines if line.partition(":")[0].strip() == name]
+
+
+def origin() -> dict[str, Any]:
+    """Describes the machine that a stored measurement was made on."""
+    return {"processor": description()["processor"], "instruction_sets": instruction_sets()}

@@ -1,4 +1,4 @@
-"""What the programs that measure the model by itself have found: run times beside errors, errors beside conditioning."""
+"""Measurements of the model by itself: run times and errors of its methods, errors and conditioning of the integral."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class MethodErrors:
 
 @dataclass(frozen=True)
 class StabilityClass:
-    """Triangles of one kind with the methods that were asked. `truth_failed` of them have no accurate value."""
+    """Triangles of one kind with the methods evaluated on them. For `truth_failed` of them no accurate value is known."""
 
     name: str
     truth_failed: int
@@ -62,7 +62,7 @@ class StabilityClass:
 
 @dataclass(frozen=True)
 class Stability:
-    """`limit` is what an error over conditioning is to stay below; `passed` whether the program found nothing wrong."""
+    """`limit` is the allowed ratio of error to conditioning; `passed` tells whether the program found nothing wrong."""
 
     origin: Origin
     passed: bool
@@ -71,11 +71,11 @@ class Stability:
 
 
 def run_times(document: Document | None) -> RunTimes | None:
-    """The times in a stored answer of the benchmark; None without one."""
+    """Returns the times in a stored answer of the benchmark; None without one."""
     if document is None:
         return None
     answer = document["answer"]
-    # A method is measured several times over: whatever else the machine does only makes it slower.
+    # The minimum over the repetitions: other work on the machine only makes a method slower.
     found: dict[tuple[str, str], MethodTime] = {}
     # Their repetitions come in any order; the index says where the benchmark has them.
     for entry in sorted(answer["benchmarks"], key=lambda entry: int(entry["family_index"])):
@@ -87,7 +87,7 @@ def run_times(document: Document | None) -> RunTimes | None:
 
 
 def stability(document: Document | None) -> Stability | None:
-    """The errors in a stored answer of the stress program; None without one."""
+    """Returns the errors in a stored answer of the stress program; None without one."""
     if document is None:
         return None
     answer = document["answer"]

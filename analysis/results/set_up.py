@@ -1,4 +1,4 @@
-"""What a set-up of one sensor plate and one target plate looks like in four numbers, whatever family it comes from."""
+"""Describes a set-up of one sensor plate and one target plate by four numbers, the same for every family."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class SetUp:
 
     @property
     def size_ratio(self) -> float:
-        """Target over sensor."""
+        """The target's size relative to the sensor's."""
         return self.target_size / self.sensor_size
 
     @property
@@ -83,7 +83,7 @@ class SetUp:
 
 
 def rectangles(scene: Scene) -> tuple[Rectangle, Rectangle] | None:
-    """The sensor's and the target's rectangle in the world; None unless the scene is one of each."""
+    """Returns the sensor's and the target's rectangle in the world; None unless the scene is one of each."""
     if len(scene.sensors) != 1 or len(scene.objects) != 1 or len(scene.sensors[0].plates) != 1:
         return None
     target = scene.objects[0]
@@ -98,7 +98,7 @@ def rectangles(scene: Scene) -> tuple[Rectangle, Rectangle] | None:
 
 
 def describe(scene: Scene) -> SetUp | None:
-    """The set-up's numbers; None unless the scene is one sensor plate and one target plate."""
+    """Returns the set-up's numbers; None unless the scene is one sensor plate and one target plate."""
     plates = rectangles(scene)
     if plates is None:
         return None
@@ -116,7 +116,7 @@ def describe(scene: Scene) -> SetUp | None:
 
 
 def distance(first: Rectangle, second: Rectangle) -> float:
-    """The shortest distance (m) between two rectangles: a least-squares problem with bounds on four edge parameters."""
+    """Returns the shortest distance (m) between two rectangles: a least-squares problem with bounds on four edge parameters."""
     scale = first.size + second.size
     edges = np.column_stack([first.edge_u, first.edge_v, -second.edge_u, -second.edge_v]) / scale
     between = (second.corner - first.corner) / scale

@@ -1,4 +1,4 @@
-"""How wrong the model is, in few numbers."""
+"""Summary statistics of the model's error."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Summary:
 
 
 def summaries(rows: list[Row]) -> list[Summary]:
-    """A summary for each quantity, over all families and then for each of them."""
+    """Returns a summary for each quantity, over all families and then for each of them."""
     families = list(dict.fromkeys(row.case.family for row in rows))
     found = []
     for quantity in QUANTITIES:
@@ -44,7 +44,7 @@ def summaries(rows: list[Row]) -> list[Summary]:
 
 
 def summary(family: str, quantity: str, rows: list[Row]) -> Summary:
-    """The summary of at least one row."""
+    """Returns the summary of at least one row."""
     errors = np.array([row.model_error for row in rows])
     worst = int(np.argmax(np.abs(errors)))
     return Summary(
@@ -60,7 +60,7 @@ def summary(family: str, quantity: str, rows: list[Row]) -> Summary:
 
 
 def headline(found: list[Summary]) -> str:
-    """The summaries over all families as lines for a terminal."""
+    """Returns the summaries over all families as lines for a terminal."""
     return "\n".join(
         f"{s.quantity:<11} model error over {s.count} cases: rms {s.rms:.1%}, median {s.median:.1%}, worst {s.worst:+.1%}"
         f" (the reference is sure to {s.sure_to:.2%})"

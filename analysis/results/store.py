@@ -1,4 +1,4 @@
-"""Stored answers: documents that are there whole or not at all."""
+"""Stores answers as JSON documents. A reader finds a whole document or none."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ _FRONT = b'{\n "key": "'
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a file, whole or not at all; its folder is made when missing."""
+    """Writes a file, whole or not at all; its folder is made when missing."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with whole_file(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
 
 
 def write_json(path: Path, document: Document) -> None:
-    """Write a JSON document, whole or not at all."""
+    """Writes a JSON document, whole or not at all."""
     write_text(path, json.dumps(document, indent=1) + "\n")
 
 
 def read_json(path: Path) -> Document | None:
-    """The JSON document in a file; None when there is none."""
+    """Returns the JSON document in a file; None when there is none."""
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -38,14 +38,14 @@ def read_json(path: Path) -> Document | None:
 
 
 def read_current(path: Path, key: str) -> Document | None:
-    """The document in a file when it was stored under this very key; None when it must be computed."""
+    """Returns the document in a file when it was stored under this very key; None when it must be computed."""
     document = read_json(path)
     return document if document is not None and document.get("key") == key else None
 
 
 def is_current(path: Path, key: str) -> bool:
-    """Whether `read_current` would find a document. Nothing is parsed where the key stands first, as it does in what this
-    program writes."""
+    """Tells whether `read_current` would find a document. The document is not parsed if
+    the key comes first in it, as in every document that this program writes."""
     try:
         content = path.read_bytes()
     except OSError:
@@ -61,8 +61,8 @@ class InUse(Exception):
 
 @contextmanager
 def exclusive(folder: Path) -> Iterator[None]:
-    """Keep every other process out of a folder that takes this care. The lock is the system's: it ends with this process,
-    however that ends, and nobody has to remove it. Raises InUse at once when another has it."""
+    """Locks a folder against other processes that use this lock. The operating system releases it when this process ends, however
+    it ends. Raises InUse at once if another process holds it."""
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / ".lock").open("a") as file:
         try:

@@ -25,7 +25,7 @@ COLLISION = ("collision_answers.json", "collision_times.json", "collision_scenes
 
 @dataclass(frozen=True)
 class Failure:
-    """A case that a stage could not answer, and why. Without a case it is a measurement of the model by itself."""
+    """A stage without an answer, and why. `case` is empty for measurements of the model by itself."""
 
     case: str
     stage: str
@@ -56,8 +56,8 @@ class CaseResult:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """All of a study's results. The last three are of the model itself; None where they were not measured. `experiment` is the
-    study's, or empty."""
+    """All of a study's results. The last three measure the model by itself and are None if they were not made. `experiment`
+    is that of the study, or empty."""
 
     folder: Path
     title: str
@@ -74,7 +74,7 @@ class Results:
     collision: collision_measurements.Collision | None
 
     def compared(self) -> list[CaseResult]:
-        """The cases with objects, in the study's order."""
+        """Returns the cases with objects, in the study's order."""
         return [case for case in self.cases.values() if case.family != EMPTY]
 
 
@@ -83,7 +83,7 @@ def case_folder(results: Path, case: str) -> Path:
 
 
 def write_manifest(folder: Path, study: Study, failures: list[Failure]) -> None:
-    """Write down what the study asked and which cases failed; left alone when it says so already."""
+    """Writes what the study asked and which cases failed. An identical file is not written again."""
     document: Document = {
         "format": 1,
         "name": study.name,
@@ -102,7 +102,7 @@ def write_manifest(folder: Path, study: Study, failures: list[Failure]) -> None:
 
 
 def load(folder: Path) -> Results:
-    """The results in a folder; InputError when it holds none."""
+    """Returns the results in a folder; InputError when it holds none."""
     manifest = read_json(folder / MANIFEST)
     if manifest is None:
         raise InputError(str(folder), "", f"holds no results: there is no {MANIFEST}")
@@ -124,7 +124,7 @@ def load(folder: Path) -> Results:
 
 
 def title(folder: Path) -> str:
-    """The title of the study whose results are in a folder."""
+    """Returns the title of the study whose results are in a folder."""
     return str((read_json(folder / MANIFEST) or {})["title"])
 
 

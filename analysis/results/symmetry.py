@@ -14,7 +14,7 @@ from analysis.results.study_results import CaseResult
 
 Array = NDArray[np.float64]
 
-# Lengths count as equal within this part of the set-up's size: more than rounding, less than any intended difference.
+# Relative tolerance for equal lengths, of the set-up's size: more than rounding, less than any intended difference.
 _TOLERANCE = 1e-9
 # Of both rectangles.
 _CORNERS = 8
@@ -45,7 +45,7 @@ class Pair:
 
 
 def pairs(cases: list[CaseResult]) -> list[Pair]:
-    """Every pair of cases with answers that must agree: congruent set-ups in both quantities, exchanged ones in `mutual`."""
+    """Returns every pair of cases with answers that must agree: congruent set-ups in both quantities, exchanged ones in `mutual`."""
     solved = [(case, plates) for case in cases if case.reference and (plates := rectangles(case.scene))]
     found = []
     for one, other in _alike([plates for _, plates in solved]):
@@ -58,13 +58,13 @@ def pairs(cases: list[CaseResult]) -> list[Pair]:
 
 
 def _alike(set_ups: list[tuple[Rectangle, Rectangle]]) -> list[tuple[int, int]]:
-    """The pairs, by number and in order, that can be congruent or exchanged at all: of few set-ups the distances between all
-    corners have the same sum, and only those need a closer look."""
+    """Returns the candidates, as pairs of indices in order: set-ups whose distances between all corners have the same sum. Few have,
+    and only these need the exact comparison."""
     sums = [float(_distances(sensor.vertices, target.vertices).sum()) for sensor, target in set_ups]
     order = sorted(range(len(sums)), key=lambda number: sums[number])
     found = []
     for place, number in enumerate(order):
-        # A distance is a part of the sum, so what it may be off is less than this.
+        # A single distance is smaller than the sum of all, and so is its rounding error.
         highest = sums[number] * (1 + _CORNERS**2 * _TOLERANCE)
         for later in range(place + 1, len(order)):
             other = order[later]
@@ -75,7 +75,7 @@ def _alike(set_ups: list[tuple[Rectangle, Rectangle]]) -> list[tuple[int, int]]:
 
 
 def _congruent(first: tuple[Rectangle, Rectangle], second: tuple[Rectangle, Rectangle]) -> bool:
-    """Whether a motion or a mirror image takes one set-up to the other, sensor to sensor.
+    """Tells whether a motion or a mirror image takes one set-up to the other, sensor to sensor.
 
     It does when the distances between all the corners are the same, in some order around each rectangle.
     """

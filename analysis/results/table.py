@@ -3,7 +3,7 @@
 | column | what it is |
 |---|---|
 | case, family, parameters | the case's folder, its family, the family's parameters as JSON (metres, degrees) |
-| sensor, object | names; `object` is empty for delta_self, which all objects make together |
+| sensor, object | names; `object` is empty for delta_self, which belongs to all objects together |
 | quantity | mutual = −M[s,o], or delta_self = M[s,s] − M0[s,s] with M0 from the scene without objects |
 | gap_over_size | shortest distance between the plates over the sensor's size (a size is the square root of an area) |
 | tilt_degrees | angle between the planes, 0 … 90 |
@@ -13,8 +13,8 @@
 | reached | whether the reference reached the asked accuracy |
 | check_F, check_error_F | delta_self once more, as the difference of two separate solves |
 | model_error | (exact model − reference)/reference |
-| model_error_low, model_error_high | the same for the ends of the reference's interval (ASME V&V 20: the comparison error, with the numerical uncertainty told apart) |
-| reference_seconds, reference_unknowns | what the reference took |
+| model_error_low, model_error_high | the same for the ends of the reference's interval (ASME V&V 20: the comparison error, with the numerical uncertainty kept apart) |
+| reference_seconds, reference_unknowns | run time and unknowns of the reference |
 | model_METHOD_F, model_METHOD_seconds | the model's value for each method (for delta_self the sum over the objects) and its time |
 | command | recomputes the reference's answer |
 """
@@ -73,12 +73,12 @@ class Row:
 
 
 def relative_error(model: float, reference: float) -> float:
-    """(model − reference)/reference."""
+    """Returns (model − reference)/reference."""
     return (model - reference) / reference
 
 
 def error_interval(model: float, reference: Estimate) -> tuple[float, float]:
-    """The least and the greatest relative error for a true value anywhere in the reference's interval.
+    """Returns the least and the greatest relative error for a true value anywhere in the reference's interval.
 
     The upper end is infinite when the interval reaches zero.
     """
@@ -88,7 +88,7 @@ def error_interval(model: float, reference: Estimate) -> tuple[float, float]:
 
 
 def rows(results: Results) -> list[Row]:
-    """A row for each case that has both answers, sensor, object and quantity, in the study's order."""
+    """Returns a row for each case that has both answers, sensor, object and quantity, in the study's order."""
     found = []
     for case in results.compared():
         if case.reference is not None and case.model is not None:
@@ -150,7 +150,7 @@ def _row(
 
 
 def _difference(reference: ReferenceAnswer, empty: CaseResult | None, sensor: str) -> Estimate | None:
-    """M[s,s] − M0[s,s] from two separate solves, with the sum of their errors."""
+    """Returns M[s,s] − M0[s,s] from two separate solves, with the sum of their errors."""
     if empty is None or empty.reference is None:
         return None
     whole, alone = reference.self_capacitance(sensor), empty.reference.self_capacitance(sensor)
@@ -158,20 +158,20 @@ def _difference(reference: ReferenceAnswer, empty: CaseResult | None, sensor: st
 
 
 def reference_command(results: Results, case: str) -> str:
-    """The command, from the repository's folder, that computes the reference's answer for a case."""
+    """Returns the command, from the repository's folder, that computes the reference's answer for a case."""
     scene = from_repository(results.folder / "cases" / case / SCENE)
     asked = f"--rtol {results.rtol:g} --max-seconds {results.max_seconds:g} --error {results.error}"
     return f"{installation.command('fem_reference')} {scene} {asked}"
 
 
 def model_command(results: Results, case: str, method: str = COMPARED_METHOD) -> str:
-    """The command, from the repository's folder, that computes the model's answer for a case."""
+    """Returns the command, from the repository's folder, that computes the model's answer for a case."""
     scene = from_repository(results.folder / "cases" / case / SCENE)
     return f"{installation.model_command()} capacitance {scene} --method {method}"
 
 
 def to_csv(found: list[Row], methods: tuple[str, ...]) -> str:
-    """The rows as CSV text with a header; numbers in full."""
+    """Returns the rows as CSV text with a header; numbers in full."""
     text = io.StringIO()
     records = [_record(row, methods) for row in found]
     header = list(records[0]) if records else ["case"]

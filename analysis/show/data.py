@@ -1,4 +1,4 @@
-"""What the page of a scene shows: bodies in the frames of their links, and what every frame of a motion makes of them."""
+"""The data of a scene's page: bodies in the frames of their links, and poses and readings in every frame of a motion."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _DIGITS = 5
 
 
 def collect(path: Path, scene: Scene, frames: Sequence[Frame], model: Any) -> Document:
-    """Everything the page needs, as JSON. `model` is the module fringe; InputError for what it refuses."""
+    """Collects everything that the page needs, as JSON. `model` is the module fringe; InputError for what it refuses."""
     index = {link.name: number for number, link in enumerate(scene.links)}
     live = _load(path, model)
     return {
@@ -63,7 +63,7 @@ def _load(path: Path, model: Any) -> Any:
     try:
         return model.Scene.load(str(path))
     except ValueError as error:
-        # The model's reader names file, key and reason itself.
+        # The message of the model's reader names file, key and reason.
         raise InputError("", "", str(error)) from error
 
 
@@ -81,13 +81,13 @@ def _plates(sensor: Sensor) -> Array:
 
 
 def _mesh(triangles: Array) -> Document:
-    """Vertices, each once, and the triangles as indices into them."""
+    """Returns the distinct vertices, and the triangles as indices into them."""
     vertices, indices = np.unique(triangles.reshape(-1, 3).round(_DIGITS), axis=0, return_inverse=True)
     return {"vertices": vertices.tolist(), "faces": indices.reshape(-1, 3).tolist()}
 
 
 def _box_corners(triangles: Array, model: Any) -> list[list[float]]:
-    """The corners of the oriented bounding box, the one of −, −, − first, the sign of the last axis changing fastest."""
+    """Returns the corners of the oriented bounding box, from (−, −, −) on; the sign of the last axis changes fastest."""
     vertices = np.unique(triangles.reshape(-1, 3), axis=0)
     centre, axes, half_widths = model.obb(vertices, None, "tight")
     signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
@@ -111,7 +111,7 @@ def _frame(frame: Frame, scene: Scene, live: Any, model: Any) -> Document:
 
 
 def _transforms(frame: Frame, scene: Scene) -> list[Transform]:
-    """From every link's frame to the world's."""
+    """Returns the transform from every link's frame to the world."""
     parents = {link.name: link.parent for link in scene.links}
     result = []
     for link in scene.links:
@@ -125,7 +125,7 @@ def _transforms(frame: Frame, scene: Scene) -> list[Transform]:
 
 
 def _matrix(transform: Transform) -> list[float]:
-    """The rows of (R | t)."""
+    """Returns the rows of (R | t)."""
     rows = np.column_stack([transform.rotation, transform.translation])
     numbers: list[float] = rows.round(_DIGITS + 3).ravel().tolist()
     return numbers
@@ -139,7 +139,7 @@ def _reading(reading: Document) -> Document | None:
 
 
 def _outputs(live: Any) -> Document:
-    """The capacitive sensors' outputs, or why there are none: the model knows only grounded conductors."""
+    """Returns the outputs of the capacitive sensors, or why there are none: the model needs grounded conductors."""
     try:
         answer = live.capacitance()
     except ValueError as error:
@@ -164,12 +164,12 @@ def _capacitance(body: Document) -> float:
 
 
 def _finite(number: float) -> float | None:
-    """JSON has no infinity, which is what contact has."""
+    """Replaces infinity, the capacitance at contact, which JSON cannot express."""
     return number if math.isfinite(number) else None
 
 
 def _collisions(live: Any) -> Document:
-    """The pairs that are not clear and what they cost."""
+    """Returns the pairs that are not clear of each other, and how many tests were made."""
     answer = live.collide()
     pairs = answer["pairs"]
     return {

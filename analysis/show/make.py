@@ -1,4 +1,4 @@
-"""A scene and its motion as one page to look at: `python3 -m analysis show SCENE`."""
+"""`python3 -m analysis show SCENE`: makes one page that shows a scene and its motion."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MOTION_SUFFIX = ".motion.toml"
 
 
 def make(name: str, motion_file: Path | None, target: Path | None) -> Path:
-    """Write the page of a scene, a file or a name in geometries/scenes; returns where it is.
+    """Writes the page of a scene, a file or a name in geometries/scenes; returns where it is.
 
     Without a motion file the one beside the scene is taken, SCENE.motion.toml for SCENE.toml, or else the scene as it
     stands. InputError for files that cannot be used.

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable
-from html import escape
+
+from markupsafe import Markup
 
 from analysis.pipeline import keys
 from analysis.pipeline.boundary_stage import boundary_command
@@ -15,43 +16,45 @@ from analysis.results.answers import BoundaryAnswer, Estimate, ReferenceAnswer
 from analysis.results.store import write_text
 from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, CaseResult, Results
 from analysis.results.table import DELTA_SELF, MUTUAL, Row, model_command, reference_command
+from analysis.results.units import PICOFARAD
 from analysis.topics.errors import section as errors_section
 from analysis.topics.errors.records import Entry
 from geometries.studies.study import EMPTY, NO_REFERENCE
 
-PICOFARAD = 1e-12
 _FILES = (SCENE, REFERENCE, MODEL, BOUNDARY, SLICE)
 _SCRIPT = f"../../{page.SCRIPT}"
 
 
 def make(results: Results, case: CaseResult, rows: list[Row], apart: Entry | None) -> None:
-    """Write the page of a case unless it is up to date. Its rows are given, and its error taken apart where that is known."""
+    """Writes the page of a case unless it is up to date. `apart` holds the parts of its error, if they are
+    known."""
     target = case.folder / page.CASE_PAGE
     inputs = _inputs(results, case, apart)
     if not is_current(target, inputs):
-        body = "\n".join(_body(results, case, rows, apart))
-        write_text(target, page.document(f"{case.family} {case.id}", inputs, [body], _SCRIPT))
+        body = _body(results, case, rows, apart)
+        write_text(target, page.document(f"{case.family} {case.id}", inputs, body, _SCRIPT))
 
 
 def _inputs(results: Results, case: CaseResult, apart: Entry | None) -> str:
-    """A hash of everything the page is made from."""
+    """Returns a hash of everything the page is made from."""
     files = [path for path in (case.folder / name for name in _FILES) if path.is_file()]
     asked = f"{results.title} {results.rtol} {results.max_seconds} {results.error} {case.parameters} {apart and apart.split}"
     answers = f"{keys.hash_of_files(files, results.folder)} {keys.report_code()} {asked}"
     return hashlib.sha256(answers.encode()).hexdigest()
 
 
-def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | None) -> Iterable[str]:
-    yield f"<nav>{page.link('../../report.html', f'‹ {results.title}')} {page.link('../../report/set_ups.html', 'all cases')}</nav>"
-    yield f"<header><h1>{escape(case.family)} {page.code(case.id)}</h1>"
-    yield page.paragraph(plots_in_space.parameters(case))
-    for row in rows:
-        yield page.finding(_finding(row))
+def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | None) -> Iterable[Markup]:
+    yield page.navigation(
+        page.link("../../report.html", f"‹ {results.title}"),
+        page.link("../../report/set_ups.html", "all cases"),
+    )
+    head = [page.paragraph(plots_in_space.parameters(case)), *(page.finding(_finding(row)) for row in rows)]
     if not rows and case.reference is not None:
-        yield from (
+        head += [
             page.finding(_without_model(name, value)) for name, value in case.reference.delta_self.items()
-        )
-    yield f"</header>{page.figures(plots_in_space.panels(case))}"
+        ]
+    yield page.header(Markup("{} {}").format(case.family, page.code(case.id)), *head)
+    yield page.figures(plots_in_space.panels(case))
     if case.slice is None and results.error != NO_REFERENCE:
         yield page.paragraph("No slice of its potential is stored. This command computes one:")
         yield page.command(f"{reference_command(results, case.id)} --slice slice.json")
@@ -80,7 +83,7 @@ def _without_model(sensor: str, value: Estimate) -> str:
     )
 
 
-def _numbers(case: CaseResult, rows: list[Row]) -> list[str]:
+def _numbers(case: CaseResult, rows: list[Row]) -> list[Markup]:
     methods = list(rows[0].model)
     header = ["method", *(f"{row.quantity} {row.sensor} {row.object}".strip() for row in rows), "time (µs)"]
     lines = [
@@ -105,7 +108,7 @@ def _numbers(case: CaseResult, rows: list[Row]) -> list[str]:
     return parts
 
 
-def _matrix(answer: ReferenceAnswer) -> str:
+def _matrix(answer: ReferenceAnswer) -> Markup:
     told = (
         f"pF: charge on the row's conductor per volt on the column's; {answer.unknowns:,} unknowns, {answer.seconds:.1f} s, "
         f"{'within' if answer.reached else 'short of'} the asked accuracy."
@@ -113,7 +116,7 @@ def _matrix(answer: ReferenceAnswer) -> str:
     return _entries(answer) + page.soft(told)
 
 
-def _second_matrix(answer: BoundaryAnswer | None) -> list[str]:
+def _second_matrix(answer: BoundaryAnswer | None) -> list[Markup]:
     if answer is None:
         return []
     changes = [
@@ -121,13 +124,13 @@ def _second_matrix(answer: BoundaryAnswer | None) -> list[str]:
         for name, change in answer.delta_self.items()
     ]
     told = f"{1e3 * answer.seconds:.3g} ms, {'within' if answer.reached else 'short of'} the asked accuracy; {', '.join(changes)}."
-    return ["<h3>The same by boundary elements</h3>", _entries(answer), page.soft(told)]
+    return [page.heading("The same by boundary elements"), _entries(answer), page.soft(told)]
 
 
-def _entries(answer: ReferenceAnswer | BoundaryAnswer) -> str:
+def _entries(answer: ReferenceAnswer | BoundaryAnswer) -> Markup:
     rows = [
         [
-            escape(name),
+            name,
             *(
                 f"{answer.maxwell[i, j] / PICOFARAD:.6g} ± {answer.error[i, j] / PICOFARAD:.1g}"
                 for j in range(len(answer.conductors))
@@ -138,7 +141,7 @@ def _entries(answer: ReferenceAnswer | BoundaryAnswer) -> str:
     return page.table(["", *answer.conductors], rows)
 
 
-def _commands(results: Results, case: CaseResult) -> list[str]:
+def _commands(results: Results, case: CaseResult) -> list[Markup]:
     parts = [page.paragraph("From the project's folder:")]
     if results.error != NO_REFERENCE:
         parts.append(page.command(reference_command(results, case.id)))
@@ -147,4 +150,4 @@ def _commands(results: Results, case: CaseResult) -> list[str]:
     if case.boundary is not None:
         parts.append(page.command(boundary_command(results, case.id)))
     files = [page.link(name, name) for name in _FILES if (case.folder / name).is_file()]
-    return [*parts, f"<p>Beside this page: {', '.join(files)}.</p>"]
+    return [*parts, page.paragraph(Markup("Beside this page: {}.").format(Markup(", ").join(files)))]

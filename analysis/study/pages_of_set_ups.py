@@ -1,4 +1,4 @@
-"""The pages of a report that show set-ups which are no cases of the study: those of the corrections and of the published table."""
+"""Pages of set-ups that are not cases of the study: those of the corrections and of the published table."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SCRIPT = f"../{Path(page.SCRIPT).name}"
 
 @dataclass(frozen=True)
 class SetUpsPage:
-    """`file` in the folder of the report's pages, `inputs`, a hash of what it is made from, and what makes its text."""
+    """`file` is in the folder of the report's pages, `inputs` a hash of what the page is made from, `text` makes it."""
 
     file: str
     inputs: str
@@ -28,7 +28,7 @@ class SetUpsPage:
 
 
 def pages(corrected: Document | None) -> list[SetUpsPage]:
-    """Those that there are; `corrected` is the document of the corrections."""
+    """Returns the pages that can be made; `corrected` is the document of the corrections."""
 
     def of_published(inputs: str) -> str:
         return published_section.set_ups_document(*_back(questions.PUBLISHED), inputs, _SCRIPT)
@@ -47,13 +47,13 @@ def pages(corrected: Document | None) -> list[SetUpsPage]:
 
 
 def write(corrected: Document | None, place: Path) -> None:
-    """Write those that are not up to date into the folder of the report's pages."""
+    """Writes those that are not up to date into the folder of the report's pages."""
     for each in pages(corrected):
         if not is_current(place / each.file, each.inputs):
             write_text(place / each.file, each.text(each.inputs))
 
 
 def _back(name: str) -> tuple[str, str]:
-    """The page of a question as seen from that of its set-ups, and its title."""
+    """Returns the page of a question as seen from that of its set-ups, and its title."""
     (title,) = (question.title for question in questions.QUESTIONS if question.name == name)
     return f"../{name}.html", title

@@ -1,4 +1,4 @@
-"""What of a study is to do: the answers that are missing, or stored under another key than they would get today."""
+"""Plans a study: finds the answers that are missing or stored under an outdated key."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from analysis.results.store import is_current
 from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, case_folder
 from geometries.studies.study import EMPTY, NO_REFERENCE, Case, Study
 
-# Seconds that a case takes on one core of 2020, roughly: only their ratios count, for the order and the progress bar.
+# Approximate seconds per case on one core of 2020. Only their ratios matter, for the order and the progress bar.
 _SECONDS_EMPTY, _SECONDS_PAIR, _SECONDS_PER_SIZE_OVER_GAP, _SECONDS_SLICE = 4.0, 12.0, 1.0, 4.0
 _SECONDS_MODEL, _SECONDS_BOUNDARY = 0.1, 0.1
-# Proven intervals take so many times as long as estimated errors.
+# Run time of proven intervals relative to estimated errors.
 _ENCLOSURE_FACTOR = 3.0
-# With so many cases those of a job even out, and looking at each of them would take longer than it saves.
+# From this number of cases on, all are expected to take equally long: estimating each would take longer than it saves.
 _MANY_CASES = 5000
-# A slice takes three to five seconds: with so many cases, minutes, which is what a picture on the page of each is worth.
+# Up to this number of cases, every case gets a slice of the potential; each takes three to five seconds.
 _ALL_PICTURED = 100
 
 
 @dataclass(frozen=True)
 class Work:
-    """What is to do for one case. `keys` has the key for each file that is missing: model.json, boundary.json, fem.json, slice.json;
-    `seconds` is what each takes, roughly."""
+    """The missing answers of one case: `keys` and the expected `seconds` for each of the files model.json, boundary.json, fem.json and
+    slice.json that is missing."""
 
     case: str
     scene: str
@@ -40,7 +40,7 @@ class Work:
 
 
 def missing(study: Study, cases: list[Case], folder: Path) -> list[Work]:
-    """What is to do so that every case is up to date in `folder`; nothing is changed there."""
+    """Returns what is to do so that every case is up to date in `folder`; nothing is changed there."""
     model, reference = keys.model_code(), keys.reference_code()
     there = _case_folders(folder)
     pictured = set() if study.error == NO_REFERENCE else _pictured(cases)
@@ -75,8 +75,8 @@ def _case_folders(folder: Path) -> set[str]:
 
 
 def _pictured(cases: list[Case]) -> set[str]:
-    """Every case of a small study; of a large one a case for each family, the second of its list where it can be: the first of
-    a sweep is its extreme."""
+    """Returns the cases that get a slice of the potential: all of a small study, one for each family of a large one, if possible the
+    second of its list, because the first of a sweep is its extreme."""
     members: dict[str, list[str]] = {}
     for case in cases:
         if case.family != EMPTY:

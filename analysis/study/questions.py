@@ -1,9 +1,11 @@
-"""The pages of a study's report, one for each question: a line in QUESTIONS makes a page, its way around, its card in the index."""
+"""The pages of a study's report, one for each question. A line in QUESTIONS makes a page, its navigation and its card in the index."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+
+from markupsafe import Markup
 
 from analysis.report import (
     collision_section,
@@ -30,18 +32,18 @@ from analysis.topics.verification import page as verification_page
 from geometries.studies.study import NO_REFERENCE
 
 CROSS_CHECK = "cross_check"
-"""The page that a disagreement is told on."""
+"""The page that shows disagreements."""
 ERRORS_CASES = "../../errors/cases"
 """The cases of `python3 -m analysis errors`, as seen from a page of a study's report."""
 CORRECTIONS, PUBLISHED = "corrections", "published"
-"""The pages whose points open set-ups that are no cases of the study …"""
+"""The pages whose points open set-ups that are not cases of the study."""
 CORRECTIONS_SET_UPS, PUBLISHED_SET_UPS = (f"set_ups/{name}.html" for name in (CORRECTIONS, PUBLISHED))
-"""… and the page that shows these, as seen from there."""
+"""The pages that show these set-ups, relative to the folder of pages."""
 
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """What pages are made from: a study's answers, and what is known of reference and model without it."""
+    """The data that pages are made from: a study's answers, and measurements of reference and model that belong to no study."""
 
     found: results.Results
     rows: list[table.Row]
@@ -54,24 +56,24 @@ class Material:
 
 @dataclass(frozen=True)
 class Question:
-    """A page: `name` of its file, `short` title for the way around, and the sections; without any there is no page. The first
-    finding of the first section that has one is shown in the index."""
+    """A page: `name` of its file, `short` title for the navigation, and the sections; without sections there is no page. The
+    index shows the first finding of the page."""
 
     name: str
     short: str
     title: str
-    body: Callable[[Material], list[str]]
+    body: Callable[[Material], list[Markup]]
 
 
-def _experiment(material: Material) -> list[str]:
+def _experiment(material: Material) -> list[Markup]:
     return [experiments_section.section(material.found)]
 
 
-def _model_error(material: Material) -> list[str]:
+def _model_error(material: Material) -> list[Markup]:
     if not material.rows:
         return []
     plots = [plots_of_errors.model_against_reference(material.rows)]
-    # What describes a set-up in four numbers is for one plate before another.
+    # The four numbers describe one plate before another; other set-ups have none.
     if any(row.set_up is not None for row in material.rows):
         plots += _over_what_describes(material.rows)
     return [page.plot_section(plot) for plot in plots]
@@ -86,30 +88,30 @@ def _over_what_describes(rows: list[table.Row]) -> list[Plot]:
     ]
 
 
-def _parts(material: Material) -> list[str]:
+def _parts(material: Material) -> list[Markup]:
     own = error_records.by_reference(material.taken_apart, material.found)
     return [*errors_section.sections(material.taken_apart, ERRORS_CASES), errors_section.of_study(own)]
 
 
-def _corrections(material: Material) -> list[str]:
+def _corrections(material: Material) -> list[Markup]:
     return [corrections_section.section(material.corrected, CORRECTIONS_SET_UPS)]
 
 
-def _published(material: Material) -> list[str]:
+def _published(material: Material) -> list[Markup]:
     return [published_section.section(PUBLISHED_SET_UPS)]
 
 
-def _reference(material: Material) -> list[str]:
+def _reference(material: Material) -> list[Markup]:
     pairs = symmetry.pairs(material.found.compared())
     trusted = sections.trust(material.found, material.rows, pairs)
     return [trusted, verification_page.truths(material.verified)]
 
 
-def _cross_check(material: Material) -> list[str]:
+def _cross_check(material: Material) -> list[Markup]:
     return [] if material.found.error == NO_REFERENCE else cross_check_section.sections(material.found)
 
 
-def _run_time(material: Material) -> list[str]:
+def _run_time(material: Material) -> list[Markup]:
     parts = [trade_off_section.section(trade_off.load(material.found.folder), material.found, page.CASES)]
     if not parts[0] and material.rows:
         parts = [page.plot_section(plot_of_time.time_against_error(material.rows))]
@@ -117,19 +119,19 @@ def _run_time(material: Material) -> list[str]:
     return [*parts, verification_page.costs(material.verified)]
 
 
-def _stability(material: Material) -> list[str]:
+def _stability(material: Material) -> list[Markup]:
     return [stability_section.section(material.found.stability)]
 
 
-def _collisions(material: Material) -> list[str]:
+def _collisions(material: Material) -> list[Markup]:
     return [collision_section.section(material.found.collision)]
 
 
-def _faults(material: Material) -> list[str]:
+def _faults(material: Material) -> list[Markup]:
     return [faults_section.section(material.faults)] if material.faults else []
 
 
-def _set_ups(material: Material) -> list[str]:
+def _set_ups(material: Material) -> list[Markup]:
     pictures = plots_in_space.pictures(material.rows) if material.rows else []
     return [
         *(page.plot_section(plot) for plot in pictures),

@@ -1,4 +1,4 @@
-"""From stored answers to `table.csv`, `report.html`, and the pages it leads to: one for every question and every case."""
+"""Makes `table.csv`, `report.html` and the pages that it links to, one for every question and every case, from stored answers."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import hashlib
 import json
 import re
 from dataclasses import asdict, dataclass
-from html import escape
 from pathlib import Path
+
+from markupsafe import Markup
 
 from analysis.pipeline import keys
 from analysis.report import faults_section, index_page, page, sections
@@ -25,7 +26,7 @@ from analysis.topics.trade_off import section as trade_off_section, stage as tra
 from analysis.topics.verification import page as verification_page, stage as verification_stage
 
 PAGES = "report"
-"""The folder of the pages and of the script they share."""
+"""The folder of the pages and of plotly.js, which they share."""
 _FINDINGS = "pages.json"
 _CASES_IN_FIGURE = re.compile(r'"customdata":\[+"[0-9a-f]{16}"')
 _HINT = "A click on a point opens its case."
@@ -34,8 +35,8 @@ _HREF = re.compile(r'href="([^"#]+)"')
 
 @dataclass(frozen=True)
 class Report:
-    """Where the report is, what it says in few numbers, how many cases are short of the asked accuracy, and how many values of the
-    two references disagree."""
+    """The report's path, its summaries, the number of cases short of the asked accuracy, and the number of values on which the two
+    references disagree."""
 
     path: Path
     summaries: list[statistics.Summary]
@@ -44,7 +45,7 @@ class Report:
 
 
 def make(folder: Path) -> Report:
-    """Write the table and the report of the results in a folder, unless they are up to date; InputError without results."""
+    """Writes the table and the report of the results in a folder, unless they are up to date; InputError without results."""
     found = results.load(folder)
     rows = table.rows(found)
     summaries = statistics.summaries(rows)
@@ -71,7 +72,7 @@ def make(folder: Path) -> Report:
 def _inputs(
     folder: Path, found: results.Results, verified: dict[str, Document], apart: dict[str, Document]
 ) -> str:
-    """A hash of everything the pages are made from: the answers, what was asked, and the code of this package."""
+    """Returns a hash of everything the pages are made from: the answers, what was asked, and the code of this package."""
     files = [
         folder / name for name in (results.MANIFEST, results.RUN_TIMES, results.STABILITY, *results.COLLISION)
     ]
@@ -85,13 +86,13 @@ def _inputs(
 
 
 def _is_complete(folder: Path) -> bool:
-    """Whether the files that the report leads to are there."""
+    """Tells whether all files that the report links to exist."""
     text = (folder / page.REPORT).read_text(encoding="utf-8")
     return all((folder / target).is_file() for target in _HREF.findall(text))
 
 
 def _write(material: Material, nights: list[Document], inputs: str, whole: str) -> None:
-    """The table, the pages, and at last the report itself, which says that all are there."""
+    """Writes the table, the pages, and last the report itself, which marks all of them as complete."""
     folder = material.found.folder
     write_text(folder / table.TABLE, table.to_csv(material.rows, material.found.methods))
     cards = _pages(material, inputs)
@@ -109,11 +110,11 @@ def _write(material: Material, nights: list[Document], inputs: str, whole: str) 
 
 
 def _pages(material: Material, inputs: str) -> list[Card]:
-    """Write the pages unless they are up to date; returns them as the index shows them."""
+    """Writes the pages unless they are up to date; returns them as the index shows them."""
     place = material.found.folder / PAGES
     known = read_json(place / _FINDINGS)
     if known is not None and known["made_from"] == inputs:
-        cards = [index_page.Card(**card) for card in known["pages"]]
+        cards = [_card(card) for card in known["pages"]]
         needed = [place.parent / card.target for card in cards]
         needed += [place / each.file for each in pages_of_set_ups.pages(material.corrected)]
         if all(path.is_file() for path in needed):
@@ -134,21 +135,25 @@ def _pages(material: Material, inputs: str) -> list[Card]:
     return cards
 
 
+def _card(stored: Document) -> Card:
+    return Card(stored["target"], stored["title"], Markup(stored["says"]))
+
+
 def _question_pages(material: Material, inputs: str) -> list[Card]:
     place, title = material.found.folder / PAGES, material.found.title
-    bodies = {question: "\n".join(question.body(material)).strip() for question in QUESTIONS}
+    bodies = {question: Markup(page.lines(question.body(material)).strip()) for question in QUESTIONS}
     asked = [question for question in QUESTIONS if bodies[question]]
     around = [(f"{question.name}.html", question.short) for question in asked]
     cards = []
     for question in asked:
         file = f"{question.name}.html"
-        # Pages of set-ups that are no cases say themselves what their points open.
+        # Pages whose points open other set-ups say so themselves.
         cases = _CASES_IN_FIGURE.search(bodies[question]) and "data-set-ups" not in bodies[question]
-        hint = page.soft(_HINT) if cases else ""
+        hint = [page.soft(_HINT)] if cases else []
         way = index_page.navigation(title, around, file)
-        head = f"{way}<header><h1>{escape(question.title)}</h1>{hint}</header>"
+        head = page.header(question.title, *hint)
         text = page.document(
-            f"{question.title} {title}", inputs, [head, bodies[question]], Path(page.SCRIPT).name
+            f"{question.title} {title}", inputs, [way, head, bodies[question]], Path(page.SCRIPT).name
         )
         write_text(place / file, text)
         cards.append(

@@ -12,7 +12,7 @@ from pathlib import Path
 
 @contextmanager
 def whole_file(target: Path) -> Iterator[Path]:
-    """A temporary name beside `target`, of the same suffix, to write to: renamed at the end, removed after an error.
+    """Returns a temporary name beside `target`, of the same suffix, to write to: renamed at the end, removed after an error.
 
     What a writer of the same file left that was killed on this machine is removed, too. Unlike tempfile's, the file gets the
     permissions that the user's umask gives to any other.

@@ -13,7 +13,7 @@ DEBIAN_PYTHON = "/usr/bin/python3"
 
 
 def continue_with(module: str) -> None:
-    """Return if this interpreter has `module`; else run the same command again with Debian's Python, which should.
+    """Returns if this interpreter has `module`; else run the same command again with Debian's Python, which should.
 
     Exits with status 1 and a sentence when that has not got it either. Call it before any import that needs packages.
     """

@@ -19,7 +19,7 @@ _LINE = re.compile(r"\(at line (\d+), column \d+\)")
 
 
 def read_text(path: Path) -> str:
-    """The text of a file; InputError when it is missing, unreadable or not UTF-8."""
+    """Returns the text of a file; InputError when it is missing, unreadable or not UTF-8."""
     if not is_file(path):
         raise InputError(str(path), "", "cannot be read: it does not exist or is not a file")
     try:
@@ -32,7 +32,7 @@ def read_text(path: Path) -> str:
 
 
 def is_file(path: Path) -> bool:
-    """Whether a path leads to a regular file: no folder, no device, no pipe, which could take for ever to read. A path that no
+    """Tells whether a path leads to a regular file: no folder, no device, no pipe, which could take for ever to read. A path that no
     file can have, of a loop of links for instance, leads to none."""
     try:
         return path.is_file()
@@ -41,7 +41,7 @@ def is_file(path: Path) -> bool:
 
 
 def parse(text: str, source: str) -> Table:
-    """The root table of a TOML document; InputError with the line when it is not TOML."""
+    """Returns the root table of a TOML document; InputError with the line when it is not TOML."""
     try:
         values = tomllib.loads(text)
     except RecursionError as error:
@@ -70,7 +70,7 @@ class Table:
         self.label = label
 
     def key(self, name: str) -> str:
-        """The key as an error names it."""
+        """Returns the key as an error names it."""
         if not self.label:
             return name
         return f"{self.label} {name}" if self.label.endswith(":") else f"{self.label}.{name}"
@@ -85,7 +85,7 @@ class Table:
         return tuple(self._values)
 
     def value(self, name: str) -> Any:
-        """The value of a key, whatever its type; InputError when the key is missing."""
+        """Returns the value of a key, whatever its type; InputError when the key is missing."""
         self._asked.add(name)
         if name not in self._values:
             meant = get_close_matches(name, self._values, n=1)
@@ -93,13 +93,13 @@ class Table:
         return self._values[name]
 
     def finish(self) -> None:
-        """Refuse every key that nothing has asked for."""
+        """Refuses every key that nothing has asked for."""
         for name in self._values:
             if name not in self._asked:
                 raise self.error(name, "unknown key")
 
     def known_format(self, known: int = 1) -> None:
-        """Refuse a document that says it is written in a version of its format other than `known`."""
+        """Refuses a document that says it is written in a version of its format other than `known`."""
         version = self.integer("format", known, at_least=1, at_most=1_000_000)
         if version != known:
             raise self.error("format", f"is {version}, and this program knows {known} only")
@@ -154,7 +154,7 @@ class Table:
         return cast(Vector3, self.vector(name, 3, default))
 
     def as_number(self, name: str, value: Any) -> float:
-        """`value`, found at `name`, as a finite number."""
+        """Returns `value`, found at `name`, as a finite number."""
         if not isinstance(value, (int, float)) or isinstance(value, bool):
             raise self.error(name, f"must be a number, not {value!r}")
         if isinstance(value, int) and not -(2**63) <= value < 2**63:
@@ -167,13 +167,13 @@ class Table:
         return number + 0.0  # the sum turns -0.0 into 0.0
 
     def as_vector(self, name: str, value: Any, length: int) -> tuple[float, ...]:
-        """`value`, found at `name`, as a list of `length` finite numbers."""
+        """Returns `value`, found at `name`, as a list of `length` finite numbers."""
         if not isinstance(value, list) or len(value) != length:
             raise self.error(name, f"must be a list of {length} numbers, not {value!r}")
         return tuple(self.as_number(f"{name}[{index}]", item) for index, item in enumerate(value))
 
     def table(self, name: str, required: bool = True) -> Table:
-        """A table within this one; an empty one when it is absent and not required."""
+        """Returns a table within this one; an empty one when it is absent and not required."""
         if not required and not self.has(name):
             return Table({}, self.source, self.key(name))
         value = self.value(name)
@@ -182,7 +182,7 @@ class Table:
         return Table(value, self.source, self.key(name))
 
     def tables(self, name: str) -> list[Table]:
-        """A list of tables within this one; none when it is absent. Tables with a name are labelled by it."""
+        """Returns a list of tables within this one; none when it is absent. Tables with a name are labelled by it."""
         if not self.has(name):
             return []
         value = self.value(name)

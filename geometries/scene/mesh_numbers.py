@@ -18,13 +18,13 @@ class Damaged(Exception):
 
 
 def shown(word: bytes) -> str:
-    """A word of a file as a message may show it."""
+    """Returns a word of a file as a message may show it."""
     text = word[:40].decode("ascii", "backslashreplace")
     return repr(text + "…" if len(word) > 40 else text)
 
 
 def decimals(words: Iterable[bytes]) -> NDArray[np.float64]:
-    """The numbers that the words stand for."""
+    """Returns the numbers that the words stand for."""
     return np.fromiter(map(_decimal, words), dtype=np.float64)
 
 

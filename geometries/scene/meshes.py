@@ -32,7 +32,7 @@ _SURFACE_CELLS = ("triangle", "quad", "polygon")
 
 
 def read_triangles(path: Path, key: str = "") -> Array:
-    """The triangles (n, 3, 3) of a mesh file, in the file's order and unit; polygons as fans from their first vertex.
+    """Returns the triangles (n, 3, 3) of a mesh file, in the file's order and unit; polygons as fans from their first vertex.
 
     Volume meshes give the surface cells that they hold. InputError, naming `key`, when the file is missing, unreadable,
     or has no triangles, or when a vertex is missing or not finite.
@@ -91,7 +91,7 @@ def _checked(triangles: Array, path: Path, key: str) -> Array:
 
 
 def convert(source: Path, target: Path) -> int:
-    """Write the triangles of `source` (any format meshio knows) as STL, OBJ or PLY; returns their number.
+    """Writes the triangles of `source` (any format meshio knows) as STL, OBJ or PLY; returns their number.
 
     The target appears whole or not at all. InputError when the source cannot be read or the target cannot be written.
     """
@@ -111,7 +111,7 @@ def convert(source: Path, target: Path) -> int:
 
 
 def _fan(polygons: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Polygons (n, m) as fans of triangles (n·(m − 2), 3) from their first vertex."""
+    """Returns polygons (n, m) as fans of triangles (n·(m − 2), 3) from their first vertex."""
     last = polygons.shape[1] - 1
     fans = np.stack([polygons[:, [0, k, k + 1]] for k in range(1, last)], axis=1)
     return np.asarray(fans.reshape(-1, 3), dtype=np.int64)

@@ -21,12 +21,12 @@ class Frame:
 
 
 def load(path: Path | str, scene: Scene) -> tuple[Frame, ...]:
-    """The frames in a file; InputError when the file cannot be used with the scene."""
+    """Returns the frames in a file; InputError when the file cannot be used with the scene."""
     return loads(read_text(Path(path)), scene, source=str(path))
 
 
 def loads(text: str, scene: Scene, source: str = "motion") -> tuple[Frame, ...]:
-    """The frames in a text; `source` stands for it in errors."""
+    """Returns the frames in a text; `source` stands for it in errors."""
     root = parse(text, source)
     root.known_format()
     poses = at_rest(scene).poses
@@ -45,7 +45,7 @@ def loads(text: str, scene: Scene, source: str = "motion") -> tuple[Frame, ...]:
 
 
 def at_rest(scene: Scene) -> Frame:
-    """The scene as its file says."""
+    """Returns the scene as its file says."""
     return Frame("as in the scene", {link.name: link.pose for link in scene.links})
 
 

@@ -16,7 +16,7 @@ _NUMBERS_OF_VERTEX = (3, 6)
 
 
 def triangles(content: bytes) -> Array:
-    """The triangles (n, 3, 3) of a file's bytes in their order, polygons as fans; Damaged when there is something else."""
+    """Returns the triangles (n, 3, 3) of a file's bytes in their order, polygons as fans; Damaged when there is something else."""
     vertices: list[Array] = []
     faces: list[tuple[int, list[int]]] = []
     for line, words in _statements(content):
@@ -39,7 +39,7 @@ def triangles(content: bytes) -> Array:
 
 
 def _statements(content: bytes) -> Iterator[tuple[int, list[bytes]]]:
-    """The words of each statement and the line it begins on; a backslash at the end of a line continues it on the next."""
+    """Returns the words of each statement and the line it begins on; a backslash at the end of a line continues it on the next."""
     first, words = 0, []
     for number, line in enumerate(content.split(b"\n"), 1):
         line = line.removesuffix(b"\r")
@@ -55,12 +55,12 @@ def _statements(content: bytes) -> Iterator[tuple[int, list[bytes]]]:
 
 
 def _stated(words: list[bytes]) -> list[bytes]:
-    """The words before a comment."""
+    """Returns the words before a comment."""
     return words[: next((at for at, word in enumerate(words) if word.startswith(b"#")), None)]
 
 
 def _index(corner: bytes, before: int, line: int) -> int:
-    """The vertex, from 0, of a corner as 3, 3/1, 3//2 or -1/1/2: by number from 1, or backwards from the last one `before`."""
+    """Returns the vertex, from 0, of a corner as 3, 3/1, 3//2 or -1/1/2: by number from 1, or backwards from the last one `before`."""
     number = whole(corner.split(b"/")[0])
     if number == 0 or -number > before:
         raise Damaged(f"names the vertex {shown(corner)}, which it does not hold, in line {line}")

@@ -38,7 +38,7 @@ class _Element:
 
 
 def triangles(content: bytes) -> Array:
-    """The triangles (n, 3, 3) of a file's bytes in their order, polygons as fans; Damaged when there is something else."""
+    """Returns the triangles (n, 3, 3) of a file's bytes in their order, polygons as fans; Damaged when there is something else."""
     order, elements, body = _header(content)
     vertices = _only(elements, b"vertex", (b"x", b"y", b"z"))
     faces = _only(elements, b"face", ())
@@ -60,7 +60,7 @@ def triangles(content: bytes) -> Array:
 
 
 def _header(content: bytes) -> tuple[str, list[_Element], bytes]:
-    """The order of bytes, empty for text, the elements, and what follows."""
+    """Returns the order of bytes, empty for text, the elements, and what follows."""
     if content.partition(b"\n")[0] not in (b"ply", b"ply\r"):
         raise Damaged("does not begin with the header of a PLY file")
     order, elements = None, []
@@ -99,7 +99,7 @@ def _property(words: list[bytes]) -> _Property:
 
 
 def _only(elements: list[_Element], name: bytes, scalars: tuple[bytes, ...]) -> _Element:
-    """The one element of a name, which must have these numbers, or the list of a face's vertices."""
+    """Returns the one element of a name, which must have these numbers, or the list of a face's vertices."""
     found = [element for element in elements if element.name == name]
     if len(found) != 1:
         raise Damaged(f"has {len(found)} elements {name.decode()}, not one")

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 def unit(vector: tuple[float, ...]) -> Array:
-    """The vector of length 1 in the same direction. Neither a tiny nor a huge one may leave the range of numbers, so it is
+    """Returns the vector of length 1 in the same direction. Neither a tiny nor a huge one may leave the range of numbers, so it is
     brought to the size of 1 first, by a power of 2, which changes no digit."""
     exponent = math.frexp(max(abs(value) for value in vector))[1]
     scaled = np.array([math.ldexp(value, -exponent) for value in vector])
@@ -28,7 +28,7 @@ class AxisRotation:
     degrees: float = 0.0
 
     def matrix(self) -> Array:
-        """The rotation matrix (3, 3), by Rodrigues' formula."""
+        """Returns the rotation matrix (3, 3), by Rodrigues' formula."""
         x, y, z = unit(self.axis)
         cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
         # Whole turns are taken off where that is exact: in degrees.
@@ -43,7 +43,7 @@ class QuaternionRotation:
     quaternion: tuple[float, float, float, float]
 
     def matrix(self) -> Array:
-        """The rotation matrix (3, 3)."""
+        """Returns the rotation matrix (3, 3)."""
         w, x, y, z = unit(self.quaternion)
         return np.array(
             [
@@ -80,13 +80,13 @@ class Transform:
         return Transform(np.eye(3), np.zeros(3))
 
     def after(self, inner: Transform) -> Transform:
-        """The transform that applies `inner` first and this one second."""
+        """Returns the transform that applies `inner` first and this one second."""
         return Transform(self.rotation @ inner.rotation, self.points(inner.translation))
 
     def points(self, points: Array) -> Array:
-        """Map points (..., 3)."""
+        """Maps points (..., 3)."""
         return np.asarray(points @ self.rotation.T + self.translation)
 
     def directions(self, directions: Array) -> Array:
-        """Map directions (..., 3): rotated, not moved."""
+        """Maps directions (..., 3): rotated, not moved."""
         return np.asarray(directions @ self.rotation.T)

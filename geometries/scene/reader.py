@@ -46,12 +46,12 @@ _POTENTIALS = ("grounded", "floating")
 
 
 def load(path: Path | str) -> Scene:
-    """The scene in a file; InputError when the file cannot be used."""
+    """Returns the scene in a file; InputError when the file cannot be used."""
     return loads(read_text(Path(path)), source=str(path))
 
 
 def loads(text: str, source: str = "scene") -> Scene:
-    """The scene in a text; `source` stands for it in errors, and mesh files are relative to its folder."""
+    """Returns the scene in a text; `source` stands for it in errors, and mesh files are relative to its folder."""
     root = parse(text, source)
     root.known_format()
     medium = root.table("medium", required=False)
@@ -153,7 +153,7 @@ def _pose(table: Table) -> Pose:
 
 
 def rotation(table: Table) -> Rotation:
-    """The rotation that `rotation` or `quaternion` of a link, an object or a frame's pose describe; none when absent."""
+    """Returns the rotation that `rotation` or `quaternion` of a link, an object or a frame's pose describe; none when absent."""
     if table.has("quaternion"):
         if table.has("rotation"):
             raise table.error("quaternion", "stands in the place of rotation: give one of them")

@@ -98,7 +98,7 @@ class Scene:
     room: Room | None = None
 
     def transform_of_link(self, name: str | None) -> Transform:
-        """From a link's frame to the world's; the identity for None, the world itself."""
+        """Returns the transform from a link's frame to the world; the identity for None, the world itself."""
         links = {link.name: link for link in self.links}
         transform = Transform.identity()
         while name is not None:
@@ -108,13 +108,13 @@ class Scene:
         return transform
 
     def pose_of_object(self, name: str) -> tuple[Array, Array]:
-        """R (3, 3) and t (3,) that map the frame of an object's shape to the world: p ↦ R·p + t. KeyError when unknown."""
+        """Returns R (3, 3) and t (3,) that map the frame of an object's shape to the world: p ↦ R·p + t. KeyError when unknown."""
         body = {body.name: body for body in self.objects}[name]
         transform = self.transform_of_link(body.link).after(body.pose.transform())
         return transform.rotation, transform.translation
 
     def sensor_rectangles(self, name: str) -> list[tuple[Array, Array, Array]]:
-        """(corner, edge_u, edge_v), each (3,), of a sensor's plates in the world frame. KeyError when unknown."""
+        """Returns (corner, edge_u, edge_v), each (3,), of a sensor's plates in the world frame. KeyError when unknown."""
         sensor = {sensor.name: sensor for sensor in self.sensors}[name]
         transform = self.transform_of_link(sensor.link)
         return [
@@ -127,7 +127,7 @@ class Scene:
         ]
 
     def conductors(self) -> dict[str, Array]:
-        """Name → triangles (n, 3, 3) in the world frame: the sensors', then those of the objects that conduct.
+        """Names → triangles (n, 3, 3) in the world frame: the sensors', then those of the objects that conduct.
 
         A sensor's rectangle is (c, c+u, c+u+v), (c, c+u+v, c+v). Dielectric bodies are left out.
         """

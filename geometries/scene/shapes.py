@@ -22,7 +22,7 @@ class PlateShape:
     size: tuple[float, float]
 
     def triangles(self) -> Array:
-        """Two triangles (2, 3, 3)."""
+        """Returns two triangles (2, 3, 3)."""
         x, y = self.size[0] / 2, self.size[1] / 2
         return _quads(
             [
@@ -41,7 +41,7 @@ class Cuboid:
     size: tuple[float, float, float]
 
     def triangles(self) -> Array:
-        """Twelve triangles (12, 3, 3), two for each face."""
+        """Returns twelve triangles (12, 3, 3), two for each face."""
         vertices = (
             np.array([[a, b, c] for c in (-1, 1) for b in (-1, 1) for a in (-1, 1)])
             * np.asarray(self.size)
@@ -59,7 +59,7 @@ class Cylinder:
     segments: int = DEFAULT_SEGMENTS
 
     def triangles(self) -> Array:
-        """4·segments triangles (n, 3, 3): per segment two of the side, one of the bottom, one of the top."""
+        """Returns 4·segments triangles (n, 3, 3): per segment two of the side, one of the bottom, one of the top."""
         bottom, top = _ring(self.radius, -self.height / 2, self.segments), _ring(
             self.radius, self.height / 2, self.segments
         )
@@ -86,7 +86,7 @@ class Cone:
     segments: int = DEFAULT_SEGMENTS
 
     def triangles(self) -> Array:
-        """2·segments triangles (n, 3, 3): per segment one of the side, one of the bottom."""
+        """Returns 2·segments triangles (n, 3, 3): per segment one of the side, one of the bottom."""
         base = _ring(self.radius, -self.height / 2, self.segments)
         base_next = np.roll(base, -1, axis=0)
         apex, low = _repeated((0, 0, self.height / 2), self.segments), _repeated(
@@ -106,7 +106,7 @@ class Arc:
     segments: int = DEFAULT_SEGMENTS
 
     def triangles(self) -> Array:
-        """8·segments triangles (n, 3, 3), and four for the two ends when the ring is open."""
+        """Returns 8·segments triangles (n, 3, 3), and four for the two ends when the ring is open."""
         n = self.segments
         closed = self.degrees == 360
         angles = np.radians(self.degrees * (np.arange(n + 1) / n - 0.5))
@@ -137,7 +137,7 @@ class Sphere:
     segments: int = DEFAULT_SEGMENTS
 
     def triangles(self) -> Array:
-        """2·segments·(bands − 1) triangles (n, 3, 3), from the north pole southwards."""
+        """Returns 2·segments·(bands − 1) triangles (n, 3, 3), from the north pole southwards."""
         n = self.segments
         bands = max(2, n // 2)
         polar = [math.pi * j / bands for j in range(1, bands)]
@@ -165,7 +165,7 @@ class MeshShape:
     surface: Array = field(compare=False, repr=False)
 
     def triangles(self) -> Array:
-        """The file's triangles (n, 3, 3), scaled, in the file's order."""
+        """Returns the file's triangles (n, 3, 3), scaled, in the file's order."""
         return np.asarray(self.scale * self.surface)
 
 
@@ -173,7 +173,7 @@ Shape = PlateShape | Cuboid | Cylinder | Cone | Arc | Sphere | MeshShape
 
 
 def _ring(radius: float, height: float, segments: int) -> Array:
-    """`segments` points on a circle about z, from the x axis anticlockwise."""
+    """Returns `segments` points on a circle about z, from the x axis anticlockwise."""
     angles = 2 * np.pi * np.arange(segments) / segments
     return np.column_stack([radius * np.cos(angles), radius * np.sin(angles), np.full(segments, height)])
 
@@ -183,11 +183,11 @@ def _repeated(point: tuple[float, float, float], count: int) -> Array:
 
 
 def _interleaved(kinds: list[tuple[Array, Array, Array]]) -> Array:
-    """Triangles for each k the first kind's, the second's, …; each kind is three vertex arrays (n, 3)."""
+    """Returns triangles for each k the first kind's, the second's, …; each kind is three vertex arrays (n, 3)."""
     return np.stack([np.stack(kind, axis=1) for kind in kinds], axis=1).reshape(-1, 3, 3)
 
 
 def _quads(corners: list[Array]) -> Array:
-    """Quads (p q r s), each corner an array (n, 3), as triangles (p q r), (p r s)."""
+    """Splits quads (p q r s), each corner an array (n, 3), into triangles (p q r), (p r s)."""
     p, q, r, s = corners
     return _interleaved([(p, q, r), (p, r, s)])

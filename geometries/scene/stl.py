@@ -20,7 +20,7 @@ _CORNERS = [at for at, word in enumerate(_WORDS) if word is None and at > _WORDS
 
 
 def triangles(content: bytes) -> Array:
-    """The triangles (n, 3, 3) of a file's bytes, in their order; Damaged when there is something else."""
+    """Returns the triangles (n, 3, 3) of a file's bytes, in their order; Damaged when there is something else."""
     if len(content) >= _HEADER:
         count = int.from_bytes(content[_HEADER - 4 : _HEADER], "little")
         if len(content) == _HEADER + count * _FACET.itemsize:
@@ -33,7 +33,7 @@ def triangles(content: bytes) -> Array:
 
 
 def _of_text(content: bytes) -> Array:
-    """Several solids in one file are one surface."""
+    """Reads a text file; several solids in one file are one surface."""
     words: list[bytes] = []
     inside = False
     for number, line in enumerate(content.split(b"\n"), 1):

@@ -17,7 +17,7 @@ MeshSource = Callable[[MeshShape], dict[str, str]]
 
 
 def canonical(scene: Scene) -> str:
-    """The scene as a TOML text: fixed order of keys, defaults written out, floats by their shortest exact decimals.
+    """Returns the scene as a TOML text: fixed order of keys, defaults written out, floats by their shortest exact decimals.
 
     Loading the text gives an equal scene. A mesh is named by its absolute path, so that the text may be put anywhere.
     """
@@ -25,12 +25,12 @@ def canonical(scene: Scene) -> str:
 
 
 def identity(scene: Scene) -> str:
-    """sha256 (hexadecimal) of the canonical text in which the mesh files' bytes stand for their paths."""
+    """Computes sha256 (hexadecimal) of the canonical text in which the mesh files' bytes stand for their paths."""
     return hashlib.sha256(_text(scene, lambda mesh: {"sha256": mesh.digest}).encode()).hexdigest()
 
 
 def canonical_and_identity(scene: Scene) -> tuple[str, str]:
-    """Both of the above; where no mesh is in the scene, one text makes both."""
+    """Returns both of the above; where no mesh is in the scene, one text makes both."""
     text = canonical(scene)
     if any(isinstance(body.shape, MeshShape) for body in scene.objects):
         return text, identity(scene)
@@ -69,7 +69,7 @@ def _dumps(key: str, value: Any) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """The same value in TOML's types: no tuples, every -0.0 as 0.0, and nothing that is None."""
+    """Returns the same value in TOML's types: no tuples, every -0.0 as 0.0, and nothing that is None."""
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items() if item is not None}
     if isinstance(value, (list, tuple)):

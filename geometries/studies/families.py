@@ -29,7 +29,7 @@ MATERIALS = (GROUNDED, FLOATING, DIELECTRIC)
 
 
 def empty(sensor_size: Vector2) -> Scene:
-    """The sensor alone: the set-up that `delta_self` is measured against."""
+    """Returns the sensor alone: the set-up that `delta_self` is measured against."""
     _check_size("sensor_size", sensor_size)
     x, y = sensor_size
     plate = Plate(corner=(-x / 2, -y / 2, 0.0), edge_u=(x, 0.0, 0.0), edge_v=(0.0, y, 0.0))
@@ -37,13 +37,13 @@ def empty(sensor_size: Vector2) -> Scene:
 
 
 def parallel(sensor_size: Vector2, target_size: Vector2, gap: float, offset: Vector2 = (0.0, 0.0)) -> Scene:
-    """The target parallel to the sensor at height `gap`, its centre `offset` from the sensor's axis in x and y."""
+    """Returns the target parallel to the sensor at height `gap`, its centre `offset` from the sensor's axis in x and y."""
     _check_at_least("gap", gap, 0.0, strictly=True)
     return _scene(sensor_size, target_size, 0.0, 0.0, lambda box: (offset[0], offset[1], gap))
 
 
 def inclined(sensor_size: Vector2, target_size: Vector2, hinge_gap: float, tilt_degrees: float) -> Scene:
-    """The target pivots about its edge above the sensor's edge x = −x/2, parallel to y (thesis 6.4, Experiment IV).
+    """Returns the target pivots about its edge above the sensor's edge x = −x/2, parallel to y (thesis 6.4, Experiment IV).
 
     The hinge stays at height `hinge_gap`; the target lies parallel to the sensor at 0 degrees and stands upright at 90.
     """
@@ -61,7 +61,7 @@ def inclined(sensor_size: Vector2, target_size: Vector2, hinge_gap: float, tilt_
 def edge(
     sensor_size: Vector2, target_size: Vector2, gap: float, height: float, tilt_degrees: float = 0.0
 ) -> Scene:
-    """The target beside the sensor's edge x = x/2, wholly in region II.
+    """Returns the target beside the sensor's edge x = x/2, wholly in region II.
 
     `gap` is the lateral distance from that edge to the target's near edge, `height` the near edge's z (0: coplanar). The
     target is tilted upwards about its near edge. It may not be longer in y than the sensor: it would reach region III.
@@ -88,7 +88,7 @@ def corner(
     tilt_degrees: float = 0.0,
     turn_degrees: float = 0.0,
 ) -> Scene:
-    """The target diagonal to the sensor's corner (x/2, y/2), wholly in region III.
+    """Returns the target diagonal to the sensor's corner (x/2, y/2), wholly in region III.
 
     `gap` holds the lateral distances along x and y from that corner to the box around the target, `height` is the z of
     the target's lowest point (0: coplanar). The target is tilted about its y axis, then turned about z.
@@ -116,7 +116,7 @@ def straddle(
     tilt_degrees: float = 0.0,
     turn_degrees: float = 0.0,
 ) -> Scene:
-    """The target partly over the sensor, partly beside it: in several regions at once.
+    """Returns the target partly over the sensor, partly beside it: in several regions at once.
 
     `gap` is the height of its lowest point, `offset` its centre from the sensor's axis in x and y. It is tilted about
     its y axis, then turned about z.
@@ -138,7 +138,7 @@ def straddle(
 def sensors(
     sensor_size: Vector2, target_size: Vector2, separation: float, gap: float, offset: Vector2 = (0.0, 0.0)
 ) -> Scene:
-    """Two equal sensors side by side in z = 0, and the target parallel to them at height `gap`.
+    """Returns two equal sensors side by side in z = 0, and the target parallel to them at height `gap`.
 
     "sensor" is at the origin, "neighbour" beside its edge x = x/2, `separation` away from it. The target's centre is `offset`
     from the axis of "sensor".
@@ -159,7 +159,7 @@ def box(
     material: str = GROUNDED,
     relative_permittivity: float = 1.0,
 ) -> Scene:
-    """The target is a cuboid parallel to the sensor, `thickness` high, its lower face at height `gap`, `offset` from the axis.
+    """Returns the target is a cuboid parallel to the sensor, `thickness` high, its lower face at height `gap`, `offset` from the axis.
 
     `material` is grounded, floating, or dielectric, which alone has a `relative_permittivity`, other than 1.
     """
@@ -202,7 +202,7 @@ def _scene(
     turn_degrees: float,
     place: Callable[[Array], tuple[float, float, float]],
 ) -> Scene:
-    """The sensor with a target that is tilted about y (its +x end upwards), turned about z, then moved by `place`.
+    """Returns the sensor with a target that is tilted about y (its +x end upwards), turned about z, then moved by `place`.
 
     `place` gets the bounding box (2, 3), lowest and highest coordinates, of the rotated target centred at the origin.
     """
@@ -220,7 +220,7 @@ def _scene(
 # Sweeps have few plates and angles, and many places for them.
 @functools.lru_cache(maxsize=1024)
 def _box(shape: PlateShape, rotation: Rotation) -> Array:
-    """The bounding box (2, 3) of a rotated plate, lowest and highest coordinates."""
+    """Returns the bounding box (2, 3) of a rotated plate, lowest and highest coordinates."""
     vertices = shape.triangles().reshape(-1, 3) @ rotation.matrix().T
     box = np.array([vertices.min(axis=0), vertices.max(axis=0)])
     box.flags.writeable = False
@@ -228,7 +228,7 @@ def _box(shape: PlateShape, rotation: Rotation) -> Array:
 
 
 def _rotation(tilt_degrees: float, turn_degrees: float) -> Rotation:
-    """First the tilt, about −y so that the +x end rises, then the turn about z."""
+    """Tilts about −y, so that the +x end rises, then turns about z."""
     if turn_degrees == 0:
         return AxisRotation((0.0, -1.0, 0.0), tilt_degrees) if tilt_degrees else AxisRotation()
     if tilt_degrees == 0:
@@ -246,7 +246,7 @@ def _rotation(tilt_degrees: float, turn_degrees: float) -> Rotation:
 
 
 def _straddles(outline: Array, half_size: Array) -> bool:
-    """Whether a convex outline (n, 2) lies partly over the rectangle |x| < half_size and partly outside it.
+    """Tells whether a convex outline (n, 2) lies partly over the rectangle |x| < half_size and partly outside it.
 
     They overlap when none of the normals of their sides separates them. A side of the target without length (a plate
     that stands upright) has no normal and separates nothing.

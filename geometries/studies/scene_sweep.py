@@ -15,7 +15,7 @@ FAMILY = "scene"
 
 
 def scenes(sweep: Table) -> Iterator[tuple[dict[str, str], Scene]]:
-    """The parameters and the scene of each case. Files are looked for beside the study; InputError names the one that is wrong."""
+    """Returns the parameters and the scene of each case. Files are looked for beside the study; InputError names the one that is wrong."""
     scene = reader.load(_beside(sweep, "file"))
     frames = motion.load(_beside(sweep, "motion"), scene) if sweep.has("motion") else (motion.at_rest(scene),)
     stem = Path(sweep.text("file")).stem
@@ -28,7 +28,7 @@ def scenes(sweep: Table) -> Iterator[tuple[dict[str, str], Scene]]:
 
 
 def without_objects(scene: Scene) -> Scene:
-    """The sensors alone. Those of one link are always as they are in its frame, wherever it has moved to: one case for all frames."""
+    """Returns the sensors alone. Those of one link are always as they are in its frame, wherever it has moved to: one case for all frames."""
     alone = replace(scene, objects=(), distance_sensors=())
     if scene.room is not None or len({sensor.link for sensor in scene.sensors}) != 1:
         return alone

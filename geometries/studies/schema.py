@@ -19,7 +19,7 @@ _MATERIALS = {"enum": list(families.MATERIALS)}
 
 
 def schema() -> Schema:
-    """The schema of a study as JSON would hold it."""
+    """Returns the schema of a study as JSON would hold it."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "$id": "urn:fringe:study:1",
@@ -78,7 +78,7 @@ def _reference() -> Schema:
 
 
 def _swept(value: Schema, ranges: bool) -> Schema:
-    """A value, a list of values, or a range."""
+    """Returns a value, a list of values, or a range."""
     kinds: list[Schema] = [value, {"type": "array", "items": value, "minItems": 1}]
     if ranges:
         count = {"type": "number", "minimum": 2, "multipleOf": 1}
@@ -114,7 +114,7 @@ def _scene_sweep() -> Schema:
 
 
 def text() -> str:
-    """The schema as its file holds it."""
+    """Returns the schema as its file holds it."""
     return json.dumps(schema(), indent=2) + "\n"
 
 

@@ -98,7 +98,7 @@ class Study:
     experiment: str = ""
 
     def cases(self) -> list[Case]:
-        """Every case once, in the order of the file; then, for every distinct sensor, the sensor alone."""
+        """Returns every case once, in the order of the file; then, for every distinct sensor, the sensor alone."""
         cases: dict[str, Case] = {}
         for case in [*self.sweeps, *map(empty_case, self.sweeps)]:
             cases.setdefault(case.id, case)
@@ -106,7 +106,7 @@ class Study:
 
 
 def empty_case(case: Case) -> Case:
-    """The case without its objects, which `delta_self` is measured against."""
+    """Returns the case without its objects, which `delta_self` is measured against."""
     return _empty_case(case.parameters.get("sensor_size"), scene_sweep.without_objects(case.scene))
 
 
@@ -117,7 +117,7 @@ def _empty_case(sensor_size: Parameter | None, scene: Scene) -> Case:
 
 
 def find(study: str) -> Path:
-    """The file of a study given by its name in `geometries/studies` or by its path; InputError when there is none."""
+    """Returns the file of a study given by its name in `geometries/studies` or by its path; InputError when there is none."""
     named = _STUDIES / f"{study}.toml"
     if is_file(named):
         return named
@@ -128,12 +128,12 @@ def find(study: str) -> Path:
 
 
 def load(path: Path | str) -> Study:
-    """The study in a file; InputError when the file cannot be used."""
+    """Returns the study in a file; InputError when the file cannot be used."""
     return loads(read_text(Path(path)), source=str(path))
 
 
 def loads(text: str, source: str = "study") -> Study:
-    """The study in a text; `source` stands for it in errors."""
+    """Returns the study in a text; `source` stands for it in errors."""
     root = parse(text, source)
     root.known_format()
     reference = root.table("reference")

@@ -1,8 +1,7 @@
 # `cpack` in the build folder makes build/debian/fringe_VERSION_ARCHITECTURE.deb.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME fringe)
-# Nobody maintains the package: who passes it on names himself, cmake -DFRINGE_MAINTAINER="Name <address>", and needs a licence
-# first, which the sources do not have (copyright, beside this file).
+# The package has no maintainer: whoever distributes it names one, cmake -DFRINGE_MAINTAINER="Name <address>".
 set(FRINGE_MAINTAINER "nobody, not maintained <nobody@localhost>" CACHE STRING "Maintainer of the Debian package")
 set(CPACK_PACKAGE_CONTACT "${FRINGE_MAINTAINER}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "capacitance of proximity sensors, by a fast model and by finite elements")
@@ -28,7 +27,7 @@ set(CPACK_DEBIAN_PACKAGE_DEPENDS
   "python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), python3 (<< ${Python_VERSION_MAJOR}.${FRINGE_NEXT_PYTHON}~), python3-numpy")
 # The model does without the field solver, the reports and the compiler.
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS
-  "gcc, libc6-dev, openmpi-bin, python3-dolfinx, python3-gmsh, python3-meshio, python3-plotly, python3-psutil, python3-scipy, python3-sklearn, python3-tomli-w, python3-tqdm")
+  "gcc, libc6-dev, openmpi-bin, python3-dolfinx, python3-gmsh, python3-jinja2, python3-meshio, python3-plotly, python3-psutil, python3-scipy, python3-sklearn, python3-tomli-w, python3-tqdm")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
   "g++, libeigen3-dev, libfmt-dev, libsleef-dev, libtbb-dev, libtomlplusplus-dev, pkg-config, snakemake")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/postinst ${CMAKE_CURRENT_LIST_DIR}/prerm)

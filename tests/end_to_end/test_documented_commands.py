@@ -57,11 +57,13 @@ ELSEWHERE = {
     "./run nightly": (RUN, "test_what_it_asks_of_the_analysis", "nightly"),
     "./run nightly --profile slurm": (RUN, "test_what_it_asks_of_the_analysis", "--profile slurm"),
     "build/bin/fringe capacitance hand.toml": (README, "test_the_model_prints_what_the_readme_shows", "capacitance hand.toml"),
-    "build/bin/fringe capacitance hand.toml --method boundary-elements": (README, "test_boundary_elements_print_what_the_readme_shows", "--method boundary-elements"),
+    "build/bin/fringe capacitance hand.toml --method boundary-elements": (README, "test_boundary_elements_print_what_the_guide_shows", "--method boundary-elements"),
     "build/bin/fringe capacitance hand.toml --output triangles.vtu": (README, "test_the_file_for_paraview_is_written", "--output triangles.vtu"),
     "build/bin/fringe capacitance results/published/cases/CASE/scene.toml --method boundary-elements --rtol 1e-05": ("analysis/topics/published/test_table.py", "test_rows_drawn_by_chance_are_found_again", ""),
     "cmake --install build --prefix /usr/local": ("packaging/conftest.py", "prefix", "--prefix"),
-    "fringe capacitance": ("model/test_command_line.py", "test_capacitance_as_json", "capacitance"),
+    "./run --prepare": (RUN, "test_it_waits_for_another_package_manager_and_says_so", "./run"),
+    "./run --python": ("end_to_end/test_run_script.py", "test_it_prints_the_python_that_has_the_field_solver", "--python"),
+    "fringe capacitance SCENE": ("model/test_command_line.py", "test_capacitance_as_json", "capacitance"),
     "fringe import SOURCE SCENE": (IMPORT, "test_links_and_joints_at_zero_are_links_and_poses", "import"),
     "fringe import": (IMPORT, "test_links_and_joints_at_zero_are_links_and_poses", "import"),
     "fringe sense SCENE": ("model/test_sense_command.py", "test_sense_as_json", "sense"),
@@ -74,6 +76,9 @@ ELSEWHERE = {
     "python3 -m analysis errors": ("analysis/topics/errors/test_set_ups_and_stage.py", "test_the_command_goes_on_from_what_is_there_and_tells_what_failed", "errors"),
     "python3 -m analysis nightly STUDY": ("analysis/nightly/test_night.py", "test_the_next_night_solves_only_what_is_missing_and_tells_what_is_new", "nightly"),
     "python3 -m analysis run STUDY --measure-model": (OPTIONS, "test_an_option_reaches_what_it_is_for", "--measure-model"),
+    "python3 -m analysis.documentation.figures": ("analysis/documentation/test_figures.py", "test_the_figures_are_those_that_the_script_draws", "figures"),
+    "python3 -m analysis.documentation.measurements": ("analysis/documentation/test_measurements.py", "test_tables_are_replaced_and_nothing_else", "measurements"),
+    "python3 -m fem_reference SCENE": (README, "test_the_reference_agrees_with_what_the_readme_shows", "fem_reference"),
     "python3 -m analysis run STUDY": ("end_to_end/test_run.py", "", "run"),
     "python3 -m analysis table": ("analysis/topics/published/test_table.py", "test_the_options_of_the_command_reach_what_they_are_for", "table"),
     "python3 -m analysis verify": (OPTIONS, "test_an_option_reaches_what_it_is_for", "verify"),
@@ -85,7 +90,7 @@ ELSEWHERE = {
     "python3 -m fem_reference analysis/documentation/hand.toml --rtol 2e-3": (README, "test_the_reference_agrees_with_what_the_readme_shows", "fem_reference"),
     "python3 -m fem_reference hand.toml": (README, "test_the_reference_agrees_with_what_the_readme_shows", "fem_reference"),
     "python3 -m fem_reference results/published/cases/CASE/scene.toml": ("analysis/topics/published/test_table.py", "test_the_field_solvers_own_best_values_agree", ""),
-    "python3 -m geometries.studies.schema": ("geometries/test_schemas.py", "test_the_schema_of_studies_is_that_of_the_families", "study_schema"),
+    "python3 -m geometries.studies.schema": ("geometries/test_schemas.py", "test_the_schema_of_studies_is_that_of_the_families", "schema"),
     "python3 -m tests.analysis.nightly.kill_cluster_nights": ("end_to_end/test_cluster.py", "test_jobs_end_with_a_night_that_is_asked_to_end_and_before_what_follows_one_that_is_killed", "kill_cluster_nights"),
     "python3 -m tests.analysis.nightly.kill_nights": ("analysis/nightly/test_night.py", "test_nights_that_are_killed_lose_nothing_and_leave_nothing_in_the_way", "kill_nights"),
     "python3 -m tests.faults.run": ("faults/test_faults.py", "test_nothing_is_lost_it_is_told_and_the_next_run_completes", "faults.run"),
@@ -131,8 +136,8 @@ def given() -> dict[str, set[str]]:
 
 def is_tested(command: str) -> bool:
     """Whether it names tests, or a program by its bare name that others give with its place."""
-    if command.startswith("python3 -m pytest -s "):
-        return all((ROOT / file).is_file() for file in command.split()[4:])
+    if command.startswith("python3 -m pytest "):
+        return all((ROOT / file).is_file() for file in command.split()[3:] if file != "-s")
     return (ROOT / command).is_dir() or f"build/bin/{command}" in {
         name.split()[0] for name in [*SMALL, *MINUTES]
     }

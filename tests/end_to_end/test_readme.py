@@ -1,4 +1,4 @@
-"""The README's worked example is what the commands print today."""
+"""The worked example of README.md and what the guides show is what the commands print today."""
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ from tests.bad_input import corpus
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+GUIDE = (ROOT / "model" / "GUIDE.md").read_text(encoding="utf-8")
+CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 VALUE_AND_ERROR = re.compile(r"(-?[\d.]+) ± ([\d.]+)")
 
 
@@ -30,9 +32,9 @@ def example(tmp_path: Path) -> Path:
     return path
 
 
-def printed_after(command: str) -> list[str]:
-    """The lines of the README that follow a command, up to the end of its block."""
-    lines = README.split(f"    $ {command}\n", 1)[1].split("\n\n", 1)[0].splitlines()
+def printed_after(command: str, text: str = README) -> list[str]:
+    """The lines of a page that follow a command, up to the end of its block."""
+    lines = text.split(f"    $ {command}\n", 1)[1].split("\n\n", 1)[0].splitlines()
     return [line.strip() for line in lines]
 
 
@@ -55,11 +57,13 @@ def test_the_reference_agrees_with_what_the_readme_shows(tmp_path: Path) -> None
         assert abs(float(new) - float(value)) <= float(error)
 
 
-def test_boundary_elements_print_what_the_readme_shows(tmp_path: Path) -> None:
+def test_boundary_elements_print_what_the_guide_shows(tmp_path: Path) -> None:
     """Every value within the error beside it, as for the reference: the last digits belong to the machine."""
     command = [ROOT / "build/bin/fringe", "capacitance", example(tmp_path), "--method", "boundary-elements"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
-    shown = "\n".join(printed_after("build/bin/fringe capacitance hand.toml --method boundary-elements"))
+    shown = "\n".join(
+        printed_after("build/bin/fringe capacitance hand.toml --method boundary-elements", GUIDE)
+    )
     expected, found = VALUE_AND_ERROR.findall(shown), VALUE_AND_ERROR.findall(done.stdout)
     assert len(expected) == 4 and len(found) >= 4
     for (value, error), (new, new_error) in zip(expected, found):
@@ -70,13 +74,13 @@ def test_boundary_elements_print_what_the_readme_shows(tmp_path: Path) -> None:
 def test_the_file_for_paraview_is_written(tmp_path: Path) -> None:
     """`--output triangles.vtu`"""
     command = [ROOT / "build/bin/fringe", "capacitance", example(tmp_path), "--output", "triangles.vtu"]
-    assert command[-2] + " " + command[-1] in README
+    assert command[-2] + " " + command[-1] in GUIDE
     subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
     assert {"body", "capacitance front"} == set(meshio.read(tmp_path / "triangles.vtu").cell_data)
 
 
 def test_the_python_example_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    block = re.search(r"```python\n(.*?)```", README, re.DOTALL)
+    block = re.search(r"```python\n(.*?)```", GUIDE, re.DOTALL)
     assert block is not None
     example(tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -94,7 +98,7 @@ def test_the_python_example_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 def test_the_values_of_the_options_are_known_and_the_first_is_the_default(tmp_path: Path) -> None:
     path = example(tmp_path)
     rows = dict(
-        re.findall(r"^\| `(\w+)` \| ([^|]+) \|", README.split("| option |")[1].split("\n\n")[0], re.MULTILINE)
+        re.findall(r"^\| `(\w+)` \| ([^|]+) \|", GUIDE.split("| option |")[1].split("\n\n")[0], re.MULTILINE)
     )
     assert set(rows) == {"method", "plates", "faces", "tolerance", "correction"}
     scene = model_module().Scene.load(str(path))
@@ -109,9 +113,7 @@ def test_the_values_of_the_options_are_known_and_the_first_is_the_default(tmp_pa
 
 def test_the_errors_of_the_reduced_method_are_its_steps(tmp_path: Path) -> None:
     scene = model_module().Scene.load(str(example(tmp_path)))
-    told = re.search(
-        r"in microseconds per pose: ([\d.]+) %, ([\d.]+) % and\s+([\d.]+) % for\s+K = 1, 2 and 3", README
-    )
+    told = re.search(r"K = 1, 2 and 3 aim at ([\d.]+) %, ([\d.]+) % and ([\d.]+) %", GUIDE)
     assert told is not None
     best = scene.maxwell(rtol=1e-5)["maxwell"]
     for steps, per_cent in enumerate(told.groups(), 1):
@@ -120,7 +122,7 @@ def test_the_errors_of_the_reduced_method_are_its_steps(tmp_path: Path) -> None:
         assert np.abs(found["maxwell"] / best - 1).max() <= float(per_cent) / 100
 
 
-@pytest.mark.parametrize("file", ["README.md", "analysis/documentation/algorithms/05_corrections.md"])
+@pytest.mark.parametrize("file", ["analysis/GUIDE.md", "analysis/documentation/algorithms/05_corrections.md"])
 def test_there_are_as_many_set_ups_corrected_as_is_told(file: str) -> None:
     text = (ROOT / file).read_text(encoding="utf-8")
     chosen = list(corrections_set_ups.set_ups(model_module()))
@@ -128,7 +130,7 @@ def test_there_are_as_many_set_ups_corrected_as_is_told(file: str) -> None:
 
 
 def test_the_corpus_of_bad_input_is_of_a_thousand() -> None:
-    assert "a corpus of a thousand" in README
+    assert "a corpus of a thousand" in CONTRIBUTING
     assert round(len(corpus.cases()), -3) == 1000
 
 
@@ -143,6 +145,35 @@ def test_the_differences_that_the_readme_states_follow_from_its_numbers() -> Non
     )
 
 
-def test_the_files_that_the_readme_links_exist() -> None:
-    for target in re.findall(r"\]\(([^)]+)\)", README):
-        assert (ROOT / target).exists(), target
+def test_the_errors_in_the_table_of_methods_are_those_of_the_notes() -> None:
+    notes = (ROOT / "model" / "CORRECTIONS.md").read_text(encoding="utf-8")
+    rms = {
+        name: re.search(rf"^\| `{name}` \| ([\d.]+) \|.*", notes, re.MULTILINE)
+        for name in ("none", "recommended")
+    }
+    assert rms["none"] is not None and rms["recommended"] is not None
+    worst = rms["recommended"][0].split("|")[5].strip()
+    (exact,) = re.findall(r"^\| `exact` \|.*", README, re.MULTILINE)
+    (recommended,) = re.findall(r"^\| `recommended` \|.*", README, re.MULTILINE)
+    assert f"| {rms['none'][1]} % rms |" in exact
+    assert f"| {rms['recommended'][1]} % rms, {worst} % at worst |" in recommended
+
+
+def _anchor(heading: str) -> str:
+    """The anchor that a heading has on a page."""
+    return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
+
+
+def test_the_links_of_all_notes_lead_somewhere() -> None:
+    listed = subprocess.run(["git", "ls-files", "*.md"], cwd=ROOT, capture_output=True, text=True, check=True)
+    for note in map(Path, listed.stdout.split()):
+        text = re.sub(r"```.*?```", "", (ROOT / note).read_text(encoding="utf-8"), flags=re.DOTALL)
+        for target in re.findall(r"\]\(([^)\s]+)\)", text):
+            if target.startswith(("http://", "https://")):
+                continue
+            file, _, anchor = target.partition("#")
+            path = (ROOT / note.parent / file) if file else ROOT / note
+            assert path.exists(), f"{note}: {target}"
+            if anchor:
+                headings = re.findall(r"^#+ (.*)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+                assert anchor in map(_anchor, headings), f"{note}: {target}"

@@ -1,7 +1,8 @@
-"""./run works wherever the user stands."""
+"""./run works wherever the user stands, and beside another package manager."""
 
 from __future__ import annotations
 
+import fcntl
 import os
 import re
 import shutil
@@ -50,3 +51,93 @@ def test_what_it_asks_of_the_analysis(tmp_path: Path, given: str, asked: list[st
         check=True,
     )
     assert re.findall(r"asked: (.*)", done.stdout) == asked
+
+
+def test_it_prints_the_python_that_has_the_field_solver() -> None:
+    done = subprocess.run([ROOT / "run", "--python"], capture_output=True, text=True, check=True)
+    subprocess.run([done.stdout.strip(), "-c", "import dolfinx, gmsh"], check=True)
+
+
+@pytest.fixture
+def new_machine(tmp_path: Path) -> Path:
+    """A repository that needs one package, and Debian's apt-get with folders of its own, where that package is missing.
+
+    Stand-ins take the places of dpkg, which changes nothing but prints what it was asked, of dpkg-query, sudo and cmake.
+    """
+    machine = tmp_path / "machine"
+    for folder in (
+        "archive/DEBIAN",
+        "bin",
+        "cache/archives/partial",
+        "dpkg",
+        "etc/apt.conf.d",
+        "etc/preferences.d",
+        "log",
+        "repository",
+        "state/lists/partial",
+    ):
+        (machine / folder).mkdir(parents=True)
+    (machine / "archive/DEBIAN/control").write_text(
+        "Package: wanted\nVersion: 1\nArchitecture: all\nMaintainer: nobody <nobody@localhost>\nDescription: empty\n"
+    )
+    subprocess.run(["dpkg-deb", "-b", "archive", "etc/wanted_1_all.deb"], cwd=machine, check=True)
+    found = subprocess.run(["dpkg-scanpackages", "."], cwd=machine / "etc", capture_output=True, check=True)
+    (machine / "etc/Packages").write_bytes(found.stdout)
+    (machine / "etc/sources.list").write_text(f"deb [trusted=yes] file:{machine}/etc ./\n")
+    (machine / "dpkg/status").touch()
+    (machine / "apt.conf").write_text(
+        f'Dir::State "{machine}/state/"; Dir::State::status "{machine}/dpkg/status"; Dir::Cache "{machine}/cache/";\n'
+        f'Dir::Etc "{machine}/etc/"; Dir::Log "{machine}/log/"; Dir::Bin::dpkg "{machine}/bin/dpkg"; APT::Sandbox::User "";\n'
+    )
+
+    for program, does in {
+        "cmake": "exit 0",
+        "dpkg": 'echo "asked of dpkg: $*"',
+        "dpkg-query": "exit 1",
+        "sudo": 'exec "$@"',
+    }.items():
+        (machine / "bin" / program).write_text(f"#!/bin/sh\n{does}\n")
+        (machine / "bin" / program).chmod(0o755)
+    (machine / "repository/packages.txt").write_text("wanted\n")
+    shutil.copy(ROOT / "run", machine / "repository/run")
+    return machine
+
+
+def prepare(machine: Path) -> subprocess.Popen[str]:
+    path = f"{machine / 'bin'}:{os.environ['PATH']}"
+    return subprocess.Popen(
+        [machine / "repository/run", "--prepare"],
+        env=os.environ | {"PATH": path, "APT_CONFIG": str(machine / "apt.conf")},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+
+
+@pytest.mark.parametrize(
+    "lock", ["dpkg/lock-frontend", "dpkg/lock", "state/lists/lock", "cache/archives/lock"]
+)
+def test_it_waits_for_another_package_manager_and_says_so(new_machine: Path, lock: str) -> None:
+    with (new_machine / lock).open("w") as held:
+        fcntl.lockf(held, fcntl.LOCK_EX)
+        running = prepare(new_machine)
+        assert running.stdout is not None
+        lines = []
+        for line in running.stdout:
+            lines.append(line)
+            if line.startswith("Waiting for another package manager."):
+                break
+        assert f"Could not get lock {new_machine / lock}. It is held by process {os.getpid()}" in lines[-1]
+        assert "asked of dpkg" not in "".join(lines)
+    rest, _ = running.communicate(timeout=60)
+    assert running.returncode == 0, rest
+    assert "Waiting" not in rest
+    assert re.search("asked of dpkg: .*--unpack .*wanted_1_all.deb", rest)
+
+
+def test_what_is_no_lock_is_not_waited_for(new_machine: Path) -> None:
+    (new_machine / "repository/packages.txt").write_text("unknown-package\n")
+    running = prepare(new_machine)
+    printed, _ = running.communicate(timeout=60)
+    assert running.returncode == 1
+    assert "Unable to locate package unknown-package" in printed and "Waiting" not in printed

@@ -78,8 +78,8 @@ def test_plates_against_another_boundary_element_method(case: dict[str, Any], tm
 
 
 def stated_errors() -> dict[float, tuple[float, float]]:
-    """What model/BOUNDARY_ELEMENTS.md states of the plates: median and worst error by rtol, in per cent."""
-    text = (Path(__file__).parents[2] / "model" / "BOUNDARY_ELEMENTS.md").read_text()
+    """What model/MEASUREMENTS.md states of the plates: median and worst error by rtol, in per cent."""
+    text = (Path(__file__).parents[2] / "model" / "MEASUREMENTS.md").read_text()
     rows = text[text.index("| plates |") : text.index("| boxes |")].splitlines()
     cells = [[cell.strip() for cell in row.split("|")] for row in rows]
     errors = [row[3].split("/") for row in cells]

@@ -29,6 +29,10 @@ LAYER = {room: height for height, rooms in enumerate(LAYERS) for room in rooms}
 # Its options, counts and constants are plain types that the integrals, the corrections and the reduced method share with a scene.
 TYPES_FOR_ALL = {"fringe/capacitance.hpp"}
 
+# It gathers the kernels of all rooms for the files that are compiled for one instruction set each (simd/avx2.cpp and so on). No
+# header of another room includes it, so no circle comes of it.
+COMPILED_PER_INSTRUCTION_SET = "simd/all_kernels.hpp"
+
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 
@@ -73,11 +77,17 @@ def test_no_file_includes_one_of_a_layer_above_or_of_another_room_of_its_own_lay
         f"{path} ({room(path)}) includes {name}"
         for path, names in sources().items()
         for name in names
-        if not name.startswith("fringe/")
+        if path != COMPILED_PER_INSTRUCTION_SET
+        and not name.startswith("fringe/")
         and room(path) != room(name)
         and LAYER[room(name)] >= LAYER[room(path)]
     ]
     assert not wrong
+
+
+def test_only_files_of_one_instruction_set_include_all_kernels() -> None:
+    including = {path for path, names in sources().items() if COMPILED_PER_INSTRUCTION_SET in names}
+    assert including == {f"simd/{name}.cpp" for name in ("scalar", "sse2", "avx2", "avx512")}
 
 
 def test_no_room_uses_what_a_layer_above_implements_for_the_public() -> None:

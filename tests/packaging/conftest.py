@@ -22,12 +22,22 @@ translation = [0.01, 0, 0.03]
 """
 
 
+def files_of(prefix: Path) -> set[Path]:
+    """The files of the Python packages of an installation, except what Python compiles."""
+    return {path for path in (prefix / "share/fringe").rglob("*") if "__pycache__" not in path.parts}
+
+
 @pytest.fixture(scope="session")
-def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where everything is installed: a folder with a space."""
+def installation(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, set[Path]]:
+    """Where everything is installed, a folder with a space, and the files before any test has used them."""
     folder = tmp_path_factory.mktemp("an installation") / "prefix"
     subprocess.run(["cmake", "--install", BUILD, "--prefix", folder], check=True, capture_output=True)
-    return folder
+    return folder, files_of(folder)
+
+
+@pytest.fixture(scope="session")
+def prefix(installation: tuple[Path, set[Path]]) -> Path:
+    return installation[0]
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.packaging.conftest import BUILD
+from tests.packaging.conftest import BUILD, ROOT
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +47,18 @@ def test_it_says_what_it_is(fields: dict[str, str]) -> None:
     assert fields["Maintainer"] and fields["Description"]
 
 
+def test_its_copyright_is_the_licence_of_the_repository() -> None:
+    """Paragraph by paragraph: Debian's format indents them and marks empty lines by a point."""
+    copyright_file = (ROOT / "model/package/copyright").read_text(encoding="utf-8")
+    stated = " ".join(word for word in copyright_file.split() if word != ".")
+    title, owner, *paragraphs = (ROOT / "LICENSE").read_text(encoding="utf-8").split("\n\n")
+    assert title == "BSD 3-Clause License" and "License: BSD-3-Clause" in stated
+    assert (
+        owner == "Copyright (c) 2026, the fringe authors" and "Copyright: 2026 the fringe authors" in stated
+    )
+    assert all(" ".join(paragraph.split()) in stated for paragraph in paragraphs)
+
+
 @pytest.mark.parametrize(
     "path",
     [
@@ -61,6 +73,8 @@ def test_it_says_what_it_is(fields: dict[str, str]) -> None:
         "/usr/share/bash-completion/completions/fringe",
         "/usr/share/doc/fringe/copyright",
         "/usr/share/fringe/analysis/__main__.py",
+        "/usr/share/fringe/analysis/report/static/page.css",
+        "/usr/share/fringe/analysis/report/templates/page.html",
         "/usr/share/fringe/fem_reference/__main__.py",
         "/usr/share/fringe/geometries/studies/default.toml",
         "/usr/share/man/man1/fringe.1.gz",

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.packaging.conftest import BUILD, ROOT, SCENE
+from tests.packaging.conftest import BUILD, ROOT, SCENE, files_of
 
 CONSUMER = Path(__file__).with_name("consumer")
 # Only what is installed, wherever the user stands: nothing of the repository is on a path.
@@ -57,6 +57,17 @@ def test_a_project_finds_the_library_with_cmake(prefix: Path, scene: Path) -> No
     version, answer = output_of([build / "consumer", scene], scene.parent).split()
     assert version == output_of([prefix / "bin/fringe", "--version"], scene.parent).strip()
     assert float(answer) == total(prefix, scene)
+
+
+def test_the_installed_examples_build_against_the_installed_library(prefix: Path, scene: Path) -> None:
+    """One of them: all are compiled with the library itself."""
+    examples, build = prefix / "share/doc/fringe/examples", scene.parent / "build"
+    output_of(
+        ["cmake", "-S", examples, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}"], scene.parent
+    )
+    output_of(["cmake", "--build", build, "--target", "example_moving_scene"], scene.parent)
+    printed = output_of([build / "examples/moving_scene", examples / "hand.toml"], scene.parent)
+    assert printed.startswith("raised by")
 
 
 def test_a_project_finds_the_library_with_pkg_config(prefix: Path, scene: Path) -> None:
@@ -113,10 +124,10 @@ def test_meshes_are_converted_from_another_folder(prefix: Path, tmp_path: Path) 
     assert (tmp_path / "face.stl").is_file()
 
 
-def test_nothing_writes_into_the_installation(prefix: Path) -> None:
-    assert not [path for path in (prefix / "share/fringe").rglob("*") if path.suffix in (".html", ".csv.tmp")]
-    assert not (prefix / "share/fringe/build").exists()
-    assert not (prefix / "share/fringe/results").exists()
+def test_nothing_writes_into_the_installation(installation: tuple[Path, set[Path]]) -> None:
+    """After the tests above have used it."""
+    prefix, installed = installation
+    assert installed and files_of(prefix) == installed
 
 
 def options_of(program: Path, *command: str) -> set[str]:

@@ -1,4 +1,4 @@
-"""The set-ups one by one, as plain data: their scenes, their truths, what every correction makes of them."""
+"""Every set-up as plain data: its scene, its truth and the estimate of every correction."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from geometries.scene.writer import canonical
 
 
 def documents(module: Any, found: Estimates, chosen: list[SetUp]) -> list[Document]:
-    """Every set-up with its scene, its truth and all estimates, as plain data: farads, metres."""
+    """Returns every set-up with its scene, its truth and all estimates, as plain data: farads, metres."""
     truths = load()
     return [
         {
@@ -39,7 +39,7 @@ def _sensor_size(scene: Scene) -> float:
 
 
 def _distance(module: Any, scene: Scene) -> float:
-    """The shortest between the two bodies, metres."""
+    """Returns the shortest distance between the two bodies, in metres."""
     bodies = scene.conductors()
     points = [bodies[name].reshape(-1, 3) for name in ("sensor", "target")]
     return float(module.gjk_distance(*points)[0])

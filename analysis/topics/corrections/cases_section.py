@@ -1,4 +1,4 @@
-"""The set-ups one by one: a plot whose points open them, and the page that shows them. They are documents of `cases`."""
+"""A plot whose points open the set-ups, and the page that shows them. The set-ups are documents of `cases`."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, family_marker, figure, log_axis
 from analysis.report.set_ups_page import Around, Shown
 from analysis.results.store import Document
+from analysis.results.units import CENTIMETRE, PICOFARAD, signed_percent
 from analysis.topics.corrections.truths import RTOL
 from geometries.scene import reader
 from geometries.scene.scene import Scene
@@ -18,15 +20,15 @@ from geometries.scene.shapes import Cuboid, PlateShape
 
 SHOWN = ("formula", "recommended")
 """The corrections whose errors are plotted set-up by set-up."""
-_PICOFARAD, _CENTIMETRE, _PERCENT = 1e-12, 1e-2, 100.0
+_PERCENT = 100.0
 _WITHIN = 0.05
 
 
-def section(cases: list[Document], set_ups: str) -> str:
-    """Finding and plot; `set_ups` is the file of the page that the points open, as seen from the page."""
-    return "\n".join(
+def section(cases: list[Document], set_ups: str) -> Markup:
+    """Returns the finding and the plot; `set_ups` is the file of the page that the points open, as seen from the page."""
+    return page.lines(
         [
-            "<h3>Set-up by set-up</h3>",
+            page.heading("Set-up by set-up"),
             page.finding(finding(cases)),
             page.figures([_panel(cases, name) for name in SHOWN], set_ups=set_ups),
             page.soft(
@@ -38,7 +40,7 @@ def section(cases: list[Document], set_ups: str) -> str:
 
 
 def finding(cases: list[Document]) -> str:
-    """How many the best closed formula has nearly right, and where it and the recommended one are worst."""
+    """Tells for how many set-ups the best closed formula is nearly right, and where it and the recommended correction are worst."""
     best, recommended = SHOWN
     near = sum(abs(_error(case, best)) <= _WITHIN for case in cases)
     worst = {name: max(cases, key=lambda case: abs(_error(case, name))) for name in SHOWN}
@@ -53,7 +55,7 @@ def _told_worst(case: Document, name: str) -> str:
 
 
 def worst(cases: list[Document], name: str, sealed: bool) -> str:
-    """The name of the set-up in which a correction is worst, among the sealed ones or all."""
+    """Returns the name of the set-up in which a correction is worst, among the sealed ones or all."""
     chosen = [case for case in cases if case["sealed"] or not sealed]
     return str(max(chosen, key=lambda case: abs(_error(case, name)))["name"])
 
@@ -79,7 +81,7 @@ def _panel(cases: list[Document], name: str) -> Panel:
 
 
 def set_ups_document(cases: list[Document], back: str, back_title: str, inputs: str, script: str) -> str:
-    """The page of all set-ups; `back` is the file of the page that leads to it."""
+    """Returns the page of all set-ups; `back` is the file of the page that leads to it."""
     around = Around(
         "Set-ups of the corrections",
         back,
@@ -97,20 +99,20 @@ def set_ups_document(cases: list[Document], back: str, back_title: str, inputs: 
 def _shown(case: Document) -> Shown:
     scene = reader.loads(case["scene"], case["name"])
     kept = "sealed: no constant was fitted on it" if case["sealed"] else "open to the fit of constants"
-    truth, error = case["truth"] / _PICOFARAD, case["error"] / _PICOFARAD
-    off = ", ".join(f"{name} is off by {_signed(_error(case, name))}" for name in SHOWN)
-    finding_ = f"mutual: {truth:.6g} ± {error:.1g} pF by boundary elements; {off}, the plain model {_signed(_error(case, 'none'))}."
+    truth, error = case["truth"] / PICOFARAD, case["error"] / PICOFARAD
+    off = ", ".join(f"{name} is off by {signed_percent(_error(case, name))}" for name in SHOWN)
+    finding_ = f"mutual: {truth:.6g} ± {error:.1g} pF by boundary elements; {off}, the plain model {signed_percent(_error(case, 'none'))}."
     rows = [("boundary elements", f"{truth:.6g} ± {error:.1g}", "")]
     rows += [
-        (name, f"{value / _PICOFARAD:.6g}", _signed(value / case["truth"] - 1))
+        (name, f"{value / PICOFARAD:.6g}", signed_percent(value / case["truth"] - 1))
         for name, value in case["estimates"].items()
     ]
-    told = f"{_sizes(scene)}; {case['distance'] / _CENTIMETRE:.3g} cm between them; {kept}."
+    told = f"{_sizes(scene)}; {case['distance'] / CENTIMETRE:.3g} cm between them; {kept}."
     return Shown(case["name"], case["family"], told, (finding_,), tuple(rows), scene, case["scene"])
 
 
 def _sizes(scene: Scene) -> str:
-    """Both bodies' sides in words."""
+    """Returns both bodies' sides in words."""
     (plate,) = scene.sensors[0].plates
     shape = scene.objects[0].shape
     assert isinstance(shape, (PlateShape, Cuboid))
@@ -120,11 +122,7 @@ def _sizes(scene: Scene) -> str:
 
 
 def _lengths(metres: Any) -> str:
-    return f"{' × '.join(f'{length / _CENTIMETRE:.3g}' for length in metres)} cm"
-
-
-def _signed(error: float) -> str:
-    return f"{_PERCENT * error:+.2g} %"
+    return f"{' × '.join(f'{length / CENTIMETRE:.3g}' for length in metres)} cm"
 
 
 def _error(case: Document, name: str) -> float:
@@ -132,5 +130,5 @@ def _error(case: Document, name: str) -> float:
 
 
 def _relative_distance(case: Document) -> float:
-    """Over the root of the sensor's area."""
+    """Returns the distance relative to the root of the sensor's area."""
     return float(case["distance"] / case["sensor_size"])

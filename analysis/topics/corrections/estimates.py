@@ -1,4 +1,4 @@
-"""What every correction makes of every set-up, and how far it is from the truth."""
+"""The estimate of every correction for every set-up, and its error."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class Estimates:
     by_correction: dict[str, Array]
 
     def errors(self, correction: str) -> Array:
-        """(estimate − truth)/truth."""
+        """Returns (estimate − truth)/truth."""
         return np.asarray(self.by_correction[correction] / self.truth - 1)
 
 
 @dataclass(frozen=True)
 class Errors:
-    """Relative errors of some set-ups in one line."""
+    """Statistics of the relative errors over some set-ups."""
 
     count: int
     rms: float
@@ -56,12 +56,12 @@ class Errors:
 
 
 def names(module: Any) -> tuple[str, ...]:
-    """The registry's corrections, the plain model first."""
+    """Returns the registry's corrections, the plain model first."""
     return tuple(str(entry["name"]) for entry in module.corrections())
 
 
 def estimate(module: Any, corrections: Sequence[str], chosen: Sequence[SetUp] | None = None) -> Estimates:
-    """Evaluate corrections on the set-ups, all of them if none are given."""
+    """Evaluates corrections on the set-ups, all of them if none are given."""
     truths = load()
     asked = list(set_ups(module)) if chosen is None else list(chosen)
     values: dict[str, list[float]] = {correction: [] for correction in corrections}

@@ -20,8 +20,8 @@ _FORMULA, _WITHOUT_CONSTANTS = "formula", "recommended"
 class Evaluation:
     """One correction. `open_`: two thirds of the set-ups, on which constants were fitted; `sealed`: the others.
 
-    `left_out`: each family with what was fitted to the open set-ups of the other families, all families together: the formula's
-    constants, nothing of what has none and is right without, else a factor.
+    `left_out`: errors of cross-validation by family, over all families. For the formula, its constants are fitted to the open set-ups
+    of the other families; for a correction that is right up to a factor, that factor is; others have nothing to fit.
     """
 
     name: str
@@ -40,13 +40,13 @@ class Evaluated:
 
 
 def evaluate(module: Any, chosen: list[SetUp]) -> Evaluated:
-    """Evaluate the whole registry on the set-ups; half a minute."""
+    """Evaluates the whole registry on the set-ups; half a minute."""
     found = estimates.estimate(module, estimates.names(module), chosen)
     return Evaluated(found, evaluations(module, found, chosen), gaussian_process.discrepancy(found, _FORMULA))
 
 
 def evaluations(module: Any, found: Estimates, chosen: list[SetUp]) -> tuple[Evaluation, ...]:
-    """The errors of all corrections in the set-ups, whose estimates are given."""
+    """Returns the errors of all corrections in the set-ups, whose estimates are given."""
     families = np.array(found.families)
     left_out = {
         name: _factor_left_out(found.errors(name), families, found.sealed) for name in found.by_correction
@@ -69,7 +69,7 @@ def _evaluation(found: Estimates, name: str, left_out: Array) -> Evaluation:
 
 
 def _factor_left_out(errors: Array, families: NDArray[np.str_], sealed: NDArray[np.bool_]) -> Array:
-    """The errors of each family when the others' geometric mean is divided out."""
+    """Returns the errors of each family when the others' geometric mean is divided out."""
     result = np.empty_like(errors)
     for family in np.unique(families):
         others = (families != family) & ~sealed
@@ -81,7 +81,7 @@ def _factor_left_out(errors: Array, families: NDArray[np.str_], sealed: NDArray[
 def _formula_left_out(
     module: Any, chosen: list[SetUp], families: NDArray[np.str_], sealed: NDArray[np.bool_]
 ) -> Array:
-    """The formula's errors in each family with all of its constants fitted to the others."""
+    """Returns the formula's errors in each family with all of its constants fitted to the others."""
     found, truth = fit.terms(module, chosen)
     result = np.empty_like(truth)
     for family in np.unique(families):

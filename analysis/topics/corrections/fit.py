@@ -1,6 +1,6 @@
-"""The constants of `formula`, fitted anew to the set-ups that are not sealed: `python3 -m analysis.topics.corrections.fit`.
+"""`python3 -m analysis.topics.corrections.fit`: fits the constants of `formula` to the set-ups that are not sealed.
 
-Least sum of fourth powers of ln(formula/truth): worst errors count more than in least squares.
+It minimises the sum of the fourth powers of ln(formula/truth), in which the worst errors count more than in least squares.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ VACUUM_PERMITTIVITY = 8.8541878128e-12
 
 
 def terms(module: Any, chosen: Sequence[SetUp]) -> tuple[dict[str, Array], Array]:
-    """The formula's terms in the set-ups, and the truth over ε; arrays (n,), variations (3, n)."""
+    """Returns the formula's terms in the set-ups, and the truth over ε; arrays (n,), variations (3, n)."""
     truths = load()
     rows = []
     with tempfile.TemporaryDirectory() as folder:
@@ -48,12 +48,12 @@ def terms(module: Any, chosen: Sequence[SetUp]) -> tuple[dict[str, Array], Array
 
 
 def part(found: dict[str, Array], mask: NDArray[np.bool_]) -> dict[str, Array]:
-    """The terms of some of the set-ups."""
+    """Returns the terms of some of the set-ups."""
     return {name: values[..., mask] for name, values in found.items()}
 
 
 def formula(found: dict[str, Array], constants: Array) -> Array:
-    """The formula of model/CORRECTIONS.md, section 3, written a second time."""
+    """Returns the formula of model/CORRECTIONS.md, section 3, written a second time."""
     stiffness, (fringe, attraction, saturation, tilt, fringe_near) = constants[:3], constants[3:]
     product = found["own_of_sensor"] * found["own_of_object"]
     coupled = found["potential"] ** 2 * product
@@ -70,10 +70,10 @@ def formula(found: dict[str, Array], constants: Array) -> Array:
 
 
 def fit(found: dict[str, Array], truth: Array) -> Array:
-    """The constants in the order of NAMES."""
+    """Returns the constants in the order of NAMES."""
 
     def squares(constants: Array) -> Array:
-        # What is squared once more by the solver; scaled so that its tolerances fit.
+        # The solver squares these once more; they are scaled to suit its tolerances.
         return np.asarray(100 * np.log(np.maximum(formula(found, constants) / truth, 1e-6)) ** 2)
 
     first = least_squares(lambda c: np.log(np.maximum(formula(found, c) / truth, 1e-6)), _START)

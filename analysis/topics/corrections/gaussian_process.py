@@ -1,4 +1,4 @@
-"""A statistical model of what a correction leaves: a Gaussian process over a few numbers that describe a set-up."""
+"""A Gaussian process that predicts the remaining error of a correction from a few features of a set-up."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.topics.corrections.estimates import Array, Errors, Estimates
 
-# As many parts, each predicted from the others.
+# Folds of the cross-validation.
 _FOLDS = 10
 _SEED = 1
 _CONFIDENCE = 0.95
@@ -21,7 +21,7 @@ class Discrepancy:
     """Errors of correction and process together, in set-ups the process has not seen, and which share of the 95 % intervals holds
     the truth: with ten folds of the open two thirds, and trained on all of them for the sealed third.
 
-    What is left is not quite normal: how many of its standard deviations an interval is wide is taken from the other folds.
+    The residuals are not quite normal: the width of an interval, in standard deviations, is calibrated on the other folds.
     """
 
     correction: str
@@ -32,7 +32,7 @@ class Discrepancy:
 
 
 def discrepancy(found: Estimates, correction: str) -> Discrepancy:
-    """Train on ln(truth/correction); the numbers that describe a set-up are ratios of the registry's own estimates."""
+    """Fits ln(truth/correction); the features of a set-up are ratios of the registry's own estimates."""
     described = _described(found, correction)
     left = -np.log1p(found.errors(correction))
     opened = np.flatnonzero(~found.sealed)
@@ -59,7 +59,7 @@ def discrepancy(found: Estimates, correction: str) -> Discrepancy:
 
 
 def _described(found: Estimates, correction: str) -> Array:
-    """Logarithms of what the corrections of other kinds make of the same set-up, over this one, and its size."""
+    """Returns the features of a set-up: logarithms of the other corrections' estimates over this one, and its size."""
     own = found.by_correction[correction]
     others = ("none", "arc", "kirchhoff", "reciprocity", "two-sided-arc")
     columns = [np.log(np.maximum(found.by_correction[other] / own, 1e-3)) for other in others]
@@ -73,13 +73,13 @@ def _predicted(train: Array, values: Array, test: Array) -> tuple[Array, NDArray
 
     centre, scale = train.mean(axis=0), train.std(axis=0)
     size = float(values.std())
-    # In units of the standardised numbers and of the values' scatter.
+    # In units of the standardised features and of the values' standard deviation.
     kernel = ConstantKernel(0.5, (1e-3, 10)) * RBF(np.full(train.shape[1], 2.0), (0.2, 100)) + WhiteKernel(
         0.5, (1e-3, 2)
     )
     process = GaussianProcessRegressor(kernel, normalize_y=False, random_state=_SEED)
     with warnings.catch_warnings():
-        # A length that reaches its limit says that its number does not matter.
+        # A length scale at its upper limit means that its feature does not matter.
         warnings.simplefilter("ignore", ConvergenceWarning)
         process.fit((train - centre) / scale, values / size)
     mean, deviation = process.predict((test - centre) / scale, return_std=True)

@@ -1,8 +1,9 @@
-"""The formula before targets far larger than the sensor, as a table: `python3 -m analysis.topics.corrections.large_targets`.
+"""`python3 -m analysis.topics.corrections.large_targets`: the formula's error before targets far larger than the sensor.
 
 The truth is enclosed: mutual grows with the target, since a larger grounded body leaves less charge to infinity. So it is at least what
 boundary elements find for a smaller target, less their error, and at most what they find for a larger one or for the whole plane,
-the sensor before its mirror image. Close before the largest they run out of functions; only what they are sure of counts.
+the sensor before its mirror image. Close before the
+largest targets boundary elements reach their limit of unknowns; only values with a small stated error are used.
 """
 
 from __future__ import annotations
@@ -22,11 +23,11 @@ from geometries.studies import families
 
 SENSOR = 0.1
 SIDES = (2, 5, 10, 20, 40)
-"""Of the square target over the square sensor's."""
+"""Sides of the square target relative to the square sensor's."""
 GAPS = (0.1, 0.3, 1.0, 3.0)
-"""Over the sensor's side; the plates are parallel and concentric."""
+"""Gaps relative to the sensor's side; the plates are parallel and concentric."""
 _RTOL = 3e-3
-# Stated errors above it are themselves no more than a guess.
+# Largest stated error (relative) that is taken as reliable.
 _SURE = 0.01
 Array = NDArray[np.float64]
 
@@ -41,17 +42,17 @@ class Large:
 
     @property
     def error(self) -> Array:
-        """Of the formula, relative to the middle of the bounds."""
+        """The error of the formula, relative to the middle of the bounds."""
         return np.asarray(2 * self.formula / (self.low + self.high) - 1)
 
     @property
     def uncertainty(self) -> Array:
-        """What the truth's bounds leave open of that."""
+        """The uncertainty of that error, from the bounds of the truth."""
         return np.asarray((self.high - self.low) / (self.high + self.low))
 
 
 def measured(module: Any) -> Large:
-    """Ask the formula and boundary elements; seconds."""
+    """Evaluates the formula and boundary elements; takes seconds."""
     formula, value, error = (np.empty((len(SIDES), len(GAPS))) for _ in range(3))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "scene.toml"
@@ -74,7 +75,7 @@ def measured(module: Any) -> Large:
 
 
 def lines(found: Large) -> list[str]:
-    """The table in Markdown, per cent."""
+    """Returns the table in Markdown, per cent."""
     rows = [
         f"| {side} | " + " | ".join(_cell(*each) for each in zip(errors, uncertainties)) + " |"
         for side, errors, uncertainties in zip(SIDES, found.error, found.uncertainty)
@@ -94,7 +95,7 @@ def _load(module: Any, path: Path, scene: Scene) -> Any:
 
 
 def _before_plane(image: Any) -> float:
-    """The charge per volt of a sensor whose mirror image has the opposite potential."""
+    """Returns the charge per volt of a sensor whose mirror image has the opposite potential."""
     matrix = image.maxwell(rtol=_RTOL)["maxwell"]
     return float(matrix[0, 0] - matrix[0, 1])
 

@@ -1,6 +1,6 @@
-"""The figures of model/CORRECTIONS.md, section 5, as they must stand there: `python3 -m analysis.topics.corrections.notes` prints them.
+"""`python3 -m analysis.topics.corrections.notes`: prints the numbers of model/CORRECTIONS.md, section 5.
 
-A test holds the page against them. Times and the Gaussian process are told by `python3 -m analysis corrections`.
+A test compares the page with them. `python3 -m analysis corrections` measures run times and the Gaussian process.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import numpy as np
 
 from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.model_stage import model_module
+from analysis.results.units import percent
 from analysis.topics.corrections import estimates, evaluation, large_targets, shapes
 from analysis.topics.corrections.estimates import Errors
 from analysis.topics.corrections.evaluation import Evaluation
@@ -25,12 +26,12 @@ _HEADER = (
 
 
 def errors_table(found: Sequence[Evaluation]) -> list[str]:
-    """A row for each correction, per cent of the truth."""
+    """Returns a row for each correction, per cent of the truth."""
     return [*_HEADER, *(_row(each) for each in found)]
 
 
 def by_family(found: Sequence[Evaluation]) -> str:
-    """The formula, family by family."""
+    """Returns the formula's errors by family."""
     (formula,) = (each for each in found if each.name == "formula")
     told = (f"{family} {_both(errors)}" for family, errors in formula.families.items())
     return f"The formula by family, rms / worst: {', '.join(told)}."
@@ -38,21 +39,21 @@ def by_family(found: Sequence[Evaluation]) -> str:
 
 def _row(each: Evaluation) -> str:
     every = each.all
-    told = (percent(value) for value in (every.rms, every.median, every.percentile_95, every.worst))
+    told = (_per_cent(value) for value in (every.rms, every.median, every.percentile_95, every.worst))
     return f"| `{each.name}` | {' | '.join(told)} | {_both(each.sealed)} | {_both(each.left_out)} |"
 
 
 def _both(errors: Errors) -> str:
-    return f"{percent(errors.rms)} / {percent(errors.worst)}"
+    return f"{_per_cent(errors.rms)} / {_per_cent(errors.worst)}"
 
 
-def percent(value: float) -> str:
-    """Two digits, or all before the point."""
-    return f"{100 * value:.2g}" if value < 0.995 else f"{100 * value:.0f}"
+def _per_cent(value: float) -> str:
+    """Returns a number for a column in per cent."""
+    return percent(value).removesuffix(" %")
 
 
 def figures(module: Any) -> list[str]:
-    """All of them, line by line; half a minute."""
+    """Returns all lines; takes half a minute."""
     chosen = list(set_ups(module))
     asked = estimates.estimate(module, estimates.names(module), chosen)
     found = evaluation.evaluations(module, asked, chosen)
@@ -66,7 +67,7 @@ def figures(module: Any) -> list[str]:
 
 
 def near_misses(found: estimates.Estimates) -> int:
-    """How many set-ups the recommended correction has wrong by more than 1 %."""
+    """Counts the set-ups in which the recommended correction is off by more than 1 %."""
     return int(np.sum(np.abs(found.errors("recommended")) > 0.01))
 
 

@@ -16,10 +16,10 @@ _TITLE = "Corrections"
 
 
 def make(folder: Path) -> Path:
-    """Write the page of the document in a folder; returns where it is."""
+    """Writes the page of the document in a folder; returns where it is."""
     document = stage.load(folder)
     page.provide_script(folder)
-    body = [f"<header>\n<h1>{_TITLE}</h1>\n</header>", section.section(document, SET_UPS)]
+    body = [page.header(_TITLE), section.section(document, SET_UPS)]
     write_text(folder / PAGE, page.document(_TITLE, inputs(document), body, page.SCRIPT))
     if document is not None:
         text = cases_section.set_ups_document(document["cases"], PAGE, _TITLE, inputs(document), page.SCRIPT)
@@ -28,6 +28,6 @@ def make(folder: Path) -> Path:
 
 
 def inputs(document: Document | None) -> str:
-    """A hash of what the section is made from."""
+    """Returns a hash of what the section is made from."""
     answers = json.dumps(document, sort_keys=True)
     return hashlib.sha256(f"{answers} {keys.report_code()}".encode()).hexdigest()

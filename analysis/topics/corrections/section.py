@@ -1,14 +1,14 @@
-"""The corrections as a section of a report: what they cost and what they leave, one sentence, a plot and a table."""
+"""The section on the corrections: their cost and remaining error, as a sentence, a plot and tables."""
 
 from __future__ import annotations
 
-from html import escape
-
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel, figure, power_axis, series_colour
 from analysis.results.store import Document
+from analysis.results.units import percent
 from analysis.topics.corrections import cases_section, stage
 
 TITLE = "Corrections of the model (mutual)"
@@ -16,8 +16,8 @@ ABSENT = f"Not evaluated yet: {stage.COMMAND} does it in a minute."
 _PLAIN, _BEST, _RECOMMENDED = "none", "formula", "recommended"
 
 
-def section(document: Document | None, set_ups: str) -> str:
-    """The section of a document of analysis.topics.corrections.stage; one sentence without one. `set_ups` is the file of the page of its
+def section(document: Document | None, set_ups: str) -> Markup:
+    """Returns the section of a document of analysis.topics.corrections.stage; one sentence without one. `set_ups` is the file of the page of its
     set-ups, as seen from the page."""
     if document is None:
         return page.section(TITLE, page.paragraph(ABSENT))
@@ -35,18 +35,18 @@ def section(document: Document | None, set_ups: str) -> str:
 
 
 def finding(document: Document) -> str:
-    """What the best closed formula leaves, where nothing was fitted, and what it costs."""
+    """Tells the error that the best closed formula leaves on unseen set-ups, and its cost."""
     plain, best = _entry(document, _PLAIN), _entry(document, _BEST)
     ratios = {shape: times[_BEST] / times[_PLAIN] for shape, times in document["nanoseconds"].items()}
     recommended = _entry(document, _RECOMMENDED)
     statistical = document["discrepancy"]
     return (
-        f"In the {best['sealed']['count']} set-ups never used to find it, the formula is {_percent(best['sealed']['rms'])} off (rms) and "
-        f"{_percent(best['sealed']['worst'])} at worst, where the plain model is {_percent(plain['sealed']['rms'])} and "
-        f"{_percent(plain['sealed']['worst'])}, at {min(ratios.values()):.1f} to {max(ratios.values()):.1f} times its time per "
-        f"triangle; a Gaussian process on top leaves {_percent(statistical['sealed']['rms'])}, and its 95 % intervals hold the "
+        f"In the {best['sealed']['count']} set-ups never used to find it, the formula is {percent(best['sealed']['rms'])} off (rms) and "
+        f"{percent(best['sealed']['worst'])} at worst, where the plain model is {percent(plain['sealed']['rms'])} and "
+        f"{percent(plain['sealed']['worst'])}, at {min(ratios.values()):.1f} to {max(ratios.values()):.1f} times its time per "
+        f"triangle; a Gaussian process on top leaves {percent(statistical['sealed']['rms'])}, and its 95 % intervals hold the "
         f"truth in {statistical['sealed_coverage']:.0%}. Recommended is the reduced method, which has no fitted constant: "
-        f"{_percent(recommended['all']['rms'])} off (rms) and {_percent(recommended['all']['worst'])} at worst in all "
+        f"{percent(recommended['all']['rms'])} off (rms) and {percent(recommended['all']['worst'])} at worst in all "
         f"{recommended['all']['count']}."
     )
 
@@ -81,11 +81,11 @@ def _panels(document: Document) -> list[Panel]:
 
 
 def _worst_cases(document: Document) -> list[str]:
-    """For each correction the sealed set-up in which it is worst."""
+    """Names, for each correction, the sealed set-up in which it is worst."""
     return [cases_section.worst(document["cases"], name, sealed=True) for name in _names(document)]
 
 
-def _table(document: Document) -> str:
+def _table(document: Document) -> Markup:
     shapes = list(document["nanoseconds"])
     header = [
         "correction",
@@ -104,19 +104,19 @@ def _table(document: Document) -> str:
         every = entry["all"]
         rows.append(
             [
-                f"<code>{escape(entry['name'])}</code>",
-                *(_percent(every[name]) for name in ("rms", "median", "percentile_95", "worst")),
-                *(_percent(entry["sealed"][name]) for name in ("rms", "worst")),
-                *(_percent(entry["left_out"][name]) for name in ("rms", "worst")),
+                page.code(entry["name"]),
+                *(percent(every[name]) for name in ("rms", "median", "percentile_95", "worst")),
+                *(percent(entry["sealed"][name]) for name in ("rms", "worst")),
+                *(percent(entry["left_out"][name]) for name in ("rms", "worst")),
                 *(f"{document['nanoseconds'][shape][entry['name']]:.3g}" for shape in shapes),
             ]
         )
     both = document["discrepancy"]
-    unseen = [_percent(both["open"][name]) for name in ("rms", "median", "percentile_95", "worst")]
-    sealed = [_percent(both["sealed"][name]) for name in ("rms", "worst")]
+    unseen = [percent(both["open"][name]) for name in ("rms", "median", "percentile_95", "worst")]
+    sealed = [percent(both["sealed"][name]) for name in ("rms", "worst")]
     rows.append(
         [
-            f"{escape(both['correction'])} and Gaussian process",
+            f"{both['correction']} and Gaussian process",
             *unseen,
             *sealed,
             "",
@@ -127,13 +127,13 @@ def _table(document: Document) -> str:
     return page.table(header, rows, strong=frozenset({_names(document).index(_RECOMMENDED)}))
 
 
-def _families(document: Document) -> str:
+def _families(document: Document) -> Markup:
     families = list(document["corrections"][0]["families"])
     rows = [
         [
-            f"<code>{escape(entry['name'])}</code>",
+            page.code(entry["name"]),
             *(
-                f"{_percent(entry['families'][family]['rms'])} / {_percent(entry['families'][family]['worst'])}"
+                f"{percent(entry['families'][family]['rms'])} / {percent(entry['families'][family]['worst'])}"
                 for family in families
             ),
         ]
@@ -144,11 +144,11 @@ def _families(document: Document) -> str:
     return page.table(header, rows)
 
 
-def _registry(document: Document) -> str:
+def _registry(document: Document) -> Markup:
     rows = [
         [
-            f"<code>{escape(entry['name'])}</code>",
-            *(escape(entry[key]) for key in ("formula", "source", "constants", "cost")),
+            page.code(entry["name"]),
+            *(entry[key] for key in ("formula", "source", "constants", "cost")),
         ]
         for entry in document["corrections"]
     ]
@@ -173,7 +173,3 @@ def _entry(document: Document, name: str) -> Document:
 
 def _names(document: Document) -> list[str]:
     return [entry["name"] for entry in document["corrections"]]
-
-
-def _percent(value: float) -> str:
-    return f"{100 * value:.2g} %" if value < 0.995 else f"{100 * value:.0f} %"

@@ -1,6 +1,6 @@
-"""The set-ups on which corrections are found and judged: plates and boxes before one rectangular sensor, drawn with a fixed seed.
+"""The set-ups for fitting and testing corrections: plates and boxes before one rectangular sensor, drawn with a fixed seed.
 
-A third of them is sealed: the rule looks at nothing but the name, and the names were there before any correction was.
+A third of them is sealed for testing. The rule depends on the name alone, and the names are older than any correction.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class SetUp:
 
 
 def set_ups(module: Any) -> Iterator[SetUp]:
-    """All set-ups in their order. `module` is the model's, which knows the distance of bodies."""
+    """Returns all set-ups in their order. `module` is the model's, which computes the distance of bodies."""
     for index, (family, count) in enumerate(COUNTS.items()):
         draw = np.random.default_rng([SEED, index])
         scenes = (_drawn(family, draw, module) for _ in itertools.count())
@@ -64,7 +64,7 @@ def set_ups(module: Any) -> Iterator[SetUp]:
 
 
 def _drawn(family: str, draw: Draw, module: Any) -> Scene | None:
-    """One set-up, or None where the numbers drawn make none of the family."""
+    """Draws one set-up; None if the random numbers give no valid set-up of the family."""
     try:
         return _FAMILIES[family](draw, module)
     except InputError:
@@ -72,7 +72,7 @@ def _drawn(family: str, draw: Draw, module: Any) -> Scene | None:
 
 
 def _between(draw: Draw, least: float, most: float) -> float:
-    """Uniform in the logarithm, to a few digits that a person can copy."""
+    """Draws a number uniformly in its logarithm, rounded to a few digits that a person can copy."""
     return float(f"{np.exp(draw.uniform(np.log(least), np.log(most))):.3g}")
 
 
@@ -81,7 +81,7 @@ def _sensor(draw: Draw) -> Vector2:
 
 
 def _target(draw: Draw, sensor: Vector2) -> Vector2:
-    """As large as the sensor in every third."""
+    """Draws the target's size; every third target is as large as the sensor."""
     if draw.random() < 1 / 3:
         return sensor
     return _between(draw, _SMALLEST, _LARGEST), _between(draw, _SMALLEST, _LARGEST)
@@ -142,7 +142,7 @@ def _boxes(draw: Draw, module: Any) -> Scene | None:
 
 
 def _posed(draw: Draw, module: Any, shape: PlateShape | Cuboid) -> Scene | None:
-    """The body in any orientation, a third of them as it is, moved along any line towards a point of the sensor up to a gap."""
+    """Returns the body in any orientation, a third of them as it is, moved along any line towards a point of the sensor up to a gap."""
     alone = families.empty(_sensor(draw))
     rotation = np.array([1.0, 0.0, 0.0, 0.0]) if draw.random() < 1 / 3 else np.round(draw.normal(size=4), 3)
     direction = draw.normal(size=3)

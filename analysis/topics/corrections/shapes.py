@@ -1,4 +1,4 @@
-"""The formula before shapes that it was not fitted to, beside boundary elements: `python3 -m analysis.topics.corrections.shapes`."""
+"""`python3 -m analysis.topics.corrections.shapes`: the formula's error for shapes that it was not fitted to."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from geometries.studies import families
 
 _SENSOR, _HEIGHT, _DEGREES = 0.1, 0.075, 70.0
 _RTOL = 3e-3
-"""Of the truth: a third of the last digit told."""
+"""Relative accuracy of the truth: a third of the last printed digit."""
 SHAPES: dict[str, Shape] = {
     "sphere": Sphere(0.03, 16),
     "cylinder": Cylinder(0.03, 0.1, 16),
@@ -25,7 +25,7 @@ SHAPES: dict[str, Shape] = {
 
 
 def errors(module: Any) -> dict[str, float]:
-    """(formula − truth)/truth by shape; its centre lies above that of the sensor, its axis turned."""
+    """Returns (formula − truth)/truth by shape; its centre lies above that of the sensor, its axis turned."""
     found = {}
     alone = families.empty((_SENSOR, _SENSOR))
     with tempfile.TemporaryDirectory() as folder:
@@ -41,7 +41,7 @@ def errors(module: Any) -> dict[str, float]:
 
 
 def sentence(found: dict[str, float]) -> str:
-    """As model/CORRECTIONS.md has it."""
+    """Writes the sentence of model/CORRECTIONS.md on these shapes."""
     return ", ".join(f"{name} {100 * error:+.1f} %" for name, error in found.items())
 
 

@@ -1,4 +1,4 @@
-"""`python3 -m analysis corrections`: evaluate the registry, measure what each correction costs, keep both as one document."""
+"""`python3 -m analysis corrections`: evaluates all corrections and measures their run times, stored as one document."""
 
 from __future__ import annotations
 
@@ -9,10 +9,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from analysis.pipeline import keys
+from analysis.pipeline import keys, model_stage
 from analysis.pipeline.keys import REPOSITORY
+from analysis.pipeline.processes import Processes
+from analysis.pipeline.scheduler import run_all
+from analysis.pipeline.stage import NoAnswer, Stage, outdated
 from analysis.results import machine
-from analysis.results.store import Document, is_current, read_json, write_json
+from analysis.results.store import Document, read_json
 from analysis.results.study_results import Failure
 from analysis.topics.corrections import cases, evaluation
 from analysis.topics.corrections.set_ups import set_ups
@@ -23,11 +26,17 @@ FOLDER = "corrections"
 DOCUMENT = "corrections.json"
 COMMAND = "python3 -m analysis corrections"
 _BENCHMARK = Path("build", "bin", "correction_benchmark")
+_SECONDS = 60.0
 _SOURCES = ("model", "CMakeLists.txt", "CMakePresets.json")
 
 
-def run(folder: Path, module: Any) -> list[Failure]:
-    """Fill the folder, unless its document was made by just this code on this machine; returns what failed."""
+def run(folder: Path) -> list[Failure]:
+    """Fills the folder, unless this code made its document on this machine; returns the failures."""
+    return run_all(outdated([stage(folder)]), 1, shown=False)
+
+
+def stage(folder: Path) -> Stage:
+    """Returns the stage of the one document."""
     python = [
         path.relative_to(REPOSITORY).as_posix()
         for name in ("analysis/topics/corrections", "geometries")
@@ -36,32 +45,32 @@ def run(folder: Path, module: Any) -> list[Failure]:
     truths = FILE.relative_to(REPOSITORY).as_posix()
     code = keys.code_of((*_SOURCES, *python, truths), REPOSITORY)
     key = keys.measurement_key(COMMAND, code, machine.identity())
-    if is_current(folder / DOCUMENT, key):
-        return []
+    return Stage("corrections", "", folder / DOCUMENT, key, _SECONDS, _answer)
+
+
+def _answer(_: Processes) -> Document:
     program = REPOSITORY / _BENCHMARK
     if not program.is_file():
-        return [Failure("", "corrections", no_benchmark(_BENCHMARK))]
+        raise NoAnswer(no_benchmark(_BENCHMARK))
     try:
-        document = {"key": key, **evaluated(module), "nanoseconds": nanoseconds(program)}
-    except (OSError, ValueError, subprocess.SubprocessError) as error:
-        return [Failure("", "corrections", str(error))]
-    write_json(folder / DOCUMENT, document)
-    return []
+        return {**evaluated(model_stage.model_module()), "nanoseconds": nanoseconds(program)}
+    except (OSError, subprocess.SubprocessError) as error:
+        raise NoAnswer(str(error)) from error
 
 
 def load(folder: Path) -> Document | None:
-    """The document in a folder; None without one, or with one of an earlier form, which knows nothing of single set-ups."""
+    """Returns the document in a folder; None without one, or with one of an earlier format without single set-ups."""
     document = read_json(folder / DOCUMENT)
     return document if document is not None and "cases" in document else None
 
 
 def beside(results: Path) -> Path:
-    """The folder that belongs to a study's results."""
+    """Returns the folder that belongs to a study's results."""
     return results.resolve().parent / FOLDER
 
 
 def evaluated(module: Any) -> Document:
-    """The errors of every correction, with what the registry says of it, as a document."""
+    """Returns the errors of every correction, with what the registry says of it, as a document."""
     chosen = list(set_ups(module))
     found = evaluation.evaluate(module, chosen)
     registry = {str(entry["name"]): entry for entry in module.corrections()}
@@ -79,8 +88,8 @@ def evaluated(module: Any) -> Document:
 
 
 def nanoseconds(program: Path) -> dict[str, dict[str, float]]:
-    """Processor time per triangle of every correction (second key) on every shape, all in one run, their order random; the least
-    of three."""
+    """Measures the processor time per triangle of every correction (second key) on every shape, all in one run in random order; the
+    least of three."""
     with tempfile.TemporaryDirectory() as folder:
         answer = Path(folder) / "answer.json"
         subprocess.run(

@@ -37,14 +37,14 @@ class Truth:
 
 
 def load(file: Path = FILE) -> dict[str, Truth]:
-    """The truths by the set-up's name."""
+    """Returns the truths by the set-up's name."""
     with file.open(encoding="utf-8", newline="") as lines:
         rows = list(csv.DictReader(lines))
     return {row["name"]: Truth(*(float(row[column]) for column in _COLUMNS[1:])) for row in rows}
 
 
 def make(module: Any, file: Path = FILE) -> int:
-    """Solve every set-up and write the file; returns how many there are."""
+    """Solves every set-up and writes the file; returns the number of set-ups."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(_COLUMNS)

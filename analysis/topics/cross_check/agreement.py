@@ -1,4 +1,4 @@
-"""Every value that both methods answer, and the intervals that both prove for the own entries of the Maxwell matrix."""
+"""Compares every value that both methods compute, and the intervals that both prove for the diagonal of the Maxwell matrix."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from analysis.results.answers import BoundaryAnswer, Estimate, ReferenceAnswer
 from analysis.results.study_results import CaseResult, Results
 
 QUADRATURE_SHARE = 0.05
-"""What the integrals' errors are at most, over an entry's stated error, where the entry is called a lower bound
-(model/BOUNDARY_ELEMENTS.md, section 6)."""
+"""Largest quadrature error of an entry that is called a lower bound, relative to its stated error (model/BOUNDARY_ELEMENTS.md,
+section 6)."""
 
 
 @dataclass(frozen=True)
@@ -25,12 +25,12 @@ class Comparison:
 
     @property
     def difference(self) -> float:
-        """Relative to the field solver's value."""
+        """The difference relative to the field solver's value."""
         return (self.boundary.value - self.reference) / abs(self.reference)
 
     @property
     def allowed(self) -> float:
-        """The same for what both errors allow together."""
+        """The sum of both errors, relative to the field solver's value."""
         towards = (self.high - self.reference) if self.difference > 0 else (self.reference - self.low)
         return (towards + self.boundary.error) / abs(self.reference)
 
@@ -46,7 +46,7 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Bracket:
-    """An own entry of the Maxwell matrix between bounds (F): `lower` is Galerkin's, `flux` and `upper` are the field solver's."""
+    """A diagonal entry of the Maxwell matrix between bounds (F): `lower` is Galerkin's, `flux` and `upper` are the field solver's."""
 
     case: CaseResult
     conductor: str
@@ -56,7 +56,7 @@ class Bracket:
 
     @property
     def width(self) -> float:
-        """From the better of the lower bounds to the upper one, relative to it."""
+        """The width from the better lower bound to the upper bound, relative to the latter."""
         return (self.upper - max(self.lower, self.flux)) / self.upper
 
     @property
@@ -66,7 +66,7 @@ class Bracket:
 
 
 def comparisons(results: Results) -> list[Comparison]:
-    """The entries on and above the diagonal and delta_self of every case that both have solved, the worst first."""
+    """Returns the entries on and above the diagonal and delta_self of every case that both have solved, the worst first."""
     found = []
     for case in results.cases.values():
         if case.reference is not None and case.boundary is not None:
@@ -75,18 +75,18 @@ def comparisons(results: Results) -> list[Comparison]:
 
 
 def disagreements(found: list[Comparison]) -> list[Comparison]:
-    """Those whose error bars do not overlap: one of the two methods is wrong, or its error is."""
+    """Returns the comparisons whose error bars do not overlap: one of the two values, or its error, is wrong."""
     return [comparison for comparison in found if not comparison.agrees]
 
 
 def contradictions(results: Results) -> int:
-    """How many values disagree, and how many own entries have a lower bound above the upper one."""
+    """Counts the values that disagree and the diagonal entries whose lower bound is above the upper one."""
     empty = sum(bracket.width < 0 for bracket in brackets(results))
     return len(disagreements(comparisons(results))) + empty
 
 
 def brackets(results: Results) -> list[Bracket]:
-    """Of every own entry that the field solver encloses and boundary elements bound from below."""
+    """Returns the bracket of every diagonal entry that the field solver encloses and boundary elements bound from below."""
     found = []
     for case in results.cases.values():
         reference, boundary = case.reference, case.boundary

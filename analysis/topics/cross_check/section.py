@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from html import escape
-
 import numpy as np
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import INK, Panel, family_marker, figure, power_axis, series_colour
 from analysis.results.study_results import Results
+from analysis.results.units import PICOFARAD
 from analysis.topics.cross_check import agreement
 from analysis.topics.cross_check.agreement import Bracket, Comparison
 
@@ -17,8 +17,7 @@ TITLE = "Boundary elements against the field solver"
 _ABSENT = (
     "No case of these results has been solved by both methods: the command that ran the study does it anew."
 )
-_PICOFARAD = 1e-12
-# A logarithmic axis has no zero: differences below rounding are drawn here.
+# Ordinate of differences below rounding: a logarithmic axis has no zero.
 _ROUNDING = 1e-9
 _WHAT = (
     "Boundary elements (model/BOUNDARY_ELEMENTS.md) share nothing with the field solver but the scene file: other equations, another "
@@ -32,8 +31,8 @@ _PROOF = (
 )
 
 
-def sections(results: Results) -> list[str]:
-    """Agreement, brackets, what is not comparable; one sentence where nothing is."""
+def sections(results: Results) -> list[Markup]:
+    """Returns the agreement, the brackets and what is not comparable; one sentence if nothing is comparable."""
     found = agreement.comparisons(results)
     refused = {case.id: case.refused for case in results.cases.values() if case.refused}
     if not found:
@@ -41,7 +40,7 @@ def sections(results: Results) -> list[str]:
     parts = [page.finding(finding(found))]
     wrong = agreement.disagreements(found)
     if wrong:
-        parts += ["<h3>Values that disagree</h3>", _table(wrong)]
+        parts += [page.heading("Values that disagree"), _table(wrong)]
     parts += [page.figures([_panel(found)]), page.soft(f"{_WHAT} {_reached(results)}")]
     parts.append(page.folded("Show every value", _table(found)))
     made = [page.section(TITLE, *parts, *_refused(results, refused))]
@@ -50,7 +49,7 @@ def sections(results: Results) -> list[str]:
 
 
 def finding(found: list[Comparison]) -> str:
-    """How many values agree, and by how much the others miss."""
+    """Tells how many values agree, and how far apart the others are."""
     cases = {comparison.case.id for comparison in found}
     wrong = agreement.disagreements(found)
     worst = found[0]
@@ -71,17 +70,19 @@ def _reached(results: Results) -> str:
     return f"They took {milliseconds:.2g} ms (median); {short} of {len(solved)} are short of what was asked, with wider errors."
 
 
-def warning(results: Results, target: str) -> str:
-    """For the head of the report: a finding where values disagree, with a link to the page; else nothing."""
+def warning(results: Results, target: str) -> Markup:
+    """Returns, for the head of the report, a finding with a link if values disagree; else nothing."""
     wrong = agreement.contradictions(results)
     if not wrong:
-        return ""
+        return Markup("")
     told = page.link(target, f"{wrong} values of the two references disagree by more than their errors")
-    return f'<p class="finding"><strong>{told}.</strong> One of them is wrong, or its error is.</p>'
+    return page.finding(
+        Markup("{} One of them is wrong, or its error is.").format(page.strong(Markup("{}.").format(told)))
+    )
 
 
 def bracket_finding(brackets: list[Bracket]) -> str:
-    """How wide the combined brackets are beside the field solver's alone."""
+    """Compares the widths of the combined brackets with those of the field solver alone."""
     widths = np.array([bracket.width for bracket in brackets])
     before = np.array([bracket.width_before for bracket in brackets])
     contradicted = int((widths < 0).sum())
@@ -125,7 +126,7 @@ def _panel(found: list[Comparison]) -> Panel:
     return Panel(caption, figure(traces, x, power_axis("difference, relative"), height=460))
 
 
-def _table(found: list[Comparison]) -> str:
+def _table(found: list[Comparison]) -> Markup:
     header = [
         "set-up",
         "value",
@@ -139,29 +140,29 @@ def _table(found: list[Comparison]) -> str:
     ]
     rows = [
         [
-            f"{escape(c.case.family)} {page.case_link(c.case.id)}",
-            escape(c.what),
-            f"{c.reference / _PICOFARAD:.6f}",
-            f"{c.low / _PICOFARAD:.6f}",
-            f"{c.high / _PICOFARAD:.6f}",
-            f"{c.boundary.value / _PICOFARAD:.6f} ± {c.boundary.error / _PICOFARAD:.6f}",
+            page.family_and_case(c.case.family, c.case.id),
+            c.what,
+            f"{c.reference / PICOFARAD:.6f}",
+            f"{c.low / PICOFARAD:.6f}",
+            f"{c.high / PICOFARAD:.6f}",
+            f"{c.boundary.value / PICOFARAD:.6f} ± {c.boundary.error / PICOFARAD:.6f}",
             f"{c.difference:+.1e}",
             f"{c.allowed:.1e}",
-            "yes" if c.agrees else "<strong>no</strong>",
+            page.yes_or_no(c.agrees),
         ]
         for c in found
     ]
     return page.table(header, rows, text_columns=2)
 
 
-def _brackets(brackets: list[Bracket]) -> str:
+def _brackets(brackets: list[Bracket]) -> Markup:
     widest = sorted(brackets, key=lambda bracket: -bracket.width)
     rows = [
         [
-            f"{escape(bracket.case.family)} {page.case_link(bracket.case.id)}",
-            escape(bracket.conductor),
-            f"{max(bracket.lower, bracket.flux) / _PICOFARAD:.6f}",
-            f"{bracket.upper / _PICOFARAD:.6f}",
+            page.family_and_case(bracket.case.family, bracket.case.id),
+            bracket.conductor,
+            f"{max(bracket.lower, bracket.flux) / PICOFARAD:.6f}",
+            f"{bracket.upper / PICOFARAD:.6f}",
             f"{bracket.width:.1e}",
             f"{bracket.width_before:.1e}",
         ]
@@ -201,13 +202,16 @@ def _bracket_panel(brackets: list[Bracket]) -> Panel:
     return Panel("relative widths of the intervals that hold M[i, i]", figure(traces, x, y, height=420))
 
 
-def _refused(results: Results, refused: dict[str, str]) -> list[str]:
-    """The cases that boundary elements do not know, by reason."""
+def _refused(results: Results, refused: dict[str, str]) -> list[Markup]:
+    """Returns the cases that boundary elements refuse, by reason."""
     if not refused:
         return []
-    reasons: dict[str, list[str]] = {}
+    reasons: dict[str, list[Markup]] = {}
     for case, reason in refused.items():
-        reasons.setdefault(reason, []).append(f"{escape(results.cases[case].family)} {page.case_link(case)}")
+        reasons.setdefault(reason, []).append(page.family_and_case(results.cases[case].family, case))
     told = f"{len(refused)} set-ups are not comparable: boundary elements refuse them."
-    listed = [f"<p>{escape(reason)}: {', '.join(cases)}.</p>" for reason, cases in reasons.items()]
-    return ["<h3>Not comparable</h3>", page.paragraph(told), *listed]
+    listed = [
+        page.paragraph(Markup("{}: {}.").format(reason, Markup(", ").join(cases)))
+        for reason, cases in reasons.items()
+    ]
+    return [page.heading("Not comparable"), page.paragraph(told), *listed]

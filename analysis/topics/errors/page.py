@@ -1,4 +1,4 @@
-"""The errors' parts and maps as a page, with a page for every set-up."""
+"""The page of the errors' parts and maps, and a page for every set-up."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import hashlib
 import json
 from collections.abc import Iterable
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
+
+from markupsafe import Markup
 
 from analysis.pipeline import keys
 from analysis.report import page, plots_in_space
@@ -15,25 +16,25 @@ from analysis.report.page import is_current
 from analysis.results.set_up import describe
 from analysis.results.store import write_text
 from analysis.results.table import QUANTITIES
+from analysis.results.units import PICOFARAD
 from analysis.topics.errors import records, section, set_ups, stage
 from analysis.topics.errors.records import Entry
 from geometries.common import installation
 
 PAGE = "errors.html"
 _TITLE = "Where does the model's error come from?"
-_PICOFARAD = 1e-12
 
 
 @dataclass(frozen=True)
 class Made:
-    """Where the page is, and what it says."""
+    """The page's path, and its finding."""
 
     path: Path
     headline: str
 
 
 def make(folder: Path) -> Made:
-    """Write the page of the answers in a folder and those of its set-ups, unless they are up to date."""
+    """Writes the page of the answers in a folder and those of its set-ups, unless they are up to date."""
     answers = stage.load(folder)
     found = records.entries(answers, set_ups.all_set_ups())
     inputs = hashlib.sha256(
@@ -43,7 +44,7 @@ def make(folder: Path) -> Made:
         page.provide_script(folder)
         for entry in records.once(found):
             _make_case(folder, entry)
-        body = [f"<header>\n<h1>{escape(_TITLE)}</h1></header>", *section.sections(found, "cases")]
+        body = [page.header(_TITLE), *section.sections(found, "cases")]
         write_text(folder / PAGE, page.document(_TITLE, inputs, body, page.SCRIPT))
     distinct = records.once(found)
     told = [section.finding(distinct, quantity) for quantity in QUANTITIES] if found else [section.ABSENT]
@@ -56,20 +57,23 @@ def _make_case(folder: Path, entry: Entry) -> None:
     write_text(folder / "cases" / entry.set_up.id / page.CASE_PAGE, text)
 
 
-def _case(folder: Path, entry: Entry) -> Iterable[str]:
+def _case(folder: Path, entry: Entry) -> Iterable[Markup]:
     made = entry.set_up
-    yield f"<nav>{page.link(f'../../{PAGE}', f'‹ {_TITLE}')}</nav>"
-    yield f"<header><h1>{escape(made.group)} {page.code(made.id)}</h1>"
+    yield page.navigation(page.link(f"../../{PAGE}", f"‹ {_TITLE}"))
+    head = []
     described = describe(made.scene)
     if described is not None:
-        yield page.paragraph(f"{described.told}.")
+        head.append(page.paragraph(f"{described.told}."))
     for quantity in QUANTITIES:
         true = entry.true(quantity)
-        yield page.finding(
-            f"{quantity}: {true.value / _PICOFARAD:.6g} ± {true.error / _PICOFARAD:.1g} pF by boundary elements; the model is "
-            f"{entry.error(quantity):+.1%} off, mostly by {entry.largest(quantity)}."
+        head.append(
+            page.finding(
+                f"{quantity}: {true.value / PICOFARAD:.6g} ± {true.error / PICOFARAD:.1g} pF by boundary elements; the model is "
+                f"{entry.error(quantity):+.1%} off, mostly by {entry.largest(quantity)}."
+            )
         )
-    yield f"</header>{page.figures([plots_in_space.in_space(made.scene)])}"
+    yield page.header(Markup("{} {}").format(made.group, page.code(made.id)), *head)
+    yield page.figures([plots_in_space.in_space(made.scene)])
     yield page.section("The parts of the error", *section.of_one(entry))
     scene = installation.from_repository(folder / "cases" / made.id / "scene.toml")
     yield page.section(

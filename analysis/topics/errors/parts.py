@@ -19,15 +19,15 @@ TILT, LATERAL, BACK, RECIPROCITY = "tilt", "lateral path", "missing back side", 
 EFFECTS = (TILT, LATERAL, BACK, RECIPROCITY)
 QUANTITY, REST = "another quantity", "rest"
 PARTS = {MUTUAL: (*EFFECTS, REST), DELTA_SELF: (*EFFECTS, QUANTITY, REST)}
-"""Of each quantity, in the order in which they are shown."""
+"""The parts of each quantity, in the order in which they are shown."""
 
 Effects = frozenset[str]
 
 
 @dataclass(frozen=True)
 class Part:
-    """What one effect does to the model's value (F): the mean over all orders in which the effects can be put right, with the
-    least and the greatest of them."""
+    """The contribution of one effect to the model's value (F): its mean over all orders in which the effects can be corrected, and the
+    least and the greatest."""
 
     value: float
     least: float
@@ -36,8 +36,8 @@ class Part:
 
 @dataclass(frozen=True)
 class Split:
-    """`model` is the formula as it stands, `corrected` the one with every effect put right (F), both of `mutual`;
-    `error` is what the quadrature behind `corrected` and the parts may be off."""
+    """`model` is the formula as it stands, `corrected` with every effect corrected, both for `mutual` (F);
+    `error` is the quadrature error of `corrected` and the parts."""
 
     model: float
     corrected: float
@@ -55,7 +55,7 @@ class Truth:
 
 
 def split(model: Any, sensor: Rectangle, target: Rectangle) -> Split:
-    """The effects' parts in a set-up of two plates. `model` is the model's module."""
+    """Computes the contributions of all effects in a set-up of two plates. `model` is the model's module."""
     values = _values(model, sensor, target)
     everything = values[frozenset(EFFECTS)]
     return Split(
@@ -67,8 +67,8 @@ def split(model: Any, sensor: Rectangle, target: Rectangle) -> Split:
 
 
 def shares(names: Iterable[str], value: Callable[[Effects], float]) -> dict[str, Part]:
-    """How much each name lowers `value` when it joins, over all orders of joining: the means add up to value(none) −
-    value(all) (Shapley's value)."""
+    """Computes Shapley values: by how much each name lowers `value` when it joins, over all orders of joining. The means add up to
+    value(none) − value(all)."""
     known = tuple(names)
     changes: dict[str, list[float]] = {name: [] for name in known}
     for order in itertools.permutations(known):
@@ -80,7 +80,7 @@ def shares(names: Iterable[str], value: Callable[[Effects], float]) -> dict[str,
 
 
 def parts(found: Split, truth: Truth, quantity: str) -> dict[str, float]:
-    """The parts (F) of model − truth; they add up to it but for rounding."""
+    """Returns the parts (F) of model − truth, which add up to it except for rounding."""
     named = {name: part.value for name, part in found.effects.items()}
     if quantity == DELTA_SELF:
         named[QUANTITY] = truth.mutual.value - truth.delta_self.value
@@ -88,24 +88,24 @@ def parts(found: Split, truth: Truth, quantity: str) -> dict[str, float]:
 
 
 def uncertainty(found: Split, truth: Truth, name: str) -> float:
-    """What a part may be off (F), by the truth's error and the quadrature's."""
+    """Returns the error of a part (F), from the truth's error and the quadrature's."""
     if name == QUANTITY:
         return truth.mutual.error + truth.delta_self.error
     return found.error + (truth.mutual.error if name == REST else 0.0)
 
 
 def drawn_from_infinity(truth: Truth) -> float:
-    """The share of `another quantity` (F) that is charge which the target, grounded, draws without pushing as much back."""
+    """Returns the part (F) of `another quantity` due to the charge that a grounded target draws from infinity."""
     return truth.mutual.value * (1 - truth.mutual.value / truth.target_own.value)
 
 
 def polarisation(truth: Truth) -> float:
-    """The share of it (F, negative) by which even the floating target raises the sensor's own capacitance."""
+    """Returns the part (F, negative) of `another quantity` due to polarisation: a floating target raises the sensor's capacitance too."""
     return truth.mutual.value**2 / truth.target_own.value - truth.delta_self.value
 
 
 def _values(model: Any, sensor: Rectangle, target: Rectangle) -> dict[Effects, paths.Integral]:
-    """`mutual` (F) by the formula with each choice of effects put right."""
+    """Computes `mutual` (F) by the formula, for each choice of effects that are corrected."""
     arc = paths.arc_over_chord(target, sensor)
     found = {}
     for count in range(len(EFFECTS) + 1):

@@ -1,4 +1,4 @@
-"""Integrals of 1/L over a rectangle, L the length of the field line that each of the named effects makes of the distance."""
+"""Integrals of 1/L over a rectangle, where L is the length of the field line that an effect puts in the place of the distance."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from analysis.results.set_up import Rectangle
 
 Array = NDArray[np.float64]
 
-# Of a quarter turn around its chord: what a coplanar neighbour's field lines take, ERRORS.md section 2.
+# Length of a semicircle over its diameter: the field lines to a coplanar neighbour (ERRORS.md, section 2).
 LATERAL = math.pi / 2
-# Nodes along half a side, and the coarser rule that the error is told by.
+# Nodes along half a side, of the rule and of the coarser rule that estimates its error.
 _NODES, _COARSE_NODES = 28, 20
-# The integrand is steep at the edges: the nodes crowd there as this power of their place.
+# The integrand is steep at the edges: the nodes are graded towards them with this power.
 _GRADING = 3
 
 
@@ -31,24 +31,24 @@ class Stretch:
 
 @dataclass(frozen=True)
 class Integral:
-    """∫dA/L (m) with what its quadrature may be off; a closed form has no such error."""
+    """∫dA/L (m) with its quadrature error, which is 0 for closed forms."""
 
     value: float
     error: float = 0.0
 
 
 def arc_over_chord(surface: Rectangle, plate: Rectangle) -> float:
-    """θ/sin θ for the angle θ between two planes, 0 … 90 degrees."""
+    """Returns θ/sin θ for the angle θ between two planes, 0 … 90 degrees."""
     sine = float(np.linalg.norm(np.cross(surface.normal, plate.normal)))
     angle = math.atan2(sine, abs(float(surface.normal @ plate.normal)))
     return angle / math.sin(angle) if angle > 0 else 1.0
 
 
 def front(model: Any, surface: Rectangle, plate: Rectangle, stretch: Stretch) -> Integral:
-    """Over a surface, L to a plate. `model` is the model's module.
+    """Computes the length L to a plate over a surface. `model` is the model's module.
 
-    Stretching space by the two factors makes a plate of a plate and a distance of L, so the model's closed form serves; the
-    area's own stretch is divided out again.
+    Stretching space by the two factors maps a plate to a plate and L to a distance, so the model's closed form applies; the result
+    is divided by the stretch of the area.
     """
     axes, factors = _frame(plate), np.array([stretch.lateral, stretch.lateral, stretch.normal])
     triangles = (surface.vertices[[[0, 1, 2], [0, 2, 3]]] - plate.corner) @ axes.T * factors
@@ -61,7 +61,8 @@ def front(model: Any, surface: Rectangle, plate: Rectangle, stretch: Stretch) ->
 
 
 def back(surface: Rectangle, plate: Rectangle, stretch: Stretch) -> Integral:
-    """Over the other side of a surface, L around its nearest edge: a half circle to the mirror point outside, and L from there."""
+    """Integrates over the far side of a surface, where L leads around the nearest edge: a half circle to the mirror point outside, then
+    L from there."""
     fine, coarse = (_back(surface, plate, stretch, count) for count in (_NODES, _COARSE_NODES))
     return Integral(fine, abs(fine - coarse))
 
@@ -81,7 +82,7 @@ def _back(surface: Rectangle, plate: Rectangle, stretch: Stretch, count: int) ->
 
 
 def _length(surface: Rectangle, plate: Rectangle, stretch: Stretch, u: Array, v: Array) -> Array:
-    """L from the points corner + u·edge_u + v·edge_v to the plate."""
+    """Computes L from the points corner + u·edge_u + v·edge_v to the plate."""
     points = surface.corner + u[..., None] * surface.edge_u + v[..., None] * surface.edge_v
     local = (points - plate.corner) @ _frame(plate).T
     ends = [float(np.linalg.norm(edge)) for edge in (plate.edge_u, plate.edge_v)]
@@ -91,7 +92,7 @@ def _length(surface: Rectangle, plate: Rectangle, stretch: Stretch, u: Array, v:
 
 
 def _frame(plate: Rectangle) -> Array:
-    """Rows: along the plate's edges, and its normal."""
+    """Returns the unit vectors along the plate's edges and its normal, as rows."""
     return np.array(
         [
             plate.edge_u / np.linalg.norm(plate.edge_u),
@@ -102,7 +103,7 @@ def _frame(plate: Rectangle) -> Array:
 
 
 def _graded(count: int) -> tuple[Array, Array]:
-    """Nodes and weights on [0, 1], both halves graded towards their end."""
+    """Returns nodes and weights on [0, 1], both halves graded towards their end."""
     nodes, weights = np.polynomial.legendre.leggauss(count)  # type: ignore[no-untyped-call]
     t = (nodes + 1) / 2
     half, slope = t**_GRADING / 2, _GRADING * t ** (_GRADING - 1) / 4

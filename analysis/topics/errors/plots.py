@@ -15,7 +15,7 @@ PERCENT = 100.0
 # A part has the same colour for both quantities.
 _ALL_PARTS = parts.PARTS[DELTA_SELF]
 _CLIPPED = 100.0
-"""Per cent at which a map's colour ends: what is farther off is as dark."""
+"""Error (per cent) at the end of a map's colour scale; larger errors have the same colour."""
 _ACROSS = {
     SIZE_MAP: "target size over sensor size",
     TILT_MAP: "tilt (degrees)",
@@ -24,7 +24,7 @@ _ACROSS = {
 
 
 def bars(caption: str, found: list[Entry], quantity: str) -> Panel:
-    """The mean of each part by kind of set-up, stacked; together they are the mean error, which is marked."""
+    """Returns the mean of each part by kind of set-up, stacked; together they are the mean error, which is marked."""
     kinds = list(dict.fromkeys(kind(entry) for entry in found))
     members = {name: [entry for entry in found if kind(entry) == name] for name in kinds}
     traces: list[object] = []
@@ -52,18 +52,18 @@ def bars(caption: str, found: list[Entry], quantity: str) -> Panel:
     )
     x = axis("", type="category", tickangle=-40)
     y = axis(f"part of the error in {quantity} (%)", zeroline=True, zerolinewidth=2)
-    # The names below the bars take the legend's usual place.
+    # The legend lies elsewhere, because the names of the bars need its usual place.
     legend = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0, "xanchor": "left"}
     return Panel(caption, figure(traces, x, y, height=520, barmode="relative", legend=legend))
 
 
 def kind(entry: Entry) -> str:
-    """A family of the default study, or the group."""
+    """Returns the family of a set-up of the default study, else its group."""
     return entry.set_up.family if entry.set_up.group == DEFAULT else entry.set_up.group
 
 
 def error_map(group: str, found: list[Entry], quantity: str) -> Panel:
-    """The model's error over gap and the map's other axis; a click opens the set-up."""
+    """Plots the model's error over gap and the map's other axis; a click opens the set-up."""
     shown = [entry for entry in found if entry.set_up.group == group]
     places = [entry.set_up.place or (0.0, 0.0) for entry in shown]
     gaps, across = (sorted({place[axis_] for place in places}) for axis_ in (0, 1))
@@ -104,7 +104,7 @@ def _told(entry: Entry, quantity: str) -> str:
 
 
 def _number(column: int, row: int, value: float) -> dict[str, object]:
-    """The figure in its cell, light on dark."""
+    """Writes the number in its cell of the map, light on dark."""
     colour = "white" if abs(value) > 0.6 * _CLIPPED else INK
     return {
         "x": column,

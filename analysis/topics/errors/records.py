@@ -1,4 +1,4 @@
-"""Set-ups with their truth and their error's parts, as numbers."""
+"""Set-ups with their truth and the parts of their error."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from analysis.topics.errors.set_ups import SetUp
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """A set-up whose error is taken apart; `reached` whether the truth is as accurate as was asked."""
+    """A set-up with the parts of its error; `reached` tells whether the truth is as accurate as asked."""
 
     set_up: SetUp
     truth: Truth
@@ -28,26 +28,26 @@ class Entry:
         return self.truth.mutual if quantity == MUTUAL else self.truth.delta_self
 
     def error(self, quantity: str) -> float:
-        """(model − truth)/truth."""
+        """Returns (model − truth)/truth."""
         return self.split.model / self.true(quantity).value - 1
 
     def parts(self, quantity: str) -> dict[str, float]:
-        """The parts of the above, which add up to it."""
+        """Returns the parts of the relative error, which add up to it."""
         value = self.true(quantity).value
         return {name: part / value for name, part in parts.parts(self.split, self.truth, quantity).items()}
 
     def uncertainty(self, quantity: str) -> float:
-        """The most that any part may be off, relative to the truth."""
+        """Returns the largest uncertainty of any part, relative to the truth."""
         most = max(parts.uncertainty(self.split, self.truth, name) for name in parts.PARTS[quantity])
         return most / self.true(quantity).value
 
     def spread(self, name: str, quantity: str) -> float:
-        """How far the orders in which effects can be put right differ over an effect's part, relative to the truth."""
+        """Returns the spread of an effect's part over the orders of correction, relative to the truth."""
         part = self.split.effects.get(name)
         return 0.0 if part is None else (part.greatest - part.least) / self.true(quantity).value
 
     def largest(self, quantity: str) -> str:
-        """The part of the greatest size."""
+        """Returns the name of the largest part."""
         found = self.parts(quantity)
         return max(found, key=lambda name: abs(found[name]))
 
@@ -69,17 +69,17 @@ class Statistics:
 
 
 def entries(answers: dict[str, Document], set_ups: tuple[SetUp, ...]) -> list[Entry]:
-    """The set-ups that have an answer, in their order; one on two maps is there twice."""
+    """Returns the set-ups that have an answer, in their order; a set-up on two maps appears twice."""
     return [_entry(each, answers[each.id]) for each in set_ups if each.id in answers]
 
 
 def once(found: list[Entry]) -> list[Entry]:
-    """Every set-up once."""
+    """Removes repeated set-ups."""
     return list({entry.set_up.id: entry for entry in found}.values())
 
 
 def statistics(found: list[Entry], quantity: str) -> list[Statistics]:
-    """Of each part over at least one set-up."""
+    """Computes the statistics of each part over at least one set-up."""
     made = []
     for name in parts.PARTS[quantity]:
         values = np.array([entry.parts(quantity)[name] for entry in found])
@@ -102,7 +102,7 @@ def statistics(found: list[Entry], quantity: str) -> list[Statistics]:
 
 
 def by_reference(found: list[Entry], results: Results) -> list[tuple[Entry, Entry]]:
-    """Of the set-ups that a study has solved too, the entry as it is and the same with the field solver's truth."""
+    """Pairs the entry of each set-up that a study has solved too with the same entry under the field solver's truth."""
     pairs = []
     for entry in once(found):
         case = results.cases.get(entry.set_up.id)

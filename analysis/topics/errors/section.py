@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from html import escape
-
 import numpy as np
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel
 from analysis.results.table import DELTA_SELF, MUTUAL, QUANTITIES
+from analysis.results.units import PICOFARAD, signed_percent
 from analysis.topics.errors import parts, plots, records
 from analysis.topics.errors.records import Entry, Statistics
 from analysis.topics.errors.set_ups import MAPS, OFFSET_MAP, SIZE_MAP, TILT_MAP
 
 ABSENT = "The errors have not been taken apart with this version of the model: python3 -m analysis errors does it in a minute or two."
-_PICOFARAD = 1e-12
 _TITLES = {
     SIZE_MAP: "The error over gap and size ratio",
     TILT_MAP: "The error over gap and tilt",
@@ -35,17 +34,17 @@ _WHAT = (
 )
 
 
-def sections(found: list[Entry], cases: str) -> list[str]:
-    """Parts and maps; one sentence without answers. `cases` is the folder of the set-ups as seen from the page."""
+def sections(found: list[Entry], cases: str) -> list[Markup]:
+    """Returns the parts and the maps; one sentence without answers. `cases` is the folder of the set-ups as seen from the page."""
     if not found:
         return [page.section("The parts of the error", page.paragraph(ABSENT))]
     return [_parts(found, cases), *(_map(group, found, cases) for group in MAPS if _on(group, found))]
 
 
-def of_study(pairs: list[tuple[Entry, Entry]]) -> str:
-    """A study's own cases, as (by boundary elements, by the field solver); empty without any."""
+def of_study(pairs: list[tuple[Entry, Entry]]) -> Markup:
+    """Returns a study's own cases, as (by boundary elements, by the field solver); empty without any."""
     if not pairs:
-        return ""
+        return Markup("")
     solved = [entry for _, entry in pairs]
     return page.section(
         "The cases of this study, by the field solver",
@@ -56,17 +55,17 @@ def of_study(pairs: list[tuple[Entry, Entry]]) -> str:
     )
 
 
-def of_one(entry: Entry) -> list[str]:
-    """A table of the parts for each quantity."""
+def of_one(entry: Entry) -> list[Markup]:
+    """Returns a table of the parts for each quantity."""
     return [_parts_of_one(entry, quantity) for quantity in QUANTITIES]
 
 
-def _parts_of_one(entry: Entry, quantity: str) -> str:
+def _parts_of_one(entry: Entry, quantity: str) -> Markup:
     true, effects, error = entry.true(quantity).value, entry.split.effects, entry.error(quantity)
     rows = [
         [
-            escape(name),
-            f"{value * true / _PICOFARAD:+.5f}",
+            name,
+            f"{value * true / PICOFARAD:+.5f}",
             f"{value:+.2%}",
             f"{effects[name].least / true:+.2%} to {effects[name].greatest / true:+.2%}"
             if name in effects
@@ -74,13 +73,13 @@ def _parts_of_one(entry: Entry, quantity: str) -> str:
         ]
         for name, value in entry.parts(quantity).items()
     ]
-    rows.append(["model − truth", f"{error * true / _PICOFARAD:+.5f}", f"{error:+.2%}", ""])
+    rows.append(["model − truth", f"{error * true / PICOFARAD:+.5f}", f"{error:+.2%}", ""])
     header = ["part", "pF", f"of {quantity}", "by the order"]
-    return f"<h3>{quantity}</h3>{page.table(header, rows, strong=frozenset({len(rows) - 1}))}"
+    return page.lines([page.heading(quantity), page.table(header, rows, strong=frozenset({len(rows) - 1}))])
 
 
 def agreement_finding(pairs: list[tuple[Entry, Entry]]) -> str:
-    """How far apart the two truths are, and the greatest parts."""
+    """Tells how far the two truths differ, and which parts are the largest."""
     both = [(one.true(name), other.true(name)) for name in QUANTITIES for one, other in pairs]
     agreeing = sum(one.agrees_with(other) for one, other in both)
     largest = max(abs(one.value / other.value - 1) for one, other in both)
@@ -91,7 +90,7 @@ def agreement_finding(pairs: list[tuple[Entry, Entry]]) -> str:
 
 
 def finding(found: list[Entry], quantity: str) -> str:
-    """The greatest parts of the error, and how sure they are."""
+    """Tells the largest parts of the error and their uncertainty."""
     first, second = sorted(records.statistics(found, quantity), key=lambda each: -each.largest_in)[:2]
     middle = float(np.median([abs(entry.error(quantity)) for entry in found]))
     sure = float(np.median([entry.uncertainty(quantity) for entry in found]))
@@ -103,7 +102,7 @@ def finding(found: list[Entry], quantity: str) -> str:
 
 
 def map_finding(group: str, found: list[Entry]) -> str:
-    """Where the error in either quantity is least and greatest, and what it is made of there."""
+    """Tells where the error in each quantity is least and greatest, and its largest parts there."""
     told = []
     for quantity in QUANTITIES:
         worst = max(_on(group, found), key=lambda entry: abs(entry.error(quantity)))
@@ -125,7 +124,7 @@ def _place(group: str, entry: Entry) -> str:
     return f"gap/size {gap:g} and {_NAMES[group]} {other:g}{unit}"
 
 
-def _parts(found: list[Entry], cases: str) -> str:
+def _parts(found: list[Entry], cases: str) -> Markup:
     distinct = records.once(found)
     short = sum(not entry.reached for entry in distinct)
     return page.section(
@@ -134,7 +133,7 @@ def _parts(found: list[Entry], cases: str) -> str:
         page.figures([plots.bars(f"mean error in {name} and its parts", found, name) for name in QUANTITIES]),
         page.soft(_WHAT),
         page.paragraph("The same over all set-ups, relative to the truth:"),
-        *(f"<h3>{quantity}</h3>{_table(distinct, quantity, cases)}" for quantity in QUANTITIES),
+        *(page.lines([page.heading(quantity), _table(distinct, quantity, cases)]) for quantity in QUANTITIES),
         page.finding(quantity_finding(distinct)),
         page.soft(
             f"The truth is that of the boundary elements; {short} of {len(distinct)} are short of the asked 1e-4 and kept with "
@@ -144,7 +143,7 @@ def _parts(found: list[Entry], cases: str) -> str:
 
 
 def quantity_finding(found: list[Entry]) -> str:
-    """What the difference between the two quantities is made of."""
+    """Tells which parts make up the difference between the two quantities."""
     own = [entry.true(DELTA_SELF).value for entry in found]
     drawn = np.median([parts.drawn_from_infinity(e.truth) / value for e, value in zip(found, own)])
     raised = np.median([parts.polarisation(e.truth) / value for e, value in zip(found, own)])
@@ -155,7 +154,7 @@ def quantity_finding(found: list[Entry]) -> str:
     )
 
 
-def _table(found: list[Entry], quantity: str, cases: str) -> str:
+def _table(found: list[Entry], quantity: str, cases: str) -> Markup:
     header = ["part", "median", "mean", "rms", "worst", "greatest part in", "between orders", "worst case"]
     rows = [_cells(each, len(found), cases) for each in records.statistics(found, quantity)]
     return page.table(header, rows)
@@ -163,9 +162,9 @@ def _table(found: list[Entry], quantity: str, cases: str) -> str:
 
 def _cells(each: Statistics, count: int, cases: str) -> list[str]:
     return [
-        escape(each.name),
-        _percent(each.median),
-        _percent(each.mean),
+        each.name,
+        signed_percent(each.median),
+        signed_percent(each.mean),
         f"{each.rms:.1%}",
         f"{each.worst:+.0%}",
         f"{each.largest_in} of {count}",
@@ -174,12 +173,7 @@ def _cells(each: Statistics, count: int, cases: str) -> list[str]:
     ]
 
 
-def _percent(value: float) -> str:
-    # The sum turns -0.0 into 0.0.
-    return f"{round(value, 3) + 0.0:+.1%}"
-
-
-def _map(group: str, found: list[Entry], cases: str) -> str:
+def _map(group: str, found: list[Entry], cases: str) -> Markup:
     panels: list[Panel] = [plots.error_map(group, found, quantity) for quantity in QUANTITIES]
     return page.section(
         _TITLES[group],

@@ -1,4 +1,4 @@
-"""The set-ups whose errors are taken apart: three maps, the default study's cases, and random poses. Metres, degrees."""
+"""The set-ups of the error study: three maps, the default study's cases, and random poses. Metres, degrees."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ MAPS = (SIZE_MAP, TILT_MAP, OFFSET_MAP)
 DEFAULT, RANDOM = "default study", "random poses"
 
 SIDE = 0.1
-"""Of the sensor in the maps."""
+"""The sensor's sides (m) in the maps."""
 _RATIOS = (0.2, 0.35, 0.6, 1.0, 1.6, 2.5, 4.0)
 _GAPS = (0.03, 0.06, 0.12, 0.25, 0.5, 1.0, 2.0)
 _TILTS = (0.0, 10.0, 20.0, 35.0, 50.0, 70.0, 90.0)
 _OFFSETS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0)
 _RANDOM_COUNT, _SEED = 160, 6
-# Of the random plates' sides, and the closest approach over the smallest of them.
+# Range of the random plates' sides (m), and their least distance relative to the smallest side.
 _SHORTEST, _LONGEST, _CLOSEST = 0.02, 0.3, 0.02
 _REACH = 0.15
-"""Random targets have their centre within this of the sensor's, along every axis."""
+"""Largest distance (m), along every axis, of a random target's centre from the sensor's."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class SetUp:
 
 @cache
 def all_set_ups() -> tuple[SetUp, ...]:
-    """Every set-up, in the order of its groups. One that is on two maps is in both."""
+    """Returns every set-up, in the order of its groups. A set-up on two maps appears in both."""
     square = (SIDE, SIDE)
     found: list[SetUp] = []
     for gap in _GAPS:
@@ -94,7 +94,7 @@ def _set_up(
 
 
 def _random_scenes() -> Iterator[Scene]:
-    """Plates of any shape in any orientation in front of the sensor or beside it, not closer than a part of the smallest side.
+    """Draws plates of any shape and orientation before or beside the sensor, at least a fraction of the smallest side away.
 
     Python promises that the generator's numbers stay the same.
     """
@@ -116,12 +116,12 @@ def _scene(empty: Scene, target: Object) -> Scene:
 
 
 def _side(chance: random.Random) -> float:
-    """Small and large sides alike: uniform in the logarithm."""
+    """Draws a length uniformly in its logarithm, so that small and large sides are equally frequent."""
     return math.exp(chance.uniform(math.log(_SHORTEST), math.log(_LONGEST)))
 
 
 def _rotation(chance: random.Random) -> tuple[float, float, float, float]:
-    """Uniform over all rotations (K. Shoemake, Graphics Gems III (1992) 124)."""
+    """Draws a rotation uniformly from all rotations (K. Shoemake, Graphics Gems III (1992) 124)."""
     u, first, second = chance.random(), 2 * math.pi * chance.random(), 2 * math.pi * chance.random()
     a, b = math.sqrt(1 - u), math.sqrt(u)
     return a * math.sin(first), a * math.cos(first), b * math.sin(second), b * math.cos(second)

@@ -1,53 +1,56 @@
-"""Each set-up solved by boundary elements and its error taken apart, kept under a key: finished set-ups are not done again."""
+"""Solves each set-up by boundary elements and splits the model's error into parts; finished set-ups are not computed again."""
 
 from __future__ import annotations
 
+import functools
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from analysis.pipeline import keys, model_stage
-from analysis.pipeline.jobs import Job, parallel_jobs, run_all
 from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.processes import Processes
+from analysis.pipeline.scheduler import parallel_jobs, run_all
+from analysis.pipeline.stage import Stage, outdated
 from analysis.results.answers import Estimate
 from analysis.results.set_up import rectangles
-from analysis.results.store import Document, is_current, read_current, write_json, write_text
+from analysis.results.store import Document, read_current, write_text
 from analysis.results.study_results import SCENE, Failure, case_folder
 from analysis.topics.errors import parts, set_ups
 from analysis.topics.errors.set_ups import SetUp
 
 FOLDER = "errors"
-"""Of the answers, beside the folders of the studies' results."""
+"""The folder of the answers, beside the folders of the studies' results."""
 ANSWER = "errors.json"
 RTOL = 1e-4
-"""Asked of boundary elements: far below the parts, which matter to a per cent."""
+"""Relative accuracy asked of boundary elements: far below the parts, which matter from a per cent on."""
 _SOURCES = ("paths.py", "parts.py", "stage.py")
-# All are alike to the progress bar: what takes long cannot be told before.
+# Expected seconds, the same for all set-ups: the run time cannot be predicted.
 _SECONDS = 0.5
 
 
 def beside(results: Path) -> Path:
-    """The folder of the errors that belongs to a study's results."""
+    """Returns the folder of the errors that belongs to a study's results."""
     return results.resolve().parent / FOLDER
 
 
 def run(folder: Path, chosen: tuple[SetUp, ...], workers: int | None = None) -> list[Failure]:
-    """Do what is missing or out of date; returns the failures."""
+    """Computes the missing and outdated answers; returns the failures."""
     current = code()
-    jobs = []
-    for set_up in {each.id: each for each in chosen}.values():
-        target, key_ = case_folder(folder, set_up.id) / ANSWER, key(set_up.identity, current)
-        if not is_current(target, key_):
-            # With what killed writers left there.
-            for outdated in (target, *target.parent.glob(".*")):
-                outdated.unlink(missing_ok=True)
-            jobs.append(_job(set_up, target, key_))
-    return run_all(jobs, workers or parallel_jobs(), "set-ups taken apart") if jobs else []
+    distinct = {each.id: each for each in chosen}.values()
+    stages = outdated([stage(folder, set_up, current) for set_up in distinct])
+    return run_all(stages, workers or parallel_jobs(), "set-ups taken apart")
+
+
+def stage(folder: Path, set_up: SetUp, code: str) -> Stage:
+    """Returns the stage of one set-up."""
+    target = case_folder(folder, set_up.id) / ANSWER
+    answer = functools.partial(_answer, set_up, target.with_name(SCENE))
+    return Stage("errors", set_up.id, target, key(set_up.identity, code), _SECONDS, answer)
 
 
 def load(folder: Path) -> dict[str, Document]:
-    """The answers in a folder that are up to date, by the set-up's id."""
+    """Returns the answers in a folder that are up to date, by the set-up's id."""
     if not folder.is_dir():
         return {}
     current = code()
@@ -60,7 +63,7 @@ def load(folder: Path) -> dict[str, Document]:
 
 
 def code(repository: Path = REPOSITORY) -> str:
-    """The version of what answers are made by: the model with its boundary elements, and this package's definitions."""
+    """Returns the version of the code that makes the answers: the model with its boundary elements, and this package's definitions."""
     own = keys.hash_of_files(
         [repository / "analysis" / "topics" / "errors" / name for name in _SOURCES]
         + [repository / "analysis" / "results" / "set_up.py"],
@@ -70,12 +73,12 @@ def code(repository: Path = REPOSITORY) -> str:
 
 
 def key(identity: str, code: str) -> str:
-    """The key of a set-up's answer."""
+    """Returns the key of a set-up's answer."""
     return keys.measurement_key(f"errors {identity} {RTOL}", code, {})
 
 
 def answer(model: Any, scene: Path, set_up: SetUp) -> Document:
-    """The truth with its error, and the split."""
+    """Computes the truth with its error, and the parts of the model's error."""
     plates = rectangles(set_up.scene)
     assert plates is not None
     solved = model.Scene.load(str(scene)).maxwell(rtol=RTOL)
@@ -95,17 +98,7 @@ def answer(model: Any, scene: Path, set_up: SetUp) -> Document:
     }
 
 
-def _job(set_up: SetUp, target: Path, key: str) -> Job:
-    return Job(_SECONDS, lambda processes: _solve(set_up, target, key, processes))
-
-
-def _solve(set_up: SetUp, target: Path, key: str, _: Processes) -> Failure | None:
-    scene = target.with_name(SCENE)
+def _answer(set_up: SetUp, scene: Path, _: Processes) -> Document:
     if not scene.is_file():
         write_text(scene, set_up.text)
-    try:
-        found = answer(model_stage.model_module(), scene, set_up)
-    except (ValueError, RuntimeError) as error:
-        return Failure(set_up.id, "errors", str(error))
-    write_json(target, {"key": key, **found})
-    return None
+    return answer(model_stage.model_module(), scene, set_up)

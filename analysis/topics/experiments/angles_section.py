@@ -1,15 +1,18 @@
-"""Experiment IV in the report: a plate pivoted about one edge, by the model tuned to the plate lying parallel."""
+"""Experiment IV in the report: a plate pivoted about one edge, predicted by the model calibrated on the parallel plate."""
 
 from __future__ import annotations
 
+from markupsafe import Markup
+
 from analysis.report import page
+from analysis.results.units import signed_percent
 from analysis.topics.experiments import plots, tables
 from analysis.topics.experiments.calibration import OWN, Calibration, deviation, summary
 from analysis.topics.experiments.curves import ANGLE, DISTANCE, Curve
 
 
-def parts(flat: Curve, pivoted: list[Curve], tunings: list[Calibration]) -> list[str]:
-    """Finding, curves over angle, deviations, every tuning and its constants."""
+def parts(flat: Curve, pivoted: list[Curve], tunings: list[Calibration]) -> list[Markup]:
+    """Returns the finding, the curves over angle, the deviations, and every calibration with its constants."""
     own = next(tuned for tuned in tunings if tuned.form == OWN)
     labelled = [(f"hinge at {tables.place(curve.hinge_gap, DISTANCE)}", curve) for curve in pivoted]
     drawn = [
@@ -31,7 +34,7 @@ def parts(flat: Curve, pivoted: list[Curve], tunings: list[Calibration]) -> list
 
 
 def finding(flat: Curve, pivoted: list[Curve], own: Calibration) -> str:
-    """The greatest deviation over angle, whether the nearest hinge has it, and what the angle itself adds."""
+    """Tells the largest deviation over angle, whether it belongs to the nearest hinge, and how the angle changes it."""
     found = {curve.hinge_gap: summary(curve, own.predict(curve), flat) for curve in pivoted}
     seen = {gap: each for gap, each in found.items() if each.is_observable}
     if not seen:
@@ -44,11 +47,11 @@ def finding(flat: Curve, pivoted: list[Curve], own: Calibration) -> str:
     )
     turned = sorted(_change_over_angle(curve, own) for curve in pivoted)
     return (
-        f"Tuned to the plate lying parallel ({tables.percent(lying.observable)} at most there), the model is off by up to "
-        f"{tables.percent(seen[worst].observable)}, at {tables.place(seen[worst].observable_at, ANGLE)} with the hinge at "
+        f"Tuned to the plate lying parallel ({signed_percent(lying.observable)} at most there), the model is off by up to "
+        f"{signed_percent(seen[worst].observable)}, at {tables.place(seen[worst].observable_at, ANGLE)} with the hinge at "
         f"{tables.place(worst, DISTANCE)}; in volts most, {1000 * seen[largest].rms:.3g} mV rms, with the hinge at "
         f"{tables.place(largest, DISTANCE)}, {nearest}. From the least to the greatest angle the deviation changes by "
-        f"{tables.percent(turned[0])} to {tables.percent(turned[-1])}; the thesis "
+        f"{signed_percent(turned[0])} to {signed_percent(turned[-1])}; the thesis "
         "thought that orientation has probably no part in it."
     )
 

@@ -1,4 +1,4 @@
-"""Fine-tuning of the model to a reference curve, as the thesis' Experiment II does, and what the model predicts then."""
+"""Calibrates the model on a reference curve, as the thesis' Experiment II does, and predicts other curves with it."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from analysis.topics.experiments.divider import Divider
 
 Array = NDArray[np.float64]
 
-# How many times greater or smaller than given a constant may become: where the curve leaves one open, it runs there.
+# Largest factor by which a constant may change; a constant that the curve does not determine ends there.
 _FARTHEST = 1e6
-# Far below any standard error, well above rounding.
+# Relative tolerance of the fit: far below any standard error, well above rounding.
 _TOLERANCE = 1e-12
-# The thesis ends its curves where the plate is "hardly observable" (6.2): here at this part of the calibration's greatest output.
+# The thesis ends its curves where the plate is "hardly observable" (6.2): here at this fraction of the largest output.
 OBSERVABLE = 0.05
 
 
 @dataclass(frozen=True)
 class Form:
-    """What may be tuned. `counts_own`: the sensor's own capacitance stands in the divider, and with it the coupling
-    capacitance can be told from the permittivity; without, as in the thesis, only their ratio counts and ε alone is free.
-    `by_error_bars`: residuals count in units of the reference's error bars; else all volts count alike, as to an eye.
+    """Which constants are fitted. With `counts_own` the divider contains the sensor's own capacitance, and the coupling capacitance and
+    the permittivity can both be determined; without, as in the thesis, only their ratio matters, and ε alone is free.
+    `by_error_bars`: residuals are weighted by the reference's error bars; else all have the same weight.
     """
 
     name: str
@@ -44,7 +44,7 @@ FORMS = (OWN, OWN_BY_BARS, THESIS, THESIS_BY_BARS)
 
 @dataclass(frozen=True)
 class Calibration:
-    """The tuned constants with standard errors: the coupling capacitance (F; without error where it was held) and the relative
+    """The calibrated constants with standard errors: the coupling capacitance (F; without error where it was held) and the relative
     permittivity. `own` (F) and `voltage` (V) were given. `misfit` is the residuals' rms in the fit's own units, error bars or
     volts, per degree of freedom."""
 
@@ -57,23 +57,23 @@ class Calibration:
 
     @property
     def determined(self) -> bool:
-        """Whether the curve tells each constant at least to its own size."""
+        """Whether the standard error of each constant is smaller than the constant."""
         constants = (self.coupling, self.permittivity)
         return all(constant.error < constant.value for constant in constants)
 
     def predict(self, curve: Curve) -> Array:
-        """The delta output of the tuned model at the points of a curve (V)."""
+        """Returns the delta output of the calibrated model at the points of a curve (V)."""
         divider = Divider(self.coupling.value, self.own, self.voltage)
         return divider.delta_output(self.permittivity.value * curve.model)
 
 
 def untuned(curve: Curve) -> Array:
-    """The delta output of the model as it comes: ε = 1, the scene's coupling capacitance, nothing of the sensor's own (V)."""
+    """Returns the delta output (V) of the uncalibrated model: ε = 1, the scene's coupling capacitance, no own capacitance."""
     return Divider(curve.coupling, 0.0, curve.voltage).delta_output(curve.model)
 
 
 def calibrate(curve: Curve, form: Form) -> Calibration:
-    """Least squares over the points of a curve. ValueError with too few of them.
+    """Fits the constants by least squares over the points of a curve. ValueError with too few of them.
 
     Standard errors are those of the linearised problem, with the scatter of the residuals themselves where it exceeds the error
     bars (Birge's ratio): the model's form, not the reference's noise, is what does not fit.
@@ -88,7 +88,7 @@ def calibrate(curve: Curve, form: Form) -> Calibration:
         return Divider(float(coupling), own, curve.voltage).delta_output(np.exp(logarithms[0]) * capacitance)
 
     sigma = curve.error if form.by_error_bars else np.ones(len(curve.points))
-    # Both constants enter by their logarithms: positive, and of the order of one.
+    # The unknowns are the logarithms of the constants, which stay positive and of the order of one.
     found, covariance = curve_fit(
         tuned,
         curve.model,
@@ -128,20 +128,20 @@ class Deviation:
 
     @property
     def worst(self) -> int:
-        """The point of the greatest deviation."""
+        """The point of the largest deviation."""
         return int(np.argmax(np.abs(self.value)))
 
     def within(self, limit: float) -> float | None:
-        """From where on, to the end of the curve, the deviation is below `limit`; None where the last point is not."""
+        """Returns the place from which to the end of the curve the deviation is below `limit`; None if the last point is not."""
         outside = np.flatnonzero(np.abs(self.value) >= limit)
         first = 0 if len(outside) == 0 else int(outside[-1]) + 1
         return float(self.at[first]) if first < len(self.at) else None
 
 
 def deviation(curve: Curve, prediction: Array) -> Deviation:
-    """How far a prediction (V) is off."""
+    """Computes the relative deviation of a prediction (V)."""
     reference, error = curve.reference, curve.error
-    # An interval that reaches zero leaves the deviation open upwards.
+    # The deviation has no upper bound if the interval contains zero.
     least = np.maximum(reference - error, np.finfo(np.float64).tiny)
     value, low, high = (np.asarray(prediction / true - 1) for true in (reference, reference + error, least))
     return Deviation(curve.at, value, low, high)
@@ -149,8 +149,8 @@ def deviation(curve: Curve, prediction: Array) -> Deviation:
 
 @dataclass(frozen=True)
 class Summary:
-    """How far a prediction is off over a curve: rms in V; the greatest relative deviation and where, and the
-    same among the points where the reference's output is at least `OBSERVABLE` of the calibration's greatest.
+    """The error of a prediction over a curve: rms in V; the largest relative deviation and its place, over all points and over those
+    where the reference's output is at least `OBSERVABLE` of the calibration's largest.
     """
 
     rms: float
@@ -162,12 +162,12 @@ class Summary:
 
     @property
     def is_observable(self) -> bool:
-        """Whether any point is."""
+        """Whether any point is observable."""
         return not math.isnan(self.observable)
 
 
 def summary(curve: Curve, prediction: Array, calibrated_on: Curve) -> Summary:
-    """The figures of a prediction (V); those of observable points are NaN without any."""
+    """Computes the summary of a prediction (V); NaN for observable points if there are none."""
     found = deviation(curve, prediction)
     seen = np.flatnonzero(curve.reference >= OBSERVABLE * calibrated_on.reference.max())
     residuals = prediction - curve.reference

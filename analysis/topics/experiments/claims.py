@@ -1,4 +1,4 @@
-"""What the thesis says of its experiments: the few figures that its text gives. Distances and plate sizes are blacked out there."""
+"""The few numbers that the thesis states about its experiments. Distances and plate sizes are blacked out there."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ NEGLIGIBLE_FROM_LEVEL = 4
 
 @dataclass(frozen=True)
 class PlateClaim:
-    """6.3: the greatest difference, below what it stays from some distance on, and whether the prediction is low or high."""
+    """Section 6.3: the largest difference, the limit that it stays below from some distance on, and the sign of the prediction's error."""
 
     greatest: float
     later: float
     is_low: bool
 
 
-# 6.3: the prediction of Figure 6.8 is below the measurement, that of 6.9 above; of a smaller plate it is too low, of a bigger one
-# too high, so these are the sizes that the text leaves out.
+# Section 6.3: the prediction of Figure 6.8 is below the measurement, that of 6.9 above. A prediction is too low for a smaller plate
+# and too high for a larger one, which gives the sizes that the text leaves out.
 SMALLER_PLATE = PlateClaim(0.24, 0.05, is_low=True)
 LARGER_PLATE = PlateClaim(0.10, 0.06, is_low=False)
 
 
 @dataclass(frozen=True)
 class Held:
-    """A prediction beside a claim: the greatest deviation while observable and where (m), the mean of all that are, from where on
-    (m) all of them are below the later limit (None: nowhere), and whether the greatest is within the claim.
+    """A prediction compared with a claim, over the observable points: the largest deviation and its place (m), the mean, the place (m)
+    from which on all are below the claim's limit (None: nowhere), and whether the largest is within the claim.
     """
 
     worst: float
@@ -45,14 +45,14 @@ class Held:
 
 
 def for_plate(area: float, calibrated: float) -> PlateClaim | None:
-    """The claim on a plate of an area (m²) with the model tuned to another; None for the same."""
+    """Returns the claim on a plate of an area (m²) with the model calibrated on another plate; None for the same plate."""
     if area == calibrated:
         return None
     return SMALLER_PLATE if area < calibrated else LARGER_PLATE
 
 
 def hold(curve: Curve, prediction: Array, calibrated_on: Curve, claim: PlateClaim) -> Held | None:
-    """Hold a prediction (V) against a claim, over the observable points; None without any."""
+    """Compares a prediction (V) with a claim, over the observable points; None without any."""
     found = summary(curve, prediction, calibrated_on)
     if not found.is_observable:
         return None

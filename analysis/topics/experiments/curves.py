@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 DISTANCE, ANGLE = "gap", "tilt_degrees"
 _HINGE = "hinge_gap"
-# What a family is swept over; every other parameter tells its curves apart.
+# The parameter that a family is swept over; the other parameters distinguish its curves.
 _SWEPT = {"parallel": DISTANCE, "inclined": ANGLE}
 
 
@@ -34,7 +34,7 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Points in the order of `at`, with what is the same in all of them: lengths in metres, F, V."""
+    """Points in the order of `at`, with the values that they share: lengths in metres, F, V."""
 
     family: str
     parameters: dict[str, Parameter]
@@ -60,12 +60,12 @@ class Curve:
         return np.array([point.reference.error for point in self.points])
 
     def until(self, last: float) -> Curve:
-        """The part of the curve that ends at `last`."""
+        """Returns the part of the curve that ends at `last`."""
         return replace(self, points=tuple(point for point in self.points if point.at <= last))
 
     @property
     def target_area(self) -> float:
-        """m²."""
+        """The target's area (m²)."""
         x, y = self.target_size
         return x * y
 
@@ -84,14 +84,14 @@ class Curve:
 
     @property
     def hinge_gap(self) -> float:
-        """m, of a pivoted plate."""
+        """The height of a pivoted plate's hinge (m)."""
         gap = self.parameters[_HINGE]
         assert isinstance(gap, float)
         return gap
 
 
 def curves(results: Results) -> list[Curve]:
-    """A curve for each plate over distance and for each hinge over angle, in the study's order.
+    """Returns a curve for each plate over distance and for each hinge over angle, in the study's order.
 
     Cases of other families, and those without both answers or without the sensor alone, are left out.
     """
@@ -103,7 +103,7 @@ def curves(results: Results) -> list[Curve]:
 
 
 def with_flat_start(curve: Curve, flat: Curve) -> Curve:
-    """A curve over angle with the parallel plate of the same size at the hinge's height as its angle 0, where there is one.
+    """Returns a curve over angle with the parallel plate of the same size at the hinge's height as its angle 0, where there is one.
 
     Hinged to the sensor's edge, a plate is centred before the sensor only if they are equally wide.
     """

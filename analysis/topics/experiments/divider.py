@@ -14,26 +14,26 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Divider:
-    """`coupling` is the upper capacitor and `own` what the sensor has with nothing near it (F); `voltage` is the input (V)."""
+    """`coupling` is the upper capacitor and `own` the sensor's capacitance without objects (F); `voltage` is the input (V)."""
 
     coupling: float
     own: float
     voltage: float
 
     def output(self, capacitance: Array) -> Array:
-        """V_in·C_c/(C_c + C_own + C) for capacitances that nearby objects add (F), in V."""
+        """Returns V_in·C_c/(C_c + C_own + C), in V, for the capacitances C that nearby objects add (F)."""
         return np.asarray(self.voltage * self.coupling / (self.coupling + self.own + capacitance))
 
     def delta_output(self, capacitance: Array) -> Array:
-        """The output with nothing near less the output with the objects (V): what the thesis plots."""
+        """Returns the output without objects minus the output with the objects (V), which the thesis plots."""
         base = self.coupling + self.own
         return np.asarray(self.voltage * self.coupling * capacitance / (base * (base + capacitance)))
 
 
 def reference_delta_output(own: Estimate, delta_self: Estimate, coupling: float, voltage: float) -> Estimate:
-    """The delta output (V) of a sensor whose own capacitance and whose change are known with errors (F).
+    """Returns the delta output (V) of a sensor whose own capacitance and whose change are known with errors (F).
 
-    The two errors count fully and together: to first order, with the derivatives by the change and by the own capacitance.
+    The absolute contributions of the two errors are added, to first order.
     """
     divider = Divider(coupling, own.value, voltage)
     base = coupling + own.value

@@ -40,7 +40,7 @@ class Material:
 
 
 def materials(results: Results) -> list[Material]:
-    """Every material that has answers, in the study's order."""
+    """Returns every material that has answers, in the study's order."""
     found: dict[tuple[str, float | None], list[Point]] = {}
     for case in results.compared():
         if case.family == _FAMILY and case.reference is not None:
@@ -52,7 +52,7 @@ def materials(results: Results) -> list[Material]:
 
 
 def ratios(material: Material, grounded: Material) -> list[tuple[Point, float]]:
-    """delta_self over that of the grounded target at the same gap."""
+    """Returns delta_self relative to that of the grounded target at the same gap."""
     there = {point.gap: point.delta_self.value for point in grounded.points}
     return [
         (point, point.delta_self.value / there[point.gap]) for point in material.points if point.gap in there

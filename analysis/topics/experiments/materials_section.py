@@ -5,13 +5,15 @@ from __future__ import annotations
 from html import escape
 
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import INK, Panel, axis, figure, log_axis, power_axis, series_colour
 from analysis.results.study_results import Results
+from analysis.results.units import CENTIMETRE, PICOFARAD
 from analysis.topics.experiments.curves import DISTANCE
 from analysis.topics.experiments.materials import Material, materials, ratios
-from analysis.topics.experiments.tables import CENTIMETRE, PICOFARAD, place
+from analysis.topics.experiments.tables import place
 
 _WHAT = (
     "Floating: a conductor without charge, which is also the limit of a great permittivity. The model knows grounded conductors only: "
@@ -19,8 +21,8 @@ _WHAT = (
 )
 
 
-def parts(results: Results) -> list[str]:
-    """Findings, delta_self over the gap by material, the ratio to the grounded target, and every number."""
+def parts(results: Results) -> list[Markup]:
+    """Returns the findings, delta_self over the gap by material, its ratio to the grounded target, and every number."""
     found = materials(results)
     grounded = next((each for each in found if each.is_grounded), None)
     if grounded is None:
@@ -36,7 +38,7 @@ def parts(results: Results) -> list[str]:
 
 
 def finding(grounded: Material, others: list[Material]) -> str:
-    """The part of the grounded target's delta_self that each other material gives, near and far."""
+    """Tells each material's delta_self relative to the grounded target's, near and far."""
     told = []
     for each in others:
         (near, close), (far, distant) = ratios(each, grounded)[0], ratios(each, grounded)[-1]
@@ -51,7 +53,7 @@ def finding(grounded: Material, others: list[Material]) -> str:
 
 
 def model_finding(grounded: Material, others: list[Material]) -> str:
-    """How many times each material's delta_self the model gives, which takes all of them for grounded."""
+    """Tells the model's value relative to each material's delta_self; the model takes all targets for grounded."""
     model = {point.gap: point.model for point in grounded.points if point.model is not None}
     told = []
     for each in [grounded, *others]:
@@ -116,14 +118,14 @@ def _ratios(others: list[Material], grounded: Material) -> Panel:
     return Panel("the same over that of the grounded target", figure(traces, log_axis("gap (cm)"), y, 440))
 
 
-def _table(found: list[Material], grounded: Material) -> str:
+def _table(found: list[Material], grounded: Material) -> Markup:
     rows = []
     for each in found:
         for point, ratio in ratios(each, grounded):
             true = point.delta_self
             rows.append(
                 [
-                    escape(each.label),
+                    each.label,
                     page.case_link(point.case),
                     place(point.gap, DISTANCE),
                     f"{true.value / PICOFARAD:.5f} ± {true.error / PICOFARAD:.5f}",

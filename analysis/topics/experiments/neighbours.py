@@ -1,4 +1,4 @@
-"""Experiment V: what two adjacent sensors and an object near one of them are to each other, from the answers of a study."""
+"""Experiment V: the interaction of two adjacent sensors and an object near one of them, from the answers of a study."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ NEAR, NEIGHBOUR = "sensor", "neighbour"
 
 @dataclass(frozen=True)
 class Felt:
-    """What one sensor feels of the object: delta_self and mutual by the reference, and the model's value (F)."""
+    """The effect of the object on one sensor: delta_self and mutual by the reference, and the model's value (F)."""
 
     delta_self: Estimate
     mutual: Estimate
@@ -24,7 +24,7 @@ class Felt:
 @dataclass(frozen=True)
 class Point:
     """One set-up at a gap (m). `coupling` is −M between the sensors, `coupling_alone` the same without the object;
-    `single` is what the near sensor's delta_self is without the neighbour, None where the study does not ask (F).
+    `single` is the near sensor's delta_self without the neighbour, None if the study does not contain it (F).
     """
 
     case: str
@@ -45,7 +45,7 @@ class Series:
 
 
 def series(results: Results) -> list[Series]:
-    """A series for each distance between the sensors; set-ups without both answers are left out."""
+    """Returns a series for each distance between the sensors; set-ups without both answers are left out."""
     found: dict[float, list[Point]] = {}
     for case in results.compared():
         point = _point(results, case) if case.family == FAMILY else None
@@ -87,7 +87,7 @@ def _coupling(answer: ReferenceAnswer) -> Estimate:
 
 
 def _single(results: Results, case: CaseResult) -> Estimate | None:
-    """delta_self of the same set-up without the neighbour."""
+    """Finds delta_self of the same set-up without the neighbour."""
     same = ("sensor_size", "target_size", "gap", "offset")
     for other in results.compared():
         alike = all(other.parameters.get(name) == case.parameters[name] for name in same)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, log_axis, power_axis, series_colour
 from analysis.results.answers import Estimate
+from analysis.results.units import CENTIMETRE, PICOFARAD, percent, signed_percent
 from analysis.topics.experiments.neighbours import Felt, Point, Series
-from analysis.topics.experiments.tables import CENTIMETRE, PICOFARAD, percent
 
 _WHAT = (
     "The object lies in front of the sensor at the origin, the other sensor is its neighbour; each is at its own voltage in "
@@ -18,8 +19,8 @@ _WHAT = (
 )
 
 
-def parts(found: list[Series]) -> list[str]:
-    """Finding, what each sensor feels over the gap, the coupling between them, and every number."""
+def parts(found: list[Series]) -> list[Markup]:
+    """Returns the finding, the output of each sensor over the gap, the coupling between them, and every number."""
     if not found:
         return [page.paragraph("No set-up of two sensors has both answers.")]
     return [
@@ -33,28 +34,28 @@ def parts(found: list[Series]) -> list[str]:
 
 
 def finding(found: list[Series]) -> str:
-    """How much the neighbour feels of an object that is not in front of it, by reference and model."""
+    """Tells how strongly an object affects the sensor that it is not in front of, by reference and model."""
     told = []
     for series in found:
         shares = [_share(point) for point in series.points]
         model = [point.neighbour.model / point.near.model for point in series.points]
         told.append(
-            f"{_centimetres(series.separation)} away it feels {_percent(shares[0])} of what the near sensor does with the object at "
-            f"{_centimetres(series.points[0].gap)}, {_percent(shares[-1])} at {_centimetres(series.points[-1].gap)} (model: "
-            f"{_percent(model[0])} and {_percent(model[-1])})"
+            f"{_centimetres(series.separation)} away it feels {percent(shares[0])} of what the near sensor does with the object at "
+            f"{_centimetres(series.points[0].gap)}, {percent(shares[-1])} at {_centimetres(series.points[-1].gap)} (model: "
+            f"{percent(model[0])} and {percent(model[-1])})"
         )
     return f"The neighbour, in delta_self: {'; '.join(told)}."
 
 
 def coupling_finding(found: list[Series]) -> str:
-    """How the object shields the sensors from each other, and what the neighbour takes from the near sensor."""
+    """Tells how the object shields the sensors from each other, and how the neighbour lowers the near sensor's output."""
     told = []
     for series in found:
         near = series.points[0]
         change = near.coupling.value / near.coupling_alone.value - 1
         sentence = (
             f"{_centimetres(series.separation)} apart the sensors are coupled by {near.coupling_alone.value / PICOFARAD:.3g} pF, which "
-            f"the object at {_centimetres(near.gap)} changes by {percent(change)}"
+            f"the object at {_centimetres(near.gap)} changes by {signed_percent(change)}"
         )
         taken = [
             (p.near.delta_self.value / p.single.value - 1, p.gap)
@@ -64,7 +65,7 @@ def coupling_finding(found: list[Series]) -> str:
         if taken:
             most, gap = max(taken, key=lambda each: abs(each[0]))
             sentence += (
-                f"; beside the neighbour the near sensor's delta_self differs from that of a sensor alone by up to {percent(most)}, "
+                f"; beside the neighbour the near sensor's delta_self differs from that of a sensor alone by up to {signed_percent(most)}, "
                 f"at {_centimetres(gap)}"
             )
         told.append(sentence)
@@ -76,7 +77,7 @@ def _share(point: Point) -> float:
 
 
 def _felt(series: Series) -> Panel:
-    """Both sensors' delta_self over the gap with error bars, and the model's values."""
+    """Returns both sensors' delta_self over the gap with error bars, and the model's values."""
     traces: list[object] = []
     for index, (name, felt) in enumerate(
         (
@@ -149,7 +150,7 @@ def _coupling(found: list[Series]) -> Panel:
     )
 
 
-def _table(found: list[Series]) -> str:
+def _table(found: list[Series]) -> Markup:
     header = [
         "apart",
         "gap",
@@ -185,7 +186,3 @@ def _estimate(value: Estimate) -> str:
 
 def _centimetres(length: float) -> str:
     return f"{length / CENTIMETRE:.3g} cm"
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.2g} %"

@@ -37,7 +37,7 @@ class Series:
 
 
 def delta_output(caption: str, series: list[Series], swept: str) -> Panel:
-    """The reference as points with error bars, predictions as lines, as the thesis plots them."""
+    """Returns the reference as points with error bars, predictions as lines, as the thesis plots them."""
     traces: list[object] = []
     for index, each in enumerate(series):
         colour = series_colour(index)
@@ -57,7 +57,7 @@ def delta_output(caption: str, series: list[Series], swept: str) -> Panel:
 
 
 def deviations(caption: str, series: list[Series], swept: str) -> Panel:
-    """(prediction − reference)/reference with the reference's error bars."""
+    """Plots (prediction − reference)/reference with the reference's error bars."""
     traces: list[object] = []
     for line, colour, curve in _lines(series):
         found = deviation(curve, line.prediction)
@@ -72,7 +72,7 @@ def deviations(caption: str, series: list[Series], swept: str) -> Panel:
 
 
 def residuals(caption: str, series: list[Series], swept: str) -> Panel:
-    """prediction − reference with the reference's error bars."""
+    """Plots prediction − reference with the reference's error bars."""
     traces: list[object] = []
     for line, colour, curve in _lines(series):
         values = np.asarray(PER_MILLE * (line.prediction - curve.reference))
@@ -82,7 +82,7 @@ def residuals(caption: str, series: list[Series], swept: str) -> Panel:
 
 
 def splitting(found: list[Accuracy]) -> Panel:
-    """Median and worst size of the error over the level, a colour for each region."""
+    """Plots the median and the worst error over the level, with a colour for each region."""
     traces: list[object] = []
     for index, region in enumerate(REGIONS):
         members = [each for each in found if each.region == region]
@@ -148,7 +148,7 @@ def _differences(
 
 
 def _line_colour(series: list[Series], index: int, number: int) -> str:
-    """The colour of a curve's points; with a single curve each line has its own."""
+    """Returns the colour of a curve's points; with a single curve each line has its own."""
     return series_colour(index if len(series) > 1 else number + 1)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from markupsafe import Markup
+
 from analysis.report import page
 from analysis.results.study_results import Results
 from analysis.topics.experiments import (
@@ -37,10 +39,10 @@ _DELTA = (
 )
 
 
-def section(results: Results) -> str:
-    """The section of the experiment that the study is; empty where it is none."""
+def section(results: Results) -> Markup:
+    """Returns the section of a study's experiment; empty if the study is no experiment."""
     if not results.experiment:
-        return ""
+        return Markup("")
     if results.experiment == "I":
         parts = splitting_section.parts(accuracies(results))
     elif results.experiment == "V":
@@ -52,18 +54,18 @@ def section(results: Results) -> str:
     return page.section(_TITLES[results.experiment], *parts)
 
 
-def _tuned(experiment: str, found: list[Curve]) -> list[str]:
-    """Each sensor by itself, tuned to its first plate over distance."""
+def _tuned(experiment: str, found: list[Curve]) -> list[Markup]:
+    """Returns the parts for each sensor, calibrated on its first plate over distance."""
     groups: dict[tuple[float, float], list[Curve]] = {}
     for curve in found:
         groups.setdefault(curve.sensor_size, []).append(curve)
     parts = [] if groups else [page.paragraph("No curve has both answers.")]
     for size, members in groups.items():
-        parts += [f"<h3>Sensor of {tables.size(size)}</h3>", *_of_sensor(experiment, members)]
+        parts += [page.heading(f"Sensor of {tables.size(size)}"), *_of_sensor(experiment, members)]
     return [*parts, page.soft(_DELTA)]
 
 
-def _of_sensor(experiment: str, found: list[Curve]) -> list[str]:
+def _of_sensor(experiment: str, found: list[Curve]) -> list[Markup]:
     flat = next((curve for curve in found if curve.family == "parallel"), None)
     if flat is None:
         return [page.paragraph("No curve over distance has both answers, so nothing can be tuned.")]

@@ -1,17 +1,18 @@
-"""Experiment III in the report: the model tuned to one plate predicts others."""
+"""Experiment III in the report: the model calibrated on one plate predicts others."""
 
 from __future__ import annotations
 
-from html import escape
+from markupsafe import Markup
 
 from analysis.report import page
+from analysis.results.units import signed_percent
 from analysis.topics.experiments import claims, plots, tables
 from analysis.topics.experiments.calibration import OWN, Calibration, summary
 from analysis.topics.experiments.curves import DISTANCE, Curve
 
 
-def parts(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> list[str]:
-    """Finding, curves, deviations, the thesis' figures beside them, and every tuning."""
+def parts(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> list[Markup]:
+    """Returns the finding, the curves, the deviations, the thesis' figures beside them, and every calibration."""
     own = next(tuned for tuned in tunings if tuned.form == OWN)
     labelled = [(tables.plate(curve), curve) for curve in [flat, *others]]
     drawn = [
@@ -36,7 +37,7 @@ def parts(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> list[
 
 
 def finding(flat: Curve, others: list[Curve], own: Calibration) -> str:
-    """The greatest deviations on the plates that were not tuned to, beside the thesis'."""
+    """Compares the largest deviations on the other plates with the thesis'."""
     told, signs = [], []
     for curve in others:
         claim = claims.for_plate(curve.target_area, flat.target_area)
@@ -45,7 +46,7 @@ def finding(flat: Curve, others: list[Curve], own: Calibration) -> str:
             continue
         signs.append((held.mean < 0) == claim.is_low)
         told.append(
-            f"{tables.percent(held.worst)} for {tables.plate(curve)} at {tables.place(held.worst_at, DISTANCE)} (thesis: at most "
+            f"{signed_percent(held.worst)} for {tables.plate(curve)} at {tables.place(held.worst_at, DISTANCE)} (thesis: at most "
             f"{100 * claim.greatest:.0f} % on a {'smaller' if claim.is_low else 'larger'} plate)"
         )
     if not told:
@@ -53,13 +54,13 @@ def finding(flat: Curve, others: list[Curve], own: Calibration) -> str:
     lying = summary(flat, own.predict(flat), flat)
     agreeing = "for all of them here" if all(signs) else f"for {sum(signs)} of {len(signs)} here"
     return (
-        f"Tuned to {tables.plate(flat)}, where it is {tables.percent(lying.observable)} off at most, the model is off by up to "
+        f"Tuned to {tables.plate(flat)}, where it is {signed_percent(lying.observable)} off at most, the model is off by up to "
         f"{' and '.join(told)}, while the plate is observable. In the thesis smaller plates come out too low and larger ones too high; "
         f"on the average over distance that is so {agreeing}."
     )
 
 
-def _claims_table(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> str:
+def _claims_table(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> Markup:
     header = [
         "plate",
         "tuned",
@@ -80,12 +81,12 @@ def _claims_table(flat: Curve, others: list[Curve], tunings: list[Calibration]) 
                 continue
             rows.append(
                 [
-                    escape(tables.plate(curve)),
-                    escape(tuned.form.name),
+                    tables.plate(curve),
+                    tuned.form.name,
                     f"{100 * claim.greatest:.0f} %, too {'low' if claim.is_low else 'high'}",
-                    tables.percent(held.worst),
+                    signed_percent(held.worst),
                     tables.place(held.worst_at, DISTANCE),
-                    tables.percent(held.mean),
+                    signed_percent(held.mean),
                     "yes" if held.holds else "no",
                     f"below {100 * claim.later:.0f} %",
                     "nowhere" if held.later_from is None else tables.place(held.later_from, DISTANCE),

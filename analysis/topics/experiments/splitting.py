@@ -13,7 +13,7 @@ from analysis.results.table import COMPARED_METHOD
 IN_FRONT, BESIDE_EDGE, AT_CORNER, SEVERAL = "region I", "region II", "region III", "several regions"
 REGIONS = (IN_FRONT, BESIDE_EDGE, AT_CORNER, SEVERAL)
 _SPLIT = "split:"
-# Rounding of a plate that ends where the sensor does.
+# Relative tolerance for the rounding of a plate that ends above the sensor's edge.
 _TOLERANCE = 1e-9
 
 
@@ -35,7 +35,7 @@ class Accuracy:
 
 
 def region(sensor: Rectangle, target: Rectangle) -> str:
-    """Where the target stands as seen along the sensor's normal: the thesis' regions (5.3)."""
+    """Returns the thesis' region (5.3) that the target lies in, seen along the sensor's normal."""
     edges = np.column_stack([sensor.edge_u, sensor.edge_v])
     along = np.linalg.lstsq(edges, (target.vertices - sensor.corner).T, rcond=None)[0]
     low, high = along.min(axis=1), along.max(axis=1)
@@ -49,7 +49,7 @@ def region(sensor: Rectangle, target: Rectangle) -> str:
 
 
 def accuracies(results: Results) -> list[Accuracy]:
-    """An entry for each region and level that has answers, regions in the thesis' order, levels upwards."""
+    """Returns an entry for each region and level that has answers, regions in the thesis' order, levels upwards."""
     found: dict[tuple[str, int], list[float]] = {}
     for case in results.compared():
         plates = rectangles(case.scene)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from html import escape
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.topics.experiments import claims, plots
@@ -14,14 +14,14 @@ _EXPLANATION = (
 )
 
 
-def parts(found: list[Accuracy]) -> list[str]:
-    """Finding, plot and figures."""
+def parts(found: list[Accuracy]) -> list[Markup]:
+    """Returns the finding, the plot and its numbers."""
     if not found:
         return [page.paragraph("No case has answers of the model by split:N.")]
     header = ["region", "splits", "set-ups", "median", "worst", "below exact"]
     rows = [
         [
-            escape(each.region),
+            each.region,
             str(each.level),
             str(len(each.errors)),
             f"{100 * each.median:.3g} %",
@@ -39,7 +39,7 @@ def parts(found: list[Accuracy]) -> list[str]:
 
 
 def finding(found: list[Accuracy]) -> str:
-    """The error at the thesis' recommended level in every region, and how often splitting is too low."""
+    """Tells the error at the thesis' recommended level in every region, and how often splitting gives too little."""
     levels = {each.level for each in found}
     recommended = claims.NEGLIGIBLE_FROM_LEVEL
     level = recommended if recommended in levels else max(levels)

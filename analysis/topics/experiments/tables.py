@@ -1,19 +1,19 @@
-"""What the experiments' sections say in words and tables in the same way."""
+"""The tables and phrases that the experiments' sections share."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
+
+from markupsafe import Markup
 
 from analysis.report import page
+from analysis.results.units import CENTIMETRE, PICOFARAD, signed_percent
 from analysis.topics.experiments.calibration import Calibration, Summary, summary
 from analysis.topics.experiments.curves import DISTANCE, Curve
 
-PICOFARAD, CENTIMETRE = 1e-12, 0.01
 
-
-def calibrations(found: Sequence[Calibration], curve: Curve) -> str:
-    """The tuned constants, and how well each tuning reproduces the curve it was tuned to."""
+def calibrations(found: Sequence[Calibration], curve: Curve) -> Markup:
+    """Returns a table of the calibrated constants and of the residuals of each calibration."""
     header = [
         "tuned",
         "coupling (pF)",
@@ -27,7 +27,7 @@ def calibrations(found: Sequence[Calibration], curve: Curve) -> str:
     ]
     rows = [
         [
-            escape(each.form.name),
+            each.form.name,
             _coupling(each),
             _constant(each, each.permittivity.value, each.permittivity.error),
         ]
@@ -39,11 +39,11 @@ def calibrations(found: Sequence[Calibration], curve: Curve) -> str:
 
 def predictions(
     labelled: Sequence[tuple[str, Curve]], tunings: Sequence[Calibration], flat: Curve, swept: str
-) -> str:
-    """How far each tuning is off on each curve."""
+) -> Markup:
+    """Returns a table of the deviations of each calibration on each curve."""
     header = ["curve", "tuned", "rms (mV)", "worst", "at", "worst while observable", "at"]
     rows = [
-        [escape(name), escape(each.form.name), *figures(summary(curve, each.predict(curve), flat), swept)]
+        [name, each.form.name, *figures(summary(curve, each.predict(curve), flat), swept)]
         for name, curve in labelled
         for each in tunings
     ]
@@ -51,42 +51,34 @@ def predictions(
 
 
 def figures(found: Summary, swept: str) -> list[str]:
-    """Cells: rms, worst, where, worst while observable, where."""
+    """Returns the cells: rms, worst, where, worst while observable, where."""
     return [
         f"{1000 * found.rms:.3g}",
-        percent(found.worst),
+        signed_percent(found.worst),
         place(found.worst_at, swept),
-        percent(found.observable) if found.is_observable else "",
+        signed_percent(found.observable) if found.is_observable else "",
         place(found.observable_at, swept) if found.is_observable else "",
     ]
 
 
-def percent(value: float) -> str:
-    """With its sign, and as many digits as mean something."""
-    if abs(value) >= 0.1:
-        return f"{100 * value:+.0f} %"
-    # The sum turns -0.0 into 0.0.
-    return f"{round(100 * value, 1) + 0.0:+.1f} %"
-
-
 def place(at: float, swept: str) -> str:
-    """A distance in cm or an angle in degrees."""
+    """Writes a distance in cm or an angle in degrees."""
     return f"{at / CENTIMETRE:.3g} cm" if swept == DISTANCE else f"{at:.3g}°"
 
 
 def plate(curve: Curve) -> str:
-    """The target's size."""
+    """Writes the target's size."""
     return size(curve.target_size)
 
 
 def size(lengths: tuple[float, float]) -> str:
-    """Lengths in metres, written in cm."""
+    """Writes lengths in metres as centimetres."""
     x, y = lengths
     return f"{x / CENTIMETRE:.3g} cm × {y / CENTIMETRE:.3g} cm"
 
 
 def constants(found: Calibration) -> str:
-    """The tuned constants as part of a sentence."""
+    """Writes the calibrated constants as part of a sentence."""
     if not found.determined:
         return "constants that the curve does not determine"
     coupling, permittivity = found.coupling, found.permittivity

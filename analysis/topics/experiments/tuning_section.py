@@ -1,15 +1,18 @@
-"""Experiment II in the report: the model tuned to one plate over distance."""
+"""Experiment II in the report: the model calibrated on one plate over distance."""
 
 from __future__ import annotations
 
+from markupsafe import Markup
+
 from analysis.report import page
+from analysis.results.units import signed_percent
 from analysis.topics.experiments import plots, tables
 from analysis.topics.experiments.calibration import OWN, THESIS, Calibration, summary, untuned
 from analysis.topics.experiments.curves import DISTANCE, Curve
 
 
-def parts(flat: Curve, tunings: list[Calibration]) -> list[str]:
-    """Finding, curve, residuals and constants."""
+def parts(flat: Curve, tunings: list[Calibration]) -> list[Markup]:
+    """Returns the finding, the curve, the residuals and the constants."""
     chosen = {tuned.form: tuned for tuned in tunings}
     own, thesis = chosen[OWN], chosen[THESIS]
     lines = (
@@ -32,15 +35,15 @@ def parts(flat: Curve, tunings: list[Calibration]) -> list[str]:
 
 
 def finding(flat: Curve, own: Calibration, thesis: Calibration) -> str:
-    """How well the model fits when tuned in both ways, and when not."""
+    """Tells how well the model fits with either calibration, and without."""
     predictions = (own.predict(flat), thesis.predict(flat), untuned(flat))
     fit, bare, before = (summary(flat, prediction, flat) for prediction in predictions)
     share = 100 * fit.rms / float(flat.reference.max())
-    beyond = f", at {tables.place(fit.worst_at, DISTANCE)} by {tables.percent(fit.worst)}"
+    beyond = f", at {tables.place(fit.worst_at, DISTANCE)} by {signed_percent(fit.worst)}"
     farther = beyond if fit.worst_at > fit.observable_until else ""
     return (
         f"Tuned by {tables.constants(own)}, the model misses the curve by {1000 * fit.rms:.3g} mV rms, {share:.2g} % of its "
         f"greatest; while the plate is observable, to {tables.place(fit.observable_until, DISTANCE)}, by at most "
-        f"{tables.percent(fit.observable)}{farther}. Tuned as in the thesis, by the ratio alone, it misses by "
+        f"{signed_percent(fit.observable)}{farther}. Tuned as in the thesis, by the ratio alone, it misses by "
         f"{1000 * bare.rms:.3g} mV rms, not tuned by {1000 * before.rms:.3g} mV."
     )

@@ -1,8 +1,8 @@
-"""What is different between two tables of results: what moved, what got slower, what is new or gone.
+"""Compares two tables of results: which values moved, which got slower, which are new or gone.
 
-The reference's value has moved when its two intervals do not meet, so that one of them must be wrong. The model has no
-error bars but rounding: each of its values has moved when it changed by more than 1e-9 of itself.
-Seconds are no property of the code alone: what got slower is told, and is no drift.
+A value of the reference has moved if its two intervals do not overlap, so that one of them must be wrong. The model has no error
+bars except rounding: a value has moved if it changed by more than 1e-9 of itself. Run times depend on the machine, too: what got
+slower is reported, but does not count as drift.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from analysis.results.table import TABLE
 from geometries.common.errors import InputError
 
 REFERENCE = "reference"
-# A hundred thousand times what the methods lose to rounding, on any of the instruction sets; nothing that a reader sees.
+# Relative change of the model's values that counts as moved: 1e5 times the rounding errors on any instruction set.
 _MODEL_ROUNDING = 1e-9
-# Slower by half, and by more than a busy machine makes of a short solve or of a microsecond.
+# Slower means by this factor, and by these seconds, which a busy machine may add to a solve or to a microsecond.
 _SLOWER_FACTOR, _SLOWER_SOLVE, _SLOWER_MODEL = 1.5, 5.0, 20e-6
 _MOST_LINES = 20
 
@@ -41,8 +41,8 @@ class Line:
 
 @dataclass(frozen=True)
 class Change:
-    """A value of one row. `who` is the reference or a method of the model; `over_errors` how large the change is beside what
-    it may be."""
+    """A value of one row. `who` is the reference or a method of the model; `over_errors` is the change relative to the
+    allowed change."""
 
     name: RowName
     family: str
@@ -58,7 +58,7 @@ class Change:
 
 @dataclass(frozen=True)
 class Slower:
-    """Seconds of one row's reference, or of a method of the model."""
+    """Run times (s) of one row's reference, or of a method of the model."""
 
     name: RowName
     family: str
@@ -84,7 +84,7 @@ class Difference:
 
 
 def read(path: Path) -> dict[RowName, Line]:
-    """The rows of a table, or of the table in a folder of results; InputError when it cannot be used."""
+    """Returns the rows of a table, or of the table in a folder of results; InputError when it cannot be used."""
     file = path / TABLE if path.is_dir() else path
     try:
         with file.open(encoding="utf-8", newline="") as opened:
@@ -123,7 +123,7 @@ def _is_model_value(column: str) -> bool:
 
 
 def between(old: dict[RowName, Line], new: dict[RowName, Line]) -> Difference:
-    """What is different in `new`."""
+    """Returns what is different in `new`."""
     both = [name for name in new if name in old]
     changes = [change for name in both for change in _changes(name, old[name], new[name])]
     slower = [found for name in both for found in _slower(name, old[name], new[name])]
@@ -151,7 +151,7 @@ def _changes(name: RowName, old: Line, new: Line) -> list[Change]:
 
 
 def _over(before: float, after: float, error: float) -> float:
-    """|after − before| over what it may be; 0 for equal values, infinite ones too, and infinite where one is finite."""
+    """Returns |after − before| relative to the allowed change; 0 for equal values, also infinite ones, and infinity if one is finite."""
     if before == after or (math.isnan(before) and math.isnan(after)):
         return 0.0
     if not (math.isfinite(before) and math.isfinite(after)):
@@ -172,7 +172,7 @@ def _slower(name: RowName, old: Line, new: Line) -> list[Slower]:
 
 
 def to_text(found: Difference) -> str:
-    """For people: a line that sums up, then the largest of each kind."""
+    """Writes a difference for people: a line that sums up, then the largest of each kind."""
     lines = [
         f"{found.rows} rows in both: {len(found.moved)} values moved by more than their errors, {len(found.slower)} times got "
         f"longer; {len(found.new)} rows are new, {len(found.gone)} are gone; the largest change is {found.largest:.2g} of "
@@ -230,7 +230,7 @@ def _table(title: str, rows: list[list[str]], header: list[str]) -> list[str]:
 
 
 def to_document(found: Difference) -> Document:
-    """For programs: everything, farads and seconds. What is infinite is null, since JSON has no word for it."""
+    """Writes a difference for programs: everything, in farads and seconds. Infinity becomes null, which JSON can express."""
     document: Document = {"drifted": found.drifted, **asdict(found)}
     for change in document["moved"]:
         change["over_errors"] = _finite(change["over_errors"])

@@ -25,7 +25,7 @@ _LAST_TABLE = "last_table.csv"
 
 @dataclass(frozen=True)
 class Night:
-    """What a night did: cases that were to do, what failed, and how long it took."""
+    """The result of a night: the number of cases to solve, the failures, and the duration (s)."""
 
     to_do: int
     failures: list[Failure]
@@ -33,7 +33,7 @@ class Night:
 
 
 def add(folder: Path, night: Night) -> Difference | None:
-    """Write down a night of the results in a folder; returns what is different from the night before, None without one."""
+    """Records a night of the results in a folder; returns the difference from the night before, None without one."""
     place = folder / FOLDER
     now = (folder / TABLE).read_text(encoding="utf-8")
     nights = load(folder)
@@ -58,13 +58,13 @@ def add(folder: Path, night: Night) -> Difference | None:
 
 
 def load(folder: Path) -> list[Document]:
-    """The nights of a study, the earliest first."""
+    """Returns the nights of a study, the earliest first."""
     read = (read_json(path) for path in sorted((folder / FOLDER).glob("*.json")))
     return [night for night in read if night is not None]
 
 
 def _finish(place: Path, now: str, nights: list[Document]) -> None:
-    """A night that was killed between its last two files has been told already: its table becomes the last one."""
+    """Completes a night that was killed between its last two files: its table becomes the last one."""
     if nights and nights[-1]["table"] == _hash(now):
         _keep(place, now)
 

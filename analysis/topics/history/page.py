@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import json
-from html import escape
 from pathlib import Path
 from typing import Any
 
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.pipeline import keys
 from analysis.report import page
-from analysis.report.page import REPORT, is_current
+from analysis.report.page import is_current
 from analysis.report.plot import Panel, axis, figure, power_axis, series_colour
 from analysis.results import study_results as results
 from analysis.results.store import Document, write_text
@@ -20,12 +20,12 @@ from analysis.results.table import QUANTITIES
 from analysis.topics.history import nights as history
 
 HISTORY = "history.html"
-# The smallest change that a logarithmic axis shows; where nothing changed, the curve lies there.
+# Ordinate of nights without any change: a logarithmic axis has no zero.
 _LEAST = 1e-6
 
 
 def make(folder: Path) -> Path:
-    """Write the page of the nights in a folder, unless it is up to date."""
+    """Writes the page of the nights in a folder, unless it is up to date."""
     nights = history.load(folder)
     target = folder / HISTORY
     inputs = hashlib.sha256(f"{json.dumps(nights)} {keys.report_code()}".encode()).hexdigest()
@@ -40,13 +40,15 @@ def _page(title: str, nights: list[Document], inputs: str) -> str:
         f"Nights: {title}",
         inputs,
         [
-            f"<header>\n<h1>Nights: {escape(title)}</h1>",
-            page.finding(finding(nights)),
-            page.paragraph(
-                "Every night is compared with the one before. A value has moved when it changed by more than its errors: the "
-                "reference's by more than the sum of its two error bars, the model's by more than rounding."
+            page.header(
+                f"Nights: {title}",
+                page.finding(finding(nights)),
+                page.paragraph(
+                    "Every night is compared with the one before. A value has moved when it changed by more than its errors: the "
+                    "reference's by more than the sum of its two error bars, the model's by more than rounding."
+                ),
+                page.paragraph(page.link(page.REPORT, "What the last night found")),
             ),
-            f'<p><a href="{REPORT}">What the last night found</a></p>\n</header>',
             page.figures(_panels(nights)),
             page.section("Every night", _table(nights)),
         ],
@@ -55,7 +57,7 @@ def _page(title: str, nights: list[Document], inputs: str) -> str:
 
 
 def finding(nights: list[Document]) -> str:
-    """One sentence on all nights, one on the last that moved something."""
+    """Returns one sentence on all nights, one on the last that moved something."""
     if not nights:
         return "There was no night yet."
     compared = [night for night in nights if "moved" in night]
@@ -120,7 +122,7 @@ def _panels(nights: list[Document]) -> list[Panel]:
 
 
 def _at_most(nights: list[Document], values: list[Any], name: str = "") -> str:
-    """When a value was greatest, as the end of a caption."""
+    """Writes when a value was greatest, as the end of a caption."""
     known = [(value, _day(night)) for value, night in zip(values, nights) if value is not None]
     if not known:
         return ""
@@ -149,7 +151,7 @@ def _line(name: str, nights: list[Document], values: list[Any], index: int) -> g
     )
 
 
-def _table(nights: list[Document]) -> str:
+def _table(nights: list[Document]) -> Markup:
     header = [
         "night (UTC)",
         "solved",
@@ -164,7 +166,7 @@ def _table(nights: list[Document]) -> str:
     header += [f"worst {quantity}" for quantity in QUANTITIES]
     rows = [
         [
-            escape(_day(night)),
+            _day(night),
             *(str(night[name]) for name in ("to_do", "failed")),
             *(str(night.get(name, "")) for name in ("moved", "slower", "new", "gone")),
             _number(night["largest"]) if "largest" in night else "",

@@ -42,12 +42,12 @@ class Check:
 
 
 def to_csv(found: list[Row]) -> str:
-    """A line for each set-up; metres, degrees, picofarad."""
+    """Returns a line for each set-up; metres, degrees, picofarad."""
     return _text([_record(row) for row in found])
 
 
 def from_csv(text: str) -> list[Row]:
-    """The rows of the table."""
+    """Returns the rows of the table."""
     return [_row(record) for record in csv.DictReader(io.StringIO(text))]
 
 
@@ -67,7 +67,7 @@ def checks_from_csv(text: str) -> list[Check]:
 
 
 def load(folder: Path) -> tuple[list[Row], list[Check]]:
-    """The table in a folder and its checks."""
+    """Returns the table in a folder and its checks."""
     return (
         from_csv((folder / TABLE).read_text(encoding="utf-8")),
         checks_from_csv((folder / CHECKS).read_text(encoding="utf-8")),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from analysis.results.units import percent
 from analysis.topics.published import rows, stage
 from analysis.topics.published.files import CHECKS, TABLE, Check
 from analysis.topics.published.rows import QUANTITIES, Row
@@ -16,8 +17,8 @@ _TEXT = """# A reference table of capacitances around a plate
 
 ## Geometry
 The sensor is the square |x|, |y| ≤ 5 cm in the plane z = 0, the target another thin plate, both perfect conductors in free space with
-ground at infinity. `corner`, `edge_u` and `edge_v` are the target: the points corner + a·edge_u + b·edge_v, a and b from 0 to 1.
-Capacitances are in proportion to lengths: for a plate of side L multiply every length and every capacitance by L/10 cm.
+ground at infinity. `corner`, `edge_u` and `edge_v` describe the target: it is the points corner + a·edge_u + b·edge_v, a and b from 0 to 1.
+Capacitances are proportional to lengths: for a plate of side L multiply every length and every capacitance by L/10 cm.
 
 | family | set-ups | target | `gap` | `height` | angles |
 |---|---|---|---|---|---|
@@ -29,7 +30,7 @@ Capacitances are in proportion to lengths: for a plate of side L multiply every 
 `case` names the scene: the first digits of the hash of its canonical text. Lengths end in `_m`, metres; angles in `_degrees`;
 capacitances in `_pF`, picofarad, ε₀ = 8.8541878128e-12 F/m. M is the Maxwell matrix, charge on a row's conductor per volt on a column's.
 
-| quantity | what |
+| quantity | meaning |
 |---|---|
 | mutual | −M[sensor, target]: charge on the grounded target per volt on the sensor |
 | self_sensor, self_target | M[sensor, sensor] and M[target, target] |
@@ -45,9 +46,9 @@ value. The largest stated error is {worst_error}. {checks}
 - **Above.** The energy of a continuous potential that is 1 on one conductor and 0 on the other, integrated exactly and continued to
   infinity, is never less than that of the field (Dirichlet's principle): U − M is positive semidefinite, U the matrix of the energies
   of both potentials, found by finite elements on one mesh (fem_reference/NUMERICS.md, section 5).
-- **Below.** Galerkin's charges have the least energy of all that make the same potentials: M − L is positive semidefinite, L their
-  matrix. Their integrals are numerical; the stated errors, of which the integrals' are a part, are taken off as a diagonal matrix of
-  row sums, more than any symmetric matrix with entries within them. That these errors are no larger is an estimate; all
+- **Below.** Galerkin's method approximates the charges from below in energy: M − L is positive semidefinite, L its
+  matrix. Its integrals are numerical. The stated errors, which include those of the integrals, are subtracted as a diagonal matrix of
+  row sums, which exceeds every symmetric matrix with entries within them. That the errors are no larger than stated is an estimate; all
   else is proven, up to rounding.
 - **Off the diagonal.** With D = U − L, M[i, j] is within ½√(D[i, i]·D[j, j]) of the middle of U[i, j] and L[i, j]
   (Cauchy and Schwarz for U − M and M − L).
@@ -61,11 +62,11 @@ Half the width of the intervals, relative to the best value:
 |---|---|---|
 {widths}
 
-## Again
+## How to reproduce it
     {command}
 
-solves what is missing or would get another answer today, a few seconds for each set-up, into `results/published`, and writes `{table}`,
-`{checks_file}` and this page; stopped, it goes on from there. `geometries/studies/published.toml` is the list of set-ups. One set-up alone, once the command has written the scenes:
+solves the set-ups whose answers are missing or out of date, a few seconds for each, into `results/published`, and writes `{table}`,
+`{checks_file}` and this page. If it is interrupted, the same command continues. `geometries/studies/published.toml` is the list of set-ups. These commands solve one set-up alone, once the first has written the scenes:
 
     build/bin/fringe capacitance results/published/cases/CASE/scene.toml --method boundary-elements --rtol {strictest:g}
     python3 -m fem_reference results/published/cases/CASE/scene.toml
@@ -75,7 +76,7 @@ To cite it, name the project, the file and its sha256: `sha256sum {table}`.
 
 
 def headline(found: list[Row], checks: list[Check]) -> str:
-    """How many set-ups and values, how sure."""
+    """Returns how many set-ups and values, how sure."""
     values = len(found) * len(QUANTITIES)
     return (
         f"{len(found)} set-ups of a plate above, beside and diagonal to a square plate, {values} values: mutual, both own capacitances and "
@@ -84,7 +85,7 @@ def headline(found: list[Row], checks: list[Check]) -> str:
 
 
 def text(found: list[Row], checks: list[Check]) -> str:
-    """The page."""
+    """Returns the page."""
     counts = {family: sum(row.family == family for row in found) for family in ("inclined", "edge", "corner")}
     return _TEXT.format(
         table=TABLE,
@@ -102,12 +103,12 @@ def text(found: list[Row], checks: list[Check]) -> str:
 
 
 def check_finding(checks: list[Check]) -> str:
-    """How far the field solver's own best values are away."""
+    """Returns how far the field solver's own best values are away."""
     agreeing = sum(check.agrees for check in checks)
     differences = [abs(check.difference) for check in checks]
     cases = len({check.case for check in checks})
     return (
-        f"In every {stage.CHECKED_EACH}th set-up, {cases} of them, the field solver was asked for its best values, by three meshes or more "
+        f"In every {stage.CHECKED_EACH}th set-up, {cases} of them, the field solver computed its best values, by three meshes or more "
         f"(`{CHECKS}`): {agreeing} of {len(checks)} agree within the sum of both errors; the difference is {_scientific(float(np.median(differences)))} in "
         f"the median and {_scientific(max(differences))} at most."
     )
@@ -115,11 +116,7 @@ def check_finding(checks: list[Check]) -> str:
 
 def _widths(found: list[Row], quantity: str) -> str:
     widths = rows.half_widths(found, quantity)
-    return f"| {quantity} | {_percent(float(np.median(widths)))} | {_percent(float(widths.max()))} |"
-
-
-def _percent(value: float) -> str:
-    return f"{100 * value:.2g} %"
+    return f"| {quantity} | {percent(float(np.median(widths)))} | {percent(float(widths.max()))} |"
 
 
 def _scientific(value: float) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from analysis.results.set_up import Rectangle, rectangles
 from analysis.results.store import Document
+from analysis.results.units import PICOFARAD
 from fem_reference.solve.enclosure import enclosure
 from geometries.studies.study import Case
 
@@ -18,7 +19,6 @@ Array = NDArray[np.float64]
 
 MUTUAL, SENSOR, TARGET, DELTA_SELF = "mutual", "self_sensor", "self_target", "delta_self"
 QUANTITIES = (MUTUAL, SENSOR, TARGET, DELTA_SELF)
-_PICOFARAD = 1e-12
 # Of a bound as it is written down, in pF: rounded away from the truth.
 _DECIMALS = 6
 
@@ -58,7 +58,7 @@ class Alone:
 
 
 def lower_matrix(boundary: Document) -> Array:
-    """A matrix (n, n) that M exceeds by a positive semidefinite one, farads.
+    """Returns a matrix (n, n) that M exceeds by a positive semidefinite one, farads.
 
     Galerkin's matrix is one, were it not for the integrals' errors: e[i, j], the stated errors, of which these are a part, are taken
     off as the diagonal matrix of their row sums, which exceeds every symmetric matrix whose entries are at most e[i, j].
@@ -70,12 +70,12 @@ def lower_matrix(boundary: Document) -> Array:
 
 
 def alone(boundary: Document, upper: Document) -> Alone:
-    """The bounds of a sensor alone."""
+    """Returns the bounds of a sensor alone."""
     return Alone(float(lower_matrix(boundary)[0, 0]), float(upper["upper"][0][0]))
 
 
 def row(case: Case, boundary: Document, upper: Document, sensor_alone: Alone) -> Row:
-    """The row of a set-up; ValueError when a best value is outside its bounds, which would prove an error in one of the two."""
+    """Returns the row of a set-up; ValueError when a best value is outside its bounds, which would prove an error in one of the two."""
     plates = rectangles(case.scene)
     assert plates is not None
     best, error = np.array(boundary["maxwell"]), np.array(boundary["error"])
@@ -98,7 +98,7 @@ def row(case: Case, boundary: Document, upper: Document, sensor_alone: Alone) ->
 
 
 def delta_self_bounds(low: Array, high: Array, sensor_alone: Alone) -> tuple[float, float]:
-    """From the bounds of M (2, 2) to those of M[s, s] less the sensor's own capacitance alone.
+    """Computes bounds of M[s, s] − C, C being the sensor's capacitance alone, from the bounds of M (2, 2).
 
     A floating target raises the sensor's capacitance: M[s, s] − mutual²/M[t, t] is at least that of the sensor alone. A grounded
     one lowers the potential everywhere, so that no more charge than alone faces infinity: delta_self is at most mutual.
@@ -109,34 +109,34 @@ def delta_self_bounds(low: Array, high: Array, sensor_alone: Alone) -> tuple[flo
 
 
 def half_widths(found: Iterable[Row], quantity: str) -> Array:
-    """Of the intervals of a quantity, relative to the best values."""
+    """Returns the half-widths of the intervals of a quantity, relative to the best values."""
     return np.array([row.values[quantity].half_width for row in found])
 
 
 def worst_error(found: Iterable[Row]) -> float:
-    """The largest stated error of any best value, relative to it."""
+    """Returns the largest stated error of any best value, relative to it."""
     return max(value.error / value.best for row in found for value in row.values.values())
 
 
 def _written(best: float, error: float, low: float, high: float) -> Value:
-    """As the table has them, in pF: bounds rounded outwards, errors upwards."""
+    """Rounds values to the digits of the table, in pF: bounds outwards, errors upwards."""
     unit = 10.0**-_DECIMALS
     return Value(
-        round(float(best) / _PICOFARAD, _DECIMALS + 1),
-        _upwards(float(error) / _PICOFARAD + unit / 20),
-        round(math.floor(float(low) / _PICOFARAD / unit) * unit, _DECIMALS),
-        round(math.ceil(float(high) / _PICOFARAD / unit) * unit, _DECIMALS),
+        round(float(best) / PICOFARAD, _DECIMALS + 1),
+        _upwards(float(error) / PICOFARAD + unit / 20),
+        round(math.floor(float(low) / PICOFARAD / unit) * unit, _DECIMALS),
+        round(math.ceil(float(high) / PICOFARAD / unit) * unit, _DECIMALS),
     )
 
 
 def _upwards(error: float) -> float:
-    """To three digits, never less."""
+    """Rounds up to three digits."""
     digit = 10.0 ** (math.floor(math.log10(error)) - 2)
     return float(f"{math.ceil(error / digit) * digit:.3g}")
 
 
 def _numbers(case: Case) -> dict[str, float]:
-    """The parameters that vary; a gap that is the same along both axes is one number."""
+    """Returns the parameters that vary; a gap that is the same along both axes is one number."""
     told: dict[str, float] = {}
     for name, value in case.parameters.items():
         if name == "sensor_size" or isinstance(value, str):

@@ -6,10 +6,12 @@ import functools
 
 import numpy as np
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, family_marker, figure, log_axis
 from analysis.report.set_ups_page import Around, Shown
+from analysis.results.units import CENTIMETRE
 from analysis.topics.published import files, rows, stage, table
 from analysis.topics.published.files import Check
 from analysis.topics.published.page import COMMAND, check_finding, headline
@@ -18,11 +20,11 @@ from geometries.common import installation
 from geometries.studies.study import Case
 
 TITLE = "A reference table of capacitances around a plate"
-_CENTIMETRE, _PERCENT = 1e-2, 100.0
+_PERCENT = 100.0
 
 
-def section(set_ups: str) -> str:
-    """What the table holds and how sure it is; `set_ups` is the file of the page of its set-ups, as seen from the page."""
+def section(set_ups: str) -> Markup:
+    """Tells what the table holds and how sure it is; `set_ups` is the file of the page of its set-ups, as seen from the page."""
     found, checks = _published()
     families = list(dict.fromkeys(row.family for row in found))
     panels = [
@@ -43,7 +45,7 @@ def section(set_ups: str) -> str:
 
 @functools.cache
 def set_ups_document(back: str, back_title: str, inputs: str, script: str) -> str:
-    """The page of the table's set-ups; `back` is the file of the page that leads to it, `inputs` the hash of what it is made from."""
+    """Returns the page of the table's set-ups; `back` is the file of the page that leads to it, `inputs` the hash of what it is made from."""
     found, _ = _published()
     texts = {case.id: case for case in stage.cases()}
     around = Around(
@@ -99,7 +101,7 @@ def _by_family(found: list[Row], families: list[str]) -> list[tuple[str, list[Ro
 
 
 def _gaps(members: list[Row]) -> list[float]:
-    return [row.parameters["gap"] / _CENTIMETRE for row in members]
+    return [row.parameters["gap"] / CENTIMETRE for row in members]
 
 
 def _shown(row: Row, case: Case) -> Shown:
@@ -120,14 +122,14 @@ def _shown(row: Row, case: Case) -> Shown:
 
 
 def _told(row: Row, case: Case) -> str:
-    """Its parameters in words."""
+    """Returns its parameters in words."""
     (plate,) = case.scene.sensors[0].plates
-    sides = (f"{np.linalg.norm(edge) / _CENTIMETRE:g}" for edge in (plate.edge_u, plate.edge_v))
+    sides = (f"{np.linalg.norm(edge) / CENTIMETRE:g}" for edge in (plate.edge_u, plate.edge_v))
     told = [f"Sensor {' × '.join(sides)} cm"]
     for name, value in row.parameters.items():
         label = name.replace("_", " ")
         if name.endswith("_degrees"):
             told.append(f"{label.removesuffix(' degrees')} {value:g}°")
         else:
-            told.append(f"{label} {value / _CENTIMETRE:g} cm")
+            told.append(f"{label} {value / CENTIMETRE:g} cm")
     return ", ".join(told) + "."

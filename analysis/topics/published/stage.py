@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import functools
 import json
-import os
-import sys
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from analysis.pipeline import keys, model_stage, reference_stage
-from analysis.pipeline.jobs import Job, parallel_jobs, run_all
 from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.processes import Processes
-from analysis.results.store import Document, is_current, read_current, write_json, write_text
+from analysis.pipeline.scheduler import Job, parallel_jobs, run_all
+from analysis.pipeline.stage import Stage, outdated
+from analysis.results.store import Document, is_current, read_current, write_text
 from analysis.results.study_results import REFERENCE, SCENE, Failure, case_folder
 from geometries.studies import study
 from geometries.studies.study import EMPTY, Case, Study
@@ -42,37 +41,37 @@ _SECONDS_UPPER, _SECONDS_CHECK, _SECONDS_BOUNDARY = 3.0, 12.0, 0.5
 
 
 def cases() -> list[Case]:
-    """The set-ups, and at last the sensor alone."""
+    """Returns the set-ups, and at last the sensor alone."""
     return _asked().cases()
 
 
 def checked(found: list[Case]) -> list[Case]:
-    """The set-ups that the field solver checks."""
+    """Returns the set-ups that the field solver checks."""
     return [case for case in found if case.family != EMPTY][::CHECKED_EACH]
 
 
 def run(folder: Path, workers: int | None = None) -> list[Failure]:
-    """Do what is missing or out of date; returns the failures."""
+    """Does what is missing or out of date; returns the failures."""
     found = cases()
     for case in found:
         scene = case_folder(folder, case.id) / SCENE
         if not scene.is_file():
             write_text(scene, case.text)
-    jobs = [*_boundary_jobs(folder, found), *_upper_jobs(folder, found), *_checks(folder, found)]
-    try:
-        return run_all(jobs, workers or parallel_jobs(), "parts of the table") if jobs else []
-    except BaseException:
-        reference_stage.forget_unfinished_forms()
-        raise
+    jobs: list[Job] = [
+        *_boundary_stages(folder, found),
+        *_upper_bounds(folder, found),
+        *_checks(folder, found),
+    ]
+    return run_all(jobs, workers or parallel_jobs(), "parts of the table")
 
 
 def load(folder: Path, case: Case, file: str) -> Document | None:
-    """What is stored of a case and made by today's code."""
+    """Returns the stored answer of a case if today's code made it."""
     return read_current(case_folder(folder, case.id) / file, _key(case, file))
 
 
 def boundary(module: Any, scene: Path) -> Document:
-    """Maxwell matrix and delta_self by boundary elements, as strict as four digits of every quantity take."""
+    """Computes Maxwell matrix and delta_self by boundary elements, as accurately as four digits of every quantity need."""
     loaded = module.Scene.load(str(scene))
     for rtol in RTOLS:
         solved = loaded.maxwell(rtol=rtol)
@@ -90,7 +89,7 @@ def boundary(module: Any, scene: Path) -> Document:
 
 
 def worst_error(solved: Document) -> float:
-    """The largest stated error of what the table holds, relative to each; of a sensor alone that of its own entry."""
+    """Returns the largest stated error of what the table holds, relative to each; of a sensor alone that of its own entry."""
     errors = [solved["error"][i][j] / abs(solved["maxwell"][i][j]) for i, j in _entries(solved["maxwell"])]
     if len(solved["maxwell"]) > 1:
         change = solved["delta_self"]["sensor"]
@@ -106,73 +105,84 @@ def _asked() -> Study:
     return study.load(study.find(STUDY))
 
 
-def _boundary_jobs(folder: Path, found: list[Case]) -> list[Job]:
-    return [
-        Job(_SECONDS_BOUNDARY, functools.partial(_solve_boundary, place, key))
-        for place, key in _missing(folder, found, BOUNDARY)
-    ]
+def _boundary_stages(folder: Path, found: list[Case]) -> list[Stage]:
+    def answer(scene: Path, _: Processes) -> Document:
+        return boundary(model_stage.model_module(), scene)
+
+    return _stages(folder, found, BOUNDARY, "boundary elements", _SECONDS_BOUNDARY, answer)
 
 
-def _solve_boundary(place: Path, key: str, _: Processes) -> Failure | None:
-    try:
-        answer = boundary(model_stage.model_module(), place / SCENE)
-    except (ValueError, RuntimeError) as error:
-        return Failure(place.name, "boundary elements", str(error))
-    write_json(place / BOUNDARY, {"key": key, **answer})
-    return None
+def _checks(folder: Path, found: list[Case]) -> list[Stage]:
+    def answer(scene: Path, processes: Processes) -> Document:
+        return reference_stage.answer(scene, _check_study(), processes)
+
+    return _stages(folder, checked(found), REFERENCE, reference_stage.SOLVE, _SECONDS_CHECK, answer)
 
 
-def _upper_jobs(folder: Path, found: list[Case]) -> Iterator[Job]:
-    missing = _missing(folder, found, UPPER)
-    alone = {case_folder(folder, case.id) for case in found if case.family == EMPTY}
+def _stages(
+    folder: Path,
+    found: list[Case],
+    file: str,
+    name: str,
+    seconds: float,
+    answer: Callable[[Path, Processes], Document],
+) -> list[Stage]:
+    """Returns the stages of the cases without an answer of today."""
+    places = [(case, case_folder(folder, case.id)) for case in found]
+    return outdated(
+        [
+            Stage(
+                name,
+                case.id,
+                place / file,
+                _key(case, file),
+                seconds,
+                functools.partial(answer, place / SCENE),
+            )
+            for case, place in places
+        ]
+    )
+
+
+@dataclass(frozen=True)
+class UpperBounds:
+    """A job that computes the upper bounds of several cases in one process, which stores each of them. `works` are what it takes."""
+
+    works: tuple[Document, ...]
+
+    @property
+    def seconds(self) -> float:
+        return _SECONDS_UPPER * len(self.works)
+
+    def run(self, processes: Processes) -> Failure | None:
+        """Computes the bounds; returns why the first missing one is missing."""
+        finished = processes.run_module("analysis.topics.published.upper_bound", json.dumps(self.works))
+        if finished.exit_code == 0:
+            return None
+        missing = (work for work in self.works if not is_current(Path(work["target"]), work["key"]))
+        lost = Path(next(missing, self.works[-1])["target"])
+        return Failure(lost.parent.name, "upper bound", finished.reason)
+
+
+def _upper_bounds(folder: Path, found: list[Case]) -> Iterator[UpperBounds]:
+    places = [(case, case_folder(folder, case.id).resolve(), _key(case, UPPER)) for case in found]
     works = iter(
         {
-            "scene": str(place.resolve() / SCENE),
-            "target": str(place.resolve() / UPPER),
+            "scene": str(place / SCENE),
+            "target": str(place / UPPER),
             "key": key,
-            "refinement": REFINEMENT_ALONE if place in alone else REFINEMENT,
+            "refinement": REFINEMENT_ALONE if case.family == EMPTY else REFINEMENT,
         }
-        for place, key in missing
+        for case, place, key in places
+        if not is_current(place / UPPER, key)
     )
-    while chunk := list(islice(works, _CASES_PER_PROCESS)):
-        yield Job(_SECONDS_UPPER * len(chunk), functools.partial(_solve_upper, chunk))
-
-
-def _solve_upper(chunk: list[Document], processes: Processes) -> Failure | None:
-    command = [sys.executable, "-P", "-m", "analysis.topics.published.upper_bound", json.dumps(chunk)]
-    environment = os.environ | {
-        "OMP_NUM_THREADS": "1",
-        "XDG_CACHE_HOME": str(REPOSITORY / "build" / "cache"),
-        "PYTHONPATH": os.pathsep.join(filter(None, [str(REPOSITORY), os.environ.get("PYTHONPATH", "")])),
-    }
-    finished = processes.run(command, REPOSITORY, environment)
-    if finished.exit_code == 0:
-        return None
-    told = (finished.errors.strip() or "no message").splitlines()[-1]
-    lost = next((work for work in chunk if not is_current(Path(work["target"]), work["key"])), chunk[-1])
-    return Failure(Path(lost["scene"]).parent.name, "upper bound", told)
-
-
-def _checks(folder: Path, found: list[Case]) -> list[Job]:
-    return [
-        Job(_SECONDS_CHECK, functools.partial(_solve_check, place, key))
-        for place, key in _missing(folder, checked(found), REFERENCE)
-    ]
-
-
-def _solve_check(place: Path, key: str, processes: Processes) -> Failure | None:
-    return reference_stage.solve(place / SCENE, place / REFERENCE, key, _check_study(), processes)
+    while chunk := tuple(islice(works, _CASES_PER_PROCESS)):
+        yield UpperBounds(chunk)
 
 
 def _check_study() -> Study:
-    """Estimated errors: proven ones are in the table already."""
+    """Asks for estimated errors: the table holds proven ones already."""
     return replace(_asked(), error="estimate")
-
-
-def _missing(folder: Path, found: list[Case], file: str) -> list[tuple[Path, str]]:
-    """The folders of the cases without an answer of today, with the key that it gets."""
-    wanted = [(case_folder(folder, case.id), _key(case, file)) for case in found]
-    return [(place, key) for place, key in wanted if not is_current(place / file, key)]
 
 
 def _key(case: Case, file: str) -> str:
@@ -184,7 +194,7 @@ def _key(case: Case, file: str) -> str:
 
 @functools.cache
 def _code(file: str) -> str:
-    """The version of what makes an answer; once, since there are hundreds."""
+    """Returns the version of what makes an answer; once, since there are hundreds."""
     if file == BOUNDARY:
         return keys.model_code()
     own = [] if file == REFERENCE else [REPOSITORY / "analysis" / "topics" / "published" / "upper_bound.py"]

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from analysis.results.store import Document, write_text
 from analysis.results.study_results import REFERENCE, Failure
+from analysis.results.units import PICOFARAD
 from analysis.topics.published import files, page, rows, stage
 from analysis.topics.published.files import Check
 from analysis.topics.published.rows import Row
@@ -26,7 +27,7 @@ class Made:
 
 
 def make(answers: Path, target: Path, workers: int | None = None) -> Made:
-    """Bring the answers up to date and write the files; nothing is written while a set-up lacks an answer."""
+    """Brings the answers up to date and write the files; nothing is written while a set-up lacks an answer."""
     failures = stage.run(answers, workers)
     if failures:
         return Made(failures, "")
@@ -39,13 +40,13 @@ def make(answers: Path, target: Path, workers: int | None = None) -> Made:
 
 
 def digest() -> str:
-    """A hash of the table as published and of its checks."""
+    """Returns a hash of the table as published and of its checks."""
     contents = [(PLACE / name).read_bytes() for name in (files.TABLE, files.CHECKS)]
     return hashlib.sha256(b"".join(contents)).hexdigest()
 
 
 def collected(answers: Path) -> tuple[list[Row], list[Check]]:
-    """The rows and the checks, from answers that are all there."""
+    """Returns the rows and the checks, from answers that are all there."""
     cases = stage.cases()
     (empty,) = (case for case in cases if case.family == EMPTY)
     alone = rows.alone(_load(answers, empty, stage.BOUNDARY), _load(answers, empty, stage.UPPER))
@@ -71,7 +72,7 @@ def _load(answers: Path, case: Case, file: str) -> Document:
 
 
 def _checks(row: Row, solved: Document) -> list[Check]:
-    """The field solver's values, by three meshes or more and with estimated errors, beside the table's."""
+    """Returns the field solver's values, by three meshes or more and with estimated errors, beside the table's."""
     matrix, error = solved["maxwell"], solved["error"]
     change = solved["delta_self"]["sensor"]
     values = {
@@ -81,6 +82,13 @@ def _checks(row: Row, solved: Document) -> list[Check]:
         rows.DELTA_SELF: (change["value"], change["error"]),
     }
     return [
-        Check(row.case, name, 1e12 * value, 1e12 * uncertain, row.values[name].best, row.values[name].error)
+        Check(
+            row.case,
+            name,
+            value / PICOFARAD,
+            uncertain / PICOFARAD,
+            row.values[name].best,
+            row.values[name].error,
+        )
         for name, (value, uncertain) in values.items()
     ]

@@ -40,7 +40,7 @@ class Bound:
 
 
 def bound(scene: Path, refinement: float) -> Bound:
-    """Mesh a scene of grounded conductors in free space once and solve it; `refinement` divides the sizes at the edges of the
+    """Meshes a scene of grounded conductors in free space once and solve it; `refinement` divides the sizes at the edges of the
     coarsest mesh."""
     start = time.monotonic()
     problem = conductors(reader.load(scene), str(scene))
@@ -53,7 +53,7 @@ def bound(scene: Path, refinement: float) -> Bound:
 
 
 def _energies(problem: Conductors, mesh: TaggedMesh) -> tuple[Array, Array, int]:
-    """The bound, the value and the number of unknowns, of one side of the planes and for ε = 1."""
+    """Returns the bound, the value and the number of unknowns, of one side of the planes and for ε = 1."""
     system = FieldProblem(mesh, problem.parts)
     every = range(problem.driven)
     potentials = system.potentials(every, len(every))
@@ -61,7 +61,7 @@ def _energies(problem: Conductors, mesh: TaggedMesh) -> tuple[Array, Array, int]
 
 
 def document(found: Bound) -> Document:
-    """The bound as plain data."""
+    """Returns the bound as plain data."""
     return {
         "upper": found.upper.tolist(),
         "value": found.value.tolist(),
@@ -71,7 +71,7 @@ def document(found: Bound) -> Document:
 
 
 def main(text: str) -> int:
-    """Solve the scenes of a JSON list of objects with `scene`, `target`, `key` and `refinement`, and store each answer; returns
+    """Solves the scenes of a JSON list of objects with `scene`, `target`, `key` and `refinement`, and store each answer; returns
     how many failed."""
     failed = 0
     for work in json.loads(text):

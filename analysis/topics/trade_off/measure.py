@@ -49,7 +49,7 @@ class Method:
 
 
 def methods(module: Any) -> list[Method]:
-    """Everything that the module answers with."""
+    """Returns every method of the module."""
     found = [
         Method("thesis", f"split:{level}", _TURNS, _POSES, _integral(f"split:{level}")) for level in LEVELS
     ]
@@ -70,7 +70,7 @@ def methods(module: Any) -> list[Method]:
 
 
 def measured(module: Any, cases: list[CaseResult]) -> Document:
-    """Truths by case, and for every method its values and its seconds by case."""
+    """Returns the truths by case, and for every method its values and its seconds by case."""
     known = methods(module)
     truths: dict[str, Document] = {}
     answers: list[Document] = [
@@ -92,13 +92,13 @@ def measured(module: Any, cases: list[CaseResult]) -> Document:
 
 
 def movable(scene: Scene) -> Scene:
-    """The scene with its objects on a link, which can be moved."""
+    """Returns the scene with its objects on a link, which can be moved."""
     objects = tuple(replace(body, link=_MOVER) for body in scene.objects)
     return replace(scene, links=(Link(_MOVER),), objects=objects)
 
 
 def _in_turn(module: Any, path: Path, known: list[Method]) -> list[tuple[float, float]]:
-    """(mutual, seconds) of each method, each with a scene of its own that has answered before."""
+    """Returns (mutual, seconds) of each method, each with a scene of its own that has answered before."""
     scenes = [module.Scene.load(str(path)) for _ in known]
     values = [method.ask(scene)[0] for method, scene in zip(known, scenes)]
     best = [float("inf")] * len(known)
@@ -133,7 +133,7 @@ def _matrix(**options: Any) -> Callable[[Any], tuple[float, float]]:
 
 
 def main(folder: str, target: str) -> None:
-    """Measure the pairs of plates in a folder of results on one core; write the answer."""
+    """Measures the pairs of plates in a folder of results on one core; write the answer."""
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     cases = [case for case in results.load(Path(folder)).compared() if case.set_up is not None]
     write_json(Path(target), measured(model_module(), cases))

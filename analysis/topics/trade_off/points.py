@@ -32,7 +32,7 @@ class Point:
 
 
 def points(document: Document, results: Results) -> list[Point]:
-    """The methods measured, then the field solver's meshes and answers that are stored."""
+    """Returns the methods measured, then the field solver's meshes and answers that are stored."""
     truths = {case: truth["mutual"] for case, truth in document["truths"].items()}
     found = [
         _point(
@@ -48,12 +48,12 @@ def points(document: Document, results: Results) -> list[Point]:
 
 
 def known_to(document: Document) -> float:
-    """The median relative error of the truths: what lies below it cannot be told apart."""
+    """Returns the median relative error of the truths: what lies below it cannot be told apart."""
     return float(np.median([truth["error"] / truth["mutual"] for truth in document["truths"].values()]))
 
 
 def agreement(document: Document, results: Results) -> tuple[int, int]:
-    """How many truths lie within the field solver's error and their own, and how many it has solved."""
+    """Returns how many truths lie within the field solver's error and their own, and how many it has solved."""
     agreeing = total = 0
     for case, truth in document["truths"].items():
         if _is_solved(results, case):
@@ -89,7 +89,7 @@ def _answers(solved: list[tuple[CaseResult, float]]) -> list[Point]:
 
 
 def _point(kind: str, name: str, seconds: list[float], errors: dict[str, float]) -> Point:
-    """`errors` by case."""
+    """Makes a point of a method; `errors` are by case."""
     size = np.abs(list(errors.values()))
     return Point(
         kind,

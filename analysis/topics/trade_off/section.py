@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import INK, Panel, figure, power_axis, series_colour
 from analysis.results.store import Document
 from analysis.results.study_results import Results
+from analysis.results.units import percent
 from analysis.topics.trade_off import points, stage
 from analysis.topics.trade_off.points import Point
 
@@ -28,10 +30,10 @@ _NAMED_OF_SPLITS = ("split:0", "split:4", "split:8")
 _BETTER_THAN_PLAIN = 0.75
 
 
-def section(document: Document | None, results: Results, cases: str) -> str:
-    """Finding, plot and what it shows; empty without a measurement. `cases` is the folder of the cases as seen from the page."""
+def section(document: Document | None, results: Results, cases: str) -> Markup:
+    """Returns the finding, the plot and what it shows; empty without a measurement. `cases` is the folder of the cases as seen from the page."""
     if document is None or not document["truths"]:
-        return ""
+        return Markup("")
     found = points.points(document, results)
     return page.section(
         TITLE,
@@ -42,7 +44,7 @@ def section(document: Document | None, results: Results, cases: str) -> str:
 
 
 def finding(found: list[Point], document: Document, results: Results) -> str:
-    """From the plain model to the field solver, and what the reduced method is worth beside a mesh that is as accurate."""
+    """Tells time and error from the plain model to the field solver, and compares the reduced method with an equally accurate mesh."""
     named = {point.name: point for point in found}
     exact, fast = named["exact"], named["reduced:2"]
     corrections = [point for point in found if point.kind == "correction"]
@@ -50,22 +52,22 @@ def finding(found: list[Point], document: Document, results: Results) -> str:
     seconds = [point.seconds for point in found]
     sentence = (
         f"Over {len(document['truths'])} set-ups the plain model takes {duration(exact.seconds)} and is {exact.error:.0%} off in mutual "
-        f"(medians), the correction {best.name} {duration(best.seconds)} and {_percent(best.error)}, {fast.name} "
-        f"{duration(fast.seconds)} and {_percent(fast.error)}"
+        f"(medians), the correction {best.name} {duration(best.seconds)} and {percent(best.error)}, {fast.name} "
+        f"{duration(fast.seconds)} and {percent(fast.error)}"
     )
     meshes = [point for point in found if point.kind == points.MESH]
     matched = [point for point in meshes if point.error >= fast.error]
     if matched:
         last = matched[-1]
         sentence += (
-            f"; mesh {last.name} of the field solver is {_percent(last.error)} off after {duration(last.seconds)}, "
+            f"; mesh {last.name} of the field solver is {percent(last.error)} off after {duration(last.seconds)}, "
             f"{_rounded(last.seconds / fast.seconds)} times as long"
         )
     return f"{sentence}. The plot spans {math.log10(max(seconds) / min(seconds)):.1f} decades of time."
 
 
 def plot(found: list[Point], known_to: float) -> go.Figure:
-    """Every series, the front, and what the truth is known to. Errors below that are drawn there, open."""
+    """Returns every series, the front, and what the truth is known to. Errors below that are drawn there, open."""
     traces = [_front(found, known_to)]
     (plain,) = (point.error for point in found if point.kind == "model")
     for kind, (name, colour, symbol, mode) in _SERIES.items():
@@ -89,7 +91,7 @@ def plot(found: list[Point], known_to: float) -> go.Figure:
 
 
 def duration(seconds: float) -> str:
-    """To two digits."""
+    """Writes a time with two digits."""
     for unit, name in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")):
         if seconds >= unit:
             break
@@ -97,7 +99,7 @@ def duration(seconds: float) -> str:
 
 
 def front(found: list[Point], known_to: float) -> list[Point]:
-    """The points that no other beats in both, from fast to accurate; errors below what the truth is known to are equal."""
+    """Returns the points that no other beats in both, from fast to accurate; errors below what the truth is known to are equal."""
     best: list[Point] = []
     for point in sorted(found, key=lambda each: (each.seconds, each.error)):
         if not best or max(point.error, known_to) < max(best[-1].error, known_to):
@@ -152,7 +154,7 @@ def _series(
 
 
 def _label(point: Point, plain: float) -> str:
-    """`plain` is the error of the model without a correction."""
+    """Writes the label of a point; `plain` is the error of the model without a correction."""
     if point.kind == "correction" and point.error > _BETTER_THAN_PLAIN * plain:
         return ""
     if point.kind == "thesis":
@@ -179,11 +181,7 @@ def _explanation(document: Document, results: Results) -> str:
     )
 
 
-def _percent(error: float) -> str:
-    return f"{100 * error:.2g} %"
-
-
 def _rounded(factor: float) -> str:
-    """To one digit: a ratio of times of different days deserves no more."""
+    """Rounds to one digit: a ratio of times measured on different days is not known better."""
     digits = 10 ** math.floor(math.log10(factor))
     return f"{round(factor / digits) * digits:,.0f}"

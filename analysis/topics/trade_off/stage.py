@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import os
-import sys
+import functools
 from pathlib import Path
 
 from analysis.pipeline import keys
-from analysis.pipeline.jobs import Job, run_all
 from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.processes import Processes
+from analysis.pipeline.scheduler import run_all
+from analysis.pipeline.stage import NoAnswer, Stage, outdated, unfinished_file
 from analysis.results import machine
-from analysis.results.store import Document, is_current, read_json, write_json
+from analysis.results.store import Document, read_json
 from analysis.results.study_results import Failure
 from geometries.common import installation
 
@@ -23,55 +23,35 @@ _SECONDS = 90.0
 
 
 def run(folder: Path, cases: list[str], wanted: bool) -> list[Failure]:
-    """Measure the cases of a study whose manifest is in the folder, if `wanted` and not done; what is out of date is removed."""
-    target, key_ = folder / ANSWER, key(cases)
-    if is_current(target, key_):
-        return []
-    target.unlink(missing_ok=True)
-    if not wanted:
-        return []
-    return run_all(
-        [Job(_SECONDS, lambda processes: _measure(folder, target, key_, processes))], 1, "measured"
+    """Measures the cases of a study whose manifest is in the folder, if `wanted` and not done; an outdated answer is removed."""
+    target = folder / ANSWER
+    stages = outdated(
+        [Stage(NAME, "", target, key(cases), _SECONDS, functools.partial(_answer, folder, target))]
     )
+    return run_all(stages, 1, "measured") if wanted else []
 
 
 def load(folder: Path) -> Document | None:
-    """The answer in a folder of results; None without one."""
+    """Returns the answer in a folder of results; None without one."""
     return read_json(folder / ANSWER)
 
 
 def command(folder: Path) -> str:
-    """The command, from the project's folder, that repeats the measurement."""
+    """Returns the command, from the project's folder, that repeats the measurement."""
     return f"python3 -m {_MODULE} {installation.from_repository(folder)} again.json"
 
 
 def key(cases: list[str]) -> str:
-    """Times belong to a machine; `cases` are the identities of the set-ups."""
+    """Returns the key, which depends on the machine because times do; `cases` are the identities of the set-ups."""
     return keys.measurement_key(
         f"{_MODULE} {' '.join(cases)}", keys.code_of(_SOURCES, REPOSITORY), machine.identity()
     )
 
 
-def _measure(folder: Path, target: Path, key: str, processes: Processes) -> Failure | None:
-    unfinished = target.with_name(f".{target.name}.unfinished").resolve()
-    environment = os.environ | {
-        "PYTHONPATH": os.pathsep.join(filter(None, [str(REPOSITORY), os.environ.get("PYTHONPATH", "")]))
-    }
-    try:
-        finished = processes.run(
-            [sys.executable, "-P", "-m", _MODULE, str(folder.resolve()), str(unfinished)],
-            REPOSITORY,
-            environment,
-        )
+def _answer(folder: Path, target: Path, processes: Processes) -> Document:
+    with unfinished_file(target) as unfinished:
+        finished = processes.run_module(_MODULE, str(folder.resolve()), str(unfinished))
         answer = read_json(unfinished)
-    finally:
-        unfinished.unlink(missing_ok=True)
     if finished.exit_code != 0 or answer is None:
-        told = (finished.errors.strip() or "no message").splitlines()[-1]
-        return Failure("", NAME, f"exit code {finished.exit_code}: {told}")
-    origin = {
-        "processor": machine.description()["processor"],
-        "instruction_sets": machine.instruction_sets(),
-    }
-    write_json(target, {"key": key, **origin, **answer})
-    return None
+        raise NoAnswer(finished.reason)
+    return {**machine.origin(), **answer}

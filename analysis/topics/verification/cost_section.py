@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from html import escape
 
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel, figure, power_axis, series_colour
@@ -23,10 +23,10 @@ _WHAT = (
 )
 
 
-def section(costs: list[Cost]) -> str:
-    """Finding, targets, a panel for each set-up, and every point."""
+def section(costs: list[Cost]) -> Markup:
+    """Returns the finding, the targets, a panel for each set-up, and every point."""
     if not costs:
-        return ""
+        return Markup("")
     known = [cost for cost in costs if cost.best_to <= KNOWN]
     panels = [Panel(f"{cost.caption}. {case_finding(cost)}", _panel(cost, _ranges(known))) for cost in known]
     return page.section(
@@ -34,7 +34,7 @@ def section(costs: list[Cost]) -> str:
         page.finding(finding(known)),
         page.figures(panels),
         page.soft(_WHAT),
-        "<h3>What was asked for</h3>",
+        page.heading("What was asked for"),
         page.finding(target_finding(costs)),
         _targets(costs),
         page.folded("Every mesh", _table(known)),
@@ -42,7 +42,7 @@ def section(costs: list[Cost]) -> str:
 
 
 def finding(costs: list[Cost]) -> str:
-    """The first mesh of the reference beside the most accurate ungraded one, over all set-ups."""
+    """Returns the first mesh of the reference beside the most accurate ungraded one, over all set-ups."""
     better, factors = 0, []
     shown = [cost for cost in costs if cost.meshes and cost.linear + cost.quadratic]
     for cost in shown:
@@ -61,7 +61,7 @@ def finding(costs: list[Cost]) -> str:
 
 
 def case_finding(cost: Cost) -> str:
-    """The answer with its error, and the best ungraded mesh."""
+    """Returns the answer with its error, and the best ungraded mesh."""
     end = cost.answers[0]
     sentence = f"The estimate is {_error(end.error, cost)} off after {end.seconds:.1f} s"
     for name, points in (("quadratic", cost.quadratic), ("linear", cost.linear)):
@@ -84,20 +84,20 @@ def _error(error: float, cost: Cost) -> str:
     return f"{error:.1e}" if error > cost.best_to else f"at most {cost.best_to:.1e}"
 
 
-def _targets(costs: list[Cost]) -> str:
+def _targets(costs: list[Cost]) -> Markup:
     header = ["set-up", "error asked for", "within (s)", "stated", "after (s)", "off by", "in time"]
     return page.table(header, [_target_cells(cost, target) for cost in costs for target in cost.targets])
 
 
 def _target_cells(cost: Cost, target: Target) -> list[str]:
     return [
-        escape(cost.caption),
+        cost.caption,
         f"{target.rtol:.0e}",
         f"{target.allowed_seconds:g}",
         f"{target.stated:.1e}",
         f"{target.seconds:.1f}",
         _error(target.error, cost),
-        "yes" if target.met else "<strong>no</strong>",
+        page.yes_or_no(target.met),
     ]
 
 
@@ -136,20 +136,20 @@ def _panel(cost: Cost, ranges: tuple[list[float], list[float]]) -> go.Figure:
 
 
 def _ranges(costs: list[Cost]) -> tuple[list[float], list[float]]:
-    """Exponents of ten, the same for all panels."""
+    """Returns the exponents of ten at the ends of the axes, the same for all panels."""
     points = [(point, cost) for cost in costs for _, series, *_ in _series(cost) for point in series]
     seconds = [math.log10(point.seconds) for point, _ in points]
     errors = [math.log10(max(point.error, cost.best_to)) for point, cost in points]
     return [min(seconds) - 0.2, max(seconds) + 0.2], [min(errors) - 0.3, max(errors) + 0.3]
 
 
-def _table(costs: list[Cost]) -> str:
+def _table(costs: list[Cost]) -> Markup:
     rows = []
     for cost in costs:
-        known = f"{escape(cost.best_from)}, {cost.best_to:.0e}"
+        known = f"{cost.best_from}, {cost.best_to:.0e}"
         for name, points, *_ in _series(cost):
             for point in points:
                 cells = [f"{point.unknowns:,}", f"{point.seconds:.2f}", _error(point.error, cost)]
-                rows.append([escape(cost.caption), name, *cells, known])
+                rows.append([cost.caption, name, *cells, known])
     header = ["set-up", "method", "unknowns", "seconds", "error", "best known value"]
     return page.table(header, rows, text_columns=2)

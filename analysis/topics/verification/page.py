@@ -7,6 +7,8 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
+from markupsafe import Markup
+
 from analysis.pipeline import keys
 from analysis.report import page
 from analysis.results.store import Document, write_text
@@ -25,12 +27,12 @@ class Made:
 
 
 def beside(results: Path) -> Path:
-    """The folder of the verification that belongs to a study's results."""
+    """Returns the folder of the verification that belongs to a study's results."""
     return results.resolve().parent / stage.FOLDER
 
 
-def truths(rows: dict[str, Document]) -> str:
-    """The chapter on known capacitances; one sentence without rows."""
+def truths(rows: dict[str, Document]) -> Markup:
+    """Returns the chapter on known capacitances; one sentence without rows."""
     if not rows:
         return section.chapter([], [], [])
     names = stage.row_names()
@@ -39,10 +41,10 @@ def truths(rows: dict[str, Document]) -> str:
     return section.chapter(records.compared(ordered), records.held(ordered), missing)
 
 
-def costs(rows: dict[str, Document]) -> str:
-    """The section on the reference's run times; empty without rows."""
+def costs(rows: dict[str, Document]) -> Markup:
+    """Returns the section on the reference's run times; empty without rows."""
     if not rows:
-        return ""
+        return Markup("")
     from analysis.topics.verification.set_ups import cost_cases
 
     asked = [
@@ -59,13 +61,11 @@ def _ordered(rows: dict[str, Document]) -> dict[str, Document]:
 
 
 def make(folder: Path) -> Made:
-    """Write the page of the rows in a folder."""
+    """Writes the page of the rows in a folder."""
     rows = stage.load(folder)
     title = "Verification of the field reference"
     body = [
-        f"<header>\n<h1>{title}</h1>",
-        page.paragraph(_INTRODUCTION),
-        "</header>",
+        page.header(title, page.paragraph(_INTRODUCTION)),
         truths(rows),
         costs(rows),
     ]
@@ -77,6 +77,6 @@ def make(folder: Path) -> Made:
 
 
 def inputs(rows: dict[str, Document]) -> str:
-    """A hash of what the sections are made from."""
+    """Returns a hash of what the sections are made from."""
     answers = json.dumps(rows, sort_keys=True)
     return hashlib.sha256(f"{answers} {keys.report_code()}".encode()).hexdigest()

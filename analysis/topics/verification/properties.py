@@ -42,7 +42,7 @@ class Statement:
 
 
 def _coarse(set_up: SetUp, symmetric: bool = True, enclosed: bool = False) -> Level:
-    """The coarsest level; without `symmetric` on the whole of space."""
+    """Returns the coarsest level; without `symmetric` on the whole of space."""
     problem = set_up.conductors()
     planes = mirror_planes(problem.bodies, problem.owner) if symmetric else ()
     return solve_level(problem, 1.0, Sizing(), "enclosure" if enclosed else "none", planes)
@@ -53,7 +53,7 @@ def _difference(first: Array, second: Array) -> float:
 
 
 def _same(words: str, first: SetUp, second: SetUp, turned: bool = False) -> Statement:
-    """Two set-ups of one truth on a coarsest mesh each; `turned`: their conductors are in opposite orders."""
+    """Returns two set-ups of one truth on a coarsest mesh each; `turned`: their conductors are in opposite orders."""
     one, other = _coarse(first, enclosed=True), _coarse(second, enclosed=True)
     assert one.enclosure is not None and other.enclosure is not None
     order = slice(None, None, -1) if turned else slice(None)
@@ -65,7 +65,7 @@ def _same(words: str, first: SetUp, second: SetUp, turned: bool = False) -> Stat
 
 
 def reciprocity() -> list[Statement]:
-    """On one mesh, where charges are sums of reactions; and with sensor and target exchanged, on two."""
+    """Checks symmetry on one mesh, where charges are sums of reactions, and on two meshes with sensor and target exchanged."""
     set_up = hinged(0.2, 25.0)
     problem = set_up.conductors()
     field = FieldProblem(tagged_mesh(problem.bodies, problem.owner, Sizing()), problem.parts)
@@ -85,7 +85,7 @@ def reciprocity() -> list[Statement]:
 
 
 def symmetry() -> list[Statement]:
-    """One side of the planes of symmetry against the whole of space, and a mirrored set-up."""
+    """Returns one side of the planes of symmetry against the whole of space, and a mirrored set-up."""
     part, whole = (_coarse(squares(0.3), symmetric) for symmetric in (True, False))
     aside, mirrored = (
         pair(
@@ -101,7 +101,7 @@ def symmetry() -> list[Statement]:
 
 
 def scaling() -> list[Statement]:
-    """The same set-up of twice the size; and of a size that is no power of two, whose coordinates are rounded anew."""
+    """Returns the same set-up of twice the size; and of a size that is no power of two, whose coordinates are rounded anew."""
     found = []
     for factor, allowed, because in ((2.0, ROUNDING, "rounding"), (0.037, COARSEST, COARSEST_WORDS)):
         first, second = (
@@ -120,7 +120,7 @@ def scaling() -> list[Statement]:
 
 
 def motion() -> list[Statement]:
-    """A set-up turned about an axis that is none of its own, and moved."""
+    """Returns a set-up turned about an axis that is none of its own, and moved."""
     set_up = hinged(0.2, 25.0)
     matrix = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix()
     moved = SetUp(tuple(_moved(body, matrix) for body in set_up.bodies), set_up.names)
@@ -134,7 +134,7 @@ def _moved(body: Body, matrix: Array) -> Body:
 
 
 def monotony() -> list[Statement]:
-    """Conductors that contain the one before: the upper bound of C11 of the smaller is below the lower of the larger."""
+    """Checks that C11 grows with a conductor: the smaller one's upper bound is below the lower bound of the one that contains it."""
     sides = (1.0, 1.03, 1.1)
     plates = [alone(plate(f"plate of {side:g}", (0, 0, 0), (side / 2, side / 2))) for side in sides]
     solids = [
@@ -152,7 +152,7 @@ def monotony() -> list[Statement]:
 
 
 def repetition() -> list[Statement]:
-    """The same case twice."""
+    """Returns the same case twice."""
     first, second = (_coarse(hinged(0.2, 25.0), enclosed=True) for _ in range(2))
     assert first.enclosure is not None and second.enclosure is not None
     off = max(

@@ -138,7 +138,7 @@ class Asked:
 
 
 def compared(rows: Mapping[str, Document]) -> list[Compared]:
-    """Every quantity of the rows truth/…, in their order."""
+    """Returns every quantity of the rows truth/…, in their order."""
     found = []
     for name, row in rows.items():
         kind, _, case = name.partition("/")
@@ -170,7 +170,7 @@ def _compared(case: str, row: Document, quantity: Document) -> Compared:
 
 
 def worst_of_each_case(found: Iterable[Compared]) -> list[Compared]:
-    """Of each case the quantity whose true error is the largest part of the stated one."""
+    """Returns, for each case, the quantity whose true error is the largest fraction of the stated one."""
     worst: dict[str, Compared] = {}
     for row in found:
         known = worst.setdefault(row.case, row)
@@ -179,7 +179,7 @@ def worst_of_each_case(found: Iterable[Compared]) -> list[Compared]:
 
 
 def held(rows: Mapping[str, Document]) -> list[Held]:
-    """The statements of the rows property/…, in their order."""
+    """Returns the statements of the rows property/…, in their order."""
     return [
         Held(name.partition("/")[2], **statement)
         for name, row in rows.items()
@@ -189,7 +189,7 @@ def held(rows: Mapping[str, Document]) -> list[Held]:
 
 
 def cost(rows: Mapping[str, Document], asked: Asked) -> Cost | None:
-    """Time against error of one set-up; None without an answer of the reference."""
+    """Returns time against error of one set-up; None without an answer of the reference."""
     of = {
         method: rows[f"cost/{asked.name}/{method}"]
         for method in ("estimate", "tight", "enclosure", "linear", "quadratic")
@@ -228,12 +228,12 @@ def cost(rows: Mapping[str, Document], asked: Asked) -> Cost | None:
 
 
 def relative(maxwell: Array | list[list[float]], best: Array) -> float:
-    """The largest relative difference of an entry."""
+    """Returns the largest relative difference of an entry."""
     return float(np.max(np.abs(np.asarray(maxwell) - best) / np.abs(best)))
 
 
 def _best(asked: Asked, of: Mapping[str, Document]) -> tuple[Array, float, str]:
-    """The matrix that is known best, to what, and from where: the truth, or the answer with the smallest stated error."""
+    """Returns the matrix that is known best, to what, and from where: the truth, or the answer with the smallest stated error."""
     found: list[tuple[float, str, Array]] = []
     if asked.truth is not None:
         found.append((asked.truth_error, "the truth", asked.truth))

@@ -35,7 +35,7 @@ ENCLOSURE_RTOL = 5e-4
 
 
 def row_names() -> list[str]:
-    """Every row, those of one kind together."""
+    """Returns every row, those of one kind together."""
     names = [f"truth/{name}" for name in true_cases()]
     names += [f"property/{name}" for name in PROPERTIES]
     for case in cost_cases().values():
@@ -45,7 +45,7 @@ def row_names() -> list[str]:
 
 
 def solve_row(name: str) -> Document:
-    """The document of one row; KeyError for an unknown one."""
+    """Returns the document of one row; KeyError for an unknown one."""
     kind, _, rest = name.partition("/")
     if kind == "truth":
         return _truth(true_cases()[rest])
@@ -76,7 +76,7 @@ def _truth(case: TrueCase) -> Document:
 
 
 def _compared(quantity: Quantity, found: Reference) -> Document:
-    """Truth, best value with its stated error, bounds, and the value of every level."""
+    """Returns the truth, the best value with its stated error, the bounds, and the value of every level."""
     described = {"name": quantity.name, "truth": quantity.truth, "truth_error": quantity.truth_error}
     of = quantity.of
     if of is None:
@@ -97,7 +97,7 @@ def _compared(quantity: Quantity, found: Reference) -> Document:
 
 
 def _per_length(quantity: Quantity, found: list[Reference], length: float) -> Document:
-    """The quantity per length, from bodies of one, two and three times `length`."""
+    """Returns the quantity per length, from bodies of one, two and three times `length`."""
     parts = [_compared(quantity, answer) for answer in found]
     value, change = endless([part["value"] for part in parts], length)
     own = [weight * part["error"] for weight, part in zip((0.5, 2.0, 1.5), parts)]
@@ -109,7 +109,7 @@ def _per_length(quantity: Quantity, found: list[Reference], length: float) -> Do
 
 
 def endless(values: Sequence[float], length: float) -> tuple[float, float]:
-    """c of c·L + a + b/L through the values at L, 2L and 3L, and what b/L makes of it: the two ends feel each other."""
+    """Fits c·L + a + b/L to the values at L, 2L and 3L; returns c and the size of b/L, by which the two ends interact."""
     first, second, third = values
     before, last = (second - first) / length, (third - second) / length
     # Without b they would be equal; it takes b/2L² from the first and b/6L² from the second.
@@ -118,7 +118,7 @@ def endless(values: Sequence[float], length: float) -> tuple[float, float]:
 
 
 def carried_error(of: Callable[[Array], float], value: Array, error: Array) -> float:
-    """The error of a function of symmetric matrices' entries, to first order, those of the entries adding up."""
+    """Returns the error of a function of symmetric matrices' entries, to first order, those of the entries adding up."""
     total = 0.0
     for i, j in itertools.combinations_with_replacement(range(len(value)), 2):
         step = np.zeros_like(value)
@@ -128,7 +128,7 @@ def carried_error(of: Callable[[Array], float], value: Array, error: Array) -> f
 
 
 def extremes(of: Callable[[Array], float], lower: Array, upper: Array) -> tuple[float, float]:
-    """Between which values a function lies that is monotone in every entry of a symmetric matrix: those at the corners."""
+    """Returns the least and greatest value, over intervals of the entries, of a function monotone in every entry of a symmetric matrix."""
     pairs = list(itertools.combinations_with_replacement(range(len(lower)), 2))
     found = []
     for choice in itertools.product((False, True), repeat=len(pairs)):
@@ -173,7 +173,7 @@ def _cost(case: CostCase, method: str) -> Document:
 
 
 def _point(level: Level, spent: float, worst: float) -> Document:
-    """A level: `seconds` from the start on, `stated` the largest relative error of the answer so far."""
+    """Returns a level: `seconds` from the start on, `stated` the largest relative error of the answer so far."""
     point = {"unknowns": level.unknowns, "seconds": spent, "maxwell": level.maxwell.tolist(), "stated": worst}
     if level.enclosure is not None:
         point |= {"lower": level.enclosure.lower.tolist(), "upper": level.enclosure.upper.tolist()}

@@ -8,6 +8,7 @@ from html import escape
 
 import numpy as np
 import plotly.graph_objects as go
+from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import INK, Panel, figure, power_axis, series_colour
@@ -30,8 +31,8 @@ _ORDER = (
 _SMALLEST = 1e-7
 
 
-def chapter(found: list[Compared], properties: list[Held], missing: list[str]) -> str:
-    """Everything but run times; one sentence when there is nothing."""
+def chapter(found: list[Compared], properties: list[Held], missing: list[str]) -> Markup:
+    """Returns everything but run times; one sentence when there is nothing."""
     if not found and not properties:
         return page.section(TITLE, page.paragraph(ABSENT))
     parts = []
@@ -48,7 +49,7 @@ def chapter(found: list[Compared], properties: list[Held], missing: list[str]) -
 
 
 def finding(found: list[Compared]) -> str:
-    """How many truths lie where they should, how far off the values are, and the effectivities."""
+    """Returns how many truths lie where they should, how far off the values are, and the effectivities."""
     cases = len({row.case for row in found})
     within = sum(row.within for row in found)
     off = [row.off for row in found]
@@ -80,7 +81,7 @@ def _spread(values: Iterable[float]) -> str:
     return f"median {np.median(known):.2g}, from {min(known):.2g} to {max(known):.2g}"
 
 
-def _truths(found: list[Compared]) -> list[str]:
+def _truths(found: list[Compared]) -> list[Markup]:
     return [
         page.finding(finding(found)),
         page.figures(
@@ -136,39 +137,39 @@ _HEADER = (
 _MORE = ("truth inside", "order")
 
 
-def _table(rows: list[Compared]) -> str:
+def _table(rows: list[Compared]) -> Markup:
     return page.table([*_HEADER, *_MORE], [_cells(row) for row in rows], text_columns=2)
 
 
-def _full_table(rows: list[Compared]) -> str:
-    """With the source of every truth, and what the answer took."""
-    more = [[*_cells(row), f"{row.seconds:.1f}", escape(row.source)] for row in rows]
+def _full_table(rows: list[Compared]) -> Markup:
+    """Returns the table with the source of every truth, and the run time of every answer."""
+    more = [[*_cells(row), f"{row.seconds:.1f}", row.source] for row in rows]
     return page.table([*_HEADER, *_MORE, "seconds", "truth from"], more, text_columns=2)
 
 
 def _cells(row: Compared) -> list[str]:
     ratio, order = row.enclosure_effectivity, row.order
     return [
-        escape(row.case),
-        escape(row.quantity),
+        row.case,
+        row.quantity,
         f"{row.truth_error:.0e}" if row.truth_error else "exact",
         f"{row.off:.1e}",
         f"{row.stated:.1e}",
         f"{row.effectivity:.2g}",
-        "yes" if row.within else "<strong>no</strong>",
+        page.yes_or_no(row.within),
         "" if row.half_width is None else f"{row.half_width:.1e}",
         "" if ratio is None else f"{ratio:.2g}",
-        "" if row.enclosed is None else "yes" if row.enclosed else "<strong>no</strong>",
+        "" if row.enclosed is None else page.yes_or_no(row.enclosed),
         "" if order is None else f"{order:.2f}",
     ]
 
 
-def _orders(found: list[Compared]) -> list[str]:
+def _orders(found: list[Compared]) -> list[Markup]:
     shown = [row for row in worst_of_each_case(found) if row.order is not None]
     if not shown:
         return []
     return [
-        "<h3>Orders of convergence</h3>",
+        page.heading("Orders of convergence"),
         page.finding(order_finding(shown)),
         page.figures(
             [Panel("error of each mesh against the size of its elements at edges", _error_over_size(shown))]
@@ -178,7 +179,7 @@ def _orders(found: list[Compared]) -> list[str]:
 
 
 def order_finding(shown: list[Compared]) -> str:
-    """The median order, and how many are near the theory's."""
+    """Returns the median order, and how many are near the theory's."""
     orders = [row.order for row in shown if row.order is not None]
     near = sum(0.7 <= order <= 1.4 for order in orders)
     return (
@@ -216,19 +217,19 @@ def _error_over_size(shown: list[Compared]) -> go.Figure:
     return figure(traces, x | {"exponentformat": "none"}, power_axis("relative error of a mesh"), height=420)
 
 
-def _properties(properties: list[Held]) -> list[str]:
+def _properties(properties: list[Held]) -> list[Markup]:
     rows = [
         [
-            escape(entry.group),
-            escape(entry.words),
+            entry.group,
+            entry.words,
             f"{entry.measured:.2g}",
-            f"{entry.allowed:.2g}, {escape(entry.because)}",
-            "yes" if entry.holds else "<strong>no</strong>",
+            f"{entry.allowed:.2g}, {entry.because}",
+            page.yes_or_no(entry.holds),
         ]
         for entry in properties
     ]
     return [
-        "<h3>What has to hold whatever the numbers are</h3>",
+        page.heading("What has to hold whatever the numbers are"),
         page.finding(property_finding(properties)),
         page.table(["property", "what", "measured", "at most", "holds"], rows, text_columns=2),
     ]

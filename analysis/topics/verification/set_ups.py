@@ -85,7 +85,7 @@ class CostCase:
 def plate(
     name: str, centre: Sequence[float], half_widths: tuple[float, float], tilt: float = 0.0
 ) -> Rectangle:
-    """A plate turned by `tilt` degrees about its own y axis."""
+    """Returns a plate turned by `tilt` degrees about its own y axis."""
     axes = AxisRotation((0.0, 1.0, 0.0), -tilt).matrix().T
     return Rectangle(name, np.array(centre, dtype=float), axes, half_widths)
 
@@ -99,12 +99,12 @@ def alone(body: Body) -> SetUp:
 
 
 def squares(gap: float) -> SetUp:
-    """Equal squares of side 1."""
+    """Returns equal squares of side 1."""
     return pair(plate("lower", (0, 0, 0), (0.5, 0.5)), plate("upper", (0, 0, gap), (0.5, 0.5)))
 
 
 def hinged(hinge_gap: float, tilt: float) -> SetUp:
-    """Plates of side 1, the second rising by `tilt` degrees from a line `hinge_gap` above an edge of the first."""
+    """Returns plates of side 1, the second rising by `tilt` degrees from a line `hinge_gap` above an edge of the first."""
     angle = np.radians(tilt)
     centre = (-0.5 + 0.5 * np.cos(angle), 0, hinge_gap + 0.5 * np.sin(angle))
     return pair(plate("sensor", (0, 0, 0), (0.5, 0.5)), plate("target", centre, (0.5, 0.5), tilt))
@@ -119,13 +119,13 @@ def entry(i: int, j: int) -> Callable[[Array], float]:
 
 
 def opposite(maxwell: Array) -> float:
-    """Charge of the first of two equal conductors at 1 V and −1 V."""
+    """Returns the charge of the first of two equal conductors at 1 V and −1 V."""
     return float(maxwell[0, 0] - maxwell[0, 1])
 
 
 @cache
 def true_cases() -> dict[str, TrueCase]:
-    """Every case whose truth owes nothing to finite elements, by name."""
+    """Returns every case whose truth owes nothing to finite elements, by name."""
     cases = [
         *_single_bodies(),
         *_discs(),
@@ -159,7 +159,7 @@ def _single_bodies() -> list[TrueCase]:
 
 
 def _kind(body: Body) -> ErrorKind:
-    """The enclosure of a cone takes minutes: its apex has as many curved cells as one likes."""
+    """Returns the enclosure of a cone takes minutes: its apex has as many curved cells as one likes."""
     return "estimate" if isinstance(body, Cone) else "enclosure"
 
 
@@ -221,7 +221,7 @@ def _strips() -> list[TrueCase]:
 
 
 def _balls() -> list[TrueCase]:
-    """Balls of 1 and 2 cm, centres 5 cm apart; the second grounded, floating, or dielectric."""
+    """Returns balls of 1 and 2 cm, centres 5 cm apart; the second grounded, floating, or dielectric."""
     bodies = (Sphere("first", np.zeros(3), 0.01), Sphere("second", np.array([0.03, 0.0, 0.04]), 0.02))
     entries = zip(("C11", "C22", "C12"), ((0, 0), (1, 1), (0, 1)), truths.LEKNER)
     known = tuple(Quantity(name, entry(*place), truth, 1e-9) for name, place, truth in entries)
@@ -243,7 +243,7 @@ def _balls() -> list[TrueCase]:
 
 
 def _sphere_and_plane() -> list[TrueCase]:
-    """A sphere and its mirror image at opposite potentials."""
+    """Returns a sphere and its mirror image at opposite potentials."""
     cases = []
     for gap in (1.0, 0.5, 0.1, 0.01):
         balls = (Sphere("sphere", np.zeros(3), 1.0), Sphere("image", np.array([0, 0, 2 * (1 + gap)]), 1.0))
@@ -305,7 +305,7 @@ def _of_rectangles(case: dict[str, Any]) -> SetUp:
 
 @cache
 def cost_cases() -> dict[str, CostCase]:
-    """Set-ups on which run time is shown against error, by name."""
+    """Sets-ups on which run time is shown against error, by name."""
     published = {case["name"]: case for case in truths.boundary_elements()}
     sensors = published["two_sensors_6x10_plate_height2.5"]
     tilted = published["inclined_hinge1.5_25deg"]

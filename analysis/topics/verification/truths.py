@@ -43,13 +43,13 @@ def rooms() -> list[dict[str, Any]]:
 
 
 def boundary_elements() -> list[dict[str, Any]]:
-    """The set-ups with their matrices in pF and the largest relative error of an entry."""
+    """Returns the set-ups with their matrices in pF and the largest relative error of an entry."""
     cases: list[dict[str, Any]] = json.loads(BOUNDARY_ELEMENTS.read_text(encoding="utf-8"))["cases"]
     return cases
 
 
 def love(separation: float) -> float:
-    """Two-terminal C / 4πε·radius of coaxial discs `separation` radii apart: Love's equation (Love 1949).
+    """Returns two-terminal C / 4πε·radius of coaxial discs `separation` radii apart: Love's equation (Love 1949).
 
     f(x) + (κ/π) ∫ f(y)/(κ² + (x − y)²) dy = 1 on [−1, 1]; C = (1/2π) ∫ f for discs at opposite potentials. The kernel is
     analytic, so Gauss–Legendre collocation converges geometrically.
@@ -60,7 +60,7 @@ def love(separation: float) -> float:
 
 
 def strips(width_over_gap: float) -> float:
-    """Two-terminal C / ε per length of two infinitely long strips that face each other.
+    """Returns two-terminal C / ε per length of two infinitely long strips that face each other.
 
     The quarter of space above the middle plane and beside the middle of the strips is the image of a half-plane t; with
     t = s² and prevertices 0, 1, 1/m of the corners, b of the strip's edge,
@@ -85,7 +85,7 @@ def _strip_width(m: float) -> float:
 
 
 def sphere_and_plane(gap: float) -> float:
-    """C / 4πε·radius of a sphere `gap` radii above an infinite grounded plane: sinh α · Σ 1/sinh nα, cosh α = 1 + gap."""
+    """Returns C / (4πε·radius) of a sphere `gap` radii above an infinite grounded plane: sinh α · Σ 1/sinh nα, cosh α = 1 + gap."""
     alpha = np.arccosh(1 + gap)
     # The terms fall like exp(−nα): what is left out is below rounding.
     orders = np.arange(1, int(40 / alpha) + 2)
@@ -93,6 +93,6 @@ def sphere_and_plane(gap: float) -> float:
 
 
 def two_terminal(maxwell: Array) -> float:
-    """C between two conductors of opposite charge."""
+    """Returns C between two conductors of opposite charge."""
     m = maxwell
     return float((m[0, 0] * m[1, 1] - m[0, 1] ** 2) / (m[0, 0] + m[1, 1] + 2 * m[0, 1]))

@@ -15,24 +15,24 @@ ORDERS = 60
 
 
 def grounded(order: int) -> float:
-    """The multipole that a grounded ball answers a potential r^l·P_l on its surface with, over that potential."""
+    """Returns the multipole that a grounded ball answers a potential r^l·P_l on its surface with, over that potential."""
     return 1.0
 
 
 def floating(order: int) -> float:
-    """Without a total charge there is no monopole."""
+    """Returns the multipole reaction of a floating sphere: without a total charge it has no monopole."""
     return float(order > 0)
 
 
 def dielectric(permittivity: float) -> Callable[[int], float]:
-    """From u and ε·∂u/∂r continuous on the sphere: l·(ε − 1)/(l·ε + l + 1)."""
+    """Returns l·(ε − 1)/(l·ε + l + 1), from u and ε·∂u/∂r being continuous on the sphere."""
     return lambda order: order * (permittivity - 1) / (order * permittivity + order + 1)
 
 
 def two_balls(
     radius: float, other_radius: float, distance: float, answer: Callable[[int], float]
 ) -> tuple[float, float]:
-    """Charge / 4πε of a ball at 1 V and of another one, `distance` between the centres.
+    """Returns charge / 4πε of a ball at 1 V and of another one, `distance` between the centres.
 
     u = Σ_l a_l (a/r1)^(l+1) P_l(cos θ1) + b_l (b/r2)^(l+1) P_l(cos θ2), both axes towards the other ball; one ball's
     multipole l is Σ_k C(l+k, k) r^k P_k / d^(l+k+1) about the other's centre.
@@ -55,7 +55,7 @@ def two_balls(
 
 
 def body_of_revolution(outline: Sequence[tuple[float, float]]) -> float:
-    """C / 4πε of a conductor whose surface is the polygon `outline` of (distance from the axis, z), turned about z.
+    """Returns C / 4πε of a conductor whose surface is the polygon `outline` of (distance from the axis, z), turned about z.
 
     Rings of constant charge density on panels that shrink towards the polygon's corners, the potential 1 in the middle of
     each panel; a ring's potential is a complete elliptic integral. The error falls with the third power of the number

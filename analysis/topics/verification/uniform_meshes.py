@@ -50,7 +50,7 @@ class UniformLevel:
 
 
 def levels(problem: Conductors, degree: int, max_seconds: float) -> Iterator[UniformLevel]:
-    """Meshes of a half, a quarter … of the smallest body's size, as long as the next would end within `max_seconds`."""
+    """Solves on meshes of a half, a quarter … of the smallest body's size, as long as the next would end within `max_seconds`."""
     smallest_size = min(body.size for body in problem.bodies)
     # What is compiled or loaded at first use belongs to no mesh.
     solve(problem, smallest_size, degree)
@@ -63,7 +63,7 @@ def levels(problem: Conductors, degree: int, max_seconds: float) -> Iterator[Uni
 
 
 def solve(problem: Conductors, size: float, degree: int) -> UniformLevel:
-    """The Maxwell matrix of conductors on one mesh; `size` is in the problem's unit."""
+    """Returns the Maxwell matrix of conductors on one mesh; `size` is in the problem's unit."""
     start = time.monotonic()
     planes = mirror_planes(problem.bodies, problem.owner)
     gmsh.initialize(readConfigFiles=False)
@@ -93,7 +93,7 @@ def solve(problem: Conductors, size: float, degree: int) -> UniformLevel:
 
 
 def _build(problem: Conductors, size: float, planes: tuple[Plane, ...]) -> Array:
-    """Mesh the current gmsh model; returns the centre of its outer sphere."""
+    """Meshes the current gmsh model; returns the centre of its outer sphere."""
     corners = np.concatenate([body.corners for body in problem.bodies])
     centre = (corners.min(axis=0) + corners.max(axis=0)) / 2
     for plane in planes:
@@ -140,7 +140,7 @@ def _stiffness(space: fem.FunctionSpace, facets: object, centre: Array) -> PETSc
 
 
 def _potentials(stiffness: PETSc.Mat, dofs: list[NDArray[np.int32]]) -> list[Array]:
-    """For each conductor the potential with it at 1 V and the others at 0 V."""
+    """Returns, for each conductor, the potential with it at 1 V and the others at 0 V."""
     fixed = np.unique(np.concatenate(dofs))
     constrained = stiffness.copy()
     constrained.zeroRowsColumns(fixed, 1.0)

@@ -1,14 +1,11 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
-#include <string_view>
 
 /// What boundary elements spend their time on, in the widest registers of the processor: the potentials of
 /// charges at points (model/BOUNDARY_ELEMENTS.md, sections 5 and 9), and sums over these points.
 ///
-/// What is declared here is compiled once for every instruction set, so it keeps to plain numbers and
-/// pointers, as integral/batch/kernels.hpp does.
+/// Compiled once for every instruction set: what is declared here obeys the rule in simd/dispatch.hpp.
 namespace fringe::detail {
 
 /// Weights are read in whole blocks of this many functions, results written so.
@@ -42,9 +39,8 @@ constexpr std::size_t face_scratch(const RuleView& u, const RuleView& v) {
                                   (1 + u.functions) * whole_face_blocks(v.points));
 }
 
+/// The functions for one instruction set.
 struct ChargeKernels {
-  std::string_view instruction_set;
-
   /// Element l + k·v.functions is the potential of f_k(x)·f_l(y) at the point.
   void (*face_potentials)(const FacePoint& point, const RuleView& u, const RuleView& v, double* scratch,
                           double* result);
@@ -60,18 +56,5 @@ struct ChargeKernels {
                            const double* factors, std::ptrdiff_t stride, double* sums,
                            std::ptrdiff_t sum_count);
 };
-
-/// The sets of functions this machine can run, the slowest first.
-std::span<const ChargeKernels* const> available_charge_kernels();
-
-/// The fastest of them.
-const ChargeKernels& best_charge_kernels();
-
-extern const ChargeKernels charge_kernels_scalar;
-#ifdef FRINGE_X86_KERNELS
-extern const ChargeKernels charge_kernels_sse2;
-extern const ChargeKernels charge_kernels_avx2;
-extern const ChargeKernels charge_kernels_avx512;
-#endif
 
 }  // namespace fringe::detail

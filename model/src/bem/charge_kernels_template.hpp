@@ -56,6 +56,8 @@ class ChargeKernelsFor {
     }
   }
 
+  static constexpr ChargeKernels kernels{&face_potentials, &triangle_potentials, &add_combinations};
+
  private:
   using Vector = typename Lanes::Vector;
   static constexpr Count width = Lanes::width;

@@ -10,6 +10,7 @@
 
 #include "bem/charge_kernels.hpp"
 #include "bem/patch_distance.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -265,8 +266,8 @@ class InnerPotential {
     const RuleView along_v = v_.seen_from(y / face_.half_v, std::hypot(z, beside_u) / face_.half_v);
     if (const std::size_t room = face_scratch(along_u, along_v); room > scratch_.size())
       scratch_.resize(2 * room);
-    best_charge_kernels().face_potentials({x, y, z, face_.half_u, face_.half_v}, along_u, along_v,
-                                          scratch_.data(), potentials);
+    best_kernels<ChargeKernels>().face_potentials({x, y, z, face_.half_u, face_.half_v}, along_u, along_v,
+                                                  scratch_.data(), potentials);
   }
 
  private:
@@ -280,7 +281,7 @@ class InnerPotential {
 /// Rows are the inner face's functions, columns the outer's.
 Eigen::MatrixXd integral(const ChargedFace& outer, FaceFunctions outer_functions, const OuterRule& rule,
                          const ChargedFace& inner, FaceFunctions inner_functions, double digits) {
-  const ChargeKernels& kernels = best_charge_kernels();
+  const ChargeKernels& kernels = best_kernels<ChargeKernels>();
   InnerPotential potential(inner, inner_functions, digits);
   const Index count = whole_face_blocks(inner_functions.count());
   /// Lines whose sums stay in the cache until they are added up.

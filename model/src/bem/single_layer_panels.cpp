@@ -12,6 +12,7 @@
 #include "bem/patch_distance.hpp"
 #include "integral/batch/kernels.hpp"
 #include "numeric/triangle_rules.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -40,7 +41,7 @@ class PotentialSums {
     for (std::size_t k = 0; k < 9; ++k)
       components[k] = components_[k].data();
     std::array<double, capacity> potentials{};
-    best_charge_kernels().triangle_potentials(components, size_, potentials.data());
+    best_kernels<ChargeKernels>().triangle_potentials(components, size_, potentials.data());
     for (std::size_t k = 0; k < size_; ++k)
       *sums_[k] += weights_[k] * potentials[k];
     size_ = 0;
@@ -87,7 +88,8 @@ class FarPairs {
         const double* const columns[3] = {columns_.data() + (3 * k) * stride_ + begin,
                                           columns_.data() + (3 * k + 1) * stride_ + begin,
                                           columns_.data() + (3 * k + 2) * stride_ + begin};
-        best_kernels().soft_inverse_distances(columns, stride, rows.data(), points, 0, values.data());
+        best_kernels<BatchKernels>().soft_inverse_distances(columns, stride, rows.data(), points, 0,
+                                                            values.data());
         for (std::size_t c = 0; c < here; ++c)
           means[begin + c] += (values[c] + values[stride + c] + values[2 * stride + c]) / (points * points);
       }

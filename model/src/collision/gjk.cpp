@@ -9,6 +9,7 @@
 #include "collision/float_search.hpp"
 #include "collision/gjk_filter.hpp"
 #include "collision/hull_pair.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe {
 namespace {
@@ -67,8 +68,8 @@ std::optional<GjkAnswer> quick_answer(const detail::HullPair& hulls) {
   if (std::max(hulls.a.size(), hulls.b.size()) > detail::SupportShape::few_vertices)
     return std::nullopt;
   const PassingHull a(hulls.a, hulls.origin), b(hulls.b, hulls.origin);
-  detail::QuickAnswer found;
-  detail::best_search().prove(a.placed(), b.placed(), found);
+  detail::GjkFilterAnswer found;
+  detail::best_kernels<detail::GjkFilter>().prove(a.placed(), b.placed(), found);
   if (found.verdict == detail::Verdict::disjoint)
     return GjkAnswer{false, SeparatingDirection{Vector3d(found.direction)}};
   if (found.verdict == detail::Verdict::undecided)

@@ -2,13 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
-#include <string_view>
 
 /// The search in floating point that answers most queries (model/NUMERICS.md, section 13).
 ///
-/// What is declared here is compiled once for every instruction set, so it keeps to plain numbers and
-/// pointers, as integral/batch/kernels.hpp does.
+/// Compiled once for every instruction set: what is declared here obeys the rule in simd/dispatch.hpp.
 namespace fringe::detail {
 
 /// Vertices in blocks of eight: their x, then their y, then their z. The last vertex is repeated where the
@@ -65,7 +62,7 @@ struct SupportPair {
 enum class Verdict : int { undecided, disjoint, intersecting };
 
 /// What the search has proven with regard to every rounding, or where it got to.
-struct QuickAnswer {
+struct GjkFilterAnswer {
   Verdict verdict;
   double direction[3];   ///< disjoint: separates the shapes, from A to B
   SupportPair pairs[4];  ///< the simplex reached; intersecting: one around the origin
@@ -79,13 +76,12 @@ struct BoxNumbers {
   double half_widths[3];
 };
 
-struct QuickSearch {
-  std::string_view instruction_set;
-
+/// The functions for one instruction set.
+struct GjkFilter {
   /// The verdict alone; somewhat faster.
   Verdict (*decide)(const PlacedShape& a, const PlacedShape& b);
 
-  void (*prove)(const PlacedShape& a, const PlacedShape& b, QuickAnswer& answer);
+  void (*prove)(const PlacedShape& a, const PlacedShape& b, GjkFilterAnswer& answer);
 
   /// A point of a shape farthest along a direction, both in its own frame.
   void (*support)(const SupportShape& shape, const double* direction, double* point);
@@ -93,18 +89,5 @@ struct QuickSearch {
   /// By how much two boxes are apart along one of the fifteen axes that tell them apart, at most.
   double (*box_gap)(const BoxNumbers& a, const BoxNumbers& b);
 };
-
-/// The searches this machine can run, the slowest first.
-std::span<const QuickSearch* const> available_searches();
-
-/// The fastest of them.
-const QuickSearch& best_search();
-
-extern const QuickSearch search_scalar;
-#ifdef FRINGE_X86_KERNELS
-extern const QuickSearch search_sse2;
-extern const QuickSearch search_avx2;
-extern const QuickSearch search_avx512;
-#endif
 
 }  // namespace fringe::detail

@@ -1,23 +1,22 @@
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
 #include "collision/gjk_filter.hpp"
 
-/// The quick search for one instruction set, which `Lanes` stands for.
+/// The filtered GJK search for one instruction set, which `Lanes` stands for.
 namespace fringe::detail {
 
 template <class Lanes>
-class QuickSearchFor {
+class GjkFilterFor {
  public:
   static Verdict decide(const PlacedShape& a, const PlacedShape& b) {
-    QuickAnswer answer;
+    GjkFilterAnswer answer;
     return dispatched<false>(a, b, answer);
   }
 
-  static void prove(const PlacedShape& a, const PlacedShape& b, QuickAnswer& answer) {
+  static void prove(const PlacedShape& a, const PlacedShape& b, GjkFilterAnswer& answer) {
     answer.verdict = dispatched<true>(a, b, answer);
   }
 
@@ -53,6 +52,8 @@ class QuickSearchFor {
     point[1] = local.at.y;
     point[2] = local.at.z;
   }
+
+  static constexpr GjkFilter kernels{&decide, &prove, &support, &box_gap};
 
  private:
   /// Three numbers and one without a meaning.
@@ -418,7 +419,7 @@ class QuickSearchFor {
   }
 
   template <bool with_proof>
-  static Verdict dispatched(const PlacedShape& a, const PlacedShape& b, QuickAnswer& answer) {
+  static Verdict dispatched(const PlacedShape& a, const PlacedShape& b, GjkFilterAnswer& answer) {
     switch (a.shape->form) {
     case Form::hull:
       if (a.shape->vertices.count == VertexBlocks::size)
@@ -434,7 +435,7 @@ class QuickSearchFor {
   }
 
   template <bool with_proof, class A>
-  static Verdict dispatched(const PlacedShape& a, const PlacedShape& b, QuickAnswer& answer) {
+  static Verdict dispatched(const PlacedShape& a, const PlacedShape& b, GjkFilterAnswer& answer) {
     switch (b.shape->form) {
     case Form::hull:
       if (b.shape->vertices.count == VertexBlocks::size)
@@ -469,7 +470,8 @@ class QuickSearchFor {
   ///
   /// Flattened: left to itself the compiler calls even the products of vectors, there being so many searches.
   template <bool with_proof, class A, class B>
-  [[gnu::flatten]] static Verdict search(const PlacedShape& a, const PlacedShape& b, QuickAnswer& answer) {
+  [[gnu::flatten]] static Verdict search(const PlacedShape& a, const PlacedShape& b,
+                                         GjkFilterAnswer& answer) {
     const double* pose_a = a.pose;
     const double* pose_b = b.pose;
     const Vec offset{pose_a[12] - pose_b[12], pose_a[13] - pose_b[13], pose_a[14] - pose_b[14]};
@@ -530,7 +532,7 @@ class QuickSearchFor {
   }
 
   static void record(const Simplex& simplex, const Source* sources, const Vec& direction,
-                     QuickAnswer& answer) {
+                     GjkFilterAnswer& answer) {
     answer.direction[0] = direction.x;
     answer.direction[1] = direction.y;
     answer.direction[2] = direction.z;

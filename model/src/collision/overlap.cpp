@@ -6,6 +6,7 @@
 #include "collision/gjk_filter.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "geometry/box_overlap.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe {
 namespace {
@@ -75,7 +76,7 @@ bool detail::overlap_within(const OrientedBox& a, const OrientedBox& b, double r
   // axes: what is off is at most some ten times what they are, times all lengths together. The comparison is
   // written so that overflow means overlap.
   const double lengths = (b.centre - a.centre).lpNorm<1>() + a.half_widths.sum() + b.half_widths.sum();
-  const double gap = detail::best_search().box_gap(numbers_of(a), numbers_of(b));
+  const double gap = detail::best_kernels<detail::GjkFilter>().box_gap(numbers_of(a), numbers_of(b));
   return !(gap > relative_margin * lengths + std::numeric_limits<double>::min());
 }
 

@@ -7,6 +7,7 @@
 
 #include "collision/convex_shape_data.hpp"
 #include "collision/exact_search.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -53,7 +54,7 @@ struct FoundPoints {
   Vector3d farthest_along(const Vector3d& direction) const {
     const Vector3d local = pose.linear().transpose() * direction;
     Vector3d point;
-    best_search().support(shape.data().support, local.data(), point.data());
+    best_kernels<GjkFilter>().support(shape.data().support, local.data(), point.data());
     return point;
   }
 };

@@ -13,6 +13,7 @@
 #include "collision/posed_hulls.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/error.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe {
 namespace {
@@ -37,7 +38,7 @@ struct Posed {
   Vector3d farthest_along(const Vector3d& direction) const {
     const Vector3d local = pose.linear().transpose() * direction;
     Vector3d point;
-    detail::best_search().support(support(), local.data(), point.data());
+    detail::best_kernels<detail::GjkFilter>().support(support(), local.data(), point.data());
     return point;
   }
 };

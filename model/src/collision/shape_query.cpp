@@ -7,13 +7,14 @@
 #include "collision/round_search.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/error.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe {
 namespace {
 
 using detail::ConvexShapeData;
+using detail::GjkFilterAnswer;
 using detail::PlacedShape;
-using detail::QuickAnswer;
 using detail::Verdict;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -22,7 +23,7 @@ PlacedShape placed(const ConvexShape& shape, const Isometry3d& pose) {
   return {&shape.data().support, pose.data()};
 }
 
-PointSimplex simplex_of(const QuickAnswer& answer) {
+PointSimplex simplex_of(const GjkFilterAnswer& answer) {
   PointSimplex simplex;
   for (int i = 0; i < answer.size; ++i)
     simplex.pairs[simplex.size++] = {Vector3d(answer.pairs[i].on_a), Vector3d(answer.pairs[i].on_b)};
@@ -36,7 +37,7 @@ PointSimplex simplex_of(const PairSimplex& pairs, const ConvexShapeData& a, cons
   return simplex;
 }
 
-PairSimplex pairs_of(const QuickAnswer& answer) {
+PairSimplex pairs_of(const GjkFilterAnswer& answer) {
   PairSimplex simplex;
   for (int i = 0; i < answer.size; ++i)
     simplex.pairs[simplex.size++] = {answer.pairs[i].a, answer.pairs[i].b};
@@ -61,7 +62,8 @@ ShapeAnswer decide_exactly(const ConvexShape& a, const Isometry3d& pose_a, const
 
 bool intersect(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b,
                const Isometry3d& pose_b) {
-  const Verdict verdict = detail::best_search().decide(placed(a, pose_a), placed(b, pose_b));
+  const Verdict verdict =
+      detail::best_kernels<detail::GjkFilter>().decide(placed(a, pose_a), placed(b, pose_b));
   if (verdict != Verdict::undecided)
     return verdict == Verdict::intersecting;
   return gjk_intersects(a, pose_a, b, pose_b).intersects;
@@ -71,8 +73,8 @@ ShapeAnswer gjk_intersects(const ConvexShape& a, const Isometry3d& pose_a, const
                            const Isometry3d& pose_b) {
   if (!pose_a.matrix().allFinite() || !pose_b.matrix().allFinite())
     throw InputError("a pose must be finite");
-  QuickAnswer answer;
-  detail::best_search().prove(placed(a, pose_a), placed(b, pose_b), answer);
+  GjkFilterAnswer answer;
+  detail::best_kernels<detail::GjkFilter>().prove(placed(a, pose_a), placed(b, pose_b), answer);
   if (answer.verdict == Verdict::disjoint)
     return {false, ShapesSeparated{Vector3d(answer.direction)}};
   // A simplex of points that are rounded to the surface is no proof yet.

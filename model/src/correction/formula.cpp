@@ -7,6 +7,7 @@
 #include "correction/facing_flux.hpp"
 #include "geometry/plate_frame.hpp"
 #include "integral/batch/kernels.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -34,7 +35,7 @@ RowMatrix coupling(const ChargedSurface& object, const ChargedSurface& sensor,
   for (Eigen::Index i = sensor.nodes.cols(); i < stride; ++i)
     columns.col(i) = columns.col(0);
   RowMatrix inverse_distances(object.nodes.cols(), stride);
-  best_kernels().soft_inverse_distances(
+  best_kernels<BatchKernels>().soft_inverse_distances(
       {columns.data(), columns.data() + stride, columns.data() + 2 * stride},
       static_cast<std::size_t>(stride), object.nodes.data(), static_cast<std::size_t>(object.nodes.cols()),
       squared_softness, inverse_distances.data());

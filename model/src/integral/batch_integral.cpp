@@ -12,6 +12,7 @@
 #include "fringe/error.hpp"
 #include "integral/batch/chunks.hpp"
 #include "numeric/loop_order.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe {
 namespace {
@@ -81,7 +82,7 @@ std::vector<double> plate_integrals(const TriangleBatch& triangles, const Rectan
   validate(options);
   const ChoicesFor choices(options.tolerance);
   const PlateFrame frame = plate_frame(plate);
-  const Kernels& kernels = best_kernels();
+  const BatchKernels& kernels = best_kernels<BatchKernels>();
   std::vector<double> values(triangles.size());
   for_each_chunk(chunks_of(triangles), options.threads, [&](std::size_t chunk) {
     integrate_chunk(kernels, triangles, chunk * chunk_size, chunk_count(triangles, chunk), frame, *choices,
@@ -101,7 +102,7 @@ std::vector<BoundedIntegral> total_integrals(const TriangleBatch& triangles,
   }
   validate(options);
   const ChoicesFor choices(options.tolerance);
-  const Kernels& kernels = best_kernels();
+  const BatchKernels& kernels = best_kernels<BatchKernels>();
   std::vector<PlateFrame> frames;
   for (const Rectangle& plate : plates)
     frames.push_back(plate_frame(plate));

@@ -4,6 +4,7 @@
 
 #include "fringe/error.hpp"
 #include "integral/batch/kernels.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe {
 TriangleBatch::TriangleBatch(std::span<const Triangle> triangles)
@@ -23,8 +24,8 @@ TriangleBatch::TriangleBatch(std::span<const Triangle> triangles)
   const double* coordinates[9];
   for (std::size_t k = 0; k < 9; ++k)
     coordinates[k] = coordinate(k);
-  detail::best_kernels().measure(coordinates, size_, numbers_.data() + 9 * stride_,
-                                 numbers_.data() + 10 * stride_);
+  detail::best_kernels<detail::BatchKernels>().measure(coordinates, size_, numbers_.data() + 9 * stride_,
+                                                       numbers_.data() + 10 * stride_);
 }
 
 Triangle TriangleBatch::operator[](std::size_t index) const {

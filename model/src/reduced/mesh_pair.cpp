@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "bem/panel.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -67,14 +68,14 @@ void MeshSide::spread(const float* coefficients) {
     coefficients_[static_cast<std::size_t>(k)] = factor_ * coefficients[k];
   std::fill(unused_.begin(), unused_.end(), 0.0F);
   std::vector<float>& sums = potentials;
-  best_node_kernels().apply(mesh_->functions(functions_), coefficients_.data(), unused_.data(), sums.data(),
-                            charges.data());
+  best_kernels<NodeKernels>().apply(mesh_->functions(functions_), coefficients_.data(), unused_.data(),
+                                    sums.data(), charges.data());
 }
 
 void MeshSide::gather(float* moments) {
   std::fill(coefficients_.begin(), coefficients_.end(), 0.0F);
-  best_node_kernels().apply(mesh_->functions(functions_), coefficients_.data(), potentials.data(), moments,
-                            unused_.data());
+  best_kernels<NodeKernels>().apply(mesh_->functions(functions_), coefficients_.data(), potentials.data(),
+                                    moments, unused_.data());
   for (std::ptrdiff_t k = 0; k < functions_; ++k)
     moments[k] *= factor_;
   std::fill(moments + functions_, moments + whole_blocks(functions_), 0.0F);
@@ -225,7 +226,7 @@ void MeshPair::fill(Band& band, const NodePoints& inner) {
   float* to = band.matrix.data();
   for (const MeshPart& part : band.outer) {
     const NodePoints points = part.points(outer_.mesh().panels());
-    best_node_kernels().fill(points, inner, to);
+    best_kernels<NodeKernels>().fill(points, inner, to);
     to += static_cast<std::size_t>(points.count) * columns;
   }
 }
@@ -273,8 +274,9 @@ void MeshPair::potentials(const float* charges_a, const float* charges_b, float*
     if (inner_has_faces_) {
       NodeSide& faces = band.faces;
       faces.spread(inner_charges);
-      best_node_kernels().apply({band.matrix.data(), band.count, faces.count}, band.charges.data(),
-                                faces.charges.data(), band.potentials.data(), faces.potentials.data());
+      best_kernels<NodeKernels>().apply({band.matrix.data(), band.count, faces.count}, band.charges.data(),
+                                        faces.charges.data(), band.potentials.data(),
+                                        faces.potentials.data());
       if (is_first) {
         faces.gather(inner_moments);
       } else {
@@ -282,12 +284,13 @@ void MeshPair::potentials(const float* charges_a, const float* charges_b, float*
             whole_blocks(faces.functions * faces.functions * static_cast<std::ptrdiff_t>(faces.grids.size()));
         moments_.resize(static_cast<std::size_t>(padded + node_block));
         faces.gather(moments_.data());
-        best_node_kernels().add(1, moments_.data(), inner_moments, padded);
+        best_kernels<NodeKernels>().add(1, moments_.data(), inner_moments, padded);
       }
       is_first = false;
     } else {
-      best_node_kernels().apply({band.matrix.data(), band.count, inner_count_}, band.charges.data(),
-                                inner_charges_.data(), band.potentials.data(), inner_potentials_.data());
+      best_kernels<NodeKernels>().apply({band.matrix.data(), band.count, inner_count_}, band.charges.data(),
+                                        inner_charges_.data(), band.potentials.data(),
+                                        inner_potentials_.data());
       gather_parts(inner_parts_, inner_potentials_.data(), inner_.potentials);
       inner_.gather(inner_moments);
     }

@@ -1,14 +1,11 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
-#include <string_view>
 
 /// What a pose costs: the potentials of charges at quadrature nodes, in single precision and in the widest
 /// registers of the processor (model/BOUNDARY_ELEMENTS.md, section 8).
 ///
-/// What is declared here is compiled once for every instruction set, so it keeps to plain numbers and
-/// pointers, as integral/batch/kernels.hpp does.
+/// Compiled once for every instruction set: what is declared here obeys the rule in simd/dispatch.hpp.
 namespace fringe::detail {
 
 /// All arrays are read and written in whole blocks of this many numbers, and some one block beyond.
@@ -65,9 +62,8 @@ struct FaceMap {
   float ratio;  ///< half side v/half side u
 };
 
+/// The functions for one instruction set.
 struct NodeKernels {
-  std::string_view instruction_set;
-
   /// The least sums of the distances from the foci ±1 of the complex x + iy and v-coordinates that the
   /// kernel 1/distance from the points is singular at, along u and along v. Points there are in whole blocks.
   void (*ellipses)(const NodePoints& points, const FaceMap& map, float* least);
@@ -98,18 +94,5 @@ struct NodeKernels {
   /// Adds a multiple of one array to another, in whole blocks.
   void (*add)(float factor, const float* a, float* to, std::ptrdiff_t padded);
 };
-
-/// The sets of functions this machine can run, the slowest first.
-std::span<const NodeKernels* const> available_node_kernels();
-
-/// The fastest of them.
-const NodeKernels& best_node_kernels();
-
-extern const NodeKernels node_kernels_scalar;
-#ifdef FRINGE_X86_KERNELS
-extern const NodeKernels node_kernels_sse2;
-extern const NodeKernels node_kernels_avx2;
-extern const NodeKernels node_kernels_avx512;
-#endif
 
 }  // namespace fringe::detail

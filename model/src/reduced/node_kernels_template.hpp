@@ -11,41 +11,38 @@ class NodeKernelsFor {
 
  public:
   static void ellipses(const NodePoints& points, const FaceMap& map, float* least) {
-    const Vector one = Lanes::all(1), ratio = Lanes::all(map.ratio), inverse = Lanes::all(1 / map.ratio);
-    Vector least_u = Lanes::all(3e38F), least_v = least_u;
+    const Vector one = Vector(1), ratio = Vector(map.ratio), inverse = Vector(1 / map.ratio);
+    Vector least_u = Vector(3e38F), least_v = least_u;
     for (Count k = 0; k < whole_blocks(points.count); k += Lanes::width) {
-      const Vector px = Lanes::load(points.x + k), py = Lanes::load(points.y + k),
-                   pz = Lanes::load(points.z + k);
+      const Vector px = Vector::load_unaligned(points.x + k), py = Vector::load_unaligned(points.y + k),
+                   pz = Vector::load_unaligned(points.z + k);
       const auto row = [&](Count at) {
-        const Vector first =
-            Lanes::multiply_add(Lanes::all(map.rows[at]), px, Lanes::all(map.offset[at / 3]));
-        return Lanes::multiply_add(Lanes::all(map.rows[at + 1]), py,
-                                   Lanes::multiply_add(Lanes::all(map.rows[at + 2]), pz, first));
+        const Vector first = fma(Vector(map.rows[at]), px, Vector(map.offset[at / 3]));
+        return fma(Vector(map.rows[at + 1]), py, fma(Vector(map.rows[at + 2]), pz, first));
       };
-      const Vector x = Lanes::absolute(row(0)), y = Lanes::absolute(row(3)), z = row(6);
-      const Vector beside_u = Lanes::larger(Lanes::subtract(x, one), Lanes::zero());
-      const Vector beside_v = Lanes::multiply(Lanes::larger(Lanes::subtract(y, one), Lanes::zero()), ratio);
-      const Vector square = Lanes::multiply(z, z);
-      const Vector from_u = Lanes::multiply_add(beside_v, beside_v, square);
-      const Vector from_v =
-          Lanes::multiply(Lanes::multiply(Lanes::multiply_add(beside_u, beside_u, square), inverse), inverse);
-      least_u = Lanes::smaller(least_u, distances(x, from_u));
-      least_v = Lanes::smaller(least_v, distances(y, from_v));
+      const Vector x = abs(row(0)), y = abs(row(3)), z = row(6);
+      const Vector beside_u = max(x - one, Vector(0));
+      const Vector beside_v = max(y - one, Vector(0)) * ratio;
+      const Vector square = z * z;
+      const Vector from_u = fma(beside_v, beside_v, square);
+      const Vector from_v = fma(beside_u, beside_u, square) * inverse * inverse;
+      least_u = min(least_u, distances(x, from_u));
+      least_v = min(least_v, distances(y, from_v));
     }
-    least[0] = Lanes::least(least_u);
-    least[1] = Lanes::least(least_v);
+    least[0] = Lanes::smallest(least_u);
+    least[1] = Lanes::smallest(least_v);
   }
 
   static void lay(const NodeGrid& grid, const NodeFace& face, float* x, float* y, float* z) {
     float* const coordinates[3] = {x, y, z};
     for (Count axis = 0; axis < 3; ++axis) {
       float* to = coordinates[axis];
-      const Vector v = Lanes::all(face.v[axis]);
+      const Vector v(face.v[axis]);
       for (Count i = 0; i < grid.u.points; ++i, to += grid.v.points) {
-        const Vector line = Lanes::all(face.centre[axis] + grid.u.nodes[i] * face.u[axis]);
+        const Vector line(face.centre[axis] + grid.u.nodes[i] * face.u[axis]);
         // What reaches beyond the row is overwritten by the next.
         for (Count j = 0; j < grid.v.points; j += Lanes::width)
-          Lanes::store(to + j, Lanes::multiply_add(Lanes::load(grid.v.nodes + j), v, line));
+          fma(Vector::load_unaligned(grid.v.nodes + j), v, line).store_unaligned(to + j);
       }
     }
   }
@@ -53,14 +50,13 @@ class NodeKernelsFor {
   static void fill(const NodePoints& rows, const NodePoints& columns, float* matrix) {
     const Count padded = whole_blocks(columns.count);
     for (Count row = 0; row < rows.count; ++row, matrix += padded) {
-      const Vector x = Lanes::all(rows.x[row]), y = Lanes::all(rows.y[row]), z = Lanes::all(rows.z[row]);
+      const Vector x = Vector(rows.x[row]), y = Vector(rows.y[row]), z = Vector(rows.z[row]);
       for (Count k = 0; k < padded; k += Lanes::width) {
-        const Vector dx = Lanes::subtract(Lanes::load(columns.x + k), x);
-        const Vector dy = Lanes::subtract(Lanes::load(columns.y + k), y);
-        const Vector dz = Lanes::subtract(Lanes::load(columns.z + k), z);
-        const Vector square =
-            Lanes::multiply_add(dx, dx, Lanes::multiply_add(dy, dy, Lanes::multiply(dz, dz)));
-        Lanes::store(matrix + k, Lanes::inverse_root(square));
+        const Vector dx = Vector::load_unaligned(columns.x + k) - x;
+        const Vector dy = Vector::load_unaligned(columns.y + k) - y;
+        const Vector dz = Vector::load_unaligned(columns.z + k) - z;
+        const Vector square = fma(dx, dx, fma(dy, dy, dz * dz));
+        Lanes::inverse_square_root(square).store_unaligned(matrix + k);
       }
     }
   }
@@ -69,7 +65,7 @@ class NodeKernelsFor {
                     float* row_potentials, float* column_potentials) {
     const Count padded = whole_blocks(matrix.columns);
     for (Count k = 0; k < padded; k += Lanes::width)
-      Lanes::store(column_potentials + k, Lanes::zero());
+      Vector(0).store_unaligned(column_potentials + k);
     Count row = 0;
     const float* values = matrix.values;
     for (; row + together <= matrix.rows; row += together, values += together * padded)
@@ -86,15 +82,19 @@ class NodeKernelsFor {
       // The charges of every function along u, at the nodes of this block along v.
       Vector across[most_reduced_functions][parts];
       for (Count m = 0; m < n; ++m) {
+        Vector sums[parts];
         for (Count part = 0; part < parts; ++part)
-          across[m][part] = Lanes::zero();
+          sums[part] = Vector(0);
         for (Count l = 0; l < n; ++l) {
-          const Vector coefficient = Lanes::all(coefficients[m * n + l]);
+          const Vector coefficient(coefficients[m * n + l]);
           for (Count part = 0; part < parts; ++part)
-            across[m][part] = Lanes::multiply_add(
-                coefficient, Lanes::load(grid.v.weights + l * columns + from + part * Lanes::width),
-                across[m][part]);
+            sums[part] =
+                fma(coefficient,
+                    Vector::load_unaligned(grid.v.weights + l * columns + from + part * Lanes::width),
+                    sums[part]);
         }
+        for (Count part = 0; part < parts; ++part)
+          across[m][part] = sums[part];
       }
       write_rows(grid, n, rows, from, across, charges);
     }
@@ -105,33 +105,34 @@ class NodeKernelsFor {
     for (Count m = 0; m < n; ++m) {
       Vector sums[parts];
       for (Count part = 0; part < parts; ++part)
-        sums[part] = Lanes::zero();
+        sums[part] = Vector(0);
       for (Count from = 0; from < grid.v.points; from += node_block) {
         Vector along[parts];
         for (Count part = 0; part < parts; ++part)
-          along[part] = Lanes::zero();
+          along[part] = Vector(0);
         for (Count r = 0; r < grid.u.points; ++r) {
-          const Vector weight = Lanes::all(grid.u.weights[m * rows + r]);
+          const Vector weight(grid.u.weights[m * rows + r]);
           for (Count part = 0; part < parts; ++part)
-            along[part] = Lanes::multiply_add(
-                weight, Lanes::load(potentials + r * grid.v.points + from + part * Lanes::width),
+            along[part] = fma(
+                weight, Vector::load_unaligned(potentials + r * grid.v.points + from + part * Lanes::width),
                 along[part]);
         }
         alignas(64) float at_nodes[node_block];
         for (Count part = 0; part < parts; ++part)
-          Lanes::store(at_nodes + part * Lanes::width, along[part]);
+          along[part].store_unaligned(at_nodes + part * Lanes::width);
         const Count here = grid.v.points - from < node_block ? grid.v.points - from : node_block;
         for (Count s = 0; s < here; ++s) {
-          const Vector potential = Lanes::all(at_nodes[s]);
+          const Vector potential(at_nodes[s]);
           for (Count part = 0; part < parts; ++part)
-            sums[part] = Lanes::multiply_add(
-                potential, Lanes::load(grid.v.values + (from + s) * node_block + part * Lanes::width),
-                sums[part]);
+            sums[part] =
+                fma(potential,
+                    Vector::load_unaligned(grid.v.values + (from + s) * node_block + part * Lanes::width),
+                    sums[part]);
         }
       }
       // What is written beyond n is overwritten by the next m.
       for (Count part = 0; part < parts; ++part)
-        Lanes::store(moments + m * n + part * Lanes::width, sums[part]);
+        sums[part].store_unaligned(moments + m * n + part * Lanes::width);
     }
   }
 
@@ -145,17 +146,20 @@ class NodeKernelsFor {
   }
 
   static float dot(const float* a, const float* b, Count padded) {
-    Vector sum = Lanes::zero();
+    Vector sum(0);
     for (Count k = 0; k < padded; k += Lanes::width)
-      sum = Lanes::multiply_add(Lanes::load(a + k), Lanes::load(b + k), sum);
+      sum = fma(Vector::load_unaligned(a + k), Vector::load_unaligned(b + k), sum);
     return Lanes::sum(sum);
   }
 
   static void add(float factor, const float* a, float* to, Count padded) {
-    const Vector times = Lanes::all(factor);
+    const Vector times(factor);
     for (Count k = 0; k < padded; k += Lanes::width)
-      Lanes::store(to + k, Lanes::multiply_add(times, Lanes::load(a + k), Lanes::load(to + k)));
+      fma(times, Vector::load_unaligned(a + k), Vector::load_unaligned(to + k)).store_unaligned(to + k);
   }
+
+  static constexpr NodeKernels kernels{&ellipses, &lay,      &fill, &apply, &spread,
+                                       &gather,   &multiply, &dot,  &add};
 
  private:
   using Vector = typename Lanes::Vector;
@@ -166,10 +170,9 @@ class NodeKernelsFor {
   static constexpr Count together = 4;
 
   static Vector distances(Vector x, Vector square) {
-    const Vector one = Lanes::all(1);
-    const Vector far = Lanes::add(x, one), near = Lanes::subtract(x, one);
-    return Lanes::add(Lanes::root(Lanes::multiply_add(far, far, square)),
-                      Lanes::root(Lanes::multiply_add(near, near, square)));
+    const Vector one(1);
+    const Vector far = x + one, near = x - one;
+    return sqrt(fma(far, far, square)) + sqrt(fma(near, near, square));
   }
 
   template <Count count>
@@ -177,18 +180,18 @@ class NodeKernelsFor {
                          const float* column_charges, float* row_potentials, float* column_potentials) {
     Vector sums[count], charges[count];
     for (Count row = 0; row < count; ++row) {
-      sums[row] = Lanes::zero();
-      charges[row] = Lanes::all(row_charges[row]);
+      sums[row] = Vector(0);
+      charges[row] = Vector(row_charges[row]);
     }
     for (Count k = 0; k < padded; k += Lanes::width) {
-      const Vector charge = Lanes::load(column_charges + k);
-      Vector potential = Lanes::load(column_potentials + k);
+      const Vector charge = Vector::load_unaligned(column_charges + k);
+      Vector potential = Vector::load_unaligned(column_potentials + k);
       for (Count row = 0; row < count; ++row) {
-        const Vector value = Lanes::load(values + row * padded + k);
-        sums[row] = Lanes::multiply_add(value, charge, sums[row]);
-        potential = Lanes::multiply_add(value, charges[row], potential);
+        const Vector value = Vector::load_unaligned(values + row * padded + k);
+        sums[row] = fma(value, charge, sums[row]);
+        potential = fma(value, charges[row], potential);
       }
-      Lanes::store(column_potentials + k, potential);
+      potential.store_unaligned(column_potentials + k);
     }
     for (Count row = 0; row < count; ++row)
       row_potentials[row] = Lanes::sum(sums[row]);
@@ -202,21 +205,21 @@ class NodeKernelsFor {
     for (Count r = 0; r < grid.u.points; ++r) {
       Vector sums[parts];
       for (Count part = 0; part < parts; ++part)
-        sums[part] = Lanes::zero();
+        sums[part] = Vector(0);
       for (Count m = 0; m < n; ++m) {
-        const Vector weight = Lanes::all(grid.u.weights[m * rows + r]);
+        const Vector weight(grid.u.weights[m * rows + r]);
         for (Count part = 0; part < parts; ++part)
-          sums[part] = Lanes::multiply_add(weight, across[m][part], sums[part]);
+          sums[part] = fma(weight, across[m][part], sums[part]);
       }
       float* to = charges + r * grid.v.points + from;
       if (here >= node_block || from == 0) {
         for (Count part = 0; part < parts; ++part)
-          Lanes::store(to + part * Lanes::width, sums[part]);
+          sums[part].store_unaligned(to + part * Lanes::width);
         continue;
       }
       alignas(64) float block[node_block];
       for (Count part = 0; part < parts; ++part)
-        Lanes::store(block + part * Lanes::width, sums[part]);
+        sums[part].store_unaligned(block + part * Lanes::width);
       for (Count s = 0; s < here; ++s)
         to[s] = block[s];
     }
@@ -228,14 +231,14 @@ class NodeKernelsFor {
     constexpr Count all = blocks * parts;
     Vector sums[all];
     for (Count part = 0; part < all; ++part)
-      sums[part] = Lanes::zero();
+      sums[part] = Vector(0);
     for (Count column = 0; column < count; ++column, matrix += padded) {
-      const Vector factor = Lanes::all(vector[column]);
+      const Vector factor(vector[column]);
       for (Count part = 0; part < all; ++part)
-        sums[part] = Lanes::multiply_add(Lanes::load(matrix + part * Lanes::width), factor, sums[part]);
+        sums[part] = fma(Vector::load_unaligned(matrix + part * Lanes::width), factor, sums[part]);
     }
     for (Count part = 0; part < all; ++part)
-      Lanes::store(product + part * Lanes::width, sums[part]);
+      sums[part].store_unaligned(product + part * Lanes::width);
   }
 };
 

@@ -6,6 +6,7 @@
 #include "bem/patch_distance.hpp"
 #include "reduced/mesh_pair.hpp"
 #include "reduced/node_rules.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -41,7 +42,7 @@ FaceSmoothness face_smoothness(const PlacedBody& body, const ChargedFace& face, 
   }
   map.ratio = static_cast<float>(half_v / half_u);
   float least[2];
-  best_node_kernels().ellipses(points, map, least);
+  best_kernels<NodeKernels>().ellipses(points, map, least);
   return {log_parameter(least[0]), log_parameter(least[1])};
 }
 
@@ -181,7 +182,7 @@ void NodeSide::lay(const PlacedBody& body, const Vector3d& origin) {
       placed.u[axis] = static_cast<float>(u[axis]);
       placed.v[axis] = static_cast<float>(v[axis]);
     }
-    best_node_kernels().lay(grid, placed, x.data() + at, y.data() + at, z.data() + at);
+    best_kernels<NodeKernels>().lay(grid, placed, x.data() + at, y.data() + at, z.data() + at);
     at += grid.u.points * grid.v.points;
   }
   for (std::vector<float>* array : {&x, &y, &z})
@@ -234,13 +235,13 @@ void NodePair::place(const PlacedBody& a, const BodySmoothness& a_smoothness, in
       static_cast<std::size_t>(sides_[0].count) * static_cast<std::size_t>(whole_blocks(sides_[1].count));
   if (matrix_.size() < size)
     matrix_.resize(size);
-  best_node_kernels().fill(sides_[0].points(), sides_[1].points(), matrix_.data());
+  best_kernels<NodeKernels>().fill(sides_[0].points(), sides_[1].points(), matrix_.data());
 }
 
 void NodeSide::spread(const float* coefficients) {
   float* to = charges.data();
   for (const NodeGrid& grid : grids) {
-    best_node_kernels().spread(grid, coefficients, to);
+    best_kernels<NodeKernels>().spread(grid, coefficients, to);
     to += grid.u.points * grid.v.points;
     coefficients += grid.functions * grid.functions;
   }
@@ -251,7 +252,7 @@ void NodeSide::gather(float* moments) const {
   const float* from = potentials.data();
   const std::ptrdiff_t square = functions * functions;
   for (const NodeGrid& grid : grids) {
-    best_node_kernels().gather(grid, from, moments);
+    best_kernels<NodeKernels>().gather(grid, from, moments);
     from += grid.u.points * grid.v.points;
     moments += square;
   }
@@ -273,8 +274,8 @@ void NodePair::potentials(const float* charges_a, const float* charges_b, float*
   NodeSide &outer = sides_[0], &inner = sides_[1];
   outer.spread(a_is_outer_ ? charges_a : charges_b);
   inner.spread(a_is_outer_ ? charges_b : charges_a);
-  best_node_kernels().apply({matrix_.data(), outer.count, inner.count}, outer.charges.data(),
-                            inner.charges.data(), outer.potentials.data(), inner.potentials.data());
+  best_kernels<NodeKernels>().apply({matrix_.data(), outer.count, inner.count}, outer.charges.data(),
+                                    inner.charges.data(), outer.potentials.data(), inner.potentials.data());
   outer.gather(a_is_outer_ ? moments_a : moments_b);
   inner.gather(a_is_outer_ ? moments_b : moments_a);
 }

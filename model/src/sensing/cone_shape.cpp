@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "simd/dispatch.hpp"
+
 namespace fringe::detail {
 namespace {
 
@@ -48,7 +50,8 @@ bool ConeShape::misses(const Eigen::AlignedBox3d& box, const Eigen::Isometry3d& 
   moved.reach = half.stableNorm() * widened;
   Eigen::Isometry3d place = pose;
   place.translation() = pose * centre;
-  return best_search().decide({&shape_, pose_.data()}, {&moved, place.data()}) == Verdict::disjoint;
+  return best_kernels<GjkFilter>().decide({&shape_, pose_.data()}, {&moved, place.data()}) ==
+         Verdict::disjoint;
 }
 
 }  // namespace fringe::detail

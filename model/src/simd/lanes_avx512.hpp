@@ -10,6 +10,7 @@
 namespace xsimd {
 
 using EightDoubles = batch<double, avx512bw>;
+using SixteenFloats = batch<float, avx512bw>;
 
 inline EightDoubles fma(const EightDoubles& a, const EightDoubles& b, const EightDoubles& c) {
   return _mm512_fmadd_pd(a, b, c);
@@ -19,6 +20,12 @@ inline EightDoubles fms(const EightDoubles& a, const EightDoubles& b, const Eigh
 }
 inline EightDoubles fnma(const EightDoubles& a, const EightDoubles& b, const EightDoubles& c) {
   return _mm512_fnmadd_pd(a, b, c);
+}
+inline SixteenFloats fma(const SixteenFloats& a, const SixteenFloats& b, const SixteenFloats& c) {
+  return _mm512_fmadd_ps(a, b, c);
+}
+inline SixteenFloats fnma(const SixteenFloats& a, const SixteenFloats& b, const SixteenFloats& c) {
+  return _mm512_fnmadd_ps(a, b, c);
 }
 
 }  // namespace xsimd
@@ -54,6 +61,20 @@ struct LanesAvx512 {
   /// 1/√x to 2^−14.
   static Vector inverse_square_root_estimate(const Vector& x) { return _mm512_rsqrt14_pd(x); }
   static constexpr bool has_estimate = true;
+};
+
+/// Sixteen floats.
+struct FloatLanesAvx512 {
+  using Vector = xsimd::batch<float, xsimd::avx512bw>;
+  static constexpr int width = 16;
+
+  /// Improves the processor's estimate, good to 2^−14, by one step of Newton's method: to rounding.
+  static Vector inverse_square_root(const Vector& x) {
+    const Vector y = _mm512_rsqrt14_ps(x);
+    return y * fnma(x * y * y, Vector(0.5F), Vector(1.5F));
+  }
+  static float sum(const Vector& x) { return _mm512_reduce_add_ps(x); }
+  static float smallest(const Vector& x) { return _mm512_reduce_min_ps(x); }
 };
 
 }  // namespace fringe::detail

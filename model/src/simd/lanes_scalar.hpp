@@ -7,90 +7,59 @@
 namespace fringe::detail {
 
 /// The outcome of a comparison, with the operations of a mask of lanes.
-struct SingleMask {
+struct OneMask {
   bool value;
 };
 
-inline SingleMask operator&(SingleMask a, SingleMask b) {
+inline OneMask operator&(OneMask a, OneMask b) {
   return {a.value && b.value};
 }
-inline SingleMask operator|(SingleMask a, SingleMask b) {
+inline OneMask operator|(OneMask a, OneMask b) {
   return {a.value || b.value};
 }
-inline SingleMask operator!(SingleMask a) {
+inline OneMask operator!(OneMask a) {
   return {!a.value};
 }
-inline bool any(SingleMask mask) {
+inline bool any(OneMask mask) {
   return mask.value;
 }
-inline bool all(SingleMask mask) {
+inline bool all(OneMask mask) {
   return mask.value;
 }
 
-/// A double with the operations of a register, so that the same source builds for any processor.
-struct Single {
-  double value;
+/// A number with the operations of a register, so that the same source builds for any processor.
+template <class Number>
+struct OneLane {
+  Number value;
 
-  Single() = default;
-  Single(double number) : value(number) {}  // NOLINT(google-explicit-constructor): as xsimd::batch does
+  OneLane() = default;
+  OneLane(Number number) : value(number) {}  // NOLINT(google-explicit-constructor): as xsimd::batch does
 
-  static Single load_unaligned(const double* from) { return *from; }
-  void store_unaligned(double* to) const { *to = value; }
+  static OneLane load_unaligned(const Number* from) { return *from; }
+  void store_unaligned(Number* to) const { *to = value; }
+
+  friend OneLane operator+(OneLane a, OneLane b) { return a.value + b.value; }
+  friend OneLane operator-(OneLane a, OneLane b) { return a.value - b.value; }
+  friend OneLane operator*(OneLane a, OneLane b) { return a.value * b.value; }
+  friend OneLane operator/(OneLane a, OneLane b) { return a.value / b.value; }
+  friend OneMask operator<(OneLane a, OneLane b) { return {a.value < b.value}; }
+  friend OneMask operator<=(OneLane a, OneLane b) { return {a.value <= b.value}; }
+  friend OneMask operator>(OneLane a, OneLane b) { return {a.value > b.value}; }
+  friend OneMask operator>=(OneLane a, OneLane b) { return {a.value >= b.value}; }
+  friend OneMask operator==(OneLane a, OneLane b) { return {a.value == b.value}; }
+  friend OneLane min(OneLane a, OneLane b) { return b.value < a.value ? b : a; }
+  friend OneLane max(OneLane a, OneLane b) { return a.value < b.value ? b : a; }
+  friend OneLane abs(OneLane a) { return std::abs(a.value); }
+  friend OneLane sqrt(OneLane a) { return std::sqrt(a.value); }
+  friend OneLane fma(OneLane a, OneLane b, OneLane c) { return a.value * b.value + c.value; }
+  friend OneLane select(OneMask condition, OneLane a, OneLane b) { return condition.value ? a : b; }
+  friend Number hadd(OneLane a) { return a.value; }
 };
-
-inline Single operator+(Single a, Single b) {
-  return a.value + b.value;
-}
-inline Single operator-(Single a, Single b) {
-  return a.value - b.value;
-}
-inline Single operator*(Single a, Single b) {
-  return a.value * b.value;
-}
-inline Single operator/(Single a, Single b) {
-  return a.value / b.value;
-}
-inline SingleMask operator<(Single a, Single b) {
-  return {a.value < b.value};
-}
-inline SingleMask operator<=(Single a, Single b) {
-  return {a.value <= b.value};
-}
-inline SingleMask operator>(Single a, Single b) {
-  return {a.value > b.value};
-}
-inline SingleMask operator>=(Single a, Single b) {
-  return {a.value >= b.value};
-}
-inline SingleMask operator==(Single a, Single b) {
-  return {a.value == b.value};
-}
-inline Single min(Single a, Single b) {
-  return b.value < a.value ? b : a;
-}
-inline Single max(Single a, Single b) {
-  return a.value < b.value ? b : a;
-}
-inline Single abs(Single a) {
-  return std::abs(a.value);
-}
-inline Single sqrt(Single a) {
-  return std::sqrt(a.value);
-}
-inline Single fma(Single a, Single b, Single c) {
-  return a.value * b.value + c.value;
-}
-inline Single select(SingleMask condition, Single a, Single b) {
-  return condition.value ? a : b;
-}
-inline double hadd(Single a) {
-  return a.value;
-}
 
 /// One double, without any instruction beyond the language.
 struct LanesScalar {
-  using Vector = Single;
-  using Mask = SingleMask;
+  using Vector = OneLane<double>;
+  using Mask = OneMask;
   static constexpr int width = 1;
   static constexpr bool fused = false;
 
@@ -104,6 +73,16 @@ struct LanesScalar {
   static std::uint32_t tag(double x) { return std::bit_cast<std::uint64_t>(x) & 31U; }
   static double largest(Vector x) { return x.value; }
   static constexpr bool has_estimate = false;
+};
+
+/// One float, without any instruction beyond the language.
+struct FloatLanesScalar {
+  using Vector = OneLane<float>;
+  static constexpr int width = 1;
+
+  static Vector inverse_square_root(Vector x) { return Vector(1) / sqrt(x); }
+  static float sum(Vector x) { return x.value; }
+  static float smallest(Vector x) { return x.value; }
 };
 
 }  // namespace fringe::detail

@@ -27,4 +27,20 @@ struct LanesSse2 {
   static constexpr bool has_estimate = false;
 };
 
+/// Four floats.
+struct FloatLanesSse2 {
+  using Vector = xsimd::batch<float, xsimd::sse2>;
+  static constexpr int width = 4;
+
+  static Vector inverse_square_root(const Vector& x) { return Vector(1) / sqrt(x); }
+  static float sum(const Vector& x) {
+    const __m128 halves = _mm_add_ps(x, _mm_movehl_ps(x, x));
+    return _mm_cvtss_f32(_mm_add_ss(halves, _mm_shuffle_ps(halves, halves, 1)));
+  }
+  static float smallest(const Vector& x) {
+    const __m128 halves = _mm_min_ps(x, _mm_movehl_ps(x, x));
+    return _mm_cvtss_f32(_mm_min_ss(halves, _mm_shuffle_ps(halves, halves, 1)));
+  }
+};
+
 }  // namespace fringe::detail

@@ -63,7 +63,9 @@ def test_every_folder_of_results_has_jobs_of_its_own(tmp_path: Path) -> None:
 def test_jobs_that_cannot_be_ended_are_told_and_tried_again(results: Path, profile: Path) -> None:
     cluster.begin(results, profile)
     (profile / "silent").touch()
-    with pytest.raises(OSError, match="may be left on the cluster: the controller does not answer"):
+    with pytest.raises(
+        OSError, match="may be left on the cluster: exit code 1: the controller does not answer"
+    ):
         cluster.end(results)
     (profile / "silent").unlink()
     cluster.end_left_over(results)

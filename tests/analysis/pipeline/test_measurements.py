@@ -210,8 +210,15 @@ class Workshop:
         path.chmod(0o755)
 
     def measure(self) -> Failure | None:
-        target = self.results / "speed.json"
-        return measurement_stage.measure(self.measurements[0], target, "k", processes.Processes())
+        return measurement_stage.stage(self.measurements[0], self.results).run(processes.Processes())
+
+    def stored(self) -> store.Document | None:
+        """The answer that is stored under the key of today."""
+        stage = measurement_stage.stage(self.measurements[0], self.results)
+        return store.read_current(stage.target, stage.key)
+
+    def key(self, number: int) -> str:
+        return measurement_stage.stage(self.measurements[number], self.results).key
 
     def run(self, measure_model: bool) -> list[str]:
         """Bring a study without sweeps' answers up to date; returns what the programs logged meanwhile."""
@@ -231,7 +238,7 @@ def workshop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Workshop:
 
 def test_an_answer_is_stored_with_key_and_origin(workshop: Workshop) -> None:
     assert workshop.measure() is None
-    document = store.read_current(workshop.results / "speed.json", "k")
+    document = workshop.stored()
     assert document is not None
     assert document["answer"] == {"value": 1} and document["passed"] is True
     assert document["command"] == "build/bin/speed --json ANSWER.json"
@@ -242,7 +249,7 @@ def test_an_answer_is_stored_with_key_and_origin(workshop: Workshop) -> None:
 def test_a_program_that_is_not_content_gives_an_answer_that_says_so(workshop: Workshop) -> None:
     workshop.program("speed", "echo '{}' > \"$2\"; false")
     assert workshop.measure() is None
-    document = store.read_current(workshop.results / "speed.json", "k")
+    document = workshop.stored()
     assert document is not None and document["passed"] is False
 
 
@@ -298,16 +305,15 @@ def test_another_machine_makes_measurements_void(workshop: Workshop, monkeypatch
 def test_the_key_knows_sources_arguments_and_machine(
     workshop: Workshop, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    first, second = workshop.measurements
-    here = measurement_stage.key(first)
-    assert here == measurement_stage.key(first) != measurement_stage.key(second)
+    here = workshop.key(0)
+    assert here == workshop.key(0) != workshop.key(1)
     store.write_text(workshop.repository / "model" / "notes.md", "no source")
-    assert here == measurement_stage.key(first)
+    assert here == workshop.key(0)
     store.write_text(workshop.repository / "model" / "b.hpp", "a source")
-    changed = measurement_stage.key(first)
+    changed = workshop.key(0)
     assert changed != here
     monkeypatch.setattr(machine, "identity", lambda: {"name": "another"})
-    assert measurement_stage.key(first) != changed
+    assert workshop.key(0) != changed
 
 
 def test_this_machine_is_described_in_words() -> None:

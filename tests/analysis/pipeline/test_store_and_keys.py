@@ -105,7 +105,14 @@ def test_the_code_version_of_a_stage_changes_with_its_own_sources(
     assert (before[0] != after[0], before[1] != after[1]) == (model, reference)
 
 
-@pytest.mark.parametrize("changed", ["analysis/report/page.py", "analysis/topics/experiments/section.py"])
+@pytest.mark.parametrize(
+    "changed",
+    [
+        "analysis/report/page.py",
+        "analysis/report/templates/page.html",
+        "analysis/topics/experiments/section.py",
+    ],
+)
 def test_the_code_version_of_the_report_covers_the_packages_within(repository: Path, changed: str) -> None:
     before = keys.report_code(repository)
     store.write_text(repository / changed, "second")

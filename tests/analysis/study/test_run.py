@@ -8,13 +8,15 @@ import subprocess
 import sys
 import textwrap
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from analysis import __main__ as command_line
-from analysis.pipeline import jobs, model_stage, processes, reference_stage
+from analysis.pipeline import model_stage, processes, scheduler
+from analysis.pipeline.stage import Stage
 from analysis.results import store, study_results as results
 from tests.analysis.synthetic import EDGE, HEAD, PARALLEL, model_document
 
@@ -83,9 +85,9 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Workplace:
     workplace = Workplace(tmp_path / "with space")
     module = workplace.folder / "repository" / "fem_reference.py"
     module.parent.mkdir(parents=True)
-    repository = str(reference_stage.REPOSITORY)
+    repository = str(processes.ROOT)
     module.write_text(STAND_IN.format(repository=repository, log=str(workplace.log)))
-    monkeypatch.setattr(reference_stage, "REPOSITORY", module.parent)
+    monkeypatch.setattr(processes, "ROOT", module.parent)
     monkeypatch.setattr(model_stage, "model_module", lambda: Model)
     return workplace
 
@@ -177,17 +179,21 @@ def test_stopping_kills_the_running_processes_and_their_children(tmp_path: Path)
         """
     )
 
-    def work(of: processes.Processes) -> None:
+    def sleep(of: processes.Processes) -> store.Document:
         of.run([sys.executable, "-c", script], tmp_path, dict(os.environ))
+        return {}
 
-    def interrupt(of: processes.Processes) -> None:
+    def interrupt(of: processes.Processes) -> store.Document:
         while not pids.is_file() or len(pids.read_text().split()) < 2:
             time.sleep(0.01)
         raise KeyboardInterrupt
 
+    def job(name: str, seconds: float, answer: Callable[[processes.Processes], store.Document]) -> Stage:
+        return Stage(name, "", tmp_path / name, "key", seconds, answer)
+
     start = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
-        jobs.run_all([jobs.Job(2, work), jobs.Job(1, interrupt)], workers=2)
+        scheduler.run_all([job("first", 2, sleep), job("second", 1, interrupt)], workers=2)
     assert time.monotonic() - start < 20
     time.sleep(0.1)
     for pid in pids.read_text().split():
@@ -211,7 +217,7 @@ def test_a_terminated_run_says_so_and_keeps_what_is_finished(tmp_path: Path) -> 
     )
     process = subprocess.Popen(
         [sys.executable, "-c", program],
-        cwd=reference_stage.REPOSITORY,
+        cwd=processes.ROOT,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -226,7 +232,7 @@ def test_a_terminated_run_says_so_and_keeps_what_is_finished(tmp_path: Path) -> 
 def test_a_compilation_that_was_killed_is_forgotten_and_a_finished_one_kept(tmp_path: Path) -> None:
     for name in ("libffcx_forms_a.c", "libffcx_forms_a.c.cached", "libffcx_forms_b.c"):
         store.write_text(tmp_path / "fenics" / name, "")
-    reference_stage.forget_unfinished_forms(tmp_path)
+    processes.forget_unfinished_forms(tmp_path)
     assert {path.name for path in (tmp_path / "fenics").iterdir()} == {
         "libffcx_forms_a.c",
         "libffcx_forms_a.c.cached",
@@ -234,6 +240,6 @@ def test_a_compilation_that_was_killed_is_forgotten_and_a_finished_one_kept(tmp_
 
 
 def test_the_remaining_time_follows_the_pace_so_far_and_before_that_the_expected_seconds() -> None:
-    assert jobs.remaining_seconds(total=100, done=25, elapsed=10, workers=2) == pytest.approx(30)
-    assert jobs.remaining_seconds(total=100, done=0, elapsed=10, workers=2) == pytest.approx(40)
-    assert jobs.remaining_seconds(total=100, done=0, elapsed=60, workers=2) == 0
+    assert scheduler.remaining_seconds(total=100, done=25, elapsed=10, workers=2) == pytest.approx(30)
+    assert scheduler.remaining_seconds(total=100, done=0, elapsed=10, workers=2) == pytest.approx(40)
+    assert scheduler.remaining_seconds(total=100, done=0, elapsed=60, workers=2) == 0

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -12,6 +11,7 @@
 
 #include "bem/jacobi_basis.hpp"
 #include "geometry.hpp"
+#include "instruction_sets.hpp"
 #include "integral/kernel.hpp"
 
 namespace fringe::detail {
@@ -21,7 +21,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-class ChargeKernelsTest : public testing::TestWithParam<const ChargeKernels*> {};
+class ChargeKernelsTest : public testing::TestWithParam<InstructionSet> {
+ protected:
+  const ChargeKernels& kernels_ = kernels<ChargeKernels>(GetParam());
+};
 
 RuleView view(const DirectionRule& rule, int functions) {
   return {rule.nodes.size(), functions, rule.weights.rows(), rule.nodes.data(), rule.weights.data()};
@@ -37,7 +40,7 @@ TEST_P(ChargeKernelsTest, SumTheInverseDistancesOverAFace) {
         const RuleView along_u = view(u, functions_u), along_v = view(v, functions_v);
         std::vector<double> scratch(face_scratch(along_u, along_v));
         MatrixXd result(functions_v, functions_u);
-        GetParam()->face_potentials(point, along_u, along_v, scratch.data(), result.data());
+        kernels_.face_potentials(point, along_u, along_v, scratch.data(), result.data());
         MatrixXd inverse(v.nodes.size(), u.nodes.size());
         for (Index q = 0; q < inverse.rows(); ++q)
           for (Index p = 0; p < inverse.cols(); ++p)
@@ -67,7 +70,7 @@ TEST_P(ChargeKernelsTest, KnowThePotentialOfATriangleAnywhere) {
       columns[k] = components[k].data();
     }
     std::vector<double> potentials(points.size());
-    GetParam()->triangle_potentials(columns, points.size(), potentials.data());
+    kernels_.triangle_potentials(columns, points.size(), potentials.data());
     for (std::size_t k = 0; k < points.size(); ++k) {
       const double wanted =
           2 * kernel(corners[0] - points[k], corners[1] - points[k], corners[2] - points[k]);
@@ -79,16 +82,12 @@ TEST_P(ChargeKernelsTest, KnowThePotentialOfATriangleAnywhere) {
 TEST_P(ChargeKernelsTest, AddCombinationsOfColumns) {
   const MatrixXd columns = MatrixXd::Random(24, 5), factors = MatrixXd::Random(7, 5);
   MatrixXd sums = MatrixXd::Ones(24, 7);
-  GetParam()->add_combinations(columns.data(), 24, 5, factors.data(), 7, sums.data(), 7);
+  kernels_.add_combinations(columns.data(), 24, 5, factors.data(), 7, sums.data(), 7);
   EXPECT_LT((sums - MatrixXd::Ones(24, 7) - columns * factors.transpose()).norm(), 1e-13);
 }
 
-INSTANTIATE_TEST_SUITE_P(InstructionSets, ChargeKernelsTest, testing::ValuesIn(available_charge_kernels()),
-                         [](const auto& test) {
-                           std::string name(test.param->instruction_set);
-                           std::erase(name, '-');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(InstructionSets, ChargeKernelsTest, testing::ValuesIn(available_instruction_sets()),
+                         test::name_of_set);
 
 }  // namespace
 }  // namespace fringe::detail

@@ -12,6 +12,7 @@
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
 #include "shape_pairs.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe {
 namespace {
@@ -288,8 +289,10 @@ TEST(Overlap, OfOrientedBoxesIsTheSameForEveryInstructionSet) {
   for (int i = 0; i < pairs; ++i) {
     const OrientedBox a = box(), b = box();
     overlapping += overlap(a, b);
-    for (const detail::QuickSearch* search : detail::available_searches())
-      ASSERT_EQ(search->box_gap(numbers(a), numbers(b)) <= 0, overlap(a, b)) << search->instruction_set;
+    for (const detail::InstructionSet set : detail::available_instruction_sets()) {
+      const double gap = detail::kernels<detail::GjkFilter>(set).box_gap(numbers(a), numbers(b));
+      ASSERT_EQ(gap <= 0, overlap(a, b)) << detail::name_of(set);
+    }
   }
   EXPECT_GT(overlapping, pairs / 5);
   EXPECT_LT(overlapping, pairs * 4 / 5);

@@ -12,6 +12,7 @@
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
 #include "shape_pairs.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe {
 namespace {
@@ -106,13 +107,13 @@ TEST(ConvexShapes, AreTheSameForEveryInstructionSet) {
     const Isometry3d pose_a = random.rigid_motion();
     const Isometry3d pose_b = moved_by(random.in_box({-1, -1, -1}, {1, 1, 1})) * random.rigid_motion();
     const bool expected = gjk_intersects(a, pose_a, b, pose_b).intersects;
-    for (const detail::QuickSearch* search : detail::available_searches()) {
-      const detail::Verdict verdict =
-          search->decide({&a.data().support, pose_a.data()}, {&b.data().support, pose_b.data()});
+    for (const detail::InstructionSet set : detail::available_instruction_sets()) {
+      const detail::Verdict verdict = detail::kernels<detail::GjkFilter>(set).decide(
+          {&a.data().support, pose_a.data()}, {&b.data().support, pose_b.data()});
       if (verdict == detail::Verdict::undecided)
         continue;
       ASSERT_EQ(verdict == detail::Verdict::intersecting, expected)
-          << "pair " << i << ", " << search->instruction_set;
+          << "pair " << i << ", " << detail::name_of(set);
     }
   }
 }
@@ -202,7 +203,7 @@ TEST(ConvexShapes, OfManyVerticesHaveTheirFarthestOnesInEveryCell) {
       if (direction.isZero())
         continue;
       Vector3d found;
-      detail::best_search().support(hull.data().support, direction.data(), found.data());
+      detail::best_kernels<detail::GjkFilter>().support(hull.data().support, direction.data(), found.data());
       double highest = -std::numeric_limits<double>::infinity();
       for (const Vector3d& point : points)
         highest = std::max(highest, point.dot(direction));

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry.hpp"
+#include "instruction_sets.hpp"
 #include "integral/batch/choices.hpp"
 #include "integral/batch/chunks.hpp"
 #include "integral/batch/kernels.hpp"
@@ -25,15 +26,17 @@ using test::Random;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 const Rectangle plate{{0, 0, 0}, {0.1, 0, 0}, {0, 0.08, 0}};
 
-class BatchKernels : public testing::TestWithParam<const Kernels*> {
+class BatchKernelsTest : public testing::TestWithParam<InstructionSet> {
  protected:
-  static std::vector<double> integrals(const std::vector<Triangle>& triangles, double tolerance = 0) {
+  const BatchKernels& kernels_ = kernels<BatchKernels>(GetParam());
+
+  std::vector<double> integrals(const std::vector<Triangle>& triangles, double tolerance = 0) {
     const PreparedChoices choices(tolerance);
     const TriangleBatch batch(triangles);
     std::vector<double> values(triangles.size());
     for (std::size_t begin = 0; begin < values.size(); begin += chunk_size)
-      integrate_chunk(*GetParam(), batch, begin, std::min(chunk_size, values.size() - begin),
-                      plate_frame(plate), choices.choices(), values.data() + begin);
+      integrate_chunk(kernels_, batch, begin, std::min(chunk_size, values.size() - begin), plate_frame(plate),
+                      choices.choices(), values.data() + begin);
     return values;
   }
 };
@@ -60,7 +63,7 @@ std::vector<Triangle> around_the_plate(double size_over_distance, std::size_t co
   return triangles;
 }
 
-TEST_P(BatchKernels, AgreeWithTheSingleTriangleAtFullPrecision) {
+TEST_P(BatchKernelsTest, AgreeWithTheSingleTriangleAtFullPrecision) {
   for (const double size_over_distance : {0.01, 0.05, 0.2, 0.6}) {
     const std::vector<Triangle> triangles = around_the_plate(size_over_distance, 2000);
     const std::vector<double> values = integrals(triangles);
@@ -70,7 +73,7 @@ TEST_P(BatchKernels, AgreeWithTheSingleTriangleAtFullPrecision) {
   }
 }
 
-TEST_P(BatchKernels, KeepTheirErrorBelowTheTolerance) {
+TEST_P(BatchKernelsTest, KeepTheirErrorBelowTheTolerance) {
   for (const double tolerance : {1e-12, 1e-9, 1e-6, 1e-3}) {
     for (const double size_over_distance : {0.01, 0.1, 0.6}) {
       const std::vector<Triangle> triangles = around_the_plate(size_over_distance, 1000);
@@ -82,7 +85,7 @@ TEST_P(BatchKernels, KeepTheirErrorBelowTheTolerance) {
   }
 }
 
-TEST_P(BatchKernels, MeasureLargeTrianglesOverAllBorders) {
+TEST_P(BatchKernelsTest, MeasureLargeTrianglesOverAllBorders) {
   Random random(4);
   std::vector<Triangle> triangles;
   triangles.reserve(500);
@@ -93,7 +96,7 @@ TEST_P(BatchKernels, MeasureLargeTrianglesOverAllBorders) {
     EXPECT_NEAR(values[i], exact(triangles[i]), 1e-14 * values[i]) << i;
 }
 
-TEST_P(BatchKernels, FindContactAndMissingArea) {
+TEST_P(BatchKernelsTest, FindContactAndMissingArea) {
   const Triangle crossing{Vector3d(0.05, 0.04, -0.01), {0.06, 0.04, 0.02}, {0.05, 0.05, 0.02}};
   const Triangle on_edge{Vector3d(0, 0, 0), {0.1, 0, 0}, {0.05, -0.05, 0.05}};
   const Triangle one_vertex{Vector3d(0.05, 0.04, 0), {0.06, 0.04, 0.02}, {0.05, 0.05, 0.02}};
@@ -106,19 +109,19 @@ TEST_P(BatchKernels, FindContactAndMissingArea) {
   EXPECT_EQ(values[4], infinity);
 }
 
-TEST_P(BatchKernels, ScaleWithTheLength) {
+TEST_P(BatchKernelsTest, ScaleWithTheLength) {
   const Triangle triangle{Vector3d(-0.1, 0.2, 0.1), {0.03, 0.25, 0.2}, {-0.2, 0.1, 0.15}};
   for (const double factor : {1e-70, 1e-30, 1e30, 1e70}) {
     const Rectangle scaled{factor * plate.corner, factor * plate.edge_u, factor * plate.edge_v};
     const std::vector<Triangle> triangles{{factor * triangle[0], factor * triangle[1], factor * triangle[2]}};
     double value = 0;
-    integrate_chunk(*GetParam(), TriangleBatch(triangles), 0, 1, plate_frame(scaled),
+    integrate_chunk(kernels_, TriangleBatch(triangles), 0, 1, plate_frame(scaled),
                     full_precision_choices().choices(), &value);
     EXPECT_NEAR(value / factor, exact(triangle), 1e-14 * exact(triangle)) << factor;
   }
 }
 
-TEST_P(BatchKernels, KeepTheAreaOfSlivers) {
+TEST_P(BatchKernelsTest, KeepTheAreaOfSlivers) {
   // Products whose difference is what remains: without fused operations, or exact products in their place, a
   // sliver's area has lost as many digits as it is thin.
   Random random(7);
@@ -137,12 +140,12 @@ TEST_P(BatchKernels, KeepTheAreaOfSlivers) {
   }
   for (std::size_t k = 0; k < 9; ++k)
     pointers[k] = coordinates[k].data();
-  GetParam()->measure(pointers, count, twice.data(), squared_size.data());
+  kernels_.measure(pointers, count, twice.data(), squared_size.data());
   for (std::size_t i = 0; i < count; ++i)
     EXPECT_NEAR(twice[i], twice_area(slivers[i]), 1e-15 * twice[i]) << i;
 }
 
-TEST_P(BatchKernels, SumOverNodes) {
+TEST_P(BatchKernelsTest, SumOverNodes) {
   Random random(5);
   constexpr std::size_t count = 13, readable = 16;
   std::vector<double> x(readable), y(readable), z(readable), weight(readable);
@@ -155,12 +158,12 @@ TEST_P(BatchKernels, SumOverNodes) {
     weight[i] = i < count ? random.uniform(0, 1) : 0;
     expected += weight[i] / distance(frame, frame.axes * (point - frame.corner));
   }
-  EXPECT_NEAR(GetParam()->sum_over_nodes(plate_coordinates(frame), x.data(), y.data(), z.data(),
-                                         weight.data(), count),
-              expected, 1e-14 * expected);
+  EXPECT_NEAR(
+      kernels_.sum_over_nodes(plate_coordinates(frame), x.data(), y.data(), z.data(), weight.data(), count),
+      expected, 1e-14 * expected);
 }
 
-TEST_P(BatchKernels, SoftInverseDistances) {
+TEST_P(BatchKernelsTest, SoftInverseDistances) {
   Random random(6);
   constexpr std::size_t rows = 5, columns = 16;
   constexpr double squared_softness = 1e-3;
@@ -172,8 +175,8 @@ TEST_P(BatchKernels, SoftInverseDistances) {
     const Vector3d point = random.in_box({-0.2, -0.2, -0.2}, {0.3, 0.3, 0.2});
     x[i] = point.x(), y[i] = point.y(), z[i] = point.z();
   }
-  GetParam()->soft_inverse_distances({x.data(), y.data(), z.data()}, columns, points.data(), rows,
-                                     squared_softness, values.data());
+  kernels_.soft_inverse_distances({x.data(), y.data(), z.data()}, columns, points.data(), rows,
+                                  squared_softness, values.data());
   for (std::size_t row = 0; row < rows; ++row) {
     for (std::size_t i = 0; i < columns; ++i) {
       const Vector3d between = points.col(static_cast<Eigen::Index>(row)) - Vector3d(x[i], y[i], z[i]);
@@ -183,13 +186,8 @@ TEST_P(BatchKernels, SoftInverseDistances) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(InstructionSets, BatchKernels,
-                         testing::ValuesIn(available_kernels().begin(), available_kernels().end()),
-                         [](const auto& info) {
-                           std::string name(info.param->instruction_set);
-                           std::erase(name, '-');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(InstructionSets, BatchKernelsTest, testing::ValuesIn(available_instruction_sets()),
+                         test::name_of_set);
 
 /// The mean of λ₁^a·λ₂^b over a triangle.
 double moment(int a, int b) {

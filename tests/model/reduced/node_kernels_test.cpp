@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
+#include "instruction_sets.hpp"
 #include "reduced/node_rules.hpp"
 
 namespace fringe::detail {
@@ -48,7 +49,10 @@ MatrixXd weights_of(const StoredRule& rule, int functions) {
   return weights;
 }
 
-class NodeKernelsTest : public testing::TestWithParam<const NodeKernels*> {};
+class NodeKernelsTest : public testing::TestWithParam<InstructionSet> {
+ protected:
+  const NodeKernels& kernels_ = kernels<NodeKernels>(GetParam());
+};
 
 TEST_P(NodeKernelsTest, FillWithInverseDistancesAndApplyThemBothWays) {
   constexpr int rows = 23, columns = 37;
@@ -57,8 +61,7 @@ TEST_P(NodeKernelsTest, FillWithInverseDistancesAndApplyThemBothWays) {
   for (int k = columns; k < whole_blocks(columns); ++k)
     u[static_cast<std::size_t>(k)] = 1e12F;
   std::vector<float> values = room(rows * whole_blocks(columns));
-  GetParam()->fill({x.data(), y.data(), z.data(), rows}, {u.data(), v.data(), w.data(), columns},
-                   values.data());
+  kernels_.fill({x.data(), y.data(), z.data(), rows}, {u.data(), v.data(), w.data(), columns}, values.data());
   MatrixXd expected(rows, columns);
   for (int i = 0; i < rows; ++i)
     for (int k = 0; k < columns; ++k) {
@@ -72,8 +75,8 @@ TEST_P(NodeKernelsTest, FillWithInverseDistancesAndApplyThemBothWays) {
 
   const auto on_rows = random_numbers(rows, 7), on_columns = random_numbers(columns, 8);
   auto at_rows = room(rows), at_columns = room(columns);
-  GetParam()->apply({values.data(), rows, columns}, on_rows.data(), on_columns.data(), at_rows.data(),
-                    at_columns.data());
+  kernels_.apply({values.data(), rows, columns}, on_rows.data(), on_columns.data(), at_rows.data(),
+                 at_columns.data());
   const double size = expected.norm();
   EXPECT_LT((in_doubles(at_rows, rows) - expected * in_doubles(on_columns, columns)).norm(), rounding * size);
   EXPECT_LT((in_doubles(at_columns, columns) - expected.transpose() * in_doubles(on_rows, rows)).norm(),
@@ -92,7 +95,7 @@ TEST_P(NodeKernelsTest, SpreadAndGatherTensorProducts) {
         // Rows of the maps are along v: transposed.
         const auto coefficients = random_numbers(functions * functions, 1);
         auto charges = room(points_u * points_v);
-        GetParam()->spread(grid, coefficients.data(), charges.data());
+        kernels_.spread(grid, coefficients.data(), charges.data());
         const MatrixXd wanted =
             weights_v.transpose() *
             in_doubles(coefficients, functions * functions).reshaped(functions, functions) * weights_u;
@@ -101,7 +104,7 @@ TEST_P(NodeKernelsTest, SpreadAndGatherTensorProducts) {
 
         const auto potentials = random_numbers(points_u * points_v, 2);
         auto moments = room(functions * functions);
-        GetParam()->gather(grid, potentials.data(), moments.data());
+        kernels_.gather(grid, potentials.data(), moments.data());
         const MatrixXd known = weights_v *
                                in_doubles(potentials, points_u * points_v).reshaped(points_v, points_u) *
                                weights_u.transpose();
@@ -115,16 +118,16 @@ TEST_P(NodeKernelsTest, MultiplyAddAndDot) {
   const int padded = whole_blocks(count);
   const auto matrix = random_numbers(count * padded, 1), vector = random_numbers(count, 2);
   auto product = room(count);
-  GetParam()->multiply(matrix.data(), count, vector.data(), product.data());
+  kernels_.multiply(matrix.data(), count, vector.data(), product.data());
   const MatrixXd square = in_doubles(matrix, Index{count} * padded).reshaped(padded, count).topRows(count);
   EXPECT_LT((in_doubles(product, count) - square * in_doubles(vector, count)).norm(),
             rounding * square.norm());
 
   const auto a = random_numbers(count, 3), b = random_numbers(count, 4);
-  EXPECT_NEAR(GetParam()->dot(a.data(), b.data(), padded), in_doubles(a, count).dot(in_doubles(b, count)),
+  EXPECT_NEAR(kernels_.dot(a.data(), b.data(), padded), in_doubles(a, count).dot(in_doubles(b, count)),
               rounding * count);
   auto sum = b;
-  GetParam()->add(-0.5F, a.data(), sum.data(), padded);
+  kernels_.add(-0.5F, a.data(), sum.data(), padded);
   EXPECT_LT((in_doubles(sum, count) - in_doubles(b, count) + 0.5 * in_doubles(a, count)).norm(),
             rounding * 10);
 }
@@ -135,7 +138,7 @@ TEST_P(NodeKernelsTest, FindTheNarrowestEllipses) {
   // The face has the half sides 0.4 and 0.1 about the origin; above it is the y axis.
   const FaceMap map{{2.5F, 0, 0, 0, 0, 10, 0, 2.5F, 0}, {0, 0, 0}, 0.25F};
   float least[2];
-  GetParam()->ellipses({x.data(), y.data(), z.data(), points}, map, least);
+  kernels_.ellipses({x.data(), y.data(), z.data(), points}, map, least);
   double expected_u = 1e9, expected_v = 1e9;
   const auto sum = [](double at, double height) {
     return std::hypot(at - 1, height) + std::hypot(at + 1, height);
@@ -153,8 +156,8 @@ TEST_P(NodeKernelsTest, FindTheNarrowestEllipses) {
 TEST_P(NodeKernelsTest, LayTheNodesOfAFace) {
   const StoredRule &u = stored_rule(EdgeKind::thin, 5), &v = stored_rule(EdgeKind::thin, 19);
   auto x = room(95), y = room(95), z = room(95);
-  GetParam()->lay({3, u.view(), v.view()}, {{1, 2, 3}, {0.5F, 0, 0.25F}, {0, -1, 0.125F}}, x.data(), y.data(),
-                  z.data());
+  kernels_.lay({3, u.view(), v.view()}, {{1, 2, 3}, {0.5F, 0, 0.25F}, {0, -1, 0.125F}}, x.data(), y.data(),
+               z.data());
   for (std::size_t i = 0; i < 5; ++i)
     for (std::size_t j = 0; j < 19; ++j) {
       EXPECT_FLOAT_EQ(x[i * 19 + j], 1 + 0.5F * u.nodes[i]);
@@ -163,13 +166,8 @@ TEST_P(NodeKernelsTest, LayTheNodesOfAFace) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(InstructionSets, NodeKernelsTest,
-                         testing::ValuesIn(available_node_kernels().begin(), available_node_kernels().end()),
-                         [](const auto& set) {
-                           std::string name(set.param->instruction_set);
-                           std::erase(name, '-');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(InstructionSets, NodeKernelsTest, testing::ValuesIn(available_instruction_sets()),
+                         test::name_of_set);
 
 }  // namespace
 }  // namespace fringe::detail

@@ -31,8 +31,9 @@ Triangle triangle_at(const TriangleArrays& triangles, std::size_t index) {
 }
 
 /// The triangles that the kernels left out, cut at all borders.
-void integrate_left(const Kernels& kernels, const TriangleArrays& triangles, std::span<std::uint32_t> left,
-                    const PlateFrame& plate, const Choices& choices, double* values) {
+void integrate_left(const BatchKernels& kernels, const TriangleArrays& triangles,
+                    std::span<std::uint32_t> left, const PlateFrame& plate, const Choices& choices,
+                    double* values) {
   std::sort(left.begin(), left.end());
   const auto end = std::unique(left.begin(), left.end());
   PieceBuffer pieces(kernels, choices, values);
@@ -44,7 +45,7 @@ void integrate_left(const Kernels& kernels, const TriangleArrays& triangles, std
 }
 
 /// Sets values[0…count) to the integrals of triangles; count is at most chunk_size.
-void integrate_arrays(const Kernels& kernels, const TriangleArrays& triangles, std::size_t count,
+void integrate_arrays(const BatchKernels& kernels, const TriangleArrays& triangles, std::size_t count,
                       const PlateFrame& plate, const Choices& choices, double* values) {
   std::fill_n(values, count, 0.0);
   std::array<std::uint32_t, TriangleArrays::most_pieces * chunk_size> left;
@@ -73,7 +74,7 @@ double sum_of(const double* values, std::size_t count) {
 /// Triangles copied together from short ranges.
 class Gathering {
  public:
-  Gathering(const Kernels& kernels, const PlateFrame& plate, const Choices& choices)
+  Gathering(const BatchKernels& kernels, const PlateFrame& plate, const Choices& choices)
       : kernels_(kernels), plate_(plate), choices_(choices) {}
 
   void add(const TriangleArrays& triangles, std::size_t count) {
@@ -118,7 +119,7 @@ class Gathering {
     size_ = 0;
   }
 
-  const Kernels& kernels_;
+  const BatchKernels& kernels_;
   const PlateFrame& plate_;
   const Choices& choices_;
   double numbers_[11][capacity];  // up to size_ only
@@ -128,13 +129,13 @@ class Gathering {
 
 }  // namespace
 
-void integrate_chunk(const Kernels& kernels, const TriangleBatch& triangles, std::size_t begin,
+void integrate_chunk(const BatchKernels& kernels, const TriangleBatch& triangles, std::size_t begin,
                      std::size_t count, const PlateFrame& plate, const Choices& choices, double* values) {
   integrate_arrays(kernels, arrays_from(triangles, begin), count, plate, choices, values);
 }
 
-double sum_range(const Kernels& kernels, const TriangleBatch& triangles, std::size_t begin, std::size_t end,
-                 const PlateFrame& plate, const Choices& choices) {
+double sum_range(const BatchKernels& kernels, const TriangleBatch& triangles, std::size_t begin,
+                 std::size_t end, const PlateFrame& plate, const Choices& choices) {
   std::array<double, chunk_size> values;
   double sum = 0;
   for (std::size_t first = begin; first < end; first += chunk_size) {
@@ -145,7 +146,7 @@ double sum_range(const Kernels& kernels, const TriangleBatch& triangles, std::si
   return sum;
 }
 
-double sum_ranges(const Kernels& kernels, const TriangleBatch& triangles, std::span<const Range> ranges,
+double sum_ranges(const BatchKernels& kernels, const TriangleBatch& triangles, std::span<const Range> ranges,
                   const PlateFrame& plate, const Choices& choices) {
   Gathering gathering(kernels, plate, choices);
   double sum = 0;

@@ -21,16 +21,16 @@ struct Range {
 constexpr std::size_t chunk_size = 512;
 
 /// Sets values[0…count) to the integrals of the triangles from `begin`; count is at most chunk_size.
-void integrate_chunk(const Kernels& kernels, const TriangleBatch& triangles, std::size_t begin,
+void integrate_chunk(const BatchKernels& kernels, const TriangleBatch& triangles, std::size_t begin,
                      std::size_t count, const PlateFrame& plate, const Choices& choices, double* values);
 
 /// The sum of the integrals of the triangles from begin to end.
-double sum_range(const Kernels& kernels, const TriangleBatch& triangles, std::size_t begin, std::size_t end,
-                 const PlateFrame& plate, const Choices& choices);
+double sum_range(const BatchKernels& kernels, const TriangleBatch& triangles, std::size_t begin,
+                 std::size_t end, const PlateFrame& plate, const Choices& choices);
 
 /// The sum of the integrals of the triangles of many ranges. Short ones are gathered, so that registers are
 /// full.
-double sum_ranges(const Kernels& kernels, const TriangleBatch& triangles, std::span<const Range> ranges,
+double sum_ranges(const BatchKernels& kernels, const TriangleBatch& triangles, std::span<const Range> ranges,
                   const PlateFrame& plate, const Choices& choices);
 
 /// A plate's frame as the kernels take it.

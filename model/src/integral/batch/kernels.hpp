@@ -3,14 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string_view>
 
 /// The integrals of many triangles at a time, in the widest registers of the processor (model/NUMERICS.md,
 /// section 12).
 ///
-/// What is declared here is compiled once for every instruction set, so it keeps to plain numbers and
-/// pointers: a function shared with the rest of the program could otherwise end up in it with instructions
-/// the machine does not have.
+/// Compiled once for every instruction set: what is declared here obeys the rule in simd/dispatch.hpp.
 namespace fringe::detail {
 
 /// A plate's coordinates (PlateFrame) as plain numbers.
@@ -66,9 +63,7 @@ struct VirtualTriangles {
 };
 
 /// The functions for one instruction set.
-struct Kernels {
-  std::string_view instruction_set;
-
+struct BatchKernels {
   /// Sets twice_area and squared_size of triangles given by their coordinates, in whole registers.
   void (*measure)(const double* const (&coordinates)[9], std::size_t count, double* twice_area,
                   double* squared_size);
@@ -94,11 +89,5 @@ struct Kernels {
   void (*soft_inverse_distances)(const double* const (&columns)[3], std::size_t stride, const double* rows,
                                  std::size_t row_count, double squared_softness, double* values);
 };
-
-/// The sets of functions this machine can run, the slowest first.
-std::span<const Kernels* const> available_kernels();
-
-/// The fastest of them.
-const Kernels& best_kernels();
 
 }  // namespace fringe::detail

@@ -466,9 +466,9 @@ class BatchIntegration {
   Queue<Lanes> near_, along_height_, straddling_;
 };
 
-/// The functions of Kernels for one instruction set.
+/// The functions of BatchKernels for one instruction set.
 template <class Lanes>
-struct KernelsFor {
+struct BatchKernelsFor {
   using V = typename Lanes::Vector;
   using Mask = typename Lanes::Mask;
   static constexpr int width = Lanes::width;
@@ -568,6 +568,9 @@ struct KernelsFor {
       }
     }
   }
+
+  static constexpr BatchKernels kernels{&measure, &integrate, &integrate_virtual, &sum_over_nodes,
+                                        &soft_inverse_distances};
 
  private:
   static V area_doubled(const VirtualLanes<V>& triangle) {

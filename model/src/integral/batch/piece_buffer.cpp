@@ -5,7 +5,7 @@
 
 namespace fringe::detail {
 
-PieceBuffer::PieceBuffer(const Kernels& kernels, const Choices& choices, double* values)
+PieceBuffer::PieceBuffer(const BatchKernels& kernels, const Choices& choices, double* values)
     : kernels_(kernels), choices_(choices), values_(values) {}
 
 void PieceBuffer::add(const PlateFrame& plate, const LocalTriangle& triangle, double twice_area,

@@ -11,7 +11,7 @@ namespace fringe::detail {
 class PieceBuffer {
  public:
   /// Results are added to values[index].
-  PieceBuffer(const Kernels& kernels, const Choices& choices, double* values);
+  PieceBuffer(const BatchKernels& kernels, const Choices& choices, double* values);
 
   /// Cuts a triangle at the plate's borders.
   void add(const PlateFrame& plate, const LocalTriangle& triangle, double twice_area, std::uint32_t index);
@@ -28,7 +28,7 @@ class PieceBuffer {
   /// The vector from the plate to a corner of a waiting piece.
   Eigen::Vector3d corner(std::size_t piece, std::size_t which) const;
 
-  const Kernels& kernels_;
+  const BatchKernels& kernels_;
   const Choices& choices_;
   double* values_;
   std::size_t size_ = 0;

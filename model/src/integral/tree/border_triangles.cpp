@@ -4,25 +4,12 @@
 #include <array>
 #include <cmath>
 
+#include "integral/tree/kernels.hpp"
 #include "integral/tree/partition.hpp"
-#include "simd/vector_clones.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe::detail {
 namespace {
-
-/// A plane n·p = height.
-struct Plane {
-  double normal[3];
-  double height;
-};
-
-/// How far points are above a plane.
-FRINGE_VECTOR_CLONES
-void measure_heights(const Plane& plane, const double* x, const double* y, const double* z, std::size_t size,
-                     double* __restrict heights) {
-  for (std::size_t i = 0; i < size; ++i)
-    heights[i] = plane.normal[0] * x[i] + plane.normal[1] * y[i] + plane.normal[2] * z[i] - plane.height;
-}
 
 /// At least the means of t² over a triangle and over the points half way from its centroid to its corners, t
 /// being the height beyond a plane, seen from the centroid. From the heights of the corners: t is convex, so
@@ -46,6 +33,7 @@ void border_errors(const PlateFrame& plate, const Placement& placement, const No
   // The error is ∫t² dA/(2·nearest³), and a point has a third of the triangle's area.
   const double factor = 3 / (2 * nearest * nearest * nearest);
   std::array<double, points_per_triangle * most_triangles_in_leaf> heights;
+  const TreeKernels& kernels = best_kernels<TreeKernels>();
   const Eigen::Vector3d local = plate.axes * (leaf.centre - plate.corner);
   for (int axis = 0; axis < 2; ++axis) {
     const Eigen::Vector3d normal = plate.axes.row(axis);
@@ -53,8 +41,8 @@ void border_errors(const PlateFrame& plate, const Placement& placement, const No
       if (std::abs(local[axis] - border) >= reach)
         continue;
       const Plane plane{{normal.x(), normal.y(), normal.z()}, normal.dot(plate.corner) + border};
-      measure_heights(plane, points.x.data() + first, points.y.data() + first, points.z.data() + first, size,
-                      heights.data());
+      kernels.measure_heights(plane, points.x.data() + first, points.y.data() + first,
+                              points.z.data() + first, size, heights.data());
       for (std::size_t i = 0; i < leaf.triangles.count; ++i) {
         const double* const at = heights.data() + points_per_triangle * i;
         // The points are half way from the centroid to the corners.

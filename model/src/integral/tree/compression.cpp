@@ -6,8 +6,9 @@
 #include <optional>
 #include <utility>
 
-#include "integral/tree/elimination.hpp"
+#include "integral/tree/kernels.hpp"
 #include "integral/tree/monomial_rows.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -53,7 +54,7 @@ Columns columns_of(const std::vector<WeightedPoint>& candidates, const Compressi
     if (std::any_of(row, row + candidates.size(), [](double x) { return std::abs(x) >= smallest_pivot; }))
       kept.push_back(row);
   }
-  Columns columns{kept.size(), (kept.size() + column_padding - 1) / column_padding * column_padding, {}};
+  Columns columns{kept.size(), (kept.size() + array_padding - 1) / array_padding * array_padding, {}};
   columns.resize(candidates.size());
   for (std::size_t j = 0; j < candidates.size(); ++j)
     for (std::size_t i = 0; i < columns.rows; ++i)
@@ -121,8 +122,8 @@ class Tableau {
 
   /// Makes the candidate basic for the row; returns what largest_in_row returns afterwards for the next one.
   std::size_t eliminate(std::size_t row, std::size_t candidate, std::size_t next) {
-    return eliminate_columns({columns_.values.data(), columns_.stride}, free_, columns_[candidate], row,
-                             next);
+    return kernels_.eliminate({columns_.values.data(), columns_.stride}, free_.data(), free_.size(),
+                              columns_[candidate], row, next);
   }
 
   /// Takes the weight of the last free candidate down to zero; where that would drive the weight of a basic
@@ -150,7 +151,7 @@ class Tableau {
   /// 1).
   std::optional<std::size_t> blocking(const double* coefficients, double weight) const {
     const double step =
-        longest_step(coefficients, weights_.data(), slack_, smallest_coefficient, columns_.stride);
+        kernels_.longest_step(coefficients, weights_.data(), slack_, smallest_coefficient, columns_.stride);
     if (step >= weight)
       return std::nullopt;
     std::optional<std::size_t> result;
@@ -170,6 +171,7 @@ class Tableau {
   std::vector<std::size_t> basic_;  ///< by row
   std::vector<double> weights_;     ///< of the basic candidates, by row
   double slack_ = 0;
+  const TreeKernels& kernels_ = best_kernels<TreeKernels>();
 };
 
 /// The candidates from `first` that still have weight, as few groups of neighbours, each of which counts as

@@ -15,6 +15,7 @@
 #include "integral/tree/node_bound.hpp"
 #include "integral/tree/partition.hpp"
 #include "integral/tree/point_sum.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -273,7 +274,7 @@ class Evaluation {
 
   const SurfaceNodes& tree_;
   const Rectangle& plate_;
-  const Kernels& kernels_ = best_kernels();
+  const BatchKernels& kernels_ = best_kernels<BatchKernels>();
   PlateFrame frame_;
   std::array<Vector3d, 4> corners_;
   TreeOptions options_;

@@ -10,7 +10,7 @@ namespace fringe::detail {
 /// Σ w/d over points that come in small ranges: they are gathered, so that few are summed at a time.
 class PointSum {
  public:
-  PointSum(const Kernels& kernels, const PlateFrame& plate)
+  PointSum(const BatchKernels& kernels, const PlateFrame& plate)
       : kernels_(kernels), plate_(plate_coordinates(plate)) {}
 
   void add(const PointArrays& arrays, const Range& range);
@@ -28,7 +28,7 @@ class PointSum {
   void gather(const PointArrays& arrays, const Range& range);
   void flush();
 
-  const Kernels& kernels_;
+  const BatchKernels& kernels_;
   PlateCoordinates plate_;
   double x_[capacity], y_[capacity], z_[capacity], weight_[capacity];  // up to size_ only
   std::size_t size_ = 0;

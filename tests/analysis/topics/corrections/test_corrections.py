@@ -11,6 +11,7 @@ import pytest
 from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.model_stage import model_module
 from analysis.results.store import Document
+from analysis.results.units import percent
 from analysis.topics.corrections import (
     cases,
     cases_section,
@@ -131,9 +132,7 @@ def test_the_table_of_errors_is_the_one_computed(evaluated: tuple[Evaluation, ..
 def test_the_plain_models_error_and_the_near_misses_are_those_computed(
     evaluated: tuple[Evaluation, ...], found: estimates.Estimates, text: str
 ) -> None:
-    assert (
-        f"It is {notes.percent(evaluated[0].all.rms)} % off (rms) over the {len(found.names)} set-ups" in text
-    )
+    assert f"It is {percent(evaluated[0].all.rms)} off (rms) over the {len(found.names)} set-ups" in text
     assert f"{notes.near_misses(found)} of {len(found.names)} set-ups are more than 1 % off" in text
 
 

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.pipeline import boundary_stage as stage
+from analysis.pipeline import boundary_stage
 from analysis.pipeline.model_stage import model_module
+from analysis.pipeline.stage import NoAnswer
 from analysis.results import store, study_results as results
 from analysis.results.study_results import Results
 from analysis.study import report
@@ -129,13 +130,7 @@ def test_the_page_of_a_case_has_both_matrices(tmp_path: Path) -> None:
 def stored(scene: Scene, folder: Path, asked: float = 1e-2) -> dict[str, Any]:
     """What the stage stores of a scene."""
     store.write_text(folder / "scene.toml", canonical(scene))
-    assert (
-        stage.evaluate(folder / "scene.toml", folder / "boundary.json", "a key", asked, model_module())
-        is None
-    )
-    document = store.read_current(folder / "boundary.json", "a key")
-    assert document is not None
-    return document
+    return boundary_stage.answer(folder / "scene.toml", asked)
 
 
 def test_boundary_elements_answer_plates_and_boxes_grounded_or_floating(tmp_path: Path) -> None:
@@ -150,7 +145,7 @@ def test_what_boundary_elements_do_not_know_is_kept_with_the_reason(tmp_path: Pa
         (0.1, 0.1), (0.1, 0.1), 0.04, 0.02, material="dielectric", relative_permittivity=3
     )
     refused = stored(dielectric, tmp_path)
-    assert set(refused) == {"key", "rtol", "refused"}
+    assert set(refused) == {"rtol", "refused"}
     assert "target" in refused["refused"] and str(tmp_path) not in refused["refused"]
 
 
@@ -166,13 +161,11 @@ def test_of_meshes_no_more_is_asked_than_of_the_field_solver(tmp_path: Path) -> 
     scene = canonical(plates).split("[object.shape]")[0]
     store.write_text(tmp_path / "scene.toml", scene + '[object.shape]\ntype = "mesh"\nfile = "wall.obj"\n')
     mesh = reader.load(tmp_path / "scene.toml")
-    assert (stage.rtol(1e-2, plates), stage.rtol(1e-2, mesh)) == (1e-3, 1e-2)
+    assert (boundary_stage.rtol(1e-2, plates), boundary_stage.rtol(1e-2, mesh)) == (1e-3, 1e-2)
     answer = stored(mesh, tmp_path / "stored")
     assert answer["rtol"] == 1e-2 and answer["reached"]
 
 
-def test_a_scene_that_is_gone_meanwhile_fails_and_nothing_is_stored(tmp_path: Path) -> None:
-    target = tmp_path / "boundary.json"
-    failure = stage.evaluate(tmp_path / "scene.toml", target, "key", 1e-2, model_module())
-    assert failure is not None and "scene.toml" in failure.reason
-    assert not target.exists()
+def test_a_scene_that_is_gone_meanwhile_has_no_answer(tmp_path: Path) -> None:
+    with pytest.raises(NoAnswer, match="scene.toml"):
+        boundary_stage.answer(tmp_path / "scene.toml", 1e-2)

@@ -130,7 +130,7 @@ def test_a_report_beside_the_errors_shows_them_and_opens_their_cases(folder: Pat
     study = make_results(folder.parent / "study")
     page.make(folder)
     text = report_text(study)
-    assert "Where does the model&#x27;s error come from?" in text and section.ABSENT not in text
+    assert "Where does the model&#39;s error come from?" in text and section.ABSENT not in text
     assert "The error over gap and tilt" in text and 'data-cases="../../errors/cases"' in text
     for target in re.findall(r'href="(\.\./\.\./errors/[^"]*)"', text):
         assert (study / report.PAGES / target).is_file()

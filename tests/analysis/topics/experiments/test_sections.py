@@ -96,7 +96,7 @@ def test_other_sizes_are_held_beside_the_thesis(tmp_path: Path) -> None:
     assert f"{100 * off(0.85):+.1f} % for 5 cm × 5 cm" in finding and "24 % on a smaller plate" in finding
     assert f"{100 * off(0.5):+.0f} % for 15 cm × 15 cm" in finding and "10 % on a larger plate" in finding
     assert finding.endswith("that is so for all of them here.")
-    assert "<td >yes</td>" in text and "<td >no</td>" in text
+    assert "<td>yes</td>" in text and "<td>no</td>" in text
 
 
 def test_signs_unlike_the_thesis_are_told(tmp_path: Path) -> None:
@@ -117,7 +117,7 @@ def test_a_pivoted_plate_is_predicted_from_the_parallel_one(tmp_path: Path) -> N
     high, true = (float(divider.delta_output(np.array([f * 3 * PICO]))[0]) for f in (0.8, 0.4))
     worst = f"{100 * (high / true - 1):+.0f} %"
     assert f"off by up to {worst}" in finding
-    assert f"the deviation changes by +0.0 % to {worst};" in finding
+    assert f"the deviation changes by +0.00 % to {worst};" in finding
 
 
 def test_every_sensor_is_tuned_by_itself(tmp_path: Path) -> None:
@@ -125,7 +125,7 @@ def test_every_sensor_is_tuned_by_itself(tmp_path: Path) -> None:
     given = answers([0.8, 0.8, 0.8, 0.6, 0.6, 0.6])
     text = section(make_results(tmp_path, SIZES + other, given, experiment="III"))
     assert "Sensor of 10 cm × 10 cm" in text and "Sensor of 30 cm × 30 cm" in text
-    assert len(findings(text)) == 2 and all("where it is +0.0 % off" in each for each in findings(text))
+    assert len(findings(text)) == 2 and all("where it is +0.00 % off" in each for each in findings(text))
 
 
 @pytest.mark.parametrize("experiment", ["I", "II", "III", "IV"])

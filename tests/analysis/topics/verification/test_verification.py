@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +10,8 @@ import numpy as np
 import pytest
 
 from analysis.pipeline import processes
+from analysis.pipeline.stage import NoAnswer
 from analysis.results import machine, store
-from analysis.results.study_results import Failure
 from analysis.topics.verification import (
     cost_section,
     page as verification_page,
@@ -203,22 +202,18 @@ def test_every_truth_has_a_set_up_that_can_be_solved_and_a_file_of_its_own(tmp_p
     assert len({verification_stage.path_of(tmp_path, name) for name in names}) == len(names)
 
 
-Solve = Callable[[str, Path, str, processes.Processes], Failure | None]
-
-
 @pytest.fixture
 def solved(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The rows that are asked to be solved; one called fails does not."""
     names: list[str] = []
 
-    def solve(name: str, target: Path, key: str, _: processes.Processes) -> Failure | None:
+    def answer(name: str, _: processes.Processes) -> store.Document:
         names.append(name)
         if name.endswith("fails"):
-            return Failure("", name, "no memory")
-        store.write_json(target, {"key": key, "row": name, **truth_row(INSIDE)})
-        return None
+            raise NoAnswer("no memory")
+        return {"row": name, **truth_row(INSIDE)}
 
-    monkeypatch.setattr(verification_stage, "solve", solve)
+    monkeypatch.setattr(verification_stage, "answer", answer)
     return names
 
 

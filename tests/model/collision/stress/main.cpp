@@ -19,6 +19,7 @@
 #include "collision/shape_pairs.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/gjk.hpp"
+#include "simd/dispatch.hpp"
 
 /// The stress program of collision queries: random pairs of every class, in units of length from 2^−150 to
 /// 2^150, against linear programming in integers. Every way to ask is asked, and every certificate is
@@ -55,11 +56,12 @@ void count_hulls(const ShapePair& pair, bool truth, Tally& tally) {
   const ShapeAnswer answer = gjk_intersects(a, here, b, here);
   tally.wrong += answer.intersects != truth || intersect(a, here, b, here) != truth ? 1U : 0U;
   tally.unproven += proves(answer, a, here, b, here) ? 0U : 1U;
-  for (const detail::QuickSearch* search : detail::available_searches()) {
+  for (const detail::InstructionSet set : detail::available_instruction_sets()) {
+    const detail::GjkFilter& filter = detail::kernels<detail::GjkFilter>(set);
     const detail::Verdict verdict =
-        search->decide({&a.data().support, here.data()}, {&b.data().support, here.data()});
+        filter.decide({&a.data().support, here.data()}, {&b.data().support, here.data()});
     if (verdict == detail::Verdict::undecided)
-      tally.close += search == &detail::best_search() ? 1U : 0U;
+      tally.close += &filter == &detail::best_kernels<detail::GjkFilter>() ? 1U : 0U;
     else
       tally.wrong += (verdict == detail::Verdict::intersecting) != truth ? 1U : 0U;
   }

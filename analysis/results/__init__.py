@@ -1,0 +1,1 @@
+"""Stored answers and the tables, statistics and symmetries that are computed from them."""

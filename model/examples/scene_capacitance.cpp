@@ -1,0 +1,40 @@
+// The capacitance of a scene file, by several methods.
+//
+// A scene file (geometries/SCENE.md) lists sensors and objects. For each pair of a sensor and an object the
+// model estimates the mutual capacitance: the charge on the grounded object per volt on the sensor. The
+// options choose how:
+//
+//   exact         the thesis' model, ε ∫ dA/d over all triangles, in closed form;
+//   split:4       the same integral by splitting each triangle into 4^4 equal ones;
+//   recommended   the best correction of the model: the reduced method where it knows the scene, else a formula.
+//
+// Run it:  build/examples/scene_capacitance model/examples/hand.toml
+// Expect:  split:4 agrees with exact to 0.01 %, so the integral is right. It is nevertheless 31 %
+// below the answer of "recommended": the model itself, not its evaluation, is what is inaccurate.
+//
+// Output:
+//   exact         front: 2.6755 pF, 1.629 V at the voltage divider
+//   split:4       front: 2.6758 pF, 1.628 V at the voltage divider
+//   recommended   front: 3.8554 pF, 1.412 V at the voltage divider
+
+#include <cstdio>
+
+#include "fringe/capacitance.hpp"
+#include "fringe/scene_reader.hpp"
+
+namespace {
+
+void print(const char* name, const fringe::Scene& scene, const fringe::CapacitanceOptions& options) {
+  for (const fringe::SensorCapacitance& sensor : fringe::capacitance(scene, options).sensors)
+    std::printf("%-12s  %s: %.4f pF, %.3f V at the voltage divider\n", name, sensor.name.c_str(),
+                1e12 * sensor.total, sensor.voltage);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  const fringe::Scene scene = fringe::load_scene(count > 1 ? arguments[1] : "hand.toml");
+  print("exact", scene, {});
+  print("split:4", scene, {.method = fringe::Split{4}});
+  print("recommended", scene, {.correction = fringe::Correction::recommended});
+}

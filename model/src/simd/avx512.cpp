@@ -1,0 +1,26 @@
+// GCC 12 takes the deliberately undefined registers of its own AVX-512 header
+// for mistakes.
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
+
+#include "simd/lanes_avx512.hpp"
+
+#include "simd/all_kernels.hpp"
+
+namespace fringe::detail {
+
+template <>
+struct Registers<InstructionSet::avx512> {
+  using Doubles = LanesAvx512;
+  using Floats = FloatLanesAvx512;
+};
+
+template const BatchKernels& compiled_kernels<BatchKernels, InstructionSet::avx512>();
+template const TreeKernels& compiled_kernels<TreeKernels, InstructionSet::avx512>();
+template const GjkFilter& compiled_kernels<GjkFilter, InstructionSet::avx512>();
+template const ChargeKernels& compiled_kernels<ChargeKernels, InstructionSet::avx512>();
+template const NodeKernels& compiled_kernels<NodeKernels, InstructionSet::avx512>();
+
+}  // namespace fringe::detail

@@ -1,0 +1,50 @@
+"""Every example prints what its header says."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "model" / "examples"
+PROGRAMS = sorted([*EXAMPLES.glob("*.cpp"), *EXAMPLES.glob("*.py")])
+
+
+def header(program: Path) -> str:
+    """The comment at the beginning of a program, without the signs that make it one."""
+    text = program.read_text(encoding="utf-8")
+    if program.suffix == ".py":
+        return text.split('"""')[1]
+    lines = text.split("\n\n")[0].splitlines()
+    return "\n".join(line.removeprefix("//").removeprefix(" ") for line in lines)
+
+
+@pytest.mark.parametrize("program", PROGRAMS, ids=lambda program: program.name)
+def test_an_example_prints_what_its_header_says(program: Path) -> None:
+    lesson, output = header(program).split("Output:\n")
+    run = re.search(r"^Run it: +(.+)$", lesson, re.MULTILINE)
+    assert run is not None and "Expect:" in lesson
+    command = run[1].removeprefix("PYTHONPATH=build/python ").split()
+    command[0] = sys.executable if command[0] == "python3" else str(ROOT / command[0])
+    environment = os.environ | {"PYTHONPATH": str(ROOT / "build" / "python")}
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=True)
+    expected = "\n".join(line[2:] for line in output.rstrip().splitlines())
+    assert done.stdout == expected + "\n"
+
+
+def test_the_build_has_every_example() -> None:
+    listed = re.search(r"foreach\(example ([^)]+)\)", (EXAMPLES / "CMakeLists.txt").read_text())
+    assert listed is not None
+    assert listed[1].split() == [program.stem for program in PROGRAMS if program.suffix == ".cpp"]
+
+
+def test_the_list_has_every_example() -> None:
+    listed = re.findall(
+        r"^\| `([\w.]+)` \|", (EXAMPLES / "README.md").read_text(encoding="utf-8"), re.MULTILINE
+    )
+    assert sorted(listed) == sorted(program.name for program in PROGRAMS)
