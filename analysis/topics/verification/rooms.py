@@ -15,6 +15,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+import fringe
 import numpy as np
 from numpy.typing import NDArray
 
@@ -114,8 +115,6 @@ def _with_images(room: PlatesInRoom, reflections: int) -> tuple[Array, float]:
     The potentials of all plates and images by their charges are the inverse of their Maxwell matrix. An image has the charge of its
     plate times a factor, which leaves the potentials of the plates by their own charges.
     """
-    import fringe
-
     owner = [conductor for conductor, plates in enumerate(room.plates) for _ in plates]
     charged = [
         (number, place, half, factor)
