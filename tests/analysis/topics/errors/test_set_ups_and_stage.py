@@ -44,7 +44,7 @@ def test_there_are_hundreds_of_all_families_and_in_random_poses() -> None:
     everything = all_set_ups()
     count = len({each.id for each in everything})
     assert count >= 300
-    for document in ("README.md", "analysis/topics/errors/ERRORS.md"):
+    for document in ("analysis/GUIDE.md", "analysis/topics/errors/ERRORS.md"):
         assert f"{count} set-ups" in (REPOSITORY / document).read_text()
     families = Counter(each.family for each in everything)
     assert set(families) == {"parallel", "inclined", "edge", "corner", "straddle", "random"}
