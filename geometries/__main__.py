@@ -1,4 +1,4 @@
-"""`python3 -m geometries`: convert meshes, show what a study expands to."""
+"""`python3 -m geometries`: converts meshes, and lists the cases of a study."""
 
 from __future__ import annotations
 

@@ -101,7 +101,7 @@ def test_convert_writes_the_surface_of_another_format(
     ("points", "cells", "reason"),
     [
         (TRIANGLES.reshape(-1, 3), ("line", [[0, 1]]), "holds no triangles"),
-        (TRIANGLES.reshape(-1, 3), ("triangle", [[0, 1, 9]]), "names a vertex that it does not hold"),
+        (TRIANGLES.reshape(-1, 3), ("triangle", [[0, 1, 9]]), "refers to a vertex that does not exist"),
         (np.full((3, 3), np.inf), ("triangle", [[0, 1, 2]]), "not finite"),
     ],
 )
