@@ -161,7 +161,7 @@ def _folder_name(root: Table) -> str:
     name = root.text("name")
     if Path(name).name != name or name in (".", "..") or not name.isprintable():
         raise root.error(
-            "name", f"names the folder of the results and must not contain a path, unlike {name!r} does"
+            "name", f"names the folder of the results and must not contain a path, unlike {name!r}"
         )
     if len(name.encode()) > _LONGEST_FOLDER_NAME:
         raise root.error("name", f"names the folder of the results and may have {_LONGEST_FOLDER_NAME} bytes")

@@ -57,7 +57,7 @@ def test_a_scene_scales_its_mesh_and_finds_it_beside_itself(tmp_path: Path) -> N
         ("points.obj", "v 0 0 0\nv 1 0 0\n", "holds no triangles"),
         ("words.ply", "this is not a mesh", "cannot|not a mesh"),
         ("words.obj", "v a b c\n", "is not a mesh that can be read"),
-        ("index.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n", "vertex that it does not hold"),
+        ("index.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n", "vertex that does not exist"),
         ("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "finite number"),
     ],
 )
