@@ -39,13 +39,13 @@ def main(arguments: list[str] | None = None) -> int:
 def _parser(program: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=program,
-        description="Run a study, also night by night, compare two of them, verify the reference, take the model's error apart, "
-        "show a scene.",
+        description="Run studies and report them, also night by night; compare results; verify the reference; study the model's error "
+        "and its corrections; show a scene.",
         epilog="Exit status: 0 answered; 2 wrong input; 3 a case is short of the asked accuracy, its wider errors are "
         "reported; 1 a case failed, a value moved, or anything else.",
     )
     commands = parser.add_subparsers(dest="command", required=True)
-    run = commands.add_parser("run", help="solve what is not solved yet, then report")
+    run = commands.add_parser("run", help="compute a study's missing answers, then report")
     run.add_argument("study", metavar="STUDY", help="a name in geometries/studies, or a file")
     run.add_argument(
         "--results", type=Path, metavar="DIR", help="where to keep the results (default: results/<study>)"
@@ -56,7 +56,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     run.add_argument(
         "--measure-model",
         action="store_true",
-        help="measure the model by itself, too: run time against error, stability, collisions (five minutes, kept with the results)",
+        help="also measure the model by itself: run time against error, stability, collisions (five minutes; kept with the results)",
     )
     _add_verify(run)
     _add_nightly(commands)
@@ -66,7 +66,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     report.add_argument("results", type=Path, metavar="RESULTS", help="a folder that `run` has filled")
     verify = commands.add_parser(
         "verify",
-        help="hold the reference against known capacitances, and its run time against error (minutes; finished rows are kept)",
+        help="compare the reference with known capacitances, and measure its run time against error (minutes; finished rows are kept)",
     )
     verify.add_argument(
         "--output", type=Path, metavar="DIR", help="where to keep the rows (default: results/verification)"
@@ -76,7 +76,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     )
     errors = commands.add_parser(
         "errors",
-        help="take the model's error apart in hundreds of set-ups, by boundary elements (a minute or two; finished ones are kept)",
+        help="split the model's error into parts in hundreds of set-ups, by boundary elements (a minute or two; finished ones are kept)",
     )
     errors.add_argument(
         "--output", type=Path, metavar="DIR", help="where to keep the answers (default: results/errors)"
@@ -85,10 +85,10 @@ def _parser(program: str) -> argparse.ArgumentParser:
         "--jobs", type=_count, metavar="N", help="set-ups at a time (default: by cores and memory)"
     )
     documentation = commands.add_parser(
-        "documentation", help="make a site of all notes, algorithms and references (needs the model built)"
+        "documentation", help="make a site of all notes, algorithms and references (the model must be built)"
     )
     documentation.add_argument(
-        "--output", type=Path, metavar="DIR", help="where to put it (default: results/documentation)"
+        "--output", type=Path, metavar="DIR", help="where to write the site (default: results/documentation)"
     )
     corrections = commands.add_parser(
         "corrections", help="evaluate the model's corrections against boundary elements, with their run times"
@@ -98,7 +98,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     )
     table = commands.add_parser(
         "table",
-        help="make the published table of capacitances anew (an hour of one core; what is solved already is kept)",
+        help="compute the published table of capacitances (an hour of one core; finished answers are kept)",
     )
     table.add_argument(
         "--answers", type=Path, metavar="DIR", help="where to keep the answers (default: results/published)"
@@ -120,7 +120,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
         "--motion",
         type=Path,
         metavar="FILE",
-        help="its frames (default: SCENE.motion.toml beside it, if any)",
+        help="the frames of its motion (default: SCENE.motion.toml beside it, if any)",
     )
     show.add_argument(
         "--output", type=Path, metavar="FILE", help="the page (default: results/show/<scene>.html)"
@@ -130,7 +130,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
 
 def _add_nightly(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     nightly = commands.add_parser(
-        "nightly", help="run a study by Snakemake, compare with the night before, report the nights"
+        "nightly", help="run a study by Snakemake, compare it with the night before, and report all nights"
     )
     nightly.add_argument("study", metavar="STUDY", nargs="?", default="nightly", help="default: nightly")
     nightly.add_argument("--results", type=Path, metavar="DIR", help="default: results/<study>")
@@ -150,7 +150,7 @@ def _add_nightly(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     job = commands.add_parser("job", help="solve the cases of one job's file; Snakemake calls this")
     job.add_argument("file", type=Path, metavar="FILE")
     difference = commands.add_parser(
-        "diff", help="what has moved between two results; status 1 if anything has"
+        "diff", help="compare two results; status 1 if any value moved by more than its error"
     )
     difference.add_argument("old", type=Path, metavar="OLD", help="a folder of results, or a table.csv")
     difference.add_argument("new", type=Path, metavar="NEW", help="likewise")
@@ -161,7 +161,7 @@ def _add_verify(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--verify",
         action="store_true",
-        help="verify the reference, too, as the command verify does, in the folder verification beside the results",
+        help="also verify the reference, as the command verify does, in the folder verification beside the results",
     )
 
 

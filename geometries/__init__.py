@@ -1,1 +1,1 @@
-"""Set-ups of capacitive sensors: scene files, study files, families of set-ups, triangle meshes. See SCENE.md."""
+"""Set-ups of capacitive sensors: scenes, studies and families of set-ups, triangle meshes. See SCENE.md."""

@@ -1,4 +1,4 @@
-"""`python3 -m geometries`: convert meshes, show what a study expands to."""
+"""`python3 -m geometries`: converts meshes, and lists the cases of a study."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _parser(program: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog=program, description="Convert meshes, show what a study expands to."
+        prog=program, description="Convert meshes, and list the cases of a study."
     )
     commands = parser.add_subparsers(dest="command", required=True)
     convert = commands.add_parser(
-        "convert", help="write a mesh of any format meshio knows as STL, OBJ or PLY"
+        "convert", help="convert a mesh of any format that meshio reads to STL, OBJ or PLY"
     )
     convert.add_argument("source", type=Path, metavar="IN")
     convert.add_argument("target", type=Path, metavar="OUT")
@@ -53,12 +53,12 @@ def _table(chosen: study.Study) -> str:
 
 def _parameters(case: study.Case) -> str:
     return "  ".join(
-        f"{name}={'×'.join(map(_told, value)) if isinstance(value, tuple) else _told(value)}"
+        f"{name}={'×'.join(map(_text, value)) if isinstance(value, tuple) else _text(value)}"
         for name, value in case.parameters.items()
     )
 
 
-def _told(value: float | str) -> str:
+def _text(value: float | str) -> str:
     return value if isinstance(value, str) else f"{value:g}"
 
 

@@ -1,35 +1,102 @@
 """Replaces the measured tables of model/MEASUREMENTS.md: python3 -m analysis.documentation.measurements.
 
-A table stands between the comments `<!-- table N of PROGRAM -->` and `<!-- end -->`: it is the N-th table that the program prints. The
-programs take minutes and should run alone.
+A table stands between the comments `<!-- table N of PROGRAM -->` and `<!-- end -->`: it is the N-th table of what the program measures.
+The programs take some minutes and should run alone.
 """
 
 from __future__ import annotations
 
+import math
 import re
 import subprocess
+import tempfile
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 
 from analysis.pipeline.keys import REPOSITORY
+from geometries.studies import study
 
 PAGE = REPOSITORY / "model" / "MEASUREMENTS.md"
 _TABLE = re.compile(r"(<!-- table (\d+) of (\S+) -->\n).*?(<!-- end -->)", re.DOTALL)
+_REDUCED = "build/bin/reduced_benchmark"
+_GROUP = re.compile(
+    r"^(\S.*): (\d+) set-ups, .* integral takes ([\d.]+) µs in the mean\n((?:  .*\n)+)", re.MULTILINE
+)
+_STEPS = re.compile(
+    r"reduced:(\d) error % median ([\d.]+), worst ([\d.]+); reached (\d+), worst ([\d.]+); covered (\d+); "
+    r"µs mean ([\d.]+), median ([\d.]+), longest ([\d.]+)"
+)
+# The scene files and the two kinds of random poses are in the first table, the bodies of triangles in the second.
+_GROUPS_OF_FUNCTIONS = 3
 
 
 def output_of(program: str) -> str:
-    """What a program of the build prints."""
-    return subprocess.run([REPOSITORY / program], capture_output=True, text=True, check=True).stdout
+    """Runs a program of the build and returns the tables of what it measures."""
+    if program != _REDUCED:
+        return _printed(program)
+    with tempfile.TemporaryDirectory() as name:
+        scenes = []
+        for case in study.load(study.find("default")).cases():
+            if case.family == study.EMPTY:
+                continue
+            scenes.append(Path(name) / f"{case.id}.toml")
+            scenes[-1].write_text(case.text, encoding="utf-8")
+        return reduced_tables(_printed(program, *scenes))
+
+
+def _printed(program: str, *arguments: Path) -> str:
+    return subprocess.run(
+        [REPOSITORY / program, *arguments], capture_output=True, text=True, check=True
+    ).stdout
+
+
+def reduced_tables(printed: str) -> str:
+    """Makes tables of the lines that reduced_benchmark prints."""
+    groups = _GROUP.findall(printed)
+    parts = groups[:_GROUPS_OF_FUNCTIONS], groups[_GROUPS_OF_FUNCTIONS:]
+    return "\n".join(_table(part) for part in parts)
+
+
+def _table(groups: list[tuple[str, str, str, str]]) -> str:
+    lines = [
+        "| | K | error %, median / worst | where reached | µs, mean / median / longest |",
+        "|---|---|---|---|---|",
+    ]
+    for name, count, integral, steps in groups:
+        what = f"{count} set-ups of the default study" if name == "scene files" else f"{name}, {count}"
+        what += f" (the triangle integral: {_time(integral)} µs)"
+        for step, median, worst, reached, worst_reached, covered, *times in _STEPS.findall(steps):
+            if covered != count:
+                raise ValueError(f"{name}, reduced:{step}: {covered} of {count} within the stated errors")
+            reaching = f"{reached}: {_error(worst_reached)}" if int(reached) else "0"
+            lines.append(
+                f"| {what if step == '1' else ''} | {step} | {_error(median)} / {_error(worst)} | {reaching} "
+                f"| {' / '.join(map(_time, times))} |"
+            )
+    return "\n".join(lines) + "\n"
+
+
+def _error(text: str) -> str:
+    """Writes per cents with two significant digits."""
+    value = float(text)
+    return f"{value:.{max(0, 1 - math.floor(math.log10(value)))}f}" if value > 0 else "0"
+
+
+def _time(text: str) -> str:
+    """Writes microseconds with two significant digits, or all before the point."""
+    value = float(text)
+    return f"{value:.0f}" if value >= 10 else f"{value:.1f}"
 
 
 def tables(text: str) -> list[str]:
-    """The tables in a text, each with all its lines."""
+    """Returns the tables in a text, each with all its lines."""
     return re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE)
 
 
-def updated(page: str, printed: Callable[[str], str] = output_of) -> str:
-    """The page with the tables that the programs print now; each program runs once."""
-    once = cache(printed)
+def updated(page: str, measured: Callable[[str], str] = output_of) -> str:
+    """Returns the page with the tables that the programs measure now; each program runs once."""
+    once = cache(measured)
     return _TABLE.sub(lambda found: found[1] + tables(once(found[3]))[int(found[2]) - 1] + found[4], page)
 
 

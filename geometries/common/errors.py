@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 
-# Room for the longest path that the system knows, and for what is said of it.
+# Longest message: room for the longest path of the system, and for the reason.
 _LONGEST = 6000
 
 
@@ -14,11 +14,10 @@ def _one_line(text: str) -> str:
 
 
 class InputError(ValueError):
-    """Wrong input, told as FILE: KEY: REASON, or FILE:LINE: KEY: REASON where the parser knows the line.
+    """Wrong input. The message is FILE: KEY: REASON, or FILE:LINE: KEY: REASON if the parser knows the line.
 
-    `file` and `key` are empty where there is none, for instance in a family called from Python. The message is one line,
-    whatever it names: characters that control a terminal are written out, and the middle of what is too long to be read is left
-    out.
+    `file` and `key` may be empty, for instance in a family called from Python. The message is always one line: control characters
+    are escaped, and the middle of very long texts is left out.
     """
 
     def __init__(self, file: str, key: str, reason: str, line: int | None = None) -> None:

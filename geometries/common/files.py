@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all."""
+"""Writes files so that readers find a whole file or none."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from pathlib import Path
 
 @contextmanager
 def whole_file(target: Path) -> Iterator[Path]:
-    """Returns a temporary name beside `target`, of the same suffix, to write to: renamed at the end, removed after an error.
+    """Gives a temporary file beside `target`, with the same suffix, to write to; it is renamed at the end, or removed after an error.
 
-    What a writer of the same file left that was killed on this machine is removed, too. Unlike tempfile's, the file gets the
-    permissions that the user's umask gives to any other.
+    Files left by killed writers of the same target on this machine are removed, too. Unlike tempfile's, the file has the permissions
+    that the user's umask gives to any other.
     """
     head = f".{target.stem}.{platform.node()}."
     unfinished = target.with_name(f"{head}{os.getpid()}.{threading.get_ident()}{target.suffix}")
@@ -25,7 +25,7 @@ def whole_file(target: Path) -> Iterator[Path]:
         yield unfinished
         os.replace(unfinished, target)
     except OSError as error:
-        # A write that fails does not say what was written.
+        # The error of a failed write does not name the file.
         error.filename = error.filename or str(target)
         raise
     finally:

@@ -1,4 +1,4 @@
-"""Find the Python that has the packages: Debian installs them for its own, and another may stand first on the path."""
+"""Finds the Python that has the packages: Debian installs them for its own, and another may come first on the path."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ DEBIAN_PYTHON = "/usr/bin/python3"
 
 
 def continue_with(module: str) -> None:
-    """Returns if this interpreter has `module`; else run the same command again with Debian's Python, which should.
+    """Returns if this interpreter has `module`; else runs the same command again with Debian's Python.
 
-    Exits with status 1 and a sentence when that has not got it either. Call it before any import that needs packages.
+    Exits with status 1 and a message if that lacks the module, too. Call it before any import that needs packages.
     """
     if importlib.util.find_spec(module) is not None:
         return

@@ -1,4 +1,4 @@
-"""Reading of TOML with an error for everything unexpected: each value is taken by its key and its type."""
+"""Reads TOML strictly: each value is requested by key and type, and anything unexpected is an error."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from geometries.common.errors import InputError
 
 Vector3 = tuple[float, float, float]
 
-# Beyond, products of lengths in the integrals begin to leave the range of numbers.
+# Largest size of a number: beyond it, products of lengths in the integrals overflow.
 LARGEST_NUMBER = 1e30
 _LINE = re.compile(r"\(at line (\d+), column \d+\)")
 
@@ -23,7 +23,7 @@ def read_text(path: Path) -> str:
     if not is_file(path):
         raise InputError(str(path), "", "cannot be read: it does not exist or is not a file")
     try:
-        # In bytes, because the line ends are TOML's affair; a byte order mark at the beginning says nothing.
+        # Read as bytes, because TOML defines the line ends itself; a byte order mark at the beginning is ignored.
         return path.read_bytes().decode("utf-8-sig")
     except OSError as error:
         raise InputError(str(path), "", f"cannot be read: {error.strerror}") from error
@@ -32,8 +32,8 @@ def read_text(path: Path) -> str:
 
 
 def is_file(path: Path) -> bool:
-    """Tells whether a path leads to a regular file: no folder, no device, no pipe, which could take for ever to read. A path that no
-    file can have, of a loop of links for instance, leads to none."""
+    """Tells whether a path leads to a regular file, not to a folder, a device or a pipe, which might never end. An invalid path, for
+    instance a loop of links, leads to none."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -45,10 +45,8 @@ def parse(text: str, source: str) -> Table:
     try:
         values = tomllib.loads(text)
     except RecursionError as error:
-        raise InputError(
-            source, "", "is not TOML that can be read: too many brackets in each other"
-        ) from error
-    # Besides TOMLDecodeError plain ones, for integers of thousands of digits.
+        raise InputError(source, "", "cannot be parsed as TOML: brackets are nested too deeply") from error
+    # ValueError, besides TOMLDecodeError, for integers of thousands of digits.
     except ValueError as error:
         found = _LINE.search(str(error))
         reason = "is not TOML: " + _LINE.sub("", str(error)).strip()
@@ -57,7 +55,7 @@ def parse(text: str, source: str) -> Table:
 
 
 class Table:
-    """One table of a TOML document, taken apart key by key.
+    """One table of a TOML document, read key by key.
 
     `label` is what stands before a key in an error: empty, a key path such as `object[2].shape`, or `object "target":`
     with the name. Keys that were never asked for are refused by `finish`.
@@ -70,7 +68,7 @@ class Table:
         self.label = label
 
     def key(self, name: str) -> str:
-        """Returns the key as an error names it."""
+        """Returns the key as error messages name it."""
         if not self.label:
             return name
         return f"{self.label} {name}" if self.label.endswith(":") else f"{self.label}.{name}"
@@ -93,13 +91,13 @@ class Table:
         return self._values[name]
 
     def finish(self) -> None:
-        """Refuses every key that nothing has asked for."""
+        """Refuses every key that was not requested."""
         for name in self._values:
             if name not in self._asked:
                 raise self.error(name, "unknown key")
 
     def known_format(self, known: int = 1) -> None:
-        """Refuses a document that says it is written in a version of its format other than `known`."""
+        """Refuses a document whose format version is not `known`."""
         version = self.integer("format", known, at_least=1, at_most=1_000_000)
         if version != known:
             raise self.error("format", f"is {version}, and this program knows {known} only")
@@ -158,13 +156,13 @@ class Table:
         if not isinstance(value, (int, float)) or isinstance(value, bool):
             raise self.error(name, f"must be a number, not {value!r}")
         if isinstance(value, int) and not -(2**63) <= value < 2**63:
-            raise self.error(name, "is an integer beyond the 64 bits that TOML gives it")
+            raise self.error(name, "is an integer of more than 64 bits")
         number = float(value)
         if not math.isfinite(number):
             raise self.error(name, f"must be finite, not {value!r}")
         if abs(number) > LARGEST_NUMBER:
             raise self.error(name, f"must be at most {LARGEST_NUMBER:g}, not {value!r}")
-        return number + 0.0  # the sum turns -0.0 into 0.0
+        return number + 0.0  # The sum turns -0.0 into 0.0.
 
     def as_vector(self, name: str, value: Any, length: int) -> tuple[float, ...]:
         """Returns `value`, found at `name`, as a list of `length` finite numbers."""

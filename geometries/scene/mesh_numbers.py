@@ -1,4 +1,4 @@
-"""The numbers of mesh files of text: decimal, finite, and nothing else that Python would take for one."""
+"""Reads numbers of text mesh files: decimal and finite, without the other forms that Python accepts."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ class Damaged(Exception):
 
 
 def shown(word: bytes) -> str:
-    """Returns a word of a file as a message may show it."""
+    """Returns a word of a file in the form that messages show."""
     text = word[:40].decode("ascii", "backslashreplace")
     return repr(text + "…" if len(word) > 40 else text)
 
 
 def decimals(words: Iterable[bytes]) -> NDArray[np.float64]:
-    """Returns the numbers that the words stand for."""
+    """Converts words to numbers."""
     return np.fromiter(map(_decimal, words), dtype=np.float64)
 
 
 def whole(word: bytes) -> int:
     if _WHOLE.fullmatch(word) is None:
-        raise Damaged(f"holds {shown(word)} in the place of a whole number")
+        raise Damaged(f"holds {shown(word)} instead of an integer")
     return int(word)
 
 
 def _decimal(word: bytes) -> float:
     if _DECIMAL.fullmatch(word) is None:
-        raise Damaged(f"holds {shown(word)} in the place of a finite number")
+        raise Damaged(f"holds {shown(word)} instead of a finite number")
     value = float(word)
     if abs(value) == np.inf or (value == 0 and _DIGIT.search(re.split(rb"[eE]", word)[0])):
         raise Damaged(f"holds {shown(word)}, which is beyond the range of numbers")

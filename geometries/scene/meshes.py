@@ -52,7 +52,7 @@ def read_triangles(path: Path, key: str = "") -> Array:
 
 
 def _read_by_meshio(path: Path, key: str) -> Array:
-    # Imported here because it takes a third of a second, and most scenes have no mesh.
+    # Imported here: it takes a third of a second, and most scenes have no mesh.
     import meshio
 
     said = io.StringIO()
@@ -62,7 +62,7 @@ def _read_by_meshio(path: Path, key: str) -> Array:
     except SystemExit as error:
         reason = " ".join(said.getvalue().split())
         raise InputError(str(path), key, f"is not a mesh that can be read: {reason}") from error
-    # meshio reports damaged files by whatever its parsers trip over.
+    # meshio's parsers raise all kinds of errors for damaged files.
     except Exception as error:
         raise InputError(str(path), key, f"is not a mesh that can be read: {error}") from error
     points = np.zeros((len(mesh.points), 3))
@@ -78,7 +78,7 @@ def _read_by_meshio(path: Path, key: str) -> Array:
     if not len(indices):
         raise InputError(str(path), key, "holds no triangles")
     if indices.min() < 0 or indices.max() >= len(points):
-        raise InputError(str(path), key, "names a vertex that it does not hold")
+        raise InputError(str(path), key, "refers to a vertex that does not exist")
     return _checked(points[indices], path, key)
 
 
@@ -86,7 +86,7 @@ def _checked(triangles: Array, path: Path, key: str) -> Array:
     if not len(triangles):
         raise InputError(str(path), key, "holds no triangles")
     if not np.isfinite(triangles).all():
-        raise InputError(str(path), key, "holds a vertex that is not finite")
+        raise InputError(str(path), key, "contains a vertex that is not finite")
     return triangles
 
 

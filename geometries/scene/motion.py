@@ -1,4 +1,4 @@
-"""Motion files read into frames: where the links of a scene are, one picture after the other."""
+"""Reads motion files: frames, each with the poses of a scene's links."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from geometries.scene.scene import Scene
 
 @dataclass(frozen=True)
 class Frame:
-    """One picture: the pose of every link relative to its parent, in the scene's order."""
+    """The pose of every link relative to its parent, in the scene's order."""
 
     name: str
     poses: dict[str, Pose]
@@ -32,7 +32,7 @@ def loads(text: str, scene: Scene, source: str = "motion") -> tuple[Frame, ...]:
     poses = at_rest(scene).poses
     frames = []
     for index, table in enumerate(root.tables("frame")):
-        # A frame's name need not be unique, so errors tell its place.
+        # A frame's name need not be unique, so errors give its index.
         table.label = f"frame[{index}]"
         name = table.text("name", f"frame {index + 1}")
         poses = poses | _moved(table, poses)
@@ -45,7 +45,7 @@ def loads(text: str, scene: Scene, source: str = "motion") -> tuple[Frame, ...]:
 
 
 def at_rest(scene: Scene) -> Frame:
-    """Returns the scene as its file says."""
+    """Returns the frame with the poses of the scene's file."""
     return Frame("as in the scene", {link.name: link.pose for link in scene.links})
 
 

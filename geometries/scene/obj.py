@@ -11,7 +11,7 @@ from geometries.scene.mesh_numbers import Damaged, decimals, shown, whole
 
 Array = NDArray[np.float64]
 
-# Coordinates, and with them a colour that some programs write.
+# Numbers of a vertex: its coordinates, and a colour that some programs add.
 _NUMBERS_OF_VERTEX = (3, 6)
 
 
@@ -31,7 +31,7 @@ def triangles(content: bytes) -> Array:
         if len(corners) < 3:
             raise Damaged(f"has a face of fewer than three vertices in line {line}")
         if max(corners) >= len(vertices):
-            raise Damaged(f"names a vertex that it does not hold in line {line}")
+            raise Damaged(f"refers to a vertex that does not exist in line {line}")
         indices += [(corners[0], here, after) for here, after in zip(corners[1:], corners[2:])]
     if not indices:
         return np.empty((0, 3, 3))
@@ -63,5 +63,5 @@ def _index(corner: bytes, before: int, line: int) -> int:
     """Returns the vertex, from 0, of a corner as 3, 3/1, 3//2 or -1/1/2: by number from 1, or backwards from the last one `before`."""
     number = whole(corner.split(b"/")[0])
     if number == 0 or -number > before:
-        raise Damaged(f"names the vertex {shown(corner)}, which it does not hold, in line {line}")
+        raise Damaged(f"refers to the vertex {shown(corner)}, which does not exist, in line {line}")
     return number - 1 if number > 0 else before + number

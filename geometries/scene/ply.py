@@ -55,7 +55,7 @@ def triangles(content: bytes) -> Array:
         return np.empty((0, 3, 3))
     corners = np.array(indices)
     if corners.min() < 0 or corners.max() >= len(points):
-        raise Damaged("names a vertex that it does not hold")
+        raise Damaged("refers to a vertex that does not exist")
     return np.asarray(points[corners])
 
 
@@ -83,7 +83,7 @@ def _header(content: bytes) -> tuple[str, list[_Element], bytes]:
     if order is None:
         raise Damaged("has a header without a format")
     if any(element.count < 0 for element in elements):
-        raise Damaged("counts fewer than nothing")
+        raise Damaged("has a negative count of elements")
     return order, elements, content[line.end() :]
 
 
@@ -94,7 +94,7 @@ def _property(words: list[bytes]) -> _Property:
     if len(types) == 1:
         return _Property(words[2], _TYPES[types[0]])
     if types[0] in (b"float", b"float32", b"double", b"float64"):
-        raise Damaged("has a list whose length is no whole number")
+        raise Damaged("has a list whose length is not an integer")
     return _Property(words[4], _TYPES[types[1]], _TYPES[types[0]])
 
 
@@ -112,7 +112,7 @@ def _only(elements: list[_Element], name: bytes, scalars: tuple[bytes, ...]) -> 
         if len(lists) != 1:
             raise Damaged("has faces without a list of vertices")
         if lists[0].type.startswith("f"):
-            raise Damaged("has vertices named by fractions")
+            raise Damaged("has vertex indices that are not integers")
     return found[0]
 
 
@@ -159,11 +159,11 @@ class _Bytes:
         return values
 
     def columns(self, element: _Element, names: tuple[bytes, ...]) -> list[Array]:
-        # Two properties may have one name: they are told by their place.
+        # Two properties may have the same name, so they are identified by their index.
         places = {known.name: f"{at}" for at, known in enumerate(element.properties)}
         kind = np.dtype([(f"{at}", self._order + known.type) for at, known in enumerate(element.properties)])
         values = self._take(kind, element.count)
-        with np.errstate(invalid="ignore"):  # what is not finite is refused with its mesh
+        with np.errstate(invalid="ignore"):  # Values that are not finite are refused with their mesh.
             return [values[places[name]].astype(np.float64) for name in names]
 
     def number(self, kind: str) -> int:
@@ -211,7 +211,7 @@ def _fans(element: _Element, source: _Source) -> list[tuple[int, int, int]]:
 
 def _skip(element: _Element, source: _Source) -> None:
     if not element.properties:
-        return  # takes no bytes, however many there are said to be
+        return  # An element without properties takes no bytes, whatever its count.
     for _ in range(element.count):
         for known in element.properties:
             _skip_value(known, source)
@@ -224,5 +224,5 @@ def _skip_value(known: _Property, source: _Source) -> None:
 def _length(known: _Property, source: _Source) -> int:
     length = source.number(known.length)
     if length < 0:
-        raise Damaged("has a list of fewer than no values")
+        raise Damaged("has a negative list length")
     return length

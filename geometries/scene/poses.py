@@ -13,8 +13,8 @@ Array = NDArray[np.float64]
 
 
 def unit(vector: tuple[float, ...]) -> Array:
-    """Returns the vector of length 1 in the same direction. Neither a tiny nor a huge one may leave the range of numbers, so it is
-    brought to the size of 1 first, by a power of 2, which changes no digit."""
+    """Returns the vector of length 1 in the same direction. It is first scaled by a power of 2 to
+    about 1, so that tiny and huge vectors neither underflow nor overflow."""
     exponent = math.frexp(max(abs(value) for value in vector))[1]
     scaled = np.array([math.ldexp(value, -exponent) for value in vector])
     return np.asarray(scaled / np.linalg.norm(scaled))
@@ -31,7 +31,7 @@ class AxisRotation:
         """Returns the rotation matrix (3, 3), by Rodrigues' formula."""
         x, y, z = unit(self.axis)
         cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-        # Whole turns are taken off where that is exact: in degrees.
+        # Whole turns are removed in degrees, where that is exact.
         angle = math.radians(math.remainder(self.degrees, 360.0))
         return np.asarray(np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * (cross @ cross))
 

@@ -1,4 +1,4 @@
-"""Scene files read into scenes. Whatever SCENE.md does not allow is an InputError naming file, key and reason."""
+"""Reads scene files. Anything that SCENE.md does not allow is an InputError that names file, key and reason."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ from geometries.scene.shapes import (
     Sphere,
 )
 
-# How far from a right angle a plate's edges may be: |cos|, generous to coordinates written with ten digits.
+# Largest |cos| of the angle between a plate's edges: allows for coordinates with ten digits.
 _RIGHT_ANGLE_TOLERANCE = 1e-9
-# A shape of more would fill the memory; a mesh of as many is half a gigabyte.
+# Largest number of triangles of a shape: a mesh of as many takes half a gigabyte.
 _MOST_TRIANGLES = 10_000_000
 _POTENTIALS = ("grounded", "floating")
 
@@ -126,7 +126,7 @@ def _distance_sensor(table: Table) -> DistanceSensor:
 def _object(table: Table) -> Object:
     name = table.text("name")
     if table.has("material") and table.has("potential"):
-        raise table.error("material", "excludes potential: a dielectric body has none")
+        raise table.error("material", "excludes potential: a dielectric body has no potential")
     potential = table.text("potential", "grounded")
     if potential not in _POTENTIALS:
         raise table.error("potential", f"must be one of {', '.join(_POTENTIALS)}, not {potential!r}")
@@ -153,10 +153,10 @@ def _pose(table: Table) -> Pose:
 
 
 def rotation(table: Table) -> Rotation:
-    """Returns the rotation that `rotation` or `quaternion` of a link, an object or a frame's pose describe; none when absent."""
+    """Reads the rotation of a link, an object or a frame's pose from `rotation` or `quaternion`; none if both are absent."""
     if table.has("quaternion"):
         if table.has("rotation"):
-            raise table.error("quaternion", "stands in the place of rotation: give one of them")
+            raise table.error("quaternion", "excludes rotation: give one of them")
         return _quaternion(table)
     if not table.has("rotation"):
         return AxisRotation()
@@ -248,7 +248,7 @@ def _arc(table: Table) -> Arc:
 
 
 def _sphere(table: Table) -> Sphere:
-    # About the square of their number.
+    # The number of triangles is about its square.
     return Sphere(table.positive("radius"), _segments(table, math.isqrt(_MOST_TRIANGLES)))
 
 
@@ -293,7 +293,7 @@ def _check_names(scene: Scene, source: str) -> None:
         seen: set[str] = set()
         for kind, name in group:
             if name in seen:
-                raise InputError(source, f'{kind} "{name}": name', "is taken already")
+                raise InputError(source, f'{kind} "{name}": name', "is already used")
             seen.add(name)
 
 
@@ -310,7 +310,7 @@ def _check_links(scene: Scene, source: str) -> None:
             raise InputError(source, key, f"there is no link {name!r}")
     rooted: set[str] = set()
     for start in parents:
-        # A dictionary keeps the order, and finds a name at once.
+        # A dictionary keeps the order and finds a name quickly.
         chain: dict[str, None] = {start: None}
         name = parents[start]
         while name is not None and name not in rooted:

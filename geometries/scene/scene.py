@@ -12,7 +12,7 @@ from geometries.scene.shapes import Shape
 
 Array = NDArray[np.float64]
 
-# The sensor's electronics in the thesis, section 5.3.5.
+# Defaults of the sensor's electronics: thesis, section 5.3.5.
 DEFAULT_INPUT_VOLTAGE = 2.5
 DEFAULT_COUPLING_CAPACITANCE = 5e-12
 
@@ -88,7 +88,7 @@ class Object:
 
 @dataclass(frozen=True)
 class Scene:
-    """All of a set-up. `reader.load` checks what is asked of a scene; made in Python it is taken as it is."""
+    """A whole set-up. `reader.load` checks scenes from files; a scene made in Python is not checked."""
 
     medium: Medium = Medium()
     links: tuple[Link, ...] = ()

@@ -1,4 +1,4 @@
-"""STL files. What counts is the length: a file as long as its count of triangles says is one of bytes, whatever it begins with."""
+"""Reads STL files. A file is binary if its length fits its count of triangles, whatever its first bytes are."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from geometries.scene.mesh_numbers import Damaged, decimals, shown
 Array = NDArray[np.float64]
 
 _HEADER, _FACET = 84, np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-# One facet of a text, a word each; None stands for a number.
+# The words of one facet in a text file; None stands for a number.
 _WORDS = (
     [b"facet", b"normal", None, None, None, b"outer", b"loop"]
     + [b"vertex", None, None, None] * 3
@@ -25,10 +25,12 @@ def triangles(content: bytes) -> Array:
         count = int.from_bytes(content[_HEADER - 4 : _HEADER], "little")
         if len(content) == _HEADER + count * _FACET.itemsize:
             facets = np.frombuffer(content, _FACET, count, _HEADER)
-            with np.errstate(invalid="ignore"):  # what is not finite is refused with its mesh
+            with np.errstate(invalid="ignore"):  # Values that are not finite are refused with their mesh.
                 return np.asarray(facets["corners"], dtype=np.float64)
     if not content.lstrip().startswith(b"solid"):
-        raise Damaged("is neither text that begins with 'solid' nor as long as its count of triangles says")
+        raise Damaged(
+            "is neither text that begins with 'solid' nor a binary file of the length that its count of triangles requires"
+        )
     return _of_text(content)
 
 
@@ -45,7 +47,7 @@ def _of_text(content: bytes) -> Array:
                 raise Damaged(f"has {shown(in_line[0])} outside of any solid in line {number}")
             inside = True
             continue
-        # Between two facets; what follows is the solid's name, as it is behind 'solid'.
+        # Between two facets; the solid's name follows, as after 'solid'.
         begun = len(words)
         end = next(
             (

@@ -1,4 +1,4 @@
-"""Scenes written as TOML, in one form for each scene, and their identity."""
+"""Writes scenes as canonical TOML and computes their identity."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def identity(scene: Scene) -> str:
 
 
 def canonical_and_identity(scene: Scene) -> tuple[str, str]:
-    """Returns both of the above; where no mesh is in the scene, one text makes both."""
+    """Returns canonical text and identity; without a mesh, one text serves for both."""
     text = canonical(scene)
     if any(isinstance(body.shape, MeshShape) for body in scene.objects):
         return text, identity(scene)
@@ -43,7 +43,7 @@ def _text(scene: Scene, mesh_source: MeshSource) -> str:
     return "\n".join(filter(None, [_text_around(*around, repr(around)), _dumps("object", objects)]))
 
 
-# In a sweep nothing differs but the objects. 1 and 1.0 are equal, their texts are not: `exactly` tells them apart.
+# In a sweep only the objects differ. `exactly` distinguishes 1 and 1.0, which are equal but have different texts.
 @functools.lru_cache(maxsize=64)
 def _text_around(
     medium: Medium,

@@ -1,9 +1,8 @@
 """Families of set-ups: a rectangular sensor, a target, a few named lengths and angles.
 
 The sensor "sensor" is the rectangle of `sensor_size` = (x, y) centred at the origin in the plane z = 0, with normal +z.
-The target "target" is a grounded plate of `target_size`, if nothing else is said. Every length is in metres, every angle in degrees. Space around the
-sensor has three regions: I in front of the plate, II beside an edge, III diagonal to a corner. Parameters that make no
-set-up of the family are refused with an InputError that names the parameter.
+The target "target" is a grounded plate of `target_size`, unless a family says otherwise. Lengths are in metres, angles in degrees. Space around the sensor has three regions: I in front of the plate, II beside an edge, III diagonal to a corner. Parameters
+outside the family are refused with an InputError that names the parameter.
 """
 
 from __future__ import annotations
@@ -172,7 +171,7 @@ def box(
         raise InputError("", "material", f"must be one of {', '.join(MATERIALS)}, not {material!r}")
     if (material == DIELECTRIC) != (relative_permittivity != 1):
         raise InputError(
-            "", "relative_permittivity", "other than 1 is for a dielectric target, which needs it"
+            "", "relative_permittivity", "must differ from 1 for a dielectric target, and only there"
         )
     target = Object(
         "target",
@@ -217,7 +216,7 @@ def _scene(
     return Scene(sensors=sensor_alone.sensors, objects=(target,))
 
 
-# Sweeps have few plates and angles, and many places for them.
+# Cached: a sweep has few plates and angles, and many positions.
 @functools.lru_cache(maxsize=1024)
 def _box(shape: PlateShape, rotation: Rotation) -> Array:
     """Returns the bounding box (2, 3) of a rotated plate, lowest and highest coordinates."""

@@ -1,4 +1,4 @@
-"""The family "scene" of a study: a scene file of one's own as it stands, or one case for every frame of a motion."""
+"""The family "scene" of a study: a scene file by itself, or one case for every frame of a motion."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ FAMILY = "scene"
 
 
 def scenes(sweep: Table) -> Iterator[tuple[dict[str, str], Scene]]:
-    """Returns the parameters and the scene of each case. Files are looked for beside the study; InputError names the one that is wrong."""
+    """Returns the parameters and the scene of each case. Paths are relative to the study; InputError names a wrong file."""
     scene = reader.load(_beside(sweep, "file"))
     frames = motion.load(_beside(sweep, "motion"), scene) if sweep.has("motion") else (motion.at_rest(scene),)
     stem = Path(sweep.text("file")).stem
     sweep.finish()
     if not scene.sensors:
-        raise InputError(sweep.source, sweep.key("file"), "the scene has no sensor to ask")
+        raise InputError(sweep.source, sweep.key("file"), "the scene has no sensor")
     for number, frame in enumerate(frames, start=1):
         links = tuple(replace(link, pose=frame.poses[link.name]) for link in scene.links)
         yield {"scene": stem, "frame": f"{number} {frame.name}"}, replace(scene, links=links)

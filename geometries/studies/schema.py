@@ -1,4 +1,4 @@
-"""The JSON schema of study files, from the families' parameters: `python3 -m geometries.studies.schema` writes it anew."""
+"""`python3 -m geometries.studies.schema`: writes the JSON schema of study files from the families' parameters."""
 
 from __future__ import annotations
 

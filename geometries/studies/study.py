@@ -1,4 +1,4 @@
-"""Study files: which set-ups to compare, how exactly to solve them, which methods of the model to try.
+"""Reads study files: the set-ups to compare, the accuracy of the reference, and the methods of the model.
 
 A file with every key there is::
 
@@ -59,9 +59,9 @@ ERROR_KINDS = ("estimate", "enclosure", NO_REFERENCE)
 EXPERIMENTS = ("I", "II", "III", "IV", "V", "VI")
 
 _METHOD = re.compile(r"exact|split:\d{1,2}|gauss:\d{1,2}")
-# Ten times what plans in seconds and runs for months.
+# Largest number of cases: ten times a study that is planned in seconds and runs for months.
 _MOST_CASES = 1_000_000
-# As most file systems have it.
+# Longest name in most file systems.
 _LONGEST_FOLDER_NAME = 255
 _STUDIES = Path(__file__).parent
 IDENTITY_DIGITS = 16
@@ -110,7 +110,7 @@ def empty_case(case: Case) -> Case:
     return _empty_case(case.parameters.get("sensor_size"), scene_sweep.without_objects(case.scene))
 
 
-# Sweeps have few sensors and many cases.
+# Cached: sweeps have few sensors and many cases.
 @functools.cache
 def _empty_case(sensor_size: Parameter | None, scene: Scene) -> Case:
     return _case(EMPTY, {} if sensor_size is None else {"sensor_size": sensor_size}, scene)
@@ -124,7 +124,7 @@ def find(study: str) -> Path:
     if is_file(Path(study)):
         return Path(study)
     known = ", ".join(sorted(path.stem for path in _STUDIES.glob("*.toml")))
-    raise InputError(study, "", f"is neither a study file nor one of the studies here: {known}")
+    raise InputError(study, "", f"is neither a study file nor one of the known studies: {known}")
 
 
 def load(path: Path | str) -> Study:
@@ -160,7 +160,9 @@ def loads(text: str, source: str = "study") -> Study:
 def _folder_name(root: Table) -> str:
     name = root.text("name")
     if Path(name).name != name or name in (".", "..") or not name.isprintable():
-        raise root.error("name", f"names the folder of the results and may hold no path, as {name!r} does")
+        raise root.error(
+            "name", f"names the folder of the results and must not contain a path, unlike {name!r}"
+        )
     if len(name.encode()) > _LONGEST_FOLDER_NAME:
         raise root.error("name", f"names the folder of the results and may have {_LONGEST_FOLDER_NAME} bytes")
     return name
@@ -229,12 +231,11 @@ def _sweep(sweep: Table) -> Iterator[Case]:
 
 
 def _values(sweep: Table, name: str, kind: object) -> list[Parameter]:
-    """What a parameter takes in turn: one value when the key holds one, else those of a list or a range. `kind` is float, str,
-    or else a vector."""
+    """Returns the values of a parameter: a single one, or those of a list or a range. `kind` is float, str, or else a vector."""
     value = sweep.value(name)
     if isinstance(value, dict):
         if kind is not float:
-            raise sweep.error(name, "a range is for a number; give a list")
+            raise sweep.error(name, "only numbers may be given as a range; give a list")
         return _range(sweep.table(name))
     if kind is str:
         texts = value if isinstance(value, list) else [value]
@@ -275,7 +276,7 @@ def _combinations(
     lengths = {name: len(swept) for name, swept in values.items() if len(swept) > 1}
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"{name} {length}" for name, length in lengths.items())
-        raise sweep.error("combine", f"zip needs lists of one length, not {told}")
+        raise sweep.error("combine", f"zip needs lists of equal length, not {told}")
     for index in range(max(lengths.values(), default=1)):
         yield {name: swept[index] if len(swept) > 1 else swept[0] for name, swept in values.items()}
 

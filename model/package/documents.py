@@ -32,7 +32,7 @@ _SUMMARIES = {
     "fringe": "what a capacitive proximity sensor feels, by a fast model",
     "fringe-reference": "the Maxwell capacitance matrix of a scene by finite elements",
     "fringe-analysis": "compare the model with the reference, and report",
-    "fringe-geometries": "convert meshes, show what a study expands to",
+    "fringe-geometries": "convert meshes, and list the cases of a study",
 }
 
 

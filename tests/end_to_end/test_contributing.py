@@ -35,3 +35,13 @@ def test_the_map_has_every_folder(parent: str) -> None:
     below = [Path(file).relative_to(parent).parts for file in listed.stdout.splitlines()]
     drawing = CONTRIBUTING.split("```")[1]
     assert not {parts[0] for parts in below if len(parts) > 1 and f"{parts[0]}/" not in drawing}
+
+
+def test_the_source_files_that_the_notes_name_exist() -> None:
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
+    files = [Path(file) for file in listed.stdout.splitlines()]
+    for note in (file for file in files if file.suffix == ".md"):
+        for name in re.findall(
+            r"`([\w./*]+\.(?:cpp|hpp|py|js|css))`", (ROOT / note).read_text(encoding="utf-8")
+        ):
+            assert any(file.match(name) for file in files), f"{note}: {name}"

@@ -95,7 +95,6 @@ ELSEWHERE = {
     "python3 -m tests.analysis.nightly.kill_nights": ("analysis/nightly/test_night.py", "test_nights_that_are_killed_lose_nothing_and_leave_nothing_in_the_way", "kill_nights"),
     "python3 -m tests.faults.run": ("faults/test_faults.py", "test_nothing_is_lost_it_is_told_and_the_next_run_completes", "faults.run"),
     "python3 -m tests.model.instruction_counts": ("model/test_instruction_counts.py", "test_recording_tells_every_change", "instruction_counts"),
-    "reduced_benchmark results/default/cases/*/scene.toml": ("end_to_end/test_documented_commands.py", "test_a_command_works", "reduced_benchmark"),
     "tests/end_to_end/one_machine_slurm start results/slurm": ("analysis/nightly/kill_cluster_nights.py", "one_machine", "one_machine_slurm"),
     "tests/end_to_end/one_machine_slurm stop results/slurm": ("analysis/nightly/kill_cluster_nights.py", "one_machine", "one_machine_slurm"),
     "tests/end_to_end/one_machine_slurm": ("analysis/nightly/kill_cluster_nights.py", "one_machine", "one_machine_slurm"),

@@ -20,8 +20,8 @@ _FORMULA, _WITHOUT_CONSTANTS = "formula", "recommended"
 class Evaluation:
     """One correction. `open_`: two thirds of the set-ups, on which constants were fitted; `sealed`: the others.
 
-    `left_out`: errors of cross-validation by family, over all families. For the formula, its constants are fitted to the open set-ups
-    of the other families; for a correction that is right up to a factor, that factor is; others have nothing to fit.
+    `left_out`: errors of cross-validation by family, over all families. The constants of the formula, and a factor of
+    every other correction, are fitted to the open set-ups of the other families; `recommended` has nothing to fit.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""The table and its checks as CSV files, and back."""
+"""Writes and reads the table and its checks as CSV files."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _PARTS = {"": "best", "_error": "error", "_low": "low", "_high": "high"}
 
 @dataclass(frozen=True)
 class Check:
-    """A value of the field solver (pF) with its error, beside the table's."""
+    """A value of the field solver and of the table (pF), each with its error."""
 
     case: str
     quantity: str
@@ -33,7 +33,7 @@ class Check:
 
     @property
     def difference(self) -> float:
-        """Relative to the table's value."""
+        """The difference relative to the table's value."""
         return self.value / self.best - 1
 
     @property
@@ -42,12 +42,12 @@ class Check:
 
 
 def to_csv(found: list[Row]) -> str:
-    """Returns a line for each set-up; metres, degrees, picofarad."""
+    """Writes a line for each set-up; metres, degrees, picofarad."""
     return _text([_record(row) for row in found])
 
 
 def from_csv(text: str) -> list[Row]:
-    """Returns the rows of the table."""
+    """Reads the rows of the table."""
     return [_row(record) for record in csv.DictReader(io.StringIO(text))]
 
 

@@ -1,4 +1,4 @@
-"""The page beside the table: what is in it, how it was proven, and figures that are computed from the files."""
+"""The page beside the table: its contents, the proof of its bounds, and numbers computed from the files."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ To cite it, name the project, the file and its sha256: `sha256sum {table}`.
 
 
 def headline(found: list[Row], checks: list[Check]) -> str:
-    """Returns how many set-ups and values, how sure."""
+    """Tells the number of set-ups and values, and their accuracy."""
     values = len(found) * len(QUANTITIES)
     return (
         f"{len(found)} set-ups of a plate above, beside and diagonal to a square plate, {values} values: mutual, both own capacitances and "
@@ -103,7 +103,7 @@ def text(found: list[Row], checks: list[Check]) -> str:
 
 
 def check_finding(checks: list[Check]) -> str:
-    """Returns how far the field solver's own best values are away."""
+    """Tells how far the field solver's own best values are from the table's."""
     agreeing = sum(check.agrees for check in checks)
     differences = [abs(check.difference) for check in checks]
     cases = len({check.case for check in checks})

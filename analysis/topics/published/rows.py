@@ -1,4 +1,4 @@
-"""From bounds of two methods to the rows of the table: each value with what it is sure to and between what it must lie."""
+"""Computes the rows of the table: each value with its stated error and the bounds that two methods prove."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 MUTUAL, SENSOR, TARGET, DELTA_SELF = "mutual", "self_sensor", "self_target", "delta_self"
 QUANTITIES = (MUTUAL, SENSOR, TARGET, DELTA_SELF)
-# Of a bound as it is written down, in pF: rounded away from the truth.
+# Decimals of a bound in pF; it is rounded away from the truth.
 _DECIMALS = 6
 
 
@@ -34,7 +34,7 @@ class Value:
 
     @property
     def half_width(self) -> float:
-        """Of the interval, relative to the best value."""
+        """Half the width of the interval, relative to the best value."""
         return (self.high - self.low) / (2 * self.best)
 
 
@@ -60,8 +60,8 @@ class Alone:
 def lower_matrix(boundary: Document) -> Array:
     """Returns a matrix (n, n) that M exceeds by a positive semidefinite one, farads.
 
-    Galerkin's matrix is one, were it not for the integrals' errors: e[i, j], the stated errors, of which these are a part, are taken
-    off as the diagonal matrix of their row sums, which exceeds every symmetric matrix whose entries are at most e[i, j].
+    Galerkin's matrix with exact integrals is one. The quadrature errors are part of the stated errors e[i, j]: the diagonal matrix of
+    their row sums is subtracted, which exceeds every symmetric matrix whose entries are at most e[i, j] in size.
     """
     if not all(boundary["lower_bounds"]):
         raise ValueError("the integrals of the boundary elements are not accurate enough for a lower bound")
@@ -114,7 +114,7 @@ def half_widths(found: Iterable[Row], quantity: str) -> Array:
 
 
 def worst_error(found: Iterable[Row]) -> float:
-    """Returns the largest stated error of any best value, relative to it."""
+    """Returns the largest relative stated error of the best values."""
     return max(value.error / value.best for row in found for value in row.values.values())
 
 
@@ -136,7 +136,7 @@ def _upwards(error: float) -> float:
 
 
 def _numbers(case: Case) -> dict[str, float]:
-    """Returns the parameters that vary; a gap that is the same along both axes is one number."""
+    """Returns the parameters as numbers; a gap that is the same along both axes is one number."""
     told: dict[str, float] = {}
     for name, value in case.parameters.items():
         if name == "sensor_size" or isinstance(value, str):

@@ -1,4 +1,4 @@
-"""The published table as a section of a report: a plot whose points open the set-ups, and the page that shows them."""
+"""The section on the published table: a plot whose points open the set-ups, and the page that shows these."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def _shown(row: Row, case: Case) -> Shown:
 
 
 def _told(row: Row, case: Case) -> str:
-    """Returns its parameters in words."""
+    """Describes a row's parameters in words."""
     (plate,) = case.scene.sensors[0].plates
     sides = (f"{np.linalg.norm(edge) / CENTIMETRE:g}" for edge in (plate.edge_u, plate.edge_v))
     told = [f"Sensor {' × '.join(sides)} cm"]

@@ -1,4 +1,4 @@
-"""What the table is made from: bounds and best values of each set-up, kept under keys; what is there is not done again."""
+"""Computes bounds and best values of each set-up of the published table; finished answers are kept."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ from geometries.studies import study
 from geometries.studies.study import EMPTY, Case, Study
 
 FOLDER = "published"
-"""Of the answers, beside the folders of the studies' results."""
+"""The folder of the answers, beside the folders of the studies' results."""
 STUDY = "published"
 UPPER, BOUNDARY = "upper.json", "boundary.json"
 
 REFINEMENT = 2.0
-"""Of the mesh for an upper bound, over the field solver's coarsest: seconds for each set-up."""
+"""Refinement of the mesh for an upper bound, relative to the field solver's coarsest mesh."""
 REFINEMENT_ALONE = 16.0
-"""The same for the sensor alone, which every delta_self is measured against."""
+"""Refinement for the sensor alone, whose capacitance enters every delta_self."""
 RTOLS = (5e-5, 2e-5, 1e-5)
-"""Asked of boundary elements, one after the other, until four digits of every quantity are sure."""
+"""Relative accuracies asked of boundary elements in turn, until every quantity is known to four digits."""
 FOUR_DIGITS = 5e-5
 CHECKED_EACH = 60
-"""One set-up in so many is also solved by the field solver as in any study."""
+"""Every so many set-ups, one is also solved by the field solver as in any study."""
 
-# The command that solves several scenes loads and compiles for seconds first.
+# Cases per process: each process first needs seconds for loading and compiling.
 _CASES_PER_PROCESS = 8
 _SECONDS_UPPER, _SECONDS_CHECK, _SECONDS_BOUNDARY = 3.0, 12.0, 0.5
 
 
 def cases() -> list[Case]:
-    """Returns the set-ups, and at last the sensor alone."""
+    """Returns the set-ups and, last, the sensor alone."""
     return _asked().cases()
 
 
@@ -51,7 +51,7 @@ def checked(found: list[Case]) -> list[Case]:
 
 
 def run(folder: Path, workers: int | None = None) -> list[Failure]:
-    """Does what is missing or out of date; returns the failures."""
+    """Computes the missing and outdated answers; returns the failures."""
     found = cases()
     for case in found:
         scene = case_folder(folder, case.id) / SCENE
@@ -89,7 +89,7 @@ def boundary(module: Any, scene: Path) -> Document:
 
 
 def worst_error(solved: Document) -> float:
-    """Returns the largest stated error of what the table holds, relative to each; of a sensor alone that of its own entry."""
+    """Returns the largest relative stated error of the table's quantities; of a sensor alone, that of its own entry."""
     errors = [solved["error"][i][j] / abs(solved["maxwell"][i][j]) for i, j in _entries(solved["maxwell"])]
     if len(solved["maxwell"]) > 1:
         change = solved["delta_self"]["sensor"]
@@ -127,7 +127,7 @@ def _stages(
     seconds: float,
     answer: Callable[[Path, Processes], Document],
 ) -> list[Stage]:
-    """Returns the stages of the cases without an answer of today."""
+    """Returns the stages of the cases whose answers are missing or outdated."""
     places = [(case, case_folder(folder, case.id)) for case in found]
     return outdated(
         [
@@ -146,7 +146,8 @@ def _stages(
 
 @dataclass(frozen=True)
 class UpperBounds:
-    """A job that computes the upper bounds of several cases in one process, which stores each of them. `works` are what it takes."""
+    """A job that computes the upper bounds of several cases in one process, which stores each of them. `works` are the
+    process's arguments."""
 
     works: tuple[Document, ...]
 
@@ -194,7 +195,7 @@ def _key(case: Case, file: str) -> str:
 
 @functools.cache
 def _code(file: str) -> str:
-    """Returns the version of what makes an answer; once, since there are hundreds."""
+    """Returns the version of the code that makes an answer; cached, because it is needed for hundreds of cases."""
     if file == BOUNDARY:
         return keys.model_code()
     own = [] if file == REFERENCE else [REPOSITORY / "analysis" / "topics" / "published" / "upper_bound.py"]

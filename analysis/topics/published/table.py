@@ -1,4 +1,4 @@
-"""`python3 -m analysis table`: solve what is missing, then write the table, its checks and the page that explains them."""
+"""`python3 -m analysis table`: computes missing answers, then writes the table, its checks and the page that explains them."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ from analysis.topics.published.rows import Row
 from geometries.studies.study import EMPTY, Case
 
 PLACE = Path(__file__).parent
-"""Of the table as published."""
+"""The folder of the published table."""
 
 
 @dataclass(frozen=True)
 class Made:
-    """What failed, and a sentence on the table; without a table it is empty."""
+    """The failures, and a sentence on the table, which is empty without a table."""
 
     failures: list[Failure]
     headline: str
 
 
 def make(answers: Path, target: Path, workers: int | None = None) -> Made:
-    """Brings the answers up to date and write the files; nothing is written while a set-up lacks an answer."""
+    """Computes the missing answers and writes the files; nothing is written while a set-up lacks an answer."""
     failures = stage.run(answers, workers)
     if failures:
         return Made(failures, "")
     found, checks = collected(answers)
     write_text(target / files.TABLE, files.to_csv(found))
     write_text(target / files.CHECKS, files.checks_to_csv(checks))
-    # The page tells what is in the files, so what was written is read.
+    # The page describes the files, so it is made from what was written to them.
     write_text(target / files.PAGE, page.text(*files.load(target)))
     return Made([], page.headline(*files.load(target)))
 

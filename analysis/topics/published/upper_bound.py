@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Bound:
-    """`upper` − M is positive semidefinite, `value` is what the mesh makes of M (n, n); farads."""
+    """`upper` − M is positive semidefinite, `value` is the mesh's approximation of M (n, n); farads."""
 
     upper: Array
     value: Array
@@ -40,7 +40,7 @@ class Bound:
 
 
 def bound(scene: Path, refinement: float) -> Bound:
-    """Meshes a scene of grounded conductors in free space once and solve it; `refinement` divides the sizes at the edges of the
+    """Solves a scene of grounded conductors in free space on one mesh; `refinement` divides the element sizes at the edges of the
     coarsest mesh."""
     start = time.monotonic()
     problem = conductors(reader.load(scene), str(scene))
@@ -71,8 +71,8 @@ def document(found: Bound) -> Document:
 
 
 def main(text: str) -> int:
-    """Solves the scenes of a JSON list of objects with `scene`, `target`, `key` and `refinement`, and store each answer; returns
-    how many failed."""
+    """Solves the scenes of a JSON list of objects with `scene`, `target`, `key` and `refinement`, and stores each answer; returns
+    the number of failures."""
     failed = 0
     for work in json.loads(text):
         try:

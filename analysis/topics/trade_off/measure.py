@@ -1,7 +1,7 @@
 """`python3 -m analysis.topics.trade_off.measure RESULTS TARGET`: every method of the module on every pair of plates of a study.
 
-All run on one core. Methods take turns at every pose, so that what else the machine does disturbs all alike; a time is that
-of one pose, after a move, of what knows the bodies already; the smallest of several, since anything else only adds to it.
+All run on one core. Methods take turns at every pose, so that other work on the machine disturbs all alike. A time is that of one
+pose after a move, with the bodies already prepared; the smallest of several, because disturbances only add to it.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from geometries.scene.scene import Link, Scene
 from geometries.scene.writer import canonical
 
 TRUTH_RTOL = 3e-6
-"""About the strictest that boundary elements reach with the functions they have; where they do not, the truth's error says so."""
+"""Relative accuracy of the truth: about the best that boundary elements reach; where they miss it, the truth's error says so."""
 LEVELS = tuple(range(9))
 RTOLS = ("1e-2", "1e-3", "1e-4", "1e-5")
 STEPS = (1, 2, 3)
 _TURNS = 5
 _POSES = 5
-"""Asked in one turn: a scene that moves finds its code and its bodies in the processor's caches."""
-# Milliseconds and more: what disturbs them is short beside them.
+"""Poses per turn: the second one finds code and bodies in the processor's caches, as a moving scene does."""
+# Methods that take milliseconds and more: disturbances are short compared with them.
 _TURNS_OF_BOUNDARY_ELEMENTS = {"1e-2": 5, "1e-3": 5, "1e-4": 2, "1e-5": 1}
 _MOVER = "what moves"
 _AT_HOME = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
@@ -133,7 +133,7 @@ def _matrix(**options: Any) -> Callable[[Any], tuple[float, float]]:
 
 
 def main(folder: str, target: str) -> None:
-    """Measures the pairs of plates in a folder of results on one core; write the answer."""
+    """Measures the pairs of plates in a folder of results on one core, and writes the answer."""
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     cases = [case for case in results.load(Path(folder)).compared() if case.set_up is not None]
     write_json(Path(target), measured(model_module(), cases))

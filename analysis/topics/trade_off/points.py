@@ -1,4 +1,4 @@
-"""Seconds and errors of everything that answers, over the set-ups that all have, as points of one plot."""
+"""Run times and errors of all methods, over the set-ups that all of them solved, as points of one plot."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 MESH = "field solver, one mesh"
 ANSWER = "field solver, whole answer"
-# A level that few set-ups came to stands for those alone.
+# Least fraction of the set-ups that must have a mesh level for it to be a point.
 _LEAST_SHARE = 0.5
 
 
@@ -32,7 +32,7 @@ class Point:
 
 
 def points(document: Document, results: Results) -> list[Point]:
-    """Returns the methods measured, then the field solver's meshes and answers that are stored."""
+    """Returns the measured methods, then the field solver's stored meshes and answers."""
     truths = {case: truth["mutual"] for case, truth in document["truths"].items()}
     found = [
         _point(
@@ -48,7 +48,7 @@ def points(document: Document, results: Results) -> list[Point]:
 
 
 def known_to(document: Document) -> float:
-    """Returns the median relative error of the truths: what lies below it cannot be told apart."""
+    """Returns the median relative error of the truths; errors below it cannot be distinguished."""
     return float(np.median([truth["error"] / truth["mutual"] for truth in document["truths"].values()]))
 
 

@@ -1,4 +1,4 @@
-"""Run time against error on one plot, with the sentence that it comes to."""
+"""The section on run time against error: one plot with its finding."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _SERIES = {
     points.MESH: (points.MESH, 3, "x", "lines+markers+text"),
     points.ANSWER: (points.ANSWER, 3, "star", "markers"),
 }
-# What is named beside its point: others lie so close that words would cover them, and are told where the pointer is.
+# Methods with a label; others lie so close together that labels would cover them, and show their name under the pointer.
 _NAMED_OF_SPLITS = ("split:0", "split:4", "split:8")
 _BETTER_THAN_PLAIN = 0.75
 
@@ -67,7 +67,7 @@ def finding(found: list[Point], document: Document, results: Results) -> str:
 
 
 def plot(found: list[Point], known_to: float) -> go.Figure:
-    """Returns every series, the front, and what the truth is known to. Errors below that are drawn there, open."""
+    """Plots every series, the Pareto front, and the error of the truth. Smaller errors are drawn there as open symbols."""
     traces = [_front(found, known_to)]
     (plain,) = (point.error for point in found if point.kind == "model")
     for kind, (name, colour, symbol, mode) in _SERIES.items():
@@ -99,7 +99,7 @@ def duration(seconds: float) -> str:
 
 
 def front(found: list[Point], known_to: float) -> list[Point]:
-    """Returns the points that no other beats in both, from fast to accurate; errors below what the truth is known to are equal."""
+    """Returns the Pareto front, from fast to accurate; errors below that of the truth count as equal."""
     best: list[Point] = []
     for point in sorted(found, key=lambda each: (each.seconds, each.error)):
         if not best or max(point.error, known_to) < max(best[-1].error, known_to):

@@ -1,4 +1,4 @@
-"""The measurement of run time against error, kept with a study's results as long as code, set-ups and machine are the same."""
+"""Measures run time against error; the answer is kept as long as code, set-ups and machine are the same."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The report's section on how long the reference takes for which error, beside meshes that are not graded to edges."""
+"""The report's section on the reference's run time against error, compared with meshes that are not graded to edges."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from analysis.topics.verification.records import Cost, Point, Target
 
 TITLE = "Run time against error of the reference"
 KNOWN = 1e-2
-"""Where no value is known to this, nothing can be compared with it: the reference was stopped by its limit of time."""
+"""Relative error up to which a best known value serves as truth; a worse one comes from a reference stopped by its time limit."""
 _WHAT = (
     "Errors are the largest of any entry of the Maxwell matrix, relative to the best known value: the truth, or the reference's own "
     "answer with the smallest stated error; errors below what that is known to are drawn there, open. Seconds count from the start, so "
@@ -42,12 +42,12 @@ def section(costs: list[Cost]) -> Markup:
 
 
 def finding(costs: list[Cost]) -> str:
-    """Returns the first mesh of the reference beside the most accurate ungraded one, over all set-ups."""
+    """Compares the first mesh of the reference with the most accurate ungraded one, over all set-ups."""
     better, factors = 0, []
     shown = [cost for cost in costs if cost.meshes and cost.linear + cost.quadratic]
     for cost in shown:
         rival = min(cost.linear + cost.quadratic, key=lambda point: point.error)
-        # Nothing counts as better than the best value is known.
+        # No error counts as smaller than the error of the best value.
         first = max(cost.meshes[0].error, cost.best_to)
         if first < rival.error:
             better += 1
@@ -61,7 +61,7 @@ def finding(costs: list[Cost]) -> str:
 
 
 def case_finding(cost: Cost) -> str:
-    """Returns the answer with its error, and the best ungraded mesh."""
+    """Tells the answer with its error, and the best ungraded mesh."""
     end = cost.answers[0]
     sentence = f"The estimate is {_error(end.error, cost)} off after {end.seconds:.1f} s"
     for name, points in (("quadratic", cost.quadratic), ("linear", cost.linear)):

@@ -20,7 +20,7 @@ _INTRODUCTION = "Is the field reference right, does it know how wrong it is, and
 
 @dataclass(frozen=True)
 class Made:
-    """Where the page is, and what it says in a sentence."""
+    """The page's path, and its finding."""
 
     path: Path
     headline: str

@@ -1,4 +1,4 @@
-"""What has to hold whatever the numbers are: reciprocity, symmetry, scaling, motion, monotony, and the same answer twice."""
+"""Properties that hold for any capacitances: reciprocity, symmetry, scaling, motion, monotony, repeatability."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from geometries.scene.poses import AxisRotation
 
 Array = NDArray[np.float64]
 ROUNDING = 1e-11
-"""What some thousand operations leave of 1e-16, with the linear solver's order of operations the same."""
+"""Relative rounding error after a few thousand operations, in the same order in the linear solver."""
 COARSEST = 2e-3
-"""Error of a coarsest mesh: the rule of sizes was chosen for it (`fem_reference/NUMERICS.md` section 2)."""
+"""Relative error of a coarsest mesh, by its rule of sizes (`fem_reference/NUMERICS.md`, section 2)."""
 COARSEST_WORDS = "a coarsest mesh's own error"
 SOLVER = 2e-6
 """Twice the relative residual at which conjugate gradients stop."""
@@ -30,7 +30,7 @@ SOLVER = 2e-6
 
 @dataclass(frozen=True)
 class Statement:
-    """A measured figure and what it may be at most."""
+    """A measured number and its limit."""
 
     words: str
     measured: float
@@ -42,7 +42,7 @@ class Statement:
 
 
 def _coarse(set_up: SetUp, symmetric: bool = True, enclosed: bool = False) -> Level:
-    """Returns the coarsest level; without `symmetric` on the whole of space."""
+    """Solves on the coarsest mesh; without `symmetric` on the whole of space."""
     problem = set_up.conductors()
     planes = mirror_planes(problem.bodies, problem.owner) if symmetric else ()
     return solve_level(problem, 1.0, Sizing(), "enclosure" if enclosed else "none", planes)
@@ -53,7 +53,7 @@ def _difference(first: Array, second: Array) -> float:
 
 
 def _same(words: str, first: SetUp, second: SetUp, turned: bool = False) -> Statement:
-    """Returns two set-ups of one truth on a coarsest mesh each; `turned`: their conductors are in opposite orders."""
+    """Compares two set-ups of one truth, each on its coarsest mesh; `turned`: their conductors are in opposite orders."""
     one, other = _coarse(first, enclosed=True), _coarse(second, enclosed=True)
     assert one.enclosure is not None and other.enclosure is not None
     order = slice(None, None, -1) if turned else slice(None)
@@ -85,7 +85,7 @@ def reciprocity() -> list[Statement]:
 
 
 def symmetry() -> list[Statement]:
-    """Returns one side of the planes of symmetry against the whole of space, and a mirrored set-up."""
+    """Compares one side of the planes of symmetry with the whole of space, and a set-up with its mirror image."""
     part, whole = (_coarse(squares(0.3), symmetric) for symmetric in (True, False))
     aside, mirrored = (
         pair(
@@ -101,7 +101,7 @@ def symmetry() -> list[Statement]:
 
 
 def scaling() -> list[Statement]:
-    """Returns the same set-up of twice the size; and of a size that is no power of two, whose coordinates are rounded anew."""
+    """Compares a set-up with one of twice the size, and with one whose size is no power of two, so that coordinates are rounded anew."""
     found = []
     for factor, allowed, because in ((2.0, ROUNDING, "rounding"), (0.037, COARSEST, COARSEST_WORDS)):
         first, second = (
@@ -120,7 +120,7 @@ def scaling() -> list[Statement]:
 
 
 def motion() -> list[Statement]:
-    """Returns a set-up turned about an axis that is none of its own, and moved."""
+    """Compares a set-up with itself moved and turned about an axis that is not one of its own."""
     set_up = hinged(0.2, 25.0)
     matrix = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix()
     moved = SetUp(tuple(_moved(body, matrix) for body in set_up.bodies), set_up.names)
@@ -152,7 +152,7 @@ def monotony() -> list[Statement]:
 
 
 def repetition() -> list[Statement]:
-    """Returns the same case twice."""
+    """Compares two runs of the same case."""
     first, second = (_coarse(hinged(0.2, 25.0), enclosed=True) for _ in range(2))
     assert first.enclosure is not None and second.enclosure is not None
     off = max(

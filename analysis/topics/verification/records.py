@@ -1,4 +1,4 @@
-"""What the rows of the verification say: how far off against how far off stated, orders of convergence, time against error."""
+"""The rows of the verification as numbers: true and stated errors, orders of convergence, run times against errors."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 ROUNDING = 2.0**-52
 CLEAR_OF_TRUTH = 3.0
-"""A level's error says something about the order while it is this many times what the truth is known to."""
+"""A level's error is used for the order of convergence if it is this many times the error of the truth."""
 
 
 @dataclass(frozen=True)
@@ -40,12 +40,12 @@ class Compared:
 
     @property
     def known_off(self) -> float:
-        """The true error, or what the truth is known to where that is more."""
+        """The true error, or the error of the truth if that is larger."""
         return max(self.off, self.truth_error, ROUNDING)
 
     @property
     def effectivity(self) -> float:
-        """Stated over true error: below 1 it is wrong, far above it wastes time."""
+        """The stated error over the true one: below 1 it is wrong, far above 1 it wastes time."""
         return self.stated / self.known_off
 
     @property
@@ -55,13 +55,13 @@ class Compared:
 
     @property
     def clear_levels(self) -> list[tuple[float, float]]:
-        """Edge size and size of the error, of the levels whose error is clear of what the truth is known to."""
+        """Element size and error of the levels whose error is well above that of the truth."""
         pairs = zip(self.edge_sizes, self.level_errors)
         return [(size, abs(error)) for size, error in pairs if abs(error) > CLEAR_OF_TRUTH * self.truth_error]
 
     @property
     def order(self) -> float | None:
-        """The power of the edge size by which the levels' errors fall; None with fewer than three levels."""
+        """The order of convergence: the power of the element size by which the errors fall; None with fewer than three levels."""
         if len(self.clear_levels) < 3:
             return None
         sizes, errors = zip(*self.clear_levels)
@@ -70,7 +70,7 @@ class Compared:
 
 @dataclass(frozen=True)
 class Held:
-    """A property with its measured figure and what it may be at most."""
+    """A property with its measured number and its limit."""
 
     group: str
     words: str
@@ -94,7 +94,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Target:
-    """An error that was asked for within seconds: what was stated when it ended, after how long, and how far off it was."""
+    """A target: an error asked for within some seconds, with the stated error, the time and the true error at the end."""
 
     rtol: float
     allowed_seconds: float
@@ -109,7 +109,7 @@ class Target:
 
 @dataclass(frozen=True)
 class Cost:
-    """One set-up with the answers of every method, each mesh a point; `best_to` is what the best known matrix is known to.
+    """One set-up with the answers of every method, each mesh a point; `best_to` is the relative error of the best known matrix.
 
     `answers` are the extrapolated values at the end, `widths` half the widths of the enclosures so far.
     """
@@ -128,7 +128,7 @@ class Cost:
 
 @dataclass(frozen=True)
 class Asked:
-    """What a set-up of the cost rows is called, what is known of it, and what is asked."""
+    """A set-up of the cost rows: its name, its truth and its targets."""
 
     name: str
     caption: str
@@ -228,12 +228,12 @@ def cost(rows: Mapping[str, Document], asked: Asked) -> Cost | None:
 
 
 def relative(maxwell: Array | list[list[float]], best: Array) -> float:
-    """Returns the largest relative difference of an entry."""
+    """Returns the largest relative difference of any entry."""
     return float(np.max(np.abs(np.asarray(maxwell) - best) / np.abs(best)))
 
 
 def _best(asked: Asked, of: Mapping[str, Document]) -> tuple[Array, float, str]:
-    """Returns the matrix that is known best, to what, and from where: the truth, or the answer with the smallest stated error."""
+    """Returns the best known matrix, its relative error and its source: the truth, or the answer with the smallest stated error."""
     found: list[tuple[float, str, Array]] = []
     if asked.truth is not None:
         found.append((asked.truth_error, "the truth", asked.truth))

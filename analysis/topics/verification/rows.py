@@ -26,16 +26,16 @@ from fem_reference.answer.reference import ErrorKind, Reference, solve_conductor
 Array = NDArray[np.float64]
 Document = dict[str, Any]
 TRUTH_RTOL = 1e-3
-"""What a user gets who asks for nothing else."""
+"""The accuracy that the reference aims at by default."""
 ESTIMATE, TIGHT, ENCLOSURE, LINEAR, QUADRATIC = "estimate", "tight", "enclosure", "linear", "quadratic"
 METHODS = (ESTIMATE, TIGHT, ENCLOSURE, LINEAR, QUADRATIC)
 MAX_SECONDS = {ESTIMATE: 60.0, TIGHT: 60.0, ENCLOSURE: 20.0, LINEAR: 6.0, QUADRATIC: 6.0}
-"""What a row may take; the targets go up to 60 s."""
+"""Time limit (s) of a row; the targets go up to 60 s."""
 ENCLOSURE_RTOL = 5e-4
 
 
 def row_names() -> list[str]:
-    """Returns every row, those of one kind together."""
+    """Returns the names of all rows, grouped by kind."""
     names = [f"truth/{name}" for name in true_cases()]
     names += [f"property/{name}" for name in PROPERTIES]
     for case in cost_cases().values():
@@ -45,7 +45,7 @@ def row_names() -> list[str]:
 
 
 def solve_row(name: str) -> Document:
-    """Returns the document of one row; KeyError for an unknown one."""
+    """Computes the document of one row; KeyError for an unknown one."""
     kind, _, rest = name.partition("/")
     if kind == "truth":
         return _truth(true_cases()[rest])
@@ -97,7 +97,7 @@ def _compared(quantity: Quantity, found: Reference) -> Document:
 
 
 def _per_length(quantity: Quantity, found: list[Reference], length: float) -> Document:
-    """Returns the quantity per length, from bodies of one, two and three times `length`."""
+    """Computes the quantity per length, from bodies of one, two and three times `length`."""
     parts = [_compared(quantity, answer) for answer in found]
     value, change = endless([part["value"] for part in parts], length)
     own = [weight * part["error"] for weight, part in zip((0.5, 2.0, 1.5), parts)]
@@ -112,13 +112,13 @@ def endless(values: Sequence[float], length: float) -> tuple[float, float]:
     """Fits c·L + a + b/L to the values at L, 2L and 3L; returns c and the size of b/L, by which the two ends interact."""
     first, second, third = values
     before, last = (second - first) / length, (third - second) / length
-    # Without b they would be equal; it takes b/2L² from the first and b/6L² from the second.
+    # Without b the two differences would be equal; b lowers the first by b/2L² and the second by b/6L².
     change = (last - before) / 2
     return last + change, change
 
 
 def carried_error(of: Callable[[Array], float], value: Array, error: Array) -> float:
-    """Returns the error of a function of symmetric matrices' entries, to first order, those of the entries adding up."""
+    """Propagates the errors of a symmetric matrix' entries through a function, to first order, adding their absolute contributions."""
     total = 0.0
     for i, j in itertools.combinations_with_replacement(range(len(value)), 2):
         step = np.zeros_like(value)
@@ -157,7 +157,7 @@ def _cost(case: CostCase, method: str) -> Document:
         spent += level.seconds
         points.append(_point(level, spent, worst))
 
-    # With a limit every level is enclosed: each is a point of the table.
+    # With a time limit every level is enclosed, and each is a point of the table.
     error: ErrorKind = "enclosure" if method == ENCLOSURE else "estimate"
     found = solve_conductors(problem, rtol=rtol, error=error, limits=Limits(seconds=seconds), progress=told)
     return {

@@ -1,4 +1,4 @@
-"""The report's chapter on how far the reference is from capacitances that are known, and whether it says so."""
+"""The report's chapter on the reference's true errors in known capacitances, compared with its stated errors."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def chapter(found: list[Compared], properties: list[Held], missing: list[str]) -
 
 
 def finding(found: list[Compared]) -> str:
-    """Returns how many truths lie where they should, how far off the values are, and the effectivities."""
+    """Tells how many truths lie within the stated errors, how large the true errors are, and the effectivities."""
     cases = len({row.case for row in found})
     within = sum(row.within for row in found)
     off = [row.off for row in found]
@@ -179,7 +179,7 @@ def _orders(found: list[Compared]) -> list[Markup]:
 
 
 def order_finding(shown: list[Compared]) -> str:
-    """Returns the median order, and how many are near the theory's."""
+    """Tells the median order of convergence, and how many are near the theory's."""
     orders = [row.order for row in shown if row.order is not None]
     near = sum(0.7 <= order <= 1.4 for order in orders)
     return (

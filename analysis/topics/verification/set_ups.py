@@ -1,4 +1,4 @@
-"""What the reference is verified with: set-ups whose capacitances are known, and those on which its cost is shown."""
+"""The set-ups of the verification: those with known capacitances, and those that run times are measured on."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class SetUp:
 
 @dataclass(frozen=True)
 class Quantity:
-    """What is compared: `of` the Maxwell matrix (F), monotone in every entry, with the true value (F) and its relative error.
+    """A quantity: the function `of` the Maxwell matrix (F), monotone in every entry, with its true value (F) and relative error.
 
     Without `of` it is the first sensor's delta_self.
     """
@@ -125,7 +125,7 @@ def opposite(maxwell: Array) -> float:
 
 @cache
 def true_cases() -> dict[str, TrueCase]:
-    """Returns every case whose truth owes nothing to finite elements, by name."""
+    """Returns every case whose truth is known without finite elements, by name."""
     cases = [
         *_single_bodies(),
         *_discs(),
@@ -159,7 +159,7 @@ def _single_bodies() -> list[TrueCase]:
 
 
 def _kind(body: Body) -> ErrorKind:
-    """Returns the enclosure of a cone takes minutes: its apex has as many curved cells as one likes."""
+    """Returns the kind of error to ask for: an enclosure, except of a cone, whose apex needs so many curved cells that it takes minutes."""
     return "estimate" if isinstance(body, Cone) else "enclosure"
 
 
@@ -197,7 +197,7 @@ def _squares() -> list[TrueCase]:
 
 
 STRIP_LENGTH = 2.0
-"""Of the shortest strips over their width."""
+"""Length of the shortest strips relative to their width."""
 
 
 def _strips() -> list[TrueCase]:
@@ -305,7 +305,7 @@ def _of_rectangles(case: dict[str, Any]) -> SetUp:
 
 @cache
 def cost_cases() -> dict[str, CostCase]:
-    """Sets-ups on which run time is shown against error, by name."""
+    """Returns the set-ups on which run time is measured against error, by name."""
     published = {case["name"]: case for case in truths.boundary_elements()}
     sensors = published["two_sensors_6x10_plate_height2.5"]
     tilted = published["inclined_hinge1.5_25deg"]

@@ -1,4 +1,4 @@
-"""The rows of the verification, each solved in a process of its own and kept under its key: finished rows are not solved again."""
+"""Solves the rows of the verification, each in a process of its own; finished rows are not solved again."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from analysis.results.store import Document, read_json
 from analysis.results.study_results import Failure
 
 FOLDER = "verification"
-"""Of the rows, beside the folders of the studies' results."""
+"""The folder of the rows, beside the folders of the studies' results."""
 _SOURCES = (
     "truths.py",
     "truths_of_revolution.py",
@@ -26,7 +26,7 @@ _SOURCES = (
     "rows.py",
     "uniform_meshes.py",
 )
-# What a row takes on one core, roughly: only for the order and the progress bar.
+# Expected seconds of a row on one core, for the order and the progress bar.
 _SECONDS = {"truth": 8.0, "property": 6.0, "cost": 12.0}
 _LONG = {
     "truth/facing strips, width/gap 1": 30.0,
@@ -41,15 +41,15 @@ _COMPILES_FORMS = "truth/cube"
 
 
 def row_names() -> list[str]:
-    """Returns every row there is."""
-    # Imported here: the solver takes a second, and a report that is up to date needs none.
+    """Returns the names of all rows."""
+    # Imported here: loading the solver takes a second, and a report that is up to date does not need it.
     from analysis.topics.verification import rows
 
     return rows.row_names()
 
 
 def code(repository: Path = REPOSITORY) -> str:
-    """Returns the version of what rows are computed by: the reference, and the set-ups and comparisons of this package."""
+    """Returns the version of the code that computes rows: the reference, and the set-ups and comparisons of this package."""
     own = keys.hash_of_files(
         [repository / "analysis" / "topics" / "verification" / name for name in _SOURCES], repository
     )
@@ -57,7 +57,7 @@ def code(repository: Path = REPOSITORY) -> str:
 
 
 def key(name: str, code: str) -> str:
-    """Returns the key of a row; run times belong to a machine as well."""
+    """Returns the key of a row; that of run times depends on the machine, too."""
     return keys.measurement_key(name, code, machine.identity() if name.startswith("cost/") else {})
 
 
@@ -68,12 +68,12 @@ def path_of(folder: Path, name: str) -> Path:
 def run(folder: Path, names: list[str], workers: int | None = None) -> list[Failure]:
     """Solves the rows that are missing or out of date; returns those that failed.
 
-    Truths and properties first, as many at a time as cores; then the run times, as many at a time again.
+    Truths and properties come first, then the rows whose run times are measured, `workers` at a time.
     """
     current = code()
     missing = outdated([stage(folder, name, current) for name in names])
     failures: list[Failure] = []
-    # What the first solve compiles, the others would wait for.
+    # The others would wait for the forms that the first solve compiles.
     first = [each for each in missing if each.name == _COMPILES_FORMS]
     timed = [each for each in missing if each.name.startswith("cost/")]
     rest = [each for each in missing if each not in first + timed]
@@ -89,7 +89,7 @@ def stage(folder: Path, name: str, code: str) -> Stage:
 
 
 def load(folder: Path) -> dict[str, Document]:
-    """Returns the rows in a folder that are up to date, by name; a row of another version of the code or machine is none."""
+    """Returns the rows in a folder that are up to date, by name; rows of another version of the code or machine are left out."""
     stored = [read_json(path) for path in sorted((folder / "rows").glob("*.json"))]
     current = code() if stored else ""
     return {row["row"]: row for row in stored if row is not None and row["key"] == key(row["row"], current)}

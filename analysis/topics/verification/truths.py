@@ -1,7 +1,6 @@
-"""Capacitances that are known without finite elements: published values, closed forms, and another method's matrices.
+"""Capacitances known without finite elements: published values, closed forms, and matrices by boundary elements.
 
-Values are in units that need no permittivity; each says which and where it comes from. Round bodies are in
-`truths_of_revolution`.
+Values are in units that need no permittivity; each comment gives unit and source. Round bodies are in `truths_of_revolution`.
 """
 
 from __future__ import annotations
@@ -43,7 +42,7 @@ def rooms() -> list[dict[str, Any]]:
 
 
 def boundary_elements() -> list[dict[str, Any]]:
-    """Returns the set-ups with their matrices in pF and the largest relative error of an entry."""
+    """Reads the set-ups with their matrices in pF and the largest relative error of an entry."""
     cases: list[dict[str, Any]] = json.loads(BOUNDARY_ELEMENTS.read_text(encoding="utf-8"))["cases"]
     return cases
 
@@ -87,7 +86,7 @@ def _strip_width(m: float) -> float:
 def sphere_and_plane(gap: float) -> float:
     """Returns C / (4πε·radius) of a sphere `gap` radii above an infinite grounded plane: sinh α · Σ 1/sinh nα, cosh α = 1 + gap."""
     alpha = np.arccosh(1 + gap)
-    # The terms fall like exp(−nα): what is left out is below rounding.
+    # The terms fall like exp(−nα); the remainder is below rounding.
     orders = np.arange(1, int(40 / alpha) + 2)
     return float(np.sinh(alpha) * np.sum(1 / np.sinh(orders * alpha)))
 

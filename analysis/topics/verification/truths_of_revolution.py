@@ -1,4 +1,4 @@
-"""Capacitances of round bodies that owe nothing to finite elements: multipoles of two balls, and rings of charge."""
+"""Capacitances of round bodies without finite elements: multipoles of two balls, and rings of charge."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from scipy.special import comb, ellipkm1
 Array = NDArray[np.float64]
 
 ORDERS = 60
-"""Multipoles per ball. Their ratio is that of radius to distance, at most 0.5 here."""
+"""Number of multipoles per ball; they fall by the ratio of radius to distance, at most 0.5 here."""
 
 
 def grounded(order: int) -> float:
-    """Returns the multipole that a grounded ball answers a potential r^l·P_l on its surface with, over that potential."""
+    """Returns the reaction of a grounded sphere: the multipole that it opposes to a potential r^l·P_l on its surface, per potential."""
     return 1.0
 
 
 def floating(order: int) -> float:
-    """Returns the multipole reaction of a floating sphere: without a total charge it has no monopole."""
+    """Returns the reaction of a floating sphere, which has no total charge and thus no monopole."""
     return float(order > 0)
 
 
 def dielectric(permittivity: float) -> Callable[[int], float]:
-    """Returns l·(ε − 1)/(l·ε + l + 1), from u and ε·∂u/∂r being continuous on the sphere."""
+    """Returns, as a function of the order l, the reaction of a dielectric sphere l·(ε − 1)/(l·ε + l + 1): u and ε·∂u/∂r are continuous."""
     return lambda order: order * (permittivity - 1) / (order * permittivity + order + 1)
 
 
@@ -74,7 +74,7 @@ def _rings(outline: Sequence[tuple[float, float]], panels: int) -> float:
     lengths = np.linalg.norm(ends - starts, axis=1)
     along, middles = (ends - starts) / lengths[:, None], (starts + ends) / 2
     nodes, weights = np.polynomial.legendre.leggauss(12)  # type: ignore[no-untyped-call]
-    # From the point of the panel nearest to the middle both ways, cubed: the potential is logarithmic there.
+    # Nodes graded with the third power towards the point nearest to the middle, where the potential is logarithmic.
     shares, weights = ((nodes + 1) / 2) ** 3, 1.5 * ((nodes + 1) / 2) ** 2 * weights
     foot = np.clip(np.einsum("ijk,jk->ij", middles[:, None] - starts, along), 0, lengths)
     potential = np.zeros((len(lengths), len(lengths)))

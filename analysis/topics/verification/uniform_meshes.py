@@ -1,7 +1,7 @@
-"""What the reference's meshes are compared with: linear or quadratic elements of one size on all conductors, not graded to edges.
+"""Uniform meshes to compare the reference with: linear or quadratic elements of one size on all conductors, not graded to edges.
 
 Away from the conductors the elements grow as the reference's do; the outer sphere, the condition on it, the planes of symmetry, the
-charges by the energy and the linear solver are the reference's own. What differs is what it does at edges.
+charges by the energy and the linear solver are the reference's own. Only the treatment of edges differs.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ from fem_reference.bodies.symmetry import Plane, mirror_planes
 Array = NDArray[np.float64]
 OUTER, SPACE, FIRST = 1, 1, 10
 GROWTH_OF_TIME = 4.0
-"""Of one mesh over that of twice the element size: most elements lie along the conductors' surfaces."""
+"""Expected run time of a mesh relative to that of twice the element size: most elements lie along the conductors' surfaces."""
 FINEST = 6
-"""Halvings of the smallest body's size at most."""
+"""Largest number of halvings of the smallest body's size."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class UniformLevel:
 def levels(problem: Conductors, degree: int, max_seconds: float) -> Iterator[UniformLevel]:
     """Solves on meshes of a half, a quarter … of the smallest body's size, as long as the next would end within `max_seconds`."""
     smallest_size = min(body.size for body in problem.bodies)
-    # What is compiled or loaded at first use belongs to no mesh.
+    # Compiling and loading at first use must not count for a mesh.
     solve(problem, smallest_size, degree)
     start = time.monotonic()
     for halvings in range(1, FINEST + 1):

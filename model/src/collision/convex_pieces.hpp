@@ -4,10 +4,10 @@
 
 #include <Eigen/Geometry>
 
-#include "collision/box_tree.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/shape.hpp"
+#include "geometry/box_tree.hpp"
 
 namespace fringe::detail {
 

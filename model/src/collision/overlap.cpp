@@ -3,9 +3,9 @@
 #include <limits>
 #include <type_traits>
 
+#include "collision/box_overlap.hpp"
 #include "collision/gjk_filter.hpp"
 #include "fringe/bounding_volume.hpp"
-#include "geometry/box_overlap.hpp"
 #include "simd/dispatch.hpp"
 
 namespace fringe {
@@ -60,7 +60,7 @@ bool overlap(const BoundingSphere& sphere, const OrientedBox& box) {
 }
 
 bool overlap(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
-  return (a.min().array() <= b.max().array()).all() && (b.min().array() <= a.max().array()).all();
+  return a.intersects(b);
 }
 
 bool overlap(const OrientedBox& a, const OrientedBox& b) {

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "collision/box_overlap.hpp"
 #include "collision/convex_pieces.hpp"
 #include "collision/convex_shape_data.hpp"
-#include "geometry/box_overlap.hpp"
 #include "geometry/link_motion.hpp"
 #include "geometry/winding_number.hpp"
 
@@ -101,8 +101,8 @@ class NarrowPhase {
 
   bool meet(const BoxTree::Node& leaf_a, const BoxTree::Node& leaf_b) {
     ++tests_.narrow;
-    const detail::ConvexPiece& a = pieces_a_.pieces[leaf_a.item];
-    const detail::ConvexPiece& b = pieces_b_.pieces[leaf_b.item];
+    const detail::ConvexPiece& a = pieces_a_.pieces[pieces_a_.tree.item(leaf_a)];
+    const detail::ConvexPiece& b = pieces_b_.pieces[pieces_b_.tree.item(leaf_b)];
     return intersect(a.shape, a_.pose * a.pose, b.shape, b_.pose * b.pose);
   }
 
@@ -238,7 +238,7 @@ class CollisionDetector::Implementation {
       look_for_partners(body, tree_.right(node), done);
       return;
     }
-    const std::size_t other = node.item;
+    const std::size_t other = tree_.item(node);
     if (other != body && !done[other] && can_have_changed(body, other) &&
         can_collide(bodies_[body].object, bodies_[other].object))
       look_at(std::min(body, other), std::max(body, other));

@@ -11,6 +11,7 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 
+#include "geometry/median_split.hpp"
 #include "integral/kernel.hpp"
 
 namespace fringe::detail {
@@ -159,12 +160,14 @@ struct Group {
   double area;
 };
 
-void divide_in_groups(std::span<Patch> cells, std::size_t count, std::vector<Group>& groups) {
-  if (count <= 1 || cells.size() <= 1) {
+/// Divides cells, named by their numbers, into about so many groups of neighbours.
+void divide_in_groups(std::span<const Patch> cells, std::span<std::size_t> numbers, std::size_t count,
+                      std::vector<Group>& groups) {
+  if (count <= 1 || numbers.size() <= 1) {
     Group group{Vector3d::Zero(), 0};
-    for (const Patch& cell : cells) {
-      group.area += cell.area();
-      group.centre += cell.area() * cell.centre();
+    for (const std::size_t i : numbers) {
+      group.area += cells[i].area();
+      group.centre += cells[i].area() * cells[i].centre();
     }
     if (group.area > 0) {
       group.centre /= group.area;
@@ -172,16 +175,10 @@ void divide_in_groups(std::span<Patch> cells, std::size_t count, std::vector<Gro
     }
     return;
   }
-  Eigen::AlignedBox3d box;
-  for (const Patch& cell : cells)
-    box.extend(cell.centre());
-  Eigen::Index axis = 0;
-  box.sizes().maxCoeff(&axis);
-  const auto middle = cells.begin() + static_cast<std::ptrdiff_t>(cells.size() / 2);
-  std::nth_element(cells.begin(), middle, cells.end(),
-                   [axis](const Patch& a, const Patch& b) { return a.centre()[axis] < b.centre()[axis]; });
-  divide_in_groups(cells.first(cells.size() / 2), count / 2, groups);
-  divide_in_groups(cells.subspan(cells.size() / 2), count - count / 2, groups);
+  const std::size_t half = numbers.size() / 2;
+  split_at_median(numbers, half, [&](std::size_t i) { return cells[i].centre(); });
+  divide_in_groups(cells, numbers.first(half), count / 2, groups);
+  divide_in_groups(cells, numbers.subspan(half), count - count / 2, groups);
 }
 
 MatrixXd potentials(std::span<const Group> groups) {
@@ -292,14 +289,8 @@ void make_clusters(ChargedSurface& surface, std::span<std::size_t> indices) {
     const auto& [a, b, c] = surface.triangles[i];
     return a + b + c;
   };
-  Eigen::AlignedBox3d box;
-  for (const std::size_t i : indices)
-    box.extend(centre(i));
-  Eigen::Index axis = 0;
-  box.sizes().maxCoeff(&axis);
   const std::size_t half = indices.size() / 2;
-  std::nth_element(indices.begin(), indices.begin() + static_cast<std::ptrdiff_t>(half), indices.end(),
-                   [&](std::size_t i, std::size_t j) { return centre(i)[axis] < centre(j)[axis]; });
+  split_at_median(indices, half, centre);
   make_clusters(surface, indices.first(half));
   make_clusters(surface, indices.subspan(half));
 }
@@ -349,7 +340,9 @@ ChargedSurface make_charged_surface(std::vector<Triangle> triangles) {
   const bool coarse = cells.size() <= most_nodes;
   std::vector<Group> groups;
   if (!coarse) {
-    divide_in_groups(cells, most_nodes, groups);
+    std::vector<std::size_t> numbers(cells.size());
+    std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+    divide_in_groups(cells, numbers, most_nodes, groups);
     settle(potentials(std::span<const Group>(groups)), surface);
   } else {
     for (const Patch& patch : cells)

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "fringe/bounding_volume.hpp"
+#include "geometry/median_split.hpp"
 #include "reduced/node_kernels.hpp"
 
 namespace fringe::detail {
@@ -24,19 +25,10 @@ void divide(std::span<const Panel> panels, std::span<std::size_t> range,
     clusters.push_back(range);
     return;
   }
-  Eigen::AlignedBox3d box;
-  for (const std::size_t panel : range)
-    box.extend(panels[panel].centre);
-  Eigen::Index axis = 0;
-  box.sizes().maxCoeff(&axis);
   // Only the last cluster is not full.
   const std::size_t whole = (range.size() + panels_per_cluster - 1) / panels_per_cluster;
   const std::size_t half = whole / 2 * panels_per_cluster;
-  std::nth_element(range.begin(), range.begin() + static_cast<std::ptrdiff_t>(half), range.end(),
-                   [&](std::size_t a, std::size_t b) {
-                     const double at_a = panels[a].centre[axis], at_b = panels[b].centre[axis];
-                     return at_a != at_b ? at_a < at_b : a < b;
-                   });
+  split_at_median(range, half, [&](std::size_t panel) -> const Vector3d& { return panels[panel].centre; });
   divide(panels, range.first(half), clusters);
   divide(panels, range.subspan(half), clusters);
 }

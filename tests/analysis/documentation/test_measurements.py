@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+import pytest
+
 from analysis.documentation import measurements
 from analysis.pipeline.keys import REPOSITORY
 
@@ -19,9 +21,9 @@ def test_tables_are_replaced_and_nothing_else() -> None:
         return printed
 
     new = measurements.updated(PAGE, program)
-    assert asked == ["build/bin/boundary_elements_benchmark"]
-    first, second = measurements.tables(printed)
-    assert first + "<!-- end -->" in new and second + "<!-- end -->" in new
+    assert asked == ["build/bin/boundary_elements_benchmark", "build/bin/reduced_benchmark"]
+    for table in measurements.tables(printed):
+        assert new.count(table + "<!-- end -->") == 2
 
     def without_tables(text: str) -> str:
         return re.sub(r"(<!-- table .*? -->).*?<!-- end -->", r"\1", text, flags=re.DOTALL)
@@ -31,7 +33,35 @@ def test_tables_are_replaced_and_nothing_else() -> None:
 
 def test_the_tables_have_the_columns_that_the_program_prints() -> None:
     source = (REPOSITORY / "model/benchmarks/boundary_elements_benchmark.cpp").read_text(encoding="utf-8")
-    marked = re.findall(r"<!-- table \d of \S+ -->\n(\|.*)\n(\|.*)\n", PAGE)
+    marked = re.findall(r"<!-- table \d of build/bin/boundary_elements_benchmark -->\n(\|.*)\n(\|.*)\n", PAGE)
     assert len(marked) == 2
     for header, line in marked:
         assert f"\\n{header}\\n{line}\\n" in source
+
+
+def test_an_error_that_was_not_stated_is_no_table() -> None:
+    printed = (
+        "ball: 40 set-ups, 2 more whose truth was not found; the triangle integral takes 1.3 µs in the mean\n"
+        "  reduced:1 error % median 0.0330, worst 0.1800; reached 40, worst 0.1800; covered 39; µs mean 6.6, median 4.8, longest 26\n"
+    )
+    with pytest.raises(ValueError, match="39 of 40 within"):
+        measurements.reduced_tables(printed)
+
+
+def test_lines_of_the_reduced_benchmark_become_tables() -> None:
+    lines = [
+        "{}: 40 set-ups, 2 more whose truth was not found; the triangle integral takes 1.3 µs in the mean\n",
+        "  reduced:1 error % median 0.0330, worst 0.1800; reached 40, worst 0.1800; covered 40; µs mean 6.6, median 4.8, longest 26\n",
+        "  reduced:2 error % median 0.0061, worst 0.0150; reached 0, worst 0.0000; covered 40; µs mean 24.2, median 10.1, longest 14372\n",
+    ]
+    groups = ("scene files", "plates, random poses", "boxes, random poses", "ball, random poses")
+    first, second = measurements.tables(
+        measurements.reduced_tables("".join("".join(lines).format(group) for group in groups))
+    )
+    assert first.count("\n") == 8 and second.count("\n") == 4
+    assert (
+        "| 40 set-ups of the default study (the triangle integral: 1.3 µs) | 1 | 0.033 / 0.18 | 40: 0.18 | 6.6 / 4.8 / 26 |"
+        in first
+    )
+    assert "| ball, random poses, 40 (the triangle integral: 1.3 µs) | 1 |" in second
+    assert "|  | 2 | 0.0061 / 0.015 | 0 | 24 / 10 / 14372 |" in second

@@ -274,7 +274,7 @@ def test_without_an_answer_nothing_is_stored_and_the_reason_told(
 def test_a_program_that_is_not_built_is_named(workshop: Workshop) -> None:
     (workshop.repository / "build" / "bin" / "speed").unlink()
     failure = workshop.measure()
-    assert failure is not None and failure.reason == "build/bin/speed is not there: ./run builds it"
+    assert failure is not None and failure.reason == "build/bin/speed is missing: ./run builds it"
 
 
 def test_measurements_are_made_one_after_the_other_and_once(workshop: Workshop) -> None:

@@ -57,7 +57,7 @@ def test_a_scene_scales_its_mesh_and_finds_it_beside_itself(tmp_path: Path) -> N
         ("points.obj", "v 0 0 0\nv 1 0 0\n", "holds no triangles"),
         ("words.ply", "this is not a mesh", "cannot|not a mesh"),
         ("words.obj", "v a b c\n", "is not a mesh that can be read"),
-        ("index.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n", "vertex that it does not hold"),
+        ("index.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n", "vertex that does not exist"),
         ("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "finite number"),
     ],
 )
@@ -101,7 +101,7 @@ def test_convert_writes_the_surface_of_another_format(
     ("points", "cells", "reason"),
     [
         (TRIANGLES.reshape(-1, 3), ("line", [[0, 1]]), "holds no triangles"),
-        (TRIANGLES.reshape(-1, 3), ("triangle", [[0, 1, 9]]), "names a vertex that it does not hold"),
+        (TRIANGLES.reshape(-1, 3), ("triangle", [[0, 1, 9]]), "refers to a vertex that does not exist"),
         (np.full((3, 3), np.inf), ("triangle", [[0, 1, 2]]), "not finite"),
     ],
 )

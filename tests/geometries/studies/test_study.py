@@ -228,7 +228,7 @@ def test_text_parameters_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
         (HEAD, "sweep", "at least one sweep"),
         (SWEEP, "reference", "is missing"),
         ("colour = 1" + HEAD + SWEEP, "colour", "unknown key"),
-        (HEAD.replace('"n"', '"../n"') + SWEEP, "name", "may hold no path"),
+        (HEAD.replace('"n"', '"../n"') + SWEEP, "name", "must not contain a path"),
         (HEAD.replace("1e-3", "0") + SWEEP, "reference.rtol", "greater than 0"),
         (HEAD.replace('"exact", ', "") + SWEEP, "model.methods", '"exact"'),
         (HEAD.replace('"exact"', "3") + SWEEP, "model.methods", "list of strings"),
@@ -254,7 +254,7 @@ def test_text_parameters_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
             + EDGE.replace("0.02", "[1, 2]").replace("height = 0", "height = [1, 2, 3]")
             + 'combine = "zip"',
             "sweep[0].combine",
-            "lists of one length",
+            "lists of equal length",
         ),
     ],
 )
@@ -277,7 +277,7 @@ def test_a_study_is_found_by_name_or_by_path(tmp_path: Path) -> None:
     own = tmp_path / "own.toml"
     own.write_text(HEAD + SWEEP)
     assert study.find(str(own)) == own
-    with pytest.raises(InputError, match="one of the studies here: default, .*nightly, .*smoke"):
+    with pytest.raises(InputError, match="one of the known studies: default, .*nightly, .*smoke"):
         study.find("missing")
 
 

@@ -187,6 +187,15 @@ TEST(Formula, IsReciprocal) {
   }
 }
 
+/// Its cells lie in pairs with equal coordinates: groups of cells that are no neighbours made it 8 % less.
+TEST(Formula, OfALyingCylinderIsThatOfBoundaryElements) {
+  // F, by boundary elements at an rtol of 3e-3.
+  constexpr double truth = 1.892e-12;
+  const Eigen::Isometry3d pose = pose_from_axis({0, 1, 0}, 90, {0.8525, -0.0125, 0.363});
+  const Scene scene = before_sensor(0.195, Cylinder{0.075, 0.84, 24}, pose);
+  EXPECT_NEAR(corrected(scene, Correction::formula), truth, 0.02 * truth);
+}
+
 TEST(Formula, HardlyKnowsHowASurfaceIsDividedIntoTriangles) {
   const auto of_segments = [](int segments) {
     return corrected(before_sensor(0.1, Sphere{0.05, segments}, at(0, 0, 0.08)), Correction::formula);

@@ -1,9 +1,8 @@
 #include "integral/tree/partition.hpp"
 
-#include <algorithm>
 #include <cstdint>
 
-#include <Eigen/Geometry>
+#include "geometry/median_split.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -12,20 +11,6 @@ struct Centroid {
   Eigen::Vector3d position;
   std::uint32_t triangle;
 };
-
-void split_at_median(std::span<Centroid> centroids) {
-  Eigen::AlignedBox3d box;
-  for (const Centroid& centroid : centroids)
-    box.extend(centroid.position);
-  Eigen::Index axis = 0;
-  box.sizes().maxCoeff(&axis);
-  const auto middle = centroids.begin() + static_cast<std::ptrdiff_t>(centroids.size() / 2);
-  // Ties by the triangle's number: the order does not depend on how the library selects.
-  std::nth_element(centroids.begin(), middle, centroids.end(), [axis](const Centroid& a, const Centroid& b) {
-    return a.position[axis] < b.position[axis] ||
-           (a.position[axis] == b.position[axis] && a.triangle < b.triangle);
-  });
-}
 
 }  // namespace
 
@@ -44,8 +29,11 @@ Partition partition(std::span<const Triangle> triangles) {
     const Range range = tree.nodes[i].triangles;
     if (range.count <= most_triangles_in_leaf)
       continue;
-    split_at_median(std::span(centroids).subspan(range.first, range.count));
     const std::size_t half = range.count / 2;
+    split_at_median(
+        std::span(centroids).subspan(range.first, range.count), half,
+        [](const Centroid& centroid) -> const Eigen::Vector3d& { return centroid.position; },
+        [](const Centroid& centroid) { return centroid.triangle; });
     tree.nodes[i].first_child = tree.nodes.size();
     tree.nodes.push_back({.triangles = {range.first, half}});
     tree.nodes.push_back({.triangles = {range.first + half, range.count - half}});
