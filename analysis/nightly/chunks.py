@@ -70,7 +70,7 @@ def solve(file: Path) -> None:
     """
     document = read_json(file)
     if document is None:
-        raise InputError(str(file), "", "is no file of a job")
+        raise InputError(str(file), "", "is not the file of a job")
     asked = document["asked"]
     study = Study(
         "", "", asked["rtol"], asked["max_seconds"], asked["error"], tuple(asked["methods"]), sweeps=()

@@ -7,15 +7,12 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import INK, Panel, axis, figure, power_axis, series_colour
+from analysis.results import measurements
 from analysis.results.measurements import MethodErrors, Stability, StabilityClass
 
 TITLE = "Stability of the integral"
 EXACT, _THESIS = "exact", "thesis"
 
-_ABSENT = (
-    "Not measured with these results, or not with this model and on this machine: ./run does it with the default study, and "
-    "python3 -m analysis run STUDY --measure-model with any."
-)
 _LABELS = {_THESIS: "the thesis' formula"}
 # The legend lies above the figure, because the names of the classes need the room below.
 _LEGEND = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0, "xanchor": "left"}
@@ -31,7 +28,7 @@ _WHAT = (
 def section(measured: Stability | None) -> Markup:
     """Returns the finding, the error over the conditioning of every class, and the counts of wrong values."""
     if measured is None:
-        return page.section(TITLE, page.paragraph(_ABSENT))
+        return page.section(TITLE, page.paragraph(measurements.NOT_MEASURED))
     return page.section(
         TITLE,
         page.finding(finding(measured)),

@@ -79,7 +79,7 @@ def _case(folder: Path, entry: Entry) -> Iterable[Markup]:
     yield page.section(
         "Reproduce",
         page.paragraph(
-            "From the project's folder: the truth, the model, and the parts of every set-up that is not there yet."
+            "From the project's folder: the truth, the model, and the parts of every set-up that has none yet."
         ),
         page.command(
             f"{installation.model_command()} capacitance {scene} --method boundary-elements --rtol {stage.RTOL:g}"

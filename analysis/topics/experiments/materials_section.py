@@ -16,8 +16,8 @@ from analysis.topics.experiments.materials import Material, materials, ratios
 from analysis.topics.experiments.tables import place
 
 _WHAT = (
-    "Floating: a conductor without charge, which is also the limit of a great permittivity. The model knows grounded conductors only: "
-    "its line is that of the grounded target. mutual does not exist but for the grounded one, so all of this is delta_self."
+    "Floating: a conductor without total charge, which is also the limit of a large permittivity. The model applies to grounded conductors "
+    "only: its line is that of the grounded target. mutual exists only for the grounded target, so all values are delta_self."
 )
 
 

@@ -13,9 +13,9 @@ from analysis.topics.experiments.neighbours import Felt, Point, Series
 
 _WHAT = (
     "The object lies in front of the sensor at the origin, the other sensor is its neighbour; each is at its own voltage in "
-    "turn, the rest is grounded. delta_self: how much a sensor's own capacitance rises by the object, the neighbour being there "
-    "in both cases. mutual: charge on the object per volt on a sensor. Coupling: charge on one sensor per volt on the other. "
-    "The model sums over the object for each sensor by itself, so it has no coupling, and a neighbour changes nothing."
+    "turn, the rest is grounded. delta_self: the rise of a sensor's own capacitance by the object, with the neighbour present in "
+    "both cases. mutual: charge on the object per volt on a sensor. Coupling: charge on one sensor per volt on the other. "
+    "The model sums over the object for each sensor by itself, so it has no coupling, and the neighbour has no effect on it."
 )
 
 

@@ -9,7 +9,7 @@ from analysis.topics.experiments import claims, plots
 from analysis.topics.experiments.splitting import Accuracy
 
 _EXPLANATION = (
-    "Error: the model's capacitance by split:N less that by exact, over exact. Regions as seen along the sensor's normal: I in front "
+    "Error: (split:N − exact)/exact of the model's capacitance. Regions as seen along the sensor's normal: I in front "
     "of it, II beside an edge, III diagonal to a corner; the thesis has done this in region I, in one set-up."
 )
 

@@ -59,7 +59,7 @@ def _page(title: str, nights: list[Document], inputs: str) -> str:
 def finding(nights: list[Document]) -> str:
     """Returns one sentence on all nights, one on the last that moved something."""
     if not nights:
-        return "There was no night yet."
+        return "No night is recorded yet."
     compared = [night for night in nights if "moved" in night]
     moved = [night for night in compared if night["moved"]]
     failed = sum(night["failed"] > 0 for night in nights)

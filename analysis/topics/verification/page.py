@@ -15,7 +15,7 @@ from analysis.results.store import Document, write_text
 from analysis.topics.verification import cost_section, records, section, stage
 
 PAGE = "verification.html"
-_INTRODUCTION = "Is the field reference right, does it know how wrong it is, and what does it cost? Every figure here is made anew by one command."
+_INTRODUCTION = "Is the field reference right, are its stated errors right, and what does it cost? One command computes every number of this page."
 
 
 @dataclass(frozen=True)
