@@ -73,9 +73,9 @@ def finding_on_queries(queries: Sequence[QueryTimes]) -> str:
         return "No other library was measured."
     slower = [name for name, ratio in ratios.items() if ratio < 1]
     least, most = min(ratios, key=lambda name: ratios[name]), max(ratios, key=lambda name: ratios[name])
-    told = f"slower in: {', '.join(slower)}" if slower else "in no row slower"
+    comparison = f"slower in: {', '.join(slower)}" if slower else "in no row slower"
     return (
-        f"Beside the fastest other library of each row fringe is {told}; that library takes from {_figures(ratios[least])} "
+        f"Beside the fastest other library of each row fringe is {comparison}; that library takes from {_figures(ratios[least])} "
         f"({least}) to {_figures(ratios[most])} times as long ({most})."
     )
 

@@ -94,13 +94,13 @@ def finding(sets: dict[str, list[MethodTime]]) -> str:
 def _caption(times: list[MethodTime]) -> str:
     """Names the set and the cost of the exact method on it relative to the thesis'."""
     named = {time.method: time for time in times}
-    told = "; ".join(
+    times_of_methods = "; ".join(
         f"{method} {named[method].seconds_per_triangle / _NANOSECOND:.3g} ns, off by {named[method].error:.0e}"
         for method in (EXACT, THESIS)
         if method in named
     )
     what = f"{_words(times[0].set)}, {max(time.triangles for time in times):,} triangles"
-    return f"{what}: {told}" if told else what
+    return f"{what}: {times_of_methods}" if times_of_methods else what
 
 
 def _words(name: str) -> str:

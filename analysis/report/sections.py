@@ -262,9 +262,9 @@ def _versions(results: Results, rows: list[Row]) -> list[list[str]]:
             software.setdefault(name, set()).add(version)
         if case.model is not None:
             software.setdefault("model", set()).add(case.model.version)
-    told = {name: ", ".join(sorted(versions)) for name, versions in software.items()}
+    versions_of = {name: ", ".join(sorted(versions)) for name, versions in software.items()}
     counts = {
         quantity: str(sum(row.quantity == quantity for row in rows)) for quantity in (MUTUAL, DELTA_SELF)
     }
     counted = {f"rows of {quantity}": count for quantity, count in counts.items()}
-    return [[name, value] for name, value in (told | results.machine | counted).items()]
+    return [[name, value] for name, value in (versions_of | results.machine | counted).items()]

@@ -50,7 +50,7 @@ def finding(measured: Stability) -> str:
         verdict = f"{EXACT} fails" + (f", in: {', '.join(failing)}." if failing else ".")
     else:
         verdict = f"{EXACT} keeps the limit of {measured.limit:g} in all {len(measured.classes)} classes."
-    sentences = [verdict, *(_told(measured, method) for method in methods_of(measured))]
+    sentences = [verdict, *(_sentence(measured, method) for method in methods_of(measured))]
     failed = sum(entry.truth_failed for entry in measured.classes)
     if failed:
         sentences.append(f"The quadrature failed for {failed:,} triangles.")
@@ -75,7 +75,7 @@ def _fails(entry: StabilityClass, limit: float) -> bool:
     )
 
 
-def _told(measured: Stability, method: str) -> str:
+def _sentence(measured: Stability, method: str) -> str:
     found = [entry.methods[method] for entry in measured.classes if method in entry.methods]
     count = sum(errors.triangles for errors in found)
     largest = max((errors.largest_over_conditioning or 0 for errors in found), default=0.0)

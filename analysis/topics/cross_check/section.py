@@ -55,10 +55,12 @@ def finding(found: list[Comparison]) -> str:
         f"In {len(cases)} set-ups both methods answer: {len(found) - len(wrong)} of {len(found)} values agree within the sum of their "
         f"errors, half of them within {np.median([abs(c.difference) for c in found]):.1e} of each other"
     )
-    told = f"{worst.what} of {worst.case.family} {worst.case.id}"
+    place = f"{worst.what} of {worst.case.family} {worst.case.id}"
     if wrong:
-        return f"{sentence}; {len(wrong)} disagree, {told} by {worst.over_errors:.2g} times what the errors allow."
-    return f"{sentence}; the largest difference is {worst.over_errors:.0%} of what the errors allow ({told})."
+        return f"{sentence}; {len(wrong)} disagree, {place} by {worst.over_errors:.2g} times what the errors allow."
+    return (
+        f"{sentence}; the largest difference is {worst.over_errors:.0%} of what the errors allow ({place})."
+    )
 
 
 def _reached(results: Results) -> str:
@@ -73,10 +75,10 @@ def warning(results: Results, target: str) -> Markup:
     wrong = agreement.contradictions(results)
     if not wrong:
         return Markup("")
-    told = page.link(target, f"{wrong} values of the two references disagree by more than their errors")
+    link = page.link(target, f"{wrong} values of the two references disagree by more than their errors")
     return page.finding(
         Markup("{} One of the two values, or its stated error, is wrong.").format(
-            page.strong(Markup("{}.").format(told))
+            page.strong(Markup("{}.").format(link))
         )
     )
 
@@ -209,9 +211,9 @@ def _refused(results: Results, refused: dict[str, str]) -> list[Markup]:
     reasons: dict[str, list[Markup]] = {}
     for case, reason in refused.items():
         reasons.setdefault(reason, []).append(page.family_and_case(results.cases[case].family, case))
-    told = f"{len(refused)} set-ups are not comparable: boundary elements refuse them."
+    sentence = f"{len(refused)} set-ups are not comparable: boundary elements refuse them."
     listed = [
         page.paragraph(Markup("{}: {}.").format(reason, Markup(", ").join(cases)))
         for reason, cases in reasons.items()
     ]
-    return [page.heading("Not comparable"), page.paragraph(told), *listed]
+    return [page.heading("Not comparable"), page.paragraph(sentence), *listed]

@@ -103,15 +103,15 @@ def finding(found: list[Entry], quantity: str) -> str:
 
 def map_finding(group: str, found: list[Entry]) -> str:
     """Tells where the error in each quantity is least and greatest, and its largest parts there."""
-    told = []
+    phrases = []
     for quantity in QUANTITIES:
         worst = max(_on(group, found), key=lambda entry: abs(entry.error(quantity)))
         signs = sorted(entry.error(quantity) for entry in _on(group, found))
-        told.append(
+        phrases.append(
             f"in {quantity} from {signs[0]:+.0%} to {signs[-1]:+.0%}, farthest off at {_place(group, worst)}, mostly by "
             f"{worst.largest(quantity)} ({worst.parts(quantity)[worst.largest(quantity)]:+.0%})"
         )
-    return f"The error goes {'; '.join(told)}."
+    return f"The error goes {'; '.join(phrases)}."
 
 
 def _on(group: str, found: list[Entry]) -> list[Entry]:

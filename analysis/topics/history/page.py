@@ -132,8 +132,8 @@ def _at_most(nights: list[Document], values: list[Any], name: str = "") -> str:
 
 def _counted(compared: list[Document]) -> str:
     names = ("moved", "slower", "new", "gone")
-    told = ", ".join(f"{sum(night[name] for night in compared)} {name}" for name in names)
-    return f"how many values and rows; over all nights {told}"
+    counts = ", ".join(f"{sum(night[name] for night in compared)} {name}" for name in names)
+    return f"how many values and rows; over all nights {counts}"
 
 
 def _curve(nights: list[Document], name: str, index: int) -> go.Scatter:

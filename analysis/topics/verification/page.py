@@ -72,8 +72,8 @@ def make(folder: Path) -> Made:
     page.provide_script(folder)
     write_text(folder / PAGE, page.document(title, inputs(rows), body, page.SCRIPT))
     found = records.compared(rows)
-    told = section.finding(found) if found else section.ABSENT
-    return Made(folder / PAGE, told)
+    headline = section.finding(found) if found else section.ABSENT
+    return Made(folder / PAGE, headline)
 
 
 def inputs(rows: dict[str, Document]) -> str:
