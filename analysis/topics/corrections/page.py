@@ -6,7 +6,7 @@ from pathlib import Path
 
 from analysis.pipeline import keys
 from analysis.report import page
-from analysis.results.store import Document, write_text
+from analysis.results.store import write_text
 from analysis.topics.corrections import cases_section, section, stage
 
 PAGE, SET_UPS = "corrections.html", "set_ups.html"
