@@ -26,8 +26,7 @@ struct ChargedBody {
 
 /// The conductors of a scene as faces and triangles.
 struct ChargedBodies {
-  std::vector<std::string>
-      names;  ///< of the sensors, then of the grounded objects, then of the floating ones
+  std::vector<std::string> names;  ///< sensors, then grounded, then floating conductors
   std::size_t sensors = 0;
   std::size_t floating = 0;
   std::vector<ChargedBody> bodies;

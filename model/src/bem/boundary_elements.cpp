@@ -32,7 +32,7 @@ using Eigen::VectorXd;
 constexpr double strictest_rtol = 1e-6;
 constexpr double loosest_rtol = 0.5;
 
-/// Estimated error of the larger space, per change from the smaller space to it. If the error falls like the
+/// Estimated error of the whole space, per change from the coarse space to it. If the error falls like the
 /// third power of the number of functions, it is 0.57 of the change when there are 1.4 times as many;
 /// isolated plates show the power 3.3 or more. Narrow features that are only just resolved do worse: in
 /// random poses (BOUNDARY_ELEMENTS.md, section 7) the error reached 1.2 times the change.
@@ -60,7 +60,7 @@ constexpr double first_tolerance_part = 50;
 constexpr double iteration_share = 0.003;
 
 /// Fraction of rtol that panels graded towards sharp edges may miss with one density on each group. It is
-/// about the change from the smaller space to the whole.
+/// about the change from the coarse to the whole space.
 constexpr double grading_part = 1.0 / 3;
 
 /// A-priori grading takes at most one in so many of the allowed unknowns.

@@ -19,7 +19,7 @@ NestedSpace::NestedSpace(const PanelEquations& equations)
     is_positive_definite_ &= group.info() == Eigen::Success;
 }
 
-/// Returns the row of a face's function: the groups come after those of the smaller space.
+/// Returns the row of a face's function: the groups come after the functions of the coarse space.
 Index NestedSpace::place(std::size_t function) const {
   return index_of(function) < coarse_ ? index_of(function) : index_of(function) + group_count_;
 }

@@ -9,10 +9,10 @@
 
 namespace fringe::detail {
 
-/// The coarse space of the two-level preconditioner: all functions of the faces and one density on each group
-/// of panels, solved for by Cholesky factorisation. It contains the smaller space of the error estimate. The
-/// unknowns are ordered: the faces' functions of that smaller space, the groups, the faces' other functions.
-/// Together with the inverses of the groups' diagonal blocks it nearly inverts the whole matrix.
+/// The space of the two-level preconditioner's coarse solve: all functions of the faces and one density on
+/// each group of panels, solved for by Cholesky factorisation. Its unknowns are those of the coarse space,
+/// functions of faces before groups, and then the faces' other functions. Together with the inverses of the
+/// groups' diagonal blocks it nearly inverts the whole matrix.
 class NestedSpace {
  public:
   explicit NestedSpace(const PanelEquations& equations);
@@ -23,7 +23,7 @@ class NestedSpace {
   const Eigen::VectorXd& shares() const { return shares_; }
 
   /// Returns the charges for a right-hand side. `smaller` receives a column whose scalar products with those
-  /// of other right-hand sides are the energies in the smaller space.
+  /// of other right-hand sides are the energies in the coarse space.
   Eigen::VectorXd solve(const Eigen::VectorXd& right_side, Eigen::VectorXd& smaller) const;
 
   /// Applies the two-level preconditioner: adds the solution in this space and those of each group's panels.

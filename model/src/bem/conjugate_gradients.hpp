@@ -13,11 +13,11 @@ struct IteratedCharges {
   Eigen::MatrixXd charges;
   Eigen::MatrixXd residuals;
   Eigen::VectorXd gains;    ///< the energy-norm decrement of the last step, for each column
-  Eigen::MatrixXd smaller;  ///< columns whose scalar products are the energies in the smaller space
+  Eigen::MatrixXd smaller;  ///< columns whose scalar products are the energies in the coarse space
 };
 
-/// Solves for the charges by preconditioned conjugate gradients. Starts from the solution in the coarse space
-/// and stops when a step changes a capacitance by less than `accuracy` times its value.
+/// Solves for the charges by preconditioned conjugate gradients. Starts from the coarse solve and stops when
+/// a step changes a capacitance by less than `accuracy` times its value.
 IteratedCharges iterate(const PanelEquations& equations, const NestedSpace& nested, double accuracy);
 
 }  // namespace fringe::detail

@@ -11,7 +11,7 @@
 
 namespace fringe::detail {
 
-/// The rows of the faces' functions in a system. Over all faces, those of the smaller space come first.
+/// The rows of the faces' functions in a system. Over all faces, those of the coarse space come first.
 struct FaceNumbering {
   std::vector<std::vector<Eigen::Index>> places;  ///< for each face's functions
   Eigen::Index coarse = 0;

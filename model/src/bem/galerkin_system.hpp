@@ -11,7 +11,7 @@
 /// metres: to be multiplied by 4πε.
 namespace fringe::detail {
 
-/// A capacitance matrix in the whole space of functions, and in a smaller space with about two thirds of them
+/// A capacitance matrix in the whole space of functions, and in the coarse space of about two thirds of them
 /// along each direction.
 struct NestedMatrix {
   Eigen::MatrixXd fine;
@@ -36,11 +36,10 @@ struct FaceEnergies {
   std::vector<Eigen::Vector2d> highest;  ///< as in GalerkinSolution
 };
 
-/// Returns the number of functions of the smaller space along a direction; `functions` must be odd, 3 or
-/// more.
+/// Returns the number of functions of the coarse space along a direction; `functions` must be odd, 3 or more.
 int coarse_functions(int functions);
 
-/// Returns true if a face's function belongs to the smaller space.
+/// Returns true if a face's function belongs to the coarse space.
 bool is_coarse(FaceFunctions functions, int function);
 
 class GalerkinSystem {

@@ -16,10 +16,9 @@ namespace fringe::detail {
 
 /// The capacitances with the panels' charges and error indicators. `sensors` is empty if a sensor has panels.
 struct PanelSolution : GalerkinSolution {
-  Eigen::MatrixXd charges;  ///< of every panel (rows) for every conductor at unit potential
-  Eigen::VectorXd
-      group_energies;  ///< error indicators: what the panels' own densities add to one density's energy
-  Eigen::MatrixXd unfinished;  ///< error of `all` that the conjugate gradients may have left
+  Eigen::MatrixXd charges;         ///< of every panel (rows) for every conductor at unit potential
+  Eigen::VectorXd group_energies;  ///< error indicators of the groups of panels
+  Eigen::MatrixXd unfinished;      ///< error of `all` that the conjugate gradients may have left
 };
 
 class PanelSystem {
