@@ -42,6 +42,8 @@ int coarse_functions(int functions);
 /// Returns true if a face's function belongs to the coarse space.
 bool is_coarse(FaceFunctions functions, int function);
 
+/// The Galerkin equations of bodies with faces. The single-layer blocks are kept from one refinement to the
+/// next; the equations are solved by Cholesky factorisation.
 class GalerkinSystem {
  public:
   explicit GalerkinSystem(const ChargedBodies& bodies);

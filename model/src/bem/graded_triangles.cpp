@@ -23,6 +23,7 @@ struct GradedPiece {
   double energy;  ///< that the quarters' own densities add to that of one density
 };
 
+/// Estimates what one density on a part of a triangle would miss, by the charge density near sharp edges.
 class Grading {
  public:
   explicit Grading(std::span<const Triangle> triangles) : density_(triangles) {}

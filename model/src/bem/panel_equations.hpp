@@ -18,7 +18,7 @@ inline Eigen::Index index_of(std::size_t k) {
 struct PanelUnknowns {
   std::vector<Eigen::Index> first;  ///< for each face
   Eigen::Index functions = 0;
-  std::vector<Eigen::Index> coarse;   ///< the faces' functions of the smaller space
+  std::vector<Eigen::Index> coarse;   ///< functions of the faces in the coarse space
   std::vector<Eigen::Index> highest;  ///< the faces' other functions
   Eigen::MatrixXd net;                ///< net charges, one column for every conductor
 };

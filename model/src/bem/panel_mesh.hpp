@@ -26,6 +26,7 @@ struct PanelGrading {
   std::size_t most_panels = 0;
 };
 
+/// The panels of bodies of triangles, in groups that can be refined.
 class PanelMesh {
  public:
   /// Adds a body's surface. A surface of many triangles begins with these as panels; one of few begins with

@@ -46,6 +46,7 @@ const TriangleRule& last_rule() {
                        [](const TriangleRule& rule) { return rule.degree == highest_rule_degree; });
 }
 
+/// Lays the points of rules over a triangle, halved where it is too near to the singularity.
 class TrianglePoints {
  public:
   TrianglePoints(double tolerance, const std::function<double(const Vector3d&)>& distance,

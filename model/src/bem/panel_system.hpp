@@ -21,6 +21,8 @@ struct PanelSolution : GalerkinSolution {
   Eigen::MatrixXd unfinished;      ///< error of `all` that the conjugate gradients may have left
 };
 
+/// The Galerkin equations of faces and panels. They are solved by conjugate gradients, or by Cholesky
+/// factorisation if there are no panels.
 class PanelSystem {
  public:
   explicit PanelSystem(const ChargedBodies& bodies, const PanelGrading& grading = {});

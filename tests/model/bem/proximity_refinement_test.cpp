@@ -20,9 +20,8 @@ using detail::most_functions;
 using detail::Shadow;
 using Eigen::Vector3d;
 
-constexpr double large = 1;  ///< half a side, metres
-constexpr double seen =
-    large / (most_functions / 2.0);  ///< the narrowest shadow that a face of this size resolves
+constexpr double large = 1;                              ///< half a side, metres
+constexpr double seen = large / (most_functions / 2.0);  ///< narrowest shadow a face so large resolves
 constexpr double close = seen / 100;
 
 /// Returns a face in the plane z = height, turned about the z axis.
