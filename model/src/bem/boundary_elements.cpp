@@ -32,7 +32,7 @@ using Eigen::VectorXd;
 constexpr double strictest_rtol = 1e-6;
 constexpr double loosest_rtol = 0.5;
 
-/// Estimated error of the whole space, per change from the coarse space to it. If the error falls like the
+/// Estimated error in the whole space, per change from the coarse space to it. If the error falls like the
 /// third power of the number of functions, it is 0.57 of the change when there are 1.4 times as many;
 /// isolated plates show the power 3.3 or more. Narrow features that are only just resolved do worse: in
 /// random poses (BOUNDARY_ELEMENTS.md, section 7) the error reached 1.2 times the change.
@@ -279,8 +279,9 @@ MaxwellMatrix solve_in_triangles(const ChargedBodies& bodies, BoundaryElementOpt
   return solve(bodies, options);
 }
 
-/// Solves with triangles in place of faces whose functions would miss another body close by: two spaces that
-/// both miss a feature agree. Retries with triangles if the error of the faces' functions stays large.
+/// Solves with functions on faces, or with triangles in place of faces whose functions would miss another
+/// body close by: two spaces that both miss a feature agree. Retries with triangles if the error of the
+/// faces' functions stays large.
 MaxwellMatrix solve_as_needed(const ChargedBodies& bodies, const BoundaryElementOptions& options) {
   if (const auto others = detail::with_triangles_under_narrow_shadows(bodies))
     return solve_in_triangles(*others, options);

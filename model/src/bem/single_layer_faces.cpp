@@ -158,7 +158,7 @@ class OuterDirection {
 };
 
 /// One direction of the inner face, over which is integrated first, for one evaluation point after the other.
-/// The kernel is singular at at ± i·height in the complex plane of the coordinate.
+/// The kernel is singular at `at` ± i·height in the complex plane of the coordinate.
 class InnerDirection {
  public:
   InnerDirection(EdgeKind edge, int functions, double digits)

@@ -26,7 +26,7 @@ constexpr std::array<int, PreparedShape::levels> level_functions{5, 7, 11, most_
 /// Number of parts of an edge between its points.
 constexpr int edge_parts = 8;
 
-/// Every fourth place of a cluster gives a point of the surface.
+/// Step between the places of a cluster that give a point of the surface: every fourth.
 constexpr std::ptrdiff_t surface_step = 4;
 
 void add_outline(const ChargedFace& face, std::vector<std::array<Vector3d, 2>>& edges) {

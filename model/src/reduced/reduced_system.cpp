@@ -274,7 +274,8 @@ bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
   return added;
 }
 
-/// Extends the reduced basis by the residuals until the truncation is small enough, or no residual is new.
+/// Extends the reduced basis by the residuals until the truncation is small enough, no residual is new, or
+/// `most_steps` steps are taken.
 void ReducedSystem::iterate(const ReductionLimits& limits, std::size_t active, std::size_t conductors) {
   for (int steps = 0;; ++steps) {
     exchange(active);

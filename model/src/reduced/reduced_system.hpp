@@ -21,7 +21,7 @@ struct ReducedBody {
   int level = 0;
 };
 
-/// When the solver stops to extend the reduced basis.
+/// When the solver stops extending the reduced basis.
 struct ReductionLimits {
   int least_steps;
   int most_steps;
