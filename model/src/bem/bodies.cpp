@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 ChargedFace face_of(const Rectangle& rectangle) {
   const double length_u = rectangle.edge_u.norm(), length_v = rectangle.edge_v.norm();
   const Vector3d axis_u = rectangle.edge_u / length_u;
-  // What is left of a right angle's error must not make the faces' frames oblique.
+  // Makes the axes exactly orthogonal: a rectangle's angles are right only up to a tolerance.
   const Vector3d axis_v = (rectangle.edge_v - rectangle.edge_v.dot(axis_u) * axis_u).normalized();
   return {rectangle.corner + (rectangle.edge_u + rectangle.edge_v) / 2,
           axis_u,
@@ -44,8 +44,8 @@ void validate_sizes(const Object& object, std::initializer_list<double> sizes) {
 }
 
 void validate_triangles(const std::string& name, const std::vector<Triangle>& triangles) {
-  /// Of triangles whose height is a smaller part of their longest side, rounding in the integrals makes a
-  /// matrix that is not positive definite.
+  /// Least height of a triangle, relative to its longest side. Below it, rounding in the integrals makes the
+  /// matrix lose positive definiteness.
   constexpr double least_height = 1e-8;
   using Corner = std::array<double, 3>;
   std::map<std::array<Corner, 3>, std::size_t> known;
@@ -96,7 +96,7 @@ ChargedBody body_of(const Object& object, std::size_t conductor) {
   return body;
 }
 
-/// The vertices of all faces; their convex hull is the body.
+/// Returns the vertices of all faces; the body is their convex hull.
 std::vector<Vector3d> vertices(const ChargedBody& body) {
   std::vector<Vector3d> result;
   for (const ChargedFace& face : body.faces)
@@ -106,7 +106,7 @@ std::vector<Vector3d> vertices(const ChargedBody& body) {
   return result;
 }
 
-/// Convex parts: the hull of all faces, or the triangles.
+/// Returns the convex parts of a body: the hull of all faces, or the triangles.
 std::vector<ConvexHull> hulls_of(const ChargedBody& body) {
   if (!body.faces.empty())
     return {vertices(body)};

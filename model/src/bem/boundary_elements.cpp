@@ -32,38 +32,38 @@ using Eigen::VectorXd;
 constexpr double strictest_rtol = 1e-6;
 constexpr double loosest_rtol = 0.5;
 
-/// What the change from the smaller space to the larger says of the error that is left. An error that falls
-/// like the third power of the number of functions is 0.57 of the change when there are 1.4 times as many,
-/// and plates on their own show the power 3.3 or more. Narrow features that are only just seen do worse: in
-/// random poses (BOUNDARY_ELEMENTS.md, section 7) 1.2 times the change was met.
+/// Estimated error in the whole space, per change from the coarse space to it. If the error falls like the
+/// third power of the number of functions, it is 0.57 of the change when there are 1.4 times as many;
+/// isolated plates show the power 3.3 or more. Narrow features that are only just resolved do worse: in
+/// random poses (BOUNDARY_ELEMENTS.md, section 7) the error reached 1.2 times the change.
 constexpr double error_per_change = 1.5;
 
-/// Where there are more features than functions: two spaces that both miss them agree. In random near poses
-/// ten times the change was met.
+/// The same factor where there are more features than functions: two spaces that both miss them agree. In
+/// random near poses the error reached ten times the change.
 constexpr double error_per_unresolved_change = 15;
 
-/// How much of what the quadratures may do to the answer at most they do: where it was looked at, 0.001 or
-/// less.
+/// Assumed effect of the quadrature errors on the result, relative to the worst case; the measured effect was
+/// 0.001 or less.
 constexpr double quadrature_caution = 0.01;
 
-/// Below this, rounding decides over the elements of the matrix.
+/// Finest relative tolerance of the quadratures. Below it, rounding errors dominate the matrix elements.
 constexpr double finest_tolerance = 1e-13;
 
-/// The part of rtol that the quadratures may take.
+/// Fraction of rtol that the quadrature errors may take.
 constexpr double quadrature_part = 0.05;
 
-/// How much finer than rtol the quadratures begin: functions that resolve everything leave errors far below
-/// rtol, which the quadratures' must be well below in turn for a lower bound.
+/// Ratio of rtol to the first tolerance of the quadratures. Functions that resolve everything leave errors
+/// far below rtol, and the quadrature errors must be well below those to give a lower bound.
 constexpr double first_tolerance_part = 50;
 
-/// The part of rtol at which the panels' iteration ends.
+/// Fraction of rtol at which the conjugate gradients for the panels' charges stop.
 constexpr double iteration_share = 0.003;
 
-/// The part of rtol that panels graded towards sharp edges may miss, one density on each group. It is about
-/// the change from the smaller space to the whole.
+/// Fraction of rtol that panels graded towards sharp edges may miss with one density on each group. It is
+/// about the change from the coarse to the whole space.
 constexpr double grading_part = 1.0 / 3;
 
-/// Grading alone takes no more than one in so many of the unknowns there may be.
+/// A-priori grading takes at most one in so many of the allowed unknowns.
 constexpr std::size_t most_graded_part = 4;
 
 void validate(const BoundaryElementOptions& options) {
@@ -77,12 +77,12 @@ void require_positive_definite(const PanelSolution& solution) {
     throw std::runtime_error("the matrix of the boundary elements is not positive definite");
 }
 
-/// What the quadratures may do to the first conductors' entries.
+/// Returns the possible effect of the quadrature errors on the first conductors' entries.
 MatrixXd quadrature_errors(const PanelSolution& solution, double tolerance, Index conductors) {
   return quadrature_caution * tolerance * solution.quadrature_effect.topLeftCorner(conductors, conductors);
 }
 
-/// The answer in metres, to be multiplied by 4πε.
+/// Writes the matrix and its estimated errors to the answer, in metres (to be multiplied by 4πε).
 void tell(const PanelSolution& solution, const ChargedBodies& bodies, double per_change, double tolerance,
           MaxwellMatrix& answer) {
   const MatrixXd fine = without_floating(solution.all.fine, bodies.floating);
@@ -98,8 +98,8 @@ void tell(const PanelSolution& solution, const ChargedBodies& bodies, double per
         quadrature(i, i) <= quadrature_part * answer.errors(i, i);
 }
 
-/// What the objects add to the sensors' own entries, in metres. The errors of a sensor's edges, which it has
-/// without the objects, too, are not in the difference.
+/// Writes what the objects add to the sensors' own entries, in metres. The errors at a sensor's edges, which
+/// are the same without the objects, cancel in this difference.
 void tell_delta(const PanelSystem& system, const PanelSolution& solution, const ChargedBodies& bodies,
                 double per_change, double tolerance, double accuracy, MaxwellMatrix& answer) {
   const auto sensors = static_cast<Index>(bodies.sensors);
@@ -121,17 +121,18 @@ void tell_delta(const PanelSystem& system, const PanelSolution& solution, const 
       per_change * change.cwiseAbs().cwiseMax(relative.cwiseProduct(answer.delta_self).cwiseAbs()) + others;
 }
 
-/// The largest error of an entry, relative to it; of delta_self relative to the sensor's own entry, as a far
-/// object's vanishes.
+/// Returns the largest error of an entry, relative to that entry. Errors of delta_self are left out:
+/// delta_self of a distant object vanishes, so that its relative error has no limit.
 double largest_error(const MaxwellMatrix& answer) {
   return (answer.errors.array() / answer.values.array().abs()).maxCoeff();
 }
 
-/// More than is asked, not to come back for a little.
+/// Factor by which a refinement aims below the allowed error, to save a further refinement for a small
+/// excess.
 constexpr double excess_margin = 1.25;
 
-/// The missing energy that is allowed after a refinement, by what the highest functions and the groups of
-/// panels hold.
+/// Returns the missing energy that is allowed after a refinement. The energy that is missing now is estimated
+/// by that of the highest functions and of the groups of panels.
 double allowed_energy(const PanelSolution& solution, double excess) {
   double total = solution.group_energies.sum();
   for (const Eigen::Vector2d& highest : solution.highest)
@@ -139,13 +140,14 @@ double allowed_energy(const PanelSolution& solution, double excess) {
   return total / (excess_margin * excess);
 }
 
-/// More functions where the highest ones hold more than their part of the allowed energy. False when none may
-/// be added.
+/// Adds functions where the highest ones hold more than their share of the allowed energy. Returns false if
+/// none were added.
 bool add_functions(const PanelSolution& solution, double allowed_of_all, double excess,
                    std::vector<FaceFunctions>& functions) {
-  /// The missing energy falls like this power of the number of functions.
+  /// Exponent: the missing energy falls like this power of the number of functions.
   constexpr double power = 4;
-  /// The whole error falls at least like the third, faster where features are only just resolved.
+  /// Largest growth of the number of functions. The total error falls at least like its third power, and
+  /// faster where features are only just resolved.
   const double most_growth = std::min(std::cbrt(excess_margin * excess), 2.0);
   const double allowed = allowed_of_all / (2 * static_cast<double>(functions.size()));
   bool added = false;
@@ -172,13 +174,14 @@ std::size_t count_unknowns(const std::vector<FaceFunctions>& functions) {
   return unknowns;
 }
 
-/// With how many functions to begin, and what a change from one space to another says of the error then.
+/// The functions to begin with, and the estimated error per change between the two spaces that goes with
+/// them.
 struct Beginning {
   std::vector<FaceFunctions> functions;
   double error_per_change;
 };
 
-/// See detail::resolving_functions.
+/// Returns the parameter `features` of detail::resolving_functions for the requested accuracy.
 double features(const BoundaryElementOptions& options) {
   return options.rtol > 3e-3 ? 1 : 2;
 }
@@ -195,7 +198,7 @@ Beginning beginning(const ChargedBodies& bodies, std::size_t panels, const Bound
   return result;
 }
 
-/// False when nothing may be added.
+/// Refines functions and panels where the error indicators are large. Returns false if nothing may be added.
 bool refine(PanelSystem& system, const PanelSolution& solution, double excess, std::size_t most_unknowns,
             std::vector<FaceFunctions>& functions) {
   const std::size_t panels = system.mesh().panels().size();
@@ -207,13 +210,14 @@ bool refine(PanelSystem& system, const PanelSolution& solution, double excess, s
     functions = more;
     return true;
   }
-  /// Faces and panels have half each.
+  /// Faces and panels may miss half of the energy each.
   const double allowed = allowed_energy(solution, excess) / 2;
   bool added = add_functions(solution, allowed, excess, functions);
   const std::size_t used = count_unknowns(functions) + panels;
   if (used > most_unknowns)
     return false;
-  /// A solution takes several times as long with twice as many; what the charges tell now is worth that.
+  /// A step at most doubles the number of panels. The next solution then takes several times as long, which
+  /// the present error indicators justify.
   const std::vector<bool> marked = detail::groups_to_refine(system.mesh().groups(), solution.group_energies,
                                                             allowed, std::min(panels, most_unknowns - used));
   if (!marked.empty()) {
@@ -223,7 +227,7 @@ bool refine(PanelSystem& system, const PanelSolution& solution, double excess, s
   return added;
 }
 
-/// The answer in metres, to be multiplied by 4πε.
+/// Solves with adaptive refinement. The answer is in metres, to be multiplied by 4πε.
 MaxwellMatrix solve(const ChargedBodies& bodies, const BoundaryElementOptions& options) {
   PanelSystem system(bodies, {grading_part * options.rtol, options.most_unknowns / most_graded_part});
   auto [functions, per_change] = beginning(bodies, system.mesh().panels().size(), options);
@@ -251,7 +255,7 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const BoundaryElementOptions& o
     answer.reached = excess <= 1;
     if (answer.reached)
       break;
-    // What the quadratures may do grows with the charges, near contact without limit.
+    // The possible effect of the quadrature errors grows with the charges, without limit near contact.
     const double quadrature =
         quadrature_caution * tolerance *
         (solution.quadrature_effect.topLeftCorner(answer.values.rows(), answer.values.cols()).array() /
@@ -267,21 +271,22 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const BoundaryElementOptions& o
   return answer;
 }
 
-/// solve() for bodies some of which have triangles in the place of their faces.
+/// Solves as solve() does, for bodies some of which have triangles in place of their faces.
 MaxwellMatrix solve_in_triangles(const ChargedBodies& bodies, BoundaryElementOptions options) {
-  /// What they reach in seconds; less would take minutes.
+  /// Relative accuracy that triangles reach in seconds; a smaller value would take minutes.
   constexpr double reached_by_triangles = 1e-3;
   options.rtol = std::max(options.rtol, reached_by_triangles);
   return solve(bodies, options);
 }
 
-/// The answer, with triangles in the place of faces whose functions would see nothing of what is before
-/// them: two spaces that both miss something agree.
+/// Solves with functions on faces, or with triangles in place of faces whose functions would miss another
+/// body close by: two spaces that both miss a feature agree. Retries with triangles if the error of the
+/// faces' functions stays large.
 MaxwellMatrix solve_as_needed(const ChargedBodies& bodies, const BoundaryElementOptions& options) {
   if (const auto others = detail::with_triangles_under_narrow_shadows(bodies))
     return solve_in_triangles(*others, options);
   MaxwellMatrix answer = solve(bodies, options);
-  /// An answer that is better than this is not worth the seconds.
+  /// Relative error above which a second solution with triangles is worth its seconds.
   constexpr double useless = 1e-2;
   if (largest_error(answer) <= std::max(useless, options.rtol))
     return answer;

@@ -8,14 +8,16 @@
 namespace fringe::detail {
 namespace {
 
+/// Half the range of the tanh-sinh rules in their variable t.
 constexpr double reach = 3.3;
 
-/// As in self_table.cpp; here the nodes crowd towards the shared edge and its ends.
+/// Returns the number of quadrature points, as in face_self_interaction.cpp; here the nodes cluster at the
+/// shared edge and its ends.
 int points_of(int functions) {
   return 40 + 3 * functions;
 }
 
-/// What is integrated over, for a number of functions.
+/// Quadrature nodes that suffice for a number of functions.
 struct BoxNodes {
   explicit BoxNodes(int functions) {
     const TanhSinhRule rule = tanh_sinh_rule(points_of(functions), reach), overlap = overlap_rule(functions);
@@ -35,9 +37,9 @@ struct BoxNodes {
       function.col(q) *= weight * edge_weight(EdgeKind::right_angle, left, right);
     }
   }
-  Eigen::ArrayXd distance;      ///< in [0, 2]: of two points along an edge, and of one from an edge
-  Eigen::MatrixXd correlation;  ///< of every even pair, weights included
-  Eigen::MatrixXd function;     ///< of every function, weights included
+  Eigen::ArrayXd distance;      ///< in [0, 2]: between two points along an edge, or of a point from an edge
+  Eigen::MatrixXd correlation;  ///< of every even pair, times the weights
+  Eigen::MatrixXd function;     ///< values of every function, times the weights
 };
 
 const BoxNodes& box_nodes(int functions) {
@@ -53,7 +55,7 @@ const BoxNodes& box_nodes(int functions) {
   return all;
 }
 
-/// The sign that f_k takes when its face is mirrored.
+/// Returns the sign that f_k takes when its face is mirrored.
 double mirrored(int k, bool mirror) {
   return mirror && k % 2 != 0 ? -1 : 1;
 }
@@ -125,7 +127,7 @@ Eigen::MatrixXd adjacent_faces(FaceFunctions first, FaceFunctions second, double
 
 namespace {
 
-/// The functions of a face along an axis, or those across it.
+/// Return a face's number of functions along an axis, and across it.
 int along_axis(const ChargedFace& face, FaceFunctions functions, Eigen::Index axis) {
   return face.axis_u[axis] == 1 ? functions.u : functions.v;
 }
@@ -133,8 +135,8 @@ int across_axis(const ChargedFace& face, FaceFunctions functions, Eigen::Index a
   return face.axis_u[axis] == 1 ? functions.v : functions.u;
 }
 
-/// Writes the interaction of two adjacent faces of a box from that of the faces +a and +b with at least as
-/// many functions, both mirrored to meet at their end −1.
+/// Gives the single-layer blocks of adjacent faces of a box. It holds the block of the faces +a and +b,
+/// mirrored to meet at their ends −1, for the largest numbers of functions that any of the faces has.
 class AdjacentFaces {
  public:
   AdjacentFaces(const Eigen::Vector3d& half_sides, const std::array<ChargedFace, box_faces>& faces,
@@ -153,8 +155,8 @@ class AdjacentFaces {
                        half_sides[static_cast<Eigen::Index>(axis_a)]);
   }
 
-  /// `positive_a` and `positive_b`: whether the faces are those at the positive ends of their axes. A face
-  /// meets the other at its end +1 when the other is a positive one.
+  /// Returns the block of two faces. `positive_a` and `positive_b` tell whether they are at the positive ends
+  /// of their axes. A face meets the other at its end +1 if the other one is at a positive end.
   Eigen::MatrixXd block(const ChargedFace& a, FaceFunctions in_a, bool positive_a, const ChargedFace& b,
                         FaceFunctions in_b, bool positive_b) const {
     Eigen::MatrixXd result(in_a.count(), in_b.count());

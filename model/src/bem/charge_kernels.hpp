@@ -2,20 +2,20 @@
 
 #include <cstddef>
 
-/// What boundary elements spend their time on, in the widest registers of the processor: the potentials of
-/// charges at points (model/BOUNDARY_ELEMENTS.md, sections 5 and 9), and sums over these points.
+/// The inner loops of boundary elements, in the widest registers of the processor: the potentials of charges
+/// at points (model/BOUNDARY_ELEMENTS.md, sections 5 and 9), and sums over these points.
 ///
 /// Compiled once for every instruction set: what is declared here obeys the rule in simd/dispatch.hpp.
 namespace fringe::detail {
 
-/// Weights are read in whole blocks of this many functions, results written so.
+/// Number of functions in a block. Kernels read weights and write results in whole blocks.
 constexpr std::ptrdiff_t face_block = 8;
 
 constexpr std::ptrdiff_t whole_face_blocks(std::ptrdiff_t count) {
   return (count + face_block - 1) / face_block * face_block;
 }
 
-/// A rule along one direction of a face.
+/// A quadrature rule along one direction of a face.
 struct RuleView {
   std::ptrdiff_t points;
   std::ptrdiff_t functions;
@@ -24,7 +24,7 @@ struct RuleView {
   const double* weights;  ///< weight·(1 − x²)^α·p_k(x): a row of `stride` for every point
 };
 
-/// A point in a face's coordinates, and the face's half sides, lengths all.
+/// A point in a face's coordinates, and the face's half sides; all members are lengths.
 struct FacePoint {
   double x;
   double y;
@@ -33,25 +33,26 @@ struct FacePoint {
   double half_v;
 };
 
-/// Room for what a kernel keeps on the way.
+/// Returns the number of values of scratch space that face_potentials needs.
 constexpr std::size_t face_scratch(const RuleView& u, const RuleView& v) {
   return static_cast<std::size_t>((1 + face_block) * u.points +
                                   (1 + u.functions) * whole_face_blocks(v.points));
 }
 
-/// The functions for one instruction set.
+/// The kernels for one instruction set.
 struct ChargeKernels {
-  /// Element l + k·v.functions is the potential of f_k(x)·f_l(y) at the point.
+  /// Computes the potentials of f_k(x)·f_l(y) at the point, in element l + k·v.functions.
   void (*face_potentials)(const FacePoint& point, const RuleView& u, const RuleView& v, double* scratch,
                           double* result);
 
-  /// The potentials of triangles, each with a charge of one spread evenly, at points: of any shape, also in
-  /// their planes, on their sides and at their corners, to 1e-12 where the distance is no more than a hundred
-  /// heights. By the vectors from the points to the corners, v0.x, v0.y, … v2.z, in whole face_blocks.
+  /// Computes the potentials of triangles of any shape, each with a unit charge spread evenly, at points that
+  /// may also lie in their planes, on their sides and at their corners. The error is 1e-12 where the distance
+  /// is no more than a hundred heights. `components` are the vectors from the points to the corners, v0.x,
+  /// v0.y, … v2.z, in whole face_blocks.
   void (*triangle_potentials)(const double* const (&components)[9], std::size_t count, double* potentials);
 
-  /// Adds to each column of a matrix the combination of another's columns: sums(·, n) += Σ_k columns(·, k)·
-  /// factors[n + k·stride]. Columns follow each other in whole face_blocks of rows.
+  /// Adds to each column of a matrix a linear combination of another's columns: sums(·, n) += Σ_k columns(·,
+  /// k)·factors[n + k·stride]. Columns follow each other in whole face_blocks of rows.
   void (*add_combinations)(const double* columns, std::ptrdiff_t rows, std::ptrdiff_t count,
                            const double* factors, std::ptrdiff_t stride, double* sums,
                            std::ptrdiff_t sum_count);

@@ -26,7 +26,7 @@ class ChargeKernelsFor {
       const double away = point.half_v * v.nodes[q] - point.y;
       across[q] = away * away;
     }
-    // Read with the last block, of no account.
+    // Padding: the last block reads these values, but no result depends on them.
     for (Count q = v.points; q < padded; ++q)
       across[q] = 1;
     sum_over_u(u, v, padded, along, across, inverse, half_way);
@@ -83,15 +83,15 @@ class ChargeKernelsFor {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
   }
 
-  /// h·∫dl/r along a side from a to b, h the distance of the origin's foot from it, inwards positive;
-  /// `normal` is of length 1.
+  /// Returns h·∫dl/r along a side from a to b, where h is the distance from the side to the origin's
+  /// projection onto the triangle's plane, positive inwards; `normal` has length 1.
   static Vector side_moment(const Point& a, const Point& b, const Vector& from, const Vector& to,
                             const Point& normal) {
     const Point side = b - a;
     const Vector length = sqrt(squared_norm(side)), inverse = Vector(1) / length;
     const Point direction{side.x * inverse, side.y * inverse, side.z * inverse};
     const Vector height = dot(cross(a, direction), normal);
-    // With both ends on one side of the foot nothing cancels in r + s.
+    // Mirrors a side that lies mostly behind the origin's foot point on it, to avoid cancellation in r + s.
     const Vector before = dot(a, direction), after = dot(b, direction);
     const auto is_behind = before + after < Vector(0);
     const Vector first = select(is_behind, Vector(0) - after, before);
@@ -104,8 +104,8 @@ class ChargeKernelsFor {
     return select(near > Vector(0), height * Lanes::log((from_last + last) / near), Vector(0));
   }
 
-  /// The mean of 1/r: by the sides' moments and the solid angle (Wilton et al. 1984; van Oosterom and
-  /// Strackee 1983).
+  /// Returns the mean of 1/r over a triangle, by the sides' moments and the solid angle (Wilton et al. 1984;
+  /// van Oosterom and Strackee 1983).
   static Vector triangle_potential(const VirtualLanes<Vector>& triangle) {
     const auto& [a, b, c] = triangle;
     const Point product = cross(b - a, c - a);
@@ -120,13 +120,14 @@ class ChargeKernelsFor {
     return Vector(2) * inverse * (moments - height * angle);
   }
 
-  /// Nearer to a side's line than this part of its length, squared, its moment is none: less than rounding.
+  /// Least squared distance from a side's line, relative to the side's squared length. Nearer, the side's
+  /// moment is less than rounding.
   static constexpr double tiny = 1e-30;
 
-  /// As many sums as registers hold.
+  /// Number of sums that are held in registers.
   static constexpr Count together = 8;
 
-  /// half_way[k·padded + q] = Σ_p f_k(x_p)·weight/distance: for all nodes along v.
+  /// Computes half_way[k·padded + q] = Σ_p f_k(x_p)·weight/distance for all nodes along v.
   static void sum_over_u(const RuleView& u, const RuleView& v, Count padded, const double* along,
                          const double* across, double* inverse, double* half_way) {
     const Count parts = (u.functions + together - 1) / together;
@@ -138,7 +139,7 @@ class ChargeKernelsFor {
       }
   }
 
-  /// Chooses the loop for exactly so many functions.
+  /// Runs the loop that is compiled for exactly `count` functions.
   template <Count most>
   static void columns(Count count, const RuleView& u, Count from, const double* along, const Vector& across,
                       bool is_first, double* inverse, double* half_way, Count padded) {
@@ -167,7 +168,7 @@ class ChargeKernelsFor {
       sums[k].store_unaligned(half_way + k * padded);
   }
 
-  /// result[k·functions + l] = Σ_q half_way[k·padded + q]·f_l(y_q)·weight.
+  /// Computes result[k·functions + l] = Σ_q half_way[k·padded + q]·f_l(y_q)·weight.
   static void sum_over_v(const RuleView& u, const RuleView& v, Count padded, const double* half_way,
                          double* result) {
     constexpr Count rows = 4;

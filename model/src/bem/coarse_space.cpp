@@ -19,12 +19,12 @@ NestedSpace::NestedSpace(const PanelEquations& equations)
     is_positive_definite_ &= group.info() == Eigen::Success;
 }
 
-/// Of the faces' functions, those of the smaller space first.
+/// Returns the row of a face's function: the groups come after the functions of the coarse space.
 Index NestedSpace::place(std::size_t function) const {
   return index_of(function) < coarse_ ? index_of(function) : index_of(function) + group_count_;
 }
 
-/// Only the lower triangle is filled.
+/// Assembles the matrix of this space, only its lower triangle, and factorises the groups' diagonal blocks.
 MatrixXd NestedSpace::matrix() {
   const PanelUnknowns& unknowns = equations_.unknowns;
   const std::vector<PanelGroup>& groups = equations_.mesh.groups();
@@ -47,7 +47,7 @@ MatrixXd NestedSpace::matrix() {
   return matrix;
 }
 
-/// From all unknowns to those of the nested matrix: by what a density on each group is tested with.
+/// Restricts a vector of all unknowns to this space: one density on each group is the test function.
 VectorXd NestedSpace::restricted(const VectorXd& full) const {
   const PanelUnknowns& unknowns = equations_.unknowns;
   VectorXd result(unknowns.functions + group_count_);
@@ -59,7 +59,7 @@ VectorXd NestedSpace::restricted(const VectorXd& full) const {
   return result;
 }
 
-/// The transpose of restricted().
+/// Prolongates a vector of this space to all unknowns: the transpose of restricted().
 VectorXd NestedSpace::prolonged(const VectorXd& nested) const {
   const PanelUnknowns& unknowns = equations_.unknowns;
   VectorXd result(unknowns.functions + shares_.size());

@@ -7,17 +7,17 @@
 
 namespace fringe::detail {
 
-/// The charges of all unknowns, a column for every conductor at a potential of one.
+/// The charges of all unknowns, with one column for every conductor at unit potential.
 struct IteratedCharges {
-  bool positive_definite = true;  ///< false when a step shows otherwise; then there is nothing else
+  bool positive_definite = true;  ///< false if a step shows otherwise; then nothing else is set
   Eigen::MatrixXd charges;
   Eigen::MatrixXd residuals;
-  Eigen::VectorXd gains;    ///< the energy that the last step brought to each
-  Eigen::MatrixXd smaller;  ///< the smaller space's energies: the scalar products of the columns
+  Eigen::VectorXd gains;    ///< the energy-norm decrement of the last step, for each column
+  Eigen::MatrixXd smaller;  ///< columns whose scalar products are the energies in the coarse space
 };
 
-/// Conjugate gradients from the nested space's answer, until a step brings a capacitance less than a part of
-/// it.
+/// Solves for the charges by preconditioned conjugate gradients. Starts from the coarse solve and stops when
+/// a step changes a capacitance by less than `accuracy` times its value.
 IteratedCharges iterate(const PanelEquations& equations, const NestedSpace& nested, double accuracy);
 
 }  // namespace fringe::detail

@@ -18,11 +18,11 @@ namespace {
 using Eigen::Vector3d;
 using Place = std::array<double, 3>;
 
-/// The exponent below which an edge is not sharp: between faces that meet at 160° or more. So are the sides
-/// of a round body's facets.
+/// Least exponent of a sharp edge. Faces that meet at 160° or more have a smaller one, and so do the facets
+/// of a round body.
 constexpr double least_exponent = 0.1;
 
-/// The triangles at an edge.
+/// Adjacency: the triangles at each edge.
 using Users = std::map<std::pair<Place, Place>, std::vector<std::size_t>>;
 
 Users users_of(std::span<const Triangle> triangles) {
@@ -43,7 +43,7 @@ Vector3d opposite_corner(const Triangle& triangle, const Vector3d& from, const V
   return from;
 }
 
-/// The widest angle between neighbouring triangles around an edge: where the charge is.
+/// Returns the widest angle between neighbouring triangles around an edge, on the side where the charge is.
 double widest_angle(std::span<const Triangle> triangles, const std::vector<std::size_t>& users,
                     const Vector3d& from, const Vector3d& to) {
   const Vector3d axis = (to - from).normalized();
@@ -65,7 +65,7 @@ double widest_angle(std::span<const Triangle> triangles, const std::vector<std::
   return widest;
 }
 
-/// Whether the faces of a closed surface meet at an edge as they do in a corner of a room.
+/// Returns true if the faces of a closed surface form a concave edge, as in a corner of a room.
 bool is_hollow(std::span<const Triangle> triangles, const std::vector<std::size_t>& users,
                const Vector3d& from, const Vector3d& to) {
   if (users.size() != 2)
@@ -124,7 +124,7 @@ double EdgeDensity::at(std::size_t triangle, const Vector3d& point) const {
     }
   if (nearest == nullptr)
     return 1;
-  // Near a corner the other edge counts, too; one that runs on in the same direction is the same edge.
+  // Near a corner the second edge counts, too; an edge that continues in the same direction is the same edge.
   const Vector3d along = (nearest->to - nearest->from).normalized();
   double other = 1;
   for (const SharpEdge& edge : edges) {

@@ -10,30 +10,31 @@
 
 namespace fringe::detail {
 
-/// An edge that the charge grows towards, by the distance from it to the power −exponent.
+/// An edge near which the charge density grows like the distance from it to the power −exponent.
 struct SharpEdge {
   Eigen::Vector3d from;
   Eigen::Vector3d to;
   double exponent;
 };
 
-/// What is known of the charge of a surface before anything is solved for: how it grows towards the sharp
+/// Estimates the charge density of a surface before anything is solved for, by its growth towards the sharp
 /// edges (model/BOUNDARY_ELEMENTS.md, section 9).
 class EdgeDensity {
  public:
   explicit EdgeDensity(std::span<const Triangle> triangles);
 
-  /// The density at a point of a triangle, in units without meaning.
+  /// Returns the density at a point of a triangle, in arbitrary units.
   double at(std::size_t triangle, const Eigen::Vector3d& point) const;
 
-  /// The edges around the part of the surface without sharp edges in it that a triangle belongs to.
+  /// Returns the sharp edges around a triangle's part of the surface. The parts are what the sharp edges
+  /// separate.
   const std::vector<SharpEdge>& edges_around(std::size_t triangle) const {
     return edges_[part_of_[triangle]];
   }
 
  private:
-  double size_;                                ///< the root of the area
-  std::vector<std::size_t> part_of_;           ///< of each triangle
+  double size_;                                ///< the square root of the area
+  std::vector<std::size_t> part_of_;           ///< for each triangle
   std::vector<std::vector<SharpEdge>> edges_;  ///< around each part
 };
 

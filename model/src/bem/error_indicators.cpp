@@ -15,7 +15,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// The mean potentials of all charges on panels that need not be the system's own.
+/// Returns the mean potentials of all charges on panels that need not be the system's own.
 MatrixXd potentials_on(const std::vector<Panel>& targets, const PanelEquations& equations,
                        const MatrixXd& charges, double tolerance) {
   const PanelUnknowns& unknowns = equations.unknowns;
@@ -53,12 +53,12 @@ UnseenEnergy unseen_energy(const PanelEquations& equations, const MatrixXd& char
   const SampledQuarters sampled = sampled_quarters(mesh);
   if (sampled.panels.empty())
     return {};
-  // The conductors' own potentials are constant: charges without a sum do not answer them.
+  // The conductors' own potentials are constant: charges whose sum vanishes do not see them.
   UnseenEnergy unseen{
       energy_of_quarters(sampled, potentials_on(sampled.panels, equations, charges, tolerance), tolerance),
       VectorXd::Zero(index_of(mesh.groups().size()))};
   const double part = (unseen.gained.diagonal().array() / own.array()).maxCoeff();
-  // Where there is more charge, there is more of it.
+  // Groups with more charge get a larger part of the gained energy.
   for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
     const PanelGroup& group = mesh.groups()[g];
     for (std::size_t k = group.first; k < group.first + group.count && !group.is_quartered; ++k) {

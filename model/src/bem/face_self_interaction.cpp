@@ -7,19 +7,21 @@
 namespace fringe::detail {
 namespace {
 
-// So many points that half as many more change no element of a matrix by more than 1e-9 of the largest, for
-// sides of 1 to 40 (boundary_tables_test): functions that oscillate take their share.
+// Numbers of quadrature points. Half as many more change no element of a matrix by more than 1e-9 of the
+// largest, for sides of 1 to 40 (self_interaction_test); oscillating functions need more points.
 int slope_points(int functions) {
   return 52 + 2 * functions;
 }
 int difference_points(int functions) {
   return 48 + 4 * functions;
 }
+/// Half the ranges of the tanh-sinh rules in their variable t.
 constexpr double slope_reach = 3.2;
 constexpr double difference_reach = 3.4;
 constexpr double overlap_reach = 4.0;
 
-/// 7 functions answer 0.1 % of most set-ups; a table of all takes a second to make.
+/// Numbers of functions for which tables are cached. 7 functions reach 0.1 % in most set-ups; a table of all
+/// functions takes a second to make.
 constexpr std::array<int, 3> table_sizes{9, 17, most_functions};
 
 template <EdgeKind edge>
@@ -94,7 +96,7 @@ SelfTable::SelfTable(EdgeKind edge, int functions, double more_points) {
     for (Eigen::Index q = 0; q < count; ++q) {
       const auto at = static_cast<std::size_t>(q);
       const double u = 2 * differences.from_left[at] * slopes.from_left[t];
-      // 2 − ut from distances, which keep their digits near 0.
+      // 2 − ut from distances, which keep their relative accuracy near 0.
       const double rest = 2 * (differences.from_right[at] + differences.from_left[at] * slopes.from_right[t]);
       across.col(q) = correlations(edge, pairs, functions, u, rest, overlap);
     }

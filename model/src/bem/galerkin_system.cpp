@@ -11,9 +11,9 @@
 
 namespace fringe::detail {
 
-/// Where a face's functions lie in a system: those of the smaller space first, over all faces.
+/// The rows of the faces' functions in a system. Over all faces, those of the coarse space come first.
 struct FaceNumbering {
-  std::vector<std::vector<Eigen::Index>> places;  ///< of each face's functions
+  std::vector<std::vector<Eigen::Index>> places;  ///< for each face's functions
   Eigen::Index coarse = 0;
   Eigen::Index total = 0;
 };
@@ -54,7 +54,7 @@ bool is_coarse(FaceFunctions functions, int function) {
 }
 
 int coarse_functions(int functions) {
-  // Odd, as the number of functions is: what is symmetric loses and gains as much as the rest.
+  // Odd, as the number of functions is, so that symmetric functions are treated like antisymmetric ones.
   const int part = 18 * functions / 25;
   return part % 2 == 0 ? part - 1 : part;
 }

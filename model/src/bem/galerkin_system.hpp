@@ -11,63 +11,68 @@
 /// metres: to be multiplied by 4πε.
 namespace fringe::detail {
 
-/// A matrix of conductors in the whole space of functions, and in one of about two thirds of them along each
-/// direction.
+/// A capacitance matrix in the whole space of functions, and in the coarse space of about two thirds of them
+/// along each direction.
 struct NestedMatrix {
   Eigen::MatrixXd fine;
   Eigen::MatrixXd coarse;
 };
 
-/// What the charges of a system tell.
+/// The capacitances of a system and their error indicators.
 struct GalerkinSolution {
-  bool positive_definite = true;  ///< false when the quadratures are too coarse; then there is nothing else
+  bool positive_definite = true;  ///< false if the quadratures are too coarse; then nothing else is set
   NestedMatrix all;               ///< of all conductors
   NestedMatrix sensors;           ///< of the sensors without the objects
-  /// How much an error of the mutual matrices, relative to their largest elements, may change `all`.
+  /// Possible change of `all` for a unit error of the single-layer blocks of different bodies, relative to
+  /// their largest elements.
   Eigen::MatrixXd quadrature_effect;
   /// For every face and direction, the energy in its highest functions, relative to that of the conductors.
   std::vector<Eigen::Vector2d> highest;
 };
 
-/// What the charges on faces tell.
+/// Energies of the charges on faces.
 struct FaceEnergies {
-  Eigen::MatrixXd norms;  ///< of each face's coefficients (rows) for every conductor at a potential of one
-  std::vector<Eigen::Vector2d> highest;  ///< as GalerkinSolution has them
+  Eigen::MatrixXd norms;  ///< of each face's coefficients (rows) for every conductor at unit potential
+  std::vector<Eigen::Vector2d> highest;  ///< as in GalerkinSolution
 };
 
-/// The functions of the smaller space along a direction with an odd number of functions, 3 or more.
+/// Returns the number of functions of the coarse space along a direction; `functions` must be odd, 3 or more.
 int coarse_functions(int functions);
 
-/// Whether a face's function is one of the smaller space.
+/// Returns true if a face's function belongs to the coarse space.
 bool is_coarse(FaceFunctions functions, int function);
 
+/// The Galerkin equations of bodies with faces. The single-layer blocks are kept from one refinement to the
+/// next; the equations are solved by Cholesky factorisation.
 class GalerkinSystem {
  public:
   explicit GalerkinSystem(const ChargedBodies& bodies);
 
   std::size_t faces() const { return faces_.size(); }
 
-  /// Evaluates the matrices for so many functions on each face; those that are known are kept.
+  /// Evaluates the single-layer blocks for so many functions on each face; keeps those that are known.
   void refine(const std::vector<FaceFunctions>& functions, double tolerance);
 
   GalerkinSolution solve() const;
 
-  /// The matrix of the sensors without the objects; nothing of it if the quadratures are too coarse.
+  /// Returns the matrix of the sensors without the objects. It is empty if the quadratures are too coarse.
   NestedMatrix solve_sensors() const;
 
   const ChargedFace& face(std::size_t face) const { return faces_[face]; }
   FaceFunctions functions(std::size_t face) const { return functions_[face]; }
   std::size_t conductor(std::size_t face) const { return bodies_.bodies[body_of_[face]].conductor; }
-  /// The net charge of a face's first function, the only one that has any.
+  /// Returns the net charge of a face's first function, the only one that has any.
   double net_charge(std::size_t face) const;
-  /// The interaction of two faces a ≤ b.
+  /// Returns the single-layer block of two faces a ≤ b.
   const Eigen::MatrixXd& block(std::size_t a, std::size_t b) const { return blocks_[pair(a, b)].values; }
 
-  /// For every face its coefficients, a column for every conductor; `own` the conductors' own capacitances.
+  /// Computes energies from the coefficients of every face, which have one column for every conductor; `own`
+  /// are the conductors' own capacitances.
   FaceEnergies energies(const std::vector<Eigen::MatrixXd>& charges, const Eigen::VectorXd& own) const;
 
-  /// How much the mutual matrices' errors, relative to their largest elements, may change the capacitances:
-  /// by the norm of each face's coefficients (rows) for every conductor at a potential of one.
+  /// Returns the possible change of the capacitances for a unit error of the single-layer blocks of different
+  /// bodies, relative to their largest elements. `norms` are those of each face's coefficients (rows) for
+  /// every conductor at unit potential.
   Eigen::MatrixXd quadrature_effect(const Eigen::MatrixXd& norms) const;
 
  private:
@@ -78,7 +83,8 @@ class GalerkinSystem {
     Eigen::MatrixXd values;
   };
 
-  /// Of the first faces: the numbering of their functions, and the charges of the first conductors.
+  /// The solution for the first faces: the numbering of their functions, and the charges for the first
+  /// conductors.
   struct Solved;
   Solved solve(std::size_t faces, Eigen::Index columns) const;
   std::size_t sensor_faces() const;
@@ -88,10 +94,10 @@ class GalerkinSystem {
 
   const ChargedBodies& bodies_;
   std::vector<ChargedFace> faces_;
-  std::vector<std::size_t> body_of_;     ///< of each face
-  std::vector<std::size_t> first_face_;  ///< of each body
+  std::vector<std::size_t> body_of_;     ///< for each face
+  std::vector<std::size_t> first_face_;  ///< for each body
   std::vector<FaceFunctions> functions_;
-  std::vector<Block> blocks_;  ///< of faces a ≤ b, at pair(a, b)
+  std::vector<Block> blocks_;  ///< for faces a ≤ b, at pair(a, b)
 };
 
 }  // namespace fringe::detail

@@ -15,20 +15,21 @@ namespace {
 
 using Eigen::Vector4d;
 
-/// A part of a triangle of the surface, with the charges of its quarters as far as they are known.
+/// A part of one of the surface's triangles, with the estimated charges of its quarters.
 struct GradedPiece {
   Triangle corners;
   std::size_t triangle;
   Vector4d charges;
-  double energy;  ///< that the quarters' own densities hold more than one density would
+  double energy;  ///< that the quarters' own densities add to that of one density
 };
 
+/// Estimates what one density on a part of a triangle would miss, by the charge density near sharp edges.
 class Grading {
  public:
   explicit Grading(std::span<const Triangle> triangles) : density_(triangles) {}
 
   GradedPiece piece(const Triangle& corners, std::size_t triangle) const {
-    /// Of elements that only say where to divide.
+    /// Relative quadrature tolerance; this matrix only steers refinement.
     constexpr double tolerance = 0.01;
     GradedPiece result{corners, triangle, Vector4d::Zero(), 0};
     std::array<Panel, 4> panels;
@@ -44,7 +45,7 @@ class Grading {
   }
 
  private:
-  /// At three points, which see an edge well enough that a side lies on.
+  /// Averages the density over three points, which are near enough to the sides to see an edge there.
   double mean_density(const Panel& panel, std::size_t triangle) const {
     double sum = 0;
     for (const Eigen::Vector3d& corner : panel.corners)
@@ -67,10 +68,12 @@ std::vector<Triangle> graded_triangles(std::span<const Triangle> triangles, doub
     energy += piece.energy;
     charge += piece.charges.sum();
   }
-  // A ball of the surface's area stands for the body: its charge squared by its radius.
+  // Estimates the body's energy by that of a ball with the surface's area: its squared charge over its
+  // radius.
   const double radius = std::sqrt(area(triangles) / (4 * std::numbers::pi));
   while (energy * radius > missing * charge * charge && pieces.size() < most) {
-    /// All that hold about as much as the one that holds the most: as many steps as there are sizes.
+    /// Fraction of the largest energy. Pieces that hold more are halved in the same step, so that there are
+    /// only as many steps as there are sizes.
     constexpr double about = 0.5;
     largest = 0;
     for (const GradedPiece& piece : pieces)

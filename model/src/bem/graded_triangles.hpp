@@ -8,9 +8,9 @@
 
 namespace fringe::detail {
 
-/// The triangles of a surface divided towards its sharp edges, so that one density on each would miss about
-/// the part `missing` of the energy, evenly spread over all; but no more triangles than `most`, if there were
-/// less (model/BOUNDARY_ELEMENTS.md, section 9).
+/// Divides the triangles of a surface towards its sharp edges, until one density on each would miss about the
+/// fraction `missing` of the energy, evenly spread over all. Stops when there are `most` triangles
+/// (model/BOUNDARY_ELEMENTS.md, section 9).
 std::vector<Triangle> graded_triangles(std::span<const Triangle> triangles, double missing, std::size_t most);
 
 }  // namespace fringe::detail

@@ -46,7 +46,7 @@ MatrixXd group_matrix(const PanelMesh& mesh, const VectorXd& shares, const Matri
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const auto first = index_of(groups[g].first), count = index_of(groups[g].count);
     const auto own_shares = shares.segment(first, count);
-    // The groups before: whole columns above the diagonal.
+    // The earlier groups: whole columns above the diagonal.
     const VectorXd column = panels.middleCols(first, count).topRows(first) * own_shares;
     for (std::size_t h = 0; h < g; ++h)
       matrix(index_of(g), index_of(h)) =

@@ -12,13 +12,13 @@
 namespace fringe::detail {
 namespace {
 
-/// Integral of (1 − x)^right·(1 + x)^left over [−1, 1].
+/// Returns the integral of (1 − x)^right·(1 + x)^left over [−1, 1].
 double jacobi_mass(double right, double left) {
   return std::exp2(right + left + 1) * std::tgamma(right + 1) * std::tgamma(left + 1) /
          std::tgamma(right + left + 2);
 }
 
-/// The square of the k-th off-diagonal element of the Jacobi matrix, k ≥ 1.
+/// Returns the square of the k-th off-diagonal element of the Jacobi matrix, k ≥ 1.
 double squared_offdiagonal(int k, double right, double left) {
   const double sum = right + left, twice = 2 * k + sum;
   if (k == 1)
@@ -36,7 +36,7 @@ double diagonal(int k, double right, double left) {
 /// The ends of [−1, 1] that a panel touches.
 enum class Touches { none, left, right };
 
-/// Rules for panels, by what they touch and by their number of points.
+/// Returns the rules for panels that touch an end, by their number of points.
 std::vector<JacobiRule> panel_rules(EdgeKind edge, Touches touches) {
   const double exponent = edge_exponent(edge);
   std::vector<JacobiRule> rules;
@@ -124,7 +124,7 @@ void add_panel(DirectionRule& rule, Eigen::Index offset, EdgeKind edge, int func
   for (int i = 0; i < points; ++i) {
     const double s = panel.nodes[i];
     const double from_left = (1 + from) + half * (1 + s), from_right = (1 - to) + half * (1 - s);
-    // The factor that the rule contains is left out of the weight.
+    // The rule contains the factor that is singular at the panel's end; the weight leaves it out.
     const double weight = touches == Touches::none   ? edge_weight(edge, from_left, from_right)
                           : touches == Touches::left ? edge_weight(edge, half, from_right)
                                                      : edge_weight(edge, from_left, half);

@@ -5,11 +5,12 @@
 
 #include <Eigen/Core>
 
-/// The functions (1 − x²)^α·p_k(x) on [−1, 1] that carry the charge, and quadrature for them
-/// (model/BOUNDARY_ELEMENTS.md, section 2).
+/// The edge-weighted (Jacobi) basis: functions (1 − x²)^α·p_k(x) on [−1, 1] that carry the charge, and
+/// quadrature for them (model/BOUNDARY_ELEMENTS.md, section 2).
 namespace fringe::detail {
 
-/// The exponent with which the charge density of a conductor grows towards an edge, by the distance from it.
+/// The kind of an edge, by the exponent with which a conductor's charge density grows with the distance from
+/// it.
 enum class EdgeKind {
   thin,         ///< the edge of a plate: −1/2
   right_angle,  ///< the edge of a box: −1/3
@@ -17,13 +18,13 @@ enum class EdgeKind {
 
 double edge_exponent(EdgeKind edge);
 
-/// (1 − x²)^α by the distances of x from both ends.
+/// Returns (1 − x²)^α, given the distances of x from both ends.
 inline double edge_weight(EdgeKind edge, double from_left, double from_right) {
   return edge == EdgeKind::thin ? 1 / std::sqrt(from_left * from_right)
                                 : 1 / std::cbrt(from_left * from_right);
 }
 
-/// The most functions along one direction of a face.
+/// Largest number of functions along one direction of a face.
 constexpr int most_functions = 31;
 
 /// The polynomials p_0, p_1, … orthonormal under the weight (1 − x²)^α. Only p_0 carries a net charge.
@@ -31,7 +32,7 @@ class WeightedPolynomials {
  public:
   explicit WeightedPolynomials(EdgeKind edge);
 
-  /// p_0(x) to p_{count−1}(x).
+  /// Evaluates p_0(x) to p_{count−1}(x).
   void evaluate(double x, int count, double* values) const {
     values[0] = first_;
     double before = 0;
@@ -42,7 +43,7 @@ class WeightedPolynomials {
     }
   }
 
-  /// ∫(1 − x²)^α·p_0(x) dx.
+  /// Returns ∫(1 − x²)^α·p_0(x) dx.
   double net_charge() const { return 1 / first_; }
 
  private:
@@ -53,41 +54,43 @@ class WeightedPolynomials {
 
 const WeightedPolynomials& weighted_polynomials(EdgeKind edge);
 
-/// Nodes on [−1, 1] and weights for (1 − x)^right·(1 + x)^left.
+/// A quadrature rule on [−1, 1] with the weight function (1 − x)^right·(1 + x)^left.
 struct JacobiRule {
   Eigen::VectorXd nodes;
   Eigen::VectorXd weights;
 };
 
-/// The Gauss rule of the given number of points (Golub and Welsch).
+/// Computes the Gauss rule of the given number of points (Golub and Welsch).
 JacobiRule jacobi_rule(int points, double right, double left);
 
-/// A rule along one direction of a face: nodes, and weights that contain the functions' values.
+/// A quadrature rule along one direction of a face, with the functions' values contained in the weights.
 struct DirectionRule {
   Eigen::VectorXd nodes;  ///< in [−1, 1]
   /// (functions, nodes): weight·(1 − x²)^α·p_k(x). There may be more rows, up to a whole face_block.
   Eigen::MatrixXd weights;
 };
 
-/// The most points of a rule on the whole of [−1, 1]; what needs more is cut into panels.
+/// Largest number of points of a rule on the whole of [−1, 1]; an integral that needs more is divided into
+/// panels.
 constexpr int most_points = 64;
 
-/// The rule with at least so many points on the whole of [−1, 1], for most_functions functions.
+/// Returns the rule with so many points on the whole of [−1, 1], for most_functions functions.
 const DirectionRule& whole_rule(EdgeKind edge, int points);
 
-/// Adds to a rule the nodes of [from, to], on which the integrand besides weight and polynomials is smooth.
-/// Room for `points` more nodes must be there from `offset` on.
+/// Adds to a rule the nodes of the panel [from, to], on which the integrand apart from weight and polynomials
+/// is smooth. The rule must have room for `points` more nodes from `offset` on.
 void add_panel(DirectionRule& rule, Eigen::Index offset, EdgeKind edge, int functions, double from, double to,
                int points);
 
-/// The nodes of [0, 1] for integrands with any singularities at its ends (Takahasi and Mori 1974), with the
-/// distances from both ends, as neither follows from the other in rounded numbers.
+/// The tanh-sinh rule on [0, 1], for integrands with any singularities at the ends (Takahasi and Mori 1974).
+/// It gives the distances from both ends: one cannot be computed from the other without loss of accuracy.
 struct TanhSinhRule {
   std::vector<double> from_left;
   std::vector<double> from_right;
   std::vector<double> weights;
 };
 
+/// Computes the rule of so many points, equidistant in its variable t from −reach to reach.
 TanhSinhRule tanh_sinh_rule(int points, double reach);
 
 }  // namespace fringe::detail

@@ -7,11 +7,12 @@ namespace fringe::detail {
 
 std::vector<bool> groups_to_refine(const std::vector<PanelGroup>& groups, const Eigen::VectorXd& energies,
                                    double allowed, std::size_t most) {
-  /// What a refined group goes on to hold, of what it held; less where the charge is smooth.
+  /// Fraction of its missing energy that a group keeps after refinement; less where the charge is smooth.
   constexpr double left = 0.4;
-  /// The rest is too little to be known to be worth refining.
+  /// Fraction of the missing energy at which marking may stop: the rest is too little to be surely worth
+  /// refining.
   constexpr double greater_part = 0.75;
-  /// What differs less is the same but for the quadratures' errors.
+  /// Ratio of indicators above which two are equal up to the quadratures' errors.
   constexpr double alike = 0.99;
   std::vector<std::size_t> order(groups.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

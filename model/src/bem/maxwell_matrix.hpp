@@ -4,14 +4,16 @@
 
 #include <Eigen/Core>
 
-/// What several answers make of the matrices they solve for.
+/// Operations on capacitance matrices that several solvers share.
 namespace fringe::detail {
 
-/// The matrix of the others when the last `floating` conductors carry no charge.
+/// Returns the matrix of the other conductors if the last `floating` ones carry no charge, by the Schur
+/// complement.
 Eigen::MatrixXd without_floating(const Eigen::MatrixXd& matrix, std::size_t floating);
 
-/// The change of every entry from the smaller space to the larger, but relative to the entry not less than
-/// those of its row's and column's own: two errors of an entry off the diagonal may cancel by chance.
+/// Returns the absolute change of every entry from the coarse to the whole space. Relative to the entry, it
+/// is at least the geometric mean of the relative changes of its row's and column's diagonal entries: two
+/// errors of an entry off the diagonal may cancel by chance.
 Eigen::MatrixXd changes(const Eigen::MatrixXd& fine, const Eigen::MatrixXd& coarse);
 
 }  // namespace fringe::detail

@@ -20,7 +20,7 @@ struct Segment {
   Vector3d to;
 };
 
-/// The edges of a face; those of a box come twice.
+/// Returns the edges of a face. Each edge of a box belongs to two faces.
 std::array<Segment, 4> edges_of(const ChargedFace& face) {
   const std::array<Vector3d, 4> corners = corners_of(face);
   return {{{corners[0], corners[1]},
@@ -29,7 +29,8 @@ std::array<Segment, 4> edges_of(const ChargedFace& face) {
            {corners[3], corners[0]}}};
 }
 
-/// What the charges of a body end at or bend around: the edges of its faces, or the sides of its triangles.
+/// Returns the edges at which a body's charge ends or bends: those of its faces, or the sides of its
+/// triangles.
 std::vector<Segment> edges_of(const ChargedBody& body) {
   std::vector<Segment> edges;
   for (const ChargedFace& face : body.faces)
@@ -41,10 +42,10 @@ std::vector<Segment> edges_of(const ChargedBody& body) {
   return edges;
 }
 
-/// The logarithm of the parameter of the narrowest ellipse, with the ends of one direction of a face as foci,
-/// that a segment touches. The potential of what is beyond it is analytic inside. A line that meets the
-/// direction at an angle is seen as from so much farther away as its distance changes more slowly; of a
-/// parallel one only the ends are seen.
+/// Returns the logarithm of the parameter of the narrowest ellipse that a segment touches, with the ends of
+/// one direction of a face as foci. Inside it the potential of what is beyond is analytic. The distance of a
+/// line at an angle to the direction is divided by the sine of the angle, because it changes more slowly
+/// along the direction; of a parallel line only the ends count.
 double log_parameter(const Segment& segment, const ChargedFace& face, const Vector3d& along,
                      double half_along, const Vector3d& across, double half_across) {
   const Vector3d normal = face.axis_u.cross(face.axis_v);
@@ -54,16 +55,16 @@ double log_parameter(const Segment& segment, const ChargedFace& face, const Vect
   };
   const Vector3d from = coordinates(segment.from), way = coordinates(segment.to) - from;
   const double width = half_across / half_along, sine = std::hypot(way.y(), way.z()) / way.norm();
-  // The sum of the distances from the foci: convex along the segment.
+  // Sum of the distances from the foci, which is convex along the segment.
   const auto sum = [&](double part, double slowness) {
     const Vector3d point = from + part * way;
     const double height = std::hypot(point.z(), std::max(std::abs(point.y()) - width, 0.0)) / slowness;
     return std::hypot(point.x() - 1, height) + std::hypot(point.x() + 1, height);
   };
   double least = std::min(sum(0, 1), sum(1, 1));
-  /// Below, what lies between the ends is seen from as far as if it were not there.
+  /// Sine of the angle to the direction. Below it, what lies between the ends is too far away to count.
   constexpr double parallel = 1e-3;
-  /// The logarithm decides how many functions there are: three digits are plenty.
+  /// Bits of the minimum: it decides how many functions there are, for which three digits suffice.
   constexpr int bits = 10;
   if (sine > parallel)
     least = std::min(least, boost::math::tools::brent_find_minima(
@@ -79,7 +80,7 @@ int functions_for(double parameter, double features, int least) {
   return std::clamp(wanted, least, most_functions);
 }
 
-/// log_parameter along both directions of a face, the least over all other bodies' edges.
+/// Returns log_parameter along both directions of a face, the least over all edges of the other bodies.
 Eigen::Vector2d least_parameters(const ChargedFace& face, const ChargedBody& body,
                                  const ChargedBodies& bodies) {
   Eigen::Vector2d least = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
@@ -96,12 +97,12 @@ Eigen::Vector2d least_parameters(const ChargedFace& face, const ChargedBody& bod
   return least;
 }
 
-/// The faces' corners, each once: what differs by rounding is the same.
+/// Divides faces into triangles. Corners that differ only by rounding become one.
 std::vector<Triangle> triangles_of(const std::vector<ChargedFace>& faces) {
   std::vector<Vector3d> corners;
   std::vector<Triangle> triangles;
   for (const ChargedFace& face : faces) {
-    /// Far above rounding, and far below the length of an edge.
+    /// Distance below which two corners are the same: far above rounding, far below the length of an edge.
     const double same = 1e-9 * std::min(face.half_u, face.half_v);
     std::array<Vector3d, 4> own;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -116,8 +117,8 @@ std::vector<Triangle> triangles_of(const std::vector<ChargedFace>& faces) {
   return triangles;
 }
 
-/// The bodies with triangles in the place of the faces of those that have one for which they are needed.
-/// Nothing if there are none.
+/// Returns the bodies with triangles in place of the faces of each body that has a face for which `needed` is
+/// true. Returns nothing if there is no such body.
 template <typename Needed>
 std::optional<ChargedBodies> with_triangles_where(const ChargedBodies& bodies, const Needed& needed) {
   ChargedBodies result = bodies;

@@ -7,18 +7,19 @@
 
 namespace fringe::detail {
 
-/// How many functions along each direction of every face, body after body, can see what the other bodies'
-/// edges do to its charge (model/BOUNDARY_ELEMENTS.md, section 6): odd, `least` or more.
+/// Chooses the numbers of functions along each direction of every face, body after body, such that they
+/// resolve the effect of the other bodies' edges on its charge (model/BOUNDARY_ELEMENTS.md, section 6). They
+/// are odd, `least` or more.
 ///
-/// @param features how many of the lengths over which the charge changes go with one function at least
+/// @param features least number of functions for each length over which the charge changes
 std::vector<FaceFunctions> resolving_functions(const ChargedBodies& bodies, double features, int least);
 
-/// The bodies with triangles in the place of the faces of all that would take more than `most` functions
-/// along a direction of one. Nothing if there are none.
+/// Returns the bodies with triangles in place of the faces of each body that would need more than `most`
+/// functions along a direction of a face. Returns nothing if there is no such body.
 std::optional<ChargedBodies> with_triangles_beyond(const ChargedBodies& bodies, double features, double most);
 
-/// The same where another body close by is far smaller than the face: what it does there is narrower than
-/// any function.
+/// Does the same for each body with a face to which another, far smaller body is close: its effect on the
+/// charge there is narrower than any function.
 std::optional<ChargedBodies> with_triangles_under_narrow_shadows(const ChargedBodies& bodies);
 
 }  // namespace fringe::detail

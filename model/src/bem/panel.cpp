@@ -29,7 +29,7 @@ std::array<Triangle, 2> halves(const Triangle& triangle, std::size_t side) {
 }
 
 std::size_t longest_side(const Triangle& triangle) {
-  /// Sides that rounding makes longer than others are not.
+  /// Ratio of lengths above which a side is longer than another; smaller differences are rounding.
   constexpr double longer = 1 + 1e-6;
   std::size_t longest = 0;
   double length = 0;
@@ -44,7 +44,7 @@ std::size_t longest_side(const Triangle& triangle) {
 }
 
 std::size_t side_to_halve(const Triangle& triangle, const Eigen::MatrixXd& quarter_charges) {
-  /// A triangle is not made longer, in terms of its height, than this.
+  /// Ratio of longest side to height above which a triangle is halved across its longest side.
   constexpr double slimmest = 60;
   const double longest =
       (triangle[(longest_side(triangle) + 1) % 3] - triangle[longest_side(triangle)]).norm();
@@ -54,7 +54,7 @@ std::size_t side_to_halve(const Triangle& triangle, const Eigen::MatrixXd& quart
     changes[side] = (quarter_charges.row(from) - quarter_charges.row(to)).norm();
   }
   const double largest = *std::max_element(changes.begin(), changes.end());
-  /// Of sides along which it changes about as much the longest is taken.
+  /// Fraction of the largest change. Of the sides with a larger change the longest is taken.
   constexpr double about = 0.8;
   std::size_t chosen = longest_side(triangle);
   double length = changes[chosen] >= about * largest ? longest : 0;

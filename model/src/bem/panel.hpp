@@ -8,33 +8,36 @@
 
 namespace fringe::detail {
 
-/// A triangle that carries a charge of one, spread evenly.
+/// A triangle with a unit charge spread evenly.
 struct Panel {
   Triangle corners;
   Eigen::Vector3d centre;
-  double radius;  ///< of a sphere about the centre that holds the corners
+  double radius;  ///< of a sphere about the centre that contains the corners
   double area;
 };
 
 Panel make_panel(const Triangle& corners);
 
-/// The four triangles between the corners and the middles of the sides: those at the corners, the middle one.
+/// Returns the four triangles between the corners and the middles of the sides: those at the corners, then
+/// the middle one.
 std::array<Triangle, 4> quarters(const Triangle& triangle);
 
-/// The halves of a triangle cut from the middle of the side that begins at a corner to the corner opposite.
+/// Halves a triangle from the middle of a side, given by the corner it begins at, to the opposite corner.
 std::array<Triangle, 2> halves(const Triangle& triangle, std::size_t side);
 
-/// The side, by the corner it begins at, that is the longest; of several the first.
+/// Returns the longest side, by the corner it begins at; of several the first.
 std::size_t longest_side(const Triangle& triangle);
 
-/// The side of a triangle across which to halve it: along which the densities of its quarters at the corners
-/// differ most, by their charges (rows) for any number of cases (columns).
+/// Returns the side across which to halve a triangle: the one along which the densities of the quarters at
+/// its ends differ most, or the longest of a slim triangle. `quarter_charges` has a row for each quarter and
+/// a column for each right-hand side.
 std::size_t side_to_halve(const Triangle& triangle, const Eigen::MatrixXd& quarter_charges);
 
-/// The shortest distance from a point to a segment, given by its ends.
+/// Returns the shortest distance from a point to a segment, given by its ends.
 double segment_distance(const Eigen::Vector3d& point, const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
-/// The shortest distance from a point to a triangle's outline, where the potential of its charge is singular.
+/// Returns the shortest distance from a point to a triangle's outline, where the potential of its charge is
+/// singular.
 double outline_distance(const Triangle& triangle, const Eigen::Vector3d& point);
 
 }  // namespace fringe::detail

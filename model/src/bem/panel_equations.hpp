@@ -16,26 +16,26 @@ inline Eigen::Index index_of(std::size_t k) {
 
 /// The unknowns of faces and panels: the functions of all faces, one face after the other, then the panels.
 struct PanelUnknowns {
-  std::vector<Eigen::Index> first;  ///< of each face
+  std::vector<Eigen::Index> first;  ///< for each face
   Eigen::Index functions = 0;
-  std::vector<Eigen::Index> coarse;   ///< the faces' functions of the smaller space
-  std::vector<Eigen::Index> highest;  ///< the others
-  Eigen::MatrixXd net;                ///< net charges, a column for every conductor
+  std::vector<Eigen::Index> coarse;   ///< functions of the faces in the coarse space
+  std::vector<Eigen::Index> highest;  ///< the faces' other functions
+  Eigen::MatrixXd net;                ///< net charges, one column for every conductor
 };
 
 PanelUnknowns number_unknowns(const ChargedBodies& bodies, const GalerkinSystem& faces,
                               const PanelMesh& mesh);
 
-/// The matrix of all unknowns, in the parts that it is kept in.
+/// The matrix of all unknowns, in the blocks in which it is stored.
 struct PanelEquations {
   const GalerkinSystem& face_system;
   const PanelMesh& mesh;
   const PanelUnknowns& unknowns;
-  const Eigen::MatrixXd& faces;     ///< of the faces' functions
+  const Eigen::MatrixXd& faces;     ///< single-layer matrix of the faces' functions
   const Eigen::MatrixXd& panels;    ///< panel_matrix, the upper triangle
-  const Eigen::MatrixXd& coupling;  ///< of the faces' functions (rows) with the panels
+  const Eigen::MatrixXd& coupling;  ///< single-layer blocks of the faces' functions (rows) with the panels
 
-  /// The potentials of charges, tested with every unknown's function.
+  /// Applies the matrix: returns the potentials of charges, tested with every unknown's function.
   Eigen::VectorXd apply(const Eigen::VectorXd& charge) const;
 };
 

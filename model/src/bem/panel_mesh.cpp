@@ -18,13 +18,14 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-/// A surface of more triangles has some of its own for the smaller space.
+/// Largest number of triangles of a surface that are quartered. A larger surface has triangles enough of its
+/// own to group them for the coarse space.
 constexpr std::size_t few_triangles = 400;
 
-/// As many triangles as a triangle has quarters.
+/// Number of triangles in a group: as many as a triangle has quarters.
 constexpr std::size_t group_size = 4;
 
-/// The triangles that share a side with each one.
+/// Returns the adjacency: the triangles that share a side with each one.
 std::vector<std::vector<std::size_t>> neighbours_of(std::span<const Triangle> triangles) {
   using Point = std::tuple<double, double, double>;
   std::map<std::pair<Point, Point>, std::vector<std::size_t>> users;
@@ -45,9 +46,10 @@ std::vector<std::vector<std::size_t>> neighbours_of(std::span<const Triangle> tr
   return neighbours;
 }
 
-/// Neighbouring triangles of about one plane, a few in each group; those left alone are groups of one.
+/// Groups a few neighbouring, nearly coplanar triangles each; a triangle that is left alone is a group of
+/// one.
 std::vector<std::vector<std::size_t>> grouped(std::span<const Triangle> triangles) {
-  /// The cosine of the angle between neighbours of one group: a sharp edge parts them.
+  /// Least cosine of the angle between the planes of triangles in one group: a sharp edge separates groups.
   constexpr double same_plane = 0.7;
   const auto neighbours = neighbours_of(triangles);
   std::vector<Vector3d> normals, centres;
@@ -86,7 +88,8 @@ std::vector<std::vector<std::size_t>> grouped(std::span<const Triangle> triangle
     }
     groups.push_back(std::move(members));
   }
-  // Those of one or two join others, that each group may see its density change along two directions.
+  // Triangles of groups of one or two join other groups, so that each group can resolve changes of its
+  // density along two directions.
   for (auto& members : groups) {
     if (members.empty() || members.size() > 2)
       continue;
@@ -105,7 +108,7 @@ std::vector<std::vector<std::size_t>> grouped(std::span<const Triangle> triangle
   return groups;
 }
 
-/// What the panels of a group are the quarters of.
+/// Returns the triangle whose quarters are the panels of a group.
 Triangle quartered_triangle(const std::vector<Panel>& panels, const PanelGroup& group) {
   return {panels[group.first].corners[0], panels[group.first + 1].corners[1],
           panels[group.first + 2].corners[2]};

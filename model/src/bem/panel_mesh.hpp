@@ -8,49 +8,50 @@
 
 #include "bem/panel.hpp"
 
-/// Bodies of triangles as panels in groups (model/BOUNDARY_ELEMENTS.md, section 9).
+/// Surfaces of triangles as panels in groups (model/BOUNDARY_ELEMENTS.md, section 9).
 namespace fringe::detail {
 
-/// Panels that follow each other: neighbours, or the quarters of one triangle. The smaller space of charges
-/// has one density on each group.
+/// Consecutive panels that are neighbours, or the quarters of one triangle. The coarse space of charges has
+/// one density on each group.
 struct PanelGroup {
   std::size_t first;
   std::size_t count;
   std::size_t body;
-  bool is_quartered;  ///< one triangle, whose quarters the panels are, as `quarters` has them
+  bool is_quartered;  ///< true if the panels are the quarters of one triangle, in the order of quarters()
 };
 
-/// How far panels are divided towards sharp edges before anything is solved for.
+/// Limits of the a-priori grading towards sharp edges.
 struct PanelGrading {
-  double missing = 1;  ///< the part of a body's energy that one density on each group may miss
+  double missing = 1;  ///< fraction of a body's energy that one density on each group may miss
   std::size_t most_panels = 0;
 };
 
+/// The panels of bodies of triangles, in groups that can be refined.
 class PanelMesh {
  public:
-  /// A surface of many triangles begins with its own triangles as panels, one of few with the quarters of
-  /// these or, towards sharp edges, of their parts.
+  /// Adds a body's surface. A surface of many triangles begins with these as panels; one of few begins with
+  /// their quarters or, if graded towards sharp edges, with the quarters of their parts.
   void add(std::size_t body, std::span<const Triangle> triangles, const PanelGrading& grading = {});
 
   const std::vector<Panel>& panels() const { return panels_; }
   const std::vector<PanelGroup>& groups() const { return groups_; }
 
-  /// The panels of so many bodies, the first.
+  /// Returns the mesh of the first `bodies` bodies.
   PanelMesh of_first(std::size_t bodies) const;
 
-  /// What a group is made of: the triangle that was quartered, or its panels.
+  /// Returns the triangles of a group: the one that was quartered, or its panels.
   std::vector<Triangle> triangles(const PanelGroup& group) const;
 
-  /// For every panel where it stood before the last refinement; no_place if it is new.
+  /// Returns for every panel its index before the last refinement; no_place if it is new.
   const std::vector<Eigen::Index>& places_before() const { return places_before_; }
   static constexpr Eigen::Index no_place = -1;
 
-  /// How many panels more it makes to refine a group.
+  /// Returns the number of panels that refining a group adds.
   static std::size_t growth(const PanelGroup& group);
 
-  /// Takes the triangles of marked groups, or the halves of those that were quartered, for groups of their
-  /// own. They are halved across the side along which the density changes most: a column of `charges` holds
-  /// those of all panels, for the larger of several columns.
+  /// Refines marked groups: each of their triangles, or each half of a quartered triangle, becomes a group of
+  /// its own. Triangles are halved across the side along which the density changes most, by the charges of
+  /// all panels (rows) in all columns.
   void refine(const std::vector<bool>& marked, const Eigen::MatrixXd& charges);
 
  private:

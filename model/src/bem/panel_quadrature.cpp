@@ -12,22 +12,23 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// From here on two halves take fewer points than the whole.
+/// Highest degree of a rule; beyond it, two halves take fewer points than the whole.
 constexpr int highest_rule_degree = 8;
 
-/// Where the distance says little, a rule of few points would be no rule.
+/// Ratio of size to distance above which a rule needs at least the degree below. So near, the ratio says
+/// little about the error of a rule of few points.
 constexpr double near_ratio = 0.5;
 constexpr int lowest_near_degree = 5;
 
-/// Parts of 2^−24 of a panel's area: four thousandth of its size.
+/// Largest number of halvings: the parts have 2^−24 of a panel's area, a four-thousandth of its size.
 constexpr int most_triangle_halvings = 24;
 
-/// The rule that is good enough for a ratio of size to distance; null if none is.
+/// Returns the rule of lowest degree that suffices for a ratio of size to distance; null if there is none.
 const TriangleRule* rule_for(double ratio, double allowed) {
   for (const TriangleRule& rule : triangle_rules()) {
     if (rule.degree > highest_rule_degree)
       break;
-    // The rule of one point sees no slope; everything counts twice that it misses.
+    // The rule of one point sees no slope, and what it misses counts twice.
     if (rule.degree < 2 || (ratio > near_ratio && rule.degree < lowest_near_degree))
       continue;
     double missed = 1;
@@ -45,6 +46,7 @@ const TriangleRule& last_rule() {
                        [](const TriangleRule& rule) { return rule.degree == highest_rule_degree; });
 }
 
+/// Lays the points of rules over a triangle, halved where it is too near to the singularity.
 class TrianglePoints {
  public:
   TrianglePoints(double tolerance, const std::function<double(const Vector3d&)>& distance,
@@ -88,12 +90,12 @@ void lay_on_segment(const Vector3d& from, const Vector3d& to, double share, doub
                     const std::function<double(const Vector3d&, const Vector3d&)>& distance,
                     const std::function<void(const Vector3d&, double)>& point) {
   constexpr int most_points = 8;
-  /// Even the last part, at a singularity, has a logarithm to see.
+  /// Fewest points: even the last part, at a singularity, contains a logarithm.
   constexpr int fewest_points = 3;
   constexpr double least_share = 0x1p-20;
   const double away = distance(from, to) / ((to - from).norm() / 2);
   const double parameter = away + std::sqrt(1 + away * away);
-  // The slope at the singularity is a logarithm: what a part at it can miss falls with its length squared.
+  // The slope at the singularity is logarithmic: the error of a part there falls like its squared length.
   const double digits = std::log(std::max(share * share / allowed, 1.0));
   const double wanted = digits == 0 ? 0 : digits / (2 * std::log(parameter));
   if (wanted > most_points && share > least_share) {

@@ -20,10 +20,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// The panels' quadratures do much better than they have to: between a plate and a cube at a fifth of its
-/// size, at any of four levels, they changed no capacitance by more than a fiftieth of their tolerance.
+/// Ratio of the panels' quadrature tolerance to the faces'. The panels' quadratures are much better than
+/// their tolerance: between a plate and a cube at a fifth of its size, at any of four levels, they changed no
+/// capacitance by more than a fiftieth of it.
 constexpr double panel_tolerances = 10;
 
+/// Stands for a matrix that has to be evaluated.
 constexpr double unknown_tolerance = std::numeric_limits<double>::infinity();
 
 ChargedBodies with_faces(const ChargedBodies& bodies) {
@@ -32,7 +34,7 @@ ChargedBodies with_faces(const ChargedBodies& bodies) {
   return result;
 }
 
-/// As objects, for there are none beside them.
+/// Returns the sensors' bodies in the role of objects, for there are none beside them.
 ChargedBodies sensors_of(const ChargedBodies& bodies) {
   ChargedBodies sensors;
   sensors.names.assign(bodies.names.begin(),
@@ -76,13 +78,13 @@ void PanelSystem::divide_under_shadows(std::size_t most_panels) {
       marked.push_back(is_too_large(group));
     if (std::find(marked.begin(), marked.end(), true) == marked.end())
       break;
-    // Charges that are alike: across the longest sides.
+    // With equal charges, triangles are halved across their longest sides.
     mesh_.refine(marked, MatrixXd::Ones(index_of(mesh_.panels().size()), 1));
   }
 }
 
 void PanelSystem::refine_groups(const std::vector<bool>& marked, const MatrixXd& charges) {
-  // Twice without a matrix between them leave no places that it has.
+  // After two refinements without a matrix between them, the places are not those of the matrix.
   if (is_refined_)
     panel_tolerance_ = unknown_tolerance;
   mesh_.refine(marked, charges);
@@ -132,7 +134,8 @@ MatrixXd PanelSystem::face_matrix(const PanelUnknowns& unknowns) const {
   return matrix;
 }
 
-/// How much the errors of all quadratures, relative to what they are held to, may change the capacitances.
+/// Returns the possible change of the capacitances for quadrature errors of all blocks, relative to their
+/// tolerances.
 MatrixXd PanelSystem::quadrature_effect(const PanelUnknowns& unknowns, const MatrixXd& charges,
                                         const MatrixXd& norms) const {
   const auto panels = index_of(mesh_.panels().size());
@@ -177,7 +180,7 @@ PanelSolution PanelSystem::solve(double accuracy) const {
     return solution;
 
   solution.all.coarse = found.smaller.transpose() * found.smaller;
-  // Right to second order in what the iteration left.
+  // The error is of second order in the residual of the conjugate gradients.
   const MatrixXd energies =
       unknowns.net.transpose() * found.charges + found.charges.transpose() * found.residuals;
   solution.all.fine = (energies + energies.transpose()) / 2;

@@ -10,17 +10,19 @@
 #include "bem/panel_equations.hpp"
 #include "bem/panel_mesh.hpp"
 
-/// The Galerkin equations of bodies of faces and bodies of panels (model/BOUNDARY_ELEMENTS.md, section 9).
+/// The Galerkin equations of bodies some of which have faces and some panels (model/BOUNDARY_ELEMENTS.md,
+/// section 9).
 namespace fringe::detail {
 
-/// What the panels' charges tell besides. Of the sensors without the objects there is nothing where a sensor
-/// has panels.
+/// The capacitances with the panels' charges and error indicators. `sensors` is empty if a sensor has panels.
 struct PanelSolution : GalerkinSolution {
-  Eigen::MatrixXd charges;         ///< of every panel (rows) for every conductor at a potential of one
-  Eigen::VectorXd group_energies;  ///< that the groups' own densities hold more than one density would
-  Eigen::MatrixXd unfinished;      ///< what the iteration may have left of `all`
+  Eigen::MatrixXd charges;         ///< of every panel (rows) for every conductor at unit potential
+  Eigen::VectorXd group_energies;  ///< error indicators of the groups of panels
+  Eigen::MatrixXd unfinished;      ///< error of `all` that the conjugate gradients may have left
 };
 
+/// The Galerkin equations of faces and panels. They are solved by conjugate gradients, or by Cholesky
+/// factorisation if there are no panels.
 class PanelSystem {
  public:
   explicit PanelSystem(const ChargedBodies& bodies, const PanelGrading& grading = {});
@@ -31,13 +33,14 @@ class PanelSystem {
   /// Refines marked groups of panels, by the charges of the last solution.
   void refine_groups(const std::vector<bool>& marked, const Eigen::MatrixXd& charges);
 
-  /// Evaluates the matrices for so many functions on each face; those that are known are kept.
+  /// Evaluates the single-layer blocks for so many functions on each face; keeps those that are known.
   void refine(const std::vector<FaceFunctions>& functions, double tolerance);
 
-  /// The panels' charges are iterated until a step brings a capacitance less than this part of it.
+  /// Solves by conjugate gradients, which stop when a step changes a capacitance by less than `accuracy`
+  /// times its value.
   PanelSolution solve(double accuracy) const;
 
-  /// The sensors without the objects, by the functions and panels that they have beside them.
+  /// Solves for the sensors without the objects, with the same functions and panels as with them.
   PanelSolution solve_sensors(double accuracy) const;
 
  private:
@@ -45,7 +48,7 @@ class PanelSystem {
   Eigen::MatrixXd face_matrix(const PanelUnknowns& unknowns) const;
   Eigen::MatrixXd quadrature_effect(const PanelUnknowns& unknowns, const Eigen::MatrixXd& charges,
                                     const Eigen::MatrixXd& norms) const;
-  /// Halves what is so large that it would not see another body before it.
+  /// Divides groups of panels that are too large to resolve another body close by.
   void divide_under_shadows(std::size_t most_panels);
   void refine_coupling(const std::vector<FaceFunctions>& functions, double tolerance);
 
@@ -54,9 +57,9 @@ class PanelSystem {
   GalerkinSystem faces_;
   PanelMesh mesh_;
   Eigen::MatrixXd panels_;    ///< panel_matrix of all panels
-  Eigen::MatrixXd coupling_;  ///< of the faces' functions (rows), one face after the other, with the panels
+  Eigen::MatrixXd coupling_;  ///< of the faces' functions (rows), face after face, with the panels
   std::vector<FaceFunctions> coupled_functions_;
-  bool is_refined_ = false;  ///< panels_ is of the mesh before its last refinement
+  bool is_refined_ = false;  ///< true if panels_ belongs to the mesh before its last refinement
   double panel_tolerance_;
   double coupling_tolerance_;
 };

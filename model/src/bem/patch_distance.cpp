@@ -34,7 +34,7 @@ double segment_distance(const Eigen::Vector3d& a0, const Eigen::Vector3d& a1, co
 
 double edge_distance(const Eigen::Vector2d& low, const Eigen::Vector2d& high, Eigen::Index axis,
                      const RectangleCorners& other) {
-  /// The sine of an angle that a singularity is moved out of sight by.
+  /// Sine of the angle to the axis below which an edge counts as parallel: its singularity is out of sight.
   constexpr double parallel = 1e-9;
   const RectangleCorners own{Eigen::Vector3d(low.x(), low.y(), 0), Eigen::Vector3d(high.x(), low.y(), 0),
                              Eigen::Vector3d(high.x(), high.y(), 0), Eigen::Vector3d(low.x(), high.y(), 0)};

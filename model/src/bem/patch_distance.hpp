@@ -6,7 +6,7 @@
 
 namespace fringe::detail {
 
-/// The points of two segments, given by their ends, that are nearest to each other, as parts of the way.
+/// The nearest points of two segments, given by their ends, as fractions of the way along each.
 struct NearestParts {
   double a;
   double b;
@@ -14,16 +14,16 @@ struct NearestParts {
 NearestParts nearest_parts(const Eigen::Vector3d& a0, const Eigen::Vector3d& a1, const Eigen::Vector3d& b0,
                            const Eigen::Vector3d& b1);
 
-/// The shortest distance between two segments, given by their ends.
+/// Returns the shortest distance between two segments, given by their ends.
 double segment_distance(const Eigen::Vector3d& a0, const Eigen::Vector3d& a1, const Eigen::Vector3d& b0,
                         const Eigen::Vector3d& b1);
 
 /// The corners of a rectangle in their order around it.
 using RectangleCorners = std::array<Eigen::Vector3d, 4>;
 
-/// The shortest distance between a rectangle in z = 0, sides along x and y, and what the potential of another
-/// that does not pass through it is singular at along one axis, 0 or 1: its corners, and its edges that are
-/// not parallel to the axis.
+/// Returns the shortest distance between a rectangle in z = 0, with sides along x and y, and the
+/// singularities along one axis, 0 or 1, of another rectangle's potential: its corners, and its edges that
+/// are not parallel to the axis. The other rectangle must not pass through the first.
 double edge_distance(const Eigen::Vector2d& low, const Eigen::Vector2d& high, Eigen::Index axis,
                      const RectangleCorners& other);
 

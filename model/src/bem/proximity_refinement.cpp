@@ -24,7 +24,7 @@ std::vector<Vector3d> corners_of(const ChargedBody& body) {
   return corners;
 }
 
-/// Of a box around triangles, given by their corners.
+/// Returns the half edges of a box around triangles, given by their corners.
 Matrix3d half_edges_of_hull(const std::vector<Vector3d>& corners) {
   std::vector<Face> triangles;
   for (std::size_t first = 0; first < corners.size(); first += 3)
@@ -33,8 +33,8 @@ Matrix3d half_edges_of_hull(const std::vector<Vector3d>& corners) {
   return box.axes.transpose() * box.half_widths.asDiagonal();
 }
 
-/// Half the longest way through a box's projection onto a plane along one of two directions at right angles
-/// there.
+/// Returns half the longest chord along a direction through a box's projection onto a plane. `along` and
+/// `across` are orthogonal directions in the plane.
 double half_chord(const Matrix3d& half_edges, const Vector3d& along, const Vector3d& across) {
   Eigen::Matrix<double, 2, 3> projected;
   projected << along.transpose() * half_edges, across.transpose() * half_edges;
@@ -43,7 +43,7 @@ double half_chord(const Matrix3d& half_edges, const Vector3d& along, const Vecto
     const Eigen::Vector2d edge = projected.col(side);
     if (edge.y() == 0)
       continue;
-    // From the middle to the pair of the outline's sides that are parallel to this edge.
+    // The half chord that ends at the outline's pair of sides parallel to this edge.
     const double area = (edge.x() * projected.row(1) - edge.y() * projected.row(0)).cwiseAbs().sum();
     chord = std::min(chord, area / std::abs(edge.y()));
   }
@@ -70,7 +70,7 @@ Shadow::Shadow(const ChargedBody& body) : corners_(corners_of(body)) {
 
 bool Shadow::is_narrow_on(const ChargedFace& face) const {
   const Vector3d normal = face.axis_u.cross(face.axis_v);
-  // What stands upright is felt from about as far as it is high.
+  // A body that stands upright has an effect up to about its height away.
   const double height = (normal.transpose() * half_edges_).cwiseAbs().sum();
   const double width_u = std::max(half_chord(half_edges_, face.axis_u, face.axis_v), height);
   const double width_v = std::max(half_chord(half_edges_, face.axis_v, face.axis_u), height);
@@ -82,8 +82,8 @@ bool Shadow::is_narrow_on(const ChargedFace& face) const {
 }
 
 bool Shadow::is_narrow_on(const Triangle& triangle) const {
-  /// Of the triangle's radius. Quarters of triangles sixteen times as large as a shadow with edges a tenth of
-  /// that still missed a part of it.
+  /// Fraction of the triangle's radius below which a shadow is narrow. The quarters of triangles sixteen
+  /// times as large as a shadow with edges a tenth of that still missed a part of it.
   constexpr double narrow = 1.0 / 2;
   const Panel whole = make_panel(triangle);
   const double least = std::max((whole.centre - centre_).norm() - whole.radius - radius_, 0.0);

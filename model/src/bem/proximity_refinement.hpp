@@ -8,28 +8,30 @@
 
 namespace fringe::detail {
 
-/// What a body does to the charge of another: about as wide as the body is, and their distance more. Where it
-/// is narrower than what the charge is made of, answers that all miss it agree (model/BOUNDARY_ELEMENTS.md,
-/// section 6).
+/// The effect of a body on the charge of another, its shadow: about as wide as the body and their distance
+/// together. Where it is narrower than the elements of the charge, solutions that all miss it agree
+/// (model/BOUNDARY_ELEMENTS.md, section 6).
 class Shadow {
  public:
   explicit Shadow(const ChargedBody& body);
 
-  /// Whether it is over within less than the largest number of functions can see along a direction of a face.
+  /// Returns true if the shadow is narrower than the largest number of functions can resolve along a
+  /// direction of a face.
   bool is_narrow_on(const ChargedFace& face) const;
 
-  /// Whether it is so much smaller than a triangle that the triangle's parts would not see it.
+  /// Returns true if the shadow is so much smaller than a triangle that the triangle's parts would not
+  /// resolve it.
   bool is_narrow_on(const Triangle& triangle) const;
 
  private:
   std::vector<Eigen::Vector3d> corners_;
   Eigen::Vector3d centre_;
-  double radius_;               ///< of a ball about the centre that holds the corners
-  Eigen::Matrix3d half_edges_;  ///< of a box around the body, along its own axes
-  double half_width_;           ///< the middle one of their lengths: a strip's width
+  double radius_;               ///< of a ball about the centre that contains the corners
+  Eigen::Matrix3d half_edges_;  ///< columns: half edges of a box around the body, along its own axes
+  double half_width_;           ///< the middle one of their lengths: half the width of a strip
 };
 
-/// One for each body.
+/// Returns the shadow of each body.
 std::vector<Shadow> shadows_of(const ChargedBodies& bodies);
 
 }  // namespace fringe::detail

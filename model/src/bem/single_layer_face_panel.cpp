@@ -17,7 +17,7 @@ MatrixXd panel_coupling(const ChargedFace& face, FaceFunctions functions, std::s
   const Vector3d u = face.half_u * face.axis_u, v = face.half_v * face.axis_v;
   const std::array<Vector3d, 4> corners{face.centre - u - v, face.centre + u - v, face.centre + u + v,
                                         face.centre - u + v};
-  // The potential of a smooth charge is smooth beside it, but not beside its edges.
+  // The potential of a smooth charge is smooth beside it, except near its edges.
   const auto distance = [&](const Vector3d& point) {
     double least = segment_distance(point, corners[3], corners[0]);
     for (std::size_t k = 0; k < 3; ++k)

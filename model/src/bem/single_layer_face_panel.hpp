@@ -9,8 +9,8 @@
 
 namespace fringe::detail {
 
-/// The interaction of a face's functions (rows) with panels of a charge of one (columns) that do not touch
-/// it. `tolerance` is the error aimed at, relative to the largest elements of a column.
+/// Computes the single-layer block of a face's functions (rows) with panels of unit charge (columns) that do
+/// not touch it. `tolerance` is the error aimed at, relative to the largest elements of a column.
 Eigen::MatrixXd panel_coupling(const ChargedFace& face, FaceFunctions functions,
                                std::span<const Panel> panels, double tolerance);
 

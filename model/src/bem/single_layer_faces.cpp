@@ -18,33 +18,35 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-/// A rule on the whole face with more points than this is cut into panels: from here on they need fewer.
+/// Largest number of points of a rule on the whole face. A rule with more is divided into panels, which then
+/// need fewer.
 constexpr int most_whole_points = 26;
 
-/// How many times a panel may be halved. A distance of 2^−40 of a side is below what poses in double
-/// precision say.
+/// Largest number of halvings of a panel. A distance of 2^−40 of a side is below the accuracy of poses in
+/// double precision.
 constexpr int most_halvings = 40;
 
-/// Panels of the inner rule grow by this factor from the point where the potential is wanted.
+/// Factor by which the panels of the inner rule grow, starting at the point where the potential is evaluated.
 constexpr double panel_growth = 3.5;
 
-/// The points of a Gauss rule on [−1, 1] whose integrand is singular at the complex x + iy: its error falls
-/// by the square of the ellipse's parameter with every point.
+/// Returns the number of points that a Gauss rule on [−1, 1] needs if its integrand is singular at the
+/// complex x + iy. Every point divides the error by the square of the ellipse's parameter; `digits` is the
+/// logarithm of the whole reduction.
 double points_for_singularity(double x, double y, double digits) {
   const double sum = std::sqrt((x - 1) * (x - 1) + y * y) + std::sqrt((x + 1) * (x + 1) + y * y);
   const double parameter = (sum + std::sqrt(std::max(sum * sum - 4, 0.0))) / 2;
   return digits / (2 * std::log(std::max(parameter, 1 + 1e-12)));
 }
 
-/// The points that polynomials of a degree take on a part of [−1, 1]. Over an angle they oscillate like
-/// cosines of degree·angle, which take half as high a degree, but they take no more than their own.
+/// Returns the number of points that polynomials of a degree need on a part of [−1, 1]. Over an angle they
+/// oscillate like cosines of degree·angle, which need half as high a degree, but never more than their own.
 double points_for_degree(double degree, double from, double to) {
   const double angle = std::acos(std::clamp(from, -1.0, 1.0)) - std::acos(std::clamp(to, -1.0, 1.0));
   return degree / 2 * std::min(1.0, angle / 2);
 }
 
-/// The points that the weight takes on a part of [−1, 1], for its singularities at the ends that the part
-/// does not reach.
+/// Returns the number of points that the edge weight needs on a part of [−1, 1], for its singularities at the
+/// ends that the part does not reach.
 double points_for_weight(double from, double to, double digits) {
   const double middle = (from + to) / 2, half_length = (to - from) / 2;
   double points = 0;
@@ -72,7 +74,7 @@ Index count_points(const std::vector<RulePanel>& panels) {
   return total;
 }
 
-/// Into a rule with room for all their points.
+/// Writes the panels' nodes and weights to a rule with room for all their points.
 void lay_panels(const std::vector<RulePanel>& panels, EdgeKind edge, int functions, DirectionRule& rule) {
   Index offset = 0;
   for (const auto& [from, to, points] : panels) {
@@ -81,8 +83,8 @@ void lay_panels(const std::vector<RulePanel>& panels, EdgeKind edge, int functio
   }
 }
 
-/// One direction of the face over which is integrated last. The potential of the other face's charge is
-/// smooth there but near the other face's edges.
+/// One direction of the outer face, over which is integrated last. The potential of the other face's charge
+/// is smooth there, except near the other face's edges.
 class OuterDirection {
  public:
   OuterDirection(const ChargedFace& face, bool along_u, int functions, int other_functions,
@@ -107,7 +109,8 @@ class OuterDirection {
  private:
   double half() const { return along_u_ ? face_.half_u : face_.half_v; }
 
-  /// From the part of the face between two values of the coordinate to the other's edges, in half sides.
+  /// Returns the distance, in half sides, of the other face's edges from the part of this face between two
+  /// values of the coordinate.
   double distance(double from, double to) const {
     Eigen::Vector2d low(-face_.half_u, -face_.half_v), high(face_.half_u, face_.half_v);
     const Index axis = along_u_ ? 0 : 1;
@@ -117,7 +120,7 @@ class OuterDirection {
   }
 
   int whole_points() const {
-    /// Narrow towards the ends, where an ellipse is narrow, too.
+    /// Ends of sections of a half side: narrow towards its end, where the ellipses are narrow, too.
     constexpr std::array<double, 6> cuts{0, 0.5, 0.8, 0.93, 0.98, 1};
     double most = 0;
     for (std::size_t k = 0; k + 1 < cuts.size(); ++k)
@@ -131,9 +134,9 @@ class OuterDirection {
 
   void halve(double from, double to, int halvings, std::vector<RulePanel>& panels) const {
     const double half_length = (to - from) / 2, away = distance(from, to);
-    /// Where two halves need no more points together than the whole.
+    /// Distance in half lengths below which two halves need no more points together than the whole.
     constexpr double close = 0.45;
-    // A panel ends where the weight has one singularity at most.
+    // One halving at least: a panel may reach the weight's singularity at one end only.
     if (halvings == 0 || (away < close * half_length && halvings < most_halvings)) {
       halve(from, from + half_length, halvings + 1, panels);
       halve(from + half_length, to, halvings + 1, panels);
@@ -154,15 +157,15 @@ class OuterDirection {
   double digits_;
 };
 
-/// One direction of the face over which is integrated first, seen from one point after the other: the kernel
-/// is singular at at ± i·height in the complex plane of the coordinate.
+/// One direction of the inner face, over which is integrated first, for one evaluation point after the other.
+/// The kernel is singular at `at` ± i·height in the complex plane of the coordinate.
 class InnerDirection {
  public:
   InnerDirection(EdgeKind edge, int functions, double digits)
       : edge_(edge), functions_(functions),
         digits_(digits), own_{{}, Eigen::MatrixXd(whole_face_blocks(functions), 0)} {}
 
-  /// Good until the next call.
+  /// Returns the rule for an evaluation point, valid until the next call.
   RuleView seen_from(double at, double height) {
     const int whole = limited_count(1 + functions_ / 2.0 + points_for_singularity(at, height, digits_));
     if (whole <= most_whole_points)
@@ -188,9 +191,9 @@ class InnerDirection {
 
   void cut(double at, double height) {
     panels_.clear();
-    // One panel must not reach from end to end: the weight is singular at both.
+    // One panel must not extend from end to end: the weight is singular at both.
     const double first = std::clamp(2 * height, std::ldexp(1.0, -most_halvings), 1.0);
-    // A panel that ends close to an end would meet the weight's singularity there.
+    // A panel boundary close to an end would come too near to the weight's singularity there.
     double centre = std::clamp(at, -1.0, 1.0);
     if (1 - std::abs(centre) < first / 2)
       centre = std::copysign(1.0, centre);
@@ -198,14 +201,14 @@ class InnerDirection {
       const double length = 1 - side * centre;
       if (length == 0)
         continue;
-      // Equal ratios from the first panel's end to the end of the face.
+      // Panels in a geometric sequence from the first one's end to the end of the face.
       const int more = length <= 1.5 * first
                            ? 0
                            : static_cast<int>(std::ceil(std::log(length / first) / std::log(panel_growth)));
       const double growth = more == 0 ? 1 : std::pow(length / first, 1.0 / more);
       double near = centre;
       for (int k = 0; k <= more; ++k) {
-        // The end itself, for add_panel to know it.
+        // Exactly the end of the face, which add_panel recognises.
         const double far = k == more ? side : centre + side * first * std::pow(growth, k);
         const auto [from, to] = std::minmax(near, far);
         const double middle = (from + to) / 2, half_length = (to - from) / 2;
@@ -222,7 +225,7 @@ class InnerDirection {
   int functions_;
   double digits_;
   std::vector<RulePanel> panels_;
-  DirectionRule own_;  ///< with room for more nodes than there are
+  DirectionRule own_;  ///< with room for more nodes than are in use
 };
 
 RectangleCorners corners_seen_from(const ChargedFace& face, const ChargedFace& other) {
@@ -249,14 +252,14 @@ OuterRule outer_rule(const ChargedFace& face, FaceFunctions functions, const Cha
           OuterDirection(face, false, functions.v, degree, corners, digits).rule()};
 }
 
-/// The potential of every function of a face at points.
+/// Evaluates the potentials of all functions of a face at points.
 class InnerPotential {
  public:
   InnerPotential(const ChargedFace& face, FaceFunctions functions, double digits)
       : face_(face), normal_(face.axis_u.cross(face.axis_v)), u_(face.edge, functions.u, digits),
         v_(face.edge, functions.v, digits) {}
 
-  /// Element l + k·functions.v is the potential of f_k(x)·f_l(y).
+  /// Computes the potentials of f_k(x)·f_l(y) at a point, in element l + k·functions.v.
   void at(const Vector3d& point, double* potentials) {
     const Vector3d offset = point - face_.centre;
     const double x = offset.dot(face_.axis_u), y = offset.dot(face_.axis_v), z = offset.dot(normal_);
@@ -278,13 +281,14 @@ class InnerPotential {
   std::vector<double> scratch_;
 };
 
-/// Rows are the inner face's functions, columns the outer's.
+/// Integrates the inner face's potentials over the outer face. Rows are the inner face's functions, columns
+/// the outer's.
 Eigen::MatrixXd integral(const ChargedFace& outer, FaceFunctions outer_functions, const OuterRule& rule,
                          const ChargedFace& inner, FaceFunctions inner_functions, double digits) {
   const ChargeKernels& kernels = best_kernels<ChargeKernels>();
   InnerPotential potential(inner, inner_functions, digits);
   const Index count = whole_face_blocks(inner_functions.count());
-  /// Lines whose sums stay in the cache until they are added up.
+  /// Number of lines whose sums stay in the cache until they are added up.
   constexpr Index lines = 8;
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(count, outer_functions.count());
   Eigen::MatrixXd along_v = Eigen::MatrixXd::Zero(count, rule.v.nodes.size());
@@ -305,7 +309,8 @@ Eigen::MatrixXd integral(const ChargedFace& outer, FaceFunctions outer_functions
   return result.topRows(inner_functions.count());
 }
 
-/// The ellipses tell how fast an error falls, not where from: near an edge, from three times the elements.
+/// Returns the logarithm by which the rules have to reduce the error. The ellipses tell how fast the error
+/// falls, not where it starts: near an edge it starts at three times the elements, for which 10 is safe.
 double digits_for(double tolerance) {
   constexpr double start = 10;
   return std::log(start / tolerance);

@@ -21,10 +21,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-/// Sums of a panel's potential at points, evaluated many at a time.
+/// Adds up panels' potentials at points, and evaluates them many at a time.
 class PotentialSums {
  public:
-  /// Adds weight·(the potential of the panel at the point) to `sum`, by the next flush at the latest.
+  /// Adds weight·(the potential of the panel at the point) to `sum`, at the latest when flush() is called.
   void add(const Triangle& source, const Vector3d& point, double weight, double& sum) {
     if (size_ == capacity)
       flush();
@@ -55,7 +55,7 @@ class PotentialSums {
   std::size_t size_ = 0;
 };
 
-/// A rule of degree 2 on every panel: 1/r between all their points, where the panels are far apart.
+/// Computes means of 1/r between panels that are far apart, by a rule of degree 2 on every panel.
 class FarPairs {
  public:
   explicit FarPairs(std::span<const Panel> panels)
@@ -72,9 +72,10 @@ class FarPairs {
     }
   }
 
-  /// The means of 1/r between a panel and the first `count`, of which those nearby are to be replaced.
+  /// Computes the means of 1/r between a panel and the first `count`. Those of nearby panels have to be
+  /// replaced.
   void fill(const Panel& panel, std::size_t count, double* means) const {
-    /// A cache of 32 kB holds the distances of so many columns.
+    /// Number of columns whose distances fit in a cache of 32 kB.
     constexpr std::size_t together = 512;
     std::array<double, points * 3> rows{};
     for (std::size_t k = 0; k < points; ++k)
@@ -117,13 +118,13 @@ class FarPairs {
   }
 
   std::size_t stride_;
-  std::vector<double> columns_;  ///< x, y, z of the panels' first points, of their second …
+  std::vector<double> columns_;  ///< x, y, z of the panels' first points, then of their second …
 };
 
-/// A corner of one of two triangles that lies on the other.
+/// Returns a corner of one of two triangles that lies on the other's outline; nothing if there is none.
 std::optional<Vector3d> common_point(const Panel& a, const Panel& b) {
-  /// What rounding leaves between corners that are one, or beside a side; what is moved by so little does not
-  /// show.
+  /// Distance, relative to the smaller radius, below which a corner lies on a corner or side of the other
+  /// triangle. It is above rounding, and an error of this size in the point has no visible effect.
   constexpr double same = 1e-9;
   const double near = same * std::min(a.radius, b.radius);
   for (const auto& [one, other] : {std::pair(&a, &b), std::pair(&b, &a)})
@@ -133,9 +134,9 @@ std::optional<Vector3d> common_point(const Panel& a, const Panel& b) {
   return std::nullopt;
 }
 
-/// Pairs that touch. The integral over both triangles, grown by a factor λ about a common point, is λ³ times
-/// what it was, hence a third of what their sides bring in when they grow: the potential of each along the
-/// other's sides, times how fast these move.
+/// Adds the interaction of two panels that touch. When both triangles grow by a factor λ about a common
+/// point, the integral over both grows by λ³. It is therefore a third of what their moving sides contribute:
+/// the potential of each triangle along the other's sides, times the speed of the sides.
 void add_touching(const Panel& a, const Panel& b, const Vector3d& common, double tolerance,
                   PotentialSums& sums, double& sum) {
   for (const auto& pair : {std::pair(&a, &b), std::pair(&b, &a)})
@@ -143,7 +144,8 @@ void add_touching(const Panel& a, const Panel& b, const Vector3d& common, double
       const Panel &moving = *pair.first, &source = *pair.second;
       const Vector3d &from = moving.corners[side], &to = moving.corners[(side + 1) % 3];
       const double swept = (from - common).cross(to - common).norm() / moving.area;
-      // The common point lies in the triangle or on its outline: no side moves inwards.
+      // Speed below which a side rests. No side moves inwards: the common point lies in the triangle or on
+      // its outline.
       constexpr double none = 1e-8;
       if (swept <= none)
         continue;
@@ -168,18 +170,18 @@ void add_near(const Panel& a, const Panel& b, double tolerance, PotentialSums& s
     return centres > safe ? centres - inner.radius : outline_distance(inner.corners, point);
   };
   const auto lay = [&](const Vector3d& point, double weight) { sums.add(inner.corners, point, weight, sum); };
-  // References: what a lambda holds would be copied for every pair.
+  // By reference, because a copy of the lambda would copy what it captures for every pair.
   for_each_point(outer.corners, tolerance, std::ref(distance), std::ref(lay));
 }
 
-/// Rows of the matrix, near pairs gathered to be evaluated many at a time.
+/// Computes rows of the matrix; collects near pairs to evaluate many at a time.
 class MatrixRows {
  public:
   MatrixRows(std::span<const Panel> panels, double tolerance)
       : panels_(panels), tolerance_(tolerance), farthest_(1 / far_ratio(tolerance)), far_(panels) {}
 
-  /// The interactions of a panel with the first `count`, but those that `is_known` has written; complete
-  /// after flush().
+  /// Computes the interactions of a panel with the first `count`, except those that `is_known` has written.
+  /// The row is complete after flush().
   template <class IsKnown>
   void fill(const Panel& panel, std::size_t count, double* row, const IsKnown& is_known) {
     far_.fill(panel, count, row);
@@ -217,7 +219,7 @@ double panel_self(const Panel& panel) {
   const double half = (sides[0] + sides[1] + sides[2]) / 2;
   double sum = 0;
   for (std::size_t k = 0; k < 3; ++k)
-    // The half perimeter less a side, without the difference that loses a sliver's digits: by the area.
+    // The half perimeter minus a side: by the area, because the difference loses digits for a sliver.
     sum +=
         std::log(half / std::max(half - sides[k], panel.area * panel.area / (half * half * half))) / sides[k];
   return 4 * sum / 3;

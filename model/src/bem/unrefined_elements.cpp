@@ -13,7 +13,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 SampledQuarters sampled_quarters(const PanelMesh& mesh) {
-  /// Enough to know their mean energy by.
+  /// Largest sample; it is enough to estimate the mean energy.
   constexpr std::size_t most_samples = 96;
   std::vector<std::size_t> undivided;
   for (const PanelGroup& group : mesh.groups())

@@ -7,18 +7,20 @@
 
 #include "bem/panel_mesh.hpp"
 
-/// What panels that were never divided hide (model/BOUNDARY_ELEMENTS.md, section 9).
+/// Estimates what unrefined elements, panels that were never divided, miss (model/BOUNDARY_ELEMENTS.md,
+/// section 9).
 namespace fringe::detail {
 
-/// The quarters of some of them, four after four, for all.
+/// The quarters of a sample of the unrefined elements, four for each.
 struct SampledQuarters {
-  std::vector<Panel> panels;  ///< none if every panel was divided
-  double weight = 0;          ///< how many undivided panels there are for each that is sampled
+  std::vector<Panel> panels;  ///< empty if every panel was divided
+  double weight = 0;          ///< number of unrefined elements for each one sampled
 };
 SampledQuarters sampled_quarters(const PanelMesh& mesh);
 
-/// The energy of the charges that all undivided panels' quarters take for what the potential lacks on those
-/// sampled (rows), without any net charge: a symmetric matrix of all pairs of columns.
+/// Returns the energy that the charges of all unrefined elements' quarters would gain, estimated from the
+/// sample: a symmetric matrix of all pairs of columns. The charges make up for `lacking`, the potentials that
+/// lack on the sampled quarters (rows), and add up to zero on each element.
 Eigen::MatrixXd energy_of_quarters(const SampledQuarters& quarters, const Eigen::MatrixXd& lacking,
                                    double tolerance);
 

@@ -22,14 +22,14 @@ BoxNumbers placed_box(const PlacedBody& body, const BoxNumbers& box) {
                    body.scale * Eigen::Map<const Vector3d>(box.half_widths));
 }
 
-/// Around all of a body.
+/// Returns a box around the whole body.
 BoxNumbers whole_box(const PlacedBody& body) {
   return body.shape->mesh() != nullptr
              ? placed_box(body, body.shape->mesh()->box())
              : box_along(body.axes, body.centre, body.scale * body.shape->half_sides());
 }
 
-/// A part of a body: a box that holds it, and its sphere.
+/// A part of a body, with a box and a sphere around it.
 struct BodyPiece {
   BoxNumbers box;
   Vector3d centre;
@@ -48,7 +48,8 @@ std::vector<BodyPiece> pieces_of(const PlacedBody& body) {
   return pieces;
 }
 
-/// Whether a closed body of triangles may hold the other: it does not if a point of that is outside its box.
+/// Returns true if a closed body of triangles may contain the other. It does not if a point of the other is
+/// outside its box.
 bool may_hold(const PlacedBody& outer, const BoxNumbers& box, const PlacedBody& other) {
   if (outer.shape->mesh() == nullptr || !outer.shape->mesh()->is_closed())
     return false;

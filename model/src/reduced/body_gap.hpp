@@ -4,7 +4,8 @@
 
 namespace fringe::detail {
 
-/// A distance that two bodies have at least. Zero or less if they may touch, or one may be inside the other.
+/// Returns a lower bound of the distance between two bodies. It is zero or less if they may touch, or if one
+/// may be inside the other.
 double body_gap(const PlacedBody& a, const PlacedBody& b);
 
 }  // namespace fringe::detail

@@ -12,14 +12,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// What the other body looks like to one at the origin whose unit is its own scale.
+/// Returns the other body in coordinates in which this one is at the origin and has scale 1.
 PlacedBody seen_from(const PlacedBody& body, const PlacedBody& other) {
   return {other.shape, other.scale / body.scale,
           body.axes.transpose() * (other.centre - body.centre) / body.scale,
           body.axes.transpose() * other.axes};
 }
 
-/// From a point to a plate or box.
+/// Returns the distance from a point to a plate or box.
 double distance_to(const PlacedBody& body, const Vector3d& point) {
   const Vector3d local = body.axes.transpose() * (point - body.centre);
   return (local.cwiseAbs() - body.scale * body.shape->half_sides()).cwiseMax(0).norm();
@@ -32,10 +32,11 @@ double distance_to(const std::vector<std::array<Vector3d, 2>>& edges, const Vect
   return least;
 }
 
-/// At least that of a cluster's panels from the edges of a body, of which they are at least `away`.
+/// Returns a lower bound of the distance of a cluster's panels from a body's edges, given that they are at
+/// least `away` from the body.
 double edge_distance(const PreparedMesh& mesh, const PanelCluster& cluster,
                      const std::vector<std::array<Vector3d, 2>>& edges, double away) {
-  /// So far off, in panels, edges do not matter.
+  /// Distance in panel radii beyond which edges do not matter.
   constexpr double far_panels = 8;
   if (away > far_panels * cluster.panel_radius)
     return away;
@@ -48,7 +49,7 @@ double edge_distance(const PreparedMesh& mesh, const PanelCluster& cluster,
   return least;
 }
 
-/// Far enough that a body's clusters are of one band, in largest half sides of the faces.
+/// Distances from the other body, in its largest half sides, that separate the bands of clusters.
 constexpr std::array<double, 2> band_ends{0.35, 1.0};
 
 }  // namespace
@@ -114,10 +115,10 @@ MeshPair::Band& MeshPair::next_band() {
   return band;
 }
 
-/// So many quarterings that the points of panels at a distance are near enough to each other.
+/// Returns how often panels at a distance must be quartered for the points to be near enough to each other.
 int MeshPair::fineness(double panel_radius, double distance, QuadratureDigits digits) {
-  /// One point for each panel errs like the square of this; the digits ask for a part of it, as errors of
-  /// many panels differ in sign.
+  /// Largest ratio of a part's radius to its distance. With one point for each panel the error is like the
+  /// square of this ratio; a fraction of `digits` suffices, because the errors of many panels differ in sign.
   const double most = 1.4 * std::exp(-digits.outer / 2);
   int result = 0;
   double ratio = panel_radius / std::max(distance, 1e-9);
@@ -155,7 +156,8 @@ void MeshPair::place_beside_faces(const PlacedBody& faces, int functions, Quadra
     fill(band, band.faces.points());
   }
   is_cut_short_ |= missing > 0;
-  /// More than was met: at a twentieth of the size of three bodies above a plate.
+  /// Relative error per squared ratio. It is larger than the error that was measured with three bodies above
+  /// a plate at a twentieth of their size.
   constexpr double per_square = 0.004;
   relative_error_ = error_left(digits.inner - missing) + per_square * coarsest_ * coarsest_;
 }
@@ -184,7 +186,7 @@ void MeshPair::place_beside_mesh(const PlacedBody& other, QuadratureDigits digit
         {&others[l], fineness(other.scale * others[l].panel_radius, from_there[l], digits)});
   lay_inner(other);
   fill(band, {inner_points_[0].data(), inner_points_[1].data(), inner_points_[2].data(), inner_count_});
-  /// Panels of both may come to lie above each other.
+  /// Relative error per squared ratio, larger because panels of both bodies may lie above each other.
   constexpr double per_square = 0.02;
   relative_error_ = error_left(16) + per_square * coarsest_ * coarsest_;
 }
@@ -233,7 +235,7 @@ void MeshPair::fill(Band& band, const NodePoints& inner) {
 
 namespace {
 
-/// From the charges of places to those of the parts' points.
+/// Distributes the charges of places over the parts' points.
 void spread_parts(const std::vector<MeshPart>& parts, const std::vector<float>& places, float* to) {
   for (const MeshPart& part : parts) {
     const float share = 1.0F / static_cast<float>(part.repeats());
@@ -244,7 +246,7 @@ void spread_parts(const std::vector<MeshPart>& parts, const std::vector<float>& 
   }
 }
 
-/// From the potentials at the parts' points to their means at places.
+/// Averages the potentials at the parts' points for each place.
 void gather_parts(const std::vector<MeshPart>& parts, const float* from, std::vector<float>& places) {
   for (const MeshPart& part : parts) {
     const float share = 1.0F / static_cast<float>(part.repeats());

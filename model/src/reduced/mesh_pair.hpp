@@ -9,17 +9,18 @@
 
 namespace fringe::detail {
 
-/// What the functions of a body of triangles make of charges and potentials at its panels.
+/// Converts between the functions of a body of triangles and charges and potentials at its panels.
 class MeshSide {
  public:
-  /// The body with so many functions, and a factor between its potentials and those in its own unit.
+  /// Selects a body and its number of functions; `factor` is that between its potentials and those in its own
+  /// unit.
   void set(const PreparedMesh& mesh, std::ptrdiff_t functions, double factor);
 
   const PreparedMesh& mesh() const { return *mesh_; }
 
-  /// The charges of all places.
+  /// Computes the charges at all places from the functions' coefficients.
   void spread(const float* coefficients);
-  /// The moments of the potentials at all places; in whole blocks.
+  /// Computes the moments of the potentials at all places, in whole blocks.
   void gather(float* moments);
 
   std::vector<float> charges, potentials;
@@ -31,7 +32,7 @@ class MeshSide {
   std::vector<float> coefficients_, unused_;
 };
 
-/// Points on the panels of some of a body's clusters, so many quarterings fine.
+/// Points on the panels of a cluster, each of which is quartered `fineness` times.
 struct MeshPart {
   const PanelCluster* cluster;
   int fineness;
@@ -41,8 +42,8 @@ struct MeshPart {
   NodePoints points(const PanelClusters& panels) const;
 };
 
-/// The nodes of a pair of bodies of which one or both are of triangles, as NodePair's. All is seen from the
-/// first body of triangles and in its unit.
+/// The nodes of two bodies of which one or both consist of triangles, with the interface of NodePair.
+/// Coordinates and units are those of the first body of triangles.
 class MeshPair {
  public:
   void place(const PlacedBody& a, int functions_a, const PlacedBody& b, int functions_b,
@@ -53,12 +54,12 @@ class MeshPair {
   double relative_error() const { return relative_error_; }
 
  private:
-  /// Clusters that are about as far from the other body, and its nodes for them.
+  /// Clusters at about the same distance from the other body, and the other body's nodes for them.
   struct Band {
     std::vector<MeshPart> outer;
     std::ptrdiff_t count = 0;  ///< of the outer points
     std::vector<float> charges, potentials;
-    NodeSide faces;  ///< the inner nodes, if the other has faces
+    NodeSide faces;  ///< the inner nodes, if the other body has faces
     std::vector<float> matrix;
   };
 
@@ -78,7 +79,7 @@ class MeshPair {
   std::array<std::vector<float>, 3> inner_points_;
   std::ptrdiff_t inner_count_ = 0;
   std::vector<float> inner_charges_, inner_potentials_, moments_;
-  double coarsest_ = 0;  ///< the largest ratio of a panel's part to its distance
+  double coarsest_ = 0;  ///< largest ratio of a panel part's radius to its distance
   double relative_error_ = 0;
   bool is_cut_short_ = false;
 };

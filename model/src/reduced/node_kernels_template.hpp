@@ -40,7 +40,7 @@ class NodeKernelsFor {
       const Vector v(face.v[axis]);
       for (Count i = 0; i < grid.u.points; ++i, to += grid.v.points) {
         const Vector line(face.centre[axis] + grid.u.nodes[i] * face.u[axis]);
-        // What reaches beyond the row is overwritten by the next.
+        // The next row overwrites what reaches beyond this one.
         for (Count j = 0; j < grid.v.points; j += Lanes::width)
           fma(Vector::load_unaligned(grid.v.nodes + j), v, line).store_unaligned(to + j);
       }
@@ -166,7 +166,7 @@ class NodeKernelsFor {
 
   static constexpr Count parts = node_block / Lanes::width;
 
-  /// Rows that share the loads of the columns' charges and potentials.
+  /// Number of rows that share the loads of the columns' charges and potentials.
   static constexpr Count together = 4;
 
   static Vector distances(Vector x, Vector square) {
@@ -199,8 +199,8 @@ class NodeKernelsFor {
 
   static void write_rows(const NodeGrid& grid, Count n, Count rows, Count from,
                          const Vector (&across)[most_reduced_functions][parts], float* charges) {
-    // A block reaches into the next row, which is written after it; from the last, or from all but the last
-    // block of a row, nothing but zeros and what this block itself is for is written.
+    // The first block of a row may extend into the next row, which is written afterwards. The last of several
+    // blocks must not: the first block of the next row is already there.
     const Count here = grid.v.points - from;
     for (Count r = 0; r < grid.u.points; ++r) {
       Vector sums[parts];

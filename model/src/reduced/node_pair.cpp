@@ -13,16 +13,16 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Beyond any distance that counts; its square is finite.
+/// Coordinate of padding points: beyond any distance that counts, but its square is finite.
 constexpr float far_away = 1e12F;
 
-/// The logarithm of the sum of the semi-axes of an ellipse by the sum of the distances of one of its points
-/// from the foci ±1.
+/// Returns the logarithm of the sum of an ellipse's semi-axes, given the sum of the distances of one of its
+/// points from the foci ±1.
 double log_parameter(double sum) {
   return std::log((sum + std::sqrt(std::max(sum * sum - 4, 0.0))) / 2);
 }
 
-/// For points p at origin + axes·(scale·p).
+/// Computes the smoothness on a face for singularities at origin + axes·(scale·p), where p are the points.
 FaceSmoothness face_smoothness(const PlacedBody& body, const ChargedFace& face, const NodePoints& points,
                                const Vector3d& origin, const Eigen::Matrix3d& axes, double scale) {
   const double half_u = face.half_u * body.scale, half_v = face.half_v * body.scale;
@@ -46,11 +46,12 @@ FaceSmoothness face_smoothness(const PlacedBody& body, const ChargedFace& face, 
   return {log_parameter(least[0]), log_parameter(least[1])};
 }
 
-/// The most points along a direction of the outer face: with as many as of the inner one, a pair of faces
-/// would take 16 million distances.
+/// Largest number of points along a direction of the outer face. With as many as on the inner one, a pair of
+/// faces would take 16 million distances.
 constexpr int most_outer_points = 32;
 
-/// The points that win so many digits, of a rule for so many functions.
+/// Returns the number of points that a rule for so many functions needs to reach so many digits, at most
+/// `most`. `missing` grows to the digits that are not reached.
 int points_for(double smoothness, double digits, int functions, int most, double& missing) {
   const double more = digits / (2 * std::max(smoothness, 1e-9));
   const double wanted = 1 + 0.5 * functions + more;
@@ -64,7 +65,7 @@ void narrow(FaceSmoothness& smoothness, const FaceSmoothness& other) {
   smoothness.v = std::min(smoothness.v, other.v);
 }
 
-/// Where each edge of one body is nearest to each of the other; seen from the centre of b.
+/// The points where each edge of one body is nearest to each edge of the other, relative to the centre of b.
 class NearestPoints {
  public:
   NearestPoints(const PlacedBody& a, const PlacedBody& b) {
@@ -84,7 +85,7 @@ class NearestPoints {
   NodePoints on_b() const { return {on_b_[0].data(), on_b_[1].data(), on_b_[2].data(), count_}; }
 
  private:
-  /// Pairs of edges: 4 · 4, 4 · 12 or 12 · 12, whole blocks.
+  /// Coordinates for all pairs of edges: 4 · 4, 4 · 12 or 12 · 12, whole blocks.
   using Coordinates = std::array<std::array<float, 144>, 3>;
 
   static void add(Coordinates& to, std::size_t at, const Vector3d& point) {
@@ -97,7 +98,7 @@ class NearestPoints {
   std::ptrdiff_t count_;
 };
 
-/// A face's rules that win so many digits.
+/// Returns a face's rules that reach so many digits.
 NodeGrid grid_of(const ChargedFace& face, const FaceSmoothness& smooth, int functions, double digits,
                  int most, double& missing) {
   return {functions, stored_rule(face.edge, points_for(smooth.u, digits, functions, most, missing)).view(),
@@ -120,7 +121,8 @@ PairSmoothness smoothness(const PlacedBody& a, const PlacedBody& b, double gap) 
     result.a[k] = face_smoothness(a, a.shape->faces()[k], b.shape->edge_points(), b.centre, b.axes, b.scale);
   for (std::size_t k = 0; k < b.shape->faces().size(); ++k)
     result.b[k] = face_smoothness(b, b.shape->faces()[k], a.shape->edge_points(), a.centre, a.axes, a.scale);
-  // Where edges pass each other more closely than their points lie, by where they are nearest.
+  // Distance between the points on an edge, in scales of the body. Where edges pass each other more closely,
+  // the points where they are nearest count, too.
   constexpr double points_apart = 0.25;
   if (gap < 1.5 * points_apart * std::max(a.scale, b.scale)) {
     const NearestPoints nearest(a, b);
@@ -142,9 +144,9 @@ double least(const BodySmoothness& smoothness, std::size_t faces) {
 }
 
 double error_left(double inner_digits) {
-  /// In random poses the potentials were this much better than the digits say.
+  /// Ratio of the potentials' error to what the digits promise, as measured in random poses.
   constexpr double share = 0.02;
-  /// Of what is computed in single precision.
+  /// Relative rounding error of single precision.
   constexpr double rounding = 1e-6;
   return share * std::exp(-inner_digits) + rounding;
 }

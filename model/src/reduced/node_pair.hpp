@@ -14,7 +14,7 @@
 /// Quadrature between two bodies (model/BOUNDARY_ELEMENTS.md, section 8).
 namespace fringe::detail {
 
-/// A prepared shape somewhere: the point p of the shape is at centre + axes·(scale·p).
+/// A prepared shape at a pose: its point p is at centre + axes·(scale·p).
 struct PlacedBody {
   const PreparedShape* shape;
   double scale;
@@ -22,18 +22,18 @@ struct PlacedBody {
   Eigen::Matrix3d axes;
 };
 
-/// The ends of a plate's or box's edges, seen from an origin.
+/// Returns the ends of a plate's or box's edges, relative to an origin.
 std::vector<std::array<Eigen::Vector3d, 2>> placed_edges(const PlacedBody& body,
                                                          const Eigen::Vector3d& origin);
 
-/// How many powers of e the quadratures are to win from their points.
+/// The natural logarithms by which the quadratures have to reduce the error.
 struct QuadratureDigits {
   double outer;
   double inner;
 };
 
-/// The logarithm of the parameter of the narrowest ellipse about a face's direction outside of which the
-/// potential is analytic.
+/// The smoothness of the potential on a face: the logarithm of the parameter of the narrowest ellipse about
+/// each direction that touches a singularity. Inside, the potential is analytic.
 struct FaceSmoothness {
   double u;
   double v;
@@ -41,44 +41,47 @@ struct FaceSmoothness {
 
 using BodySmoothness = std::array<FaceSmoothness, box_faces>;
 
-/// Of two bodies' faces, by the other's edges.
+/// The smoothness on two bodies' faces, which the other body's edges limit.
 struct PairSmoothness {
   BodySmoothness a;
   BodySmoothness b;
 };
 
-/// No point of one body is nearer to the other than `gap`.
+/// Computes the smoothness on the faces of two bodies that are at least `gap` apart.
 PairSmoothness smoothness(const PlacedBody& a, const PlacedBody& b, double gap);
 
-/// The least of all faces and directions.
+/// Returns the least value of all faces and directions.
 double least(const BodySmoothness& smoothness, std::size_t faces);
 
-/// The nodes of a body's faces, and charges and potentials there.
+/// The nodes of a body's faces, with the charges and potentials there.
 struct NodeSide {
-  std::vector<NodeGrid> grids;  ///< of each face
+  std::vector<NodeGrid> grids;  ///< for each face
   std::ptrdiff_t functions = 0;
   std::ptrdiff_t count = 0;
   std::vector<float> x, y, z, charges, potentials;
 
   NodePoints points() const { return {x.data(), y.data(), z.data(), count}; }
 
-  /// Lays the nodes of the grids, seen from an origin.
+  /// Computes the nodes of the grids, relative to an origin.
   void lay(const PlacedBody& body, const Eigen::Vector3d& origin);
+  /// Computes the charges at the nodes from the coefficients of the functions.
   void spread(const float* coefficients);
+  /// Computes the moments of the potentials at the nodes, in whole blocks.
   void gather(float* moments) const;
 };
 
-/// The rules of all faces of a body as seen from points whose coordinates begin at an origin. `digits` are to
-/// be won; where a rule would need more points than it may have, `missing` grows to those that are not.
+/// Chooses the rules of all faces of a body for singularities at points, whose coordinates are relative to an
+/// origin. `digits` is the logarithm of the error reduction to reach; where a rule would need more points
+/// than it may have, `missing` grows to the part that is not reached.
 void choose_grids(NodeSide& side, const PlacedBody& body, int functions, std::span<const NodePoints> points,
                   const Eigen::Vector3d& origin, double digits, double& missing);
 
-/// What digits leave of the potentials, relative to the largest.
+/// Returns the error of the potentials, relative to the largest, for so many digits.
 double error_left(double inner_digits);
 
 class MeshPair;
 
-/// Two bodies' nodes, and 1/distance between them.
+/// The nodes of two bodies, and the matrix of 1/distance between them.
 class NodePair {
  public:
   NodePair();
@@ -88,23 +91,23 @@ class NodePair {
   NodePair(const NodePair&) = delete;
   NodePair& operator=(const NodePair&) = delete;
 
-  /// `a_smoothness`: of a as seen from b; functions: along every direction of each face, or
-  /// of all of a body of triangles.
+  /// Chooses the nodes for two placed bodies. `a_smoothness` is that on a's faces, limited by b. The numbers
+  /// of functions are those along every direction of each face, or of all functions of a body of triangles.
   void place(const PlacedBody& a, const BodySmoothness& a_smoothness, int functions_a, const PlacedBody& b,
              const BodySmoothness& b_smoothness, int functions_b, QuadratureDigits digits);
 
-  /// The moments on both bodies of the potentials of charges on the other, all as coefficients of the faces'
-  /// functions; in whole blocks, zero beyond the last.
+  /// Computes the moments on both bodies of the potentials of charges on the other. Charges are coefficients
+  /// of the bodies' functions; arrays are in whole blocks, zero beyond the last.
   void potentials(const float* charges_a, const float* charges_b, float* moments_a, float* moments_b);
 
-  /// Whether a rule would need more points than it may have.
+  /// Returns true if a rule would need more points than it may have.
   bool is_cut_short() const { return is_cut_short_; }
 
-  /// An estimate of the potentials' error, relative to the largest.
+  /// Returns an estimate of the potentials' error, relative to the largest.
   double relative_error() const { return relative_error_; }
 
  private:
-  std::unique_ptr<MeshPair> mesh_;  ///< if a body is of triangles
+  std::unique_ptr<MeshPair> mesh_;  ///< if a body consists of triangles
   bool a_is_outer_ = true;
   std::array<NodeSide, 2> sides_;  ///< the outer one first
   std::vector<float> matrix_;

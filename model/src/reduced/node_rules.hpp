@@ -7,7 +7,7 @@
 
 namespace fringe::detail {
 
-/// The most points of a rule along one direction of a face.
+/// Largest number of points of a rule along one direction of a face.
 constexpr int most_node_points = most_points;
 
 /// A Gauss rule on [−1, 1] in single precision.
@@ -20,7 +20,7 @@ struct StoredRule {
   NodeRule view() const { return {points, nodes.data(), weights.data(), values.data()}; }
 };
 
-/// The rule of 1 to most_node_points points, made with all others when it is first asked for.
+/// Returns the rule of 1 to most_node_points points. The first call makes all of them.
 const StoredRule& stored_rule(EdgeKind edge, int points);
 
 }  // namespace fringe::detail

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Of a shell of charges: how far from the surface, and how many at most.
+/// A shell of charges: its distance from the surface, and its largest number of charges.
 struct Shell {
   double distance;
   std::size_t most;
@@ -23,7 +23,7 @@ struct Shell {
 
 constexpr std::array<Shell, 4> shells{Shell{0.12, 240}, Shell{0.25, 140}, Shell{0.5, 80}, Shell{1, 50}};
 
-/// And far away, on a sphere about the body.
+/// Radius of a sphere about the body, and the number of distant charges on it.
 constexpr double far_distance = 3;
 constexpr int far_charges = 24;
 
@@ -34,7 +34,8 @@ double surface_distance(std::span<const Panel> panels, const Vector3d& point) {
   return std::sqrt(least);
 }
 
-/// Every next one of the candidates is the farthest from those taken, until they are nearer than `apart`.
+/// Chooses candidates one by one, each the farthest from those chosen before, until it is nearer than `apart`
+/// or there are `most`.
 std::vector<Vector3d> spread_out(const std::vector<Vector3d>& candidates, double apart, std::size_t most) {
   std::vector<Vector3d> taken;
   if (candidates.empty())
@@ -56,8 +57,8 @@ std::vector<Vector3d> spread_out(const std::vector<Vector3d>& candidates, double
 
 std::vector<OutsideCharge> outside_charges(std::span<const Triangle> triangles,
                                            std::span<const Panel> panels) {
-  /// How much nearer than it should a charge may be to another part of the surface, beyond the edges of
-  /// a triangle.
+  /// Least distance from the surface, relative to the shell's. A charge may come nearer to other parts of the
+  /// surface than to its own triangle.
   constexpr double least_distance = 0.8;
   const bool is_closed_surface = is_closed(triangles);
   std::vector<OutsideCharge> charges;
@@ -75,13 +76,13 @@ std::vector<OutsideCharge> outside_charges(std::span<const Triangle> triangles,
     std::vector<Vector3d> points = spread_out(candidates, shell.distance, 2 * shell.most);
     if (is_closed_surface)
       std::erase_if(points, [&](const Vector3d& point) { return surrounds(triangles, point); });
-    // The first ones of them are spread out themselves.
+    // The first points are spread out, too.
     points.resize(std::min(points.size(), shell.most));
     for (const Vector3d& point : points)
       charges.push_back({point, shell.distance});
   }
   for (int k = 0; k < far_charges; ++k) {
-    // Along a spiral by the golden angle: evenly spread.
+    // A spiral by the golden angle spreads points evenly.
     const double height = 1 - (2 * k + 1.0) / far_charges,
                  angle = std::numbers::pi * (3 - std::sqrt(5.0)) * k;
     const double radius = std::sqrt(1 - height * height);

@@ -9,15 +9,15 @@
 
 namespace fringe::detail {
 
-/// A charge beside a body.
+/// A point charge beside a body.
 struct OutsideCharge {
   Eigen::Vector3d point;
   double charge;
 };
 
-/// Charges all around a body, at distances from a tenth of its size to several times it, such that those of
-/// every distance together do as much to it (model/BOUNDARY_ELEMENTS.md, section 8). The body's half size is
-/// about 1; a closed one has none inside.
+/// Places charges all around a body, at distances from a tenth of its size to several times it, such that the
+/// charges at each distance together have as much effect on it (model/BOUNDARY_ELEMENTS.md, section 8). The
+/// body's half size is about 1; a closed body gets none inside.
 std::vector<OutsideCharge> outside_charges(std::span<const Triangle> triangles,
                                            std::span<const Panel> panels);
 

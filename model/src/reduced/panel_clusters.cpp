@@ -15,10 +15,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Of panels in a cluster: a multiple of a block.
+/// Largest number of panels in a cluster, a multiple of a block.
 constexpr std::size_t panels_per_cluster = 2 * static_cast<std::size_t>(node_block);
 
-/// Halves the range across its longest direction, until there is one cluster.
+/// Halves the range across its longest direction, again and again, until each part is one cluster.
 void divide(std::span<const Panel> panels, std::span<std::size_t> range,
             std::vector<std::span<std::size_t>>& clusters) {
   if (range.size() <= panels_per_cluster) {
@@ -33,7 +33,7 @@ void divide(std::span<const Panel> panels, std::span<std::size_t> range,
   divide(panels, range.subspan(half), clusters);
 }
 
-/// The centres of a triangle's parts after so many quarterings.
+/// Adds the centres of a triangle's parts after so many quarterings.
 void add_centres(const Triangle& triangle, int quarterings, std::vector<Vector3d>& centres) {
   if (quarterings == 0) {
     centres.emplace_back((triangle[0] + triangle[1] + triangle[2]) / 3);

@@ -19,6 +19,7 @@ using Eigen::RowVectorXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
+/// Numbers of functions of the levels.
 constexpr std::array<int, PreparedShape::levels> mesh_functions{16, 36, 72, 128};
 
 RowVectorXd potentials_at(const Vector3d& point, const std::vector<OutsideCharge>& charges) {
@@ -28,7 +29,7 @@ RowVectorXd potentials_at(const Vector3d& point, const std::vector<OutsideCharge
   return potentials;
 }
 
-/// Means over the panels, by their quarters' centres.
+/// Computes the mean potentials on panels, by their quarters' centres.
 MatrixXd potentials_on(const std::vector<Panel>& panels, const std::vector<OutsideCharge>& charges) {
   MatrixXd potentials = MatrixXd::Zero(static_cast<Index>(panels.size()), static_cast<Index>(charges.size()));
   for (std::size_t k = 0; k < panels.size(); ++k)
@@ -37,21 +38,21 @@ MatrixXd potentials_on(const std::vector<Panel>& panels, const std::vector<Outsi
   return potentials;
 }
 
-/// Potentials as sums of a constant and those of outside charges: a column for each.
+/// Potentials as sums of a constant and of the potentials of outside charges, one column for each.
 struct Loads {
   RowVectorXd constants;
   MatrixXd charges;
 };
 
-/// The loads to which the body's answers are orthonormal, the constant first, then those which the outside
-/// charges ask for most.
+/// Computes the loads to which the body's responses are orthonormal: first the constant, then the principal
+/// ones of the outside charges, by a principal component analysis in the energy.
 Loads principal_loads(const LonePanels& panels, const MatrixXd& potentials, Index most) {
   const VectorXd alone = panels.factor.matrixL().solve(VectorXd::Ones(potentials.rows()));
   const MatrixXd all = panels.factor.matrixL().solve(potentials);
   const RowVectorXd common = alone.transpose() * all / alone.squaredNorm();
   const MatrixXd others = all - alone * common;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(others.transpose() * others);
-  /// Energies below are rounding's.
+  /// Least eigenvalue, relative to the largest. Eigenvalues below it are rounding noise.
   constexpr double least_energy = 1e-11;
   const double largest = solver.eigenvalues().tail(1)[0];
   const Index sources = potentials.cols();
@@ -122,7 +123,7 @@ PreparedLevel PreparedMesh::level(int index) const {
   level.equilibrium = stored(first);
   level.potential = stored(first);
   level.root = root_;
-  // As many as tell whether more are needed: a third.
+  // The last third of the functions tells whether more are needed.
   const Index kept = count - count / 3;
   for (Index k = kept; k < count; ++k)
     level.highest.push_back(static_cast<int>(k));

@@ -20,11 +20,13 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
+/// Numbers of functions of the levels along each direction.
 constexpr std::array<int, PreparedShape::levels> level_functions{5, 7, 11, most_reduced_functions};
 
+/// Number of parts of an edge between its points.
 constexpr int edge_parts = 8;
 
-/// Of the places of a cluster's panels every fourth.
+/// Step between the places of a cluster that give a point of the surface: every fourth.
 constexpr std::ptrdiff_t surface_step = 4;
 
 void add_outline(const ChargedFace& face, std::vector<std::array<Vector3d, 2>>& edges) {

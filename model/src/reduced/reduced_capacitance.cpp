@@ -37,20 +37,22 @@ using Eigen::VectorXd;
 constexpr double strictest_reduced_rtol = 1e-4;
 constexpr double loosest_reduced_rtol = 0.5;
 
+/// Default rtol for 1 to most_reduced_steps steps, relative.
 constexpr std::array<double, most_reduced_steps> rtols{1e-2, 1e-3, 3e-4};
 
-/// The error by what the highest functions added, which is estimated from each body alone and somewhat too
-/// much; in random poses 1.13 times it was met once, mostly a quarter.
+/// Estimated error per contribution of the highest functions. This contribution is estimated from each body
+/// alone, and somewhat too large; in random poses the error was mostly a quarter of it, and once 1.13 times
+/// it.
 constexpr double error_per_resolution = 1.25;
 
-/// Parts of the error that is asked for.
+/// Fractions of rtol that truncation and quadratures may take.
 constexpr double truncation_share = 0.3;
 constexpr double quadrature_share = 0.3;
 
-/// Of the error that is asked for, what the triangles' size may take of a body's energies.
+/// Fraction of rtol that the triangles' size may take of a body's energies.
 constexpr double triangle_share = 0.25;
 
-/// As many steps more than asked as near contact needs.
+/// Largest number of steps. Near contact, more steps are needed than are asked for.
 constexpr int most_steps = 12;
 
 double rtol_or_default(const ReducedOptions& options) {
@@ -107,7 +109,7 @@ class ReducedEvaluator::Implementation {
     double largest = 0;
     for (const RigidBody& body : rigid_)
       largest = std::max(largest, body.scale);
-    // A power of two: what is computed in it is what would be computed in metres.
+    // A power of two: scaling by it does not round.
     unit_ = std::exp2(std::ilogb(largest));
     std::vector<detail::ReducedBody> reduced;
     for (std::size_t k = 0; k < rigid_.size(); ++k) {
@@ -137,18 +139,19 @@ class ReducedEvaluator::Implementation {
   }
 
  private:
-  /// More than single precision can use.
+  /// Largest digits of the quadratures (natural logarithm): more than single precision can use.
   static constexpr double most_digits = 16;
 
-  /// Of the inner quadrature; the outer takes half.
+  /// Returns the first digits of the inner quadrature; the outer one gets half of them.
   double first_digits() const { return std::max(6 - 2 * std::log10(rtol_ / 1e-3), 3.0); }
 
   bool moved(std::size_t a, std::size_t b) const {
     return !known_ || !motion_.rigid(bodies_.bodies[a].link, bodies_.bodies[b].link);
   }
 
-  /// Whether a body casts a shadow on another that is narrower than any function there: fewer
-  /// functions and more then miss it alike, and their difference tells nothing of the error.
+  /// Returns true if a body casts a shadow on another that is narrower than any function there. Solutions
+  /// with fewer and with more functions then miss it alike, and their difference says nothing about the
+  /// error.
   bool is_too_narrow_for_functions() const {
     const double functions = detail::functions_of_level(PreparedShape::levels - 1);
     for (std::size_t large = 0; large < rigid_.size(); ++large)
@@ -186,7 +189,7 @@ class ReducedEvaluator::Implementation {
     }
   }
 
-  /// Brings the bodies to where they are; throws InputError for two that touch.
+  /// Moves the bodies to their poses; throws InputError for two that touch.
   void place() {
     for (std::size_t k = 0; k < rigid_.size(); ++k) {
       const Eigen::Isometry3d pose = motion_.world_pose(bodies_.bodies[k].link) * rigid_[k].on_link;
@@ -207,9 +210,10 @@ class ReducedEvaluator::Implementation {
       }
   }
 
-  /// How far two bodies are apart at least; throws InputError if they touch.
+  /// Returns a lower bound of the distance between two bodies; throws InputError if they touch.
   double gap_or_refusal(std::size_t a, std::size_t b) {
-    /// Where rounding may hide a contact, the exact test decides.
+    /// Gap in units of unit_ above which bodies are apart in spite of rounding; below it the exact test
+    /// decides.
     constexpr double surely_apart = 1e-9;
     const double gap = detail::body_gap(placed_[a], placed_[b]);
     if (!(gap > surely_apart))
@@ -220,8 +224,8 @@ class ReducedEvaluator::Implementation {
 
   std::size_t pair(std::size_t a, std::size_t b) const { return a * rigid_.size() + b; }
 
-  /// As many functions as the others' nearness will ask for, by a rule that needs not be right: the error
-  /// that is found decides.
+  /// Chooses the numbers of functions that the nearness of the other bodies will require. The rule need not
+  /// be exact, because the estimated error decides in the end.
   void choose_levels() {
     const double asked = rtol_ > 3e-3 ? 1 : 2;
     const int first = rtol_ > 3e-3 ? 0 : 1;
@@ -229,7 +233,7 @@ class ReducedEvaluator::Implementation {
       int level = first;
       if (rigid_[a].shape->mesh() != nullptr)
         level = mesh_level(a);
-      // More functions on all six faces are for the error to ask for.
+      // A box gets more functions on its six faces only when the error requires them.
       const bool is_plate = rigid_[a].shape->faces().size() == 1;
       for (std::size_t b = 0; b < rigid_.size(); ++b)
         if (a != b && is_plate) {
@@ -242,7 +246,7 @@ class ReducedEvaluator::Implementation {
     }
   }
 
-  /// The nearer the others, the more functions a body of triangles needs.
+  /// Returns the level of a body of triangles: the nearer the others, the more functions it needs.
   int mesh_level(std::size_t body) const {
     constexpr std::array<double, PreparedShape::levels - 1> gaps{0.6, 0.25, 0.1};
     double gap = std::numeric_limits<double>::infinity();
@@ -252,12 +256,14 @@ class ReducedEvaluator::Implementation {
     return static_cast<int>(std::count_if(gaps.begin(), gaps.end(), [&](double end) { return gap <= end; }));
   }
 
-  /// Beyond, a box takes too long to prepare.
+  /// Returns the number of levels of a body. The last one of a box takes too long to prepare.
   int most_levels(std::size_t body) const {
     return rigid_[body].shape->faces().size() != detail::box_faces ? PreparedShape::levels
                                                                    : PreparedShape::levels - 1;
   }
 
+  /// Raises the levels of bodies whose highest functions contribute too much. Returns false if there are
+  /// none.
   bool raise_levels(const ReducedSolution& solution) {
     bool raised = false;
     const double share = rtol_ / (2 * error_per_resolution * static_cast<double>(rigid_.size()));
@@ -271,7 +277,7 @@ class ReducedEvaluator::Implementation {
     return raised;
   }
 
-  /// Whether more functions and nodes are in vain.
+  /// Returns true if the triangles limit the accuracy, so that more functions and nodes are in vain.
   bool triangles_are_too_coarse(const ReducedSolution& solution) const {
     const Index rows = answer_.values.rows();
     return ((error_per_resolution * solution.coarser).topLeftCorner(rows, rows).array().abs() >
@@ -279,7 +285,7 @@ class ReducedEvaluator::Implementation {
         .any();
   }
 
-  /// What the quadratures lack to take no more than their part of the error.
+  /// Returns the digits that the quadratures lack to take no more than their share of the error.
   double missing_digits(const ReducedSolution& solution) {
     for (std::size_t a = 0; a < rigid_.size(); ++a)
       for (std::size_t b = a + 1; b < rigid_.size(); ++b)
@@ -293,7 +299,8 @@ class ReducedEvaluator::Implementation {
     return excess > 1 ? std::log(excess) + 0.5 : 0;
   }
 
-  /// Along every direction of a face, or of all of a body of triangles.
+  /// Returns the number of functions along every direction of a face, or of all functions of a body of
+  /// triangles.
   int functions_of(std::size_t body) {
     const int level = system_->bodies()[body].level;
     return rigid_[body].shape->mesh() != nullptr ? static_cast<int>(rigid_[body].shape->level(level).count)
@@ -314,6 +321,7 @@ class ReducedEvaluator::Implementation {
     digits_ = digits;
   }
 
+  /// Writes the solution and its estimated errors to the answer.
   void tell(const ReducedSolution& solution) {
     const MatrixXd fine = detail::without_floating(solution.values, bodies_.floating);
     const MatrixXd stepped =
@@ -329,7 +337,7 @@ class ReducedEvaluator::Implementation {
     answer_.delta_self.resize(sensors);
     answer_.delta_self_errors.resize(sensors);
     for (Index s = 0; s < sensors; ++s) {
-      // What floating conductors change is not in the difference that is known without cancellation.
+      // The difference that is known without cancellation does not contain the effect of floating conductors.
       const double floating = solution.values(s, s) - fine(s, s);
       answer_.delta_self[s] = solution.delta_self[s] - floating;
       const double relative = solution.resolution(s, s) / solution.values(s, s);
@@ -346,7 +354,7 @@ class ReducedEvaluator::Implementation {
     answer_.delta_self_errors *= factor_ * unit_;
   }
 
-  /// An answer that is none.
+  /// Fills the answer with zeros and infinite errors: no result.
   void tell_nothing() {
     const auto rows = static_cast<Index>(answer_.conductors.size());
     const auto sensors = static_cast<Index>(answer_.sensors);
@@ -368,11 +376,11 @@ class ReducedEvaluator::Implementation {
   detail::SharedShapes shapes_;
   std::vector<RigidBody> rigid_;
   std::vector<PlacedBody> placed_;
-  std::vector<BodySmoothness> smoothness_;     ///< of every body as seen by every other
-  std::vector<double> gaps_;                   ///< between any two, at least
-  std::vector<std::array<int, 2>> functions_;  ///< that the pairs' nodes are for; 0: there are none
+  std::vector<BodySmoothness> smoothness_;     ///< on every body, limited by every other
+  std::vector<double> gaps_;                   ///< lower bounds of the distances between any two
+  std::vector<std::array<int, 2>> functions_;  ///< for which the pairs have nodes; 0: none
   double digits_ = 0;
-  bool known_ = false;  ///< whether there was an answer before
+  bool known_ = false;  ///< true if there was an answer before
   std::optional<detail::ReducedSystem> system_;
   MaxwellMatrix answer_;
 };

@@ -11,21 +11,24 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// A vector of which less is left when the others are taken out, squared, is taken for rounding.
+/// Least energy that orthogonalisation must leave of a vector, relative to its energy before. Less is
+/// rounding noise.
 constexpr double dependent = 1e-6;
 
-/// Of the change from coarser triangles to a body's own, what still finer ones would add: along edges that
-/// are about resolved 0.8 was met, on the facets of a ball 0.25.
+/// What still finer triangles would add, relative to the change from coarser triangles to a body's own. Along
+/// edges that are about resolved it was 0.8, on the facets of a ball 0.25.
 constexpr double likely_missing = 0.6;
 
-/// Steps end where a further one would change a capacitance by less than single precision knows.
+/// Relative change of a capacitance below which no further step is made: single precision does not resolve
+/// it.
 constexpr double nothing = 1e-12;
 
+/// Number of arrays that are allocated together.
 constexpr std::size_t slots_in_block = 64;
 
-/// How many times one vector is another; 0 if it is none, to single precision.
+/// Returns the factor by which `other` is a multiple of `vector`; 0 if, to single precision, it is not.
 double parallel(const float* vector, const float* other, std::ptrdiff_t padded) {
-  /// The square of the sine of the angle.
+  /// Squared sine of the angle below which two vectors are parallel.
   constexpr double nearly = 1e-8;
   const NodeKernels& kernels = best_kernels<NodeKernels>();
   const double square = kernels.dot(vector, vector, padded), product = kernels.dot(vector, other, padded);
@@ -93,7 +96,7 @@ ReducedSystem::Vector& ReducedSystem::new_vector(std::size_t body) {
   return vector;
 }
 
-/// What a body's vectors have of a charge.
+/// Orthogonalises a charge and its moments against the body's basis.
 void ReducedSystem::take_out(std::size_t body, float* charge, float* moments) {
   const NodeKernels& kernels = best_kernels<NodeKernels>();
   const std::ptrdiff_t padded = level(body).padded;
@@ -119,7 +122,8 @@ void ReducedSystem::add_equilibrium(std::size_t body) {
   vector.net = root * prepared.root;
 }
 
-/// The potentials of all vectors on the first bodies, as far as they are not known.
+/// Applies the off-diagonal blocks: evaluates the potentials of all vectors on the first `active` bodies, as
+/// far as they are not known.
 void ReducedSystem::exchange(std::size_t active) {
   float* const zero = slot();
   std::fill(zero, zero + slot_size_, 0.0F);
@@ -146,7 +150,7 @@ void ReducedSystem::exchange(std::size_t active) {
     }
 }
 
-/// Rows of the factor for the vectors that it has not yet.
+/// Appends rows to the Cholesky factor for the vectors that it does not contain yet.
 void ReducedSystem::extend() {
   const NodeKernels& kernels = best_kernels<NodeKernels>();
   if (net_.rows() < signed_of(used_))
@@ -183,6 +187,7 @@ void ReducedSystem::extend() {
   }
 }
 
+/// Computes the coefficients of the vectors by back substitution.
 void ReducedSystem::find_charges(std::size_t conductors) {
   if (charges_.rows() < signed_of(used_))
     charges_.resize(2 * signed_of(used_), signed_of(conductors_));
@@ -195,6 +200,8 @@ void ReducedSystem::find_charges(std::size_t conductors) {
     }
 }
 
+/// Computes the residuals on each body, the charges with which the body alone responds to them, and what
+/// these charges add to the capacitances (`truncation`).
 void ReducedSystem::find_residuals(std::size_t active, std::size_t conductors) {
   const NodeKernels& kernels = best_kernels<NodeKernels>();
   solution_.truncation.setZero(signed_of(conductors_), signed_of(conductors_));
@@ -233,7 +240,7 @@ void ReducedSystem::find_residuals(std::size_t active, std::size_t conductors) {
   }
 }
 
-/// New vectors from the corrections; false when none has anything new.
+/// Orthonormalises the corrections and adds them to the basis. Returns false if none of them is new.
 bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
   const NodeKernels& kernels = best_kernels<NodeKernels>();
   bool added = false;
@@ -255,7 +262,7 @@ bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
         charge[k] *= factor;
         moments[k] *= factor;
       }
-      // Of a small vector the first pass leaves what was rounded.
+      // The second pass removes the rounding errors that the first one leaves in a small vector.
       take_out(body, charge, moments);
       Vector& vector = new_vector(body);
       std::copy_n(charge, padded, vector.charge);
@@ -267,6 +274,8 @@ bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
   return added;
 }
 
+/// Extends the reduced basis by the residuals until the truncation is small enough, no residual is new, or
+/// `most_steps` steps are taken.
 void ReducedSystem::iterate(const ReductionLimits& limits, std::size_t active, std::size_t conductors) {
   for (int steps = 0;; ++steps) {
     exchange(active);
@@ -291,16 +300,18 @@ void ReducedSystem::iterate(const ReductionLimits& limits, std::size_t active, s
   }
 }
 
-/// The potential of one body's first vector felt by another's: 1 for bodies that are one.
+/// Returns the interaction of the first vectors of two bodies, which have unit energy: 1 if the bodies
+/// coincide.
 double ReducedSystem::coupling(std::size_t first, std::size_t second) const {
   const std::size_t body = vectors_[first].body;
   return std::abs(best_kernels<NodeKernels>().dot(vectors_[first].charge, vectors_[second].potentials[body],
                                                   bodies_[body].shape->level(bodies_[body].level).padded));
 }
 
-/// Residuals answered by each body alone leave what the bodies' coupling makes of them: the share r/(1 − r)
-/// of their coupling r, which is far below that of the charges at equilibrium, as they oscillate. Between
-/// squares at a fiftieth to a twenty-fifth of their side half of `per_coupling` was met.
+/// Estimates the fraction of the truncation that is still missing. Charges that answer the residuals on each
+/// body alone cause new residuals through the bodies' coupling r: the fraction r/(1 − r). As the charges
+/// oscillate, r is far below the coupling of the charges at equilibrium. Between squares at a fiftieth to a
+/// twenty-fifth of their side, half of `per_coupling` was measured.
 void ReducedSystem::judge_truncation() {
   constexpr double least = 0.3;
   constexpr double per_coupling = 0.04;
@@ -312,7 +323,8 @@ void ReducedSystem::judge_truncation() {
   solution_.truncation_left = std::max(least, per_coupling / (1 - std::min(strongest, 1 - dependent)));
 }
 
-/// What the highest functions of the first bodies hold, and of each body how much.
+/// Returns the contribution of the highest functions of the first bodies to the capacitances, and stores that
+/// of each body.
 MatrixXd ReducedSystem::resolution(std::size_t active, std::size_t conductors) {
   const NodeKernels& kernels = best_kernels<NodeKernels>();
   const auto size = signed_of(conductors);
@@ -348,7 +360,7 @@ MatrixXd ReducedSystem::resolution(std::size_t active, std::size_t conductors) {
   return result;
 }
 
-/// The change of the capacitances from coarser triangles to these.
+/// Returns the change of the capacitances from coarser triangles to the present ones.
 MatrixXd ReducedSystem::missing() {
   const NodeKernels& kernels = best_kernels<NodeKernels>();
   const auto size = signed_of(conductors_);
@@ -377,8 +389,9 @@ MatrixXd ReducedSystem::missing() {
   return result;
 }
 
-/// Each pair's relative error of what its bodies exchange; that is, at most, the geometric mean of their
-/// energies, times how much of the others' potential they feel.
+/// Estimates the effect of the quadrature errors: each pair's relative error times the interaction of its
+/// bodies. This interaction is at most the geometric mean of their energies, times the coupling of their
+/// first vectors.
 void ReducedSystem::estimate_quadrature() {
   const auto size = signed_of(conductors_);
   MatrixXd roots = MatrixXd::Zero(signed_of(bodies_.size()), size);

@@ -9,11 +9,11 @@
 #include "reduced/node_pair.hpp"
 #include "reduced/prepared_shape.hpp"
 
-/// The Galerkin equations of rigid bodies in few vectors of charge for each (model/BOUNDARY_ELEMENTS.md,
-/// section 8). Capacitances are in metres: to be multiplied by 4πε.
+/// The Galerkin equations of rigid bodies in a reduced basis of few charge vectors for each
+/// (model/BOUNDARY_ELEMENTS.md, section 8). Capacitances are in metres: to be multiplied by 4πε.
 namespace fringe::detail {
 
-/// One body of a system: of one conductor.
+/// A body of a system; it belongs to one conductor.
 struct ReducedBody {
   PreparedShape* shape;
   double scale;
@@ -21,23 +21,24 @@ struct ReducedBody {
   int level = 0;
 };
 
-/// What steers an answer.
+/// When the solver stops extending the reduced basis.
 struct ReductionLimits {
   int least_steps;
   int most_steps;
-  double accuracy;  ///< steps go on while more than this part of an entry may be missing
+  double accuracy;  ///< steps go on while more than this fraction of an entry may be missing
 };
 
-/// Capacitances of all conductors, floating ones included, and what the approximations may have left out.
+/// Capacitances of all conductors, floating ones included, and estimates of what the approximations leave
+/// out.
 struct ReducedSolution {
-  bool positive_definite = true;  ///< false: the quadratures are too coarse, nothing else is meant
+  bool positive_definite = true;  ///< false if the quadratures are too coarse; then nothing else is set
   Eigen::MatrixXd values;
-  Eigen::MatrixXd truncation;  ///< what the last residuals added to `values`
-  double truncation_left = 0;  ///< the part of it that may still be missing
-  Eigen::MatrixXd resolution;  ///< what the highest functions added, or somewhat more
-  Eigen::MatrixXd coarser;     ///< what coarser triangles would lack: a part of `resolution`
-  Eigen::MatrixXd quadrature;  ///< what the errors of the quadratures may do
-  /// Of each body, the largest of its part of `resolution`, relative to the conductor's own capacitance.
+  Eigen::MatrixXd truncation;  ///< contribution of the last residuals to `values`
+  double truncation_left = 0;  ///< fraction of it that may still be missing
+  Eigen::MatrixXd resolution;  ///< contribution of the highest functions, or somewhat more
+  Eigen::MatrixXd coarser;     ///< contribution that coarser triangles would miss, a part of `resolution`
+  Eigen::MatrixXd quadrature;  ///< possible effect of the quadrature errors
+  /// For each body the largest part it has in `resolution`, relative to the conductor's own capacitance.
   Eigen::VectorXd body_resolution;
   Eigen::VectorXd delta_self;  ///< of the sensors
   Eigen::VectorXd delta_truncation;
@@ -45,7 +46,8 @@ struct ReducedSolution {
   std::size_t vectors = 0;
 };
 
-/// The bodies of the first conductors, the sensors, come first.
+/// Solves for charges in a reduced basis. The bodies of the sensors, which are the first conductors, come
+/// first.
 class ReducedSystem {
  public:
   ReducedSystem(std::vector<ReducedBody> bodies, std::size_t sensors, std::size_t conductors);
@@ -54,7 +56,7 @@ class ReducedSystem {
 
   NodePair& pair(std::size_t a, std::size_t b) { return pairs_[a * bodies_.size() + b]; }
 
-  /// The answer for the pairs' quadratures as they are.
+  /// Solves with the pairs' present quadratures.
   const ReducedSolution& solve(const ReductionLimits& limits);
 
  private:
@@ -63,7 +65,7 @@ class ReducedSystem {
     float* charge;
     float* moments;
     double net;
-    std::vector<float*> potentials;  ///< on every other body; nullptr: not known
+    std::vector<float*> potentials;  ///< on every other body; nullptr if not known
   };
 
   float* slot();
@@ -95,16 +97,16 @@ class ReducedSystem {
   std::size_t slots_used_ = 0;
 
   std::vector<Vector> vectors_;
-  std::vector<std::size_t> equilibria_;  ///< the bodies' first vectors
+  std::vector<std::size_t> equilibria_;  ///< each body's first vector
   std::vector<float> highest_;           ///< work space
   std::vector<float> stiff_;
-  std::size_t used_ = 0;             ///< of the vectors
-  std::size_t extended_ = 0;         ///< of them in the factor
-  std::vector<double> factor_;       ///< Cholesky's, row after row of the lower triangle
+  std::size_t used_ = 0;             ///< number of vectors in use
+  std::size_t extended_ = 0;         ///< number of them in the factor
+  std::vector<double> factor_;       ///< Cholesky factor, row after row of the lower triangle
   Eigen::MatrixXd net_;              ///< factor⁻¹·(net charges), a row for every vector
-  Eigen::MatrixXd charges_;          ///< how much of every vector, for every conductor at a potential of one
-  std::vector<float*> residuals_;    ///< of every body and conductor, as moments
-  std::vector<float*> corrections_;  ///< the charges that would answer them
+  Eigen::MatrixXd charges_;          ///< coefficient of every vector, for every conductor at unit potential
+  std::vector<float*> residuals_;    ///< moments, for every body and conductor
+  std::vector<float*> corrections_;  ///< charges that make up for the residuals
   bool positive_definite_ = true;
   ReducedSolution solution_;
 };

@@ -27,13 +27,13 @@ Eigen::Isometry3d frame_of(const ChargedBody& body) {
     frame.translation() = face.centre;
     return frame;
   }
-  // The faces −x and −z, as faces_of_box has them.
+  // Faces 0 and 4 are −x and −z, in the order of faces_of_box.
   frame.linear() << body.faces[4].axis_u, body.faces[0].axis_u, body.faces[0].axis_v;
   frame.translation() = (body.faces[0].centre + body.faces[1].centre) / 2;
   return frame;
 }
 
-/// A body's triangles about the origin, in units of their extent.
+/// A body's triangles about the origin, in units of half their extent.
 struct UnitTriangles {
   std::vector<Triangle> triangles;
   Vector3d centre;
@@ -52,7 +52,7 @@ UnitTriangles in_unit(std::vector<Triangle> triangles) {
   return {std::move(triangles), unit.centre, unit.scale};
 }
 
-/// Throws InputError for a body of more triangles than are prepared.
+/// Throws InputError for a body of more triangles than can be prepared.
 void refuse_large(const ChargedBody& body) {
   PanelMesh mesh;
   if (body.triangles.size() <= most_mesh_panels)
@@ -63,7 +63,7 @@ void refuse_large(const ChargedBody& body) {
                                  std::max(body.triangles.size(), mesh.panels().size()), most_mesh_panels));
 }
 
-/// The objects in the order of bodies_on_links.
+/// Returns the objects in the order of bodies_on_links.
 std::vector<const Object*> ordered_objects(const Scene& scene) {
   std::vector<const Object*> objects;
   for (const bool floating : {false, true})

@@ -8,13 +8,13 @@
 
 namespace fringe::detail {
 
-/// Shapes by their proportions: those that are alike are prepared once.
+/// Shapes by their proportions: bodies of the same proportions share one, which is prepared once.
 class SharedShapes {
  public:
-  /// A plate or a box, whose largest half side is 1.
+  /// Returns the shape of a plate or a box whose largest half side is 1.
   PreparedShape* find(std::size_t faces, const Eigen::Vector3d& half_sides);
 
-  /// A body of triangles, as PreparedMesh has them.
+  /// Returns the shape of a body of triangles, which are as in PreparedMesh.
   PreparedShape* find(const std::vector<Triangle>& triangles, double accuracy);
 
  private:

@@ -20,10 +20,11 @@ using Eigen::RowVectorXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// The matrix's elements are much better known than the energies.
+/// Ratio of the matrix elements' quadrature tolerance to the accuracy of the energies: the elements are much
+/// more accurate.
 constexpr double tolerance_per_accuracy = 0.2;
 
-/// The energies that charges of one density on each group reach.
+/// Returns the energies of the charges in the coarse space, which has one density on each group.
 MatrixXd smaller_energies(const LonePanels& panels, const VectorXd& shares, const MatrixXd& potentials) {
   const MatrixXd reached = group_matrix(panels.mesh, shares, panels.matrix)
                                .llt()
@@ -32,7 +33,7 @@ MatrixXd smaller_energies(const LonePanels& panels, const VectorXd& shares, cons
   return reached.transpose() * reached;
 }
 
-/// Potentials of degree 0 and 1 on the panels.
+/// Evaluates the potentials of degree 0 and 1 on the panels.
 MatrixXd plain_potentials(const PanelMesh& mesh) {
   MatrixXd potentials(index_of(mesh.panels().size()), 4);
   for (std::size_t k = 0; k < mesh.panels().size(); ++k)
@@ -40,9 +41,9 @@ MatrixXd plain_potentials(const PanelMesh& mesh) {
   return potentials;
 }
 
-/// With finer quadratures where these make the matrix none of energies.
+/// Factorises the matrix; refines the quadrature if it is not positive definite.
 void factorise(LonePanels& panels) {
-  /// Below this, rounding decides over the elements.
+  /// Finest relative tolerance of the quadratures. Below it, rounding errors dominate the matrix elements.
   constexpr double finest_tolerance = 1e-13;
   panels.factor.compute(panels.matrix.transpose());
   while (panels.factor.info() != Eigen::Success) {
@@ -68,7 +69,8 @@ LonePanels lone_panels(std::span<const Triangle> triangles, double accuracy, std
     VectorXd own = potentials.cwiseProduct(responses).colwise().sum();
     const VectorXd shares = area_shares(panels.mesh);
     const VectorXd change = own - smaller_energies(panels, shares, potentials).diagonal();
-    // A flat body has almost no response across it, whose part that is missing does not matter.
+    // Least response that counts, relative to the largest one to a linear potential. A flat body has almost
+    // no response across it, and what is missing of it does not matter.
     constexpr double least_response = 0.1;
     own.tail(3) = own.tail(3).cwiseMax(least_response * own.tail(3).maxCoeff());
     const double error = error_per_panel_change * (change.array() / own.array()).maxCoeff();

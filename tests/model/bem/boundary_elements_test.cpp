@@ -1,5 +1,6 @@
-/// Maxwell matrices by boundary elements: published values, symmetries, what holds of every Galerkin method.
-/// The set-ups whose matrix is known from another boundary-element method are in test_boundary_elements.py.
+/// Tests Maxwell matrices by boundary elements: published values, symmetries, and properties of every
+/// Galerkin method. The set-ups whose matrix is known from another boundary-element method are in
+/// test_boundary_elements.py.
 
 #include "fringe/boundary_elements.hpp"
 
@@ -28,7 +29,7 @@ using test::square;
 /// C/4πεa of the unit cube (Helsing and Perfekt 2013).
 constexpr double unit_cube = 0.66067815409957;
 
-/// C/4πεa of the square plate, to one in the last place (two independent boundary-element computations;
+/// C/4πεa of the square plate, to one unit in the last place (two independent boundary-element computations;
 /// HierBEM 0.3667874).
 constexpr double unit_square = 0.366788;
 constexpr double unit_square_error = 1e-6;
@@ -80,7 +81,7 @@ TEST(BoundaryElements, WithTooFewUnknownsForTheFeaturesStateLargerErrors) {
 }
 
 TEST(BoundaryElements, BeforeAWallFeelWhatIsFeltBeforeTheMirrorImage) {
-  // Functions of the whole wall would not see the sensor: triangles take their place.
+  // Functions on the whole wall would not resolve the sensor: triangles take their place.
   constexpr double gap = 0.01, corner_of_the_wall = 1e-3;
   Scene wall, box, image;
   wall.sensors = box.sensors = image.sensors = {sensor("sensor", {square(0.1, 0)})};
@@ -107,15 +108,16 @@ TEST(BoundaryElements, ALargeSensorIsFeltByASmallPlateAsAWallIs) {
   EXPECT_TRUE(answer.reached);
   EXPECT_NEAR(answer.values(0, 1), other.values(1, 0), answer.errors(0, 1) + other.errors(1, 0));
   EXPECT_EQ(answer.sensors, 1U);
-  // Without charge of its own so small a plate along the wall would hardly be felt: what is felt is its
-  // charge.
+  // Without charge of its own, so small a plate parallel to the wall would have hardly any effect: the effect
+  // is that of its charge.
   const double felt = std::pow(answer.values(0, 1), 2) / answer.values(1, 1);
   EXPECT_NEAR(answer.delta_self[0], felt, answer.delta_self_errors[0]);
   EXPECT_LT(answer.delta_self_errors[0], 0.02 * felt);
 }
 
 TEST(BoundaryElements, APlateFourThousandTimesSmallerIsSeen) {
-  // Smaller than anything the large one is made of before it is divided. Known from the mirror image.
+  // The plate is smaller than any element of the large one before refinement. The truth is known from the
+  // mirror image.
   constexpr double side = 1e-3;
   const Shape large = Plate{4, 4};
   for (const double gap : {1e-4, 1e-3})
@@ -231,7 +233,7 @@ TEST(BoundaryElements, ExchangingTheConductorsExchangesTheEntries) {
   EXPECT_LT(relative_difference(permuted, maxwell(scene).values), 1e-7);
 }
 
-/// The charges of more functions include those of fewer: every C_ii grows, by ever less.
+/// The space of more functions contains that of fewer: every C_ii grows, by less each time.
 TEST(BoundaryElements, ConvergeFromBelow) {
   const detail::ChargedBodies bodies = detail::charged_bodies(inclined_box_and_plates());
   detail::GalerkinSystem system(bodies);
@@ -249,7 +251,7 @@ TEST(BoundaryElements, ConvergeFromBelow) {
   }
 }
 
-/// Galerkin's error falls like n^(−3.2) or faster on a plate: the field at its corners is what limits it.
+/// The Galerkin error falls like n^(−3.2) or faster on a plate: the field at its corners limits the order.
 TEST(BoundaryElements, ConvergeInTheOrderOfTheCorners) {
   Scene scene;
   scene.sensors = {sensor("plate", {square(1, 0)})};

@@ -1,5 +1,5 @@
-/// Maxwell matrices of bodies of triangles: closed forms, the same bodies by functions on faces, what holds
-/// of every Galerkin method.
+/// Tests Maxwell matrices of bodies of triangles against closed forms and against the same bodies with
+/// functions on faces, and properties of every Galerkin method.
 
 #include <cmath>
 #include <functional>
@@ -35,7 +35,8 @@ Mesh mesh_of(const Shape& shape) {
   return {"", 1, triangulate(shape)};
 }
 
-/// 20·4^levels triangles with their corners on a sphere, which are made as large as the sphere: by volume.
+/// Returns 20·4^levels triangles with their corners on a sphere, scaled to the volume of the ball of this
+/// radius.
 Mesh icosphere(double radius, int levels) {
   const double golden = (1 + std::sqrt(5.0)) / 2;
   std::vector<Vector3d> corners;
@@ -83,7 +84,7 @@ bool cover(const MaxwellMatrix& one, const MaxwellMatrix& other) {
   return ((one.values - other.values).array().abs() <= (one.errors + other.errors).array()).all();
 }
 
-/// A body that boundary elements know by functions on its faces, too.
+/// Returns a scene whose box and plate have faces, or with `as_meshes` triangles in their place.
 Scene box_beside_plates(bool as_meshes) {
   Scene scene;
   scene.sensors = {sensor("front", {square(0.1, 0)})};
@@ -110,8 +111,8 @@ TEST(BoundaryPanels, CubeAndSquare) {
     }
 }
 
-/// Of all plates of an area the disc has the least capacitance (Pólya and Szegő), and 8εR is more than that
-/// of what lies within it.
+/// Among plates of equal area the disc has the least capacitance (Pólya and Szegő); 8εR is more than the
+/// capacitance of any plate within the disc.
 TEST(BoundaryPanels, Disc) {
   constexpr int sides = 24;
   Mesh disc{"", 1, {}};
@@ -128,7 +129,7 @@ TEST(BoundaryPanels, Disc) {
   EXPECT_GT(value + error, 2 / std::numbers::pi * std::sqrt(area(disc.triangles) / std::numbers::pi));
 }
 
-/// The answer is the polyhedron's: above the ball of its volume, below the ball around it.
+/// The answer is that of the polyhedron: above the ball of equal volume, below the ball around it.
 TEST(BoundaryPanels, Spheres) {
   double before = 0;
   for (const int segments : {6, 12, 24}) {
@@ -143,7 +144,8 @@ TEST(BoundaryPanels, Spheres) {
   }
 }
 
-/// 1 and 2 cm, centres 5 cm apart (Lekner 2011); sphere and plane from a sphere and its image.
+/// Spheres of 1 and 2 cm with centres 5 cm apart (Lekner 2011); a sphere above a plane, as a sphere and its
+/// image.
 TEST(BoundaryPanels, PairsOfSpheres) {
   Scene scene;
   scene.objects = {object("small", icosphere(0.01, 2), at(0, 0, 0)),
@@ -197,7 +199,7 @@ TEST(BoundaryPanels, DoNotDependOnPlaceAndScale) {
       << "but for what rounding decides of the quadratures";
 }
 
-/// The charges on finer panels include those on coarser ones.
+/// The space of finer panels contains that of coarser ones.
 TEST(BoundaryPanels, ConvergeFromBelow) {
   const detail::ChargedBodies bodies = detail::charged_bodies(box_beside_plates(true));
   detail::PanelSystem system(bodies);
@@ -217,7 +219,8 @@ TEST(BoundaryPanels, ConvergeFromBelow) {
   }
 }
 
-/// A mesh of many triangles is taken as it is; what these would gain from being divided is in the error.
+/// A mesh of many triangles is not divided; the stated error contains what the triangles would gain from
+/// division.
 TEST(BoundaryPanels, TheStatedErrorCoversWhatFinerPanelsFind) {
   Scene scene;
   scene.sensors = {sensor("front", {square(0.1, 0)})};

@@ -1,4 +1,5 @@
-/// What boundary elements refuse, and that the message says which element and why.
+/// Tests that boundary elements refuse invalid input, and that the message says which element is refused and
+/// why.
 
 #include <functional>
 #include <limits>

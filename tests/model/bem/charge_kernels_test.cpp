@@ -1,4 +1,4 @@
-/// The charge kernels of every instruction set against plain sums and the accurate triangle integral.
+/// Tests the charge kernels of every instruction set against plain sums and the accurate triangle integral.
 
 #include "bem/charge_kernels.hpp"
 
@@ -53,7 +53,7 @@ TEST_P(ChargeKernelsTest, SumTheInverseDistancesOverAFace) {
       }
 }
 
-/// In front of it, in its plane, on a side, at a corner; also of a sliver.
+/// Points in front of the triangle, in its plane, on a side, and at a corner; also for a sliver.
 TEST_P(ChargeKernelsTest, KnowThePotentialOfATriangleAnywhere) {
   test::Random random(3);
   for (const double height : {1.0, 0.02}) {

@@ -1,4 +1,4 @@
-/// Triangles divided towards sharp edges before anything is solved for.
+/// Tests the grading of triangles towards sharp edges, before anything is solved for.
 
 #include "bem/graded_triangles.hpp"
 
@@ -31,7 +31,7 @@ TEST(EdgeDensity, GrowsTowardsEdgesByTheirAngle) {
   EXPECT_NEAR(nearer / near, 10, 0.01);
 }
 
-/// A prism above the letter L.
+/// Returns the surface of a prism whose base is the letter L.
 std::vector<Triangle> angle_iron() {
   const std::array<Vector3d, 6> outline{Vector3d(0, 0, 0), Vector3d(2, 0, 0), Vector3d(2, 1, 0),
                                         Vector3d(1, 1, 0), Vector3d(1, 2, 0), Vector3d(0, 2, 0)};
@@ -41,7 +41,7 @@ std::vector<Triangle> angle_iron() {
     const Vector3d &from = outline[k], &to = outline[(k + 1) % 6];
     triangles.push_back({from, to, to + up});
     triangles.push_back({from, to + up, from + up});
-    // From the hollow's corner all of the letter is seen.
+    // The letter is divided into triangles from its concave corner, from which all of it is visible.
     if (k == 2 || k == 3)
       continue;
     triangles.push_back({outline[3] + up, from + up, to + up});

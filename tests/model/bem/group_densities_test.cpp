@@ -1,4 +1,4 @@
-/// One density on each group of panels: what it can hold, and which groups are the first to be refined.
+/// Tests what one density on each group of panels can hold, and which groups are marked for refinement first.
 
 #include "bem/group_densities.hpp"
 
@@ -23,7 +23,7 @@ using Eigen::VectorXd;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// A ball of panels in groups of about four, and a box of quartered triangles.
+/// Returns a mesh of a ball of panels in groups of about four, and a box of quartered triangles.
 PanelMesh ball_and_box() {
   PanelMesh mesh;
   mesh.add(0, triangulate(Sphere{0.02, 24}));
@@ -35,7 +35,7 @@ PanelMesh ball_and_box() {
   return mesh;
 }
 
-/// The panels' charges (rows) where one group (column) has a charge of one.
+/// Returns the panels' charges (rows) if one group (column) has unit charge.
 MatrixXd charges_of_groups(const PanelMesh& mesh) {
   MatrixXd charges =
       MatrixXd::Zero(static_cast<Index>(mesh.panels().size()), static_cast<Index>(mesh.groups().size()));
@@ -68,7 +68,7 @@ TEST(GroupDensities, InteractAsTheirPanelsDoTogether) {
   EXPECT_LT((found - wanted).triangularView<Eigen::Lower>().toDenseMatrix().norm(), 1e-13 * wanted.norm());
 }
 
-/// Each grows by four panels.
+/// Returns groups of quartered triangles. Refining one adds four panels.
 std::vector<PanelGroup> quartered_groups(std::size_t count) {
   std::vector<PanelGroup> groups;
   for (std::size_t k = 0; k < count; ++k)
@@ -84,7 +84,7 @@ TEST(GroupsToRefine, AreThoseWithTheGreaterPartOfTheEnergy) {
 }
 
 TEST(GroupsToRefine, AreNoMoreThanTheErrorAsksFor) {
-  // 8 of 12 fall to 3.2: to 7.2 in all.
+  // Refinement leaves 3.2 of the 8, hence 7.2 of 12 in all.
   EXPECT_THAT(groups_to_refine(quartered_groups(4), Eigen::Vector4d(1, 8, 2, 1), 7.3, plenty),
               ElementsAre(false, true, false, false));
 }

@@ -1,4 +1,5 @@
-/// The interaction of charged triangles: against itself on finer triangles, where other formulas serve.
+/// Tests the interaction of charged triangles against its own sum over finer triangles, which needs other
+/// formulas.
 
 #include <array>
 #include <cmath>
@@ -24,8 +25,8 @@ double element(const Triangle& a, const Triangle& b, double tolerance) {
   return panel_matrix(panels, tolerance)(0, 1);
 }
 
-/// The same from the 4^levels parts of the first: most of them do not touch the other, and those that do
-/// touch it otherwise.
+/// Computes the same element from the 4^levels parts of the first triangle: most of them do not touch the
+/// other triangle, and those that do touch it otherwise.
 double element_from_parts(const Triangle& a, const Triangle& b, int levels) {
   if (levels == 0)
     return element(a, b, 1e-8);
@@ -89,7 +90,7 @@ TEST(PanelElements, WithAFaceAreThePotentialsMeans) {
     centres.push_back(part.centre);
   const Eigen::VectorXd potentials = face_potentials(face, {5, 5}, centres, 1e-8).rowwise().mean();
   const MatrixXd coupling = panel_coupling(face, {5, 5}, panel, 1e-6);
-  // The centres see no curvature: a 64th of an eighth of it is left.
+  // The centres miss the potential's curvature: a 64th of an eighth of it is left.
   EXPECT_LT((coupling.col(0) - potentials).cwiseAbs().maxCoeff(), 2e-3 * potentials.cwiseAbs().maxCoeff());
   const MatrixXd of_parts = panel_coupling(face, {5, 5}, parts, 1e-8).rowwise().mean();
   EXPECT_LT((coupling - of_parts).cwiseAbs().maxCoeff(), 1e-5 * of_parts.cwiseAbs().maxCoeff());
@@ -107,7 +108,7 @@ TEST(PanelMeshes, KeepTheAreaAndHalveWhereTheDensityChanges) {
   for (const Panel& panel : mesh.panels())
     area += panel.area;
   EXPECT_NEAR(area, twice_area(base) / 2, 1e-15);
-  // The first half has the whole side of much charge.
+  // The first half contains the whole side with more charge.
   EXPECT_EQ(mesh.panels()[0].corners[0], base[1]);
   EXPECT_EQ(mesh.panels()[2].corners[2], base[0]);
   EXPECT_EQ(mesh.places_before(), std::vector<Eigen::Index>(8, PanelMesh::no_place));

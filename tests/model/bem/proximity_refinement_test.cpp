@@ -1,4 +1,4 @@
-/// Which bodies are too narrow before a face or a triangle for what these are made of to see them.
+/// Tests which bodies cast a shadow on a face or a triangle that is too narrow for its elements to resolve.
 
 #include "bem/proximity_refinement.hpp"
 
@@ -21,10 +21,10 @@ using detail::Shadow;
 using Eigen::Vector3d;
 
 constexpr double large = 1;                              ///< half a side, metres
-constexpr double seen = large / (most_functions / 2.0);  ///< the narrowest that a face so large sees
+constexpr double seen = large / (most_functions / 2.0);  ///< narrowest shadow a face so large resolves
 constexpr double close = seen / 100;
 
-/// A face along the plane z = height, turned about the z axis.
+/// Returns a face in the plane z = height, turned about the z axis.
 ChargedFace face(double half_u, double half_v, double height, double turn = 0) {
   const Eigen::AngleAxisd turned(turn, Vector3d::UnitZ());
   return {{0, 0, height}, turned * Vector3d::UnitX(), turned * Vector3d::UnitY(), half_u, half_v,
@@ -35,7 +35,7 @@ Shadow shadow_of(const ChargedFace& plate) {
   return Shadow(ChargedBody{0, {plate}, {}, "plate", {}});
 }
 
-/// The same plate as a body of two triangles.
+/// Returns the shadow of the same plate as a body of two triangles.
 Shadow shadow_of_triangles(const ChargedFace& plate) {
   const auto [a, b, c, d] = detail::corners_of(plate);
   return Shadow(ChargedBody{0, {}, {}, "mesh", {}, {{a, b, c}, {a, c, d}}});
@@ -60,10 +60,10 @@ TEST(Shadow, OfAStripIsAsNarrowAsTheStripHoweverItIsTurned) {
 }
 
 TEST(Shadow, OfAStripIsNotNarrowOnAStripBesideIt) {
-  // Along the strips it is as long as they are, across them as wide.
+  // Along the strips the shadow is as long as they are, across them as wide.
   EXPECT_FALSE(shadow_of(face(large, 0.1 * seen, close)).is_narrow_on(face(large, 0.1 * seen, 0)));
   EXPECT_FALSE(shadow_of_triangles(face(large, 0.1 * seen, close)).is_narrow_on(face(large, 0.1 * seen, 0)));
-  // Across one another each is narrow.
+  // Of two crossed strips, each casts a narrow shadow on the other.
   EXPECT_TRUE(shadow_of(face(0.1 * seen, large, close)).is_narrow_on(face(large, 0.1 * seen, 0)));
 }
 
@@ -81,7 +81,7 @@ TEST(Shadow, OfAnUprightPlateIsAsWideAsItIsHigh) {
 }
 
 TEST(Shadow, OnATriangleIsNarrowWhenHalfTheTrianglesRadiusIsMore) {
-  // Two thirds of the height from the corners.
+  // The distance of the centre from the corners: two thirds of the height.
   constexpr double radius = 1;
   const Triangle triangle{Vector3d{radius, 0, 0}, Vector3d{-radius / 2, std::sqrt(3) / 2 * radius, 0},
                           Vector3d{-radius / 2, -std::sqrt(3) / 2 * radius, 0}};

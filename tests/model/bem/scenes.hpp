@@ -9,14 +9,14 @@
 #include "fringe/error.hpp"
 #include "fringe/scene.hpp"
 
-/// What the tests of boundary elements build their scenes with.
+/// Builds scenes for the tests of boundary elements.
 namespace fringe::test {
 
 inline Sensor sensor(const std::string& name, const std::vector<Rectangle>& plates) {
   return {name, {}, 2.5, 5e-12, plates};
 }
 
-/// A square plate of a side in z = height.
+/// Returns a square plate of a given side in the plane z = height.
 inline Rectangle square(double side, double height) {
   return {{-side / 2, -side / 2, height}, {side, 0, 0}, {0, side, 0}};
 }
@@ -37,7 +37,7 @@ inline Scene plate_above_sensor() {
   return scene;
 }
 
-/// Why a solver refuses a changed plate_above_sensor; "accepted" if it does not.
+/// Returns the message with which a solver refuses a changed plate_above_sensor; "accepted" if it does not.
 inline std::string refusal(const std::function<void(Scene&)>& change,
                            const std::function<void(const Scene&)>& solve) {
   Scene scene = plate_above_sensor();
@@ -50,7 +50,7 @@ inline std::string refusal(const std::function<void(Scene&)>& change,
   return "accepted";
 }
 
-/// C/(4πε₀·length).
+/// Returns C/(4πε₀·length).
 inline double per_length(double capacitance, double length) {
   return capacitance / (4 * EIGEN_PI * vacuum_permittivity * length);
 }

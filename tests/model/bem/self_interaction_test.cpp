@@ -1,5 +1,5 @@
-/// The tables of a single face and box: rules that are exact for what they are made for, matrices that more
-/// points do not change.
+/// Tests the tables of a single face and a single box: the rules are exact for the basis, and more points do
+/// not change the matrices.
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-/// The interaction of two faces apart: against sums over many points, from far to nearly touching.
+/// Tests the interaction of two separate faces against sums over many points, from far to nearly touching.
 
 #include "bem/single_layer_faces.hpp"
 
@@ -25,7 +25,7 @@ Eigen::Quaterniond turn(double degrees, const Vector3d& axis) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(degrees * EIGEN_PI / 180, axis.normalized()));
 }
 
-/// Gauss–Jacobi points on both faces, as many as the distance takes.
+/// Computes the same block by Gauss–Jacobi rules on both faces, with as many points as the distance requires.
 Eigen::MatrixXd by_product_rule(const ChargedFace& a, FaceFunctions in_a, const ChargedFace& b,
                                 FaceFunctions in_b, int points) {
   const DirectionRule& rule_a = whole_rule(a.edge, points);
@@ -72,7 +72,8 @@ TEST(MutualMatrix, IsTransposedWhenTheFacesAreExchanged) {
             1e-9);
 }
 
-/// Faces close to each other in ways that miss a sampling of the face: flat, on edge, corner to the middle.
+/// Faces close to each other in places that a sampling of the face misses: flat, on edge, corner to the
+/// middle.
 TEST(MutualMatrix, KeepsItsToleranceCloseTogether) {
   const ChargedFace below = face({0, 0, 0}, turn(0, {0, 0, 1}), 1, 1);
   for (const double gap : {0.1, 0.02}) {

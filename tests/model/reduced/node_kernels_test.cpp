@@ -1,4 +1,4 @@
-/// The node kernels of every instruction set against the same sums in double precision.
+/// Tests the node kernels of every instruction set against the same sums in double precision.
 
 #include "reduced/node_kernels.hpp"
 
@@ -20,10 +20,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Of single precision, in sums of a few hundred numbers.
+/// Relative rounding error of single precision in sums of a few hundred numbers.
 constexpr double rounding = 2e-6;
 
-/// Room for what the kernels may write beyond the end.
+/// Returns an array with space for what the kernels may write beyond its end.
 std::vector<float> room(int count) {
   return std::vector<float>(static_cast<std::size_t>(whole_blocks(count) + node_block), 0.0F);
 }
@@ -40,7 +40,7 @@ VectorXd in_doubles(const std::vector<float>& numbers, Index count) {
   return Eigen::Map<const Eigen::VectorXf>(numbers.data(), count).cast<double>();
 }
 
-/// weight·function (functions, points).
+/// Returns weight·function as a matrix (functions, points).
 MatrixXd weights_of(const StoredRule& rule, int functions) {
   MatrixXd weights(functions, rule.points);
   for (int k = 0; k < functions; ++k)
@@ -92,7 +92,7 @@ TEST_P(NodeKernelsTest, SpreadAndGatherTensorProducts) {
         const NodeGrid grid{functions, u.view(), v.view()};
         const MatrixXd weights_u = weights_of(u, functions), weights_v = weights_of(v, functions);
 
-        // Rows of the maps are along v: transposed.
+        // Rows of the mapped matrices are along v: they are transposed.
         const auto coefficients = random_numbers(functions * functions, 1);
         auto charges = room(points_u * points_v);
         kernels_.spread(grid, coefficients.data(), charges.data());
@@ -135,7 +135,7 @@ TEST_P(NodeKernelsTest, MultiplyAddAndDot) {
 TEST_P(NodeKernelsTest, FindTheNarrowestEllipses) {
   constexpr int points = 16;
   const auto x = random_numbers(points, 1), y = random_numbers(points, 2), z = random_numbers(points, 3);
-  // The face has the half sides 0.4 and 0.1 about the origin; above it is the y axis.
+  // The face has the half sides 0.4 and 0.1 about the origin; the y axis is its normal.
   const FaceMap map{{2.5F, 0, 0, 0, 0, 10, 0, 2.5F, 0}, {0, 0, 0}, 0.25F};
   float least[2];
   kernels_.ellipses({x.data(), y.data(), z.data(), points}, map, least);

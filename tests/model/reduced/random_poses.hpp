@@ -5,10 +5,10 @@
 #include "fringe/boundary_elements.hpp"
 #include "geometry.hpp"
 
-/// What the tests of the reduced method draw, and what they hold its answers against.
+/// Random poses for the tests of the reduced method, and the comparison of its answers with the truth.
 namespace fringe::test {
 
-/// At a point, turned by up to half a turn about an axis that lies rather flat.
+/// Returns a pose at a point, turned by up to half a turn about a nearly horizontal axis.
 inline Eigen::Isometry3d turned_at(const Eigen::Vector3d& point, Random& random) {
   const double angle = random.uniform(0, 3);
   Eigen::Isometry3d pose(Eigen::Translation3d{point});
@@ -16,7 +16,7 @@ inline Eigen::Isometry3d turned_at(const Eigen::Vector3d& point, Random& random)
   return pose;
 }
 
-/// Whether an answer and the truth differ by no more than both state.
+/// Returns true if an answer and the truth differ by no more than their stated errors together.
 inline bool covers(const MaxwellMatrix& answer, const MaxwellMatrix& truth) {
   return ((answer.values - truth.values).array().abs() <= (answer.errors + truth.errors).array()).all() &&
          ((answer.delta_self - truth.delta_self).array().abs() <=

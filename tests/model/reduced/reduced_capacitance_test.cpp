@@ -1,4 +1,4 @@
-/// The reduced method against the boundary elements it reduces, and what must hold of every answer.
+/// Tests the reduced method against the boundary elements that it reduces, and properties of every answer.
 
 #include "fringe/reduced_capacitance.hpp"
 
@@ -29,14 +29,15 @@ using test::sensor;
 using test::square;
 using test::turned_at;
 
-/// What single precision leaves of an invariance.
+/// Relative error that single precision leaves in an invariance.
 constexpr double rounding = 1e-5;
 
 double relative_difference(const MatrixXd& a, const MatrixXd& b) {
   return ((a - b).array() / b.array()).abs().maxCoeff();
 }
 
-/// A sensor of two plates, another one, a box and a plate that move together.
+/// Returns a scene of a sensor of one plate, a sensor of two plates, a box on the link "hand" and a fixed
+/// plate.
 Scene hand_above_sensors() {
   Scene scene;
   scene.links = {{"hand", {}, Eigen::Isometry3d::Identity()}};
@@ -172,7 +173,7 @@ TEST(Reduced, AFloatingObjectHasNoChargeAndNoRow) {
   EXPECT_TRUE(answer.reached && covers(answer, truth));
 }
 
-/// A difference of numbers that agree to eight digits would be lost in single precision.
+/// In single precision, the difference of numbers that agree to eight digits would be lost.
 TEST(Reduced, DeltaSelfOfAFarObject) {
   for (const double distance : {1.0, 10.0, 100.0}) {
     const MaxwellMatrix truth = maxwell(plate_above_sensor(distance), {.rtol = 1e-4});
@@ -188,7 +189,8 @@ TEST(Reduced, NearContactIsRightOrNotReached) {
       const MaxwellMatrix answer = reduced_capacitance(plate_above_sensor(gap), {.steps = steps, .rtol = {}});
       EXPECT_TRUE(covers(answer, maxwell(plate_above_sensor(gap), {.rtol = 1e-3}))) << gap;
     }
-  // Two-terminal capacitance is more than that of the field between the plates alone, which these miss.
+  // The two-terminal capacitance is more than that of the field between the plates alone, which the answers
+  // at these gaps miss.
   for (const double gap : {1e-4, 1e-6, 1e-9})
     EXPECT_FALSE(reduced_capacitance(plate_above_sensor(gap)).reached) << gap;
 }
@@ -206,7 +208,7 @@ TEST(Reduced, KnowsNothingOfAShadowNarrowerThanItsFunctions) {
   EXPECT_TRUE(covers(reduced_capacitance(scene), maxwell(scene, {.rtol = 1e-2})));
 }
 
-/// A plate or a box of 1 to 30 cm near a sensor of 10 cm, moved at random, sometimes almost touching it.
+/// Draws poses of a plate or a box of 1 to 30 cm near a sensor of 10 cm, sometimes almost touching it.
 class RandomTarget {
  public:
   explicit RandomTarget(unsigned seed) : random_(seed) {
@@ -221,7 +223,7 @@ class RandomTarget {
     scene_.objects[0].link = 0;
   }
 
-  /// The scene in its next pose.
+  /// Returns the scene in its next pose.
   const Scene& next() {
     double height = 0.005 * std::pow(30, random_.uniform(0, 1));
     const bool parallel = random_.uniform(0, 1) < 0.4;
@@ -240,7 +242,7 @@ class RandomTarget {
 };
 
 TEST(Reduced, TheStatedErrorCoversNinetyNinePerCentOfRandomPoses) {
-  /// With more, the truth of one of the poses takes as long as those of all others.
+  /// Largest number of unknowns. With more, the truth for one of the poses takes as long as for all others.
   constexpr std::size_t most_unknowns = 2000;
   int answered = 0, reached = 0;
   std::array<int, 2> covered{};

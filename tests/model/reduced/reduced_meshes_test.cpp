@@ -1,5 +1,5 @@
-/// The reduced method with bodies of triangles: against boundary elements, and against the same bodies by
-/// functions on their faces.
+/// Tests the reduced method with bodies of triangles against boundary elements, and against the same bodies
+/// with functions on their faces.
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +33,7 @@ using test::sensor;
 using test::square;
 using testing::HasSubstr;
 
-/// The triangles of a shape, each cut into four so many times.
+/// Returns the triangles of a shape, each quartered so many times.
 Mesh mesh_of(const Shape& shape, int quarterings = 0) {
   Mesh mesh{"", 1, triangulate(shape)};
   for (; quarterings > 0; --quarterings) {
@@ -55,14 +55,14 @@ Scene above_sensor(const Shape& shape, const Isometry3d& pose) {
   return scene;
 }
 
-/// So few triangles as to be prepared quickly.
+/// Options for which few triangles suffice, so that bodies are prepared quickly.
 const ReducedOptions loose{.steps = 1, .rtol = 0.1};
 
 TEST(ReducedMeshes, ALoneCubeIsTheCubesCapacitance) {
   Scene scene;
   scene.objects = {object("cube", mesh_of(Cuboid{0.02, 0.02, 0.02}), at(1, 2, 3))};
   const MaxwellMatrix answer = reduced_capacitance(scene, {.steps = 1, .rtol = {}});
-  // Helsing and Perfekt 2013.
+  // C/4πεa of the cube (Helsing and Perfekt 2013).
   constexpr double truth = 0.66067815409957;
   EXPECT_NEAR(per_length(answer.values(0, 0), 0.02), truth, per_length(answer.errors(0, 0), 0.02));
   EXPECT_NEAR(per_length(answer.values(0, 0), 0.02), truth, 1e-3 * truth);
@@ -100,7 +100,7 @@ TEST(ReducedMeshes, TheStatedErrorCoversThatOfABoxInRandomPoses) {
   EXPECT_GE(covered, 0.99 * answered);
   EXPECT_GE(reached, 0.7 * answered) << "an honest answer that is none is of little use";
 
-  // Near contact it is right or not reached.
+  // Near contact the answer is right, or says that the accuracy was not reached.
   for (const double gap : {4e-3, 1e-3, 1e-4, 1e-6}) {
     const Isometry3d pose = at(0, 0, 0.01 + gap);
     evaluator.set_pose("arm", pose);

@@ -1,4 +1,5 @@
-/// What the reduced method refuses, and that the message says which element and why.
+/// Tests that the reduced method refuses invalid input, and that the message says which element is refused
+/// and why.
 
 #include <functional>
 #include <string>
