@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 from analysis.documentation import make as documentation
@@ -39,27 +40,7 @@ ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
 def run_command(options: argparse.Namespace) -> int:
     """Runs one command; returns the exit status, after one line on what went wrong if it did."""
     try:
-        if options.command == "run":
-            return _run(options)
-        if options.command == "verify":
-            return _verify(options.output, options.jobs)
-        if options.command == "documentation":
-            return _documentation(options.output)
-        if options.command == "corrections":
-            return _corrections(options.output)
-        if options.command == "table":
-            return _table(options.answers, options.output, options.jobs)
-        if options.command == "nightly":
-            return _nightly(options)
-        if options.command == "job":
-            return _job(options.file)
-        if options.command == "diff":
-            return _diff(options.old, options.new, options.output)
-        if options.command == "errors":
-            return _errors(options.output, options.jobs)
-        if options.command == "show":
-            return _show(options.scene, options.motion, options.output)
-        return _report(options.results)
+        return _COMMANDS[options.command](options)
     except InputError as error:
         print(f"analysis: {error}", file=sys.stderr)
         return WRONG_INPUT
@@ -235,3 +216,18 @@ def _table(answers: Path | None, target: Path | None, jobs: int | None) -> int:
     print(made.headline)
     print(f"table: {output / published_files.TABLE}")
     return ANSWERED
+
+
+_COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
+    "run": _run,
+    "report": lambda options: _report(options.results),
+    "nightly": _nightly,
+    "job": lambda options: _job(options.file),
+    "diff": lambda options: _diff(options.old, options.new, options.output),
+    "verify": lambda options: _verify(options.output, options.jobs),
+    "errors": lambda options: _errors(options.output, options.jobs),
+    "corrections": lambda options: _corrections(options.output),
+    "table": lambda options: _table(options.answers, options.output, options.jobs),
+    "documentation": lambda options: _documentation(options.output),
+    "show": lambda options: _show(options.scene, options.motion, options.output),
+}

@@ -24,9 +24,9 @@ def build(folder: Path) -> Path:
     """Makes the site in a folder, which is replaced as a whole if it holds one; returns its first page. Raises DocumentationError
     for any warning, and for a folder that holds something else."""
     if is_installed():
-        raise DocumentationError("the notes are not installed: the repository makes the site of them")
+        raise DocumentationError("the notes are not installed: make the site in the repository")
     if folder.exists() and not (folder / _MADE_BY_SPHINX).is_file():
-        raise DocumentationError(f"{folder} is there, and no site that could be replaced")
+        raise DocumentationError(f"{folder} exists and is not a site that could be replaced")
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent) as name:
         site = Path(name) / "site"

@@ -70,7 +70,7 @@ def solve(file: Path) -> None:
     """
     document = read_json(file)
     if document is None:
-        raise InputError(str(file), "", "is no file of a job")
+        raise InputError(str(file), "", "is not the file of a job")
     asked = document["asked"]
     study = Study(
         "", "", asked["rtol"], asked["max_seconds"], asked["error"], tuple(asked["methods"]), sweeps=()
@@ -89,9 +89,9 @@ def failures(chunks: list[Chunk], results: Path) -> list[Failure]:
     """Returns the failures that the jobs report, and one for every answer that is missing without a report."""
     found: list[Failure] = []
     for chunk in chunks:
-        told = read_json(results / FOLDER / (chunk.name + _ENDED))
-        if told is not None:
-            found += [Failure(**failure) for failure in told["failures"]]
+        report = read_json(results / FOLDER / (chunk.name + _ENDED))
+        if report is not None:
+            found += [Failure(**failure) for failure in report["failures"]]
         else:
             lost = [work.case for work in chunk.works if _left(work, results).keys]
             found += [

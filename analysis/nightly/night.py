@@ -110,7 +110,7 @@ def find_profile(profile: str) -> Path:
             return place.resolve()
     known = ", ".join(sorted(path.name for path in _PROFILES.iterdir()))
     raise InputError(
-        profile, "", f"is neither a folder with a config.yaml nor one of the profiles here: {known}"
+        profile, "", f"is neither a folder with a config.yaml nor one of the known profiles: {known}"
     )
 
 

@@ -27,7 +27,7 @@ from geometries.studies import study
 
 _STUDY = """
 name = "planned"
-title = "Made up, to be planned"
+title = "Made-up cases for planning"
 [reference]
 rtol = 1e-3
 max_seconds = 60

@@ -24,9 +24,9 @@ _ON_ITS_WAY = {
 }
 
 
-def word(told: str) -> str:
+def word(printed: str) -> str:
     """Translates what `scontrol --oneliner show job` prints into Snakemake's word for it."""
-    state = re.search(r"\bJobState=(\w+)", told)
+    state = re.search(r"\bJobState=(\w+)", printed)
     if state is None:
         return "failed"
     return "success" if state[1] == "COMPLETED" else "running" if state[1] in _ON_ITS_WAY else "failed"

@@ -7,15 +7,12 @@ from collections.abc import Sequence
 from markupsafe import Markup
 
 from analysis.report import page
+from analysis.results import measurements
 from analysis.results.collision_measurements import Collision, PairClass, QueryTimes, SceneTimes
 
 TITLE = "Collision detection"
 OWN, _ALL_PAIRS = "fringe", "all pairs"
 
-_ABSENT = (
-    "Not measured with these results, or not with this model and on this machine: ./run does it with the default study, and "
-    "python3 -m analysis run STUDY --measure-model with any."
-)
 _ANSWERS = (
     "Random pairs of hulls of few vertices, some of each class in units of length from 2^-150 to 2^150, against linear "
     "programming in integers. Gaps and overlaps of apart_by_gap, at_a_face, crossing_edges, coplanar and twins are from 1e-15 to "
@@ -33,7 +30,7 @@ _SCENES = "Milliseconds per frame in which every object moves, and small how man
 def section(measured: Collision | None) -> Markup:
     """Returns three tables, each below its finding; those that were not measured are left out."""
     if measured is None:
-        return page.section(TITLE, page.paragraph(_ABSENT))
+        return page.section(TITLE, page.paragraph(measurements.NOT_MEASURED))
     parts: list[Markup] = []
     if measured.classes:
         parts += [page.finding(finding_on_answers(measured.classes)), _classes_table(measured.classes)]
@@ -76,9 +73,9 @@ def finding_on_queries(queries: Sequence[QueryTimes]) -> str:
         return "No other library was measured."
     slower = [name for name, ratio in ratios.items() if ratio < 1]
     least, most = min(ratios, key=lambda name: ratios[name]), max(ratios, key=lambda name: ratios[name])
-    told = f"slower in: {', '.join(slower)}" if slower else "in no row slower"
+    comparison = f"slower in: {', '.join(slower)}" if slower else "in no row slower"
     return (
-        f"Beside the fastest other library of each row fringe is {told}; that library takes from {_figures(ratios[least])} "
+        f"Beside the fastest other library of each row fringe is {comparison}; that library takes from {_figures(ratios[least])} "
         f"({least}) to {_figures(ratios[most])} times as long ({most})."
     )
 

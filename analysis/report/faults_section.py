@@ -12,7 +12,7 @@ from analysis.report import page
 from analysis.results.store import Document, read_json
 
 FOLDER, FILE = "faults", "faults.json"
-TITLE = "A study that is disturbed"
+TITLE = "Faults during a study"
 _KINDS = {
     "killed": "killed (SIGKILL), alone or with all it has started",
     "terminated": "SIGTERM",
@@ -60,7 +60,7 @@ def section(document: Document) -> Markup:
         TITLE,
         page.finding(finding(document)),
         page.table(header, rows),
-        page.folded("How the user is told", _told(kinds)),
+        page.folded("What the user reads", _messages(kinds)),
         page.soft(
             "Reference and model answer at once here; the commands and all that they write are the real ones. After every fault "
             "each file under its own name was whole, no finished answer was lost or changed, and the same command, left alone, "
@@ -69,7 +69,7 @@ def section(document: Document) -> Markup:
     )
 
 
-def _told(kinds: dict[str, Document]) -> Markup:
+def _messages(kinds: dict[str, Document]) -> Markup:
     """Returns the first sentence of every kind that had one."""
     return Markup("").join(
         page.paragraph(f"{_KINDS.get(name, name)}: “{counts['sentences'][0].removeprefix('analysis: ')}”")

@@ -7,7 +7,7 @@ from typing import Any
 
 import plotly.graph_objects as go
 
-# Okabe and Ito's palette, told apart by colour-blind eyes too; the symbols do the same in grey print.
+# Okabe and Ito's palette, which colour-blind readers can distinguish; the symbols do the same in grey print.
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 _SYMBOLS = ("circle", "square", "diamond", "triangle-up", "x", "star", "cross")
 _FONT = "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', sans-serif"

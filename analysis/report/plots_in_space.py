@@ -73,19 +73,19 @@ def in_space(scene: Scene) -> Panel:
 
 def parameters(case: CaseResult) -> str:
     """Writes the parameters for people, with lengths in cm."""
-    told = []
+    phrases = []
     for name, value in case.parameters.items():
         label = name.replace("_", " ")
         if isinstance(value, str) or name == _WITHOUT_UNIT:
-            told.append(f"{label} {value if isinstance(value, str) else f'{value:g}'}")
+            phrases.append(f"{label} {value if isinstance(value, str) else f'{value:g}'}")
             continue
         values = value if isinstance(value, tuple) else (value,)
         if name.endswith("_degrees"):
-            told.append(f"{label.removesuffix(' degrees')} {values[0]:g}°")
+            phrases.append(f"{label.removesuffix(' degrees')} {values[0]:g}°")
         else:
             between = " × " if name.endswith("_size") else " and "
-            told.append(f"{label} {between.join(f'{v / CENTIMETRE:g}' for v in values)} cm")
-    return ", ".join(told) + "."
+            phrases.append(f"{label} {between.join(f'{v / CENTIMETRE:g}' for v in values)} cm")
+    return ", ".join(phrases) + "."
 
 
 def _picture(row: Row) -> Plot:

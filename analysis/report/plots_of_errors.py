@@ -70,7 +70,7 @@ def _values(rows: list[Row], quantity: str) -> go.Figure:
                 mode="markers",
                 marker=family_marker(family, families),
                 name=family,
-                text=[_told(row) for row in members],
+                text=[_hover_text(row) for row in members],
                 customdata=[row.case.id for row in members],
                 hovertemplate="%{text}<br>reference %{x:.5g} pF, model %{y:.5g} pF<extra></extra>",
             )
@@ -78,7 +78,7 @@ def _values(rows: list[Row], quantity: str) -> go.Figure:
     return figure(traces, log_axis(f"reference: {quantity} (pF)"), log_axis(f"model for {quantity} (pF)"))
 
 
-def _told(row: Row) -> str:
+def _hover_text(row: Row) -> str:
     parameters = ", ".join(
         f"{name} {'×'.join(f'{v:g}' for v in value) if isinstance(value, tuple) else value}"
         for name, value in row.case.parameters.items()
@@ -141,7 +141,7 @@ def _errors(described: list[tuple[float, Row]], quantity: str, label: str, logar
                 mode="markers",
                 marker=family_marker(family, families),
                 name=family,
-                text=[_told(row) for _, row in members],
+                text=[_hover_text(row) for _, row in members],
                 customdata=[row.case.id for _, row in members],
                 hovertemplate="%{text}<br>model error %{y:+.2f} %<extra></extra>",
             )

@@ -9,6 +9,7 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import INK, Panel, figure, power_axis, series_colour
+from analysis.results import measurements
 from analysis.results.measurements import MethodTime, RunTimes
 
 TITLE = "Run time against error of the integral"
@@ -18,10 +19,6 @@ _NANOSECOND = 1e-9
 # Half a unit in the last place of 1. Smaller errors are those of rounding the result; zero has no logarithm.
 _ROUNDING = 2.0**-54
 _SYMBOLS = ("star", "circle", "square", "diamond", "triangle-up", "x", "cross")
-_ABSENT = (
-    "Not measured with these results, or not with this model and on this machine: ./run does it with the default study, and "
-    "python3 -m analysis run STUDY --measure-model with any."
-)
 _SETS = (
     "Triangles in the regions I (in front of the plate), II (beside an edge) and III (diagonal to a corner), of 0.02 (fine) "
     "and 0.3 (coarse) of their distance in size; small ones astride two cells around the plate, as a fine mesh has them; "
@@ -36,7 +33,7 @@ _SETS = (
 def section(measured: RunTimes | None) -> Markup:
     """Returns the finding, a panel for each set of triangles, the table, and how to measure again."""
     if measured is None:
-        return page.section(TITLE, page.paragraph(_ABSENT))
+        return page.section(TITLE, page.paragraph(measurements.NOT_MEASURED))
     sets = by_set(measured)
     methods = list(dict.fromkeys(time.method for time in measured.times))
     return page.section(
@@ -97,13 +94,13 @@ def finding(sets: dict[str, list[MethodTime]]) -> str:
 def _caption(times: list[MethodTime]) -> str:
     """Names the set and the cost of the exact method on it relative to the thesis'."""
     named = {time.method: time for time in times}
-    told = "; ".join(
+    times_of_methods = "; ".join(
         f"{method} {named[method].seconds_per_triangle / _NANOSECOND:.3g} ns, off by {named[method].error:.0e}"
         for method in (EXACT, THESIS)
         if method in named
     )
     what = f"{_words(times[0].set)}, {max(time.triangles for time in times):,} triangles"
-    return f"{what}: {told}" if told else what
+    return f"{what}: {times_of_methods}" if times_of_methods else what
 
 
 def _words(name: str) -> str:

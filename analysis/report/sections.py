@@ -23,7 +23,7 @@ _QUESTION = (
 )
 _QUANTITIES = (
     "Two quantities are compared. mutual = −M[s,o] is the charge on the grounded target for each volt on the sensor: what "
-    "the model's formula claims to be. delta_self = M[s,s] − M0[s,s] is how much the sensor's own capacitance rises because "
+    "the model's formula claims to be. delta_self = M[s,s] − M0[s,s] is the rise of the sensor's own capacitance because "
     "the target is there: what its electronics feels. M is the Maxwell capacitance matrix, M0 that of the sensor alone."
 )
 _ERROR = (
@@ -186,7 +186,7 @@ def failures(results: Results) -> Markup:
     ]
     return page.section(
         "Failed cases",
-        page.finding(f"{len(results.failures)} answers are missing; they count nowhere above."),
+        page.finding(f"{len(results.failures)} answers are missing; the numbers above do not include them."),
         page.table(["case", "stage", "reason"], rows, text_columns=3),
     )
 
@@ -262,9 +262,9 @@ def _versions(results: Results, rows: list[Row]) -> list[list[str]]:
             software.setdefault(name, set()).add(version)
         if case.model is not None:
             software.setdefault("model", set()).add(case.model.version)
-    told = {name: ", ".join(sorted(versions)) for name, versions in software.items()}
+    versions_of = {name: ", ".join(sorted(versions)) for name, versions in software.items()}
     counts = {
         quantity: str(sum(row.quantity == quantity for row in rows)) for quantity in (MUTUAL, DELTA_SELF)
     }
     counted = {f"rows of {quantity}": count for quantity, count in counts.items()}
-    return [[name, value] for name, value in (told | results.machine | counted).items()]
+    return [[name, value] for name, value in (versions_of | results.machine | counted).items()]

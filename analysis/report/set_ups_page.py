@@ -26,12 +26,12 @@ _COORDINATES = ("x", "y", "z", "i", "j", "k")
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """A set-up on the page. `name` is what its address ends in; `told` describes it, `findings` are sentences on it, `rows` are
+    """A set-up on the page. `name` is what its address ends in; `description` describes it, `findings` are sentences on it, `rows` are
     its numbers as text; `text` is its scene in canonical form."""
 
     name: str
     family: str
-    told: str
+    description: str
     findings: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     scene: Scene
@@ -103,7 +103,7 @@ def _set_up(each: Shown, heads: list[str]) -> Document:
     return {
         "name": each.name,
         "family": each.family,
-        "told": each.told,
+        "description": each.description,
         "findings": each.findings,
         "rows": each.rows,
         "head": heads.index(_around_target(each.text)[0]),

@@ -7,15 +7,12 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import INK, Panel, axis, figure, power_axis, series_colour
+from analysis.results import measurements
 from analysis.results.measurements import MethodErrors, Stability, StabilityClass
 
 TITLE = "Stability of the integral"
 EXACT, _THESIS = "exact", "thesis"
 
-_ABSENT = (
-    "Not measured with these results, or not with this model and on this machine: ./run does it with the default study, and "
-    "python3 -m analysis run STUDY --measure-model with any."
-)
 _LABELS = {_THESIS: "the thesis' formula"}
 # The legend lies above the figure, because the names of the classes need the room below.
 _LEGEND = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0, "xanchor": "left"}
@@ -31,7 +28,7 @@ _WHAT = (
 def section(measured: Stability | None) -> Markup:
     """Returns the finding, the error over the conditioning of every class, and the counts of wrong values."""
     if measured is None:
-        return page.section(TITLE, page.paragraph(_ABSENT))
+        return page.section(TITLE, page.paragraph(measurements.NOT_MEASURED))
     return page.section(
         TITLE,
         page.finding(finding(measured)),
@@ -53,7 +50,7 @@ def finding(measured: Stability) -> str:
         verdict = f"{EXACT} fails" + (f", in: {', '.join(failing)}." if failing else ".")
     else:
         verdict = f"{EXACT} keeps the limit of {measured.limit:g} in all {len(measured.classes)} classes."
-    sentences = [verdict, *(_told(measured, method) for method in methods_of(measured))]
+    sentences = [verdict, *(_sentence(measured, method) for method in methods_of(measured))]
     failed = sum(entry.truth_failed for entry in measured.classes)
     if failed:
         sentences.append(f"The quadrature failed for {failed:,} triangles.")
@@ -78,7 +75,7 @@ def _fails(entry: StabilityClass, limit: float) -> bool:
     )
 
 
-def _told(measured: Stability, method: str) -> str:
+def _sentence(measured: Stability, method: str) -> str:
     found = [entry.methods[method] for entry in measured.classes if method in entry.methods]
     count = sum(errors.triangles for errors in found)
     largest = max((errors.largest_over_conditioning or 0 for errors in found), default=0.0)

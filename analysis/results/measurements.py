@@ -6,6 +6,12 @@ from dataclasses import dataclass
 
 from analysis.results.store import Document
 
+NOT_MEASURED = (
+    "These results have no measurement by this version of the model on this machine: ./run does it with the default study, and "
+    "python3 -m analysis run STUDY --measure-model with any."
+)
+"""What a section says of a measurement that is missing."""
+
 
 @dataclass(frozen=True)
 class Origin:

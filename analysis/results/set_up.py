@@ -74,7 +74,7 @@ class SetUp:
         return max(self.sensor_size, self.target_size)
 
     @property
-    def told(self) -> str:
+    def words(self) -> str:
         """The four numbers in words."""
         return (
             f"Gap over sensor size {self.gap_over_size:.3g}, tilt {self.tilt_degrees:.3g}°, lateral offset over sensor size "

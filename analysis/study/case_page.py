@@ -99,7 +99,7 @@ def _numbers(case: CaseResult, rows: list[Row]) -> list[Markup]:
     parts = [page.table(header, lines)]
     described = case.set_up
     if described is not None:
-        parts.append(page.soft(f"{described.told}."))
+        parts.append(page.soft(f"{described.words}."))
     parts.append(
         page.soft(
             f"{MUTUAL} = −M[s,o], {DELTA_SELF} = M[s,s] − M0[s,s], of which the model's value is the sum over objects."
@@ -109,11 +109,11 @@ def _numbers(case: CaseResult, rows: list[Row]) -> list[Markup]:
 
 
 def _matrix(answer: ReferenceAnswer) -> Markup:
-    told = (
+    note = (
         f"pF: charge on the row's conductor per volt on the column's; {answer.unknowns:,} unknowns, {answer.seconds:.1f} s, "
         f"{'within' if answer.reached else 'short of'} the asked accuracy."
     )
-    return _entries(answer) + page.soft(told)
+    return _entries(answer) + page.soft(note)
 
 
 def _second_matrix(answer: BoundaryAnswer | None) -> list[Markup]:
@@ -123,8 +123,8 @@ def _second_matrix(answer: BoundaryAnswer | None) -> list[Markup]:
         f"{DELTA_SELF} of {name} {change.value / PICOFARAD:.6g} ± {change.error / PICOFARAD:.1g} pF"
         for name, change in answer.delta_self.items()
     ]
-    told = f"{1e3 * answer.seconds:.3g} ms, {'within' if answer.reached else 'short of'} the asked accuracy; {', '.join(changes)}."
-    return [page.heading("The same by boundary elements"), _entries(answer), page.soft(told)]
+    note = f"{1e3 * answer.seconds:.3g} ms, {'within' if answer.reached else 'short of'} the asked accuracy; {', '.join(changes)}."
+    return [page.heading("The same by boundary elements"), _entries(answer), page.soft(note)]
 
 
 def _entries(answer: ReferenceAnswer | BoundaryAnswer) -> Markup:

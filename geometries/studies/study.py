@@ -199,8 +199,8 @@ def _methods(model: Table) -> tuple[str, ...]:
 def _sweep(sweep: Table) -> Iterator[Case]:
     family = sweep.text("family")
     if family == scene_sweep.FAMILY:
-        for told, scene in scene_sweep.scenes(sweep):
-            yield _case(family, dict(told), scene)
+        for lengths_of, scene in scene_sweep.scenes(sweep):
+            yield _case(family, dict(lengths_of), scene)
         return
     if family not in FAMILIES:
         known = ", ".join([*FAMILIES, scene_sweep.FAMILY])
@@ -225,7 +225,7 @@ def _sweep(sweep: Table) -> Iterator[Case]:
             scene = function(**parameters)
         except InputError as error:
             raise InputError(
-                sweep.source, sweep.key(error.key), f"{error.reason} (in {_told(parameters)})"
+                sweep.source, sweep.key(error.key), f"{error.reason} (in {_listed(parameters)})"
             ) from error
         yield _case(family, parameters, scene)
 
@@ -275,8 +275,8 @@ def _combinations(
         return
     lengths = {name: len(swept) for name, swept in values.items() if len(swept) > 1}
     if len(set(lengths.values())) > 1:
-        told = ", ".join(f"{name} {length}" for name, length in lengths.items())
-        raise sweep.error("combine", f"zip needs lists of equal length, not {told}")
+        lengths_of = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        raise sweep.error("combine", f"zip needs lists of equal length, not {lengths_of}")
     for index in range(max(lengths.values(), default=1)):
         yield {name: swept[index] if len(swept) > 1 else swept[0] for name, swept in values.items()}
 
@@ -286,5 +286,5 @@ def _case(family: str, parameters: dict[str, Parameter], scene: Scene) -> Case:
     return Case(hashed, family, parameters, scene, text)
 
 
-def _told(parameters: dict[str, Any]) -> str:
+def _listed(parameters: dict[str, Any]) -> str:
     return ", ".join(f"{name} = {list(v) if isinstance(v, tuple) else v}" for name, v in parameters.items())

@@ -48,7 +48,7 @@
     document.title = `${setUp.family} ${setUp.name}`;
     at("family").textContent = setUp.family;
     at("name").textContent = setUp.name;
-    at("told").textContent = setUp.told;
+    at("description").textContent = setUp.description;
     at("choice").value = setUp.name;
     at("findings").replaceChildren(...setUp.findings.map(text => element("p", text, "finding")));
     const rows = setUp.rows.map(cells => {

@@ -107,8 +107,8 @@ def _shown(case: Document) -> Shown:
         (name, f"{value / PICOFARAD:.6g}", signed_percent(value / case["truth"] - 1))
         for name, value in case["estimates"].items()
     ]
-    told = f"{_sizes(scene)}; {case['distance'] / CENTIMETRE:.3g} cm between them; {kept}."
-    return Shown(case["name"], case["family"], told, (finding_,), tuple(rows), scene, case["scene"])
+    description = f"{_sizes(scene)}; {case['distance'] / CENTIMETRE:.3g} cm between them; {kept}."
+    return Shown(case["name"], case["family"], description, (finding_,), tuple(rows), scene, case["scene"])
 
 
 def _sizes(scene: Scene) -> str:

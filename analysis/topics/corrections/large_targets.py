@@ -85,8 +85,8 @@ def lines(found: Large) -> list[str]:
 
 
 def _cell(error: float, uncertainty: float) -> str:
-    told = f"{100 * error:+.0f}"
-    return told if uncertainty < 0.005 else f"{told} ± {100 * uncertainty:.0f}"
+    text = f"{100 * error:+.0f}"
+    return text if uncertainty < 0.005 else f"{text} ± {100 * uncertainty:.0f}"
 
 
 def _load(module: Any, path: Path, scene: Scene) -> Any:

@@ -33,14 +33,14 @@ def errors_table(found: Sequence[Evaluation]) -> list[str]:
 def by_family(found: Sequence[Evaluation]) -> str:
     """Returns the formula's errors by family."""
     (formula,) = (each for each in found if each.name == "formula")
-    told = (f"{family} {_both(errors)}" for family, errors in formula.families.items())
-    return f"The formula by family, rms / worst: {', '.join(told)}."
+    phrases = (f"{family} {_both(errors)}" for family, errors in formula.families.items())
+    return f"The formula by family, rms / worst: {', '.join(phrases)}."
 
 
 def _row(each: Evaluation) -> str:
     every = each.all
-    told = (_per_cent(value) for value in (every.rms, every.median, every.percentile_95, every.worst))
-    return f"| `{each.name}` | {' | '.join(told)} | {_both(each.sealed)} | {_both(each.left_out)} |"
+    phrases = (_per_cent(value) for value in (every.rms, every.median, every.percentile_95, every.worst))
+    return f"| `{each.name}` | {' | '.join(phrases)} | {_both(each.sealed)} | {_both(each.left_out)} |"
 
 
 def _both(errors: Errors) -> str:

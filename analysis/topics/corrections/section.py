@@ -12,7 +12,7 @@ from analysis.results.units import percent
 from analysis.topics.corrections import cases_section, stage
 
 TITLE = "Corrections of the model (mutual)"
-ABSENT = f"Not evaluated yet: {stage.COMMAND} does it in a minute."
+ABSENT = f"The corrections were not evaluated yet: {stage.COMMAND} does it in a minute."
 _PLAIN, _BEST, _RECOMMENDED = "none", "formula", "recommended"
 
 

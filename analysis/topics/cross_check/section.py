@@ -14,9 +14,7 @@ from analysis.topics.cross_check import agreement
 from analysis.topics.cross_check.agreement import Bracket, Comparison
 
 TITLE = "Boundary elements against the field solver"
-_ABSENT = (
-    "No case of these results has been solved by both methods: the command that ran the study does it anew."
-)
+_ABSENT = "No case of these results was solved by both methods: run the study's command again."
 # Ordinate of differences below rounding: a logarithmic axis has no zero.
 _ROUNDING = 1e-9
 _WHAT = (
@@ -57,10 +55,12 @@ def finding(found: list[Comparison]) -> str:
         f"In {len(cases)} set-ups both methods answer: {len(found) - len(wrong)} of {len(found)} values agree within the sum of their "
         f"errors, half of them within {np.median([abs(c.difference) for c in found]):.1e} of each other"
     )
-    told = f"{worst.what} of {worst.case.family} {worst.case.id}"
+    place = f"{worst.what} of {worst.case.family} {worst.case.id}"
     if wrong:
-        return f"{sentence}; {len(wrong)} disagree, {told} by {worst.over_errors:.2g} times what the errors allow."
-    return f"{sentence}; the largest difference is {worst.over_errors:.0%} of what the errors allow ({told})."
+        return f"{sentence}; {len(wrong)} disagree, {place} by {worst.over_errors:.2g} times what the errors allow."
+    return (
+        f"{sentence}; the largest difference is {worst.over_errors:.0%} of what the errors allow ({place})."
+    )
 
 
 def _reached(results: Results) -> str:
@@ -75,9 +75,11 @@ def warning(results: Results, target: str) -> Markup:
     wrong = agreement.contradictions(results)
     if not wrong:
         return Markup("")
-    told = page.link(target, f"{wrong} values of the two references disagree by more than their errors")
+    link = page.link(target, f"{wrong} values of the two references disagree by more than their errors")
     return page.finding(
-        Markup("{} One of them is wrong, or its error is.").format(page.strong(Markup("{}.").format(told)))
+        Markup("{} One of the two values, or its stated error, is wrong.").format(
+            page.strong(Markup("{}.").format(link))
+        )
     )
 
 
@@ -87,7 +89,7 @@ def bracket_finding(brackets: list[Bracket]) -> str:
     before = np.array([bracket.width_before for bracket in brackets])
     contradicted = int((widths < 0).sum())
     sentence = (
-        f"{len(brackets)} own entries lie between Galerkin's lower bound and the field solver's upper one: the bracket is "
+        f"{len(brackets)} diagonal entries lie between Galerkin's lower bound and the field solver's upper one: the bracket is "
         f"{np.median(widths):.1e} wide (median; widest {widths.max():.1e}), {np.median(before / np.maximum(widths, 1e-12)):.2g} times "
         f"narrower (median) than the field solver's alone, which are {before.min():.1e} to {before.max():.1e} wide"
     )
@@ -170,7 +172,7 @@ def _brackets(brackets: list[Bracket]) -> Markup:
     ]
     header = ["set-up", "conductor", "lower (pF)", "upper (pF)", "width", "by the field solver alone"]
     return page.section(
-        "Own entries between two proven bounds",
+        "Diagonal entries between two proven bounds",
         page.finding(bracket_finding(brackets)),
         page.figures([_bracket_panel(brackets)]),
         page.soft(_PROOF),
@@ -194,7 +196,7 @@ def _bracket_panel(brackets: list[Bracket]) -> Panel:
             customdata=[bracket.case.id for bracket in brackets],
             text=[f"{bracket.case.family}, {bracket.conductor}" for bracket in brackets],
             marker={"color": series_colour(0), "size": 8},
-            name="own entries",
+            name="diagonal entries",
             hovertemplate="%{text}: %{y:.1e} instead of %{x:.1e}<extra></extra>",
         ),
     ]
@@ -209,9 +211,9 @@ def _refused(results: Results, refused: dict[str, str]) -> list[Markup]:
     reasons: dict[str, list[Markup]] = {}
     for case, reason in refused.items():
         reasons.setdefault(reason, []).append(page.family_and_case(results.cases[case].family, case))
-    told = f"{len(refused)} set-ups are not comparable: boundary elements refuse them."
+    sentence = f"{len(refused)} set-ups are not comparable: boundary elements refuse them."
     listed = [
         page.paragraph(Markup("{}: {}.").format(reason, Markup(", ").join(cases)))
         for reason, cases in reasons.items()
     ]
-    return [page.heading("Not comparable"), page.paragraph(told), *listed]
+    return [page.heading("Not comparable"), page.paragraph(sentence), *listed]

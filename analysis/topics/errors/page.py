@@ -47,8 +47,8 @@ def make(folder: Path) -> Made:
         body = [page.header(_TITLE), *section.sections(found, "cases")]
         write_text(folder / PAGE, page.document(_TITLE, inputs, body, page.SCRIPT))
     distinct = records.once(found)
-    told = [section.finding(distinct, quantity) for quantity in QUANTITIES] if found else [section.ABSENT]
-    return Made(folder / PAGE, "\n".join(told))
+    findings = [section.finding(distinct, quantity) for quantity in QUANTITIES] if found else [section.ABSENT]
+    return Made(folder / PAGE, "\n".join(findings))
 
 
 def _make_case(folder: Path, entry: Entry) -> None:
@@ -63,7 +63,7 @@ def _case(folder: Path, entry: Entry) -> Iterable[Markup]:
     head = []
     described = describe(made.scene)
     if described is not None:
-        head.append(page.paragraph(f"{described.told}."))
+        head.append(page.paragraph(f"{described.words}."))
     for quantity in QUANTITIES:
         true = entry.true(quantity)
         head.append(
@@ -79,7 +79,7 @@ def _case(folder: Path, entry: Entry) -> Iterable[Markup]:
     yield page.section(
         "Reproduce",
         page.paragraph(
-            "From the project's folder: the truth, the model, and the parts of every set-up that is not there yet."
+            "From the project's folder: the truth, the model, and the parts of every set-up that has none yet."
         ),
         page.command(
             f"{installation.model_command()} capacitance {scene} --method boundary-elements --rtol {stage.RTOL:g}"

@@ -68,12 +68,12 @@ def error_map(group: str, found: list[Entry], quantity: str) -> Panel:
     places = [entry.set_up.place or (0.0, 0.0) for entry in shown]
     gaps, across = (sorted({place[axis_] for place in places}) for axis_ in (0, 1))
     values = np.full((len(gaps), len(across)), np.nan)
-    told, cases = np.full(values.shape, "", dtype=object), np.full(values.shape, "", dtype=object)
+    texts, cases = np.full(values.shape, "", dtype=object), np.full(values.shape, "", dtype=object)
     annotations = []
     for entry, (gap, other) in zip(shown, places):
         row, column = gaps.index(gap), across.index(other)
         values[row, column] = PERCENT * entry.error(quantity)
-        told[row, column] = _told(entry, quantity)
+        texts[row, column] = _hover_text(entry, quantity)
         cases[row, column] = entry.set_up.id
         annotations.append(_number(column, row, float(values[row, column])))
     trace = go.Heatmap(
@@ -85,7 +85,7 @@ def error_map(group: str, found: list[Entry], quantity: str) -> Panel:
         colorscale="RdBu",
         reversescale=True,
         customdata=cases,
-        text=told,
+        text=texts,
         hovertemplate="%{text}<extra></extra>",
         colorbar={"title": "%", "thickness": 12},
         xgap=1,
@@ -95,7 +95,7 @@ def error_map(group: str, found: list[Entry], quantity: str) -> Panel:
     return Panel(f"model error in {quantity} (%)", figure([trace], x, y, height=420, annotations=annotations))
 
 
-def _told(entry: Entry, quantity: str) -> str:
+def _hover_text(entry: Entry, quantity: str) -> str:
     lines = [f"model error {PERCENT * entry.error(quantity):+.1f} %, of it"]
     lines += [
         f"{name} {PERCENT * value:+.1f}" for name, value in entry.parts(quantity).items() if abs(value) > 5e-4

@@ -120,7 +120,7 @@ def _truth(answer: ReferenceAnswer) -> Truth:
 
 def _entry(set_up: SetUp, document: Document) -> Entry:
     truth = Truth(**{name: Estimate(**value) for name, value in document["truth"].items()})
-    told = document["split"]
-    effects = {name: Part(**part) for name, part in told["effects"].items()}
-    split = Split(told["model"], told["corrected"], told["error"], effects)
+    stored = document["split"]
+    effects = {name: Part(**part) for name, part in stored["effects"].items()}
+    split = Split(stored["model"], stored["corrected"], stored["error"], effects)
     return Entry(set_up, truth, split, document["reached"])

@@ -13,7 +13,7 @@ from analysis.topics.errors import parts, plots, records
 from analysis.topics.errors.records import Entry, Statistics
 from analysis.topics.errors.set_ups import MAPS, OFFSET_MAP, SIZE_MAP, TILT_MAP
 
-ABSENT = "The errors have not been taken apart with this version of the model: python3 -m analysis errors does it in a minute or two."
+ABSENT = "This version of the model has no study of its errors yet: python3 -m analysis errors does it in a minute or two."
 _TITLES = {
     SIZE_MAP: "The error over gap and size ratio",
     TILT_MAP: "The error over gap and tilt",
@@ -26,11 +26,11 @@ _SET_UPS = {
 }
 _NAMES = {SIZE_MAP: "size ratio", TILT_MAP: "tilt", OFFSET_MAP: "offset"}
 _WHAT = (
-    "A part is what the model's value loses when the effect is put right, over the truth; the mean over all orders in which the "
-    "effects can be put right, so that the parts add up to the error exactly. Nothing is fitted. tilt: field lines are arcs, not "
-    "chords. lateral path: beside the plate they leave and arrive upright. missing back side: the plate's far side carries charge "
-    "too. size and reciprocity: sensor and target exchanged give another value. another quantity: mutual less delta_self. rest: "
-    "the corrected formula less the truth. Definitions: analysis/topics/errors/ERRORS.md."
+    "A part is the decrease of the model's value when the effect is corrected, relative to the truth; its mean over all orders in which the "
+    "effects can be corrected, so that the parts add up to the error exactly. Nothing is fitted. tilt: field lines are arcs, not "
+    "chords. lateral path: beside the plate, field lines start and end at right angles to both plates. missing back side: the far side of the plate carries "
+    "charge, too. size and reciprocity: sensor and target exchanged give another value. another quantity: mutual minus delta_self. rest: "
+    "the corrected formula minus the truth. Definitions: analysis/topics/errors/ERRORS.md."
 )
 
 
@@ -103,15 +103,15 @@ def finding(found: list[Entry], quantity: str) -> str:
 
 def map_finding(group: str, found: list[Entry]) -> str:
     """Tells where the error in each quantity is least and greatest, and its largest parts there."""
-    told = []
+    phrases = []
     for quantity in QUANTITIES:
         worst = max(_on(group, found), key=lambda entry: abs(entry.error(quantity)))
         signs = sorted(entry.error(quantity) for entry in _on(group, found))
-        told.append(
+        phrases.append(
             f"in {quantity} from {signs[0]:+.0%} to {signs[-1]:+.0%}, farthest off at {_place(group, worst)}, mostly by "
             f"{worst.largest(quantity)} ({worst.parts(quantity)[worst.largest(quantity)]:+.0%})"
         )
-    return f"The error goes {'; '.join(told)}."
+    return f"The error goes {'; '.join(phrases)}."
 
 
 def _on(group: str, found: list[Entry]) -> list[Entry]:
@@ -137,7 +137,7 @@ def _parts(found: list[Entry], cases: str) -> Markup:
         page.finding(quantity_finding(distinct)),
         page.soft(
             f"The truth is that of the boundary elements; {short} of {len(distinct)} are short of the asked 1e-4 and kept with "
-            "their wider error. Between orders: the median difference between the orders in which effects are put right."
+            "their wider error. Between orders: the median difference between the orders in which the effects are corrected."
         ),
     )
 

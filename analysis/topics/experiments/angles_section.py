@@ -52,7 +52,7 @@ def finding(flat: Curve, pivoted: list[Curve], own: Calibration) -> str:
         f"{tables.place(worst, DISTANCE)}; in volts most, {1000 * seen[largest].rms:.3g} mV rms, with the hinge at "
         f"{tables.place(largest, DISTANCE)}, {nearest}. From the least to the greatest angle the deviation changes by "
         f"{signed_percent(turned[0])} to {signed_percent(turned[-1])}; the thesis "
-        "thought that orientation has probably no part in it."
+        "supposed that orientation has no effect."
     )
 
 

@@ -16,8 +16,8 @@ from analysis.topics.experiments.materials import Material, materials, ratios
 from analysis.topics.experiments.tables import place
 
 _WHAT = (
-    "Floating: a conductor without charge, which is also the limit of a great permittivity. The model knows grounded conductors only: "
-    "its line is that of the grounded target. mutual does not exist but for the grounded one, so all of this is delta_self."
+    "Floating: a conductor without total charge, which is also the limit of a large permittivity. The model applies to grounded conductors "
+    "only: its line is that of the grounded target. mutual exists only for the grounded target, so all values are delta_self."
 )
 
 
@@ -39,15 +39,15 @@ def parts(results: Results) -> list[Markup]:
 
 def finding(grounded: Material, others: list[Material]) -> str:
     """Tells each material's delta_self relative to the grounded target's, near and far."""
-    told = []
+    phrases = []
     for each in others:
         (near, close), (far, distant) = ratios(each, grounded)[0], ratios(each, grounded)[-1]
-        told.append(
+        phrases.append(
             f"{each.label}: {100 * close:.2g} % at {place(near.gap, DISTANCE)}, {100 * distant:.2g} % at {place(far.gap, DISTANCE)}"
         )
     return (
-        f"Of what the grounded target gives in delta_self: {'; '.join(told)}."
-        if told
+        f"Of what the grounded target gives in delta_self: {'; '.join(phrases)}."
+        if phrases
         else "There is no other material."
     )
 
@@ -55,14 +55,14 @@ def finding(grounded: Material, others: list[Material]) -> str:
 def model_finding(grounded: Material, others: list[Material]) -> str:
     """Tells the model's value relative to each material's delta_self; the model takes all targets for grounded."""
     model = {point.gap: point.model for point in grounded.points if point.model is not None}
-    told = []
+    phrases = []
     for each in [grounded, *others]:
         times = [model[point.gap] / point.delta_self.value for point in each.points if point.gap in model]
         if times:
-            told.append(f"{each.label} {_factor(min(times))} to {_factor(max(times))} times")
-    if not told:
+            phrases.append(f"{each.label} {_factor(min(times))} to {_factor(max(times))} times")
+    if not phrases:
         return "The model has no answer."
-    return f"The model takes every target for grounded; over delta_self it is: {'; '.join(told)}."
+    return f"The model takes every target for grounded; over delta_self it is: {'; '.join(phrases)}."
 
 
 def _factor(value: float) -> str:

@@ -13,9 +13,9 @@ from analysis.topics.experiments.neighbours import Felt, Point, Series
 
 _WHAT = (
     "The object lies in front of the sensor at the origin, the other sensor is its neighbour; each is at its own voltage in "
-    "turn, the rest is grounded. delta_self: how much a sensor's own capacitance rises by the object, the neighbour being there "
-    "in both cases. mutual: charge on the object per volt on a sensor. Coupling: charge on one sensor per volt on the other. "
-    "The model sums over the object for each sensor by itself, so it has no coupling, and a neighbour changes nothing."
+    "turn, the rest is grounded. delta_self: the rise of a sensor's own capacitance by the object, with the neighbour present in "
+    "both cases. mutual: charge on the object per volt on a sensor. Coupling: charge on one sensor per volt on the other. "
+    "The model sums over the object for each sensor by itself, so it has no coupling, and the neighbour has no effect on it."
 )
 
 
@@ -35,21 +35,21 @@ def parts(found: list[Series]) -> list[Markup]:
 
 def finding(found: list[Series]) -> str:
     """Tells how strongly an object affects the sensor that it is not in front of, by reference and model."""
-    told = []
+    phrases = []
     for series in found:
         shares = [_share(point) for point in series.points]
         model = [point.neighbour.model / point.near.model for point in series.points]
-        told.append(
+        phrases.append(
             f"{_centimetres(series.separation)} away it feels {percent(shares[0])} of what the near sensor does with the object at "
             f"{_centimetres(series.points[0].gap)}, {percent(shares[-1])} at {_centimetres(series.points[-1].gap)} (model: "
             f"{percent(model[0])} and {percent(model[-1])})"
         )
-    return f"The neighbour, in delta_self: {'; '.join(told)}."
+    return f"The neighbour, in delta_self: {'; '.join(phrases)}."
 
 
 def coupling_finding(found: list[Series]) -> str:
     """Tells how the object shields the sensors from each other, and how the neighbour lowers the near sensor's output."""
-    told = []
+    phrases = []
     for series in found:
         near = series.points[0]
         change = near.coupling.value / near.coupling_alone.value - 1
@@ -68,8 +68,8 @@ def coupling_finding(found: list[Series]) -> str:
                 f"; beside the neighbour the near sensor's delta_self differs from that of a sensor alone by up to {signed_percent(most)}, "
                 f"at {_centimetres(gap)}"
             )
-        told.append(sentence)
-    return ". ".join(told) + "."
+        phrases.append(sentence)
+    return ". ".join(phrases) + "."
 
 
 def _share(point: Point) -> float:

@@ -29,11 +29,11 @@ _TITLES = {
     "VI": "Experiment VI: the material of the target",
 }
 _DELTA = (
-    "Delta output: the sensor's output with nothing near less that with the plate. The reference's, with delta_self and the sensor's "
+    "Delta output: the sensor's output without the plate minus that with it. The reference's, with delta_self and the sensor's "
     "own capacitance in the divider, takes the place of the physical sensor's; its error bars are mostly too small to see. "
     "Tuned with the own capacitance counted, coupling capacitance and ε are free; in the thesis' divider only their ratio "
-    "counts, and ε is free at the scene's coupling capacitance. Volts alike: the fit counts every volt as much, as an eye does on "
-    "the plot; by error bars, in units of the reference's. Errors of the constants are standard errors with the scatter of the "
+    "counts, and ε is free at the scene's coupling capacitance. Volts alike: the fit weights all residuals equally, as an eye does "
+    "on the plot; by error bars: residuals are weighted by the reference's error bars. Errors of the constants are standard errors with the scatter of the "
     f"residuals. Observable: at least {100 * OBSERVABLE:.0f} % of the greatest delta output of the plate tuned to; the thesis ends "
     "its curves where the plate is hardly so. Its sizes and distances are blacked out. Points name their case."
 )

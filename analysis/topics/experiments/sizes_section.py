@@ -38,24 +38,24 @@ def parts(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> list[
 
 def finding(flat: Curve, others: list[Curve], own: Calibration) -> str:
     """Compares the largest deviations on the other plates with the thesis'."""
-    told, signs = [], []
+    phrases, signs = [], []
     for curve in others:
         claim = claims.for_plate(curve.target_area, flat.target_area)
         held = claims.hold(curve, own.predict(curve), flat, claim) if claim else None
         if claim is None or held is None:
             continue
         signs.append((held.mean < 0) == claim.is_low)
-        told.append(
+        phrases.append(
             f"{signed_percent(held.worst)} for {tables.plate(curve)} at {tables.place(held.worst_at, DISTANCE)} (thesis: at most "
             f"{100 * claim.greatest:.0f} % on a {'smaller' if claim.is_low else 'larger'} plate)"
         )
-    if not told:
+    if not phrases:
         return "The study holds no observable plate of another size."
     lying = summary(flat, own.predict(flat), flat)
     agreeing = "for all of them here" if all(signs) else f"for {sum(signs)} of {len(signs)} here"
     return (
         f"Tuned to {tables.plate(flat)}, where it is {signed_percent(lying.observable)} off at most, the model is off by up to "
-        f"{' and '.join(told)}, while the plate is observable. In the thesis smaller plates come out too low and larger ones too high; "
+        f"{' and '.join(phrases)}, while the plate is observable. In the thesis smaller plates come out too low and larger ones too high; "
         f"on the average over distance that is so {agreeing}."
     )
 

@@ -9,7 +9,7 @@ from analysis.topics.experiments import claims, plots
 from analysis.topics.experiments.splitting import Accuracy
 
 _EXPLANATION = (
-    "Error: the model's capacitance by split:N less that by exact, over exact. Regions as seen along the sensor's normal: I in front "
+    "Error: (split:N − exact)/exact of the model's capacitance. Regions as seen along the sensor's normal: I in front "
     "of it, II beside an edge, III diagonal to a corner; the thesis has done this in region I, in one set-up."
 )
 
@@ -44,12 +44,12 @@ def finding(found: list[Accuracy]) -> str:
     recommended = claims.NEGLIGIBLE_FROM_LEVEL
     level = recommended if recommended in levels else max(levels)
     regions = [each for each in found if each.level == level]
-    told = ", ".join(
+    phrases = ", ".join(
         f"{each.region} {100 * each.median:.2g} % ({100 * each.worst:.2g} %)" for each in regions
     )
     errors = [error for each in found for error in each.errors]
     low = sum(error < 0 for error in errors) / len(errors)
     return (
-        f"After {level} splits (the thesis: negligible from {recommended} on) the median error, and in brackets the worst, is: {told}; "
+        f"After {level} splits (the thesis: negligible from {recommended} on) the median error, and in brackets the worst, is: {phrases}; "
         f"splitting is below the exact integral in {100 * low:.0f} % of all set-ups and levels."
     )

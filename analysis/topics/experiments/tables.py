@@ -82,10 +82,10 @@ def constants(found: Calibration) -> str:
     if not found.determined:
         return "constants that the curve does not determine"
     coupling, permittivity = found.coupling, found.permittivity
-    told = f"ε = {permittivity.value:.3g} ± {permittivity.error:.1g}"
+    text = f"ε = {permittivity.value:.3g} ± {permittivity.error:.1g}"
     if not found.form.counts_own:
-        return told
-    return f"a coupling capacitance of {coupling.value / PICOFARAD:.3g} ± {coupling.error / PICOFARAD:.1g} pF and {told}"
+        return text
+    return f"a coupling capacitance of {coupling.value / PICOFARAD:.3g} ± {coupling.error / PICOFARAD:.1g} pF and {text}"
 
 
 def _coupling(found: Calibration) -> str:

@@ -96,14 +96,14 @@ def read(path: Path) -> dict[RowName, Line]:
     needed = {*_NAME, "family", "reference_F", "reference_error_F", "reference_seconds"}
     # A table without rows has no columns but one.
     if lacking := sorted(needed - set(columns)) if records or columns != ["case"] else []:
-        raise InputError(str(file), lacking[0], "is no column of this table")
+        raise InputError(str(file), lacking[0], "is missing from the columns of this table")
     found = {}
     for number, record in enumerate(records, start=2):
         try:
             name = (record["case"], record["sensor"], record["object"], record["quantity"])
             found[name] = _line(record)
         except (TypeError, ValueError) as error:
-            raise InputError(str(file), f"line {number}", f"is no row of a table: {error}") from error
+            raise InputError(str(file), f"line {number}", f"is not a row of a table: {error}") from error
     return found
 
 
@@ -174,8 +174,8 @@ def _slower(name: RowName, old: Line, new: Line) -> list[Slower]:
 def to_text(found: Difference) -> str:
     """Writes a difference for people: a line that sums up, then the largest of each kind."""
     lines = [
-        f"{found.rows} rows in both: {len(found.moved)} values moved by more than their errors, {len(found.slower)} times got "
-        f"longer; {len(found.new)} rows are new, {len(found.gone)} are gone; the largest change is {found.largest:.2g} of "
+        f"{found.rows} rows in both: {len(found.moved)} values moved by more than their errors, {len(found.slower)} run times "
+        f"got longer; {len(found.new)} rows are new, {len(found.gone)} are gone; the largest change is {found.largest:.2g} of "
         "what the errors allow"
     ]
     lines += _table(

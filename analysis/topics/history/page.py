@@ -59,7 +59,7 @@ def _page(title: str, nights: list[Document], inputs: str) -> str:
 def finding(nights: list[Document]) -> str:
     """Returns one sentence on all nights, one on the last that moved something."""
     if not nights:
-        return "There was no night yet."
+        return "No night is recorded yet."
     compared = [night for night in nights if "moved" in night]
     moved = [night for night in compared if night["moved"]]
     failed = sum(night["failed"] > 0 for night in nights)
@@ -132,8 +132,8 @@ def _at_most(nights: list[Document], values: list[Any], name: str = "") -> str:
 
 def _counted(compared: list[Document]) -> str:
     names = ("moved", "slower", "new", "gone")
-    told = ", ".join(f"{sum(night[name] for night in compared)} {name}" for name in names)
-    return f"how many values and rows; over all nights {told}"
+    counts = ", ".join(f"{sum(night[name] for night in compared)} {name}" for name in names)
+    return f"how many values and rows; over all nights {counts}"
 
 
 def _curve(nights: list[Document], name: str, index: int) -> go.Scatter:

@@ -137,15 +137,15 @@ def _upwards(error: float) -> float:
 
 def _numbers(case: Case) -> dict[str, float]:
     """Returns the parameters as numbers; a gap that is the same along both axes is one number."""
-    told: dict[str, float] = {}
+    numbers: dict[str, float] = {}
     for name, value in case.parameters.items():
         if name == "sensor_size" or isinstance(value, str):
             continue
         if name == "target_size" and isinstance(value, tuple):
-            told |= {"target_x": value[0], "target_y": value[1]}
+            numbers |= {"target_x": value[0], "target_y": value[1]}
         elif isinstance(value, tuple):
             assert value[0] == value[1]
-            told[name] = value[0]
+            numbers[name] = value[0]
         else:
-            told["gap" if name == "hinge_gap" else name] = value
-    return told
+            numbers["gap" if name == "hinge_gap" else name] = value
+    return numbers

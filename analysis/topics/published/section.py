@@ -118,18 +118,20 @@ def _shown(row: Row, case: Case) -> Shown:
                 f"{value.high:.7g}",
             )
         )
-    return Shown(row.case, row.family, _told(row, case), (finding,), tuple(numbers), case.scene, case.text)
+    return Shown(
+        row.case, row.family, _description(row, case), (finding,), tuple(numbers), case.scene, case.text
+    )
 
 
-def _told(row: Row, case: Case) -> str:
+def _description(row: Row, case: Case) -> str:
     """Describes a row's parameters in words."""
     (plate,) = case.scene.sensors[0].plates
     sides = (f"{np.linalg.norm(edge) / CENTIMETRE:g}" for edge in (plate.edge_u, plate.edge_v))
-    told = [f"Sensor {' × '.join(sides)} cm"]
+    phrases = [f"Sensor {' × '.join(sides)} cm"]
     for name, value in row.parameters.items():
         label = name.replace("_", " ")
         if name.endswith("_degrees"):
-            told.append(f"{label.removesuffix(' degrees')} {value:g}°")
+            phrases.append(f"{label.removesuffix(' degrees')} {value:g}°")
         else:
-            told.append(f"{label} {value / CENTIMETRE:g} cm")
-    return ", ".join(told) + "."
+            phrases.append(f"{label} {value / CENTIMETRE:g} cm")
+    return ", ".join(phrases) + "."

@@ -113,14 +113,14 @@ def _in_turn(module: Any, path: Path, known: list[Method]) -> list[tuple[float, 
 
 
 def _integral(method: str) -> Callable[[Any], tuple[float, float]]:
-    return lambda scene: _told(scene.capacitance(method=method))
+    return lambda scene: _mutual_and_seconds(scene.capacitance(method=method))
 
 
 def _corrected(correction: str) -> Callable[[Any], tuple[float, float]]:
-    return lambda scene: _told(scene.capacitance(correction=correction))
+    return lambda scene: _mutual_and_seconds(scene.capacitance(correction=correction))
 
 
-def _told(answer: Document) -> tuple[float, float]:
+def _mutual_and_seconds(answer: Document) -> tuple[float, float]:
     return float(answer["sensors"][0]["total"]), float(answer["seconds"])
 
 

@@ -175,7 +175,7 @@ def _explanation(document: Document, results: Results) -> str:
     return (
         "A click on a point opens the case in which that method is worst. "
         f"{truth} Times of the model, the corrections, reduced:K and boundary elements: one core, one run, methods taking turns at "
-        "every pose, after a move, bodies known; the smallest of several. Those of the field solver are the seconds of each mesh when "
+        "every pose, after a move, with prepared bodies; the smallest of several. Those of the field solver are the seconds of each mesh when "
         f"the study was solved, and of the whole answer. {document['processor']} with {document['instruction_sets']}. Again, from the "
         f"project's folder: {stage.command(results.folder)}"
     )

@@ -16,10 +16,10 @@ KNOWN = 1e-2
 """Relative error up to which a best known value serves as truth; a worse one comes from a reference stopped by its time limit."""
 _WHAT = (
     "Errors are the largest of any entry of the Maxwell matrix, relative to the best known value: the truth, or the reference's own "
-    "answer with the smallest stated error; errors below what that is known to are drawn there, open. Seconds count from the start, so "
-    "that a mesh comes after all coarser ones. Linear and quadratic elements of one size on all conductors use the "
-    "reference's outer boundary, growth, symmetry and linear solver, but are not graded to edges and have no quarter points. Every solve has "
-    "one core; as many run side by side as there are cores."
+    "answer with the smallest stated error; errors below the error of that value are drawn at it, as open symbols. Seconds are counted from the start, "
+    "so that those of a mesh include all coarser ones. Linear and quadratic elements of one size on all conductors use the "
+    "reference's outer boundary, growth, symmetry and linear solver, but are not graded to edges and have no quarter points. Every solve uses "
+    "one core; as many run at the same time as there are cores."
 )
 
 

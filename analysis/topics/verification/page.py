@@ -15,7 +15,7 @@ from analysis.results.store import Document, write_text
 from analysis.topics.verification import cost_section, records, section, stage
 
 PAGE = "verification.html"
-_INTRODUCTION = "Is the field reference right, does it know how wrong it is, and what does it cost? Every figure here is made anew by one command."
+_INTRODUCTION = "Is the field reference right, are its stated errors right, and what does it cost? One command computes every number of this page."
 
 
 @dataclass(frozen=True)
@@ -72,8 +72,8 @@ def make(folder: Path) -> Made:
     page.provide_script(folder)
     write_text(folder / PAGE, page.document(title, inputs(rows), body, page.SCRIPT))
     found = records.compared(rows)
-    told = section.finding(found) if found else section.ABSENT
-    return Made(folder / PAGE, told)
+    headline = section.finding(found) if found else section.ABSENT
+    return Made(folder / PAGE, headline)
 
 
 def inputs(rows: dict[str, Document]) -> str:

@@ -152,14 +152,14 @@ def _cost(case: CostCase, method: str) -> Document:
     points: list[Document] = []
     spent = 0.0
 
-    def told(level: Level, worst: float) -> None:
+    def note(level: Level, worst: float) -> None:
         nonlocal spent
         spent += level.seconds
         points.append(_point(level, spent, worst))
 
     # With a time limit every level is enclosed, and each is a point of the table.
     error: ErrorKind = "enclosure" if method == ENCLOSURE else "estimate"
-    found = solve_conductors(problem, rtol=rtol, error=error, limits=Limits(seconds=seconds), progress=told)
+    found = solve_conductors(problem, rtol=rtol, error=error, limits=Limits(seconds=seconds), progress=note)
     return {
         "points": points,
         "rtol": rtol,

@@ -16,17 +16,17 @@ from analysis.topics.verification.records import Compared, Held, worst_of_each_c
 
 TITLE = "The reference against known capacitances"
 ABSENT = (
-    "The reference has not been verified with this version of it: python3 -m analysis verify does it in minutes, and ./run "
+    "This version of the reference has not been verified yet: python3 -m analysis verify does it in minutes, and ./run "
     "nightly with the nightly study."
 )
 _WHAT = (
-    "Effectivity is the stated error over the true one: below 1 it is wrong. The true error counts as at least what the truth is "
-    "known to. The enclosure is that of the same answer; strips and delta_self have an estimate only. Strips are the limit of "
+    "Effectivity is the stated error over the true one: below 1 it is wrong. The true error is taken as at least the error of the "
+    "truth. The enclosure is that of the same answer; strips and delta_self have an estimate only. Strips are the limit of "
     "plates of one, two and three times a length."
 )
 _ORDER = (
     "The error of a mesh is proportional to the edge size at edges (order 1), and falls faster on round bodies, which have none. "
-    "Where the levels share an error, or it passes zero, the fit is off."
+    "The fit fails where all levels share an error, or where the error changes its sign."
 )
 _SMALLEST = 1e-7
 
@@ -37,7 +37,7 @@ def chapter(found: list[Compared], properties: list[Held], missing: list[str]) -
         return page.section(TITLE, page.paragraph(ABSENT))
     parts = []
     if missing:
-        words = f"{len(missing)} rows failed or are not solved yet; they count nowhere: {'; '.join(missing)}."
+        words = f"{len(missing)} rows failed or are not solved yet; the numbers above do not include them: {'; '.join(missing)}."
         parts.append(page.paragraph(words))
     if found:
         parts += _truths(found)
@@ -92,7 +92,9 @@ def _truths(found: list[Compared]) -> list[Markup]:
                 )
             ]
         ),
-        page.paragraph("Of each set-up the quantity whose true error is the largest part of the stated one."),
+        page.paragraph(
+            "For each set-up, the quantity whose true error is the largest fraction of the stated one."
+        ),
         _table(worst_of_each_case(found)),
         page.folded(f"All {len(found)} quantities", _full_table(found)),
         page.soft(_WHAT),
@@ -229,7 +231,7 @@ def _properties(properties: list[Held]) -> list[Markup]:
         for entry in properties
     ]
     return [
-        page.heading("What has to hold whatever the numbers are"),
+        page.heading("Properties of any capacitances"),
         page.finding(property_finding(properties)),
         page.table(["property", "what", "measured", "at most", "holds"], rows, text_columns=2),
     ]

@@ -98,7 +98,7 @@ def test_jobs_last_as_long_as_asked_and_each_worker_has_one(count: int, seconds:
 
 
 def test_a_job_whose_file_is_gone_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="is no file of a job"):
+    with pytest.raises(InputError, match="is not the file of a job"):
         chunks.solve(tmp_path / "1-0.json")
 
 

@@ -174,7 +174,7 @@ def section_of(page: str, title: str) -> str:
 @pytest.mark.parametrize("title", [run_times_section.TITLE, stability_section.TITLE])
 def test_results_without_a_measurement_say_so_and_how_to_make_it(tmp_path: Path, title: str) -> None:
     text = section_of(report_text(make_results(tmp_path)), title)
-    assert "Not measured with these results" in text and "--measure-model" in text
+    assert "These results have no measurement" in text and "--measure-model" in text
     assert "plotly" not in text
 
 

@@ -80,7 +80,7 @@ def test_other_answers_are_told_in_their_cell() -> None:
 
 def test_results_without_measurements_say_so(tmp_path: Path) -> None:
     page = report_text(make_results(tmp_path))
-    assert f"<h2>{collision_section.TITLE}</h2>\n<p>Not measured with these results" in page
+    assert f"<h2>{collision_section.TITLE}</h2>\n<p>These results have no measurement" in page
 
 
 def test_the_report_takes_measurements_up_when_they_appear(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ def main(name: str) -> int:
     whose = ["--me", f"--name={name}"]
     end = time.monotonic() + _PATIENCE_SECONDS
     while True:
-        left = _told(["squeue", "--noheader", "--format=%i %T", *whose])
+        left = _run(["squeue", "--noheader", "--format=%i %T", *whose])
         if left.returncode == 0 and not left.stdout.strip():
             return 0
         if left.returncode != 0 or time.monotonic() > end:
@@ -26,12 +26,12 @@ def main(name: str) -> int:
             return 1
         # What waits is taken away first, or else it would begin when what runs has ended. Answers are written whole or not at all:
         # nothing has to be ended gently. A job that has ended meanwhile is no failure.
-        _told(["scancel", "--quiet", "--state=PENDING", *whose])
-        _told(["scancel", "--quiet", "--signal=KILL", "--full", *whose])
+        _run(["scancel", "--quiet", "--state=PENDING", *whose])
+        _run(["scancel", "--quiet", "--signal=KILL", "--full", *whose])
         time.sleep(_LOOK_SECONDS)
 
 
-def _told(command: list[str]) -> subprocess.CompletedProcess[str]:
+def _run(command: list[str]) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 

@@ -62,7 +62,7 @@ def test_values_agree_as_long_as_their_error_bars_overlap(tmp_path: Path) -> Non
 
 def test_an_enclosure_is_left_on_the_side_where_it_ends(tmp_path: Path) -> None:
     folder = make_results(tmp_path, answers={0: (enclosed(4.99, 5.5), None), 1: (enclosed(4.5, 5.01), None)})
-    low = boundary_document(2, 0.9)  # own entries 4.9 pF
+    low = boundary_document(2, 0.9)  # diagonal entries 4.9 pF
     found = with_boundary(folder, c0=low, c1=low)
     own = {c.case.id: c for c in agreement.comparisons(found) if c.what == "M[sensor, sensor]"}
     first, second, *_ = found.compared()
@@ -80,7 +80,7 @@ def test_an_own_entry_lies_between_galerkins_bound_and_the_field_solvers(tmp_pat
         assert bracket.width == pytest.approx(0.0205 / 5.02)
         assert bracket.width_before == pytest.approx(0.12 / 5.02)
     assert agreement.contradictions(found) == 0
-    assert "3 own entries" in section.bracket_finding(brackets) and "empty" not in section.bracket_finding(
+    assert "3 diagonal entries" in section.bracket_finding(brackets) and "empty" not in section.bracket_finding(
         brackets
     )
 

@@ -93,10 +93,10 @@ def test_no_drift_ends_with_code_0_for_folders_and_tables(folders: tuple[Path, P
     ("text", "told"),
     [
         (None, "cannot be read"),
-        ("a,b\n1,2\n", "is no column of this table"),
+        ("a,b\n1,2\n", "is missing from the columns of this table"),
         (
             "case,sensor,object,quantity,family,reference_F,reference_error_F,reference_seconds\na,b,c,d,e,x,1,1\n",
-            "line 2: is no row of a table",
+            "line 2: is not a row of a table",
         ),
     ],
 )
