@@ -49,7 +49,7 @@ def test_the_site_is_made_without_a_warning(tmp_path: Path) -> None:
 
 def test_a_folder_of_something_else_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "letters").write_text("dear")
-    with pytest.raises(make.DocumentationError, match="no site"):
+    with pytest.raises(make.DocumentationError, match="not a site"):
         make.build(tmp_path)
     assert (tmp_path / "letters").is_file()
 

@@ -80,9 +80,9 @@ def test_an_own_entry_lies_between_galerkins_bound_and_the_field_solvers(tmp_pat
         assert bracket.width == pytest.approx(0.0205 / 5.02)
         assert bracket.width_before == pytest.approx(0.12 / 5.02)
     assert agreement.contradictions(found) == 0
-    assert "3 diagonal entries" in section.bracket_finding(brackets) and "empty" not in section.bracket_finding(
+    assert "3 diagonal entries" in section.bracket_finding(
         brackets
-    )
+    ) and "empty" not in section.bracket_finding(brackets)
 
 
 def test_a_lower_bound_above_the_upper_one_is_a_contradiction_though_error_bars_overlap(
