@@ -1,1 +1,1 @@
-"""A study night by night, on this machine or a cluster: what moved, what got slower, what is new or gone."""
+"""Runs a study night by night, on this machine or on a cluster."""

@@ -6,6 +6,7 @@ of the packages that it uses.
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 import re
@@ -87,6 +88,17 @@ def report_code(repository: Path = REPOSITORY) -> str:
     """Returns the version of the report: a hash of this package, with its templates, styles and scripts."""
     found = (repository / "analysis").rglob("*")
     return hash_of_files((path for path in found if path.suffix in _REPORT_SUFFIXES), repository)
+
+
+def page_inputs(*parts: object) -> str:
+    """Computes a hash of everything that a page is made from: plain data, and the code of this package."""
+    return _hash([*parts, _own_report_code()])
+
+
+@functools.cache
+def _own_report_code() -> str:
+    """Hashes the files once, because a report has thousands of pages."""
+    return report_code()
 
 
 def hash_of_files(paths: Iterable[Path], root: Path) -> str:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from pathlib import Path
 
 from markupsafe import Markup
@@ -30,11 +28,6 @@ _KINDS = {
 def beside(results: Path) -> Document | None:
     """Returns the counts in the folder that belongs to a study's results; None without any."""
     return read_json(results.resolve().parent / FOLDER / FILE)
-
-
-def inputs(document: Document | None) -> str:
-    """Returns a hash of what the section is made from."""
-    return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
 
 
 def section(document: Document) -> Markup:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,14 @@ _TEMPLATES = Environment(
     undefined=StrictUndefined,
 )
 _PARTS: Any = _TEMPLATES.get_template("parts.html").module
+
+
+@dataclass(frozen=True)
+class Made:
+    """A page that was written: its path, and its finding."""
+
+    path: Path
+    headline: str
 
 
 def filled(template: str, **values: object) -> Markup:

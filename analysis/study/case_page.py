@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable
+from dataclasses import asdict
 
 from markupsafe import Markup
 
@@ -38,9 +38,9 @@ def make(results: Results, case: CaseResult, rows: list[Row], apart: Entry | Non
 def _inputs(results: Results, case: CaseResult, apart: Entry | None) -> str:
     """Returns a hash of everything the page is made from."""
     files = [path for path in (case.folder / name for name in _FILES) if path.is_file()]
-    asked = f"{results.title} {results.rtol} {results.max_seconds} {results.error} {case.parameters} {apart and apart.split}"
-    answers = f"{keys.hash_of_files(files, results.folder)} {keys.report_code()} {asked}"
-    return hashlib.sha256(answers.encode()).hexdigest()
+    answers = keys.hash_of_files(files, results.folder)
+    asked = [results.title, results.rtol, results.max_seconds, results.error, case.parameters]
+    return keys.page_inputs(answers, asked, asdict(apart.split) if apart is not None else None)
 
 
 def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | None) -> Iterable[Markup]:

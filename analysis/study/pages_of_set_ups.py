@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,7 @@ from analysis.report import page
 from analysis.report.page import is_current
 from analysis.results.store import Document, write_text
 from analysis.study import questions
-from analysis.topics.corrections import cases_section, page as corrections_page
+from analysis.topics.corrections import cases_section
 from analysis.topics.published import section as published_section, table as published
 
 _SCRIPT = f"../{Path(page.SCRIPT).name}"
@@ -33,7 +32,7 @@ def pages(corrected: Document | None) -> list[SetUpsPage]:
     def of_published(inputs: str) -> str:
         return published_section.set_ups_document(*_back(questions.PUBLISHED), inputs, _SCRIPT)
 
-    table = hashlib.sha256(f"{published.digest()} {keys.report_code()}".encode()).hexdigest()
+    table = keys.page_inputs(published.digest())
     found = [SetUpsPage(questions.PUBLISHED_SET_UPS, table, of_published)]
     if corrected is not None:
         cases, back = corrected["cases"], _back(questions.CORRECTIONS)
@@ -41,7 +40,7 @@ def pages(corrected: Document | None) -> list[SetUpsPage]:
         def of_corrections(inputs: str) -> str:
             return cases_section.set_ups_document(cases, *back, inputs, _SCRIPT)
 
-        inputs = corrections_page.inputs(corrected)
+        inputs = keys.page_inputs(corrected)
         found.append(SetUpsPage(questions.CORRECTIONS_SET_UPS, inputs, of_corrections))
     return found
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import re
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -17,7 +15,7 @@ from analysis.results import statistics, study_results as results, table
 from analysis.results.store import Document, read_json, write_json, write_text
 from analysis.study import case_page, pages_of_set_ups
 from analysis.study.questions import CROSS_CHECK, QUESTIONS, Material
-from analysis.topics.corrections import page as corrections_page, stage as corrections_stage
+from analysis.topics.corrections import stage as corrections_stage
 from analysis.topics.cross_check import agreement, section as cross_check_section
 from analysis.topics.errors import records as error_records, set_ups as error_set_ups, stage as errors_stage
 from analysis.topics.history import nights as history, page as history_page
@@ -53,10 +51,10 @@ def make(folder: Path) -> Report:
     apart = errors_stage.load(errors_stage.beside(folder))
     corrected = corrections_stage.load(corrections_stage.beside(folder))
     faults = faults_section.beside(folder)
-    inputs = f"{_inputs(folder, found, verified, apart)} {corrections_page.inputs(corrected)} {faults_section.inputs(faults)}"
-    inputs += f" {published.digest()}"
+    answers = _answers(folder, found)
+    inputs = keys.page_inputs(answers, verified, apart, corrected, faults, published.digest())
     nights = history.load(folder)
-    whole = hashlib.sha256(f"{inputs} {json.dumps(nights)}".encode()).hexdigest()
+    whole = keys.page_inputs(inputs, nights)
     if not (
         (folder / table.TABLE).is_file()
         and page.is_current(folder / page.REPORT, whole)
@@ -69,10 +67,8 @@ def make(folder: Path) -> Report:
     return Report(folder / page.REPORT, summaries, not_reached, agreement.contradictions(found))
 
 
-def _inputs(
-    folder: Path, found: results.Results, verified: dict[str, Document], apart: dict[str, Document]
-) -> str:
-    """Returns a hash of everything the pages are made from: the answers, what was asked, and the code of this package."""
+def _answers(folder: Path, found: results.Results) -> str:
+    """Computes a hash of the stored answers and of what was asked."""
     files = [
         folder / name for name in (results.MANIFEST, results.RUN_TIMES, results.STABILITY, *results.COLLISION)
     ]
@@ -80,9 +76,7 @@ def _inputs(
     for case in found.cases.values():
         answers_of_case = (results.REFERENCE, results.MODEL, results.SLICE, results.BOUNDARY)
         files += [case.folder / name for name in answers_of_case]
-    answers = keys.hash_of_files((path for path in files if path.is_file()), folder)
-    errors = json.dumps(apart, sort_keys=True)
-    return hashlib.sha256(f"{answers} {verification_page.inputs(verified)} {errors}".encode()).hexdigest()
+    return keys.hash_of_files((path for path in files if path.is_file()), folder)
 
 
 def _is_complete(folder: Path) -> bool:

@@ -13,7 +13,7 @@
     return made;
   }
 
-  // Each triangle has vertices of its own: shared ones would be lit as if edges were round.
+  // Each triangle has its own vertices: with shared ones plotly would shade edges as if they were round.
   function mesh(body, look) {
     const corners = body.triangles.flat().map(number => body.vertices[number]);
     const every = step => body.triangles.map((_, index) => 3 * index + step);

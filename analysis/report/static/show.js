@@ -1,11 +1,11 @@
 "use strict";
-// Draws the data of a scene: bodies stand in the frames of their links, and every frame of the motion says where these are.
+// Draws a scene: bodies are fixed in the frames of their links, and every frame of the motion gives the poses of the links.
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
   const INK = "#24292f", SENSOR = "#0072b2", CONE = "#f0c808";
   const MARKS = { bounds: "#e69f00", collision: "#d0342c" };
   const SAID = { bounds: "only their bounds overlap", collision: "collision" };
-  // Quiet hues, one for each link: marks and sensors stand out.
+  // A muted hue for each link, so that marks and sensors stand out.
   const LINK_COLOURS = ["#c3c9d0", "#d8c7a3", "#a9bccf", "#b7cdbb", "#cdb9d2", "#d6bdb0", "#b5c9c9", "#c8c8a6"];
   const WORLD_COLOUR = "#c3c9d0";
   const EDGES = [0, 1, 3, 2, 0, 4, 5, 7, 6, 4, null, 1, 5, null, 2, 6, null, 3, 7];
@@ -149,7 +149,7 @@
     const update = { x: all.map(c => c.x), y: all.map(c => c.y), z: all.map(c => c.z) };
     const bodies = data.objects.length;
     Plotly.restyle(plot, update, all.map((_, n) => n));
-    // The links are inside their bodies.
+    // Links lie inside their bodies, which become transparent to show them.
     const colours = data.objects.map(body => MARKS[worst[body.name]] || colourOfLink(body.link));
     Plotly.restyle(plot, { color: colours, opacity: state.links ? 0.35 : 1 }, data.objects.map((_, n) => n));
     const said = frame.readings.flatMap((reading, n) => reading ? [`${data.eyes[n].name}: ${millimetres(reading.distance)} to ${reading.object}`] : []);
@@ -168,7 +168,7 @@
     }
     const largest = Math.max(...low.map((x, i) => high[i] - x)) || 1;
     const range = low.map((x, i) => { const margin = Math.max(0.02 * largest, (0.1 * largest - (high[i] - x)) / 2); return [x - margin, high[i] + margin]; });
-    // Of one size on the screen, whatever the proportions.
+    // The same size on the screen, whatever the proportions of the scene.
     const extent = range.map(([a, b]) => b - a), scale = 1.9 / Math.hypot(...extent);
     const style = { showbackground: false, gridcolor: "#e4e7eb", zerolinecolor: "#d0d7de", color: "#57606a", showspikes: false, nticks: 5, tickfont: { size: 10 } };
     const named = i => ({ ...style, range: range[i], title: { text: "xyz"[i] + " (m)", font: { size: 11 } } });

@@ -1,1 +1,1 @@
-"""Corrections of the model against the truth by boundary elements: set-ups, truths, evaluation, the report's section."""
+"""Corrections of the model, compared with boundary elements: set-ups, truths, evaluation, and the report's section."""

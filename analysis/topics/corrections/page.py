@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from pathlib import Path
 
 from analysis.pipeline import keys
 from analysis.report import page
-from analysis.results.store import Document, write_text
+from analysis.results.store import write_text
 from analysis.topics.corrections import cases_section, section, stage
 
 PAGE, SET_UPS = "corrections.html", "set_ups.html"
@@ -20,14 +18,10 @@ def make(folder: Path) -> Path:
     document = stage.load(folder)
     page.provide_script(folder)
     body = [page.header(_TITLE), section.section(document, SET_UPS)]
-    write_text(folder / PAGE, page.document(_TITLE, inputs(document), body, page.SCRIPT))
+    write_text(folder / PAGE, page.document(_TITLE, keys.page_inputs(document), body, page.SCRIPT))
     if document is not None:
-        text = cases_section.set_ups_document(document["cases"], PAGE, _TITLE, inputs(document), page.SCRIPT)
+        text = cases_section.set_ups_document(
+            document["cases"], PAGE, _TITLE, keys.page_inputs(document), page.SCRIPT
+        )
         write_text(folder / SET_UPS, text)
     return folder / PAGE
-
-
-def inputs(document: Document | None) -> str:
-    """Returns a hash of what the section is made from."""
-    answers = json.dumps(document, sort_keys=True)
-    return hashlib.sha256(f"{answers} {keys.report_code()}".encode()).hexdigest()

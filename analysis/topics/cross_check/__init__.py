@@ -1,1 +1,1 @@
-"""Two independent answers side by side: boundary elements and the field solver, which share nothing but the scene."""
+"""Compares boundary elements with the field solver, which share nothing but the scene file."""

@@ -1,1 +1,1 @@
-"""The model's error taken apart into named parts that add up, and maps of it: ERRORS.md."""
+"""Splits the model's error into named parts that add up, and maps it: ERRORS.md."""

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 
 from markupsafe import Markup
@@ -25,21 +22,11 @@ PAGE = "errors.html"
 _TITLE = "Where does the model's error come from?"
 
 
-@dataclass(frozen=True)
-class Made:
-    """The page's path, and its finding."""
-
-    path: Path
-    headline: str
-
-
-def make(folder: Path) -> Made:
+def make(folder: Path) -> page.Made:
     """Writes the page of the answers in a folder and those of its set-ups, unless they are up to date."""
     answers = stage.load(folder)
     found = records.entries(answers, set_ups.all_set_ups())
-    inputs = hashlib.sha256(
-        f"{json.dumps(answers, sort_keys=True)} {keys.report_code()}".encode()
-    ).hexdigest()
+    inputs = keys.page_inputs(answers)
     if not is_current(folder / PAGE, inputs):
         page.provide_script(folder)
         for entry in records.once(found):
@@ -48,7 +35,7 @@ def make(folder: Path) -> Made:
         write_text(folder / PAGE, page.document(_TITLE, inputs, body, page.SCRIPT))
     distinct = records.once(found)
     findings = [section.finding(distinct, quantity) for quantity in QUANTITIES] if found else [section.ABSENT]
-    return Made(folder / PAGE, "\n".join(findings))
+    return page.Made(folder / PAGE, "\n".join(findings))
 
 
 def _make_case(folder: Path, entry: Entry) -> None:

@@ -1,1 +1,1 @@
-"""The nights of a study: what moved between two results, the record of the nights, and their page."""
+"""The nights of a study: the difference between two results, the record of the nights, and their page."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +26,7 @@ def make(folder: Path) -> Path:
     """Writes the page of the nights in a folder, unless it is up to date."""
     nights = history.load(folder)
     target = folder / HISTORY
-    inputs = hashlib.sha256(f"{json.dumps(nights)} {keys.report_code()}".encode()).hexdigest()
+    inputs = keys.page_inputs(nights)
     if not is_current(target, inputs):
         page.provide_script(folder)
         write_text(target, _page(results.title(folder), nights, inputs))

@@ -1,1 +1,1 @@
-"""The published table: set-ups above, beside and diagonal to a plate, every value enclosed and known to four digits."""
+"""The published table: set-ups above, beside and diagonal to a plate, with bounds and four digits for every value."""

@@ -1,1 +1,1 @@
-"""The plot that the project is about: run time against error of everything that answers, with one truth."""
+"""Run time against error of all methods, compared with one truth."""

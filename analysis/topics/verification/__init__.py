@@ -1,1 +1,1 @@
-"""The reference against what is known: capacitances, properties, run time against error; a chapter of the report."""
+"""Verifies the reference: known capacitances, properties, run time against error."""

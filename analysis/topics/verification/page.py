@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-from dataclasses import dataclass
 from pathlib import Path
 
 from markupsafe import Markup
@@ -16,14 +13,6 @@ from analysis.topics.verification import cost_section, records, section, stage
 
 PAGE = "verification.html"
 _INTRODUCTION = "Is the field reference right, are its stated errors right, and what does it cost? One command computes every number of this page."
-
-
-@dataclass(frozen=True)
-class Made:
-    """The page's path, and its finding."""
-
-    path: Path
-    headline: str
 
 
 def beside(results: Path) -> Path:
@@ -60,7 +49,7 @@ def _ordered(rows: dict[str, Document]) -> dict[str, Document]:
     return {name: rows[name] for name in stage.row_names() if name in rows}
 
 
-def make(folder: Path) -> Made:
+def make(folder: Path) -> page.Made:
     """Writes the page of the rows in a folder."""
     rows = stage.load(folder)
     title = "Verification of the field reference"
@@ -70,13 +59,7 @@ def make(folder: Path) -> Made:
         costs(rows),
     ]
     page.provide_script(folder)
-    write_text(folder / PAGE, page.document(title, inputs(rows), body, page.SCRIPT))
+    write_text(folder / PAGE, page.document(title, keys.page_inputs(rows), body, page.SCRIPT))
     found = records.compared(rows)
     headline = section.finding(found) if found else section.ABSENT
-    return Made(folder / PAGE, headline)
-
-
-def inputs(rows: dict[str, Document]) -> str:
-    """Returns a hash of what the sections are made from."""
-    answers = json.dumps(rows, sort_keys=True)
-    return hashlib.sha256(f"{answers} {keys.report_code()}".encode()).hexdigest()
+    return page.Made(folder / PAGE, headline)

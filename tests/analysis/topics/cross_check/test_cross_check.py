@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from analysis.pipeline import boundary_stage
-from analysis.pipeline.model_stage import model_module
 from analysis.pipeline.stage import NoAnswer
 from analysis.results import store, study_results as results
 from analysis.results.study_results import Results
