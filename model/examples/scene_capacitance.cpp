@@ -6,7 +6,7 @@
 //
 //   exact         the thesis' model, ε ∫ dA/d over all triangles, in closed form;
 //   split:4       the same integral by splitting each triangle into 4^4 equal ones;
-//   recommended   the best correction of the model: the reduced method where it knows the scene, else a formula.
+//   recommended   the best correction of the model: the reduced method where that applies, else a formula.
 //
 // Run it:  build/examples/scene_capacitance model/examples/hand.toml
 // Expect:  split:4 agrees with exact to 0.01 %, so the integral is right. It is nevertheless 31 %
