@@ -23,7 +23,7 @@ double nearest_node_sum(const Triangle& triangle, std::span<const PlateFrame> pl
   const int rows = 1 << split.levels;
   const Vector3d step_u = (triangle[1] - triangle[0]) / rows, step_v = (triangle[2] - triangle[0]) / rows;
   double sum = 0;
-  // Centroids of the triangles that stand like the whole one, then of those that are turned.
+  // Centroids of the small triangles oriented like the whole triangle, then of those rotated by 180 degrees.
   for (const double third : {1.0 / 3, 2.0 / 3})
     for (int i = 0; i < rows; ++i)
       for (int j = 0; i + j < (third < 0.5 ? rows : rows - 1); ++j)
