@@ -215,9 +215,9 @@ class BatchIntegration {
   /// Number of points up to which a rule costs no more than the closed form of region I.
   static constexpr int few_points = 7;
 
-  /// Largest ratio of length to height, and of distance to height, at which the closed form is used. It loses
-  /// about as many units in the last place as the ratio of length to height, unless the origin is within
-  /// about one height.
+  /// Largest ratios of length to height and of distance to height for the closed form; one of the two
+  /// suffices. The closed form loses about as many units in the last place as the ratio of length to height,
+  /// unless the origin is within about one height.
   static constexpr double most_heights_long = 3, most_heights_away = 1.5;
 
   /// Position of triangles relative to the plate's strips along one axis.
