@@ -31,7 +31,7 @@ LinkMotion::LinkMotion(const std::vector<Link>& links)
 
 void LinkMotion::set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
   const auto known = indices_.find(std::string(link));
-  // Not to be found, it is found out again, for the message.
+  // For an unknown name, find_link throws the error.
   const std::size_t index = known == indices_.end() ? find_link(links_, link) : known->second;
   links_[index].pose = pose;
   moved_[index] = true;

@@ -14,7 +14,7 @@ struct LanesAvx2 {
   static constexpr int width = 4;
   static constexpr bool fused = true;
 
-  /// a·b + c of four doubles, rounded once.
+  /// Computes a·b + c of four doubles with one rounding.
   static __m256d fused_four(const __m256d& a, const __m256d& b, const __m256d& c) {
     return _mm256_fmadd_pd(a, b, c);
   }
