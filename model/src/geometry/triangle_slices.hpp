@@ -9,7 +9,7 @@
 
 namespace fringe::detail {
 
-/// Part of a triangle between two parallel lines, as at most three triangles.
+/// One of the parts into which two parallel lines cut a triangle, as at most three triangles.
 struct Slice {
   std::array<Triangle, 3> triangles;
   std::size_t size = 0;
