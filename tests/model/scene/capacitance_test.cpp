@@ -198,7 +198,7 @@ TEST(Capacitance, OfNodesGivesEachToItsNearestPlate) {
 
 TEST(Capacitance, OfNodesIsInfiniteOnContactWithAnyPlate) {
   Scene scene = divided_sensor();
-  // The wall stands across the second plate, and its centroids lie on neither side of it in particular.
+  // The wall crosses the second plate, but no node of the sums lies on the plate.
   scene.objects = {{"wall", std::nullopt, Plate{0.02, 0.02}, pose_from_axis({1, 0, 0}, 90, {0.02, 0, 0.001}),
                     Grounded{}, true}};
   for (const Method& method : {Method{Exact{}}, Method{Split{2}}, Method{Gauss{2}}})
