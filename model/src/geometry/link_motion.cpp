@@ -7,6 +7,7 @@
 namespace fringe::detail {
 namespace {
 
+/// Counts the ancestors of a link.
 std::size_t depth(const std::vector<Link>& links, std::size_t link) {
   std::size_t above = 0;
   for (std::optional<std::size_t> parent = links[link].parent; parent; parent = links[*parent].parent)

@@ -200,8 +200,8 @@ double kernel_of_heights(double z0, double z1, double z2) {
     z = {std::abs(z[2]), std::abs(z[1]), std::abs(z[0])};
   if (z[0] == z[2])
     return 0.5 / z[0];
-  // The second divided difference of t·ln t, written so that every term is positive. With z₀ = z₁ = 0 the
-  // second moment is infinite, with z₀ = 0 alone the first is 1/z₁.
+  // The second divided difference of t·ln t, written so that every term is positive. With z₀ = z₁ = 0 the far
+  // edge moment is infinite; with z₀ = 0 alone the near one is 1/z₁.
   const double far_half = (z[2] - z[1]) * edge_moment(z[2], z[1]);
   const double near_half = z[1] > z[0] ? (z[1] - z[0]) * edge_moment(z[0], z[1]) : 0.0;
   if (z[1] == 0)

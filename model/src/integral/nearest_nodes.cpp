@@ -10,6 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
+/// Computes 1/distance from a point to the plate nearest to it.
 double inverse_distance_to_nearest(std::span<const PlateFrame> plates, const Vector3d& point) {
   double least = std::numeric_limits<double>::infinity();
   for (const PlateFrame& plate : plates)

@@ -112,6 +112,7 @@ SquareDifference square_difference(const PlateFrame& plate_j, Cell cell_j, const
   return difference;
 }
 
+/// Returns a part of a fragment with one candidate removed.
 Fragment without(const Fragment& fragment, const Triangle& part, std::size_t candidate) {
   Fragment rest{part, fragment.candidates};
   rest.candidates.erase(rest.candidates.begin() + static_cast<std::ptrdiff_t>(candidate));

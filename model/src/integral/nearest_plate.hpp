@@ -18,9 +18,8 @@ namespace fringe::detail {
 
 /// A plate that may be nearest to some point of a fragment.
 struct Candidate {
-  std::size_t plate;  ///< index among the plates
-  std::optional<Cell>
-      cell;  ///< the plate's cell that contains the fragment; empty until the fragment is cut into cells
+  std::size_t plate;         ///< index among the plates
+  std::optional<Cell> cell;  ///< the plate's cell that contains the fragment, once it is cut
 };
 
 /// A triangle, or a part of one, with all plates that may be nearest to some point of it.

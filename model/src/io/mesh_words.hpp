@@ -13,7 +13,7 @@ std::string_view take_line(std::string_view& text);
 /// Removes the next word from a text and returns it; empty when there is none.
 std::string_view take_word(std::string_view& text);
 
-/// Quotes a word for a message: shortened, with control characters escaped.
+/// Quotes a word for a message: shortened, and with everything but printable ASCII escaped.
 std::string shown(std::string_view word);
 
 /// Parses a word as a finite number. Throws InputError unless the whole word is one.

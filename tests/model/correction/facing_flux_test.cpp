@@ -40,7 +40,7 @@ TEST(FacingFlux, OfAWedgeIsExact) {
     const Rectangle lower{{0.5, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     const Vector3d along(std::cos(angle), 0, std::sin(angle));
     const Rectangle upper{0.8 * along, 2 * along, {0, 1, 0}};
-    // Both plates cover distances from 0.8 to 1.5 from this line.
+    // The distances from this line that both plates cover are 0.8 to 1.5.
     EXPECT_NEAR(between(upper, lower).flux, std::log(1.5 / 0.8) / angle, 1e-4 / angle) << degrees;
   }
 }

@@ -21,9 +21,8 @@ enum class Visibility {
 
 struct ProgrammeAnswer {
   Visibility visibility;
-  Real distance;  ///< accurate to 13 digits more than a double
-  std::array<Real, 3>
-      offset{};  ///< from the apex to the nearest visible point, right to the distance's 1e-15
+  Real distance;                 ///< accurate to 13 digits more than a double
+  std::array<Real, 3> offset{};  ///< from the apex to the nearest visible point, to 1e-15 of the distance
 };
 
 /// Computes the nearest point of a triangle in a cone of unlimited range. The cone's half angle is first

@@ -19,8 +19,8 @@ constexpr int panel_length = 2;
 /// the plate counts as touching it: s/distance is then constant up to a relative error of that size.
 constexpr int most_panels = 30;
 
-/// Number of plain rules, for closeness up to 2^24. For larger closeness the rule with the fewest nodes is
-/// accurate to all digits.
+/// Exponent of the largest closeness with a rule of its own, 2^24. The few nodes of this rule are accurate to
+/// all digits for any larger closeness.
 constexpr int most_doublings = 24;
 
 struct RealNode {

@@ -43,6 +43,7 @@ struct Dissection {
   std::vector<Sector> sectors;
 };
 
+/// Cuts a triangle at the plate's border planes and divides the pieces into sectors.
 Dissection dissect(const Triangle& triangle, const Rectangle& plate);
 
 Real twice_area(const RealVector& a, const RealVector& b, const RealVector& c);

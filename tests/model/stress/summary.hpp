@@ -16,10 +16,9 @@ namespace fringe::stress {
 /// Relative errors, and their ratios to the conditioning, of the finite results whose truth is finite and
 /// positive; absent when there are none.
 struct MethodSummary {
-  std::size_t triangles = 0;   ///< triangles to which the method applies
-  std::size_t not_finite = 0;  ///< infinite or not a number where the truth is finite
-  std::size_t wrong_by_1_percent =
-      0;  ///< off by more than 1 %, or not finite, 0 or infinite and should not be
+  std::size_t triangles = 0;           ///< triangles to which the method applies
+  std::size_t not_finite = 0;          ///< infinite or not a number where the truth is finite
+  std::size_t wrong_by_1_percent = 0;  ///< off by more than 1 %, or wrongly 0, infinite or NaN
   std::optional<double> largest_error, median_error;
   std::optional<double> largest_over_conditioning, median_over_conditioning, percentile_99_over_conditioning;
 };

@@ -78,7 +78,8 @@ struct BatchKernels {
   std::size_t (*integrate)(const TriangleArrays& triangles, std::size_t count, const PlateCoordinates& plate,
                            const Choices& choices, double* values, std::uint32_t* left);
 
-  /// Does the same for virtual triangles; writes each to `left` at most once.
+  /// Does the same for virtual triangles: adds weight·K of each to values[i], and writes each to `left` at
+  /// most once.
   std::size_t (*integrate_virtual)(const VirtualTriangles& triangles, std::size_t count,
                                    const Choices& choices, double* values, std::uint32_t* left);
 

@@ -242,6 +242,7 @@ class BatchIntegration {
     return (first & (!second) & (!third)) | ((!first) & second & third);
   }
 
+  /// Adds the results of the marked lanes to the values.
   void add(const V& results, const Places<Lanes>& places, unsigned lanes) {
     if (lanes == all_lanes && places.consecutive) {
       double* values = values_ + places.indices[0];
@@ -255,6 +256,7 @@ class BatchIntegration {
         values_[places.indices[lane]] += spread[lane];
   }
 
+  /// Writes the indices of the marked lanes to the list of triangles left out.
   void leave(const Places<Lanes>& places, unsigned lanes) {
     for (int lane = 0; lane < width; ++lane)
       if ((lanes >> lane & 1U) != 0)
@@ -289,6 +291,7 @@ class BatchIntegration {
     return V(0.5) * sum;
   }
 
+  /// Adds the closed form of region I; leaves out triangles that may touch the plate's plane.
   void add_in_front(const V& z0, const V& z1, const V& z2, const V& weight, const Places<Lanes>& places,
                     unsigned lanes) {
     const Mask one_side =
@@ -303,6 +306,8 @@ class BatchIntegration {
         places, clear);
   }
 
+  /// Adds triangles close to the origin by the closed form or, if they are long and thin, by a Gauss rule
+  /// along the height; queues partial registers.
   void add_near(const VirtualLanes<V>& triangle, const V& weight, const V& squared_distance,
                 const Places<Lanes>& places, unsigned lanes) {
     const Vector3<V>&v0 = triangle.v0, &v1 = triangle.v1, &v2 = triangle.v2;
@@ -336,6 +341,7 @@ class BatchIntegration {
     }
   }
 
+  /// Adds the closed form; leaves out the lanes in which it is not accurate.
   void add_closed(const V (&values)[Queue<Lanes>::components], const Places<Lanes>& places, unsigned lanes) {
     Mask safe = V(1) > V(0);
     const V kernel =
@@ -347,6 +353,7 @@ class BatchIntegration {
     add(values[9] * kernel, places, done);
   }
 
+  /// Adds the Gauss rule along the height; leaves out the lanes in which no rule suffices.
   void add_along_height(const V (&values)[Queue<Lanes>::components], const Places<Lanes>& places,
                         unsigned lanes) {
     const LanesHeightSplit<V> split =
@@ -372,6 +379,7 @@ class BatchIntegration {
   }
 
   template <class Add>
+  /// Empties the queue register by register until fewer than `least` triangles remain.
   void drain(Queue<Lanes>& queue, int least, const Add& add_all) {
     while (queue.size() >= least) {
       V values[Queue<Lanes>::components];

@@ -143,6 +143,7 @@ class Builder {
                                                       : build_inner(tree_.nodes[index]);
   }
 
+  /// Computes a leaf's moments from a rule on each triangle.
   Part build_leaf(Node& leaf) {
     Part part;
     part.frame = {leaf.centre, leaf.radius};
@@ -161,6 +162,7 @@ class Builder {
     return part;
   }
 
+  /// Computes a node's moments from those of its children, by translation.
   Part build_inner(Node& node) {
     Part part;
     part.frame = {node.centre, node.radius};
@@ -175,6 +177,7 @@ class Builder {
     return part;
   }
 
+  /// Sets the node's area, centroid and radius.
   void set_size(Node& node) const {
     const auto& [first, count] = node.triangles;
     Vector3d weighted = Vector3d::Zero();
@@ -190,6 +193,7 @@ class Builder {
     node.radius = std::sqrt(squared);
   }
 
+  /// Sets the cone of the node's normals.
   void set_normals(Node& node) const {
     const auto& [first, count] = node.triangles;
     Vector3d sum = Vector3d::Zero();
@@ -237,6 +241,7 @@ class Builder {
     set_quadrature(node, part, 3, part.rule);
   }
 
+  /// Stores a quadrature of a node with the bounds of its error.
   void set_quadrature(Node& node, const Part& part, std::size_t step,
                       const std::vector<WeightedPoint>& points) {
     static const std::array<double, moment_degree + 1> norms = form_norms();
@@ -277,6 +282,7 @@ class Builder {
       sum.entries[i] -= factor * product[i];
   }
 
+  /// Sets the bounds of the errors of the triangles' quadratures.
   void set_trianglewise(Node& leaf) const {
     TrianglewiseErrors& errors = leaf.trianglewise;
     for (std::size_t i = leaf.triangles.first; i < leaf.triangles.first + leaf.triangles.count; ++i) {

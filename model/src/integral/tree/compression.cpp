@@ -178,8 +178,7 @@ class Tableau {
 
 /// The candidates that still have weight, in a few groups of neighbours. Each group counts as one candidate.
 struct Groups {
-  std::vector<std::size_t>
-      first;  ///< position of each group's first candidate in the list, and the list's end
+  std::vector<std::size_t> first;  ///< positions of the groups' first candidates, and the list's end
   Columns columns;
   std::vector<double> weights;
 };
