@@ -51,8 +51,8 @@ double signed_volume(std::span<const Triangle> triangles) {
 }
 
 bool is_closed(std::span<const Triangle> triangles) {
-  std::map<std::pair<Coordinates, Coordinates>, int>
-      uses;  // uses of an edge minus those in the opposite direction
+  // How often each edge is used in one direction, minus the uses in the opposite direction.
+  std::map<std::pair<Coordinates, Coordinates>, int> uses;
   for (const Triangle& triangle : triangles) {
     for (int i = 0; i < 3; ++i) {
       const Coordinates from = coordinates(triangle[i]), to = coordinates(triangle[(i + 1) % 3]);

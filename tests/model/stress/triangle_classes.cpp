@@ -428,9 +428,8 @@ Triangle on_the_plate(Random& random, const Size& size) {
   case 1:
     return view({a, b, off});  // an edge on the plate
   case 2:
-    return view({Vector3d(0, -beyond_end(0), 0),
-                 {0, beyond_end(seen.length.y()), 0},
-                 off});  // an edge along the plate's edge and beyond
+    return view(
+        {Vector3d(0, -beyond_end(0), 0), {0, beyond_end(seen.length.y()), 0}, off});  // along its edge
   default:
     return view({a, level, off});  // an edge that leaves the plate
   }

@@ -34,8 +34,8 @@ class PieceBuffer {
   double* values_;
   std::size_t size_ = 0;
   double components_[9][capacity] = {};
-  double shares_[capacity] = {};       // of the triangle's area
-  double twice_areas_[capacity] = {};  // of the triangle
+  double shares_[capacity] = {};       // areas of the pieces as shares of their triangles'
+  double twice_areas_[capacity] = {};  // twice the triangles' areas
   double weights_[capacity] = {};      // the product of the two
   std::uint32_t indices_[capacity] = {};
 };

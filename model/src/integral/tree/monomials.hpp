@@ -38,8 +38,9 @@ constexpr MonomialTable make_monomials() {
   std::size_t next = 1;
   for (std::size_t previous = 0; next < all_monomials; ++previous) {
     const Monomial& base = table[previous];
-    int first_axis = 0;  // highest axis with a positive exponent: multiplying by it and later axes only makes
-                         // each product once
+    // The highest axis with a positive exponent: multiplying by it and later axes only makes each product
+    // once.
+    int first_axis = 0;
     for (int axis = 0; axis < 3; ++axis)
       if (base.exponents[static_cast<std::size_t>(axis)] > 0)
         first_axis = axis;
