@@ -378,8 +378,8 @@ class BatchIntegration {
     add(values[9] * kernel_along_height<Lanes>(split, chosen.nodes, chosen.points), places, apart);
   }
 
-  template <class Add>
   /// Empties the queue register by register until fewer than `least` triangles remain.
+  template <class Add>
   void drain(Queue<Lanes>& queue, int least, const Add& add_all) {
     while (queue.size() >= least) {
       V values[Queue<Lanes>::components];

@@ -87,8 +87,8 @@ void append(const std::vector<WeightedPoint>& points, PointArrays& arrays) {
 }
 
 /// Bounds the difference between two means of the expansion's form of degree 3: over a triangle, and over the
-/// points halfway from its centroid to its corners aᵢ. The tensors differ by Σaᵢ⊗aᵢ⊗aᵢ/120. Takes the
-/// products aᵢ·aⱼ.
+/// points halfway from its centroid to its corners. With aᵢ the vectors from the centroid to the corners, the
+/// tensors differ by Σaᵢ⊗aᵢ⊗aᵢ/120; `products` are aᵢ·aⱼ.
 double cubic_mismatch(const Eigen::Array33d& products) {
   return std::sqrt(2.5 * std::max(products.cube().sum(), 0.0)) / 120;
 }
@@ -143,7 +143,7 @@ class Builder {
                                                       : build_inner(tree_.nodes[index]);
   }
 
-  /// Computes a leaf's moments from a rule on each triangle.
+  /// Sets the quadratures of a leaf, whose moments come from a rule on each triangle.
   Part build_leaf(Node& leaf) {
     Part part;
     part.frame = {leaf.centre, leaf.radius};
@@ -162,7 +162,7 @@ class Builder {
     return part;
   }
 
-  /// Computes a node's moments from those of its children, by translation.
+  /// Sets the quadratures of an inner node, whose moments come from those of its children by translation.
   Part build_inner(Node& node) {
     Part part;
     part.frame = {node.centre, node.radius};
