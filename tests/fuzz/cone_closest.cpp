@@ -12,7 +12,7 @@ void cone_closest(Bytes bytes) {
   constexpr std::size_t most_triangles = 6;
   Input input(bytes);
   SensingCone cone{input.point(), input.point(), 0, 0};
-  // From the narrowest to the half space.
+  // Angles from the narrowest to the half space.
   cone.full_angle = std::ldexp(1 + input.byte() % 200, -(input.byte() % 8)) / 64;
   cone.range = std::abs(input.number());
   std::vector<Triangle> triangles;
@@ -30,14 +30,14 @@ void cone_closest(Bytes bytes) {
       points.insert(points.end(), triangle.begin(), triangle.end());
     if (!ordinary(points))
       return;
-    // The boundary is a matter of rounding, of the angle by 2^-50: what is certain is asked of a slightly
-    // different cone.
+    // Rounding, of the angle by 2^-50, decides what happens at the cone's boundary. A triangle that is seen
+    // with certainty is also seen by a slightly wider cone.
     constexpr double rounding = 1e-12;
     SensingCone wider = cone;
     wider.full_angle = std::min(cone.full_angle * (1 + rounding), 3.141592653589793);
     wider.range *= 1 + rounding;
-    // In units of the farthest vertex what is nearer than this counts as the apex, or does not, and a
-    // distance has lost 2^-100 or so (NUMERICS, section 14).
+    // In units of the farthest vertex: distances below `lost` may or may not count as the apex, and a
+    // distance is rounded by some 2^-100 (NUMERICS, section 14).
     constexpr double lost = 0x1p-88, trace = 0x1p-98;
     double size = 0;
     for (const Eigen::Vector3d& point : points)
@@ -54,7 +54,7 @@ void cone_closest(Bytes bytes) {
       }
     }
   } catch (const InputError&) {
-    // What is not finite, or no cone.
+    // The input is not finite, or is not a cone.
   }
 }
 

@@ -3,28 +3,28 @@
 #include <cstdint>
 #include <span>
 
-/// What a fuzzer feeds with bytes. Each target makes its input of them, and ends the process when what must
-/// hold of the answer does not; a refusal by InputError is an answer.
+/// The fuzz targets. Each decodes its input from bytes and aborts the process when a required property of the
+/// answer is violated. A refusal by InputError is a valid answer.
 namespace fringe::fuzz {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// A scene file of these bytes: read, or refused in one line that can be printed.
+/// Reads the bytes as a scene file. It must be accepted, or refused with a message of one printable line.
 void scene_reader(Bytes bytes);
 
-/// The first byte chooses STL, OBJ or PLY, the rest is the file: read as finite triangles, or refused
-/// likewise.
+/// Reads the bytes after the first as an STL, OBJ or PLY file, as the first byte selects. The triangles must
+/// be finite, or the file be refused likewise.
 void mesh_reader(Bytes bytes);
 
-/// A triangle and a plate: the integral is no less than area over the greatest distance, does not depend on
-/// the vertex that comes first, and is the same in a batch.
+/// Integrates over a triangle for a plate. The integral must be at least area over greatest distance, not
+/// depend on which vertex comes first, and be the same in a batch.
 void plate_integral(Bytes bytes);
 
-/// Two sets of vertices: the answer is proven by its certificate, the same for either order, and that of the
-/// distance.
+/// Tests two sets of vertices for intersection. The certificate must prove the answer, which must not depend
+/// on the order of the sets and must agree with their distance.
 void gjk_intersects(Bytes bytes);
 
-/// Triangles and a cone: both methods see the same, at the same distance.
+/// Searches triangles for the closest point in a cone. Both methods must find the same distance.
 void cone_closest(Bytes bytes);
 
 }  // namespace fringe::fuzz

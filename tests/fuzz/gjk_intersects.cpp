@@ -8,7 +8,7 @@
 namespace fringe::fuzz {
 
 void gjk_intersects(Bytes bytes) {
-  // Sets as large as those of boxes and a little larger.
+  // Largest number of vertices of a set: slightly more than a box has.
   constexpr std::size_t most_vertices = 12;
   Input input(bytes);
   std::vector<Eigen::Vector3d> a, b;
@@ -26,7 +26,7 @@ void gjk_intersects(Bytes bytes) {
             "the distance is zero when they intersect, and only then");
     require(distance.distance >= 0, "the distance is a number, and not below zero");
   } catch (const InputError&) {
-    // An empty set, or what is not finite.
+    // A set is empty or not finite.
   }
 }
 

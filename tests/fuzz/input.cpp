@@ -19,7 +19,7 @@ double Input::number() {
     begun_ = true;
     const std::uint8_t kind = byte();
     any_bits_ = kind % 4 == 0;
-    // Mostly 1; else from the smallest to the largest numbers.
+    // The scale is mostly 1, otherwise between the smallest and the largest numbers.
     beside_ = kind / 4 % 2 == 1;
     exponent_ = kind % 4 == 1 ? 8 * static_cast<std::int8_t>(byte()) : 0;
   }

@@ -12,7 +12,7 @@
 
 namespace fringe::fuzz {
 
-/// Ends the process, so that a fuzzer keeps the input, unless the claim holds.
+/// Aborts the process unless the claim holds, so that a fuzzer keeps the input.
 inline void require(bool claim, std::string_view what) {
   if (claim)
     return;
@@ -20,7 +20,7 @@ inline void require(bool claim, std::string_view what) {
   std::abort();
 }
 
-/// Takes numbers off the bytes; zeros when they are used up.
+/// Decodes numbers from bytes; returns zeros when the bytes are used up.
 class Input {
  public:
   explicit Input(Bytes bytes) : bytes_(bytes) {}
@@ -28,9 +28,9 @@ class Input {
   bool empty() const { return bytes_.empty(); }
   std::uint8_t byte();
 
-  /// A point of three numbers: by the input's first byte either any bits at all, or sixteenths of small whole
-  /// numbers, among which contact, lines and planes are frequent, times a power of two; exactly, or units in
-  /// the last place beside.
+  /// Decodes a point. The input's first byte selects the kind of number: either arbitrary bits, or sixteenths
+  /// of small integers times a power of two, exactly or a few units in the last place off. The latter often
+  /// give contact, collinear and coplanar points.
   Eigen::Vector3d point();
   double number();
 
@@ -42,10 +42,11 @@ class Input {
   bool begun_ = false;
 };
 
-/// Whether a scene may hold such numbers.
+/// Returns whether all numbers are within the limit of a scene file.
 bool in_a_scene(const std::vector<Eigen::Vector3d>& points);
 
-/// Where nothing overflows and nothing is denormal: what holds of the exact answer holds of a rounded one.
+/// Returns whether the points are in the range without overflow and denormal numbers, where properties of the
+/// exact answer also hold for the rounded one.
 bool ordinary(const std::vector<Eigen::Vector3d>& points);
 
 }  // namespace fringe::fuzz

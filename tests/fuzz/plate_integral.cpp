@@ -12,7 +12,8 @@
 namespace fringe::fuzz {
 namespace {
 
-/// The greatest distance of a vertex from a corner is above that of any two points.
+/// Computes the greatest distance between a vertex of the triangle and a corner of the plate, which bounds
+/// the distance of any two of their points.
 double greatest_distance(const Triangle& triangle, const Rectangle& plate) {
   double greatest = 0;
   for (const Eigen::Vector3d& vertex : triangle)
@@ -23,7 +24,7 @@ double greatest_distance(const Triangle& triangle, const Rectangle& plate) {
   return greatest;
 }
 
-/// Relative to the size of the set-up and its square.
+/// Thresholds relative to the greatest distance and to its square.
 constexpr double near_contact = 1e-6, thin = 1e-6;
 
 double distance_between(const Triangle& triangle, const Rectangle& plate) {
@@ -39,7 +40,8 @@ void plate_integral(Bytes bytes) {
   Input input(bytes);
   const Triangle triangle{input.point(), input.point(), input.point()};
   Rectangle plate{input.point(), input.point(), input.point()};
-  // Bytes seldom make a right angle: mostly the second edge is turned into one, at right angles to the first.
+  // Random bytes seldom give a right angle, so mostly the second edge is replaced by a vector perpendicular
+  // to the first.
   if (input.byte() % 4 != 0)
     plate.edge_v = plate.edge_u.cross(plate.edge_v);
   try {
@@ -63,8 +65,8 @@ void plate_integral(Bytes bytes) {
     const double greatest = greatest_distance(triangle, plate);
     require(!(integral < twice_area(triangle) / 2 / greatest * (1 - rounding)),
             "it is at least area over the greatest distance");
-    // Next to contact rounding decides, the same whichever vertex comes first; but whether points on a line
-    // but for rounding have an area, and which, it decides anew.
+    // Close to contact, rounding decides, and it does so in the same way whichever vertex comes first. But
+    // the area of vertices that are collinear up to rounding does depend on the order.
     const bool apart = distance_between(triangle, plate) >= near_contact * greatest;
     if (apart || twice_area(triangle) >= thin * greatest * greatest)
       require(again == integral || std::abs(again - integral) <= rounding * integral,
@@ -73,7 +75,7 @@ void plate_integral(Bytes bytes) {
       require(std::abs(in_a_batch - integral) <= rounding * integral, "it is the same alone and in a batch");
     require(std::isfinite(integral) || !apart, "it is finite without contact");
   } catch (const InputError&) {
-    // What is not finite, or no rectangle.
+    // The input is not finite, or the plate is not a rectangle.
   }
 }
 

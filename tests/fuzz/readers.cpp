@@ -31,7 +31,7 @@ void require_sound(const Scene& scene) {
     require(!sensor.plates.empty() && !sensor.name.empty(), "a sensor has a name and plates");
 }
 
-/// A file of these bytes in memory alone.
+/// A file in memory with the given bytes.
 class MemoryFile {
  public:
   explicit MemoryFile(Bytes bytes) : descriptor_(memfd_create("scene", 0)) {

@@ -22,8 +22,8 @@ struct Named {
   std::size_t mutations;
 };
 
-/// Every seed as it is, and so many changed at random; what does not hold ends the process. The fuzzers
-/// themselves go on from here: tests/fuzz/run.
+/// Runs a target on every seed and on the given number of random mutations; a violated property aborts the
+/// process. tests/fuzz/run continues from the seeds with the real fuzzers.
 class Fuzz : public testing::TestWithParam<Named> {};
 
 std::vector<Content> seeds(const std::string& name) {
@@ -40,7 +40,7 @@ std::vector<Content> seeds(const std::string& name) {
   return contents;
 }
 
-/// Bytes set, taken out, put in, and a stretch repeated.
+/// Mutates the content: sets, removes or inserts bytes, or repeats a stretch of them.
 Content mutated(Content content, std::mt19937& random) {
   const auto below = [&](std::size_t end) { return end == 0 ? 0 : random() % end; };
   for (std::size_t change = 0; change <= below(6); ++change) {

@@ -9,10 +9,10 @@
 
 #include "fringe/plate_integral.hpp"
 
-/// What the tests of the integral build their triangles with.
+/// Helpers with which the tests build triangles and random inputs.
 namespace fringe::test {
 
-/// The two triangles of the parallelogram corner + a·u + b·v.
+/// Returns the two triangles of the parallelogram corner + a·u + b·v, 0 ≤ a, b ≤ 1.
 inline std::vector<Triangle> parallelogram(const Eigen::Vector3d& corner, const Eigen::Vector3d& u,
                                            const Eigen::Vector3d& v) {
   return {{corner, corner + u, corner + u + v}, {corner, corner + u + v, corner + v}};
@@ -26,8 +26,8 @@ inline double total_integral(const std::vector<Triangle>& triangles, const Recta
   return sum;
 }
 
-/// How many random cases a test takes: a tenth without optimisation and under sanitizers, where one takes ten
-/// times as long.
+/// Number of random cases in a test: a tenth in builds without optimisation and under sanitizers, where a
+/// case takes ten times as long.
 constexpr int draws(int optimised) {
 #ifdef NDEBUG
   return optimised;
@@ -36,8 +36,8 @@ constexpr int draws(int optimised) {
 #endif
 }
 
-/// Random numbers that are the same with every standard library: the engine is fixed by the standard, the
-/// distributions are not.
+/// Random numbers that are identical with every standard library: the standard fixes the engine but not the
+/// distributions.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}

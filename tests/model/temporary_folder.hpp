@@ -9,7 +9,7 @@
 
 namespace fringe::test {
 
-/// A test with a folder of its own, removed afterwards.
+/// Fixture with a temporary folder, which is removed after the test.
 class TemporaryFolder : public testing::Test {
  public:
   TemporaryFolder(const TemporaryFolder&) = delete;

@@ -45,7 +45,7 @@ void BoxTree::split(std::uint32_t node, std::size_t first, std::size_t count, co
       leaves_[item] = node;
     return;
   }
-  // Halves of equal number keep the tree as low as it can be.
+  // Halves with equal numbers of items give the smallest height.
   const std::size_t half = count / 2;
   split_at_median(items, half, [&](std::uint32_t item) -> const Vector3d& { return source.points[item]; });
   const auto left = static_cast<std::uint32_t>(nodes_.size());

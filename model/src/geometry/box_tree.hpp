@@ -10,25 +10,26 @@
 namespace fringe::detail {
 
 /// A bounding volume hierarchy: a binary tree of axis-aligned boxes over numbered items (thesis 3.3, last
-/// paragraph). A node's box holds those of the items below it.
+/// paragraph). A node's box contains the boxes of all items below it.
 class BoxTree {
  public:
   struct Node {
     Eigen::AlignedBox3d box;
-    std::uint32_t parent;  ///< of the root: itself
-    std::uint32_t left;    ///< 0 for a leaf; the right child is next to the left one
-    std::uint32_t first;   ///< of a leaf: the place of its first item in items()
-    std::uint32_t count;   ///< of a leaf: how many items it has
+    std::uint32_t parent;  ///< index; the root's is its own
+    std::uint32_t left;    ///< index, 0 for a leaf; the right child follows the left one
+    std::uint32_t first;   ///< leaves only: position of the first item in items()
+    std::uint32_t count;   ///< leaves only: number of items
 
     bool is_leaf() const { return left == 0; }
   };
 
   BoxTree() = default;
 
-  /// Makes a tree with one leaf for each box. Items are numbered as their boxes.
+  /// Builds a tree with one leaf per box. An item's number is the index of its box.
   explicit BoxTree(std::span<const Eigen::AlignedBox3d> boxes);
 
-  /// Halves the items at the median of their points until no leaf has more than `leaf_size`.
+  /// Builds a tree by bisecting the items at the median of their points until no leaf has more than
+  /// `leaf_size`.
   BoxTree(std::span<const Eigen::AlignedBox3d> boxes, std::span<const Eigen::Vector3d> points,
           std::size_t leaf_size);
 
@@ -37,18 +38,19 @@ class BoxTree {
   const Node& left(const Node& node) const { return nodes_[node.left]; }
   const Node& right(const Node& node) const { return nodes_[node.left + 1]; }
 
-  /// The numbers of all items, those of a leaf one after the other.
+  /// Returns the numbers of all items, ordered so that those of a leaf are consecutive.
   std::span<const std::uint32_t> items() const { return items_; }
-  /// The item of a leaf that has one only.
+  /// Returns the item of a leaf that has only one.
   std::uint32_t item(const Node& leaf) const { return items_[leaf.first]; }
-  /// The leaf of an item.
+  /// Returns the leaf that contains an item.
   const Node& leaf_of(std::size_t item) const { return nodes_[leaves_[item]]; }
 
-  /// Gives an item of a leaf of its own another box. The boxes above it grow or shrink with it; the tree's
-  /// shape stays.
+  /// Replaces the box of an item that is alone in its leaf, and refits the boxes above it. The tree's
+  /// topology stays.
   void move(std::size_t item, const Eigen::AlignedBox3d& box);
 
-  /// The sum of the nodes' surfaces, to which the cost of a search is roughly proportional.
+  /// Computes the sum of the boxes' half surface areas, to which the cost of a search is roughly
+  /// proportional.
   double cost() const;
 
  private:
@@ -62,7 +64,7 @@ class BoxTree {
 
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> items_;
-  std::vector<std::uint32_t> leaves_;  ///< by item
+  std::vector<std::uint32_t> leaves_;  ///< the leaf of each item
 };
 
 }  // namespace fringe::detail

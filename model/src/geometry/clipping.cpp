@@ -12,9 +12,10 @@ namespace {
 
 enum class Side { lower, upper };
 
-/// The point where the edge ab meets coordinate = bound, `from_a` and `from_b` being the ends' signed
-/// distances to it. It is reached from the nearer end, which keeps components that do not change exact and
-/// the relative accuracy of those that do not change sign, and gives the same point for ab and ba.
+/// Computes the point where the edge ab meets the plane coordinate = bound, given the signed distances
+/// `from_a` and `from_b` of the ends from it. Interpolation starts at the nearer end. This keeps constant
+/// components exact, preserves the relative accuracy of components that do not change sign, and gives the
+/// same point for ab and ba.
 PieceVertex cut(const PieceVertex& a, const PieceVertex& b, double from_a, double from_b, int axis,
                 double bound) {
   const double t = from_a / (from_a - from_b);
@@ -31,8 +32,8 @@ double inside_by(const PieceVertex& vertex, int axis, double bound, Side side) {
   return side == Side::upper ? above : -above;
 }
 
-/// Whether each corner is inside, so that the outline changes sides at most twice: the corners nearest to the
-/// plane are not asked, and go with the next that is.
+/// Decides for each corner whether it is inside, so that the outline changes sides at most twice. Corners
+/// closest to the plane take the side of the next corner that is decided by its own distance.
 std::array<bool, most_corners> sides(std::array<double, most_corners> inside, std::size_t size) {
   const auto next_asked = [&](std::size_t i) {
     do
@@ -59,7 +60,8 @@ std::array<bool, most_corners> sides(std::array<double, most_corners> inside, st
   return result;
 }
 
-/// The part of a piece on one side, which it shares with the other along one chord whatever rounding says.
+/// Clips a piece to one side of the plane, along a single chord that the parts on both sides share whatever
+/// the rounding.
 Piece clip_along_chord(const Piece& piece, int axis, double bound, Side side) {
   std::array<double, most_corners> inside{};
   bool flat = true;
@@ -67,7 +69,7 @@ Piece clip_along_chord(const Piece& piece, int axis, double bound, Side side) {
     inside[i] = inside_by(piece.vertices[i], axis, bound, side);
     flat = flat && inside[i] == 0;
   }
-  // It goes to either side, because the caller has chosen.
+  // A piece that lies in the plane counts as inside on either side, because the caller has chosen the side.
   if (flat)
     return piece;
   const std::array<bool, most_corners> is_inside = sides(inside, piece.size);
@@ -78,7 +80,7 @@ Piece clip_along_chord(const Piece& piece, int axis, double bound, Side side) {
       kept.vertices[kept.size++] = piece.vertices[i];
     if (is_inside[i] == is_inside[next])
       continue;
-    // A corner on the wrong side is on the plane but for rounding.
+    // A corner whose distance has the wrong sign lies on the plane up to rounding.
     const auto distance = [&](std::size_t corner) {
       return (inside[corner] > 0) == is_inside[corner] ? std::abs(inside[corner]) : 0.0;
     };
@@ -90,22 +92,23 @@ Piece clip_along_chord(const Piece& piece, int axis, double bound, Side side) {
   return kept;
 }
 
-/// The part of a convex piece on one side of coordinate = bound (Sutherland and Hodgman).
+/// Clips a convex piece to one side of the plane coordinate = bound (Sutherland and Hodgman).
 Piece clip(const Piece& piece, int axis, double bound, Side side) {
   Piece kept;
   if (piece.size == 0)
     return kept;
-  int meetings = 0;  // of the outline with the plane
+  int meetings = 0;  // number of points where the outline meets the plane
   double next_inside = inside_by(piece.vertices[0], axis, bound, side);
   for (std::size_t i = 0; i < piece.size; ++i) {
     const PieceVertex& current = piece.vertices[i];
     const PieceVertex& next = piece.vertices[i + 1 < piece.size ? i + 1 : 0];
     const double current_inside = std::exchange(next_inside, inside_by(next, axis, bound, side));
     const bool crosses = (current_inside > 0 && next_inside < 0) || (current_inside < 0 && next_inside > 0);
-    // A plane that divides a convex outline meets it twice. If more often, the piece has an edge in the plane
-    // but for rounding, or all of it, and its two parts might overlap.
+    // A plane that divides a convex outline meets it twice. If it meets it more often, the piece or one of
+    // its edges lies in the plane up to rounding, and its two parts might overlap.
     if ((crosses || current_inside == 0) && ++meetings > 2) {
-      // Assigned, not returned: with one variable to return, the piece is built in place.
+      // Assigned instead of returned directly: with a single return variable the piece is constructed in
+      // place.
       kept = clip_along_chord(piece, axis, bound, side);
       return kept;
     }

@@ -8,16 +8,17 @@
 
 #include "geometry/plate_frame.hpp"
 
-/// Cutting a triangle at the four planes that stand on a plate's edges (model/NUMERICS.md, section 6).
+/// Clipping of a triangle at the four border planes of a plate: those through an edge, normal to the plate
+/// (model/NUMERICS.md, section 6).
 namespace fringe::detail {
 
-/// Where a coordinate lies relative to the plate's extent [0, length].
+/// Position of a coordinate relative to the plate's extent [0, length].
 enum class Strip { below, within, above };
 
 constexpr std::array<Strip, 3> strips{Strip::below, Strip::within, Strip::above};
 
-/// One of the nine cells of space in which the nearest point of the plate is a linear function of the point:
-/// region I where both strips are `within`, II where one is, III where none is.
+/// One of the nine cells of space in each of which the nearest point of the plate is an affine function of
+/// the point: region I where both strips are `within`, II where one is, III where none is.
 struct Cell {
   Strip u;
   Strip v;
@@ -29,7 +30,7 @@ struct PieceVertex {
   Eigen::Vector3d barycentric;
 };
 
-/// Four cuts leave a triangle at most seven corners.
+/// Largest number of corners of a piece: a triangle cut by four planes has at most seven.
 constexpr std::size_t most_corners = 7;
 
 /// A convex piece of a triangle.
@@ -38,10 +39,10 @@ struct Piece {
   std::size_t size = 0;
 };
 
-/// The whole triangle as a piece.
+/// Makes a piece of the whole triangle.
 Piece whole(const LocalTriangle& triangle);
 
-/// The vector to a point in the cell from the nearest point of the plate.
+/// Computes the vector from the nearest point of the plate to a point in the cell.
 inline Eigen::Vector3d from_plate(const PlateFrame& plate, Cell cell, const Eigen::Vector3d& point) {
   const auto beside = [](Strip strip, double coordinate, double length) {
     return strip == Strip::below ? coordinate : strip == Strip::within ? 0.0 : coordinate - length;
@@ -49,7 +50,7 @@ inline Eigen::Vector3d from_plate(const PlateFrame& plate, Cell cell, const Eige
   return {beside(cell.u, point.x(), plate.length_u), beside(cell.v, point.y(), plate.length_v), point.z()};
 }
 
-/// How far a piece reaches along an axis; from +infinity to −infinity when it is empty.
+/// Range of a piece's coordinates along an axis; from +infinity to −infinity when the piece is empty.
 struct Extent {
   double lowest;
   double highest;
@@ -57,17 +58,17 @@ struct Extent {
 
 Extent extent(const Piece& piece, int axis);
 
-/// Whether a piece of this extent has a share in the strip. A piece flat in a border plane belongs to exactly
-/// one of the two strips that meet there.
+/// Returns whether a piece of this extent has a part in the strip. A piece that lies in a border plane
+/// belongs to exactly one of the two strips that meet there.
 bool has_share(Strip strip, Extent extent, double length);
 
-/// The strip that alone has a share in a piece of this extent, if there is one.
+/// Returns the strip that contains all of a piece of this extent, if there is one.
 std::optional<Strip> only_strip(Extent extent, double length);
 
-/// The part of a piece whose coordinate along the axis (0 or 1) lies in the strip.
+/// Returns the part of a piece whose coordinate along the axis (0 or 1) lies in the strip.
 Piece clip_to_strip(const Piece& piece, int axis, Strip strip, double length);
 
-/// The area of the triangle of three corners as a share of the whole triangle's, in [0, 1].
+/// Computes the area of the triangle of three corners as a share of the whole triangle's area, in [0, 1].
 double share_of_area(const PieceVertex& a, const PieceVertex& b, const PieceVertex& c);
 
 }  // namespace fringe::detail

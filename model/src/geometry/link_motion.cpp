@@ -7,6 +7,7 @@
 namespace fringe::detail {
 namespace {
 
+/// Counts the ancestors of a link.
 std::size_t depth(const std::vector<Link>& links, std::size_t link) {
   std::size_t above = 0;
   for (std::optional<std::size_t> parent = links[link].parent; parent; parent = links[*parent].parent)
@@ -31,7 +32,7 @@ LinkMotion::LinkMotion(const std::vector<Link>& links)
 
 void LinkMotion::set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
   const auto known = indices_.find(std::string(link));
-  // Not to be found, it is found out again, for the message.
+  // For an unknown name, find_link throws the error.
   const std::size_t index = known == indices_.end() ? find_link(links_, link) : known->second;
   links_[index].pose = pose;
   moved_[index] = true;

@@ -9,11 +9,11 @@
 namespace fringe::detail {
 
 /// Reorders items so that the first `half` of them lie below the others along the longest side of the box
-/// around their points. Items with equal coordinates keep the order of their numbers, so that the halves do
+/// around their points. Items with equal coordinates are ordered by their numbers, so that the result does
 /// not depend on the standard library.
 ///
-/// @param point_of the point of an item
-/// @param number_of the number of an item, by which items are told apart
+/// @param point_of returns the point of an item
+/// @param number_of returns the number of an item, which differs between items
 template <class Item, class PointOf, class NumberOf>
 void split_at_median(std::span<Item> items, std::size_t half, const PointOf& point_of,
                      const NumberOf& number_of) {
@@ -21,7 +21,7 @@ void split_at_median(std::span<Item> items, std::size_t half, const PointOf& poi
   for (const Item& item : items)
     box.extend(point_of(item));
   Eigen::Index axis = 0;
-  // Half the sides, which do not overflow.
+  // Half of each side, which cannot overflow.
   (box.max() / 2 - box.min() / 2).maxCoeff(&axis);
   std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(half), items.end(),
                    [&](const Item& a, const Item& b) {
@@ -30,7 +30,7 @@ void split_at_median(std::span<Item> items, std::size_t half, const PointOf& poi
                    });
 }
 
-/// The same for items that are numbers themselves.
+/// Does the same for items that are numbers themselves.
 template <class Number, class PointOf>
 void split_at_median(std::span<Number> numbers, std::size_t half, const PointOf& point_of) {
   split_at_median(numbers, half, point_of, [](Number number) { return number; });

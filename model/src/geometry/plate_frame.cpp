@@ -12,8 +12,9 @@ struct DirectionAndLength {
   double length;
 };
 
-/// Direction and length of an edge, exact when it lies along an axis: a triangle may touch the plate's far
-/// edges exactly. Scaled by a power of two, so that no square overflows or vanishes.
+/// Computes direction and length of an edge. Both are exact when the edge lies along an axis, because a
+/// triangle may touch the plate's far edges exactly. Scales by a power of two, so that no square overflows or
+/// underflows.
 DirectionAndLength polar(const Eigen::Vector3d& edge) {
   const int exponent = std::ilogb(edge.lpNorm<Eigen::Infinity>());
   const Eigen::Vector3d scaled = edge.unaryExpr([=](double x) { return std::ldexp(x, -exponent); });
@@ -32,8 +33,8 @@ PlateFrame plate_frame(const Rectangle& plate) {
   frame.length_v = length_v;
   const Eigen::Vector3d normal = cross(along_u, along_v).normalized();
   frame.axes.row(0) = along_u;
-  // From the normal, not from edge_v: the three axes are then orthogonal to rounding whatever the edges' own
-  // error.
+  // Computed from the normal instead of edge_v: the three axes are then orthogonal up to rounding even if the
+  // edges are not.
   frame.axes.row(1) = cross(normal, along_u);
   frame.axes.row(2) = normal;
   return frame;

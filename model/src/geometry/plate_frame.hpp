@@ -11,8 +11,8 @@
 
 namespace fringe::detail {
 
-/// A plate's own coordinates: the origin in its corner, x along edge_u, y along edge_v, z along its normal.
-/// In them the plate is 0 ≤ x ≤ length_u, 0 ≤ y ≤ length_v, z = 0.
+/// A plate's own coordinate system: the origin at its corner, x along edge_u, y along edge_v, z along its
+/// normal. In these coordinates the plate is 0 ≤ x ≤ length_u, 0 ≤ y ≤ length_v, z = 0.
 struct PlateFrame {
   Eigen::Vector3d corner;
   Eigen::Matrix3d axes;  ///< rows: the unit vectors of x, y, z
@@ -23,12 +23,12 @@ struct PlateFrame {
 /// The vertices of a triangle in a plate's coordinates.
 using LocalTriangle = std::array<Eigen::Vector3d, 3>;
 
-/// The frame of a valid rectangle.
+/// Computes the frame of a valid rectangle.
 PlateFrame plate_frame(const Rectangle& plate);
 
 LocalTriangle to_local(const PlateFrame& plate, const Triangle& triangle);
 
-/// The shortest distance from a point in the plate's coordinates to the plate.
+/// Computes the distance from a point in the plate's coordinates to the plate.
 inline double distance(const PlateFrame& plate, const Eigen::Vector3d& point) {
   const double beside_u = point.x() - std::clamp(point.x(), 0.0, plate.length_u);
   const double beside_v = point.y() - std::clamp(point.y(), 0.0, plate.length_v);

@@ -18,8 +18,8 @@ Eigen::Isometry3d isometry(const Eigen::Matrix3d& rotation, const Eigen::Vector3
   return pose;
 }
 
-/// Neither a tiny nor a huge vector may leave the range of numbers. Eigen's stableNormalized multiplies the
-/// length with the greatest component again, which rounds it away where numbers are denormal.
+/// Normalises a vector without overflow or underflow. Eigen's stableNormalized multiplies the length by the
+/// largest component again, which rounds it to zero where numbers are denormal.
 template <class Vector>
 Vector unit(const Vector& vector) {
   return (vector / vector.cwiseAbs().maxCoeff()).normalized();
@@ -29,7 +29,7 @@ Vector unit(const Vector& vector) {
 
 Eigen::Isometry3d pose_from_axis(const Eigen::Vector3d& axis, double degrees,
                                  const Eigen::Vector3d& translation) {
-  // Whole turns are taken off where that is exact: in degrees.
+  // Whole turns are subtracted in degrees, where this is exact.
   const Eigen::AngleAxisd rotation(std::remainder(degrees, 360.0) * std::numbers::pi / 180,
                                    unit<Eigen::Vector3d>(axis));
   return isometry(rotation.toRotationMatrix(), translation);
@@ -43,7 +43,8 @@ Eigen::Isometry3d pose_from_quaternion(const Eigen::Quaterniond& quaternion,
 }
 
 Eigen::Isometry3d pose_from_matrix(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {
-  /// As far from orthogonal as a rectangle's edges may be.
+  /// Largest deviation of R·Rᵀ from the identity: as much as a rectangle's edges may deviate from a right
+  /// angle.
   constexpr double tolerance = 1e-9;
   if (!rotation.allFinite() || !translation.allFinite())
     throw InputError("a pose must be finite");

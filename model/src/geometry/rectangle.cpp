@@ -7,8 +7,8 @@
 namespace fringe {
 
 void validate(const Rectangle& rectangle) {
-  /// How far from a right angle the edges may be: what is left after single-precision rotations are cleaned
-  /// up, and far below what the model's physics resolves.
+  /// Largest cosine of the angle between the edges: single-precision rotations leave less once cleaned up,
+  /// and it is far below what the model's physics resolves.
   constexpr double largest_cosine = 1e-9;
   if (!rectangle.corner.allFinite() || !rectangle.edge_u.allFinite() || !rectangle.edge_v.allFinite())
     throw InputError("the rectangle's corner and edges must be finite");

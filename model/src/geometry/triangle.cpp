@@ -41,7 +41,8 @@ double area(std::span<const Triangle> triangles) {
 double signed_volume(std::span<const Triangle> triangles) {
   if (triangles.empty())
     return 0;
-  // Tetrahedra from a point of the surface, not from the world's origin: nothing is lost far from the origin.
+  // The tetrahedra have a point of the surface as their common apex, which avoids cancellation far from the
+  // world's origin.
   const Vector3d apex = triangles.front()[0];
   double sixfold = 0;
   for (const Triangle& triangle : triangles)
@@ -50,7 +51,8 @@ double signed_volume(std::span<const Triangle> triangles) {
 }
 
 bool is_closed(std::span<const Triangle> triangles) {
-  std::map<std::pair<Coordinates, Coordinates>, int> uses;  // of an edge, minus those in the other direction
+  // How often each edge is used in one direction, minus the uses in the opposite direction.
+  std::map<std::pair<Coordinates, Coordinates>, int> uses;
   for (const Triangle& triangle : triangles) {
     for (int i = 0; i < 3; ++i) {
       const Coordinates from = coordinates(triangle[i]), to = coordinates(triangle[(i + 1) % 3]);

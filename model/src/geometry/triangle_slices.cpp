@@ -18,8 +18,8 @@ struct SlicePolygon {
   void add(const SliceCorner& corner) { corners[size++] = corner; }
 };
 
-/// The point of the edge ab where the value is the given level. It is reached from the nearer end:
-/// coordinates that do not change along the edge stay exact, and ab gives the same point as ba.
+/// Computes the point of the edge ab where the value equals the given level. Interpolation starts at the
+/// nearer end: constant coordinates stay exact, and ab and ba give the same point.
 SliceCorner at_level(const SliceCorner& a, const SliceCorner& b, double level) {
   const double from_a = level - a.value, from_b = level - b.value;
   const double share = from_a / (from_a - from_b);
@@ -28,7 +28,8 @@ SliceCorner at_level(const SliceCorner& a, const SliceCorner& b, double level) {
   return {a.point + share * (b.point - a.point), level};
 }
 
-/// The part of a polygon where direction·(value − level) ≥ 0; nothing when that is a point or a line.
+/// Clips a polygon to direction·(value − level) ≥ 0. Returns an empty polygon when only a point or a line
+/// would remain.
 SlicePolygon clip(const SlicePolygon& polygon, double level, double direction) {
   SlicePolygon kept;
   bool has_inside = false;
@@ -44,6 +45,7 @@ SlicePolygon clip(const SlicePolygon& polygon, double level, double direction) {
   return has_inside ? kept : SlicePolygon{};
 }
 
+/// Triangulates a polygon as a fan from its first corner.
 Slice fan(const SlicePolygon& polygon) {
   Slice slice;
   for (std::size_t i = 1; i + 1 < polygon.size; ++i)

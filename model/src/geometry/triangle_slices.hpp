@@ -9,7 +9,7 @@
 
 namespace fringe::detail {
 
-/// At most three triangles: what two parallel cuts leave of one.
+/// One of the parts into which two parallel lines cut a triangle, as at most three triangles.
 struct Slice {
   std::array<Triangle, 3> triangles;
   std::size_t size = 0;
@@ -18,18 +18,19 @@ struct Slice {
   const Triangle* end() const { return triangles.data() + size; }
 };
 
-/// The three parts of a triangle, by the values of an affine function.
+/// The three parts of a triangle by the values of an affine function.
 struct Slices {
   Slice below;
   Slice between;
   Slice above;
 };
 
-/// Cuts a triangle along the lines on which an affine function, given by its values at the vertices, takes
-/// the values low ≤ high. A triangle on which the function has one of these values everywhere is not between.
+/// Cuts a triangle along the lines on which an affine function, given by its values at the vertices, equals
+/// low and high, where low ≤ high. A triangle on which the function equals one of these values everywhere is
+/// not `between`.
 Slices slices(const Triangle& triangle, const Eigen::Vector3d& values, double low, double high);
 
-/// The parts of a triangle on either side of the median onto its longest edge.
+/// Bisects a triangle along the median onto its longest edge.
 std::array<Triangle, 2> halves(const Triangle& triangle);
 
 }  // namespace fringe::detail

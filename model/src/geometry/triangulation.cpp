@@ -20,12 +20,13 @@ void add_quad(std::vector<Triangle>& triangles, const Vector3d& p, const Vector3
   triangles.push_back({p, r, s});
 }
 
-/// The point at an angle on a circle about z.
+/// Returns the point at an angle on a circle about the z axis.
 Vector3d on_circle(double radius, double angle, double z) {
   return {radius * std::cos(angle), radius * std::sin(angle), z};
 }
 
-/// The k-th of n points evenly spread over a circle about z; the n-th is the first again, to the last bit.
+/// Returns the k-th of n equally spaced points on a circle about the z axis; the n-th is bit-identical to the
+/// first.
 Vector3d on_circle(double radius, int k, int n, double z) {
   return on_circle(radius, 2 * pi * (k % n) / n, z);
 }
@@ -83,7 +84,7 @@ std::vector<Triangle> triangles_of(const Arc& arc) {
     Vector3d inner_bottom, outer_bottom, inner_top, outer_top;
   };
   const auto ring = [&](int k) {
-    // At 360 degrees the last ring is the first, to the last bit.
+    // At 360 degrees the last ring is bit-identical to the first.
     const double fraction = static_cast<double>(full_ring ? k % arc.segments : k) / arc.segments - 0.5;
     const double angle = arc.degrees * fraction * pi / 180;
     const double bottom = -arc.height / 2, top = arc.height / 2;

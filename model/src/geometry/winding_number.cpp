@@ -10,8 +10,8 @@ namespace fringe::detail {
 using Eigen::Vector3d;
 
 bool surrounds(std::span<const Triangle> surface, const Vector3d& point) {
-  // The solid angles of the triangles, halved (A. Van Oosterom and J. Strackee, IEEE Transactions on
-  // Biomedical Engineering 30, 1983, 125), add up to 2π for each time the surface goes around the point.
+  // Half of the triangles' solid angles (A. Van Oosterom and J. Strackee, IEEE Transactions on Biomedical
+  // Engineering 30, 1983, 125) add up to 2π times the winding number.
   double sum = 0;
   for (const Triangle& triangle : surface) {
     const Vector3d a = (triangle[0] - point).normalized(), b = (triangle[1] - point).normalized(),

@@ -6,7 +6,7 @@
 
 namespace fringe::detail {
 
-/// Whether a point off a closed surface is enclosed by it.
+/// Returns whether a closed surface encloses a point that is not on it, by the winding number.
 bool surrounds(std::span<const Triangle> surface, const Eigen::Vector3d& point);
 
 }  // namespace fringe::detail

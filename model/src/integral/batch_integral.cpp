@@ -19,7 +19,7 @@ namespace {
 
 using namespace detail;
 
-/// Chunks that one thread takes at a time: some 100 µs of work.
+/// Number of chunks in one parallel task: some 100 µs of work.
 constexpr std::size_t chunks_per_task = 16;
 
 void validate(const BatchOptions& options) {
@@ -29,7 +29,7 @@ void validate(const BatchOptions& options) {
     throw InputError(fmt::format("threads {} must not be negative", options.threads));
 }
 
-/// Calls work(i) for i from 0 to count.
+/// Calls work(i) for 0 ≤ i < count, in parallel unless there is little work.
 template <class Work>
 void for_each_chunk(std::size_t count, int threads, const Work& work) {
   if (threads == 1 || count <= chunks_per_task) {
@@ -52,7 +52,7 @@ void for_each_chunk(std::size_t count, int threads, const Work& work) {
   order.loop_ended();
 }
 
-/// The choices for the tolerance: prepared for this call, or those for full precision.
+/// The quadrature choices for a tolerance: prepared for this call, or the shared ones for full precision.
 class ChoicesFor {
  public:
   explicit ChoicesFor(double tolerance) {

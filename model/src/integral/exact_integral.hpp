@@ -4,8 +4,8 @@
 
 namespace fringe::detail {
 
-/// ∫dA/d over a triangle in closed form, one triangle at a time and whatever its shape: it is cut at the
-/// plate's border planes, and every piece is integrated in its own cell (model/NUMERICS.md, sections 2 to 7).
+/// Computes ∫dA/d over one triangle of any shape in closed form. Cuts the triangle at the plate's border
+/// planes and integrates every piece in its own cell (model/NUMERICS.md, sections 2 to 7).
 double exact_integral(const PlateFrame& plate, const LocalTriangle& triangle, double twice_area);
 
 }  // namespace fringe::detail

@@ -28,7 +28,8 @@ ScaledInteger scaled_integer(double number) {
   return {static_cast<std::int64_t>(std::ldexp(mantissa, digits)), exponent - digits};
 }
 
-/// The smallest exponent of the coordinates that are not zero: the unit in which all of them are integers.
+/// Returns the smallest exponent of the nonzero coordinates: in units of 2^exponent all coordinates are
+/// integers.
 int common_unit(const std::array<const Vector3d*, 4>& points) {
   int unit = std::numeric_limits<int>::max();
   for (const Vector3d* point : points)
@@ -49,6 +50,7 @@ ExactVector exact_difference(const Vector3d& to, const Vector3d& from, int unit)
   return difference;
 }
 
+/// Evaluates the sign of side_of_plane in integer arithmetic.
 int exact_side(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& p) {
   const int unit = common_unit({&a, &b, &c, &p});
   const ExactVector u = exact_difference(b, a, unit), v = exact_difference(c, a, unit),
@@ -61,18 +63,19 @@ int exact_side(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Ve
 }  // namespace
 
 int side_of_plane(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& p) {
-  // Static filter: seven roundings, those of the differences included, stand between the coordinates and each
-  // of the six products (J. R. Shewchuk, Discrete & Computational Geometry 18, 1997, 305).
+  // Static filter: each of the six products of the determinant carries seven rounding errors, including those
+  // of the differences (J. R. Shewchuk, Discrete & Computational Geometry 18, 1997, 305).
   constexpr double unit_roundoff = std::numeric_limits<double>::epsilon() / 2;
   constexpr double error_per_magnitude = (7 + 56 * unit_roundoff) * unit_roundoff;
-  // Below, a product may have lost digits to underflow, which the filter's analysis leaves out.
+  // Below this magnitude a product may have lost digits to underflow, which the error analysis of the filter
+  // does not cover.
   constexpr double smallest_magnitude = 1e-200;
   const Vector3d u = b - a, v = c - a, w = p - a;
   const Vector3d positive(u.y() * v.z(), u.z() * v.x(), u.x() * v.y());
   const Vector3d negative(u.z() * v.y(), u.x() * v.z(), u.y() * v.x());
   const double determinant = (positive - negative).dot(w);
   const double magnitude = (positive.cwiseAbs() + negative.cwiseAbs()).dot(w.cwiseAbs());
-  // Written so that overflow, which makes the comparison false, is left to the exact arithmetic as well.
+  // Overflow makes this condition false, so that the exact arithmetic decides.
   if (magnitude > smallest_magnitude && std::isfinite(magnitude) &&
       std::abs(determinant) > error_per_magnitude * magnitude)
     return determinant > 0 ? 1 : -1;

@@ -5,8 +5,8 @@
 
 namespace fringe::detail {
 
-/// ∫dA/d over a triangle by the product of two Gauss rules, collapsed onto the triangle's first vertex
-/// (Duffy).
+/// Computes ∫dA/d over a triangle by the tensor product of two Gauss rules, collapsed onto the triangle's
+/// first vertex (Duffy transformation).
 double gauss_integral(const PlateFrame& plate, const LocalTriangle& triangle, double twice_area,
                       const GaussRule& rule);
 

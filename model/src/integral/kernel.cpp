@@ -17,7 +17,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A triangle turned so that `a`–`b` is its longest edge, `a` the end nearer to the third vertex `m`.
+/// A triangle with its vertices renamed so that `a`–`b` is the longest edge and `a` is the end nearer to the
+/// third vertex `m`.
 struct HeightSplit {
   Vector3d a, b, m;
   double squared_length;  ///< |b − a|²
@@ -34,12 +35,12 @@ HeightSplit split_at_height(const Vector3d& v0, const Vector3d& v1, const Vector
     a = &v1, b = &v2, m = &v0;
   else if (opposite1 >= opposite2)
     a = &v2, b = &v0, m = &v1;
-  // With m nearer to a, the share t is computed without cancellation however small it is, and 1 − t ≥ 1/2
-  // needs no care.
+  // With m nearer to a, the share t is computed without cancellation however small it is, and rounding of 1 −
+  // t ≥ 1/2 is harmless.
   if ((*m - *a).squaredNorm() > (*m - *b).squaredNorm())
     std::swap(a, b);
-  // Of two edges as long as each other but for rounding, the one whose foot lies on it: between a and m,
-  // 1/distance may be so large that even a share of 1e-17 counts.
+  // If two edges are equally long up to rounding, choose the one that contains the foot of the third vertex:
+  // between a and m, 1/distance may be so large that even a share of 1e-17 matters.
   if ((*m - *a).dot(*b - *a) < 0)
     std::swap(a, m);
   const double squared_length = (*b - *a).squaredNorm();
@@ -48,7 +49,7 @@ HeightSplit split_at_height(const Vector3d& v0, const Vector3d& v1, const Vector
   return {*a, *b, *m, squared_length, share, *a + share * (*b - *a) - *m};
 }
 
-/// Squared distance from the origin to the segment ab.
+/// Computes the squared distance from the origin to the segment ab.
 double squared_distance_to_segment(const Vector3d& a, const Vector3d& b) {
   const Vector3d edge = b - a;
   const double squared_length = edge.squaredNorm();
@@ -56,7 +57,8 @@ double squared_distance_to_segment(const Vector3d& a, const Vector3d& b) {
   return (a + s * edge).squaredNorm();
 }
 
-/// Squared distance from the origin to a triangle, good to a few per cent: enough to choose a formula.
+/// Computes the squared distance from the origin to a triangle to a few per cent, which is enough to choose a
+/// formula.
 double squared_distance_to_triangle(const Vector3d& v0, const Vector3d& v1, const Vector3d& v2) {
   const Vector3d normal = cross(v1 - v0, v2 - v0);
   const bool projects_inside =
@@ -69,15 +71,15 @@ double squared_distance_to_triangle(const Vector3d& v0, const Vector3d& v1, cons
                    squared_distance_to_segment(v2, v0)});
 }
 
-/// Wilton's closed form (model/NUMERICS.md, section 5): accurate while the origin is within about one height
-/// of the triangle, because then no term is much larger than the sum.
+/// Evaluates Wilton's closed form (model/NUMERICS.md, section 5). It is accurate while the origin is within
+/// about one height of the triangle, because then no term is much larger than the sum.
 double kernel_near(const HeightSplit& split) {
   const std::array<Vector3d, 3> v{split.a, split.b, split.m};
   const std::array<double, 3> r{v[0].norm(), v[1].norm(), v[2].norm()};
   const std::array<Vector3d, 3> moments{cross(v[0], v[1]), cross(v[1], v[2]), cross(v[2], v[0])};
-  // Not the cross product of two edges: this near the triangle the three moments are no larger than their
-  // sum, while the difference of a vertex close to the origin and one far from it has lost the digits of the
-  // former.
+  // The area vector is not taken from the cross product of two edges. This close to the triangle the three
+  // moments are no larger than their sum, whereas the difference of a vertex close to the origin and a
+  // distant one loses the digits of the former.
   const Vector3d doubled_area = moments[0] + moments[1] + moments[2];
   const double twice_area = doubled_area.norm();
   const Vector3d normal = doubled_area / twice_area;
@@ -86,8 +88,8 @@ double kernel_near(const HeightSplit& split) {
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3;
     const double mean = mean_inverse_distance(v[i], v[j], r[i], r[j]);
-    // An edge that passes through the origin adds nothing: its height above the origin falls faster than the
-    // mean of 1/distance along it grows.
+    // An edge through the origin contributes nothing: as the origin approaches the edge, the edge's distance
+    // from it tends to zero faster than the mean of 1/distance along the edge grows.
     if (std::isfinite(mean))
       sum += normal.dot(moments[i]) * mean;
   }
@@ -99,8 +101,8 @@ double kernel_near(const HeightSplit& split) {
   return (sum - distance_to_plane * 2 * half_solid_angle) / twice_area;
 }
 
-/// The integrand of the split formula at a point of the height: one edge moment for either half of the
-/// triangle.
+/// Evaluates the integrand of the split formula at a point of the height: one edge moment for each half of
+/// the triangle.
 double split_integrand(const HeightSplit& split, double norm_a, double norm_b, const Vector3d& point) {
   const double norm_point = point.norm();
   const double far_half = (1 - split.share) * edge_moment(split.b, point, norm_b, norm_point);
@@ -108,20 +110,22 @@ double split_integrand(const HeightSplit& split, double norm_a, double norm_b, c
                          : far_half;
 }
 
-/// Gauss rules for the split formula, each with the squared ratio of distance to height from which it
+/// Gauss rules for the split formula, each with the smallest squared ratio of distance to height for which it
 /// suffices.
 class HeightRules {
  public:
   HeightRules() {
     for (int points = 1; points <= most_points; ++points) {
-      // The integrand is analytic in the ellipse with foci 0 and 1 whose half axes add up to R/2,
-      // asinh(2·ratio) = ln R: n points leave an error of about R^(−2n), to be at most 2^−54.
+      // The integrand is analytic in the ellipse with foci 0 and 1 whose semi-axes add up to R/2, where
+      // asinh(2·ratio) = ln R. An n-point rule then has an error of about R^(−2n), which must be at most
+      // 2^−54.
       const double smallest_ratio = std::sinh(54 * std::log(2.0) / (2.0 * points)) / 2;
       rules_.push_back({smallest_ratio * smallest_ratio, gauss_rule(points)});
     }
   }
 
-  /// The ratio from which most_points suffice; nearer, Wilton's form is the accurate one.
+  /// Returns the squared ratio from which most_points suffice. Closer to the triangle, Wilton's closed form
+  /// is the accurate one.
   double smallest_squared_ratio() const { return rules_.back().smallest_squared_ratio; }
 
   const GaussRule& rule(double squared_ratio) const {
@@ -131,8 +135,9 @@ class HeightRules {
   }
 
  private:
-  /// 13 points suffice from a ratio of 1. The terms of Wilton's form outgrow their sum in proportion to the
-  /// ratio: at 1.3 they are six times as large, and the rounding of each is multiplied by that.
+  /// Largest number of Gauss points. 13 points suffice from a ratio of distance to height of 1. The terms of
+  /// Wilton's form outgrow their sum in proportion to the ratio: at 1.3 they are six times as large, which
+  /// amplifies the rounding of each by that factor.
   static constexpr int most_points = 13;
 
   struct Entry {
@@ -142,13 +147,13 @@ class HeightRules {
   std::vector<Entry> rules_;
 };
 
-/// A height below this fraction of the longest edge (squared) is rounding of the foot's coordinates: three
-/// vectors on a line have a foot that is wrong by up to √2 units of 2^−52.
+/// Squared ratio of height to longest edge below which the height is rounding error in the foot's
+/// coordinates: for three collinear vectors the computed foot is wrong by up to √2 units of 2^−52.
 constexpr double collinear_squared_fraction =
     2 * std::numeric_limits<double>::epsilon() * std::numeric_limits<double>::epsilon();
 
-/// Sixth powers of lengths from here on, the highest that occur, are far from underflow even for thin
-/// triangles.
+/// Smallest length whose sixth power, the highest power that occurs, is far from underflow even for thin
+/// triangles. Vectors outside [smallest_length, 1/smallest_length] are rescaled first.
 constexpr double smallest_length = 0x1p-100;
 
 }  // namespace
@@ -159,11 +164,11 @@ double kernel(const Vector3d& v0, const Vector3d& v1, const Vector3d& v2) {
       std::max({v0.lpNorm<Eigen::Infinity>(), v1.lpNorm<Eigen::Infinity>(), v2.lpNorm<Eigen::Infinity>()});
   if (largest == 0)
     return infinity;
-  // K is homogeneous of degree −1: a power of two takes it to where squares of lengths neither vanish nor
-  // overflow.
+  // K is homogeneous of degree −1: scaling by a power of two brings the vectors to where squared lengths
+  // neither underflow nor overflow.
   if (largest < smallest_length || largest > 1 / smallest_length) {
     const int exponent = -std::ilogb(largest);
-    // Not a product: the power of two for the smallest lengths is beyond the range of numbers.
+    // ldexp instead of a product: for the smallest lengths the power of two itself would overflow.
     const auto scaled = [=](const Vector3d& v) -> Vector3d {
       return v.unaryExpr([=](double x) { return std::ldexp(x, exponent); });
     };
@@ -195,8 +200,8 @@ double kernel_of_heights(double z0, double z1, double z2) {
     z = {std::abs(z[2]), std::abs(z[1]), std::abs(z[0])};
   if (z[0] == z[2])
     return 0.5 / z[0];
-  // The second divided difference of t·ln t, written so that every term is positive. With z₀ = z₁ = 0 the
-  // second moment is infinite, with z₀ = 0 alone the first is 1/z₁.
+  // The second divided difference of t·ln t, written so that every term is positive. With z₀ = z₁ = 0 the far
+  // edge moment is infinite; with z₀ = 0 alone the near one is 1/z₁.
   const double far_half = (z[2] - z[1]) * edge_moment(z[2], z[1]);
   const double near_half = z[1] > z[0] ? (z[1] - z[0]) * edge_moment(z[0], z[1]) : 0.0;
   if (z[1] == 0)

@@ -10,8 +10,8 @@
 namespace fringe {
 namespace {
 
-/// The whole number after "name:", or none when the text is something else or the number is not between the
-/// limits.
+/// Parses the integer after "name:". Returns nothing when the text has another form or the number is outside
+/// [least, most].
 std::optional<int> parameter(std::string_view text, std::string_view name, int least, int most) {
   if (!text.starts_with(name))
     return std::nullopt;

@@ -10,6 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
+/// Computes 1/distance from a point to the plate nearest to it.
 double inverse_distance_to_nearest(std::span<const PlateFrame> plates, const Vector3d& point) {
   double least = std::numeric_limits<double>::infinity();
   for (const PlateFrame& plate : plates)
@@ -23,7 +24,7 @@ double nearest_node_sum(const Triangle& triangle, std::span<const PlateFrame> pl
   const int rows = 1 << split.levels;
   const Vector3d step_u = (triangle[1] - triangle[0]) / rows, step_v = (triangle[2] - triangle[0]) / rows;
   double sum = 0;
-  // Centroids of the triangles that stand like the whole one, then of those that are turned.
+  // Centroids of the small triangles oriented like the whole triangle, then of those rotated by 180 degrees.
   for (const double third : {1.0 / 3, 2.0 / 3})
     for (int i = 0; i < rows; ++i)
       for (int j = 0; i + j < (third < 0.5 ? rows : rows - 1); ++j)

@@ -16,12 +16,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Refining stops when an undecided fragment has come to so many parts: a border curved through a whole
-/// triangle needs some hundred for ten digits; more means that rounding keeps the bound from falling.
+/// Refinement stops when the undecided fragments number this many times the original ones. A border that
+/// curves through a whole triangle needs some hundred parts for ten digits; more parts mean that rounding
+/// keeps the bound from falling.
 constexpr std::size_t most_parts_per_fragment = 10'000;
 
-/// The distance to one plate over a triangle. It is a convex function: nowhere above its values at the
-/// vertices, interpolated, and nowhere below its tangent plane at the centroid.
+/// Bounds of the distance to one plate over a triangle. The distance is a convex function: it is nowhere
+/// above the linear interpolation of its values at the vertices, and nowhere below its tangent plane at the
+/// centroid.
 struct DistanceRange {
   double at_centroid;
   Vector3d at_vertices;
@@ -46,37 +48,40 @@ DistanceRange distance_range(const PlateFrame& plate, const Triangle& triangle) 
   return range;
 }
 
-/// How wrong a distance may be because the coordinates it comes from are rounded. Distances that differ by
-/// less are the same distance.
+/// Bounds the error of a distance that comes from the rounding of coordinates. Distances that differ by less
+/// count as equal.
 double rounding_of_distance(const PlateFrame& plate, const Triangle& triangle) {
   double largest = plate.corner.cwiseAbs().maxCoeff();
   for (const Vector3d& vertex : triangle)
     largest = std::max(largest, vertex.cwiseAbs().maxCoeff());
-  // A subtraction and a rotation: a handful of roundings in each coordinate.
+  // A subtraction and a rotation cause a handful of rounding errors in each coordinate.
   return 8 * std::numeric_limits<double>::epsilon() * (largest + plate.length_u + plate.length_v);
 }
 
-/// Whether the plate with the range `near` is the nearer one on the whole triangle: a convex function less an
-/// affine one is largest at a vertex.
+/// Returns whether the plate with the range `near` is the nearer one on the whole triangle: a convex function
+/// minus an affine one takes its maximum at a vertex.
 bool nearer_throughout(const DistanceRange& near, const DistanceRange& far) {
   return (near.at_vertices.array() <= far.tangent.array()).all();
 }
 
-/// d_j² − d_k² on a triangle that lies in one cell of either plate: a quadratic function.
+/// The function d_j² − d_k² on a triangle that lies in one cell of either plate, where it is quadratic.
 struct SquareDifference {
   Vector3d at_vertices;
-  /// The coefficients of λ₁λ₂, λ₂λ₀, λ₀λ₁ that remain when the interpolation of the vertices is taken away.
+  /// The coefficients of λ₁λ₂, λ₂λ₀, λ₀λ₁ of the function minus the linear interpolation of its vertex
+  /// values.
   Vector3d bulges;
-  double rounding;  ///< below this magnitude it has no sign
+  double rounding;  ///< bound of the rounding error: values below it have no certain sign
 
-  /// The coefficient of 2λ₁λ₂, 2λ₂λ₀ or 2λ₀λ₁ in the Bernstein form.
+  /// Returns the coefficient of 2λ₁λ₂, 2λ₂λ₀ or 2λ₀λ₁ in the Bernstein form.
   double mixed(Eigen::Index i) const {
     return (at_vertices[(i + 1) % 3] + at_vertices[(i + 2) % 3] + bulges[i]) / 2;
   }
-  /// A quadratic function lies between the least and the largest coefficient of its Bernstein form.
+  /// Bounds the function from below: it lies between the smallest and the largest coefficient of its
+  /// Bernstein form.
   double least() const { return std::min({at_vertices.minCoeff(), mixed(0), mixed(1), mixed(2)}); }
   double largest() const { return std::max({at_vertices.maxCoeff(), mixed(0), mixed(1), mixed(2)}); }
-  /// It is above the interpolation of the vertices by no more than this: λ₁λ₂ + λ₂λ₀ + λ₀λ₁ ≤ 1/3.
+  /// Bounds how far the function rises above the linear interpolation of its vertex values, by λ₁λ₂ + λ₂λ₀ +
+  /// λ₀λ₁ ≤ 1/3.
   double most_above() const { return std::max(0.0, bulges.maxCoeff()) / 3; }
   double most_below() const { return std::max(0.0, -bulges.minCoeff()) / 3; }
 };
@@ -107,13 +112,14 @@ SquareDifference square_difference(const PlateFrame& plate_j, Cell cell_j, const
   return difference;
 }
 
+/// Returns a part of a fragment with one candidate removed.
 Fragment without(const Fragment& fragment, const Triangle& part, std::size_t candidate) {
   Fragment rest{part, fragment.candidates};
   rest.candidates.erase(rest.candidates.begin() + static_cast<std::ptrdiff_t>(candidate));
   return rest;
 }
 
-/// The position of the smallest value.
+/// Returns the index of the range with the smallest distance at the centroid.
 std::size_t position_of_least(const std::vector<DistanceRange>& ranges) {
   return static_cast<std::size_t>(std::min_element(ranges.begin(), ranges.end(),
                                                    [](const DistanceRange& a, const DistanceRange& b) {
@@ -130,8 +136,8 @@ std::vector<DistanceRange> distance_ranges(const std::vector<PlateFrame>& frames
   return ranges;
 }
 
-/// Takes away the candidates that are farther than the nearest one everywhere, moves the nearest to the front
-/// and the next to the second place.
+/// Removes the candidates that are nowhere nearer than the nearest one (by the distance at the centroid),
+/// moves the nearest to the front and the second nearest to the second place.
 void sort_out(const std::vector<PlateFrame>& frames, Fragment& fragment) {
   std::vector<DistanceRange> ranges = distance_ranges(frames, fragment);
   const std::size_t nearest = position_of_least(ranges);
@@ -152,7 +158,8 @@ void sort_out(const std::vector<PlateFrame>& frames, Fragment& fragment) {
   fragment.candidates.resize(kept);
 }
 
-/// An upper bound of ∫(1/d_k − 1/d_j)⁺ over a fragment, j its first candidate.
+/// Bounds ∫(1/d_k − 1/d_j)⁺ over a fragment from above, where j is the fragment's first candidate and k
+/// another plate.
 double gap_to(const std::vector<PlateFrame>& frames, std::span<const Rectangle> plates,
               const Fragment& fragment, const Candidate& other) {
   const Candidate& first = fragment.candidates[0];
@@ -161,7 +168,7 @@ double gap_to(const std::vector<PlateFrame>& frames, std::span<const Rectangle> 
   const double least_k = k.least();
   if (least_k == 0)
     return plate_integral(fragment.triangle, plates[other.plate]);
-  // Only points that are farther from j than from k matter: they are at least this far from j.
+  // Only points that are farther from j than from k contribute; their distance from j is at least this.
   const double least_j = std::max(j.least(), least_k);
   double difference = std::max(0.0, (j.at_vertices - k.tangent).maxCoeff());
   if (first.cell && other.cell) {
@@ -184,7 +191,8 @@ void NearestPlates::add(const Triangle& triangle, std::span<const std::size_t> p
   double largest = std::numeric_limits<double>::infinity();
   for (const std::size_t plate : plates) {
     const DistanceRange range = distance_range(frames_[plate], triangle);
-    // The parts of a triangle that touches a plate would touch it to rounding only.
+    // A triangle that touches a plate is not divided, because rounding would decide whether its parts still
+    // touch.
     if (plates.size() > 1 && range.least() <= rounding_of_distance(frames_[plate], triangle) &&
         std::isinf(plate_integral(triangle, plates_[plate]))) {
       decided_[plate].push_back(triangle);
@@ -244,8 +252,8 @@ void NearestPlates::cut_between_first_two(const Fragment& fragment) {
     return settle(without(fragment, fragment.triangle, 1));
   if (difference.least() >= -difference.rounding)
     return settle(without(fragment, fragment.triangle, 0));
-  // Where the interpolation of the vertices is far enough from zero, the sign is known. A strip remains, as
-  // narrow as the border between the two plates is straight.
+  // Where the linear interpolation of the vertex values is far enough from zero, the sign is certain. A strip
+  // remains, which is the narrower the straighter the border between the two plates is.
   const auto [nearer_first, strip, nearer_second] =
       slices(fragment.triangle, difference.at_vertices, -difference.most_above(), difference.most_below());
   for (const Triangle& part : nearer_first)

@@ -7,7 +7,7 @@
 
 namespace fringe::detail {
 
-/// The triangle with its vertices sorted by their coordinates.
+/// Sorts the vertices of a triangle lexicographically by their coordinates.
 inline LocalTriangle sorted(LocalTriangle triangle) {
   std::sort(triangle.begin(), triangle.end(), [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
     return a.x() != b.x() ? a.x() < b.x() : a.y() != b.y() ? a.y() < b.y() : a.z() < b.z();
@@ -15,10 +15,10 @@ inline LocalTriangle sorted(LocalTriangle triangle) {
   return triangle;
 }
 
-/// Cuts a triangle at a plate's border planes and calls visit(cell, a, b, c, share) for every triangle of one
-/// cell: its corners in the plate's coordinates, and its area as a share of the whole triangle's, above 0.
-/// The pieces do not depend on which vertex comes first: next to the plate rounding decides between a finite
-/// integral and an infinite one.
+/// Cuts a triangle at a plate's border planes into triangles that each lie in one cell, and calls visit(cell,
+/// a, b, c, share) for each: with its corners in the plate's coordinates and its area as a positive share of
+/// the whole triangle's. The pieces do not depend on which vertex comes first, because next to the plate
+/// rounding decides between a finite integral and an infinite one.
 template <class Visit>
 void for_each_piece(const PlateFrame& plate, const LocalTriangle& in_any_order, const Visit& visit) {
   const LocalTriangle triangle = sorted(in_any_order);

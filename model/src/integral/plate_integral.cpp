@@ -19,13 +19,13 @@ namespace {
 
 using namespace detail;
 
-/// A triangle that has points on both sides of the plate's plane, or on it.
+/// Returns whether a triangle meets the plate's plane.
 bool meets_plane(const LocalTriangle& triangle) {
   const auto [lowest, highest] = std::minmax({triangle[0].z(), triangle[1].z(), triangle[2].z()});
   return lowest <= 0 && highest >= 0;
 }
 
-/// A method with what it prepares once for all triangles.
+/// Integrates triangles by one method, with the quadrature rule prepared once for all triangles.
 class Integrator {
  public:
   explicit Integrator(const Method& method) : method_(method) {
@@ -40,7 +40,7 @@ class Integrator {
     const LocalTriangle local = to_local(plate, triangle);
     if (std::holds_alternative<Exact>(method_))
       return exact_integral(plate, local, doubled);
-    // A sum over nodes is finite even where the integral is not, and only a triangle that meets the plate's
+    // A sum over nodes is finite even where the integral diverges. Only a triangle that meets the plate's
     // plane can touch the plate.
     if (meets_plane(local) && std::isinf(exact_integral(plate, local, doubled)))
       return std::numeric_limits<double>::infinity();
@@ -55,7 +55,7 @@ class Integrator {
 };
 
 void validate(const Method& method) {
-  // What the text form refuses is refused here too.
+  // Parsing the text form applies the limits of the parameters.
   parse_method(to_string(method));
 }
 

@@ -3,8 +3,8 @@
 namespace fringe::detail {
 
 double split_integral(const PlateFrame& plate, const LocalTriangle& triangle, double twice_area, int levels) {
-  // Splitting `levels` times draws rows of small triangles parallel to an edge, `rows` of them: row i holds
-  // rows − i that stand like the whole triangle and rows − i − 1 that are turned.
+  // Splitting `levels` times gives 2^levels rows of small triangles parallel to an edge. Row i contains rows
+  // − i triangles oriented like the whole one and rows − i − 1 rotated by 180 degrees.
   const int rows = 1 << levels;
   const Eigen::Vector3d step_u = (triangle[1] - triangle[0]) / rows;
   const Eigen::Vector3d step_v = (triangle[2] - triangle[0]) / rows;

@@ -18,15 +18,17 @@
 namespace fringe::detail {
 namespace {
 
-/// How far the division of a surface among its nearest plates is driven when no tolerance is asked for:
-/// below it, the rounding of the coordinates decides which plate is the nearest one.
+/// Relative tolerance of the division of a surface among its nearest plates when no tolerance is given. Below
+/// it, the rounding of the coordinates decides which plate is the nearest one.
 constexpr double division_tolerance = 1e-12;
 
-/// Contact, from whatever side.
+/// Returns whether a triangle touches a plate, from whatever side.
 bool touches(const Triangle& triangle, const Rectangle& plate) {
   return std::isinf(plate_integral(triangle, plate));
 }
 
+/// Returns whether a triangle counts for a plate: always for FaceRule::all, otherwise when it sees or touches
+/// the plate.
 bool counts(const Triangle& triangle, const Rectangle& plate, FaceRule faces) {
   if (faces == FaceRule::all)
     return true;
@@ -34,7 +36,7 @@ bool counts(const Triangle& triangle, const Rectangle& plate, FaceRule faces) {
   return seen == Sight::outward || (seen == Sight::grazing && touches(triangle, plate));
 }
 
-/// Adds Σ∫dA/d over triangles that count for a plate.
+/// Adds Σ∫dA/d over triangles to the integral of a plate.
 void add(SurfaceIntegral& integral, std::span<const Triangle> triangles, const Rectangle& plate,
          const Method& method) {
   const std::vector<double> values = plate_integrals(triangles, plate, method);
@@ -58,7 +60,7 @@ SurfaceIntegral sum_one_by_one(std::span<const Rectangle> plates, std::span<cons
   return integral;
 }
 
-/// The plates for which a triangle counts.
+/// Returns the indices of the plates for which a triangle counts.
 std::vector<std::size_t> plates_counting(std::span<const Rectangle> plates, const Triangle& triangle,
                                          FaceRule faces) {
   std::vector<std::size_t> counting;
@@ -82,12 +84,12 @@ SurfaceIntegral nearest_plate_exactly(std::span<const Rectangle> plates, std::sp
   return integral;
 }
 
-/// ∫dA/min_k d_k over a triangle as a sum over nodes.
+/// Computes ∫dA/min_k d_k over a triangle as a sum over nodes; +infinity when the triangle touches a plate.
 double nearest_node_sum(std::span<const Rectangle> plates, const Triangle& triangle, const Method& method) {
   std::vector<PlateFrame> frames;
   frames.reserve(plates.size());
   for (const Rectangle& plate : plates) {
-    // A sum over nodes is finite even where the integral is not.
+    // A sum over nodes is finite even where the integral diverges.
     if (touches(triangle, plate))
       return infinity;
     frames.push_back(plate_frame(plate));
@@ -119,7 +121,7 @@ SurfaceIntegral nearest_plate_by_nodes(std::span<const Rectangle> plates, std::s
   return integral;
 }
 
-/// The plates count every point: many triangles at a time.
+/// Adds up the integrals over all triangles for each plate, several triangles per register.
 SurfaceIntegral sum_in_batches(const Surface& surface, std::span<const Rectangle> plates, double tolerance) {
   SurfaceIntegral integral;
   for (const BoundedIntegral& total : total_integrals(surface.batch, plates, {.tolerance = tolerance})) {
@@ -165,7 +167,7 @@ Surface make_surface(std::vector<Triangle> triangles) {
   TriangleBatch batch(triangles);
   double total_area = 0;
   Eigen::Vector3d first_moment = Eigen::Vector3d::Zero();
-  // From a point of the surface, so that nothing is lost far from the origin.
+  // Moments are taken about a point of the surface, which avoids cancellation far from the origin.
   const Eigen::Vector3d origin = triangles.front()[0];
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const auto& [a, b, c] = triangles[i];

@@ -12,32 +12,33 @@
 #include "fringe/triangle_batch.hpp"
 #include "geometry/plate_frame.hpp"
 
-/// ∫dA/d over the surface of one object for the plates of one sensor, all in the object's own frame.
+/// Integrals ∫dA/d over the surface of one object for the plates of one sensor, all in the object's own
+/// frame.
 namespace fringe::detail {
 
-/// An object's surface, prepared once.
+/// An object's surface with the quantities that all of its integrals share.
 struct Surface {
   std::vector<Triangle> triangles;
   TriangleBatch batch;
-  std::optional<SurfaceTree> tree;  ///< made when the surface is integrated over and over
-  Eigen::Vector3d centroid;         ///< of the area
-  double radius;                    ///< of a sphere about the centroid that holds the surface
+  std::optional<SurfaceTree> tree;  ///< present when the surface is integrated repeatedly
+  Eigen::Vector3d centroid;         ///< centroid of the area
+  double radius;                    ///< radius of a sphere about the centroid that contains the surface
   double area;
   double squared_radius_moment;  ///< ∫|p − centroid|² dA
 };
 
-/// @throws InputError when a vertex is not finite.
+/// Computes area, centroid, radius and moment of a surface. Throws InputError when a vertex is not finite.
 Surface make_surface(std::vector<Triangle> triangles);
 
 struct SurfaceIntegral {
   double value = 0;  ///< m; +infinity on contact
-  double bound = 0;  ///< m; what was left out on purpose, at most
+  double bound = 0;  ///< m; upper bound of the error accepted on purpose, rounding not included
   bool skipped = false;
   EvaluationCounts counts;
 };
 
-/// Between which two values the sum over the plates lies, from the surface's sphere alone. The upper one is
-/// infinite when the sphere meets a plate.
+/// Lower and upper bound of the sum of the integrals over the plates, from the surface's bounding sphere
+/// alone. The upper bound is infinite when the sphere meets a plate.
 struct Enclosure {
   double lower = 0;
   double upper = 0;
@@ -45,7 +46,8 @@ struct Enclosure {
 Enclosure enclosure(const Surface& surface, const Eigen::Vector3d& centroid,
                     std::span<const PlateFrame> plates);
 
-/// @param options what counts and how it is integrated; the bound is at most tolerance·value + allowance
+/// Computes the sum over the plates of ∫dA/d, or ∫dA/min_k d_k, as the options ask. The bound of the result
+/// is at most tolerance·value + allowance.
 SurfaceIntegral surface_integral(const Surface& surface, std::span<const Rectangle> plates,
                                  const CapacitanceOptions& options, double allowance);
 

@@ -9,8 +9,8 @@
 namespace fringe {
 TriangleBatch::TriangleBatch(std::span<const Triangle> triangles)
     : size_(triangles.size()),
-      // A register may be read from any triangle on. The odd line keeps the ten arrays from falling into the
-      // same sets of a cache.
+      // A register may be loaded from any triangle on, hence the padding. The additional cache line keeps the
+      // arrays from mapping to the same cache sets.
       stride_((size_ / detail::TriangleArrays::padding + 2) * detail::TriangleArrays::padding),
       numbers_(11 * stride_) {
   for (std::size_t i = 0; i < size_; ++i) {

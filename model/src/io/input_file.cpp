@@ -8,7 +8,7 @@
 namespace fringe::detail {
 
 bool is_file(const std::filesystem::path& path) {
-  // The system's functions would take a NUL for the path's end.
+  // The system's functions would end the path at a NUL character.
   std::error_code error;
   return path.native().find('\0') == std::string::npos && std::filesystem::is_regular_file(path, error);
 }

@@ -5,11 +5,11 @@
 
 namespace fringe::detail {
 
-/// Whether a path leads to a regular file: no folder, no device, no pipe, which could take for ever to read.
-/// A path that no file can have, of a loop of links for instance, leads to none.
+/// Returns whether a path leads to a regular file. Folders, devices and pipes, which could take forever to
+/// read, are not regular files. A path that cannot be resolved, such as a loop of links, leads to none.
 bool is_file(const std::filesystem::path& path);
 
-/// The bytes of a file. Throws InputError when it cannot be read.
+/// Reads the bytes of a file. Throws InputError when it cannot be read.
 std::string file_content(const std::filesystem::path& path);
 
 }  // namespace fringe::detail

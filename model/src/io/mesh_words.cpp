@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view spaces = " \t\r\n\v\f";
 
-/// A number may have a sign of either kind, which std::from_chars does not know.
+/// Removes a leading plus sign, which a number in a file may have but std::from_chars does not accept.
 std::string_view without_plus(std::string_view word) {
   return word.size() > 1 && word[0] == '+' && word[1] != '-' ? word.substr(1) : word;
 }

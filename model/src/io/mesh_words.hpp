@@ -4,23 +4,22 @@
 #include <string>
 #include <string_view>
 
-/// What the readers of mesh files of text have in common.
+/// Functions that the readers of text mesh files share.
 namespace fringe::detail {
 
-/// Takes the next line off a text; without its end, however long the text still is.
+/// Removes the next line from a text and returns it without its line end.
 std::string_view take_line(std::string_view& text);
 
-/// Takes the next word off a text; empty when there is none.
+/// Removes the next word from a text and returns it; empty when there is none.
 std::string_view take_word(std::string_view& text);
 
-/// A word as a message may show it.
+/// Quotes a word for a message: shortened, and with everything but printable ASCII escaped.
 std::string shown(std::string_view word);
 
-/// The finite number that a word stands for. Throws InputError when there is something else, or less or more
-/// of it.
+/// Parses a word as a finite number. Throws InputError unless the whole word is one.
 double decimal(std::string_view word);
 
-/// The whole number that a word stands for, likewise.
+/// Parses a word as an integer. Throws InputError unless the whole word is one.
 std::int64_t whole(std::string_view word);
 
 }  // namespace fringe::detail

@@ -9,7 +9,8 @@
 namespace fringe::detail {
 namespace {
 
-/// Goes through a file statement by statement; a backslash at the end of a line continues it on the next.
+/// Iterates over the statements of a file; a backslash at the end of a line continues the statement on the
+/// next line.
 class Statements {
  public:
   explicit Statements(std::string_view content) : rest_(content) {}
@@ -32,7 +33,7 @@ class Statements {
     return !statement.empty();
   }
 
-  /// The line on which the current statement begins, from 1.
+  /// Returns the line on which the current statement begins, counted from 1.
   std::size_t first_line() const { return first_line_; }
 
  private:
@@ -50,7 +51,7 @@ std::vector<std::string_view> words_of(std::string_view statement) {
 }
 
 struct FaceCorner {
-  std::size_t vertex;  ///< from 0
+  std::size_t vertex;  ///< index, from 0
   std::size_t line;
   std::size_t face;
 };
@@ -60,8 +61,8 @@ struct FaceCorner {
       fmt::format("face {} (line {}) names vertex {} of {}", corner.face, corner.line, word, vertices));
 }
 
-/// A corner of a face, as in 3, 3/1, 3//2 or -1/1/2, names a vertex by its number from 1, or backwards from
-/// the last one before the face.
+/// Parses a corner of a face, such as 3, 3/1, 3//2 or -1/1/2. A positive number is a vertex number counted
+/// from 1; a negative one counts backwards from the last vertex before the face.
 FaceCorner read_corner(std::string_view word, std::size_t vertices, std::size_t line, std::size_t face) {
   const std::int64_t number = whole(word.substr(0, word.find('/')));
   FaceCorner corner{static_cast<std::size_t>(number - 1), line, face};
@@ -73,7 +74,7 @@ FaceCorner read_corner(std::string_view word, std::size_t vertices, std::size_t 
 }
 
 Eigen::Vector3d read_vertex(const std::vector<std::string_view>& words, std::size_t line) {
-  // Coordinates, and with them a colour that some programs write.
+  // Three coordinates, to which some programs append a colour.
   if (words.size() != 4 && words.size() != 7)
     throw InputError(fmt::format("has a vertex of {} numbers in line {}", words.size() - 1, line));
   return {decimal(words[1]), decimal(words[2]), decimal(words[3])};
@@ -83,7 +84,8 @@ Eigen::Vector3d read_vertex(const std::vector<std::string_view>& words, std::siz
 
 std::vector<Triangle> read_obj(std::string_view content) {
   std::vector<Eigen::Vector3d> vertices;
-  // Three for each triangle: faces may name vertices that come up later.
+  // Three per triangle. They are resolved at the end, because faces may refer to vertices that are defined
+  // later.
   std::vector<FaceCorner> corners;
   std::size_t faces = 0;
   Statements statements(content);

@@ -24,8 +24,8 @@ struct Type {
 
 struct Property {
   std::string name;
-  Type type;                   ///< of the value, or of each value of a list
-  std::optional<Type> length;  ///< of a list's length; none: not a list
+  Type type;                   ///< type of the value, or of each value of a list
+  std::optional<Type> length;  ///< type of a list's length; empty if the property is not a list
 };
 
 struct Element {
@@ -105,7 +105,7 @@ Element read_element(std::string_view words) {
   return {std::string(name), static_cast<std::uint64_t>(count), {}};
 }
 
-/// Takes the header off the file.
+/// Parses the header and removes it from the content.
 Header read_header(std::string_view& content) {
   if (const std::string_view first = take_line(content); first != "ply" && first != "ply\r")
     fail_header("it does not begin with 'ply'");
@@ -132,7 +132,7 @@ Header read_header(std::string_view& content) {
   fail_header("it has no end");
 }
 
-/// The values after the header, one after the other.
+/// Reads the values after the header one by one.
 class Values {
  public:
   Values(std::string_view content, Format format) : rest_(content), format_(format) {}
@@ -181,7 +181,7 @@ class Values {
     return found;
   }
 
-  /// The bits of a value of up to eight bytes.
+  /// Removes the next value, of up to eight bytes, and returns its bits.
   std::uint64_t take(std::size_t size) {
     if (rest_.size() < size)
       fail_truncated();
@@ -202,7 +202,7 @@ bool lists_vertices(const Property& property) {
   return property.length && (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
-/// The only element of a name, which has one property, and no more, of each kind asked for.
+/// Finds the only element of a name. It must have exactly one property of each kind asked for.
 template <class... Asked>
 const Element& only_element(const Header& header, std::string_view name, const Asked&... asked) {
   const Element* found = nullptr;
@@ -244,7 +244,7 @@ std::vector<Eigen::Vector3d> read_vertices(const Element& element, Values& value
   return vertices;
 }
 
-/// Three vertices for each triangle, checked once all vertices are known.
+/// Three vertex indices per triangle, checked once all vertices are known.
 struct FanCorners {
   std::vector<std::int64_t> vertices;
   std::vector<std::uint64_t> faces;
@@ -278,7 +278,7 @@ FanCorners read_faces(const Element& element, Values& values) {
 
 void skip_element(const Element& element, Values& values) {
   if (element.properties.empty())
-    return;  // takes no bytes, however many there are said to be
+    return;  // occupies no bytes, whatever its count
   for (std::uint64_t i = 0; i < element.count; ++i)
     for (const Property& property : element.properties)
       values.skip(property);

@@ -25,7 +25,8 @@ using Names = std::set<std::string, std::less<>>;
 
 constexpr int default_segments = 48;
 constexpr int fewest_segments = 3;
-/// A shape of more would fill the memory; a mesh of as many is half a gigabyte.
+/// Largest number of triangles of a shape: a mesh of as many takes half a gigabyte, and more would exhaust
+/// the memory.
 constexpr int most_triangles = 10'000'000;
 
 Eigen::Isometry3d read_quaternion(TableReader& table, const Vector3d& translation) {
@@ -36,7 +37,7 @@ Eigen::Isometry3d read_quaternion(TableReader& table, const Vector3d& translatio
   return pose_from_quaternion(quaternion, translation);
 }
 
-/// The pose that `translation` and `rotation` or `quaternion` of a link or an object describe.
+/// Reads the pose of a link or an object from `translation` and `rotation` or `quaternion`.
 Eigen::Isometry3d read_pose(TableReader& table) {
   const Vector3d translation = table.vector_or_zero("translation");
   if (table.has("quaternion")) {
@@ -58,7 +59,7 @@ Eigen::Isometry3d read_pose(TableReader& table) {
   return pose;
 }
 
-/// The name of a table, which from then on is called by it.
+/// Reads the name of a table, by which messages then refer to it.
 std::string read_name(TableReader& table, std::string_view kind, Names& taken) {
   std::string name = table.name("name");
   if (!taken.insert(name).second)
@@ -78,7 +79,7 @@ std::optional<std::size_t> read_link_reference(TableReader& table, std::string_v
   return link->second;
 }
 
-/// A link whose ancestors lead back to it would have no place in the world.
+/// Rejects cycles of links: a link that is its own ancestor would have no world pose.
 void require_tree(const std::vector<Link>& links, const std::vector<TableReader>& tables) {
   for (std::size_t i = 0; i < links.size(); ++i) {
     std::size_t steps = 0;
@@ -99,7 +100,7 @@ std::vector<Link> read_links(TableReader& root, LinkIndices& indices) {
     link.pose = read_pose(table);
     links.push_back(std::move(link));
   }
-  // A parent may be named before it is described.
+  // Parents are resolved last, because a link may refer to a parent that is described later.
   for (std::size_t i = 0; i < links.size(); ++i) {
     links[i].parent = read_link_reference(tables[i], "parent", indices);
     tables[i].finish();
@@ -108,7 +109,7 @@ std::vector<Link> read_links(TableReader& root, LinkIndices& indices) {
   return links;
 }
 
-/// A file may say which version of the format it is written in; this one is the first.
+/// Rejects files of a version of the format other than the first. The version is optional.
 void require_known_format(TableReader& root) {
   constexpr int known = 1, most_formats = 1'000'000;
   const int format = root.whole_number_or("format", 1, most_formats, known);
@@ -127,8 +128,8 @@ Medium read_medium(TableReader& root) {
   return medium;
 }
 
-/// Whether there is a room. What stands between surface and plate is all that the model looks at: where the
-/// walls are is checked and not kept.
+/// Returns whether there is a room. Its dimensions are checked but not stored, because the model only
+/// considers what stands between a surface and a plate.
 bool read_room(TableReader& root) {
   if (!root.has("room"))
     return false;
@@ -178,12 +179,13 @@ DistanceSensor read_distance_sensor(TableReader& table, const LinkIndices& links
   return sensor;
 }
 
-/// `each`: how many triangles a segment makes.
+/// Reads the number of segments of a shape that has `each` triangles per segment.
 int read_segments(TableReader& table, int each) {
   return table.whole_number_or("segments", fewest_segments, most_triangles / each, default_segments);
 }
 
-/// A sphere has half as many bands as segments, and makes about the square of their number of triangles.
+/// Reads the number of segments of a sphere. It has half as many bands as segments, and hence about the
+/// square of that number of triangles.
 int read_segments_of_sphere(TableReader& table) {
   const auto most = static_cast<int>(std::sqrt(static_cast<double>(most_triangles)));
   return table.whole_number_or("segments", fewest_segments, most, default_segments);

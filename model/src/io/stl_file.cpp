@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t header_size = 84, count_at = 80, facet_size = 50, corners_at = 12;
 
-/// A number stored with its lowest byte first.
+/// Decodes a number stored in little-endian byte order.
 template <class Number>
 Number little_endian(std::string_view bytes) {
   static_assert(std::endian::native == std::endian::little);
@@ -23,7 +23,7 @@ Number little_endian(std::string_view bytes) {
   return number;
 }
 
-/// The number of triangles of a file of bytes; none for one of text.
+/// Returns the number of triangles of a binary file; nothing for a text file.
 std::optional<std::size_t> count_of_bytes(std::string_view content) {
   if (content.size() < header_size)
     return std::nullopt;
@@ -50,7 +50,8 @@ void expect(std::string_view& text, std::string_view word, std::size_t number) {
                       : fmt::format("has {} in the place of '{}' in facet {}", shown(found), word, number));
 }
 
-/// A facet whose first word is taken already. Its normal may be anything: the triangle has one of its own.
+/// Parses a facet whose first word has been removed already. The stored normal is ignored: it follows from
+/// the vertices.
 Triangle facet_of_text(std::string_view& text, std::size_t number) {
   expect(text, "normal", number);
   for (int axis = 0; axis < 3; ++axis)
@@ -68,7 +69,8 @@ Triangle facet_of_text(std::string_view& text, std::size_t number) {
   return triangle;
 }
 
-/// Several solids in one file are one surface. The rest of a line that begins or ends one is its name.
+/// Reads a text file. Several solids in one file form one surface; the rest of a line that begins or ends a
+/// solid is its name.
 std::vector<Triangle> of_text(std::string_view text) {
   std::vector<Triangle> triangles;
   bool inside = false;

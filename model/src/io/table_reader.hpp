@@ -11,15 +11,15 @@
 #include <Eigen/Core>
 #include <toml++/toml.h>
 
-/// Reading a TOML table key by key with errors that say file, line, key and reason.
+/// Reader of a TOML table key by key, with errors that give file, line, key and reason.
 namespace fringe::detail {
 
-/// Of a scene: beyond, products of lengths in the integrals begin to leave the range of numbers.
+/// Largest magnitude of a number in a scene. Beyond it, products of lengths in the integrals may overflow.
 constexpr double largest_number = 1e30;
 
-/// Wraps one table of a scene file. Every `read` names its key; what was never named is an unknown key, which
-/// `finish` reports. The required reads throw InputError when the key is missing, all of them when the value
-/// is of a wrong kind.
+/// Wraps one table of a scene file. Every read names its key; a key that was never named is unknown, which
+/// `finish` reports. Reads without a default throw InputError when the key is missing, and all reads throw
+/// when the value has the wrong type.
 class TableReader {
  public:
   /// `prefix` stands before every key in messages, for instance `object "target": `.
@@ -41,13 +41,13 @@ class TableReader {
   Eigen::Vector3d nonzero_vector(std::string_view key);
 
   TableReader table(std::string_view key);
-  /// The tables of an array; none when the key is missing.
+  /// Returns the tables of an array; none when the key is missing.
   std::vector<TableReader> tables(std::string_view key);
 
-  /// From here on messages call this table what it is rather than where it stands.
+  /// Sets the prefix of messages to the table's name instead of its position in the file.
   void rename(std::string prefix) { prefix_ = std::move(prefix); }
 
-  /// Throws for a key that nothing asked for.
+  /// Throws InputError for a key that was never read.
   void finish() const;
 
   /// Throws InputError about a key of this table, or about the table itself when the table has no such key.
@@ -64,7 +64,7 @@ class TableReader {
   std::set<std::string, std::less<>> asked_;
 };
 
-/// "FILE:LINE: KEY: REASON", without a line when it is 0 and without a key when that is empty.
+/// Composes "FILE:LINE: KEY: REASON"; omits the line when it is 0 and the key when it is empty.
 std::string located_message(std::string_view file, unsigned line, std::string_view key,
                             std::string_view reason);
 

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-/// Numbers of 106 bits as unevaluated sums of two doubles, for innermost loops, where arbitrary precision
-/// would take ten times as long (T. J. Dekker, Numerische Mathematik 18, 1971; error bounds in Joldes, Muller
-/// and Popescu, ACM Transactions on Mathematical Software 44, 2017).
+/// Double-double arithmetic: numbers of 106 bits as unevaluated sums of two doubles, for innermost loops
+/// where arbitrary precision would take ten times as long (T. J. Dekker, Numerische Mathematik 18, 1971;
+/// error bounds in Joldes, Muller and Popescu, ACM Transactions on Mathematical Software 44, 2017).
 namespace fringe::detail {
 
 struct DoubleDouble {
@@ -12,26 +12,26 @@ struct DoubleDouble {
   double low = 0;  ///< at most half a unit in the last place of `high`
 };
 
-/// a + b without error, for |a| ≥ |b|.
+/// Computes a + b without error, for |a| ≥ |b|.
 inline DoubleDouble quick_sum(double a, double b) {
   const double sum = a + b;
   return {sum, b - (sum - a)};
 }
 
-/// a + b without error.
+/// Computes a + b without error.
 inline DoubleDouble exact_sum(double a, double b) {
   const double sum = a + b;
   const double b_part = sum - a;
   return {sum, (a - (sum - b_part)) + (b - b_part)};
 }
 
-/// a·b without error.
+/// Computes a·b without error.
 inline DoubleDouble exact_product(double a, double b) {
   const double product = a * b;
   return {product, std::fma(a, b, -product)};
 }
 
-/// The sum to 3·2^−106 of its own size, also where the two cancel.
+/// Computes the sum with a relative error of at most 3·2^−106, also under cancellation.
 inline DoubleDouble operator+(DoubleDouble a, DoubleDouble b) {
   const DoubleDouble high = exact_sum(a.high, b.high), low = exact_sum(a.low, b.low);
   const DoubleDouble sum = quick_sum(high.high, high.low + low.high);
@@ -56,7 +56,8 @@ inline DoubleDouble operator*(double a, DoubleDouble b) {
   return quick_sum(product.high, std::fma(a, b.low, product.low));
 }
 
-/// The quotient to 10·2^−106: two steps of long division, each exact but for the next.
+/// Computes the quotient with a relative error of at most 10·2^−106, by long division: the remainder of each
+/// step gives the next digit.
 inline DoubleDouble operator/(DoubleDouble a, DoubleDouble b) {
   const double first = a.high / b.high;
   const DoubleDouble rest = a - first * b;
@@ -65,7 +66,7 @@ inline DoubleDouble operator/(DoubleDouble a, DoubleDouble b) {
   return quick_sum(first, second) + DoubleDouble{third, 0};
 }
 
-/// 1/√a: one Newton step from the double, whose error it squares.
+/// Computes 1/√a by one Newton step from the double-precision value, whose error it squares.
 inline DoubleDouble inverse_square_root(DoubleDouble a) {
   const double guess = 1 / std::sqrt(a.high);
   const DoubleDouble square = exact_product(guess, guess);
@@ -73,7 +74,7 @@ inline DoubleDouble inverse_square_root(DoubleDouble a) {
   return quick_sum(guess, 0.5 * guess * residual.high);
 }
 
-/// √a for a ≥ 0.
+/// Computes √a for a ≥ 0.
 inline DoubleDouble square_root(DoubleDouble a) {
   return a.high == 0 ? DoubleDouble{} : a * inverse_square_root(a);
 }

@@ -7,14 +7,16 @@
 namespace fringe {
 namespace {
 
-/// Room for the longest path that the system knows, and for what is said of it.
+/// Length in bytes above which a message is shortened: room for the longest path of the system and a sentence
+/// about it.
 constexpr std::size_t longest = 6000;
 
-/// Whether a byte continues a character of UTF-8, which must not be cut in two.
+/// Returns whether a byte continues a UTF-8 character, which must not be cut in two.
 bool continues(char byte) {
   return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80;
 }
 
+/// Replaces the middle of an overlong text by an ellipsis.
 std::string shortened(const std::string& text) {
   if (text.size() <= longest)
     return text;
@@ -26,6 +28,7 @@ std::string shortened(const std::string& text) {
   return text.substr(0, head) + " … " + text.substr(tail);
 }
 
+/// Escapes control characters, so that the message fits on one line.
 std::string one_line(const std::string& text) {
   constexpr char last_control = 0x1F, erasure = 0x7F;
   std::string line;

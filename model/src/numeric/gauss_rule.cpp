@@ -11,7 +11,7 @@ struct LegendreValue {
   long double derivative;
 };
 
-/// The Legendre polynomial of the given degree and its derivative, inside (−1, 1).
+/// Evaluates the Legendre polynomial of the given degree and its derivative at x inside (−1, 1).
 LegendreValue legendre(int degree, long double x) {
   long double previous = 1, current = x;
   for (int n = 2; n <= degree; ++n) {
@@ -27,7 +27,8 @@ LegendreValue legendre(int degree, long double x) {
 GaussRule gauss_rule(int points) {
   GaussRule rule;
   for (int i = 0; i < points; ++i) {
-    // Chebyshev's estimate is within Newton's quadratic range of the root: five steps reach the last bit.
+    // Chebyshev's estimate of the root lies where Newton's method converges quadratically: five steps reach
+    // the last bit.
     long double x = -std::cos(std::numbers::pi_v<long double> * (i + 0.75L) / (points + 0.5L));
     for (int step = 0; step < 5; ++step) {
       const auto [value, derivative] = legendre(points, x);

@@ -11,18 +11,18 @@
 
 namespace fringe::detail {
 
-/// Tells clang's thread sanitizer the order that oneTBB gives to a parallel loop and that the tool cannot
-/// see, because the library is compiled without it: what is done before the loop comes before every part of
-/// its body, and that before what is done after the loop. Nothing is said about two parts of the body.
+/// Tells clang's thread sanitizer how oneTBB orders a parallel loop, which the tool cannot see because the
+/// library is compiled without it: everything before the loop happens before every part of its body, and
+/// every part of the body before everything after the loop. Two parts of the body are not ordered.
 class LoopOrder {
  public:
   LoopOrder() { release(&start_); }
 
-  /// The first statement of a part of the body.
+  /// Must be called first in a part of the body.
   void part_begins() const { acquire(&start_); }
-  /// The last one.
+  /// Must be called last in a part of the body.
   void part_ends() const { release(&end_); }
-  /// When the loop has returned.
+  /// Must be called after the loop has returned.
   void loop_ended() const { acquire(&end_); }
 
  private:

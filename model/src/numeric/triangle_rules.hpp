@@ -2,11 +2,10 @@
 
 #include <span>
 
-/// Quadrature rules on a triangle with positive weights and all points inside (model/NUMERICS.md, section
-/// 12).
+/// Quadrature rules on a triangle with positive weights and interior points (model/NUMERICS.md, section 12).
 namespace fringe::detail {
 
-/// A point at v₀ + second·(v₁ − v₀) + third·(v₂ − v₀).
+/// A quadrature point at v₀ + second·(v₁ − v₀) + third·(v₂ − v₀), with its weight.
 struct TriangleNode {
   double second;
   double third;
@@ -17,13 +16,13 @@ struct TriangleNode {
 struct TriangleRule {
   int degree;
   int points;
-  /// Largest value of mean|δ|^k + Σw|δ|^k, k = degree + 1, over the triangles whose vertices lie within 1 of
-  /// the centroid, δ the distance from the centroid.
+  /// Largest value of mean|δ|^k + Σw|δ|^k, where k = degree + 1 and δ is the offset from the centroid, over
+  /// all triangles whose vertices lie within distance 1 of the centroid.
   double bound_constant;
   const TriangleNode* nodes;
 };
 
-/// In the order of their degrees.
+/// Returns all rules in the order of their degrees.
 std::span<const TriangleRule> triangle_rules();
 
 }  // namespace fringe::detail

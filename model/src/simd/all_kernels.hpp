@@ -9,10 +9,12 @@
 #include "reduced/node_kernels_template.hpp"
 #include "simd/dispatch.hpp"
 
-/// Every kind of kernels as templates over the register, for the four files named after instruction sets.
+/// Collects the kernels of all kinds, as templates over the register, for the four files named after
+/// instruction sets.
 namespace fringe::detail {
 
-/// The registers of an instruction set: `Doubles` and `Floats`. Each of the four files specialises it.
+/// The register types of an instruction set: `Doubles` and `Floats`. Each of the four files specialises this
+/// template.
 template <InstructionSet set>
 struct Registers;
 

@@ -1,5 +1,4 @@
-// GCC 12 takes the deliberately undefined registers of its own AVX-512 header
-// for mistakes.
+// GCC 12 warns about the deliberately undefined registers of its own AVX-512 header.
 #ifndef __clang__
 #pragma GCC diagnostic ignored "-Wuninitialized"
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"

@@ -14,7 +14,7 @@ struct LanesAvx2 {
   static constexpr int width = 4;
   static constexpr bool fused = true;
 
-  /// a·b + c of four doubles, rounded once.
+  /// Computes a·b + c of four doubles with one rounding.
   static __m256d fused_four(const __m256d& a, const __m256d& b, const __m256d& c) {
     return _mm256_fmadd_pd(a, b, c);
   }
@@ -41,7 +41,7 @@ struct FloatLanesAvx2 {
   using Vector = xsimd::batch<float, xsimd::fma3<xsimd::avx2>>;
   static constexpr int width = 8;
 
-  /// Improves the processor's estimate, good to 2^−11, by one step of Newton's method: to 3e-7.
+  /// Computes 1/√x to 3e-7: improves the processor's estimate, good to 2^−11, by one step of Newton's method.
   static Vector inverse_square_root(const Vector& x) {
     const Vector y = _mm256_rsqrt_ps(x);
     return y * fnma(x * y * y, Vector(0.5F), Vector(1.5F));

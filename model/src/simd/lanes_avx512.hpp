@@ -5,8 +5,8 @@
 #include <sleef.h>
 #include <xsimd/xsimd.hpp>
 
-/// xsimd 8.1 has no fused operations for AVX-512 and would round twice. These overloads stand where
-/// argument-dependent lookup finds its own, and are preferred because they are no templates.
+/// xsimd 8.1 has no fused multiply-add for AVX-512 and would round twice. Argument-dependent lookup finds
+/// these overloads beside xsimd's own and prefers them because they are not templates.
 namespace xsimd {
 
 using EightDoubles = batch<double, avx512bw>;
@@ -39,7 +39,7 @@ struct LanesAvx512 {
   static constexpr int width = 8;
   static constexpr bool fused = true;
 
-  /// a·b + c of four doubles, rounded once.
+  /// Computes a·b + c of four doubles with one rounding.
   static __m256d fused_four(const __m256d& a, const __m256d& b, const __m256d& c) {
     return _mm256_fmadd_pd(a, b, c);
   }
@@ -58,7 +58,7 @@ struct LanesAvx512 {
   static std::uint32_t tag(double x) { return __builtin_bit_cast(std::uint64_t, x) & 31U; }
   static double largest(const Vector& x) { return _mm512_reduce_max_pd(x); }
 
-  /// 1/√x to 2^−14.
+  /// Estimates 1/√x with a relative error of 2^−14.
   static Vector inverse_square_root_estimate(const Vector& x) { return _mm512_rsqrt14_pd(x); }
   static constexpr bool has_estimate = true;
 };
@@ -68,7 +68,8 @@ struct FloatLanesAvx512 {
   using Vector = xsimd::batch<float, xsimd::avx512bw>;
   static constexpr int width = 16;
 
-  /// Improves the processor's estimate, good to 2^−14, by one step of Newton's method: to rounding.
+  /// Computes 1/√x to rounding: improves the processor's estimate, good to 2^−14, by one step of Newton's
+  /// method.
   static Vector inverse_square_root(const Vector& x) {
     const Vector y = _mm512_rsqrt14_ps(x);
     return y * fnma(x * y * y, Vector(0.5F), Vector(1.5F));

@@ -6,7 +6,7 @@
 
 namespace fringe::detail {
 
-/// The outcome of a comparison, with the operations of a mask of lanes.
+/// The result of a comparison, with the operations of a mask of lanes.
 struct OneMask {
   bool value;
 };
@@ -27,7 +27,7 @@ inline bool all(OneMask mask) {
   return mask.value;
 }
 
-/// A number with the operations of a register, so that the same source builds for any processor.
+/// A number with the operations of a vector register, so that the same source builds for any processor.
 template <class Number>
 struct OneLane {
   Number value;
@@ -56,7 +56,7 @@ struct OneLane {
   friend Number hadd(OneLane a) { return a.value; }
 };
 
-/// One double, without any instruction beyond the language.
+/// One double, in standard C++ only.
 struct LanesScalar {
   using Vector = OneLane<double>;
   using Mask = OneMask;
@@ -75,7 +75,7 @@ struct LanesScalar {
   static constexpr bool has_estimate = false;
 };
 
-/// One float, without any instruction beyond the language.
+/// One float, in standard C++ only.
 struct FloatLanesScalar {
   using Vector = OneLane<float>;
   static constexpr int width = 1;

@@ -7,7 +7,7 @@
 
 namespace fringe::detail {
 
-/// Two doubles: what every x86-64 processor has.
+/// Two doubles: SSE2, which every x86-64 processor has.
 struct LanesSse2 {
   using Vector = xsimd::batch<double, xsimd::sse2>;
   using Mask = Vector::batch_bool_type;

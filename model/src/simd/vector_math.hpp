@@ -1,7 +1,7 @@
 #pragma once
 
-/// Small functions over a register of lanes, for any `V` with the operations of xsimd::batch<double> or a
-/// plain double. `Lanes<V>` says what differs between the instruction sets.
+/// Small functions over a vector register, for any `V` with the operations of xsimd::batch<double> or
+/// OneLane. `Lanes` states how the instruction sets differ.
 namespace fringe::detail {
 
 template <class V>
@@ -19,7 +19,7 @@ Vector3<V> operator+(const Vector3<V>& a, const Vector3<V>& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
 
-/// a + t·b
+/// Computes a + t·b.
 template <class V>
 Vector3<V> along(const Vector3<V>& a, const V& t, const Vector3<V>& b) {
   return {fma(t, b.x, a.x), fma(t, b.y, a.y), fma(t, b.z, a.z)};
@@ -35,13 +35,13 @@ V squared_norm(const Vector3<V>& a) {
   return dot(a, a);
 }
 
-/// The rounding error of the product ab = fl(a·b): exact.
+/// Computes the rounding error of the product ab = fl(a·b) exactly.
 template <class Lanes, class V>
 V product_error(const V& a, const V& b, const V& ab) {
   if constexpr (Lanes::fused) {
     return fms(a, b, ab);
   } else {
-    // Veltkamp's splitting and Dekker's product, where the machine has no fused operation.
+    // Veltkamp's splitting and Dekker's product, for machines without fused multiply-add.
     const V splitter(0x1p27 + 1);
     const V a_scaled = splitter * a, b_scaled = splitter * b;
     const V a_high = a_scaled - (a_scaled - a), b_high = b_scaled - (b_scaled - b);
@@ -50,7 +50,7 @@ V product_error(const V& a, const V& b, const V& ab) {
   }
 }
 
-/// a·b − c·d with an error of at most 1.5 units in the last place (compensated.hpp).
+/// Computes a·b − c·d with an error of at most 1.5 units in the last place (compensated.hpp).
 template <class Lanes, class V>
 V difference_of_products(const V& a, const V& b, const V& c, const V& d) {
   const V subtracted = c * d;
@@ -74,9 +74,10 @@ Vector3<V> select(const M& condition, const Vector3<V>& a, const Vector3<V>& b) 
   return {select(condition, a.x, b.x), select(condition, a.y, b.y), select(condition, a.z, b.z)};
 }
 
+/// Evaluates a polynomial, given its coefficients in ascending order.
 template <class V, int terms>
 V polynomial(const V& x, const double (&coefficients)[terms]) {
-  // Even and odd powers apart: two short chains of operations instead of a long one.
+  // Even and odd powers are summed separately: two short dependency chains instead of a long one.
   const V y = x * x;
   V even(coefficients[(terms - 1) / 2 * 2]), odd(coefficients[(terms - 2) / 2 * 2 + 1]);
   for (int k = (terms - 1) / 2 * 2 - 2; k >= 0; k -= 2)

@@ -24,10 +24,10 @@ using test::Random;
 using Rational = boost::multiprecision::cpp_rational;
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-/// Of what volumes are rounded outward by, and of the roundings of a height, relative to the size: twice.
+/// Relative allowance: twice the outward rounding of volumes plus the rounding of a height.
 constexpr double outward = 20 * epsilon;
 
-/// Points of every kind that makes trouble, whole shapes among them.
+/// Returns the vertices of a random shape from the classes of difficult pairs.
 Points random_points(Random& random) {
   const auto classes = test::pair_classes();
   const auto [a, b] = classes[test::below(random, classes.size())].make(random);
@@ -77,7 +77,7 @@ Points united(Points points, const Points& others) {
   return points;
 }
 
-/// Two rings of points about the z axis, as of a cylinder's base and top, or of a sector of a ring.
+/// Returns rings of points about the z axis, as of a cylinder's base and top or of a sector of a ring.
 Points rings(double inner, double outer, double height, double degrees, int segments) {
   Points points;
   for (int i = 0; i <= segments; ++i) {
@@ -140,7 +140,8 @@ TEST(BoundingVolumes, OfOnePointASegmentAndAFlatShape) {
 }
 
 TEST(BoundingSphere, IsTheKnownSmallestOne) {
-  // The sphere of an obtuse triangle is that of its longest side; a regular tetrahedron's has all corners.
+  // The smallest sphere of an obtuse triangle has the longest edge as its diameter; that of a regular
+  // tetrahedron passes through all vertices.
   EXPECT_NEAR(bounding_sphere(Points{{-1, 0, 0}, {1, 0, 0}, {0, 0.5, 0}}).radius, 1, outward);
   EXPECT_NEAR(bounding_sphere(Points{{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}}).radius,
               std::sqrt(3.0), outward);
@@ -148,7 +149,8 @@ TEST(BoundingSphere, IsTheKnownSmallestOne) {
 }
 
 TEST(BoundingSphere, HasItsCentreInTheHullOfThePointsOnItsBoundary) {
-  // That makes it the smallest: moving the centre any way takes it farther from one of them.
+  // This property makes the sphere the smallest one: moving the centre in any direction takes it farther from
+  // one of the points.
   Random random(2);
   for (int i = 0; i < draws(300); ++i) {
     const Points points = random_points(random);
@@ -162,7 +164,8 @@ TEST(BoundingSphere, HasItsCentreInTheHullOfThePointsOnItsBoundary) {
           sphere.radius - 1e-13 * largest - std::numeric_limits<double>::min())
         boundary.push_back(point);
     ASSERT_FALSE(boundary.empty());
-    // A centre whose distances are off by 1e-13 may be off by the root of that across a flat direction.
+    // A centre whose distances have an error of 1e-13 may itself have an error of its square root across a
+    // flat direction.
     ASSERT_LE(gjk_distance(boundary, Points{sphere.centre}).distance, 1e-6 * largest) << i;
   }
 }
@@ -174,7 +177,7 @@ TEST(AxisAlignedBox, HasTheLeastAndTheLargestCoordinates) {
 }
 
 TEST(OrientedBox, FollowsTheSurfaceRatherThanTheVertices) {
-  // A flat bar with most vertices crowded along a short diagonal: the surface does not care.
+  // Most vertices of this flat bar crowd along a short diagonal, which does not change its surface.
   Points points{{0, 0, 0}, {4, 0, 0}, {4, 1, 0}, {0, 1, 0}};
   const std::vector<Face> faces{{0, 1, 2}, {0, 2, 3}};
   for (int i = 0; i < 100; ++i)
@@ -185,7 +188,7 @@ TEST(OrientedBox, FollowsTheSurfaceRatherThanTheVertices) {
   EXPECT_LT(std::abs(oriented_box(points, faces, BoxMethod::vertices).axes(0, 0)), 0.999);
 }
 
-/// A shape and the volume of the smallest box known for it.
+/// A shape with the volume of the smallest known box around it.
 struct KnownShape {
   const char* name;
   Points points;
@@ -195,8 +198,8 @@ struct KnownShape {
 std::vector<KnownShape> known_shapes() {
   const double cylinder_radius = 0.5;
   const int sides = 32;
-  // Of a regular polygon of a number of sides that four divides, the box on its sides is the square between
-  // opposite ones.
+  // If the number of sides of a regular polygon is divisible by four, the box aligned with its sides is a
+  // square of twice the apothem.
   const double apothem = cylinder_radius * std::cos(std::numbers::pi / sides);
   return {{"cube", box_corners({1, 1, 1}), 1},
           {"cuboid", box_corners({1, 2, 3}), 6},

@@ -27,7 +27,7 @@ Isometry3d moved_by(const Vector3d& translation) {
   return Isometry3d(Eigen::Translation3d(translation));
 }
 
-/// A shape of any kind, its sizes from 0.2 to 1.
+/// Returns a random shape of any kind with sizes from 0.2 to 1.
 ConvexShape any_primitive(Random& random) {
   const auto length = [&] { return random.uniform(0.2, 1); };
   switch (test::below(random, 7)) {
@@ -50,7 +50,7 @@ ConvexShape any_primitive(Random& random) {
   }
 }
 
-/// The answer, proven.
+/// Returns whether two shapes intersect, and checks the certificate.
 bool meet(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b, const Isometry3d& pose_b) {
   const ShapeAnswer answer = gjk_intersects(a, pose_a, b, pose_b);
   EXPECT_TRUE(proves(answer, a, pose_a, b, pose_b)) << answer.certificate.index();
@@ -118,7 +118,7 @@ TEST(ConvexShapes, AreTheSameForEveryInstructionSet) {
   }
 }
 
-/// Gaps and overlaps of known sizes along z, between shapes whose poles or faces meet there.
+/// Tests gaps and overlaps of known sizes along z, between shapes whose poles or faces meet there.
 TEST(ConvexShapes, WithRoundSurfacesDecideDownToRounding) {
   const std::vector<ConvexShape> shapes{ConvexShape::ball(0.5), ConvexShape::cylinder(0.3, 1),
                                         ConvexShape::cone(0.4, 1), ConvexShape::cuboid({1, 2, 1}),
@@ -128,7 +128,7 @@ TEST(ConvexShapes, WithRoundSurfacesDecideDownToRounding) {
     for (const ConvexShape& b : shapes) {
       const Isometry3d turn = random.rigid_motion();
       for (const double share : {1e-3, 1e-6, 1e-9, 1e-12}) {
-        // Both reach half a metre along z; only the cone's apex is no more than a point.
+        // Both shapes extend half a metre along z; only the cone ends there in a single point.
         EXPECT_FALSE(meet(a, turn, b, turn * moved_by({0, 0, 1 + share}))) << share;
         EXPECT_TRUE(meet(a, turn, b, turn * moved_by({0, 0, 1 - share}))) << share;
       }
@@ -138,15 +138,14 @@ TEST(ConvexShapes, WithRoundSurfacesDecideDownToRounding) {
 TEST(ConvexShapes, SayWhenRoundingHidesTheAnswer) {
   const ConvexShape ball = ConvexShape::ball(0.5), cylinder = ConvexShape::cylinder(0.25, 1);
   const Isometry3d turn = Random(15).rigid_motion();
-  const Isometry3d beside =
-      turn * moved_by({0.6, 0.45, 0});  // exactly 0.75 away, but for the pose's rounding
+  const Isometry3d beside = turn * moved_by({0.6, 0.45, 0});  // 0.75 away, up to the pose's rounding
   EXPECT_TRUE(undecided(ball, turn, cylinder, beside));
   EXPECT_TRUE(intersect(ball, turn, cylinder, beside));
   const ShapeAnswer answer = gjk_intersects(ball, turn, cylinder, beside);
   const auto& certificate = std::get<ShapesUndecided>(answer.certificate);
   EXPECT_LT(certificate.gap, 1e-12);
   EXPECT_LT(certificate.overlap, 1e-12);
-  // No better is claimed than what holds.
+  // A certificate that claims tighter bounds than hold is refused.
   ShapeAnswer bolder = answer;
   std::get<ShapesUndecided>(bolder.certificate).overlap = -1e-12;
   EXPECT_FALSE(proves(bolder, ball, turn, cylinder, beside));
@@ -156,7 +155,8 @@ TEST(ConvexShapes, SayWhenRoundingHidesTheAnswer) {
 }
 
 TEST(ConvexShapes, WithFlatSurfacesAreExactForTheNumbersOfTheirPoses) {
-  // Squares turned by 45 degrees whose corners meet: the rounded matrix decides, and it is decided.
+  // The corners of squares rotated by 45 degrees relative to each other meet. The answer must be exact for
+  // the rounded matrix.
   const ConvexShape cube = ConvexShape::cuboid({1, 1, 1});
   Isometry3d turned = Isometry3d::Identity();
   turned.rotate(Eigen::AngleAxisd(std::acos(-1) / 4, Vector3d::UnitZ()));
@@ -184,8 +184,8 @@ TEST(ConvexShapes, KeepTheirAnswerInAnyUnitOfLength) {
 }
 
 TEST(ConvexShapes, OfManyVerticesHaveTheirFarthestOnesInEveryCell) {
-  // Points on a ball, in a flat disc, along a segment, each twice; directions anywhere and along cell
-  // borders.
+  // The points lie on a sphere, in a flat disc or along a segment, each of them twice. The directions are
+  // random or along borders of the direction cells.
   Random random(17);
   for (const Vector3d& extent : {Vector3d(1, 1, 1), Vector3d(1, 1, 0), Vector3d(0, 0, 1)}) {
     Points points;

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 using test::draws;
 using test::Points;
 using test::Random;
-/// Digits enough for the squares and products of distances of 1e-15 to have thirty left.
+/// Precision at which squares and products of distances of 1e-15 still have thirty digits.
 using Real =
     boost::multiprecision::number<boost::multiprecision::cpp_bin_float<100>, boost::multiprecision::et_off>;
 using RealVector = std::array<Real, 3>;
@@ -50,8 +50,8 @@ Real point_segment(const RealVector& p, const RealVector& a, const RealVector& b
   return square_of_difference(p, plus(a, t, along));
 }
 
-/// Where the lines' nearest points lie inside both segments, their distance; elsewhere an end is nearest, and
-/// point_segment finds it.
+/// Computes the squared distance of two segments. If the nearest points of the two lines do not lie inside
+/// both segments, an end is nearest, which point_segment covers.
 Real segment_segment(const RealVector& a, const RealVector& b, const RealVector& c, const RealVector& d) {
   const RealVector u = plus(b, -1, a), v = plus(d, -1, c), w = plus(a, -1, c);
   const Real uu = inner(u, u), vv = inner(v, v), uv = inner(u, v), uw = inner(u, w), vw = inner(v, w);
@@ -66,7 +66,8 @@ Real segment_segment(const RealVector& a, const RealVector& b, const RealVector&
   return least;
 }
 
-/// The distance to the triangle's plane where the foot lies inside; elsewhere an edge is nearer.
+/// Computes the squared distance of a point and a triangle: the distance to the plane if the foot lies
+/// inside, otherwise that to the nearest edge.
 Real point_triangle(const RealVector& p, const RealVector& a, const RealVector& b, const RealVector& c) {
   const RealVector u = plus(b, -1, a), v = plus(c, -1, a), w = plus(p, -1, a);
   const Real uu = inner(u, u), vv = inner(v, v), uv = inner(u, v), uw = inner(u, w), vw = inner(v, w);
@@ -80,8 +81,8 @@ Real point_triangle(const RealVector& p, const RealVector& a, const RealVector& 
   return least;
 }
 
-/// The smallest distance between any features of two disjoint hulls, squared: all pairs and triples of
-/// vertices, those on the hull among them.
+/// Computes the squared distance of two disjoint hulls as the smallest distance between any of their
+/// features, from all pairs and triples of vertices; those on the hulls are among them.
 Real square_by_features(const Points& a, const Points& b) {
   std::vector<RealVector> p, q;
   std::transform(a.begin(), a.end(), std::back_inserter(p), real);

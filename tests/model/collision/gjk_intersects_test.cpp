@@ -43,7 +43,7 @@ TEST_P(GjkOnClass, AgreesWithLinearProgrammingAndProvesIt) {
     ASSERT_EQ(gjk_intersects(b, a).intersects, answer.intersects) << "pair " << i;
     intersecting += answer.intersects;
   }
-  // A class that is all one or the other would show little.
+  // A class with only one kind of answer would show little.
   EXPECT_GT(intersecting, GetParam().name == "mixed_magnitudes" ? 0 : pairs_per_class / 20);
   EXPECT_LT(intersecting, GetParam().name == "nested" ? pairs_per_class + 1 : pairs_per_class * 19 / 20);
 }
@@ -77,7 +77,8 @@ TEST(GjkIntersects, CountsTouchingAtAVertexAnEdgeAndAFace) {
 }
 
 TEST(GjkIntersects, DecidesBySmallestSteps) {
-  // Against the point (t, t, t), t the double above or below 1/3, of which three never sum to one.
+  // The other set is the point (t, t, t), with t one of the doubles next to 1/3; three times a double is
+  // never exactly one.
   const double above = std::nextafter(1.0 / 3, 1.0);
   EXPECT_TRUE(intersect(tetrahedron, {Vector3d::Constant(1.0 / 3)}));
   EXPECT_FALSE(intersect(tetrahedron, {Vector3d::Constant(above)}));
@@ -86,8 +87,8 @@ TEST(GjkIntersects, DecidesBySmallestSteps) {
 }
 
 TEST(GjkIntersects, ProvesGapsThatNoDirectionOfDoublesShows) {
-  // Crossing segments ±u and w ± v of whole coordinates with det(u, v, w) = 1: their gap is 1/|u × v|, some
-  // 1e-30, and all that separates them are directions within 1e-45 of u × v.
+  // Crossing segments ±u and w ± v with integer coordinates and det(u, v, w) = 1. Their gap is 1/|u × v|,
+  // about 1e-30, and only directions within 1e-45 of u × v separate them.
   const Vector3d u(-841690050544700, -594843285048260, 1000905404176547);
   const Vector3d v(583736098737179, -180346584185322, 1071208196419212);
   const Vector3d w(284772478851356, 316069082486629, -680505267393819);
@@ -120,7 +121,7 @@ TEST(GjkCertificate, ThatProvesNothingIsRefused) {
   EXPECT_FALSE(proves(apart, far, tetrahedron));
   EXPECT_FALSE(proves({false, SeparatingDirection{{0, 0, 0}}}, tetrahedron, far));
   EXPECT_FALSE(proves({false, SeparatingDirection{{infinity, 0, 0}}}, tetrahedron, far));
-  // Touching is no separation.
+  // Touching sets are not separated.
   EXPECT_FALSE(proves({false, SeparatingDirection{{1, 0, 0}}}, tetrahedron, {{{1, 0, 0}}}));
   EXPECT_TRUE(proves({false, SeparatingDirection{{1, 1, 1}}}, tetrahedron, far));
   EXPECT_FALSE(proves({true, SimplexAroundOrigin{{{{{9, 0}}}, 1}}}, tetrahedron, inside));

@@ -14,10 +14,11 @@ namespace {
 using Integer = boost::multiprecision::mpz_int;
 using Eigen::Vector3d;
 
-constexpr std::size_t constraints = 5;  ///< three coordinates are equal, both sums of weights are one
+constexpr std::size_t constraints = 5;  ///< three equal coordinates, two sums of weights equal to one
 
-/// Rows of equations, the last one the objective (the sum of what the equations are off); columns of
-/// unknowns, the last one the right-hand sides. True values are these over `denominator`.
+/// Simplex tableau. The rows are the equations and, last, the objective (the sum of the equations'
+/// residuals); the columns are the unknowns and, last, the right-hand sides. The true values are the entries
+/// divided by `denominator`.
 struct Tableau {
   std::array<std::vector<Integer>, constraints + 1> rows;
   std::array<std::size_t, constraints> basis;
@@ -34,7 +35,7 @@ int smallest_exponent(std::span<const Vector3d> vertices, int at_most) {
   return at_most;
 }
 
-/// coordinate·2^shift, which must be an integer.
+/// Returns coordinate·2^shift, which must be an integer.
 Integer shifted(double coordinate, int shift) {
   int exponent = 0;
   const double mantissa = std::frexp(coordinate, &exponent);
@@ -89,7 +90,7 @@ std::size_t leaving(const Tableau& tableau, std::size_t column) {
     if (difference < 0 || (difference == 0 && tableau.basis[row] < tableau.basis[*best]))
       best = row;
   }
-  // The objective is bounded below by zero, so there always is a row.
+  // The objective is bounded below by zero, so there always is such a row.
   return best.value();
 }
 

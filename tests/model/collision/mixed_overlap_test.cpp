@@ -7,7 +7,8 @@
 #include "fringe/convex_shape.hpp"
 #include "shape_pairs.hpp"
 
-/// Overlaps of bounding volumes of two kinds, held against the certified test of the same shapes.
+/// Compares the overlap tests of bounding volumes of two kinds with the certified intersection test of the
+/// same shapes.
 namespace fringe {
 namespace {
 
@@ -55,7 +56,8 @@ bool meets(const BoundingSphere& sphere, const OrientedBox& box) {
   return intersect(ConvexShape::ball(sphere.radius), place, shape_of(box), pose_of(box));
 }
 
-/// Both answers of random pairs are the same, and neither is rare: random pairs are not as close as rounding.
+/// Checks that both tests agree on random pairs, and that neither answer is rare. Random pairs are never so
+/// close that rounding decides.
 template <class Make>
 void expect_agreement(const Make& make) {
   Random random(1);
@@ -93,13 +95,14 @@ TEST(MixedOverlap, OfAlignedAndOrientedBox) {
   });
 }
 
-/// Volumes around shapes that touch or all but touch, a kilometre away among them, are never told apart.
+/// Checks that the bounding volumes of shapes that touch or almost touch, some of them a kilometre away, are
+/// never reported as disjoint.
 TEST(MixedOverlap, IsNeverAWrongNo) {
   Random random(2);
   for (const test::PairClass& pair_class : test::pair_classes())
     for (int i = 0; i < 100; ++i) {
       test::ShapePair pair = pair_class.make(random);
-      // One common vertex: whatever the class, their volumes meet there.
+      // With one common vertex the volumes meet, whatever the class.
       pair.b.push_back(pair.a.back());
       const BoundingSphere sphere = bounding_sphere(pair.a);
       const AlignedBox3d aligned = axis_aligned_box(pair.b);

@@ -44,7 +44,7 @@ PairStatus status_of(const Shape& a, const Shape& b, const Isometry3d& pose_b) {
 TEST(Collide, TellsClearBoundsAndCollisionApart) {
   EXPECT_EQ(status_of(cube, cube, moved_by(2, 0, 0)), PairStatus::clear);
   EXPECT_EQ(status_of(cube, cube, moved_by(0.9, 0, 0)), PairStatus::collision);
-  // A ball in the corner of the other's box.
+  // The balls' boxes overlap at their corners, the balls do not.
   EXPECT_EQ(status_of(Sphere{1, 12}, Sphere{1, 12}, moved_by(1.9, 1.9, 0)), PairStatus::bounds);
 }
 
@@ -55,7 +55,8 @@ TEST(Collide, CountsTouching) {
 }
 
 TEST(Collide, TakesRoundShapesForRound) {
-  // Six segments reach 0.87 of the radius midway between them; the shape reaches all of it.
+  // A prism of six segments reaches 0.87 of the radius midway between its corners; the cylinder itself
+  // reaches the whole radius.
   const Isometry3d half_a_segment = pose_from_axis({0, 0, 1}, 30, {1.98, 0, 0});
   EXPECT_EQ(status_of(Cylinder{1, 1, 6}, Cylinder{1, 1, 6}, half_a_segment), PairStatus::collision);
 }
@@ -64,7 +65,7 @@ TEST(Collide, LooksIntoConcaveShapes) {
   const Shape arc = Arc{1, 1.2, 1, 270, 27};
   EXPECT_EQ(status_of(arc, Sphere{0.9, 12}, Isometry3d::Identity()), PairStatus::bounds);
   EXPECT_EQ(status_of(arc, Sphere{0.9, 12}, moved_by(0.15, 0, 0)), PairStatus::collision);
-  // Out through the gap.
+  // The sphere lies in the gap of the arc.
   EXPECT_EQ(status_of(arc, Sphere{0.6, 12}, moved_by(-1, 0, 0)), PairStatus::bounds);
 }
 
@@ -87,7 +88,7 @@ TEST(Collide, FindsWhatIsInsideOfAClosedMesh) {
   EXPECT_EQ(status_of(open, Sphere{0.1, 8}, moved_by(0.2, 0, 0)), PairStatus::bounds);
 }
 
-/// Two links and the world, a cube in the same place on each.
+/// Returns a scene with one cube on each of two links and one in the world, all in the same place.
 Scene three_cubes() {
   Scene scene;
   scene.links = {{"left", std::nullopt}, {"right", std::nullopt}};
@@ -106,7 +107,7 @@ TEST(Collide, LeavesOutObjectsOfOneLinkAndThoseThatDoNotCollide) {
   EXPECT_THAT(all_pairs(collide(scene), scene), IsEmpty());
 }
 
-/// Of two triangles.
+/// Computes the tight box of a mesh of two triangles.
 OrientedBox tight_box(const Mesh& mesh, const Isometry3d& pose) {
   std::vector<Vector3d> corners;
   for (const Triangle& triangle : mesh.triangles)
@@ -135,8 +136,8 @@ TEST(Collide, BoundsOfMeshesAreTheTightBoxes) {
   EXPECT_GT(near, 50);
 }
 
-/// A shape that has a box, from 0.85 to 1 along x, and no pieces, its inner radius being the larger: it is
-/// refused as soon as it is cut.
+/// A shape that has a box, from 0.85 to 1 along x, but cannot be divided into convex pieces, because its
+/// inner radius is the larger one: it is refused as soon as it is divided.
 const Shape without_pieces = Arc{1.2, 1, 1, 90, 3};
 
 TEST(CollisionDetector, CutsIntoPiecesOnlyWhatABoxMeets) {
@@ -182,7 +183,8 @@ TEST(CollisionDetector, LooksOnlyAtWhatMoved) {
   EXPECT_THROW(detector.set_pose("middle", moved_by(0, 0, 0)), InputError);
 }
 
-/// Shapes without round surfaces, whose triangles tell by all pairs whether they meet.
+/// Returns a shape without round surfaces, for which testing all pairs of triangles decides whether shapes
+/// intersect.
 Shape any_flat_shape(Random& random) {
   const auto size = [&] { return random.uniform(0.1, 0.6); };
   if (test::below(random, 3) == 0)
@@ -196,7 +198,8 @@ bool solid(const Shape& shape) {
   return !std::holds_alternative<Plate>(shape);
 }
 
-/// By all pairs of triangles of plates and all vertices of the others, which are convex and solid.
+/// Decides whether two objects intersect from all triangles of plates and the hulls of all vertices of the
+/// other shapes, which are convex and solid.
 bool surfaces_meet(const Object& a, const Isometry3d& pose_a, const Object& b, const Isometry3d& pose_b) {
   std::array<std::vector<std::vector<Vector3d>>, 2> parts;
   std::size_t side = 0;

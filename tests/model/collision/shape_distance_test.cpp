@@ -9,7 +9,7 @@
 #include "fringe/gjk.hpp"
 #include "shape_pairs.hpp"
 
-/// Distances of shapes in poses. Those of hulls of vertices, which are solved exactly, stand as the truth.
+/// Tests distances of posed shapes against those of their vertices' hulls, which are computed exactly.
 namespace fringe {
 namespace {
 
@@ -22,7 +22,8 @@ using Real = boost::multiprecision::cpp_bin_float_100;
 
 constexpr double promised = 1e-12;
 
-/// A quarter turn and a shift by multiples of 1/4: small dyadic coordinates are moved without rounding.
+/// Returns a rotation that permutes the axes and a translation by multiples of 1/4, which move small dyadic
+/// coordinates without rounding.
 Isometry3d exact_pose(Random& random) {
   const auto coordinate = [&] { return static_cast<double>(test::below(random, 33)) / 4 - 4; };
   Isometry3d pose = Isometry3d::Identity();
@@ -42,7 +43,7 @@ Points moved(const Points& points, const Isometry3d& pose) {
   return result;
 }
 
-/// To 2^−20, so that sums with a shift are exact.
+/// Rounds coordinates to multiples of 2^−20, so that sums with a translation are exact.
 Points rounded(Points points) {
   for (Vector3d& point : points)
     for (double& coordinate : point)
@@ -50,7 +51,7 @@ Points rounded(Points points) {
   return points;
 }
 
-/// The least of (direction·b − direction·a)/|direction| over all vertices in their poses, as they are.
+/// Computes the smallest (direction·b − direction·a)/|direction| over all vertices in their unrounded poses.
 Real separation(const Vector3d& direction, const Points& a, const Isometry3d& pose_a, const Points& b,
                 const Isometry3d& pose_b) {
   const auto along = [&](const Vector3d& point, const Isometry3d& pose) {
@@ -92,7 +93,7 @@ TEST(GjkDistance, OfPosedHullsIsThatOfTheirMovedVertices) {
   EXPECT_GT(in_floating_point, disjoint * 9 / 10);
 }
 
-/// Every class of the stress program, gaps of 1e-15 among them.
+/// Covers every class of the stress program, including gaps of 1e-15.
 TEST(GjkDistance, OfClosePairsIsThatOfTheirVertices) {
   Random random(2);
   const Isometry3d here = Isometry3d::Identity();
@@ -149,7 +150,8 @@ TEST(GjkDistance, OfCuboidsIsThatOfTheirCorners) {
   }
 }
 
-/// Closed forms: balls, and a ball beside a cylinder, above a cone's apex and above its side.
+/// Compares with closed forms for two balls, and for a ball beside a cylinder, above a cone's apex and above
+/// its lateral surface.
 TEST(GjkDistance, OfRoundShapes) {
   Random random(5);
   const auto at = [](double x, double y, double z) { return Isometry3d(Eigen::Translation3d(x, y, z)); };
@@ -158,7 +160,7 @@ TEST(GjkDistance, OfRoundShapes) {
     const double r = random.uniform(0.1, 1), gap = random.uniform(0.2, 2);
     const auto expect = [&](const ConvexShape& a, const ConvexShape& b, const Isometry3d& place) {
       const ShapeDistance found = gjk_distance(a, motion, b, motion * place);
-      // The place itself is rounded.
+      // The position itself is rounded.
       EXPECT_NEAR(found.distance, gap, 4e-15 * (1 + motion.translation().norm()) + promised * gap) << i;
       EXPECT_LE(found.distance - found.lower_bound, 1e-11 * gap) << i;
     };
@@ -167,7 +169,7 @@ TEST(GjkDistance, OfRoundShapes) {
     expect(ConvexShape::cylinder(0.5, 2), ball, at(0.5 + r + gap, 0, 0.7));
     expect(ConvexShape::cylinder(0.5, 2), ball, at(0.1, 0.2, 1 + r + gap));
     expect(ConvexShape::cone(1, 2), ball, at(0, 0, 1 + r + gap));
-    // The side of a cone as high as it is wide rises by 45°.
+    // The lateral surface of a cone whose height equals its radius is inclined by 45°.
     const double along = std::sqrt(0.5) * (r + gap);
     expect(ConvexShape::cone(1, 1), ball, at(0.5 + along, 0, along));
   }

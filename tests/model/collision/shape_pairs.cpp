@@ -13,7 +13,7 @@ Vector3d direction(Random& random) {
   return random.in_box({-1, -1, -1}, {1, 1, 1}).normalized();
 }
 
-/// 0, or of either sign and a magnitude from 1e-15 to 1e-3.
+/// Returns 0, or a number of either sign with a magnitude from 1e-15 to 1e-3.
 double small_gap(Random& random) {
   const std::size_t kind = below(random, 14);
   if (kind == 0)
@@ -49,7 +49,7 @@ Points turned(const Points& points, const Eigen::Isometry3d& motion) {
   return result;
 }
 
-/// Two shapes whose extremes along a direction are the gap apart, and that meet where both have a vertex.
+/// Returns two shapes whose extreme vertices along a direction face each other at the distance of the gap.
 ShapePair apart_by_gap(Random& random) {
   ShapePair pair{any_shape(random, 12), any_shape(random, 12)};
   const Vector3d axis = direction(random);
@@ -64,7 +64,7 @@ ShapePair apart_by_gap(Random& random) {
   return pair;
 }
 
-/// A vertex, edge or face of one body at a face of the other, both turned the same way.
+/// Returns two bodies, one with a vertex, edge or face at a face of the other, rotated together.
 ShapePair at_a_face(Random& random) {
   ShapePair pair{cuboid(random), below(random, 2) == 0 ? cuboid(random) : any_shape(random, 10)};
   const Vector3d up = Vector3d::UnitZ();
@@ -75,7 +75,7 @@ ShapePair at_a_face(Random& random) {
   return {turned(pair.a, motion), turned(pair.b, motion)};
 }
 
-/// Two long edges that cross at the gap.
+/// Returns two long edges that cross at the distance of the gap.
 ShapePair crossing_edges(Random& random) {
   const Vector3d u = direction(random), v = direction(random), normal = u.cross(v).normalized();
   const double gap = small_gap(random);
@@ -88,7 +88,8 @@ ShapePair crossing_edges(Random& random) {
   return {a, b};
 }
 
-/// Few different coordinates, so that points coincide, are collinear, coplanar, and shapes touch exactly.
+/// Returns shapes with few different coordinates, so that points coincide, are collinear or coplanar, and
+/// shapes touch exactly.
 ShapePair on_a_grid(Random& random) {
   const auto shape = [&](double shift) {
     Points points;
@@ -114,7 +115,7 @@ ShapePair anywhere(Random& random) {
   return pair;
 }
 
-/// Both in one plane, but for its rounding.
+/// Returns two flat shapes in one plane, up to rounding.
 ShapePair coplanar(Random& random) {
   ShapePair pair = below(random, 2) == 0 ? apart_by_gap(random) : on_a_grid(random);
   for (Points* points : {&pair.a, &pair.b})
@@ -126,7 +127,7 @@ ShapePair coplanar(Random& random) {
   return {turned(pair.a, motion), turned(pair.b, motion)};
 }
 
-/// The same shape twice, slid along one of its edges or moved by the gap.
+/// Returns the same shape twice, the second one moved along one of its edges and by the gap.
 ShapePair twins(Random& random) {
   const Points a = below(random, 2) == 0 ? cuboid(random) : any_shape(random, 12);
   Points b = a;
@@ -136,7 +137,7 @@ ShapePair twins(Random& random) {
   return {a, b};
 }
 
-/// Coordinates of very different magnitudes.
+/// Returns shapes with coordinates of very different magnitudes.
 ShapePair mixed_magnitudes(Random& random) {
   const auto shape = [&] {
     Points points;

@@ -10,7 +10,7 @@
 
 #include "geometry.hpp"
 
-/// Pairs of convex shapes of every kind that has made a collision query fail.
+/// Pairs of convex shapes, in classes that make collision queries difficult.
 namespace fringe::test {
 
 using Points = std::vector<Eigen::Vector3d>;
@@ -25,20 +25,20 @@ struct PairClass {
   ShapePair (*make)(Random&);
 };
 
-/// Its name in messages, in the place of its bytes.
+/// Prints the class by its name instead of its bytes.
 inline void PrintTo(const PairClass& pairs, std::ostream* out) {
   *out << pairs.name;
 }
 
 std::span<const PairClass> pair_classes();
 
-/// 1 to `most` points in the cube [−1, 1]³, or in a random plane, line or point of it.
+/// Returns 1 to `most` points in the cube [−1, 1]³, or in a random plane, line or point of it.
 Points any_shape(Random& random, std::size_t most);
 
-/// A whole number from 0 to below the limit.
+/// Returns a random integer from 0 to limit − 1.
 std::size_t below(Random& random, std::size_t limit);
 
-/// All points times the factor, then moved.
+/// Multiplies all points by the factor and then translates them.
 ShapePair placed(const ShapePair& pair, double factor, const Eigen::Vector3d& offset);
 
 }  // namespace fringe::test

@@ -33,7 +33,7 @@ TEST(ThesisGjk, TakesContactForSeparation) {
 
 TEST(ThesisGjk, SaysWhenItDoesNotEnd) {
   EXPECT_EQ(thesis_gjk_intersects(tetrahedron, moved({0.1, 0.1, 0.1}), 2), std::nullopt);
-  // Some pairs would never end: twice as many rounds change nothing.
+  // For some pairs the algorithm does not terminate: many more iterations make no difference.
   Random random(3);
   int endless = 0;
   for (const test::PairClass& pair_class : test::pair_classes())

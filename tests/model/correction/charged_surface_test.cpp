@@ -14,14 +14,15 @@ double own_capacitance(const Shape& shape) {
   return make_charged_surface(triangulate(shape)).own_capacitance / (4 * std::numbers::pi);
 }
 
-// Values of the literature, of conductors of size 1; the formula needs two digits.
+// Own capacitances from the literature for conductors of size 1; the formula needs two digits.
 TEST(ChargedSurface, KnowsTheOwnCapacitance) {
   EXPECT_NEAR(own_capacitance(Plate{1, 1}), 0.366788, 0.005);
   EXPECT_NEAR(own_capacitance(Cuboid{1, 1, 1}), 0.660678, 0.01);
   EXPECT_NEAR(own_capacitance(Sphere{1, 48}), 1, 0.015);
 }
 
-// Wherever the apex is: here potentials at the centres of cells like the triangle itself told nothing.
+// The result must not depend on the position of the apex: potentials at the centres of cells shaped like the
+// triangle itself would be far off.
 TEST(ChargedSurface, OfANeedleHasTheOwnCapacitanceThatBoundaryElementsGiveIt) {
   for (const double height : {3e-3, 1e-4, 1e-7})
     for (const double foot : {0.0, 0.13, 0.5, 0.787}) {
@@ -55,7 +56,7 @@ TEST(ChargedSurface, OfAPlateHasItsChargeAtTheEdges) {
   for (Eigen::Index i = 0; i < plate.nodes.cols(); ++i)
     if (plate.nodes.col(i).lpNorm<Eigen::Infinity>() > 0.25)
       outer += plate.charges[i];
-  // Three quarters of the area.
+  // This region has three quarters of the area.
   EXPECT_GT(outer, 0.85);
 }
 

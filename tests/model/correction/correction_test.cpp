@@ -97,7 +97,7 @@ TEST(Recommended, IsTheReducedMethodsMutualOfAllBodiesTogether) {
   const std::vector<ObjectCapacitance> objects = felt(scene, Correction::recommended);
   for (std::size_t object = 0; object < 2; ++object)
     EXPECT_NEAR(objects[object].capacitance / matrix.mutual(0, 1 + object), 1, 1e-12) << object;
-  // The object behind is in the shadow of the first, of which the formula knows nothing.
+  // The first object shields the one behind it, which the formula ignores.
   EXPECT_LT(objects[1].capacitance, 0.2 * felt(scene, Correction::formula)[1].capacitance);
 }
 
@@ -136,7 +136,7 @@ TEST(Recommended, KnowsThatAnotherObjectMoved) {
 }
 
 TEST(TwoSidedArcs, OfASheetFarAwayComeFromBothSides) {
-  // The lateral distance is nothing here, and the way around the edge little.
+  // At this distance the lateral offset is negligible, and so is the path around the edge.
   const Scene scene = before_sensor(0.1, Plate{0.1, 0.1}, at(0, 0, 100));
   EXPECT_NEAR(corrected(scene, Correction::two_sided_arc) / (2 * vacuum_permittivity * 0.01 / 100), 1, 2e-3);
 }
@@ -187,9 +187,10 @@ TEST(Formula, IsReciprocal) {
   }
 }
 
-/// Its cells lie in pairs with equal coordinates: groups of cells that are no neighbours made it 8 % less.
+/// The cylinder's cells lie in pairs with equal coordinates: grouping cells that are not adjacent made the
+/// result 8 % too small.
 TEST(Formula, OfALyingCylinderIsThatOfBoundaryElements) {
-  // F, by boundary elements at an rtol of 3e-3.
+  // Reference value in F, by boundary elements at an rtol of 3e-3.
   constexpr double truth = 1.892e-12;
   const Eigen::Isometry3d pose = pose_from_axis({0, 1, 0}, 90, {0.8525, -0.0125, 0.363});
   const Scene scene = before_sensor(0.195, Cylinder{0.075, 0.84, 24}, pose);

@@ -33,14 +33,14 @@ TEST(FacingFlux, OfParallelPlatesIsTheCommonAreaOverTheGap) {
   EXPECT_NEAR(sum.tilted_excess, 0, 1e-14);
 }
 
-// The field between two half planes is that of arcs about their common line.
+// The field lines between two half planes are arcs about their common line.
 TEST(FacingFlux, OfAWedgeIsExact) {
   for (const double degrees : {1.0, 10.0, 45.0, 90.0, 130.0}) {
     const double angle = degrees * std::numbers::pi / 180;
     const Rectangle lower{{0.5, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     const Vector3d along(std::cos(angle), 0, std::sin(angle));
     const Rectangle upper{0.8 * along, 2 * along, {0, 1, 0}};
-    // Equally far from the line: from 0.8 to 1.5.
+    // The distances from this line that both plates cover are 0.8 to 1.5.
     EXPECT_NEAR(between(upper, lower).flux, std::log(1.5 / 0.8) / angle, 1e-4 / angle) << degrees;
   }
 }

@@ -29,7 +29,7 @@ TEST(MedianSplit, PutsTheLowerHalfAlongTheLongestSideFirst) {
 }
 
 TEST(MedianSplit, OrdersEqualCoordinatesByTheirNumbers) {
-  // Given in an order that no library's selection keeps by chance.
+  // The initial order is scrambled, so that no library's selection gives the expected one by chance.
   std::vector<std::size_t> numbers(200);
   for (std::size_t i = 0; i < numbers.size(); ++i)
     numbers[i] = 77 * i % numbers.size();

@@ -42,7 +42,7 @@ TEST(Pose, FromAMatrixIsRefusedUnlessItIsARotation) {
 }
 
 std::vector<Link> arm() {
-  // The hand is described before the arm it hangs on.
+  // The hand is described before its parent, the arm.
   return {{"hand", 1, pose_from_axis({0, 0, 1}, 90, {1, 0, 0})},
           {"arm", 2, pose_from_axis({0, 0, 1}, 90, {0, 0, 5})},
           {"room", std::nullopt, pose_from_axis({1, 0, 0}, 0, {100, 0, 0})}};

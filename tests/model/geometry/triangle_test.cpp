@@ -14,8 +14,8 @@ TEST(Triangle, TwiceAreaOfARightTriangleIsTheProductOfItsLegs) {
 }
 
 TEST(Triangle, TwiceAreaOfASliverKeepsItsDigits) {
-  // Base 2⁻⁴⁰ along x, height 1 along (0, 3, 4)/5 far from the origin: every coordinate is a double, the area
-  // 2⁻⁴⁰.
+  // The base is 2⁻⁴⁰ along x, far from the origin compared with its length, and the height 1.25 along (0, 3,
+  // 4)/5. All coordinates are representable.
   const double base = 0x1p-40;
   const Triangle sliver{Eigen::Vector3d{1, 0, 0}, {1 + base, 0, 0}, {1, 0.75, 1}};
   EXPECT_DOUBLE_EQ(twice_area(sliver), base * 1.25);

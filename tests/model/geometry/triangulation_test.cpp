@@ -12,17 +12,18 @@ namespace {
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-/// Area of the regular polygon with n corners on a circle, and of a sector of it in n pieces.
+/// Computes the area of the regular polygon with n corners on a circle, or of a circular sector approximated
+/// by n triangles.
 double polygon_area(double radius, int n, double angle = 2 * pi) {
   return n * radius * radius * std::sin(angle / n) / 2;
 }
 
-/// Length of the side of that polygon.
+/// Computes the side length of that polygon.
 double side(double radius, int n, double angle = 2 * pi) {
   return 2 * radius * std::sin(angle / n / 2);
 }
 
-/// Every face of a body that is convex seen from `inside` looks away from it.
+/// Checks that every face of a body that is star-shaped about `inside` faces outward.
 void expect_outward(const std::vector<Triangle>& triangles, const Vector3d& inside) {
   for (const auto& [a, b, c] : triangles)
     EXPECT_GT((b - a).cross(c - a).dot(a - inside), 0);
@@ -83,7 +84,7 @@ TEST(Triangulation, OfAnArcIsARingSectorWithEnds) {
               2 * base + n * (side(outer, n, angle) + side(inner, n, angle)) * h + 2 * (outer - inner) * h,
               1e-14);
   EXPECT_TRUE(is_closed(triangles));
-  // Symmetric about the xz plane, between −60° and +60°.
+  // The arc is symmetric about the xz plane, from −60° to +60°.
   const Eigen::AlignedBox3d box = axis_aligned_box(triangles);
   EXPECT_NEAR(box.max().y(), outer * std::sin(angle / 2), 1e-15);
   EXPECT_NEAR(box.min().y(), -box.max().y(), 1e-15);
@@ -112,7 +113,7 @@ TEST(Triangulation, OfASphereIsInscribedAndConvergesToIt) {
       for (const Vector3d& vertex : triangle)
         EXPECT_NEAR(vertex.norm(), r, 1e-15);
   }
-  // The volume of the inscribed body falls short in proportion to 1/n².
+  // The inscribed body's volume is too small by an amount proportional to 1/n².
   const double volume = 4 * pi / 3 * r * r * r;
   const double coarse = volume - signed_volume(triangulate(Sphere{r, 48}));
   const double fine = volume - signed_volume(triangulate(Sphere{r, 96}));

@@ -21,7 +21,7 @@ using testing::ThrowsMessage;
 const Rectangle plate{{-0.05, -0.05, 0}, {0.1, 0, 0}, {0, 0.1, 0}};
 const Rectangle beside{{0.2, -0.05, 0.02}, {0.1, 0, 0}, {0, 0, 0.1}};
 
-/// A closed surface in front of the plates.
+/// Returns a closed surface in front of the plates.
 std::vector<Triangle> ellipsoid(int segments) {
   std::vector<Triangle> triangles = triangulate(Sphere{1, segments});
   for (Triangle& triangle : triangles)
@@ -75,8 +75,8 @@ TEST(BatchIntegral, IsTheSameBitByBitForAnyNumberOfThreads) {
 }
 
 TEST(BatchIntegral, OfANeedleThatIsAPointInThePlatesCoordinatesIsANumber) {
-  // One unit in the last place wide; beside the plate's edge, in whose direction it lies, both ends are as
-  // far away.
+  // The needle is one unit in the last place wide. It lies beside the plate's edge and along it, so that both
+  // of its ends are equally far away.
   const Rectangle away{{1, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const double next = std::nextafter(0.1, 1.0);
   const Triangle needle{{{0.1, 0.2, 1}, {0.1, 0.7, 1}, {next, 0.7, 1}}};
@@ -101,10 +101,10 @@ TEST(BatchIntegral, ContactIsInfinite) {
 TEST(BatchIntegral, ContactIsInfiniteWhereADenormalNumberMakesIt) {
   constexpr double least = std::numeric_limits<double>::denorm_min();
   const Rectangle small{{0, 0, 0}, {0x1p-11, 0, 0}, {0, 0x1p-11, 0}};
-  // Through the plate; what is beside it has no area that a number could hold.
+  // The triangle crosses the plate; the part of it beside the plate has an area that underflows.
   const Triangle through{
       {{0x1p-13, 0x1p-11, 0x1p-15}, {-least, 0x1p-13, -0x1p-11}, {0x1p-14, 0x1p-12, -0x1p-13}}};
-  // Upright on the plate's edge, which it cuts at one vertex.
+  // The triangle stands upright on the plate's edge and meets it at one vertex.
   const Triangle upright{{{0, 0x1p-12, least}, {0, 0x1p-12, -0x1p-11}, {0, 0x1p-13, -0x1p-11}}};
   for (const Triangle& triangle : {through, upright}) {
     EXPECT_EQ(plate_integral(triangle, small), std::numeric_limits<double>::infinity());

@@ -15,7 +15,8 @@
 #include "integral/exact_integral.hpp"
 #include "numeric/triangle_rules.hpp"
 
-/// Every instruction set the machine can run gives what the path for single triangles gives.
+/// Compares the batch kernels of every instruction set that the machine can run with the code for single
+/// triangles.
 namespace fringe {
 namespace {
 
@@ -46,7 +47,7 @@ double exact(const Triangle& triangle) {
   return exact_integral(frame, to_local(frame, triangle), twice_area(triangle));
 }
 
-/// Triangles of a size that is a share of their distance from the plate, anywhere around it.
+/// Returns random triangles around the plate whose size is a given share of their distance from it.
 std::vector<Triangle> around_the_plate(double size_over_distance, std::size_t count) {
   Random random(3);
   const PlateFrame frame = plate_frame(plate);
@@ -56,7 +57,7 @@ std::vector<Triangle> around_the_plate(double size_over_distance, std::size_t co
     const double size = size_over_distance * distance(frame, centre);
     const auto vertex = [&]() -> Vector3d { return centre + size * random.in_box({-1, -1, -1}, {1, 1, 1}); };
     const Triangle triangle{vertex(), vertex(), vertex()};
-    // Not slivers, whose area is known no better than their vertices.
+    // Slivers are left out: rounding of their vertices changes their area too much.
     if (twice_area(triangle) > 0.1 * size * size)
       triangles.push_back(triangle);
   }
@@ -122,8 +123,8 @@ TEST_P(BatchKernelsTest, ScaleWithTheLength) {
 }
 
 TEST_P(BatchKernelsTest, KeepTheAreaOfSlivers) {
-  // Products whose difference is what remains: without fused operations, or exact products in their place, a
-  // sliver's area has lost as many digits as it is thin.
+  // The area is a small difference of products. Without fused multiply-add, or exact products in its place, a
+  // sliver's area loses as many digits as it is thin.
   Random random(7);
   constexpr std::size_t count = 64;
   std::vector<std::vector<double>> coordinates(9, std::vector<double>(count));
@@ -154,7 +155,7 @@ TEST_P(BatchKernelsTest, SumOverNodes) {
   for (std::size_t i = 0; i < readable; ++i) {
     const Vector3d point = random.in_box({-0.2, -0.2, 0.01}, {0.3, 0.3, 0.2});
     x[i] = point.x(), y[i] = point.y(), z[i] = point.z();
-    // What lies beyond the count must not weigh.
+    // Elements beyond the count have weight zero.
     weight[i] = i < count ? random.uniform(0, 1) : 0;
     expected += weight[i] / distance(frame, frame.axes * (point - frame.corner));
   }
@@ -189,7 +190,7 @@ TEST_P(BatchKernelsTest, SoftInverseDistances) {
 INSTANTIATE_TEST_SUITE_P(InstructionSets, BatchKernelsTest, testing::ValuesIn(available_instruction_sets()),
                          test::name_of_set);
 
-/// The mean of λ₁^a·λ₂^b over a triangle.
+/// Computes the mean of λ₁^a·λ₂^b over a triangle.
 double moment(int a, int b) {
   return 2 * std::exp(std::lgamma(a + 1) + std::lgamma(b + 1) - std::lgamma(a + b + 3));
 }
@@ -218,7 +219,7 @@ TEST(TriangleRules, HavePositiveWeightsAndPointsInside) {
 }
 
 TEST(TriangleRules, StateABoundThatNoTriangleExceeds) {
-  // The mean of |δ|^k by a rule of much higher order: 2500 points of a collapsed product rule.
+  // The mean of |δ|^k is computed by a rule of much higher order: 2500 points of a collapsed product rule.
   const GaussRule gauss = gauss_rule(50);
   Random random(6);
   for (const TriangleRule& rule : triangle_rules()) {
@@ -241,7 +242,7 @@ TEST(TriangleRules, StateABoundThatNoTriangleExceeds) {
       largest = std::max(largest, total);
     }
     EXPECT_LE(largest, rule.bound_constant) << "degree " << rule.degree;
-    // Random triangles come near the worst one, so the constant is no larger than it has to be.
+    // Random triangles come close to the worst one, so the constant is not much larger than necessary.
     EXPECT_GT(largest, 0.6 * rule.bound_constant) << "degree " << rule.degree;
   }
 }

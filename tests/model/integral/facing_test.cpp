@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 using test::Random;
 
-/// Anticlockwise seen from +z.
+/// A triangle whose vertices appear anticlockwise from +z.
 const Triangle upward{Vector3d{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 const Triangle downward{Vector3d{0, 0, 0}, {0, 1, 0}, {1, 0, 0}};
 
@@ -31,7 +31,8 @@ TEST(SideOfPlane, IsPositiveWhereTheVerticesAreAnticlockwise) {
 }
 
 TEST(SideOfPlane, IsExactForTheSmallestStepFromThePlane) {
-  // In the plane x + y + z = 3·2^50, all coordinates integers; then one unit in the last place off it.
+  // p lies in the plane x + y + z = 3·2^50 with integer coordinates; the other points are one unit in the
+  // last place off it.
   const double k = std::ldexp(1.0, 50);
   const Vector3d a(3 * k, 0, 0), b(0, 3 * k, 0), c(0, 0, 3 * k), p(k, k, k);
   EXPECT_EQ(side_of_plane(a, b, c, p), 0);
@@ -55,7 +56,8 @@ TEST(SideOfPlane, IsExactFarFromTheOriginAndForAnySize) {
 }
 
 TEST(SideOfPlane, ChangesItsSignWithEveryExchangeOfTwoPoints) {
-  // Points of a plane, as they round: which side they lie on is anyone's guess, but always the same guess.
+  // The points lie in a plane up to rounding. The side on which they lie is arbitrary, but must be the same
+  // for every order of the points.
   Random random(1);
   const Vector3d u(0.3, 0.1, 0.7), v(-0.2, 0.9, 0.4);
   int off_plane = 0;
@@ -89,7 +91,7 @@ TEST(Sight, OfAPlateInThePlaneGrazes) {
 }
 
 TEST(Sight, OfAPlateAcrossThePlaneIsOutwardFromBothSides) {
-  // Whichever of the four corners it is that lies in front.
+  // The plates differ in the corner that lies in front.
   for (const Rectangle& plate :
        {Rectangle{{2, 0, 1}, {1, 0, -2}, {0, 1, 0}}, Rectangle{{2, 0, -1}, {1, 0, 2}, {0, 1, 0}},
         Rectangle{{2, 0, -1}, {0, 1, 0}, {1, 0, 2}}, Rectangle{{2, 0, -3}, {2, 0, 2}, {-2, 0, 2}}}) {
@@ -103,7 +105,7 @@ TEST(Sight, OfATriangleWithoutAreaGrazes) {
 }
 
 TEST(Sight, OfAConvexBodyHasOneSideOnly) {
-  // A point outside a tetrahedron sees at least one face and at most three; one inside sees none.
+  // A point outside a tetrahedron sees at least one face and at most three; a point inside sees none.
   Random random(2);
   for (int i = 0; i < 200; ++i) {
     const Vector3d a(1, 1, 1), b(-1, -1, 1), c(-1, 1, -1), d(1, -1, -1);

@@ -19,7 +19,7 @@ using test::draws;
 using test::Random;
 using test::total_integral;
 
-/// ∫dA/min_k d_k as the division leaves it.
+/// The result of a division among plates: ∫dA/min_k d_k, its bound and the number of parts.
 struct Division {
   double integral;
   double bound;
@@ -43,7 +43,7 @@ Division divide(const std::vector<Triangle>& triangles, const std::vector<Rectan
   return result;
 }
 
-/// Tiles of 1 × 1 that together are the rectangle of columns × rows at the given pose.
+/// Returns 1 × 1 tiles that together form a rectangle of columns × rows at the given pose.
 std::vector<Rectangle> tiles(int columns, int rows, const Eigen::Isometry3d& pose) {
   std::vector<Rectangle> plates;
   for (int i = 0; i < columns; ++i)
@@ -118,7 +118,7 @@ TEST(NearestPlates, OfOnePlateIsThatPlate) {
 }
 
 TEST(NearestPlates, OfTilesIsThePlateTheyMakeUp) {
-  // A union of rectangles that is a rectangle is at the same distance from every point as that.
+  // A rectangle and the tiles that compose it have the same distance from every point.
   Random random(3);
   for (int i = 0; i < draws(200); ++i) {
     const Eigen::Isometry3d pose = random.rigid_motion();
@@ -129,7 +129,7 @@ TEST(NearestPlates, OfTilesIsThePlateTheyMakeUp) {
     const double expected = plate_integral(triangle, whole);
     const Division division = divide({triangle}, tiles(3, 2, pose), 1e-12);
     EXPECT_NEAR(division.integral, expected, 1e-13 * expected);
-    // The border between two tiles is a plane: nothing is refined.
+    // The border between two tiles is a plane, so no fragment is refined.
     EXPECT_LT(division.parts, 500U);
   }
 }
@@ -145,8 +145,8 @@ TEST(NearestPlates, OfTheSamePlateTwiceIsThatPlate) {
 }
 
 TEST(NearestPlates, OfParallelPlatesIsTheNearerSideOfTheMiddlePlane) {
-  // Between plates at z = 0 and z = 2 the distance is min(z, 2 − z). A vertical strip from z = 1/2 to 3/2,
-  // one wide: 2·∫dz/z from 1/2 to 1 = 2·ln 2.
+  // Between plates at z = 0 and z = 2 the distance is min(z, 2 − z). For a vertical strip of width 1 from z =
+  // 1/2 to 3/2 the integral is 2·∫dz/z from 1/2 to 1 = 2·ln 2.
   const std::vector<Rectangle> plates{{{-9, -9, 0}, {18, 0, 0}, {0, 18, 0}},
                                       {{-9, -9, 2}, {18, 0, 0}, {0, 18, 0}}};
   const std::vector<Triangle> strip = test::parallelogram({0, 0, 0.5}, {1, 0, 0}, {0, 0, 1});
@@ -157,7 +157,7 @@ TEST(NearestPlates, OfParallelPlatesIsTheNearerSideOfTheMiddlePlane) {
 
 TEST(NearestPlates, IsInfiniteWhenThePlateThatIsNotNearestToTheCentroidIsTouched) {
   const std::vector<Rectangle> plates{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0.9, 0, 1}, {1, 0, 0}, {0, 1, 0}}};
-  // Crosses the first plate at one end and lies close to the second one everywhere else.
+  // The triangle crosses the first plate at one end and is closer to the second one everywhere else.
   const Triangle triangle{Vector3d{0.5, 0.2, -0.01}, {9, 0.4, 1.1}, {9, 0.6, 1.1}};
   ASSERT_TRUE(std::isinf(plate_integral(triangle, plates[0])));
   EXPECT_TRUE(std::isinf(divide({triangle}, plates, 1e-12).integral));
@@ -168,7 +168,7 @@ TEST(NearestPlates, IsInfiniteWhenThePlateThatIsNotNearestToTheCentroidIsTouched
 }
 
 TEST(NearestPlates, OfACornerThatTouchesTwoPlatesIsFinite) {
-  // The plates share an edge at right angles; the triangle stands on a point of it.
+  // The plates share an edge at right angles; the triangle touches a point of this edge.
   const std::vector<Rectangle> plates{{{0, -1, 0}, {1, 0, 0}, {0, 2, 0}}, {{0, -1, 0}, {0, 0, 1}, {0, 2, 0}}};
   const Triangle triangle{Vector3d{0, 0, 0}, {0.7, 0.1, 0.2}, {0.3, -0.2, 0.9}};
   const Division division = divide({triangle}, plates, 1e-12);
@@ -186,7 +186,7 @@ TEST(NearestPlates, LeavesOutNothingWithoutArea) {
   EXPECT_EQ(division.bound, 0);
 }
 
-/// Plates and a triangle that has points nearest to several of them, in any position; none touches another.
+/// Random plates and a triangle with points nearest to several of them; no plate touches the triangle.
 struct Case {
   std::vector<Rectangle> plates;
   Triangle triangle;
@@ -205,8 +205,8 @@ Case any_case(Random& random, int plates) {
 }
 
 TEST(NearestPlates, IsWhatFineNodesFind) {
-  // The sum over centroids converges like the square of their spacing, kinks or not: what a level changes is
-  // three times what remains.
+  // The sum over centroids converges quadratically in their spacing, in spite of the kinks: the change from
+  // one level to the next is three times the remaining error.
   Random random(5);
   for (int i = 0; i < draws(40); ++i) {
     const auto [plates, triangle] = any_case(random, 2 + i % 4);

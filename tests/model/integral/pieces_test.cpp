@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A triangle whose vertices, edges and plane lie on a plate's corners, edges and border planes, but for
+/// Returns a triangle whose vertices, edges and plane lie on a plate's corners, edges and border planes up to
 /// rounding.
 LocalTriangle on_borders(const PlateFrame& plate, test::Random& random) {
   const auto rounded = [&] { return std::floor(random.uniform(-2, 3)) * 0x1p-53; };
@@ -24,7 +24,7 @@ LocalTriangle on_borders(const PlateFrame& plate, test::Random& random) {
   return triangle;
 }
 
-/// How far a coordinate lies outside the strip.
+/// Computes how far a coordinate lies outside the strip.
 double outside(Strip strip, double coordinate, double length) {
   switch (strip) {
   case Strip::below:

@@ -6,8 +6,8 @@
 #include "fringe/plate_integral.hpp"
 #include "geometry.hpp"
 
-/// Integrals that calculus gives in one line, the line beside the code. The plate is 0 ≤ x ≤ 3, 0 ≤ y ≤ 2, z
-/// = 0.
+/// Tests integrals with elementary closed forms, which are derived beside the code. The plate is 0 ≤ x ≤ 3, 0
+/// ≤ y ≤ 2, z = 0.
 namespace fringe {
 namespace {
 
@@ -29,7 +29,7 @@ TEST(PlateIntegralInRegionI, OfAParallelPlateIsAreaOverDistance) {
 }
 
 TEST(PlateIntegralInRegionI, OfAnInclinedPlateIsALogarithm) {
-  // d = s·sin θ at the distance s from the line where the planes meet: ∫dA/d = (w/sin θ)·ln(s₂/s₁)
+  // At distance s from the line where the planes meet, d = s·sin θ: ∫dA/d = (w/sin θ)·ln(s₂/s₁)
   for (const double angle : {1e-3, 0.1, 0.7, 1.2}) {
     const double s1 = 0.1, s2 = 2.9, width = 1.5;
     const Eigen::Vector3d slope(std::cos(angle), 0, std::sin(angle));
@@ -46,8 +46,8 @@ TEST(PlateIntegralInRegionI, OfAVerticalPlateIsALogarithm) {
 }
 
 TEST(PlateIntegralInRegionI, IsFiniteForATriangleThatTouchesThePlateWithOneVertex) {
-  // Heights 0, h, h over a triangle of area A, width growing in proportion to height: ∫dA/d = ∫₀ʰ (2A/h²)·z
-  // dz/z = 2A/h
+  // A triangle of area A with vertex heights 0, h, h has a width proportional to height: ∫dA/d = ∫₀ʰ
+  // (2A/h²)·z dz/z = 2A/h
   const double h = 0.5;
   const Triangle triangle{Eigen::Vector3d{1, 1, 0}, {1.5, 1, h}, {1.5, 1.5, h}};
   expect_close(plate_integral(triangle, plate), twice_area(triangle) / h);
@@ -69,15 +69,15 @@ TEST(PlateIntegralInRegionII, OfAStripInThePlatesPlaneIsALogarithm) {
 }
 
 TEST(PlateIntegralInRegionII, OfATriangleAcrossTheEdgesDirectionIsThatOfAPointInThePlane) {
-  // In the plane y = 1 the edge is a point. A right triangle with that point as the vertex of its right angle
-  // and legs a: ∫dA/r = ∫ρ(φ)dφ = √2·a·asinh(1)
+  // In the plane y = 1 the plate's edge appears as a point. For a right triangle with this point at its right
+  // angle and legs a: ∫dA/r = ∫ρ(φ)dφ = √2·a·asinh(1)
   const double a = 0.7;
   const Triangle triangle{Eigen::Vector3d{0, 1, 0}, {-a, 1, 0}, {0, 1, a}};
   expect_close(plate_integral(triangle, plate), std::sqrt(2) * a * std::asinh(1));
 }
 
 TEST(PlateIntegralInRegionIII, OfATriangleAtTheCornerIsALogarithm) {
-  // A right triangle in the plate's plane, the plate's corner at its right angle, legs a: ∫dA/r =
+  // For a right triangle in the plate's plane with the plate's corner at its right angle and legs a: ∫dA/r =
   // √2·a·asinh(1)
   const double a = 0.7;
   const Triangle triangle{Eigen::Vector3d{0, 0, 0}, {-a, 0, 0}, {0, -a, 0}};
@@ -85,23 +85,24 @@ TEST(PlateIntegralInRegionIII, OfATriangleAtTheCornerIsALogarithm) {
 }
 
 TEST(PlateIntegralInRegionIII, OfATriangleAboveTheCornerHasALogarithmAndASolidAngle) {
-  // The same triangle at height z. With p = a/√2 the distance from the right angle to the long side, t = p
-  // half its length, R₀² = p² + z², R² = R₀² + t²: ∫dA/r = 2·(p·asinh(t/R₀) − z·atan(p·t/(R₀² + z·R)))
+  // The same triangle at height z. Let p = a/√2 be the distance from the right angle to the hypotenuse, t = p
+  // half the hypotenuse's length, R₀² = p² + z², R² = R₀² + t². Then ∫dA/r = 2·(p·asinh(t/R₀) −
+  // z·atan(p·t/(R₀² + z·R)))
   const double a = 0.7;
   for (const double z : {0.001, 0.3, 5.0}) {
     const Triangle triangle{Eigen::Vector3d{0, 0, z}, {-a, 0, z}, {0, -a, z}};
     const double p = a / std::sqrt(2), r0 = std::hypot(p, z), r = std::hypot(r0, p);
     const double expected = 2 * (p * std::asinh(p / r0) - z * std::atan(p * p / (r0 * r0 + z * r)));
-    // For large z the closed form itself cancels: p·asinh(t/R₀) is z/p times the difference.
+    // For large z the reference formula itself loses digits: p·asinh(t/R₀) is z/p times the difference.
     EXPECT_NEAR(plate_integral(triangle, plate), expected, tolerance * (1 + z / p * z / p) * expected);
   }
 }
 
 TEST(PlateIntegralAcrossRegions, OfAPlateLargerThanTheSensorIsTheSumOverTheNineCells) {
-  // A parallel rectangle that overlaps the plate by b on every side, at height z: A/z in front of the plate;
-  // asinh(b/z) per unit of length beside each edge; and b × b squares at the corners, each two right
-  // triangles with legs b whose acute angle (45°) is at the corner. With R₀² = b² + z², R² = R₀² + b² such a
-  // square gives 2·(b·asinh(b/R₀) − z·atan(b²/(R₀² + z·R))).
+  // A parallel rectangle at height z that extends beyond the plate by b on every side. The integral is A/z in
+  // front of the plate, asinh(b/z) per unit of length beside each edge, and the contribution of a b × b
+  // square at each corner. A square consists of two right triangles with legs b whose acute angle (45°) is at
+  // the corner. With R₀² = b² + z², R² = R₀² + b² it gives 2·(b·asinh(b/R₀) − z·atan(b²/(R₀² + z·R))).
   const double b = 0.8, z = 0.3;
   const double r0 = std::hypot(b, z), r = std::hypot(r0, b);
   const double corner = 2 * (b * std::asinh(b / r0) - z * std::atan(b * b / (r0 * r0 + z * r)));

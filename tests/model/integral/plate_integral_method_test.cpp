@@ -9,7 +9,7 @@
 #include "fringe/plate_integral.hpp"
 #include "geometry.hpp"
 
-/// The numerical methods against the exact one, and what every method refuses.
+/// Compares the numerical methods with the exact one, and tests the arguments that every method refuses.
 namespace fringe {
 namespace {
 
@@ -38,8 +38,8 @@ TEST(SplitMethod, WithoutLevelsIsAreaOverTheCentroidsDistance) {
 }
 
 TEST(SplitMethod, TakesEverySmallTriangleByTheRegionOfItsCentroid) {
-  // One level: the centroids of the quarters are at x = −5/6, −1/3 (twice: once turned) and 1/6 of the size;
-  // with z = 1 their distances are √(1 + x²) beside the plate and 1 in front of it.
+  // After one level the centroids of the quarters are at x = −0.75 (twice), −0.5 (the rotated quarter) and 0.
+  // With z = 1 their distances are √(1 + x²) beside the plate and 1 in front of it.
   const Triangle triangle{Eigen::Vector3d{-1, 0.2, 1}, {0.5, 0.2, 1}, {-1, 0.5, 1}};
   const double area = 1.5 * 0.3 / 2;
   const double beside = 2 / std::hypot(1, 0.75) + 1 / std::hypot(1, 0.5);
@@ -56,7 +56,8 @@ TEST(SplitMethod, QuartersItsErrorWithEveryLevel) {
 }
 
 TEST(GaussMethod, WithOnePointTakesThePointItsRuleNames) {
-  // Weight 1/2 at u = v = 1/2: the point half way from the first vertex to the middle of the opposite side.
+  // The single node has weight 1/2 at u = v = 1/2: the point halfway from the first vertex to the middle of
+  // the opposite edge.
   const Triangle triangle{Eigen::Vector3d{0.1, 0.1, 0.5}, {0.8, 0.1, 0.4}, {0.4, 0.7, 0.8}};
   EXPECT_DOUBLE_EQ(plate_integral(triangle, plate, Gauss{1}), twice_area(triangle) * 0.5 / 0.55);
 }

@@ -10,14 +10,15 @@
 #include "fringe/plate_integral.hpp"
 #include "geometry.hpp"
 
-/// Triangles that touch a turned plate, or lie in its plane or in a plane on its edge, but for rounding:
-/// whether they meet it is decided by rounding, and must not depend on which vertex comes first.
+/// Tests triangles that, up to rounding, touch a rotated plate or lie in its plane or in a border plane.
+/// Rounding decides whether they are in contact, and the decision must not depend on which vertex comes
+/// first.
 namespace fringe {
 namespace {
 
 using Eigen::Vector3d;
 
-/// Above what the coordinates of the scenes, of the order of 1, are rounded by.
+/// Length in m above the rounding errors of coordinates, which are of the order of 1 m here.
 constexpr double rounding = 0x1p-49;
 
 /// A triangle next to a plate.
@@ -35,8 +36,8 @@ Touching touching(Contact contact, test::Random& random) {
   const double length_u = random.uniform(0.5, 2), length_v = random.uniform(0.5, 2);
   const Rectangle plate{turn.translation(), turn.linear() * Vector3d(length_u, 0, 0),
                         turn.linear() * Vector3d(0, length_v, 0)};
-  // In units of the plate's edges and of 1 along its normal. Braces draw their numbers in order, whatever the
-  // compiler.
+  // Converts a position in units of the plate's edges and of 1 m along its normal. The callers use braces,
+  // which draw random numbers in order with every compiler.
   const auto at = [&](const Vector3d& place) -> Vector3d {
     return plate.corner + place.x() * plate.edge_u + place.y() * plate.edge_v +
            place.z() * turn.linear().col(2);
@@ -96,7 +97,7 @@ TEST(PlateIntegralAtATurnedPlate, IsTheSameWhicheverVertexComesFirst) {
   for_touching_triangles([](const Touching& scene, double integral) {
     for (const Triangle& triangle : in_all_orders(scene.triangle)) {
       const double value = plate_integral(triangle, scene.plate);
-      // What is left is the rounding of the area.
+      // The only difference may be the rounding of the area.
       if (value != integral) {
         ASSERT_NEAR(value, integral, 4e-15 * integral);
       }

@@ -7,7 +7,7 @@
 #include "fringe/plate_integral.hpp"
 #include "geometry.hpp"
 
-/// What must hold for any triangle, whatever its integral is.
+/// Tests properties that hold for any triangle.
 namespace fringe {
 namespace {
 
@@ -18,8 +18,8 @@ const Rectangle plate{{0, 0, 0}, {1, 0, 0}, {0, 0.8, 0}};
 constexpr int repetitions = 300;
 constexpr double tolerance = 2e-14;
 
-/// Triangles anywhere around the plate, above it by at least a tenth of its size so that rounding of the
-/// input does not weigh more than the tolerance.
+/// Returns a random triangle around the plate and at least a tenth of the plate's size above it, so that
+/// rounding of the input matters less than the tolerance.
 Triangle any_triangle(Random& random) {
   return random.triangle_in_box({-1, -1, 0.1}, {2, 1.8, 1});
 }

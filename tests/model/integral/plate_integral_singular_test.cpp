@@ -9,8 +9,8 @@
 #include "geometry.hpp"
 #include "integral/kernel.hpp"
 
-/// Triangles at which formulas break: without area, on the plate, in a plane between two regions, thin,
-/// nearly parallel.
+/// Tests triangles at which formulas may fail: without area, on the plate, in a plane between two regions,
+/// thin, or nearly parallel to the plate.
 namespace fringe {
 namespace {
 
@@ -61,7 +61,7 @@ TEST(PlateIntegralOnThePlate, IsFiniteWhenOnlyAVertexTouchesThePlate) {
       {Vector3d{0, 0, 0}, {1, -1, 0}, {-1, -1, 0.5}},   // at a corner, in two regions
   };
   for (const Triangle& triangle : touching) {
-    // The limit of the triangle without its tip: the tip of relative size s adds in proportion to s.
+    // The integral over a tip of relative size s is proportional to s.
     const auto [tip, b, c] = triangle;
     const double whole = plate_integral(triangle, plate);
     ASSERT_TRUE(std::isfinite(whole));
@@ -74,12 +74,12 @@ TEST(PlateIntegralOnThePlate, IsFiniteWhenOnlyAVertexTouchesThePlate) {
 }
 
 TEST(PlateIntegralOnThePlate, IsFiniteInThePlatesPlaneBesideIt) {
-  // x from −1 − w to −1, all in one line with the edge: w·∫dx/x
+  // The rectangle extends from x = −2 to x = −1 in the plate's plane: w·∫dx/x
   expect_close(total_integral(parallelogram({-2, 0.5, 0}, {1, 0, 0}, {0, 1, 0}), plate), std::log(2.0));
 }
 
 TEST(PlateIntegralInABorderPlane, IsCountedExactlyOnce) {
-  // A vertical rectangle over an edge of the plate: d = z, so w·ln(z₂/z₁), for each of the four edges
+  // For a vertical rectangle above each of the four edges, d = z and the integral is w·ln(z₂/z₁).
   const Vector3d up(0, 0, 1);
   const double expected = std::log(2.0);
   for (const auto& [corner, along] : std::vector<std::pair<Vector3d, Vector3d>>{{{0, 0.5, 1}, {0, 1, 0}},
@@ -90,9 +90,8 @@ TEST(PlateIntegralInABorderPlane, IsCountedExactlyOnce) {
 }
 
 TEST(PlateIntegralInABorderPlane, IsCountedOnceBesideTheCornersToo) {
-  // In the plane x = 0 or x = 3 beside the edge: the distance to the corner, as in any plane through it. At z
-  // from 1 to 2 and y from −1 to 0 that is ∫∫dy dz/√(y² + z²), which the mean over thin strips to either side
-  // of the plane encloses.
+  // In the plane x = 0 or x = 3 beside the edge, the distance is that to the corner. For z from 1 to 2 and y
+  // from −1 to 0 the integral is ∫∫dy dz/√(y² + z²).
   for (const double x : {0.0, 3.0}) {
     const double value = total_integral(parallelogram({x, -1, 1}, {0, 1, 0}, {0, 0, 1}), plate);
     // F(y, z) = y·asinh(z/y) + z·asinh(y/z) is the integral over (0, y) × (0, z)
@@ -109,8 +108,8 @@ TEST(PlateIntegralInABorderPlane, IsContinuousAcrossThePlane) {
 }
 
 TEST(PlateIntegralInABorderPlane, KeepsItsDigitsNextToThePlatesEdge) {
-  // d = z, so the second divided difference of z·ln z over the three heights, to 20
-  // digits 56.330799391238285179, times twice the area. To rounding two edges are as long as each other.
+  // Here d = z, so the integral is twice the area times the second divided difference of z·ln z over the
+  // three heights, which is 56.330799391238285179 to 20 digits. Two edges have equal lengths up to rounding.
   const double small = 0x1p-53;
   for (const double x : {0.0, 3.0})
     expect_close(plate_integral({Vector3d{x, 0.5, 0.625}, {x, 1, small}, {x, 1.5, 1.125 * small}}, plate),
@@ -118,8 +117,8 @@ TEST(PlateIntegralInABorderPlane, KeepsItsDigitsNextToThePlatesEdge) {
 }
 
 TEST(PlateIntegralOfASliver, IsTheIntegralAlongItWhateverItsWidth) {
-  // A triangle of base w and unit length with vertex A and base at B: ∫dA/d = w·∫₀¹ s ds/d(A + s(B − A)). The
-  // width cancels from the ratio to w, which therefore must not depend on it.
+  // For a triangle with apex A and a base of width w at B: ∫dA/d = w·∫₀¹ s ds/d(A + s(B − A)). The ratio of
+  // the integral to w must not depend on w.
   const Vector3d apex(-2, -1, 0.5), base(-1, -2.5, 1.5), across(0.75, 0.5, 0);  // across ⟂ base − apex
   const auto ratio = [&](double width) {
     return plate_integral({apex, base, base + width * across}, plate) /
@@ -142,21 +141,21 @@ TEST(PlateIntegralOfANearlyParallelTriangle, AgreesWithQuadratureAtAnyTilt) {
 }
 
 TEST(PlateIntegralOfAPlaneThroughTheCorner, AgreesWithQuadrature) {
-  // The three vectors from the corner lie in one plane with it: the pyramid over the triangle is flat.
+  // The three vectors from the corner are coplanar: the pyramid over the triangle is flat.
   const Vector3d u(-1, -0.5, 0.25), v(-0.25, -1, 0.5);
   const Triangle triangle{u, 2 * u + v, u + 3 * v};
   expect_close(plate_integral(triangle, plate), plate_integral(triangle, plate, Gauss{64}), 4e-15);
 }
 
 TEST(PlateIntegralOfAPlaneThroughTheEdge, AgreesWithQuadrature) {
-  // Beside the edge the three vectors lie on one line through the origin of the cross section.
+  // Beside the edge the three vectors are collinear in the cross section.
   const Triangle triangle{Vector3d{-1, 0.5, 0.5}, {-2, 0.75, 1}, {-1.5, 1.5, 0.75}};
   expect_close(plate_integral(triangle, plate), plate_integral(triangle, plate, Gauss{32}), 4e-15);
 }
 
 TEST(PlateIntegralNextToThePlate, DoesNotOverflowWhereHeightsHaveNoRatio) {
-  // In front of the plate, the mean of 1/z: 1/h with one vertex at 0 and two at h, and (ln(h/z) − 1)/h with
-  // two at z, which h/z is too large a number for.
+  // In front of the plate, the integral divided by twice the area is 1/h for one vertex at height 0 and two
+  // at h, and (ln(h/z) − 1)/h for two vertices at z, where h/z overflows.
   const double z = 1e-315, h = 29;
   const Triangle one{Vector3d{1, 1, z}, {2, 1, h}, {1, 1.5, h}},
       two{Vector3d{1, 1, z}, {2, 1, z}, {1, 1.5, h}};
@@ -169,7 +168,7 @@ TEST(PlateIntegralNextToThePlate, DoesNotOverflowWhereHeightsHaveNoRatio) {
 }
 
 TEST(Kernel, IsANumberWhereLengthsHaveNoPowerOfTwoThatScalesThem) {
-  // K is of degree −1 in the lengths, and beyond the range of numbers for the smallest of them.
+  // K is homogeneous of degree −1 and overflows for the smallest lengths.
   const auto of_size = [](double length) {
     return detail::kernel({length, 0, 0}, {0, length, 0}, {0, 0, length});
   };

@@ -25,7 +25,7 @@ using test::Random;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// What rounding may add to the bound, as a share of the value.
+/// Allowance for rounding beyond the bound, as a share of the value.
 constexpr double rounding = 1e-13;
 
 std::vector<Triangle> moved(std::vector<Triangle> triangles, const Eigen::Isometry3d& motion) {
@@ -34,7 +34,7 @@ std::vector<Triangle> moved(std::vector<Triangle> triangles, const Eigen::Isomet
   return triangles;
 }
 
-/// Triangles of all sizes, some of them twice, some without area.
+/// Returns triangles of all sizes, some of them duplicated, some without area.
 std::vector<Triangle> soup(Random& random, int count) {
   std::vector<Triangle> triangles;
   while (static_cast<int>(triangles.size()) < count) {
@@ -55,7 +55,7 @@ struct NamedMesh {
   std::vector<Triangle> triangles;
 };
 
-/// Closed, open, flat, thick, coarse and fine surfaces about a metre large.
+/// Returns closed, open, flat, thick, coarse and fine surfaces of about one metre in size.
 std::vector<NamedMesh> meshes() {
   Random random(1);
   std::vector<NamedMesh> result{
@@ -67,7 +67,7 @@ std::vector<NamedMesh> meshes() {
       {"large soup", soup(random, 1500)},
       {"small soup", soup(random, 40)},
   };
-  // A sheet of many small triangles, to be flat and fine at once.
+  // A sheet of many small triangles, both flat and fine.
   std::vector<Triangle> sheet;
   constexpr int cells = 30;
   for (int i = 0; i < cells; ++i)
@@ -79,7 +79,7 @@ std::vector<NamedMesh> meshes() {
   return result;
 }
 
-/// A plate of any size that need not be far from a surface about the origin, nor near it.
+/// Returns a plate of random size at a random distance from a surface about the origin, near or far.
 Rectangle any_plate(Random& random) {
   const double size = std::pow(10, random.uniform(-2, 0.5)),
                distance = std::pow(10, random.uniform(-0.5, 1.5));
@@ -257,7 +257,7 @@ TEST(SurfaceTree, RefusesWhatCannotBeIntegrated) {
   }
 }
 
-/// ∫(direction·(p − centre))^power dA in closed form.
+/// Computes ∫(direction·(p − centre))^power dA in closed form.
 double integral_of_power(const std::vector<Triangle>& triangles, const Vector3d& centre,
                          const Vector3d& direction, int power) {
   // ∫ (n·δ)^k dA = 2A · k!/(k+2)! · Σ_{i+j+l=k} a^i b^j c^l, with a, b, c the values of n·δ at the corners.
@@ -298,14 +298,14 @@ TEST(SurfaceTree, MomentsOfEveryNodeAreWithinTheStatedMismatch) {
           EXPECT_NEAR(sum, integral_of_power(part, node.centre, direction, power),
                       (node.errors.mismatch[static_cast<std::size_t>(power)][step] + rounding) * scale);
         }
-        // What is not matched may not be much, or the quadratures would be of no use.
+        // Moments that are not matched must be small, or the quadratures would be of no use.
         EXPECT_LE(node.errors.mismatch[0][step], 1e-4);
       }
     }
   }
 }
 
-/// A triangle much smaller than a metre about a point, in a plane of constant z, of a given area.
+/// Returns an equilateral triangle of a given, small area about a point, in a plane of constant z.
 Triangle small_triangle(const Vector3d& place, double area) {
   const double size = std::sqrt(4 * area / std::sqrt(27.0));
   Triangle triangle;
@@ -316,7 +316,7 @@ Triangle small_triangle(const Vector3d& place, double area) {
   return triangle;
 }
 
-/// The error of a quadrature and the bound of it, for a tree of one node.
+/// The error of a quadrature of a tree with one node, and its bound.
 struct MeasuredBound {
   double error;
   double bound;
@@ -337,22 +337,22 @@ MeasuredBound measured_bound(const std::vector<Triangle>& triangles, const Recta
           detail::smooth_errors(placement, node)[step] + detail::kink_error(frame, placement, node)};
 }
 
-/// A bound that were five times smaller would be passed.
+/// Checks that the error is within the bound and at least a fifth of it.
 void expect_nearly_attained(const MeasuredBound& measured) {
   EXPECT_LE(measured.error, measured.bound);
   EXPECT_GE(measured.error, measured.bound / 5);
 }
 
-/// A large plate in the plane z = height.
+/// Returns a large plate in the plane z = height.
 Rectangle wide_plate(double height) {
   return {{-1e4, -1e4, height}, {2e4, 0, 0}, {0, 2e4, 0}};
 }
 
-// Two spots one above the other: the expansion's forms all take their largest values there. Far away the
-// first term that is not matched dominates the bound, at 1.05 radii the remainder does.
+// For two spots one above the other, all forms of the expansion take their largest values. At a large
+// distance the first unmatched term dominates the bound; at 1.05 radii the remainder does.
 TEST(SurfaceTree, BoundIsNearlyAttainedByTwoSpots) {
   for (const double heavy : {1.0, 4.0}) {
-    // About the centroid, the lighter spot a metre away and towards the plate.
+    // The centroid is the origin; the lighter spot lies one metre from it, towards the plate.
     const std::vector<Triangle> spots{small_triangle({0, 0, -1 / heavy}, 1e-8 * heavy),
                                       small_triangle({0, 0, 1}, 1e-8)};
     for (const double distance : {1.05, 1.2, 2.0, 10.0, 100.0}) {
@@ -362,15 +362,16 @@ TEST(SurfaceTree, BoundIsNearlyAttainedByTwoSpots) {
   }
 }
 
-// The four points of degree 2 are symmetric, spots of unequal weight are not: the term of degree 3 is left.
+// The four points of the rule of degree 2 are symmetric, spots of unequal weight are not: the term of degree
+// 3 remains.
 TEST(SurfaceTree, BoundOfTheThirdMomentsIsNearlyAttained) {
   const std::vector<Triangle> spots{small_triangle({0, 0, -1.0 / 9}, 9e-8), small_triangle({0, 0, 1}, 1e-8)};
   for (const double distance : {20.0, 100.0})
     expect_nearly_attained(measured_bound(spots, wide_plate(distance), 1));
 }
 
-// Above the plate the distance of a surface parallel to it is constant: all error comes from the lighter spot
-// beyond the border.
+// In front of the plate the distance of a surface parallel to it is constant: all of the error comes from the
+// lighter spot beyond the border plane.
 TEST(SurfaceTree, BoundAcrossABorderIsNearlyAttained) {
   const std::vector<Triangle> spots{small_triangle({-1.0 / 20, 0, 0}, 20e-8),
                                     small_triangle({1, 0, 0}, 1e-8)};

@@ -1,4 +1,4 @@
-/// The kernels of surface trees give the same numbers, to the last bit, with every instruction set.
+/// Checks that the kernels of surface trees give bit-identical results with every instruction set.
 
 #include "integral/tree/kernels.hpp"
 

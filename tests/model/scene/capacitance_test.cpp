@@ -21,7 +21,8 @@ Object plate_at(const std::string& name, double size, double height) {
           Grounded{}, true};
 }
 
-/// A 10 cm sensor with plates of the same size 2 cm in front of it and 4 cm behind it.
+/// Returns a scene with a sensor of 10 cm × 10 cm and plates of the same size 2 cm in front of it and 4 cm
+/// behind it.
 Scene sandwich() {
   Scene scene;
   Sensor sensor;
@@ -90,7 +91,8 @@ TEST(Capacitance, OfEveryShapeFollowsTheTreeOfLinks) {
     EXPECT_GT(expected, 0);
     EXPECT_NEAR(capacitance(flat, {Split{6}}).sensors.at(0).total, expected, 1e-3 * expected);
 
-    // The sensor hangs on the hand, which hangs on the arm, and so does the object; then on the arm only.
+    // First the object and the sensor are both attached to the hand, which is attached to the arm; then the
+    // object is attached to the arm itself.
     Scene scene = flat;
     scene.links = {{"hand", 1, hand}, {"arm", std::nullopt, arm}};
     scene.sensors[0].link = 0;
@@ -134,7 +136,7 @@ TEST(Capacitance, DividesTheVoltageAsTwoCapacitorsInSeries) {
   EXPECT_DOUBLE_EQ(divider_voltage(sensor, 0), 3);
 }
 
-/// A sensor of two plates side by side that together are the one of the sandwich, and objects all around it.
+/// Returns the sandwich with its sensor divided into two adjacent plates, and with an additional ball.
 Scene divided_sensor() {
   Scene scene = sandwich();
   scene.sensors[0].plates = {{{-0.05, -0.05, 0}, {0.04, 0, 0}, {0, 0.1, 0}},
@@ -167,7 +169,7 @@ TEST(Capacitance, OfTheNearestOfOnePlateIsThatOfTheSumToTheLastBit) {
 
 TEST(Capacitance, OfTheNearestPlateKeepsToTheTolerance) {
   Scene scene = divided_sensor();
-  // Tilted and lifted, so that the border between the two plates is curved.
+  // The second plate is tilted and lifted, so that the border between the two plates' regions is curved.
   scene.sensors[0].plates[1] = {{0, -0.05, 0.03}, {0.04, 0, 0.03}, {0, 0.1, 0}};
   const SensorCapacitance accurate = capacitance(scene, nearest).sensors.at(0);
   bool left_out = false;
@@ -196,7 +198,7 @@ TEST(Capacitance, OfNodesGivesEachToItsNearestPlate) {
 
 TEST(Capacitance, OfNodesIsInfiniteOnContactWithAnyPlate) {
   Scene scene = divided_sensor();
-  // Stands across the second plate, its centroids nearer to neither side of it.
+  // The wall crosses the second plate, but no node of the sums lies on the plate.
   scene.objects = {{"wall", std::nullopt, Plate{0.02, 0.02}, pose_from_axis({1, 0, 0}, 90, {0.02, 0, 0.001}),
                     Grounded{}, true}};
   for (const Method& method : {Method{Exact{}}, Method{Split{2}}, Method{Gauss{2}}})
@@ -209,19 +211,21 @@ TEST(Capacitance, OfFacingFacesLeavesOutTheBackOfABody) {
   const double size = 0.1, gap = 0.02;
   scene.objects = {{"box", std::nullopt, Cuboid{size, size, size},
                     pose_from_axis({0, 0, 1}, 0, {0, 0, gap + size / 2}), Grounded{}, true}};
-  // The face opposite the plate counts; the back does not, nor do the sides, in whose planes the plate ends.
+  // Only the face opposite the plate counts: not the back, and not the sides, whose planes contain the
+  // plate's edges.
   const double front = vacuum_permittivity * size * size / gap;
   const SensorCapacitance facing =
       capacitance(scene, {Exact{}, PlateRule::sum, FaceRule::facing}).sensors.at(0);
   EXPECT_NEAR(facing.total, front, 1e-14 * front);
-  // All faces: the back at gap + size, and four sides, 4·size·∫dz/z.
+  // For all faces, add the back at gap + size and four sides with 4·size·∫dz/z.
   const double all =
       front + vacuum_permittivity * (size * size / (gap + size) + 4 * size * std::log((gap + size) / gap));
   EXPECT_NEAR(capacitance(scene).sensors.at(0).total, all, 1e-13 * all);
 }
 
 TEST(Capacitance, OfFacingFacesSeesTheFrontOfAOneSidedPlateOnly) {
-  // Both plates of the sandwich have their normal along +z: away from the sensor above it, towards it below.
+  // Both plates of the sandwich have their normal along +z: the plate above the sensor faces away from it,
+  // the one below faces it.
   const SensorCapacitance felt =
       capacitance(sandwich(), {Exact{}, PlateRule::sum, FaceRule::facing}).sensors.at(0);
   EXPECT_EQ(felt.objects.at(0).capacitance, 0);
@@ -233,14 +237,14 @@ TEST(Capacitance, OfFacingFacesIsInfiniteOnContactFromAnySide) {
     Scene scene = divided_sensor();
     scene.objects = {plate_at("lying", 0.02, 0)};
     EXPECT_TRUE(capacitance(scene, {Exact{}, rule, FaceRule::facing}).sensors.at(0).contact);
-    // In the plane, beside the plate: neither seen nor touching.
+    // The object lies in the plate's plane beside the plate: it neither sees nor touches it.
     scene.objects[0].pose = pose_from_axis({0, 0, 1}, 0, {0.2, 0, 0});
     EXPECT_EQ(capacitance(scene, {Exact{}, rule, FaceRule::facing}).sensors.at(0).total, 0);
   }
 }
 
 TEST(Capacitance, OfTheNearestFacingPlateLooksAmongThoseAFaceSees) {
-  // A plate under the object's back is nearer, but not seen; the one in front counts.
+  // The plate behind the object is nearer but not seen, so the one in front counts.
   Scene scene = sandwich();
   scene.objects = {plate_at("between", 0.1, 0.06)};
   scene.sensors[0].plates.push_back({{-0.05, -0.05, 0.16}, {0.1, 0, 0}, {0, 0.1, 0}});

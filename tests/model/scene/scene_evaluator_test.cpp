@@ -33,7 +33,8 @@ Sensor plate_sensor(const std::string& name, const Vector3d& corner) {
   return sensor;
 }
 
-/// A sensor on an arm and one on the wall; a body held by the arm, one on the floor, and many far away.
+/// Returns a scene with a sensor on an arm and one on the wall, a body held by the arm, one on the floor, and
+/// many distant ones.
 Scene workshop() {
   Scene scene;
   scene.links = {{"arm", std::nullopt, shifted({0, 0, 0})}, {"hand", 0, shifted({0, 0, 0.1})}};
@@ -48,7 +49,8 @@ Scene workshop() {
   return scene;
 }
 
-/// Every value agrees with the exact one within its bound, and the bounds of a sensor with the tolerance.
+/// Checks that every value agrees with the exact one within its bound, and that the summed bounds of a sensor
+/// are within the tolerance.
 void expect_within_bounds(const SceneCapacitance& answer, const SceneCapacitance& exact, double tolerance) {
   for (std::size_t s = 0; s < exact.sensors.size(); ++s) {
     const SensorCapacitance &felt = answer.sensors[s], &true_one = exact.sensors[s];
@@ -88,11 +90,11 @@ TEST(SceneEvaluator, EvaluatesOnlyPairsThatMovedRelativeToEachOther) {
   // Nothing moved.
   EXPECT_EQ(evaluator.capacitance().counts.objects_reused, 4);
   EXPECT_EQ(evaluator.capacitance().counts.triangles_evaluated, 0);
-  // The hand holds one body and no sensor.
+  // The hand carries one body and no sensor.
   evaluator.set_pose("hand", shifted({0, 0, 0.12}));
   EXPECT_EQ(evaluator.capacitance().counts.objects_evaluated, 2);
-  // The arm carries a sensor and, by its hand, a body: they stay as they are to each other, and so do those
-  // that do not hang on it.
+  // The arm carries a sensor and, through the hand, a body. Their relative pose does not change, nor does
+  // that of the sensor and the body that are not attached to the arm.
   evaluator.set_pose("arm", shifted({0.01, 0, 0}));
   const EvaluationCounts counts = evaluator.capacitance().counts;
   EXPECT_EQ(counts.objects_evaluated, 2);
@@ -169,7 +171,7 @@ TEST(SceneEvaluator, RefusesToCorrectWhatHasNoArea) {
   options.correction = Correction::formula;
   EXPECT_THAT([&] { capacitance(scene, options); },
               ThrowsMessage<InputError>(HasSubstr("object \"line\" has no area")));
-  // What rounding makes of a line that lies askew is no surface either.
+  // A skew line to which rounding gives a tiny area is no surface either.
   line.triangles = {{Vector3d{0.75, 0.625, -0.9828350218347341},
                      {-0.002813172363383439, 0.8466380559157967, 0.16192559771162363},
                      {0.6185363701603503, 0.6637046141206855, -0.7829256792941567}}};

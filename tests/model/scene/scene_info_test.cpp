@@ -25,7 +25,7 @@ TEST(SceneInfo, CountsAndMeasuresTheObjectsInTheWorld) {
   EXPECT_EQ(box.triangles, 12U);
   EXPECT_NEAR(box.area, 2 * (2 * 4 + 4 * 6 + 6 * 2), 1e-12);
   EXPECT_NEAR(box.volume.value(), 48, 1e-12);
-  // Turned by 90° about z, its long side along x, and lifted by 1.
+  // The box is rotated by 90° about z, so that its longer horizontal side lies along x, and lifted by 1.
   EXPECT_LT((box.bounding_box.min() - Eigen::Vector3d(-2, -1, -2)).norm(), 1e-14);
   EXPECT_LT((box.bounding_box.max() - Eigen::Vector3d(2, 1, 4)).norm(), 1e-14);
 

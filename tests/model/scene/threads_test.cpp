@@ -14,12 +14,13 @@
 #include "fringe/scene_evaluator.hpp"
 #include "fringe/scene_sensing.hpp"
 
-/// No state is shared but constants: threads that evaluate at the same time have the bits of one alone.
-/// tests/clean/run threads holds the same against the thread sanitizer.
+/// Checks that no mutable state is shared: threads that evaluate simultaneously get bit-identical results to
+/// one thread alone. tests/clean/run threads checks the same with the thread sanitizer.
 namespace fringe {
 namespace {
 
-/// One plate of a sensor and a distance sensor on an arm, a ball and a box that meet each other.
+/// Returns a scene with a sensor of one plate and a distance sensor on an arm, and a ball and a box that
+/// intersect.
 Scene scene() {
   Scene made;
   made.links = {{"arm", std::nullopt, Eigen::Isometry3d::Identity()}};
@@ -99,7 +100,7 @@ using Threads = testing::TestWithParam<std::function<Numbers()>>;
 
 TEST_P(Threads, HaveTheBitsOfOneAlone) {
   constexpr std::size_t count = 4;
-  // First together: what is made once, at the first use, is made then.
+  // The threads run first, so that they initialise the shared constants.
   std::vector<Numbers> together(count);
   std::vector<std::jthread> threads;
   threads.reserve(count);

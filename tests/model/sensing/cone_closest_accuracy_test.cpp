@@ -5,7 +5,7 @@
 #include "convex_programme.hpp"
 #include "sensed_triangles.hpp"
 
-/// Every kind of triangle against the convex programme in 100 digits.
+/// Compares the results for every class of triangles with a convex programme solved in 100 digits.
 namespace fringe {
 namespace {
 
@@ -14,10 +14,10 @@ using test::Real;
 using test::SensedTriangle;
 using test::Visibility;
 
-/// What the boundary is said to be widened by.
+/// The documented widening of the cone's boundary, in radians.
 constexpr double widening = 0x1p-50;
 
-/// Of the value and the size of what it was made from.
+/// Checks a value with a tolerance relative to the size of the quantities from which it was computed.
 void expect_close(double value, const Real& expected, const Real& size, double tolerance) {
   EXPECT_LE(Real(abs(value - expected)), tolerance * size);
 }

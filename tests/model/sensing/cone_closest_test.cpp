@@ -17,12 +17,13 @@ namespace {
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-/// From the origin along z, to both sides by 45°, as far as 10.
+/// Returns the cone from the origin along z with a half angle of 45° and a range of 10.
 SensingCone upward_cone() {
   return {Vector3d::Zero(), {0, 0, 1}, pi / 2, 10};
 }
 
-/// Where a side or a plane meets the cone at a low angle, the widening of its boundary counts several times.
+/// Relative tolerance: where an edge or a plane meets the cone at a small angle, the widening of the cone's
+/// boundary is amplified several times.
 constexpr double tolerance = 10 * 0x1p-50;
 
 class ConeClosest : public testing::TestWithParam<ConeMethod> {
@@ -51,15 +52,15 @@ INSTANTIATE_TEST_SUITE_P(, ConeClosest, testing::Values(ConeMethod::field_of_vie
                            return info.param == ConeMethod::field_of_view ? "FieldOfView" : "ConeEquation";
                          });
 
-// The five cases of the thesis' section 4.2.
+// The five cases of section 4.2 of the thesis.
 
 TEST_P(ConeClosest, Case1FootOnThePlane) {
   expect_seen({{{-3, -3, 2}, {3, -3, 2}, {0, 3, 2}}}, upward_cone(), {0, 0, 2});
 }
 
 TEST_P(ConeClosest, Case2BorderOfTheConicSection) {
-  // The plane x + 2z = 6 has its foot at (6/5, 0, 12/5), inside the cone of 45°, but outside one of tan =
-  // 1/4: there x = z/4 gives z = 8/3.
+  // The plane x + 2z = 6 has its foot at (6/5, 0, 12/5), which is inside the cone of 45° but outside the cone
+  // with tan = 1/4. On the latter, x = z/4 gives z = 8/3.
   SensingCone cone = upward_cone();
   cone.full_angle = 2 * std::atan(0.25);
   const Triangle triangle{{{6, -9, 0}, {6, 9, 0}, {-8, 0, 7}}};
@@ -68,7 +69,7 @@ TEST_P(ConeClosest, Case2BorderOfTheConicSection) {
 }
 
 TEST_P(ConeClosest, Case3SideMeetsTheCone) {
-  // The side x = 2 + z/2 in the plane y = 0 enters the cone x = z at z = 4.
+  // The edge x = 2 + z/2 in the plane y = 0 enters the cone x = z at z = 4.
   expect_seen({{{2, 0, 0}, {5, 0, 6}, {9, 7, 3}}}, upward_cone(), {4, 0, 4});
 }
 
@@ -80,10 +81,10 @@ TEST_P(ConeClosest, Case5Vertex) {
   expect_seen({{{0.5, 1, 2}, {3, 2, 4}, {0, 4, 5}}}, upward_cone(), {0.5, 1, 2});
 }
 
-// Where the thesis' text fails.
+// Cases in which the text of the thesis fails.
 
 TEST_P(ConeClosest, AxisParallelToThePlane) {
-  // The plane x = 1 has its foot at (1, 0, 0); on it the cone begins at (1, 0, 1).
+  // The plane x = 1 has its foot at (1, 0, 0); its nearest point in the cone is (1, 0, 1).
   expect_seen({{{1, -5, -5}, {1, 5, -5}, {1, 0, 9}}}, upward_cone(), {1, 0, 1});
 }
 
@@ -93,8 +94,8 @@ TEST_P(ConeClosest, AxisInThePlane) {
 }
 
 TEST_P(ConeClosest, AxisMeetsThePlaneBehindTheApex) {
-  // The plane z = x/2 − 1 goes below the apex, where the mirror cone is, and meets the cone of tan = 4, x =
-  // 4z, at z = 1.
+  // The plane z = x/2 − 1 passes below the apex, where the mirror cone is, and meets the cone with tan = 4, x
+  // = 4z, at z = 1.
   SensingCone cone = upward_cone();
   cone.full_angle = 2 * std::atan(4.0);
   expect_seen({{{-8, -9, -5}, {-8, 9, -5}, {22, 0, 10}}}, cone, {4, 0, 1});
@@ -106,7 +107,7 @@ TEST_P(ConeClosest, MirrorConeIsNotSeen) {
 }
 
 TEST_P(ConeClosest, RangeEndsAtASphericalCap) {
-  // At 40° off the axis, 10 away: its height is only 7.66.
+  // At 40° off the axis and a distance of 10, the height is only 7.66.
   const Vector3d sight(std::sin(40 * pi / 180), 0, std::cos(40 * pi / 180));
   const Vector3d point = 10 * sight;
   const Triangle within{{point * 0.9999, point + Vector3d(5, 0, 5), point + Vector3d(5, 1, 5)}};
@@ -118,7 +119,7 @@ TEST_P(ConeClosest, RangeEndsAtASphericalCap) {
 TEST_P(ConeClosest, ApexOnTheTriangleHasDistanceZero) {
   const Triangle triangle{{{1, 2, 3}, {4, -1, 2}, {0, 1, 5}}};
   SensingCone cone = upward_cone();
-  // Weights whose products are rounded; whichever way the sensor looks.
+  // The products of the weights are rounded. The direction of the sensor must not matter.
   for (const Vector3d& weights : {Vector3d(0.1, 0.2, 0.7), Vector3d(0.3, 0.7, 0), Vector3d(1, 0, 0)})
     for (const Vector3d& direction : {Vector3d(0, 0, 1), Vector3d(0, 0, -1), Vector3d(1, -1, 0.3)}) {
       cone.apex = weights.x() * triangle[0] + weights.y() * triangle[1] + weights.z() * triangle[2];
@@ -131,7 +132,8 @@ TEST_P(ConeClosest, ApexOnTheTriangleHasDistanceZero) {
 }
 
 TEST_P(ConeClosest, ApexOnATriangleInACoordinatePlaneHasDistanceZero) {
-  // Its z is exactly 0 and has no rounding, whereas in the frame of a cone across all axes it has.
+  // The triangle's z is exactly 0 in the world, but rounded in the frame of a cone that is not aligned with
+  // any axis.
   const Triangle triangle{{{-6.3125, 0.125, 0}, {0, -1.375, 0}, {0, 0, 0}}};
   const SensingCone cone{{-0.0625, 0, 0}, {4, 5.8125, -7.25}, 1.34375, 2.875};
   const auto answer = closest({triangle}, cone);
@@ -145,7 +147,8 @@ TEST_P(ConeClosest, ApexNextToTheTriangleHasNot) {
 }
 
 TEST_P(ConeClosest, BoundaryCountsAsInside) {
-  // A vertex, a side along the cone and a plane that touches it, all from outside; in any direction.
+  // A vertex on the cone, an edge along it and a plane tangent to it, all otherwise outside; in random
+  // orientations.
   const Triangle at_vertex{{{1, 0, 1}, {2, 0, 1}, {2, 1, 1}}};
   const Triangle along_side{{{1, 0, 1}, {3, 0, 3}, {3, 0, 1}}};
   const Triangle in_tangent_plane{{{1, -1, 1}, {1, 1, 1}, {3, 0, 3}}};
@@ -177,7 +180,7 @@ TEST_P(ConeClosest, HalfSpaceIsACone) {
   cone.full_angle = pi;
   const Triangle wall{{{2, -5, -5}, {2, 5, -5}, {2, 0, 9}}};
   expect_seen(wall, cone, {2, 0, 0});
-  // A floor in the plane of its end, and one below.
+  // A floor in the half space's boundary plane, and one below it.
   expect_seen({{{1, -1, 0}, {2, -1, 0}, {1, 1, 0}}}, cone, {1, 0, 0});
   expect_unseen({{{1, -1, -1e-9}, {2, -1, -1e-9}, {1, 1, -1e-9}}}, cone);
 }

@@ -13,7 +13,7 @@
 #include "sensing/cone_bounds.hpp"
 #include "sensing/cone_shape.hpp"
 
-/// The collision test that spares a look at a whole object.
+/// Tests the collision test of the cone with which whole objects are skipped.
 namespace fringe::detail {
 namespace {
 
@@ -66,7 +66,8 @@ TEST(ConeShape, NeverMissesABoxThatIsSeen) {
   EXPECT_GT(visible, cases / 20);
 }
 
-/// Only just seen: the range ends at the box, or the box is a point on the cone's side.
+/// Tests objects that are only just seen: the range ends at the box, or the box touches the cone's lateral
+/// surface in a point.
 TEST(ConeShape, NeverMissesWhatIsOnTheBoundary) {
   Random random(2);
   int checked = 0;
@@ -88,8 +89,8 @@ TEST(ConeShape, NeverMissesWhatIsOnTheBoundary) {
   EXPECT_GT(checked, cases / 20);
 }
 
-/// What it spares: a third at least of the unseen boxes that the planes and the distance leave. Others are
-/// beyond the spherical cap and before the flat end.
+/// Checks that the cone shape skips at least a third of the unseen boxes that the planes and the distance do
+/// not skip. The others lie beyond the spherical cap but within the flat end.
 TEST(ConeShape, SparesMoreThanThePlanesDo) {
   Random random(3);
   int unseen = 0, by_planes = 0, by_either = 0;

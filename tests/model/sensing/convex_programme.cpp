@@ -9,7 +9,7 @@ namespace {
 using std::size_t;
 using Vector = std::array<Real, 3>;
 
-/// Up to three variables: two barycentric coordinates and, for the first phase, the margin to the cone.
+/// Up to three variables: two barycentric coordinates and, in the first phase, the margin to the cone.
 using Variables = std::array<Real, 3>;
 using Matrix = std::array<Variables, 3>;
 
@@ -25,7 +25,7 @@ Vector real(const Eigen::Vector3d& a) {
   return {Real(a.x()), Real(a.y()), Real(a.z())};
 }
 
-/// Solves H·x = g for a positive definite H by Cholesky's decomposition.
+/// Solves H·x = g for a positive definite H by Cholesky decomposition.
 Variables solve_linear(Matrix h, Variables g, size_t count) {
   for (size_t i = 0; i < count; ++i) {
     for (size_t j = 0; j < i; ++j) {
@@ -46,8 +46,9 @@ Variables solve_linear(Matrix h, Variables g, size_t count) {
   return g;
 }
 
-/// Points q = last + Σ xᵢ·sides[i] with x₀, x₁, 1 − x₀ − x₁ > 0, and axis·q − margin > cosine·|q|. With three
-/// variables the margin, x₂, is made as large as possible; with two it is 0, and |q|² as small as possible.
+/// The convex programme over points q = last + Σ xᵢ·sides[i] with x₀, x₁, 1 − x₀ − x₁ > 0 and axis·q − margin
+/// > cosine·|q|. With three variables it maximises the margin, x₂; with two variables the margin is 0 and it
+/// minimises |q|².
 class Programme {
  public:
   Programme(const Triangle& triangle, const SensingCone& cone, double enlargement) {
@@ -81,7 +82,8 @@ class Programme {
     count_ = 2;
     x_[2] = 0;
     const Real start = inner(point(), point());
-    // Five is what the barriers' self-concordance adds up to: |q|² is above its minimum by 5/weight.
+    // The barriers' self-concordance parameters add up to five, so |q|² exceeds its minimum by at most
+    // 5/weight.
     for (weight_ = 1 / start; 5 / weight_ > Real(1e-30) * inner(point(), point()); weight_ *= 50)
       centre();
     Vector q = point();
@@ -111,7 +113,7 @@ class Programme {
     return Visibility::undecided;
   }
 
-  /// Damped Newton steps to the minimum of weight·objective + barriers (Nesterov and Nemirovskii).
+  /// Minimises weight·objective + barriers by damped Newton steps (Nesterov and Nemirovskii).
   void centre() {
     for (;;) {
       Variables gradient{};

@@ -18,7 +18,7 @@ Eigen::Isometry3d shifted(const Vector3d& translation) {
   return pose_from_axis({0, 0, 1}, 0, translation);
 }
 
-/// An arm whose sensor looks along x at a cube 1 m away, past a sphere beside its cone.
+/// Returns a scene with an arm whose sensor looks along x at a cube 1 m away, past a sphere beside its cone.
 Scene arm_and_cube() {
   Scene scene;
   scene.links = {{"arm", std::nullopt, shifted({0, 0, 0.5})}};
@@ -62,7 +62,7 @@ TEST(SceneSensing, FollowsTheLinks) {
     sensing.set_pose("arm", pose);
     set_pose(scene, "arm", pose);
     const DistanceReading reading = sensing.sense()[0];
-    // A look at every triangle of every object.
+    // The expected result comes from every triangle of every object.
     const SensingCone cone{pose * scene.distance_sensors[0].apex, pose.linear() * Vector3d(1, 0, 0),
                            40. / 180 * std::numbers::pi, 2};
     std::optional<VisiblePoint> expected;
@@ -92,7 +92,7 @@ TEST(SceneSensing, LooksAsFarToTheSideAsHalfASphere) {
   scene.objects = {{"post", std::nullopt, Cuboid{0.2, 0.2, 0.2}, shifted({0.0, 1.1, 0.5})}};
   const auto closest = sense(scene)[0].closest;
   ASSERT_TRUE(closest);
-  // The side of the post that reaches just into the plane of the half sphere's end.
+  // The side of the post that just reaches into the half sphere at its boundary plane.
   EXPECT_NEAR(closest->distance, 1, 1e-12);
 }
 

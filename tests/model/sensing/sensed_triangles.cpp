@@ -28,13 +28,14 @@ SensingCone any_cone(Random& random) {
   return {in_cube(random), in_cube(random), random.uniform(0.01, 3.14), far_enough};
 }
 
-/// A point of the triangle's plane that is as likely outside.
+/// Returns a random point of the triangle's plane, often outside the triangle.
 Vector3d point_around(const Triangle& triangle, Random& random) {
   const double u = random.uniform(-0.5, 1.5), v = random.uniform(-0.5, 1.5);
   return triangle[0] + u * (triangle[1] - triangle[0]) + v * (triangle[2] - triangle[0]);
 }
 
-/// A cone that looks past a point at up to twice half of its angle, so that half of the cones see it.
+/// Returns a cone whose axis misses a point by up to twice its half angle, so that half of the cones contain
+/// the point.
 SensingCone cone_towards(const Vector3d& apex, const Vector3d& point, double full_angle, Random& random) {
   const Vector3d sight = point - apex;
   const Vector3d aside = sight.cross(in_cube(random)).normalized() * sight.norm();
@@ -60,7 +61,7 @@ SensedTriangle wide(Random& random) {
   return {triangle, cone};
 }
 
-/// The axis and the triangle's plane have no point in common, or all.
+/// Returns a cone whose axis is parallel to the triangle's plane or lies in it.
 SensedTriangle axis_parallel_to_plane(Random& random) {
   const Triangle triangle = any_triangle(random);
   SensingCone cone = any_cone(random);
@@ -68,7 +69,7 @@ SensedTriangle axis_parallel_to_plane(Random& random) {
   return {triangle, cone};
 }
 
-/// The axis meets the plane behind the apex, where the mirror cone is.
+/// Returns a cone whose axis meets the plane behind the apex, where the mirror cone is.
 SensedTriangle plane_behind(Random& random) {
   const Triangle triangle = any_triangle(random);
   SensingCone cone = any_cone(random);
@@ -105,7 +106,8 @@ SensedTriangle sliver(Random& random) {
   return result;
 }
 
-/// Three points on a line exactly: two coincide, or one is in the middle of two with few digits.
+/// Returns a triangle with exactly collinear vertices: two coincide, or one is the midpoint of the other two,
+/// which have few digits.
 SensedTriangle segment(Random& random) {
   SensedTriangle result = generic(random);
   Triangle& triangle = result.triangle;
@@ -121,7 +123,7 @@ SensedTriangle single_point(Random& random) {
   return result;
 }
 
-/// The plane touches the cone but for a small angle.
+/// Returns a triangle whose plane is tangent to the cone up to a small angle.
 SensedTriangle grazing_plane(Random& random) {
   const double half_angle = random.uniform(0.1, 1.4);
   const double off = std::pow(10, random.uniform(-13, -3)) * (random.uniform(0, 1) < 0.3 ? 1 : -1);
@@ -134,7 +136,7 @@ SensedTriangle grazing_plane(Random& random) {
   return {triangle, {Vector3d::Zero(), {0, 0, 1}, 2 * half_angle, far_enough}};
 }
 
-/// A side of the triangle touches the cone but for a small angle, the rest is outside.
+/// Returns a triangle with an edge tangent to the cone up to a small angle and the rest outside.
 SensedTriangle grazing_side(Random& random) {
   const double half_angle = random.uniform(0.1, 1.4);
   const double off = std::pow(10, random.uniform(-13, -3)) * (random.uniform(0, 1) < 0.3 ? 1 : -1);

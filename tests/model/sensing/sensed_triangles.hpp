@@ -8,7 +8,7 @@
 #include "fringe/distance_sensor.hpp"
 #include "geometry.hpp"
 
-/// Triangles and cones of every kind that has a trap of its own.
+/// Triangles and cones in classes that are difficult in different ways.
 namespace fringe::test {
 
 struct SensedTriangle {
@@ -21,12 +21,12 @@ struct SensedClass {
   std::function<SensedTriangle(Random&)> make;
 };
 
-/// Its name in messages, in the place of its bytes, some of which have no value.
+/// Prints the class by its name instead of its bytes, some of which are indeterminate.
 inline void PrintTo(const SensedClass& sensed, std::ostream* out) {
   *out << sensed.name;
 }
 
-/// All of them with a range that reaches every triangle.
+/// Returns all classes. Their cones have a range that reaches every triangle.
 std::vector<SensedClass> sensed_classes();
 
 }  // namespace fringe::test

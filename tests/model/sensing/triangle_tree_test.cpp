@@ -5,7 +5,7 @@
 #include "fringe/triangulation.hpp"
 #include "geometry.hpp"
 
-/// The tree gives the answers of a look at every triangle, to the last bit.
+/// Checks that the tree's answers are bit-identical to those of a search over all triangles.
 namespace fringe {
 namespace {
 
@@ -37,7 +37,7 @@ void expect_same(const std::optional<VisiblePoint>& a, const std::optional<Visib
   EXPECT_EQ(a->triangle, b->triangle);
 }
 
-/// How many of so many random cones see the triangles.
+/// Compares the two searches for random cones, and returns how many cones see the triangles.
 int compare(const std::vector<Triangle>& triangles, Random& random, int cones,
             const Eigen::Isometry3d& pose) {
   const SensedSurface surface(triangles);
@@ -78,7 +78,7 @@ TEST(SensedSurface, AgreesWhenPosed) {
     Eigen::Isometry3d pose = random.rigid_motion();
     if (i % 3 == 1)
       pose.translation() *= 1e6;
-    // As far from orthonormal as pose_from_matrix accepts.
+    // The matrix deviates from orthonormal as far as pose_from_matrix accepts.
     if (i % 3 == 2)
       pose = pose_from_matrix(pose.linear() * (1 + 4e-10), pose.translation());
     seen += compare(triangles, random, 10, pose);

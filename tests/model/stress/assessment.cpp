@@ -25,7 +25,7 @@ bool in_front(const Dissection& dissection) {
   });
 }
 
-/// Everything that needs more than doubles.
+/// Computes everything that needs more than double precision.
 void complete(Specimen& specimen) {
   const Dissection dissection = dissect(specimen.triangle, specimen.plate);
   specimen.truth = integrate(dissection);
@@ -102,7 +102,7 @@ std::vector<Specimen> with_truth(const std::vector<Group>& groups, unsigned thre
   const auto work = [&] {
     for (std::size_t i = next++; i < specimens.size(); i = next++)
       complete(specimens[i]);
-    // MPFR keeps constants and memory for every thread, and gives them back only when told.
+    // MPFR caches constants and memory for each thread, and frees them only on request.
     mpfr_free_cache2(MPFR_FREE_LOCAL_CACHE);
   };
   std::vector<std::jthread> pool;

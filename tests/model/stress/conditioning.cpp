@@ -25,7 +25,7 @@ double largest_unit(const Triangle& triangle, const Rectangle& plate) {
   return unit_in_the_last_place(largest);
 }
 
-/// A point in doubles.
+/// A point in double precision.
 struct NearPoint {
   Vector3d position, barycentric, from_plate;
 
@@ -34,14 +34,14 @@ struct NearPoint {
         from_plate(point.from_plate.cast<double>()) {}
 };
 
-/// a + share·(b − a) for what is linear in the point.
+/// Interpolates a + share·(b − a) for quantities that are linear in the point.
 Vector3d mixed(const Vector3d& a, const Vector3d& b, double share) {
   return a + share * (b - a);
 }
 
-/// Moments of the force v/d³ on the surface, v the vector from the plate. With the point at λ₀p₀ + λ₁p₁ +
-/// λ₂p₂ and the nearest point of the plate at corner + α·edge_u + β·edge_v they are the derivatives of the
-/// integral but for the signs.
+/// Moments of the vector field v/d³ on the surface, where v is the vector from the plate. With the point at
+/// λ₀p₀ + λ₁p₁ + λ₂p₂ and the nearest point of the plate at corner + α·edge_u + β·edge_v, they are the
+/// derivatives of the integral up to their signs.
 struct Moments {
   Matrix3d vertices = Matrix3d::Zero();  ///< columns: ∫ λᵢ v/d³ dA
   Vector3d edge_u = Vector3d::Zero();    ///< ∫ α v/d³ dA
@@ -62,7 +62,7 @@ class MomentIntegrator {
 
  private:
   void add(const Sector& sector) {
-    // v/d³ is of the second degree in the distance's singularity, so the rules lose a few of their digits.
+    // v/d³ has a singularity of degree two in the distance, so the rules lose some of their digits.
     static const GradedRules rules(6);
     const NearPoint apex(sector.apex), start(sector.start), end(sector.end);
     const double twice_area = static_cast<double>(
@@ -98,7 +98,7 @@ class MomentIntegrator {
   Moments moments_;
 };
 
-/// The largest of the changes that moving each component of a vector makes.
+/// Returns the largest change caused by moving a component of a vector by one unit in its last place.
 double largest_change(const Vector3d& derivative, const Vector3d& input) {
   double largest = 0;
   for (int k = 0; k < 3; ++k)
@@ -112,7 +112,7 @@ double conditioning(const Dissection& dissection, const Triangle& triangle, cons
                     double value) {
   const double smallest_distance = largest_unit(triangle, plate);
   const Moments moments = MomentIntegrator(dissection, smallest_distance).moments();
-  Matrix3d axes;  // rows: the plate's x, y, z; its transpose takes a gradient back to the world
+  Matrix3d axes;  // rows: the plate's x, y, z; the transpose maps a gradient to world coordinates
   for (int i = 0; i < 3; ++i)
     axes.row(i) = dissection.frame.axes[static_cast<std::size_t>(i)].cast<double>();
   const auto& p = dissection.vertices;
@@ -129,8 +129,8 @@ double conditioning(const Dissection& dissection, const Triangle& triangle, cons
   const Vector3d corner = moments.vertices.rowwise().sum();
   largest = std::max(largest, largest_change(axes.transpose() * corner, plate.corner));
 
-  // y is the part of edge_v at right angles to edge_u: a component of edge_v along edge_u changes nothing,
-  // and turning edge_u towards y turns y the other way.
+  // y is the part of edge_v perpendicular to edge_u: a component of edge_v along edge_u has no effect, and
+  // rotating edge_u towards y rotates y the opposite way.
   const double ratio = static_cast<double>(dissection.frame.lengths[1] / dissection.frame.lengths[0]);
   Vector3d edge_u = moments.edge_u, edge_v = moments.edge_v;
   edge_u.y() -= ratio * moments.edge_v.x();

@@ -10,7 +10,8 @@
 #include "triangle_classes.hpp"
 #include "truth.hpp"
 
-/// The derivative behind the conditioning against what a unit in the last place really changes.
+/// Compares the conditioning, which comes from derivatives, with the change that a unit in the last place
+/// really causes.
 namespace fringe::stress {
 namespace {
 
@@ -22,7 +23,7 @@ DoubleDouble integral(const Triangle& triangle, const Rectangle& plate) {
   return truth.value;
 }
 
-/// The largest relative change when each of the 18 numbers is replaced by its neighbours.
+/// Computes the largest relative change when each of the 18 numbers is replaced by its neighbours.
 double largest_change(Triangle triangle, Rectangle plate) {
   const DoubleDouble value = integral(triangle, plate);
   double largest = 0;

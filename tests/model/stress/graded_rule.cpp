@@ -12,14 +12,15 @@
 namespace fringe::stress {
 namespace {
 
-/// In τ.
+/// Length of a panel in τ.
 constexpr int panel_length = 2;
 
-/// sinh(60) = 6e25: a segment that starts closer than 1e-25 of its length to the plate touches it, and
-/// s/distance is then constant up to a share of that size.
+/// Largest number of panels, with sinh(60) = 6e25. A segment that starts closer than 1e-25 of its length to
+/// the plate counts as touching it: s/distance is then constant up to a relative error of that size.
 constexpr int most_panels = 30;
 
-/// Closeness 2^24: what is farther is integrated to all digits by the same few nodes.
+/// Exponent of the largest closeness with a rule of its own, 2^24. The few nodes of this rule are accurate to
+/// all digits for any larger closeness.
 constexpr int most_doublings = 24;
 
 struct RealNode {
@@ -27,13 +28,14 @@ struct RealNode {
   Real weight;
 };
 
-/// The Gauss–Legendre rule on [−1, 1], by Newton's method on the Legendre polynomial.
+/// Computes the Gauss–Legendre rule on [−1, 1] by Newton's method on the Legendre polynomial.
 std::vector<RealNode> gauss_legendre(int points) {
   std::vector<RealNode> rule;
   for (int i = 0; i < points; ++i) {
     Real x = std::cos(std::numbers::pi * (i + 0.75) / (points + 0.5));
     Real derivative;
-    // The error starts below 1e-3 and is squared at each step: six steps reach 1e-50 with one to spare.
+    // The error is below 1e-3 at first and squared in each step: six steps reach 1e-50, and the seventh is a
+    // reserve.
     for (int step = 0; step < 7; ++step) {
       Real previous = 1, current = x;
       for (int n = 2; n <= points; ++n) {
@@ -48,8 +50,9 @@ std::vector<RealNode> gauss_legendre(int points) {
   return rule;
 }
 
-/// The number of Gauss points on [−1, 1] that leaves 10^−digits of a function with a singularity there: the
-/// error of n points is about ρ^(−2n), ρ the sum of the half axes of the ellipse through it with foci ±1.
+/// Computes the number of Gauss points on [−1, 1] that give a relative error of 10^−digits for a function
+/// with the given singularity. The error of n points is about ρ^(−2n), where ρ is the sum of the semi-axes of
+/// the ellipse with foci ±1 through the singularity.
 int points_for(double digits, std::complex<double> singularity) {
   const std::complex<double> root = std::sqrt(singularity * singularity - 1.0);
   const double rho = std::max(std::abs(singularity + root), std::abs(singularity - root));
@@ -87,10 +90,10 @@ Rule graded_rule(const std::vector<RealNode>& panel, int panels) {
 GradedRules::GradedRules(double digits) {
   for (int i = 0; i <= most_doublings; ++i) {
     const double closeness = std::ldexp(1.0, i);
-    // On [−1, 1] a singularity at ±i·closeness, the worst that its real part ≤ 0 allows.
+    // The worst singularity with a real part ≤ 0, ±i·closeness, transformed to [−1, 1].
     plain_.push_back(plain_rule(points_for(digits, {-1, 2 * closeness})));
   }
-  // The singularity at sinh τ = −1, seen from the first panel.
+  // The singularity at sinh τ = −1, relative to the first panel.
   const std::vector<RealNode> panel =
       gauss_legendre(points_for(digits, {-1 - 2 * std::asinh(1.0) / panel_length, 0}));
   for (int panels = 1; panels <= most_panels; ++panels)

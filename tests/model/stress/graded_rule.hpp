@@ -10,7 +10,8 @@ namespace fringe::stress {
 
 using detail::DoubleDouble;
 
-/// Nodes and weights, high and low parts apart so that loops over them vectorise.
+/// Nodes and weights in double-double precision, with separate arrays for high and low parts so that loops
+/// vectorise.
 struct Rule {
   std::vector<double> position_high, position_low;
   std::vector<double> weight_high, weight_low;
@@ -20,24 +21,24 @@ struct Rule {
   DoubleDouble weight(std::size_t i) const { return {weight_high[i], weight_low[i]}; }
 };
 
-/// Gauss rules for functions that are analytic but for singularities at complex points of modulus `closeness`
-/// or more and real part ≤ 0: the inverse distance along a segment that leads away from the plate has its
-/// singularities there, closeness being the distance at the near end over the length.
+/// Gauss rules for functions that are analytic except for singularities at complex points of modulus
+/// `closeness` or more with real part ≤ 0. The inverse distance along a segment that leads away from the
+/// plate has such singularities; closeness is the ratio of the distance at the near end to the length.
 ///
-/// From a closeness of 1 on one rule on [0, 1] does. Below, s = sinh(τ)/sinh(T) with sinh(T) = 1/closeness
-/// takes the singularities to where sinh τ has modulus 1, at least 0.88 from the real axis' part τ ≥ 0, and
-/// panels of length 2 in τ are integrated.
+/// From a closeness of 1 on, a single Gauss rule on [0, 1] suffices. Below, the substitution s =
+/// sinh(τ)/sinh(T) with sinh(T) = 1/closeness moves the singularities to points where sinh τ has modulus 1,
+/// at least 0.88 away from the half axis τ ≥ 0, and panels of length 2 in τ are integrated.
 class GradedRules {
  public:
-  /// Rules that leave a relative error of about 10^−digits.
+  /// Prepares rules with a relative error of about 10^−digits.
   explicit GradedRules(double digits);
 
-  /// The rule for singularities as close as this or farther.
+  /// Returns the rule for singularities of this closeness or more.
   const Rule& rule(double closeness) const;
 
  private:
-  std::vector<Rule> plain_;   ///< for closeness 2^i and more
-  std::vector<Rule> graded_;  ///< of i + 1 panels
+  std::vector<Rule> plain_;   ///< rule i is for a closeness of 2^i and more
+  std::vector<Rule> graded_;  ///< rule i has i + 1 panels
 };
 
 }  // namespace fringe::stress

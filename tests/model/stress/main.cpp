@@ -16,8 +16,8 @@
 #include "summary.hpp"
 #include "triangle_classes.hpp"
 
-/// The stress program of the exact integral: random triangles, class by class, against quadrature in higher
-/// precision.
+/// The stress program of the exact integral: compares it with quadrature in higher precision on random
+/// triangles of every class.
 namespace fringe::stress {
 namespace {
 
@@ -32,7 +32,7 @@ struct Request {
   bool only_truth = false;
 };
 
-/// The nine numbers of a triangle or a plate, without rounding.
+/// Formats the nine numbers of a triangle or a plate without rounding.
 template <class Vectors>
 std::string hexadecimal(const Vectors& vectors) {
   std::string text;
@@ -51,7 +51,7 @@ double severity(const Specimen& specimen) {
   return specimen.truth.converged ? *error_of(specimen, Judged::exact) / specimen.conditioning : HUGE_VAL;
 }
 
-/// The worst of the triangles that do not pass, so that they can be run again.
+/// Prints the worst of the triangles that fail, in a form that can be run again.
 void print_offenders(const Assessment& assessment) {
   constexpr std::size_t most = 5;
   std::vector<const Specimen*> offenders;
@@ -100,7 +100,7 @@ void print_truth(const std::string& of_class, const std::vector<Group>& groups, 
     fmt::print("{}{} {}\n", of_class, inputs(specimen), to_real(specimen.truth.value).str(25));
 }
 
-/// How many of all triangles the class has that is the i-th of so many.
+/// Returns the number of triangles of the i-th class when `count` triangles are distributed over all classes.
 std::size_t share(std::size_t count, std::size_t i, std::size_t classes) {
   return count * (i + 1) / classes - count * i / classes;
 }

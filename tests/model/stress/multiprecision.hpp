@@ -8,8 +8,8 @@
 
 #include "numeric/double_double.hpp"
 
-/// Numbers of 50 digits, on the stack, for everything that is done once per triangle: what cancels in the
-/// geometry of the thinnest slivers (1e-20 of the squares that make it up) still leaves 30 digits.
+/// Numbers of 50 digits, stored on the stack, for computations that are done once per triangle. For the
+/// thinnest slivers cancellation leaves 1e-20 of the squares involved, and thus still 30 digits.
 namespace fringe::stress {
 
 using detail::DoubleDouble;
@@ -20,7 +20,7 @@ using Real = boost::multiprecision::number<
 
 using RealVector = Eigen::Matrix<Real, 3, 1>;
 
-/// The double-double nearest to a number.
+/// Rounds a number to the nearest double-double.
 inline DoubleDouble to_double_double(const Real& number) {
   const auto high = static_cast<double>(number);
   return {high, static_cast<double>(Real(number - high))};

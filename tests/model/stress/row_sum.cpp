@@ -3,7 +3,7 @@
 namespace fringe::stress {
 namespace {
 
-/// x − clamp(x, 0, length).
+/// Computes x − clamp(x, 0, length).
 inline DoubleDouble beyond(DoubleDouble x, DoubleDouble length) {
   const DoubleDouble above = x - length;
   if (above.high > 0)

@@ -19,12 +19,12 @@ inline DoubleDoubleVector operator*(DoubleDouble factor, const DoubleDoubleVecto
   return {factor * vector.x, factor * vector.y, factor * vector.z};
 }
 
-/// The plate is 0 ≤ x ≤ u, 0 ≤ y ≤ v, z = 0.
+/// Side lengths of the plate 0 ≤ x ≤ u, 0 ≤ y ≤ v, z = 0.
 struct PlateExtent {
   DoubleDouble u, v;
 };
 
-/// ∫₀¹ s ds/d(apex + s·ray) by a rule, d the distance to the plate.
+/// Computes ∫₀¹ s ds/d(apex + s·ray) by a quadrature rule, where d is the distance to the plate.
 DoubleDouble row_sum(const DoubleDoubleVector& apex, const DoubleDoubleVector& ray, const PlateExtent& extent,
                      const Rule& rule);
 

@@ -19,7 +19,7 @@ enum class Strip { below, within, above };
 
 constexpr std::array<Strip, 3> strips{Strip::below, Strip::within, Strip::above};
 
-/// The part of a convex polygon where side·(coordinate − bound) ≥ 0.
+/// Clips a convex polygon to side·(coordinate − bound) ≥ 0.
 Polygon half(const Polygon& polygon, int axis, const Real& bound, int side) {
   Polygon kept;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -40,8 +40,8 @@ bool lies_in(const Polygon& polygon, int axis, const Real& bound) {
                      [&](const Point& point) { return point.position[axis] == bound; });
 }
 
-/// The part of a convex polygon in a strip, nothing where it only touches the strip. A polygon in a border
-/// plane belongs to the lower of the two strips that meet there, so that it is counted once.
+/// Clips a convex polygon to a strip; the result is empty if the polygon only touches the strip. A polygon in
+/// a border plane belongs to the lower of the two strips that meet there, so that it is counted once.
 Polygon in_strip(const Polygon& polygon, int axis, Strip strip, const Real& length) {
   Polygon kept = polygon;
   if (strip != Strip::below) {
@@ -63,8 +63,8 @@ Real from_interval(const Real& coordinate, Strip strip, const Real& length) {
   return strip == Strip::below ? coordinate : strip == Strip::within ? Real(0) : Real(coordinate - length);
 }
 
-/// Whether a polygon in one cell meets the plate in more than a point. The plate meets the cells outside
-/// region I at their border only, so there a common segment has two corners of the polygon as ends.
+/// Returns whether a polygon in one cell meets the plate in more than a point. Outside region I the plate
+/// meets the cells only at their border, so the ends of a common segment are two corners of the polygon.
 bool meets_plate_along_a_segment(const Polygon& polygon, bool in_front) {
   std::vector<RealVector> contacts;
   bool above = false, below = false;
@@ -80,7 +80,7 @@ bool meets_plate_along_a_segment(const Polygon& polygon, bool in_front) {
   return two_contacts || (in_front && above && below);
 }
 
-/// The point of a segment that is nearest to the plate.
+/// Returns the point of a segment nearest to the plate.
 Point nearest_on_segment(const Point& a, const Point& b) {
   const RealVector edge = b.from_plate - a.from_plate;
   const Real squared_length = edge.squaredNorm();
@@ -90,7 +90,7 @@ Point nearest_on_segment(const Point& a, const Point& b) {
   return share <= 0 ? a : share >= 1 ? b : between(a, b, share);
 }
 
-/// The point inside a triangle at which the distance is stationary, if there is one.
+/// Returns the point inside a triangle where the distance is stationary, if there is one.
 std::optional<Point> stationary_point(const Point& a, const Point& b, const Point& c) {
   const RealVector u = b.from_plate - a.from_plate, v = c.from_plate - a.from_plate;
   const Real uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
@@ -105,14 +105,14 @@ std::optional<Point> stationary_point(const Point& a, const Point& b, const Poin
   return between(a, between(b, c, share_c / share), share);
 }
 
-/// Of a polygon, the point nearest to the plate and the edges that it does not lie on.
+/// The point of a polygon nearest to the plate, and the edges that do not contain it.
 struct Nearest {
   Point point;
   Real squared_distance;
   std::vector<std::size_t> other_edges;
 };
 
-/// The edge i leads from corner i to the next.
+/// Returns the indices of all edges except the excluded ones; edge i leads from corner i to the next.
 std::vector<std::size_t> edges_without(std::size_t size, std::initializer_list<std::size_t> excluded) {
   std::vector<std::size_t> edges;
   for (std::size_t i = 0; i < size; ++i)
@@ -143,7 +143,7 @@ void add_sectors(std::vector<Sector>& sectors, const Polygon& polygon) {
   const Nearest apex = nearest(polygon);
   for (const std::size_t edge : apex.other_edges) {
     const Point &first = polygon[edge], &second = polygon[(edge + 1) % polygon.size()];
-    // The distance falls along an edge up to its nearest point and grows from there.
+    // The distance decreases along an edge up to its nearest point and increases from there.
     const Point foot = nearest_on_segment(first, second);
     for (const Point* end : {&first, &second})
       if (end->position != foot.position && twice_area(apex.point.position, foot.position, end->position) > 0)

@@ -7,10 +7,10 @@
 #include "fringe/triangle.hpp"
 #include "multiprecision.hpp"
 
-/// A triangle cut up for quadrature, in 50 digits, from the input doubles as they are.
+/// Dissection of a triangle into sectors for quadrature, in 50 digits and without rounding the input.
 namespace fringe::stress {
 
-/// A plate's own coordinates: the origin in its corner, x along edge_u, z along the normal, y = z × x.
+/// A plate's own coordinate system: the origin at its corner, x along edge_u, z along the normal, y = z × x.
 struct ExactFrame {
   RealVector corner;
   std::array<RealVector, 3> axes;
@@ -19,7 +19,7 @@ struct ExactFrame {
 
 ExactFrame exact_frame(const Rectangle& plate);
 
-/// A point of the triangle. All three vectors are linear functions of it within a sector.
+/// A point of the triangle. Within a sector all three vectors are affine functions of the point.
 struct Point {
   RealVector position;     ///< in the plate's coordinates
   RealVector barycentric;  ///< in the whole triangle
@@ -28,13 +28,13 @@ struct Point {
 
 Point between(const Point& a, const Point& b, const Real& share);
 
-/// A triangle within one of the nine cells. Of the points of the cut-up triangle in that cell, `apex` is the
-/// one nearest to the plate; along the edge from `start` to `end` the distance grows.
+/// A triangle within one of the nine cells. `apex` is the point nearest to the plate of the part of the
+/// dissected triangle in that cell; along the edge from `start` to `end` the distance increases.
 struct Sector {
   Point apex, start, end;
 };
 
-/// A triangle cut up.
+/// A triangle divided into sectors.
 struct Dissection {
   ExactFrame frame;
   std::array<RealVector, 3> vertices;  ///< in the plate's coordinates
@@ -43,6 +43,7 @@ struct Dissection {
   std::vector<Sector> sectors;
 };
 
+/// Cuts a triangle at the plate's border planes and divides the pieces into sectors.
 Dissection dissect(const Triangle& triangle, const Rectangle& plate);
 
 Real twice_area(const RealVector& a, const RealVector& b, const RealVector& c);

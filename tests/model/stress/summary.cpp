@@ -15,7 +15,7 @@ namespace {
 
 using Writer = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
 
-/// The smallest member that at least this share of all do not exceed.
+/// Returns the quantile: the smallest member that at least this share of all members do not exceed.
 std::optional<double> quantile(std::vector<double>& numbers, double share) {
   if (numbers.empty())
     return std::nullopt;

@@ -10,16 +10,15 @@
 
 #include "assessment.hpp"
 
-/// What the specimens of a class say of each method.
+/// Summaries of the methods' errors, class by class.
 namespace fringe::stress {
 
-/// Relative errors, and relative errors over conditioning, of the finite results whose truth is finite and
+/// Relative errors, and their ratios to the conditioning, of the finite results whose truth is finite and
 /// positive; absent when there are none.
 struct MethodSummary {
-  std::size_t triangles = 0;   ///< to which the method applies
-  std::size_t not_finite = 0;  ///< infinite or not a number where the truth is finite
-  std::size_t wrong_by_1_percent =
-      0;  ///< off by more than 1 %, or not finite, 0 or infinite and should not be
+  std::size_t triangles = 0;           ///< triangles to which the method applies
+  std::size_t not_finite = 0;          ///< infinite or not a number where the truth is finite
+  std::size_t wrong_by_1_percent = 0;  ///< off by more than 1 %, or wrongly 0, infinite or NaN
   std::optional<double> largest_error, median_error;
   std::optional<double> largest_over_conditioning, median_over_conditioning, percentile_99_over_conditioning;
 };
@@ -29,7 +28,7 @@ struct ClassSummary {
   std::size_t triangles = 0;
   std::size_t truth_failed = 0;
   std::vector<std::pair<std::string, MethodSummary>> methods;
-  /// Of error_over_allowed, for each tolerance.
+  /// Largest value of error_over_allowed, for each tolerance.
   std::array<double, tolerances.size()> largest_over_allowed{};
 };
 
@@ -43,7 +42,7 @@ struct Summary {
   std::vector<ClassSummary> classes;
 };
 
-/// Writes it as JSON under a temporary name, then renames.
+/// Writes the summary as JSON to a temporary file, which is then renamed.
 void write_json(const Summary& summary, const std::string& path);
 
 }  // namespace fringe::stress

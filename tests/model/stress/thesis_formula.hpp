@@ -5,8 +5,8 @@
 
 namespace fringe::stress {
 
-/// ∫dA/d over a triangle in region I by the formula that thesis 5.3.1 and appendix D print, without ε, in
-/// doubles and with no precaution added.
+/// Computes ∫dA/d over a triangle in region I by the formula printed in thesis 5.3.1 and appendix D, without
+/// ε, in double precision and without any safeguards.
 double thesis_formula(const Triangle& triangle, const Rectangle& plate);
 
 }  // namespace fringe::stress

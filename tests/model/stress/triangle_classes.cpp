@@ -19,11 +19,11 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using test::Random;
 
-/// Plates per class: many shapes and poses, and still enough triangles for each to fill a batch.
+/// Number of plates per class: many shapes and poses, and still enough triangles per plate to fill a batch.
 constexpr std::size_t most_groups = 16;
 
-/// Where triangles must touch the plate exactly, all coordinates are multiples of this: sums and products
-/// with small numbers have no rounding error.
+/// Unit of length of which all coordinates are multiples where triangles must touch the plate exactly. Sums
+/// and products with small integers then have no rounding error.
 constexpr double grid = 0x1p-12;
 
 double on_grid(double number) {
@@ -50,7 +50,8 @@ Vector3d direction(Random& random) {
   }
 }
 
-/// A plate's sides as a generator of triangles sees them: the plate is 0 ≤ x ≤ length.x, 0 ≤ y ≤ length.y.
+/// A plate's side lengths in the coordinates of a generator of triangles: the plate is 0 ≤ x ≤ length.x, 0 ≤
+/// y ≤ length.y.
 struct Size {
   Vector2d length;
 
@@ -58,8 +59,8 @@ struct Size {
   Vector3d extent() const { return {length.x(), length.y(), 0}; }
 };
 
-/// The plate seen from one of its sides, so that a generator only has to think of x = 0: x and y may be
-/// exchanged, and each may be counted from the other end.
+/// A symmetry of the plate, so that a generator only has to consider the edge x = 0: x and y may be
+/// exchanged, and each may be measured from the opposite end.
 class View {
  public:
   View(Random& random, Size size)
@@ -85,7 +86,7 @@ class View {
   bool exchanged_, flip_x_, flip_y_;
 };
 
-/// Anywhere around the plate, at heights in a range given in plate sizes.
+/// Returns a random point around the plate, at a height in a range given in plate sizes.
 Vector3d around(Random& random, const Size& size, double lowest = 0.1, double highest = 1.5) {
   const double scale = size.scale();
   return random.in_box(Vector3d(-1.5, -1.5, lowest) * scale,
@@ -97,7 +98,7 @@ Triangle triangle_around(Random& random, const Size& size, double lowest = 0.1, 
   return {a, b, around(random, size, lowest, highest)};
 }
 
-/// The area is at least a twentieth of the longest edge squared.
+/// Returns whether the area is at least a twentieth of the longest edge squared.
 bool well_shaped(const Triangle& triangle) {
   const double longest =
       std::max({(triangle[1] - triangle[0]).squaredNorm(), (triangle[2] - triangle[1]).squaredNorm(),
@@ -105,7 +106,7 @@ bool well_shaped(const Triangle& triangle) {
   return fringe::twice_area(triangle) >= 0.1 * longest;
 }
 
-/// Draws until the triangle is of ordinary shape.
+/// Draws triangles until one is well shaped.
 template <class Draw>
 Triangle shaped(const Draw& draw) {
   while (true) {
@@ -142,7 +143,7 @@ Triangle in_region_3(Random& random, const Size& size) {
   return view(in_box(random, {-scale, -scale, 0.05 * scale}, {-0.01 * scale, -0.01 * scale, scale}));
 }
 
-/// Around the plate's centre, so that a part lies in each of the nine cells.
+/// Returns a triangle around the plate's centre, with a part in each of the nine cells.
 Triangle in_nine_cells(Random& random, const Size& size) {
   const double scale = size.scale();
   const double start = random.uniform(0, 2 * std::numbers::pi);
@@ -163,8 +164,8 @@ Triangle sliver(Random& random, const Size& size) {
   return {a, b, a + random.uniform(0, 1) * (b - a) + across};
 }
 
-/// In a plane whose slope is `tilt`, over a height of at least 0.3 plate sizes in its middle; half of them in
-/// front of the plate.
+/// Returns a triangle in a plane of slope `tilt` whose height above the plate's centre is at least 0.4 plate
+/// sizes; half of these triangles lie in front of the plate.
 Triangle tilted(Random& random, const Size& size, double tilt) {
   const double angle = random.uniform(0, 2 * std::numbers::pi);
   const Vector2d slope(tilt * std::cos(angle), tilt * std::sin(angle));
@@ -223,14 +224,14 @@ Triangle near_corner(Random& random, const Size& size) {
   return view(with_vertex(random, view.size(), small_distance(random, size) * outwards));
 }
 
-/// Beside the plate (x < 0), in front of its plane and behind it.
+/// Returns a random point beside the plate (x < 0), in front of its plane or behind it.
 Vector3d beside(Random& random, const Size& size) {
   const double scale = size.scale();
   return random.in_box({-scale, -scale, -scale}, {-0.01 * scale, size.length.y() + scale, scale});
 }
 
-/// A vertex on the plate, the rest off it: both other vertices in front of the plate's plane, or both beside
-/// the border plane that the vertex lies in.
+/// Returns a triangle that touches the plate with one vertex only: the other two vertices lie both in front
+/// of the plate's plane, or both beside the border plane that contains the vertex.
 Triangle touching_with_vertex(Random& random, const Size& size, const Vector3d& vertex, bool allow_beside) {
   Triangle triangle{on_grid(vertex), {}, {}};
   const bool in_front = !allow_beside || chance(random, 0.5);
@@ -253,10 +254,11 @@ Triangle touching_corner(Random& random, const Size& size) {
   return view(touching_with_vertex(random, view.size(), {0, 0, 0}, true));
 }
 
-/// An edge in the plane x = −gap that passes the plate's edge or corner, the third vertex farther out.
+/// Returns a triangle with an edge in the plane x = −gap that passes the plate's edge or corner, and the
+/// third vertex farther out.
 Triangle passing_with_edge(Random& random, const Size& size, double gap) {
   const Vector3d foot = chance(random, 0.5) ? Vector3d::Zero() : on_grid(on_edge(random, size));
-  // Even multiples of the grid, so that half of it is on the grid too.
+  // Even multiples of the grid, so that the half is on the grid as well.
   Vector3d along = 2 * on_grid(0.5 * random.in_box({0, -1, 0.1}, {0, 1, 1}) * size.scale());
   if (chance(random, 0.5))
     along = -along;
@@ -269,7 +271,7 @@ Triangle touching_with_edge(Random& random, const Size& size) {
   return view(passing_with_edge(random, view.size(), 0));
 }
 
-/// A face that stands at right angles to a direction away from the corner.
+/// Returns a triangle perpendicular to a direction that points away from the corner, at the distance `gap`.
 Triangle passing_with_face(Random& random, const Size& size, double gap) {
   const Vector3d outwards =
       Vector3d(random.uniform(-1, -0.1), random.uniform(-1, -0.1), random.uniform(-1, 1)).normalized();
@@ -291,7 +293,7 @@ Triangle passing_closely(Random& random, const Size& size) {
                                   : passing_with_face(random, view.size(), gap));
 }
 
-/// A triangle of a given size about a point.
+/// Returns a random triangle of a given size about a point.
 Triangle about(Random& random, const Vector3d& middle, double size) {
   return shaped([&] {
     Triangle triangle = random.triangle_in_box(Vector3d::Constant(-size / 2), Vector3d::Constant(size / 2));
@@ -376,8 +378,9 @@ Triangle plane_through_edge(Random& random, const Size& size) {
   }));
 }
 
-/// In a plane through the plate's edge, beside which two vertices lie at distances down to 1e-18 of the
-/// plate: mostly in the border plane or in the plate's, where all points are seen on one line.
+/// Returns a triangle in a plane through the plate's edge, with two vertices at distances from the edge down
+/// to 1e-18 of the plate's size. The plane is mostly a border plane or the plate's plane, where the vectors
+/// from the plate are collinear.
 Triangle edge_next_to_edge(Random& random, const Size& size) {
   const View view(random, size);
   const Size seen = view.size();
@@ -401,7 +404,7 @@ Triangle without_area(Random& random, const Size& size) {
   return {a, a + multiple() * step, a + multiple() * step};
 }
 
-/// The centroid in the plate's inside, the vertices on both sides.
+/// Returns a triangle whose centroid lies inside the plate and whose vertices lie on both sides of it.
 Triangle crossing(Random& random, const Size& size) {
   const Vector3d middle = on_plate(random, size);
   const Vector3d up = size.scale() * random.in_box({-1, -1, 0.1}, {1, 1, 1});
@@ -409,7 +412,7 @@ Triangle crossing(Random& random, const Size& size) {
   return {middle + up, middle + level, middle - up - level};
 }
 
-/// In contact with the plate along a segment or an area.
+/// Returns a triangle that meets the plate along a segment or in an area.
 Triangle on_the_plate(Random& random, const Size& size) {
   const View view(random, size);
   const Size seen = view.size();
@@ -421,13 +424,14 @@ Triangle on_the_plate(Random& random, const Size& size) {
   };
   switch (static_cast<int>(random.uniform(0, 4))) {
   case 0:
-    return view({a, b, level});  // lies on it, at least in part
+    return view({a, b, level});  // lies on the plate, at least in part
   case 1:
-    return view({a, b, off});  // an edge on it
+    return view({a, b, off});  // an edge on the plate
   case 2:
-    return view({Vector3d(0, -beyond_end(0), 0), {0, beyond_end(seen.length.y()), 0}, off});  // over its edge
+    return view(
+        {Vector3d(0, -beyond_end(0), 0), {0, beyond_end(seen.length.y()), 0}, off});  // along its edge
   default:
-    return view({a, level, off});  // an edge that leaves it
+    return view({a, level, off});  // an edge that leaves the plate
   }
 }
 
@@ -435,7 +439,7 @@ Triangle behind(Random& random, const Size& size) {
   return shaped([&] { return triangle_around(random, size, -1.5, -0.1); });
 }
 
-/// How a plate and its triangles are brought to the world.
+/// How a plate and its triangles are placed in the world.
 enum class Placement { free, exact, at_origin, kilometre };
 
 struct Kind {
@@ -482,7 +486,7 @@ const std::vector<Kind>& kinds() {
   return all;
 }
 
-/// A rotation by multiples of 90° about the axes: no coordinate is rounded.
+/// Returns a rotation by multiples of 90° about the axes, which rounds no coordinate.
 Eigen::Matrix3d quarter_turns(Random& random) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   for (int axis = 0; axis < 3; ++axis)
@@ -512,7 +516,7 @@ Eigen::Isometry3d placement(Random& random, Placement kind, double scale) {
   return pose;
 }
 
-/// Sides from 5 cm to 2 m.
+/// Returns random side lengths from 5 cm to 2 m.
 Size plate_size(Random& random, Placement kind) {
   const Vector2d length(log_uniform(random, 0.05, 2), log_uniform(random, 0.05, 2));
   return kind == Placement::exact || kind == Placement::at_origin
@@ -550,7 +554,7 @@ std::vector<Group> make_triangles(const std::string& name, std::size_t count, st
       std::find_if(kinds().begin(), kinds().end(), [&](const Kind& k) { return k.described.name == name; });
   if (kind == kinds().end())
     throw InputError(fmt::format("there is no class '{}'", name));
-  // Every class draws its own numbers, whichever others are asked for.
+  // Every class has its own sequence of random numbers, whichever other classes are run.
   Random random(seed * kinds().size() + static_cast<std::uint64_t>(kind - kinds().begin()));
   std::vector<Group> groups;
   const std::size_t group_count = std::min(most_groups, count);

@@ -7,10 +7,10 @@
 #include "fringe/rectangle.hpp"
 #include "fringe/triangle.hpp"
 
-/// Random triangles, class by class, at which formulas for the integral may break.
+/// Classes of random triangles for which formulas for the integral may fail.
 namespace fringe::stress {
 
-/// A plate and what is integrated over in one call.
+/// A plate and the triangles that are integrated in one call.
 struct Group {
   Rectangle plate;
   std::vector<Triangle> triangles;
@@ -18,16 +18,17 @@ struct Group {
 
 struct TriangleClass {
   std::string name;
-  /// Rounding of the input matters little: an error of a few units in the last place is asked for.
+  /// Whether rounding of the input matters little, so that an error of a few units in the last place is
+  /// required.
   bool well_behaved;
 };
 
-/// All classes, in the order of the report.
+/// Returns all classes in the order of the report.
 std::vector<TriangleClass> triangle_classes();
 
-/// The triangles of a class, the same for the same class, count and seed wherever it runs. Half of the plates
-/// lie at the origin along the axes, half are turned and moved with their triangles; where a triangle has to
-/// touch the plate exactly, by multiples of 90° and representable distances.
+/// Returns triangles of a class, which depend only on class, count and seed. Half of the plates lie at the
+/// origin along the axes; the others are rotated and translated with their triangles. Where a triangle has to
+/// touch the plate exactly, the rotation is by multiples of 90° and the translation is representable.
 ///
 /// @throws InputError when there is no class of the name.
 std::vector<Group> make_triangles(const std::string& name, std::size_t count, std::uint64_t seed);

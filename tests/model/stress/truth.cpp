@@ -19,7 +19,7 @@ double norm(const RealVector& vector) {
   return static_cast<double>(Real(sqrt(vector.squaredNorm())));
 }
 
-/// Infinite where the segment has no length.
+/// Computes the ratio of distance to length; infinite where the segment has no length.
 double closeness(double distance, double length) {
   return length > 0 ? distance / length : std::numeric_limits<double>::infinity();
 }
@@ -64,8 +64,8 @@ Truth integrate(const Dissection& dissection) {
     return {{0, 0}, true};
   if (dissection.divergent)
     return {{std::numeric_limits<double>::infinity(), 0}, true};
-  // The estimate behind the number of points is for the singularities along s; along t they may be closer.
-  // Then the first pair disagrees, and the later orders have points to spare.
+  // The number of points is estimated for the singularities along s; along t they may be closer. Then the
+  // results of the first two orders disagree, and a later order with more points is used.
   static const std::array<GradedRules, 4> rules{GradedRules(18), GradedRules(23), GradedRules(34),
                                                 GradedRules(50)};
   constexpr double agreement = 1e-19;

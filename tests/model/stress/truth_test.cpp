@@ -4,7 +4,7 @@
 
 #include "truth.hpp"
 
-/// The quadrature where its answer is known.
+/// Tests the quadrature on integrals with known values.
 namespace fringe::stress {
 namespace {
 
@@ -25,17 +25,17 @@ TEST(Truth, OfAParallelTriangleIsAreaOverHeight) {
 }
 
 TEST(Truth, OfATriangleThatStandsOnItsVertexIsTheOneOfAWedge) {
-  // d = z, from 0 to 1, and the width at z is z/2
+  // d = z from 0 to 1, and the width at height z is z/2.
   expect_value({{{1, 0.5, 0}, {0.75, 0.5, 1}, {1.25, 0.5, 1}}}, Real(1) / 2);
 }
 
 TEST(Truth, OfATriangleThatTouchesACornerIsThatOfItsOppositeEdge) {
-  // In polar coordinates about the corner: ∫dφ/cos φ over the right angle's half
+  // In polar coordinates about the corner: ∫dφ/cos φ over half of the right angle.
   expect_value({{{0, 0, 0}, {-1, 0, 0}, {-1, -1, 0}}}, log(1 + sqrt(Real(2))));
 }
 
 TEST(Truth, OfATriangleInABorderPlaneIsCountedOnce) {
-  // d = z over either part of 1 × 1
+  // d = z over the two halves of a 1 × 1 square.
   const double z = 1;
   const Real lower = to_real(truth({{{0, 0, z}, {0, 1, z}, {0, 1, 2 * z}}}).value);
   const Real upper = to_real(truth({{{0, 0, z}, {0, 1, 2 * z}, {0, 0, 2 * z}}}).value);

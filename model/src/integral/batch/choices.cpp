@@ -8,16 +8,17 @@
 namespace fringe::detail {
 namespace {
 
-/// The most points of a rule along the height.
+/// Largest number of points of a Gauss rule along the height.
 constexpr int most_height_points = 12;
 
-/// The largest ratio q of size to distance for which a rule keeps the relative error
-/// √(1 + q²)·c·q^(degree + 1)/(1 − q) (model/NUMERICS.md, section 12) below the tolerance, or a little less.
+/// Computes the largest ratio q of size to distance, or slightly less, for which a rule keeps the relative
+/// error √(1 + q²)·c·q^(degree + 1)/(1 − q) (model/NUMERICS.md, section 12) below the tolerance.
 double largest_ratio(const TriangleRule& rule, double tolerance) {
-  // Beyond it the bound would be of little use.
+  // Beyond this ratio the bound would be of little use.
   constexpr double most = 0.5;
   const double exponent = 1.0 / (rule.degree + 1), scale = tolerance / rule.bound_constant;
-  // A fixed point whose steps shrink by q/(degree + 1); what they have not reached is taken off.
+  // Fixed-point iteration whose steps shrink by the factor q/(degree + 1). The loop afterwards reduces q
+  // until the bound holds.
   double q = std::min(most, std::pow(scale, exponent));
   for (int step = 0; step < 4; ++step)
     q = std::min(most, std::pow(scale * (1 - q) / std::sqrt(1 + q * q), exponent));
@@ -26,7 +27,7 @@ double largest_ratio(const TriangleRule& rule, double tolerance) {
   return q;
 }
 
-/// Gauss rules of 1 to most_height_points points.
+/// Returns the Gauss rules of 1 to most_height_points points.
 const std::vector<GaussRule>& height_nodes() {
   static const std::vector<GaussRule> rules = [] {
     std::vector<GaussRule> made;
@@ -37,9 +38,9 @@ const std::vector<GaussRule>& height_nodes() {
   return rules;
 }
 
-/// The smallest ratio of distance to height, or a little more, for which so many Gauss points keep the
-/// relative error of a triangle no longer than most_lengths distances below the tolerance:
-/// 128·R^(−2n)/(1 − R⁻²) with asinh(2·0.9·ratio) = ln R (model/NUMERICS.md, section 12).
+/// Computes the smallest ratio of distance to height, or slightly more, for which the given number of Gauss
+/// points keeps the relative error below the tolerance, for a triangle that is at most most_lengths distances
+/// long: 128·R^(−2n)/(1 − R⁻²) with asinh(2·0.9·ratio) = ln R (model/NUMERICS.md, section 12).
 double smallest_ratio(int points, double tolerance) {
   const double exponent = 1.0 / (2.0 * points), scale = 128 / tolerance;
   double growth = std::max(1.0, std::pow(scale, exponent));

@@ -7,10 +7,10 @@
 
 namespace fringe::detail {
 
-/// The rules among which a batch chooses, prepared for one tolerance.
+/// The quadrature rules from which a batch chooses, prepared for one tolerance.
 class PreparedChoices {
  public:
-  /// @param tolerance largest relative error of each integral, beside rounding; 0: full precision
+  /// @param tolerance largest relative error of each integral, rounding not included; 0: full precision
   explicit PreparedChoices(double tolerance);
 
   Choices choices() const { return {rules_, height_rules_}; }
@@ -20,11 +20,11 @@ class PreparedChoices {
   std::vector<HeightRuleChoice> height_rules_;
 };
 
-/// The choices for a tolerance; those for full precision are made once.
+/// Returns the choices for full precision, which are made once.
 const PreparedChoices& full_precision_choices();
 
-/// Relative error of an integral that counts as full precision: with rounding it stays below 16·1.2e-16, and
-/// the bound itself is 10 to 1000 times larger than the error.
+/// Bound of the relative error of an integral that counts as full precision. The actual error is 10 to 1000
+/// times smaller, and below 16·1.2e-16 with rounding.
 constexpr double full_precision = 1e-15;
 
 }  // namespace fringe::detail

@@ -30,7 +30,7 @@ Triangle triangle_at(const TriangleArrays& triangles, std::size_t index) {
   return triangle;
 }
 
-/// The triangles that the kernels left out, cut at all borders.
+/// Integrates the triangles that the kernels left out, cutting each at all border planes.
 void integrate_left(const BatchKernels& kernels, const TriangleArrays& triangles,
                     std::span<std::uint32_t> left, const PlateFrame& plate, const Choices& choices,
                     double* values) {
@@ -71,7 +71,7 @@ double sum_of(const double* values, std::size_t count) {
   return sum;
 }
 
-/// Triangles copied together from short ranges.
+/// Buffer that gathers triangles from short ranges and adds up their integrals.
 class Gathering {
  public:
   Gathering(const BatchKernels& kernels, const PlateFrame& plate, const Choices& choices)
@@ -92,7 +92,8 @@ class Gathering {
     return sum_;
   }
 
-  /// As many fill long registers, and stay in the fastest cache.
+  /// Number of triangles in the buffer: enough to fill long registers, few enough to stay in the fastest
+  /// cache.
   static constexpr std::size_t capacity = 256;
 
  private:
@@ -104,7 +105,7 @@ class Gathering {
   void flush() {
     if (size_ == 0)
       return;
-    // Whole registers are read: what is beyond the last triangle has no area.
+    // Whole registers are read: the triangles after the last one get zero area.
     for (std::size_t i = size_; i % TriangleArrays::padding != 0; ++i)
       for (auto& numbers : numbers_)
         numbers[i] = 0;
@@ -122,7 +123,7 @@ class Gathering {
   const BatchKernels& kernels_;
   const PlateFrame& plate_;
   const Choices& choices_;
-  double numbers_[11][capacity];  // up to size_ only
+  double numbers_[11][capacity];  // only the first size_ of each are set
   std::size_t size_ = 0;
   double sum_ = 0;
 };

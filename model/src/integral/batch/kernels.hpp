@@ -4,10 +4,11 @@
 #include <cstdint>
 #include <span>
 
-/// The integrals of many triangles at a time, in the widest registers of the processor (model/NUMERICS.md,
-/// section 12).
+/// Integrals of many triangles at a time, in the processor's widest registers (model/NUMERICS.md, section
+/// 12).
 ///
-/// Compiled once for every instruction set: what is declared here obeys the rule in simd/dispatch.hpp.
+/// The kernels are compiled once for every instruction set: the declarations here obey the rule in
+/// simd/dispatch.hpp.
 namespace fringe::detail {
 
 /// A plate's coordinates (PlateFrame) as plain numbers.
@@ -18,7 +19,7 @@ struct PlateCoordinates {
   double length_v;
 };
 
-/// Triangles as a structure of arrays: the nine coordinates of the vertices, v0.x, v0.y, … v2.z, twice the
+/// Triangles as a structure of arrays: the nine coordinates of the vertices (v0.x, v0.y, … v2.z), twice the
 /// area, and the largest squared distance of a vertex from the centroid. All arrays are readable up to the
 /// next multiple of `padding` triangles.
 struct TriangleArrays {
@@ -28,18 +29,20 @@ struct TriangleArrays {
 
   static constexpr std::size_t padding = 8;
 
-  /// Into how many pieces a triangle is cut at one border.
+  /// Number of pieces into which one border plane cuts a triangle, at most.
   static constexpr std::size_t most_pieces = 3;
 };
 
-/// A rule on the triangle with the largest squared ratio of size to distance for which it suffices.
+/// A quadrature rule on the triangle with the largest squared ratio of size to distance for which it
+/// suffices.
 struct RuleChoice {
   double largest_squared_ratio;
   const struct TriangleNode* nodes;
   int points;
 };
 
-/// How many distances from the origin a virtual triangle may be long for a Gauss rule along its height.
+/// Largest ratio of a virtual triangle's length to its distance from the origin for which the Gauss rules
+/// along the height are used.
 constexpr double most_lengths = 5;
 
 /// A Gauss rule along the height with the smallest squared ratio of distance to height for which it suffices.
@@ -49,14 +52,14 @@ struct HeightRuleChoice {
   int points;
 };
 
-/// How the error is kept below the asked one, triangle by triangle.
+/// The rules from which the cheapest sufficient one is chosen, triangle by triangle.
 struct Choices {
   std::span<const RuleChoice> rules;               ///< from few points to many
   std::span<const HeightRuleChoice> height_rules;  ///< from few points to many
 };
 
-/// Triangles of one cell each, by the vectors from the plate's nearest points to their vertices: v0.x, v0.y,
-/// … v2.z. All arrays are readable up to the next multiple of TriangleArrays::padding.
+/// Virtual triangles, each lying in one cell, given by the vectors from the plate's nearest points to their
+/// vertices (v0.x, v0.y, … v2.z). All arrays are readable up to the next multiple of TriangleArrays::padding.
 struct VirtualTriangles {
   const double* components[9];
   const double* weight;  ///< twice the area
@@ -68,24 +71,26 @@ struct BatchKernels {
   void (*measure)(const double* const (&coordinates)[9], std::size_t count, double* twice_area,
                   double* squared_size);
 
-  /// Adds ∫dA/d of each triangle to values[i]. For those that take more care (several borders, contact,
-  /// extreme shapes) values[i] is meaningless; their indices are written to `left`, some of them more than
-  /// once: it needs room for most_pieces times the triangles. Returns how many were written.
+  /// Adds ∫dA/d of each triangle to values[i]. Triangles that need more care (several borders, contact,
+  /// extreme shapes) are left out: their values[i] are meaningless, and their indices are written to `left`,
+  /// some more than once. `left` needs room for most_pieces times the number of triangles. Returns how many
+  /// indices were written.
   std::size_t (*integrate)(const TriangleArrays& triangles, std::size_t count, const PlateCoordinates& plate,
                            const Choices& choices, double* values, std::uint32_t* left);
 
-  /// The same for triangles of one cell given by their vectors from the plate; writes each to `left` at most
-  /// once.
+  /// Does the same for virtual triangles: adds weight·K of each to values[i], and writes each to `left` at
+  /// most once.
   std::size_t (*integrate_virtual)(const VirtualTriangles& triangles, std::size_t count,
                                    const Choices& choices, double* values, std::uint32_t* left);
 
-  /// Σ weight/distance over points, whose arrays are readable up to the next multiple of
+  /// Computes Σ weight/distance over points, whose arrays are readable up to the next multiple of
   /// TriangleArrays::padding.
   double (*sum_over_nodes)(const PlateCoordinates& plate, const double* x, const double* y, const double* z,
                            const double* weight, std::size_t count);
 
   /// Sets values[r·stride + c] to 1/√(|row r − column c|² + squared_softness). The columns' coordinates x, y,
-  /// z and the rows of values are whole registers; the rows' coordinates follow each other, three a point.
+  /// z and the rows of values are padded to whole registers; the rows' coordinates are interleaved, three per
+  /// point.
   void (*soft_inverse_distances)(const double* const (&columns)[3], std::size_t stride, const double* rows,
                                  std::size_t row_count, double squared_softness, double* values);
 };

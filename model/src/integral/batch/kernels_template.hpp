@@ -8,15 +8,16 @@
 #include "numeric/triangle_rules.hpp"
 #include "simd/vector_math.hpp"
 
-/// The batch integrals for one instruction set, which `Lanes` stands for (model/NUMERICS.md, section 12).
+/// The batch integrals for one instruction set, given by the template parameter `Lanes` (model/NUMERICS.md,
+/// section 12).
 namespace fringe::detail {
 
-/// 1/√x for ordinary x: not 0, subnormal or infinite.
+/// Computes 1/√x for normal x: not 0, subnormal or infinite.
 template <class Lanes, class V>
 V inverse_square_root(const V& x) {
   if constexpr (Lanes::has_estimate) {
-    // With e = 1 − x·y², |e| ≤ 2^−13, the series of y·(1 − e)^(−1/2) may end with the third power: 6e-17 is
-    // left out.
+    // With e = 1 − x·y², |e| ≤ 2^−13, the series of y·(1 − e)^(−1/2) is truncated after the third power; the
+    // truncation error is 6e-17.
     const V y = Lanes::inverse_square_root_estimate(x);
     const V e = fnma(x * y, y, V(1));
     return fma(y * e, fma(e, fma(e, V(5.0 / 16), V(3.0 / 8)), V(0.5)), y);
@@ -25,20 +26,21 @@ V inverse_square_root(const V& x) {
   }
 }
 
-/// Vectors from the plate's nearest points to the vertices of W triangles, all of one cell.
+/// The vectors from the plate's nearest points to the vertices of one triangle per lane, each triangle in one
+/// cell.
 template <class V>
 struct VirtualLanes {
   Vector3<V> v0, v1, v2;
 };
 
-/// Where the results of a register's lanes belong.
+/// Indices at which the results of a register's lanes are stored.
 template <class Lanes>
 struct Places {
   std::uint32_t indices[Lanes::width];
   bool consecutive = false;
 };
 
-/// Triangles that wait until a whole register of their kind has come together.
+/// Queue of triangles that wait until a whole register of the same kind has been collected.
 template <class Lanes>
 class Queue {
  public:
@@ -70,7 +72,8 @@ class Queue {
     }
   }
 
-  /// Takes out up to a register of triangles; `lanes` says which are real. The others repeat one that is.
+  /// Removes up to one register of triangles. Sets the bits of `lanes` that hold triangles; the other lanes
+  /// repeat one of them.
   void pop(V (&values)[components], Places<Lanes>& places, unsigned& lanes) {
     const int taken = size_ < Lanes::width ? size_ : Lanes::width;
     size_ -= taken;
@@ -85,14 +88,15 @@ class Queue {
   }
 
  private:
-  /// Eight registers of the widest kind: few partial registers, and three queues stay in the fastest cache.
+  /// Number of triangles in a queue: eight of the widest registers. Few registers are then partial, and three
+  /// queues stay in the fastest cache.
   static constexpr int capacity = 64;
   double values_[components][capacity + Lanes::width];
   std::uint32_t indices_[capacity + Lanes::width];
   int size_ = 0;
 };
 
-/// One call's work: evaluates registers of triangles at once, gathers what needs another formula in queues.
+/// The work of one call: evaluates full registers at once, and queues triangles that need another formula.
 template <class Lanes>
 class BatchIntegration {
  public:
@@ -101,11 +105,11 @@ class BatchIntegration {
   static constexpr int width = Lanes::width;
   static constexpr unsigned all_lanes = (1U << width) - 1;
 
-  /// @param least_height in region I, what is nearer to the plate's plane than this is left out
+  /// @param least_height triangles of region I closer to the plate's plane than this are left out
   BatchIntegration(const Choices& choices, double* values, std::uint32_t* left, double least_height)
       : choices_(choices), values_(values), left_(left), least_height_(least_height) {}
 
-  /// Triangles in a plate's coordinates, of any cells.
+  /// Integrates triangles of any cells, given in the plate's coordinates.
   void integrate(const PlateCoordinates& plate, const Vector3<V> (&local)[3], const V& twice_area,
                  const V& squared_size, const Places<Lanes>& places, unsigned lanes) {
     const Strips u = strips(local[0].x, local[1].x, local[2].x, plate.length_u);
@@ -138,10 +142,10 @@ class BatchIntegration {
       drain_straddling(plate, width);
   }
 
-  /// Triangles of one cell.
+  /// Integrates triangles that each lie in one cell.
   ///
   /// @param squared_size at least the largest squared distance of a vertex from the centroid
-  /// @param in_front marks those of region I
+  /// @param in_front marks the triangles of region I
   void evaluate(const VirtualLanes<V>& triangle, const V& weight, const V& squared_size, const Mask& in_front,
                 const Places<Lanes>& places, unsigned lanes) {
     const Vector3<V> edge1 = triangle.v1 - triangle.v0, edge2 = triangle.v2 - triangle.v0;
@@ -150,7 +154,7 @@ class BatchIntegration {
     const auto beyond = [&](const RuleChoice& rule) {
       return Lanes::bits(squared_size > V(rule.largest_squared_ratio) * squared_distance);
     };
-    // Lengths whose sixth powers underflow or overflow are left to the path that scales them.
+    // Lengths whose sixth powers underflow or overflow are left to the code that rescales them.
     const V shortest(1e-80), longest(1e80);
     const unsigned ordinary =
         Lanes::bits((squared_distance > shortest) & (squared_distance < longest) & (squared_size < longest)) &
@@ -165,7 +169,7 @@ class BatchIntegration {
            (beyond(choices_.rules[rule]) & rest) != 0)
       ++rule;
     if (rule == rules || choices_.rules[rule].points > few_points) {
-      // In region I the closed form costs less than many points.
+      // In region I the closed form costs less than a rule of many points.
       if (fronts != 0)
         add_in_front(triangle.v0.z, triangle.v1.z, triangle.v2.z, weight, places, fronts);
       rest &= ~fronts;
@@ -184,7 +188,7 @@ class BatchIntegration {
     add(weight * mean_over_rule(choices_.rules[rule], triangle.v0, edge1, edge2), places, rest);
   }
 
-  /// The largest squared distance of a vertex from the centroid.
+  /// Computes the largest squared distance of a vertex from the centroid.
   static V squared_size(const VirtualLanes<V>& triangle) {
     const Vector3<V> edge1 = triangle.v1 - triangle.v0, edge2 = triangle.v2 - triangle.v0;
     const Vector3<V> centroid = along(triangle.v0, V(1.0 / 3), edge1 + edge2);
@@ -208,14 +212,15 @@ class BatchIntegration {
   std::size_t left_count() const { return left_count_; }
 
  private:
-  /// A rule of so few points costs no more than the closed form of region I.
+  /// Number of points up to which a rule costs no more than the closed form of region I.
   static constexpr int few_points = 7;
 
-  /// The closed form loses about as many units in the last place as the virtual triangle is longer than high,
-  /// unless the origin is within about a height.
+  /// Largest ratios of length to height and of distance to height for the closed form; one of the two
+  /// suffices. The closed form loses about as many units in the last place as the ratio of length to height,
+  /// unless the origin is within about one height.
   static constexpr double most_heights_long = 3, most_heights_away = 1.5;
 
-  /// Where the triangles lie along one axis.
+  /// Position of triangles relative to the plate's strips along one axis.
   struct Strips {
     Mask within;
     Mask only;  ///< in one strip alone
@@ -227,16 +232,17 @@ class BatchIntegration {
     return {within, within | (highest <= V(0)) | (lowest >= V(length))};
   }
 
-  /// How far a coordinate lies outside [0, length].
+  /// Computes the signed distance of a coordinate from the interval [0, length].
   static V beside(const V& coordinate, const V& length) {
     return coordinate - min(max(coordinate, V(0)), length);
   }
 
-  /// Whether the first differs from two that agree.
+  /// Returns whether the first mask differs from the other two, which agree.
   static Mask alone(const Mask& first, const Mask& second, const Mask& third) {
     return (first & (!second) & (!third)) | ((!first) & second & third);
   }
 
+  /// Adds the results of the marked lanes to the values.
   void add(const V& results, const Places<Lanes>& places, unsigned lanes) {
     if (lanes == all_lanes && places.consecutive) {
       double* values = values_ + places.indices[0];
@@ -250,13 +256,14 @@ class BatchIntegration {
         values_[places.indices[lane]] += spread[lane];
   }
 
+  /// Writes the indices of the marked lanes to the list of triangles left out.
   void leave(const Places<Lanes>& places, unsigned lanes) {
     for (int lane = 0; lane < width; ++lane)
       if ((lanes >> lane & 1U) != 0)
         left_[left_count_++] = places.indices[lane];
   }
 
-  /// The mean of 1/|v| over a triangle, halved: its K by a rule.
+  /// Computes half the mean of 1/|v| over a triangle by a rule: an approximation of K.
   static V mean_over_rule(const RuleChoice& rule, const Vector3<V>& start, const Vector3<V>& edge1,
                           const Vector3<V>& edge2) {
     V sum(0);
@@ -268,7 +275,8 @@ class BatchIntegration {
       }
       return V(0.5) * sum;
     }
-    // |v|² as a polynomial of the node's two coordinates. All its terms are small beside the first.
+    // |v|² as a polynomial in the node's two coordinates. All its terms are small compared with the constant
+    // one.
     const V constant = squared_norm(start), first = V(2) * dot(start, edge1),
             second = V(2) * dot(start, edge2);
     const V first_squared = squared_norm(edge1), mixed = V(2) * dot(edge1, edge2),
@@ -283,6 +291,7 @@ class BatchIntegration {
     return V(0.5) * sum;
   }
 
+  /// Adds the closed form of region I; leaves out triangles that may touch the plate's plane.
   void add_in_front(const V& z0, const V& z1, const V& z2, const V& weight, const Places<Lanes>& places,
                     unsigned lanes) {
     const Mask one_side =
@@ -297,16 +306,19 @@ class BatchIntegration {
         places, clear);
   }
 
+  /// Adds triangles close to the origin by the closed form or, if they are long and thin, by a Gauss rule
+  /// along the height; queues partial registers.
   void add_near(const VirtualLanes<V>& triangle, const V& weight, const V& squared_distance,
                 const Places<Lanes>& places, unsigned lanes) {
     const Vector3<V>&v0 = triangle.v0, &v1 = triangle.v1, &v2 = triangle.v2;
     const V longest = max(squared_norm(v1 - v0), max(squared_norm(v2 - v1), squared_norm(v0 - v2)));
-    // The squared height is |N|²/longest, N from edges: good enough to choose by.
+    // The squared height is |N|²/longest, with N from the edges: accurate enough to choose a formula.
     const Vector3<V> edge1 = v1 - v0, edge2 = v2 - v0;
     const V nx = edge1.y * edge2.z - edge1.z * edge2.y, ny = edge1.z * edge2.x - edge1.x * edge2.z,
             nz = edge1.x * edge2.y - edge1.y * edge2.x;
     const V squared_height = (nx * nx + ny * ny + nz * nz) / max(longest, V(smallest));
-    // A needle that rounding has made a point in the plate's coordinates has no height, and no closed form.
+    // A needle that rounding has collapsed to a point in the plate's coordinates has height zero and no
+    // closed form.
     const unsigned closed =
         Lanes::bits((longest < V(most_heights_long * most_heights_long) * squared_height) |
                     (squared_distance <= V(most_heights_away * most_heights_away) * squared_height)) &
@@ -329,6 +341,7 @@ class BatchIntegration {
     }
   }
 
+  /// Adds the closed form; leaves out the lanes in which it is not accurate.
   void add_closed(const V (&values)[Queue<Lanes>::components], const Places<Lanes>& places, unsigned lanes) {
     Mask safe = V(1) > V(0);
     const V kernel =
@@ -340,6 +353,7 @@ class BatchIntegration {
     add(values[9] * kernel, places, done);
   }
 
+  /// Adds the Gauss rule along the height; leaves out the lanes in which no rule suffices.
   void add_along_height(const V (&values)[Queue<Lanes>::components], const Places<Lanes>& places,
                         unsigned lanes) {
     const LanesHeightSplit<V> split =
@@ -364,6 +378,7 @@ class BatchIntegration {
     add(values[9] * kernel_along_height<Lanes>(split, chosen.nodes, chosen.points), places, apart);
   }
 
+  /// Empties the queue register by register until fewer than `least` triangles remain.
   template <class Add>
   void drain(Queue<Lanes>& queue, int least, const Add& add_all) {
     while (queue.size() >= least) {
@@ -384,10 +399,11 @@ class BatchIntegration {
     });
   }
 
-  /// Triangles that one border plane crosses are cut there in three; those that several cross are left.
+  /// Cuts triangles that one border plane crosses into three pieces, and leaves out those that several border
+  /// planes cross.
   void cut(const PlateCoordinates& plate, const Vector3<V> (&local)[3], const V& twice_area,
            const Places<Lanes>& places, unsigned lanes) {
-    // The axis that is crossed becomes x.
+    // Swap the axes so that the crossed one is x.
     const Mask swap = strips(local[0].x, local[1].x, local[2].x, plate.length_u).only;
     Vector3<V> points[3];
     for (int i = 0; i < 3; ++i)
@@ -409,13 +425,13 @@ class BatchIntegration {
       return;
 
     const V border = select(at_zero, V(0), length_x);
-    // Distances outward: positive beside the plate, negative above it.
+    // Signed distances from the border plane: positive beside the plate, negative in front of it.
     V outward[3];
     for (int i = 0; i < 3; ++i) {
       points[i].y = points[i].y - min(max(points[i].y, V(0)), length_y);
       outward[i] = select(at_zero, border - points[i].x, points[i].x - border);
     }
-    // The vertex that is alone on its side comes first.
+    // Rotate the vertices so that the one alone on its side comes first.
     const Mask out0 = outward[0] > V(0), out1 = outward[1] > V(0), out2 = outward[2] > V(0);
     const Mask one_alone = alone(out1, out2, out0);
     const Mask two_alone = alone(out2, out0, out1);
@@ -433,7 +449,7 @@ class BatchIntegration {
     const V to_last = lone_out / (lone_out - last_out), from_last = last_out / (last_out - lone_out);
     const auto between = [](const Vector3<V>& a, const Vector3<V>& b, const V& from_a,
                             const V& from_b) -> Vector3<V> {
-      // From the nearer end, which keeps its digits.
+      // Interpolate from the nearer end, which preserves its digits.
       const Mask near_a = from_a <= V(0.5);
       return select(near_a, along(a, from_a, b - a), along(b, from_b, a - b));
     };
@@ -444,7 +460,7 @@ class BatchIntegration {
     const auto with_x = [](const Vector3<V>& point, const V& x) -> Vector3<V> {
       return {x, point.y, point.z};
     };
-    // The side of a distance does not matter, so outward distances serve as components.
+    // The sign of a component does not change a distance, so outward distances serve as components.
     const Vector3<V> lone_vector = with_x(lone, max(lone_out, V(0)));
     const Vector3<V> next_vector = with_x(next, max(next_out, V(0)));
     const Vector3<V> last_vector = with_x(last, max(last_out, V(0)));
@@ -473,8 +489,8 @@ struct BatchKernelsFor {
   using Mask = typename Lanes::Mask;
   static constexpr int width = Lanes::width;
 
-  /// Above how far rounding in a plate's coordinates takes a point in front of the plate, as a share of the
-  /// plate's lengths: a few units of 2^−53.
+  /// Bound of the rounding error of the height of a point in a plate's coordinates, as a share of the plate's
+  /// lengths: a few units of 2^−53.
   static constexpr double rounding = 0x1p-44;
 
   static void measure(const double* const (&coordinates)[9], std::size_t count, double* twice_area,
@@ -493,7 +509,8 @@ struct BatchKernelsFor {
   static std::size_t integrate(const TriangleArrays& triangles, std::size_t count,
                                const PlateCoordinates& plate, const Choices& choices, double* values,
                                std::uint32_t* left) {
-    // Contact is not decided here: where rounding may have made it, one order of the vertices decides.
+    // Contact is not decided here. Triangles that may touch the plate through rounding are left to the code
+    // that orders the vertices first.
     BatchIntegration<Lanes> batch(choices, values, left, rounding * (plate.length_u + plate.length_v));
     const PlateLanes frame(plate);
     Places<Lanes> places;
@@ -517,7 +534,7 @@ struct BatchKernelsFor {
 
   static std::size_t integrate_virtual(const VirtualTriangles& triangles, std::size_t count,
                                        const Choices& choices, double* values, std::uint32_t* left) {
-    // Heights whose ratio to others overflows are left to the path that does not divide them.
+    // Heights whose ratio to others overflows are left to the code that avoids the division.
     constexpr double least_height = 1e-200;
     BatchIntegration<Lanes> batch(choices, values, left, least_height);
     Places<Lanes> places;

@@ -4,12 +4,13 @@
 #include "numeric/gauss_node.hpp"
 #include "simd/vector_math.hpp"
 
-/// The closed forms of the kernel K and the rule along the height (model/NUMERICS.md, sections 3 to 5), lane
-/// by lane.
+/// The closed forms of the kernel K and the Gauss rule along the height (model/NUMERICS.md, sections 3 to 5),
+/// one triangle per lane.
 namespace fringe::detail {
 
-/// b(x) = (atanh(√x)/√x − 1)/x on [0, 1/4] and on [0, 1/64]: interpolation in Chebyshev's points, 7e-18 and
-/// 2e-18 off. tests/model/integral/batch_kernels_test.cpp holds them against the series.
+/// Polynomial coefficients of b(x) = (atanh(√x)/√x − 1)/x on [0, 1/4] and on [0, 1/64], by interpolation at
+/// the Chebyshev points, with errors of 7e-18 and 2e-18. tests/model/integral/batch_kernels_test.cpp checks
+/// them against the series.
 inline constexpr double excess_to_quarter[] = {
     0.3333333333333333,   0.20000000000000864, 0.14285714285490106,  0.11111111133938968, 0.09090907881509189,
     0.07692345940270638,  0.06665886352701884, 0.05893099692590042,  0.05160769881147162, 0.05441915418234587,
@@ -18,20 +19,20 @@ inline constexpr double excess_to_64th[] = {0.3333333333333333,  0.1999999999999
                                             0.11111110689127397, 0.09090986056034936, 0.07685116670922458,
                                             0.06998145965455345};
 
-/// Keeps divisors of lanes that do not count from being zero.
+/// Lower bound of divisors, so that lanes whose results are discarded do not divide by zero.
 inline constexpr double smallest = 1e-300;
 
-/// b(x) for x ≤ 1/4 in all lanes.
+/// Evaluates b(x), where x ≤ 1/4 in all lanes.
 template <class V>
 V excess(const V& x) {
   return all(x <= V(1.0 / 64)) ? polynomial(x, excess_to_64th) : polynomial(x, excess_to_quarter);
 }
 
-/// From here on the logarithm keeps the digits of b; below, one halving of the argument leads to the
-/// polynomial.
+/// Argument x of b from which the logarithm is used, because no digits cancel there. Below, one halving of
+/// the argument leads to the polynomial.
 inline constexpr double lanes_logarithm_limit = 0.64;
 
-/// b(x), in lanes with x ≤ lanes_logarithm_limit: atanh(w) = 2·atanh(w/(1 + √(1 − w²))).
+/// Evaluates b(x) in lanes with x ≤ lanes_logarithm_limit, by atanh(w) = 2·atanh(w/(1 + √(1 − w²))).
 template <class V>
 V excess_to_logarithm(const V& x) {
   const auto beyond = x > V(0.25);
@@ -43,8 +44,8 @@ V excess_to_logarithm(const V& x) {
   return select(beyond, fma(V(2) * value, inverse, V(1)) * squared_inverse, value);
 }
 
-/// b(x) of a segment on a line through the origin, from the distances a and b of its ends, both positive, and
-/// w = (b − a)/(a + b).
+/// Evaluates b(x) of a segment on a line through the origin, from the distances a and b of its ends, both
+/// positive, and w = (b − a)/(a + b).
 template <class Lanes, class V>
 V excess_of_heights(const V& a, const V& b, const V& w) {
   const V x = w * w;
@@ -57,14 +58,14 @@ V excess_of_heights(const V& a, const V& b, const V& w) {
   return value;
 }
 
-/// K of three heights, all positive: the second divided difference of z·ln z.
+/// Computes K of three positive heights: the second divided difference of z·ln z.
 template <class Lanes, class V>
 V kernel_of_heights(const V& z0, const V& z1, const V& z2) {
   const V low01 = min(z0, z1), high01 = max(z0, z1);
   const V low = min(low01, z2), high = max(high01, z2), middle = max(low01, min(high01, z2));
   const V span = high - low;
   const V near_share = (middle - low) / select(span == V(0), V(1), span);
-  // One division serves for the two sums of an edge moment E = [1 − 2a·w/S·b]/S.
+  // One division provides the reciprocals of both sums S in the edge moments E = [1 − 2a·w/S·b]/S.
   const V near_sum = low + middle, far_sum = high + middle;
   const V inverse = V(1) / (near_sum * far_sum);
   const V inverse_near = inverse * far_sum, inverse_far = inverse * near_sum;
@@ -77,8 +78,8 @@ V kernel_of_heights(const V& z0, const V& z1, const V& z2) {
   return fma(near_share, bracket_near * inverse_near - moment_far, moment_far);
 }
 
-/// x·b(x) of the segment AB, x = (|B − A|/(|A| + |B|))², `moment` being A × B; `safe` is cleared where the
-/// origin all but lies on it.
+/// Computes x·b(x) of the segment AB, where x = (|B − A|/(|A| + |B|))² and `moment` is A × B. Clears `safe`
+/// in lanes where the origin almost lies on the segment.
 template <class Lanes, class V>
 V scaled_excess(const Vector3<V>& a, const Vector3<V>& b, const Vector3<V>& moment, const V& norm_a,
                 const V& norm_b, const V& inverse_sum, typename Lanes::Mask& safe) {
@@ -99,8 +100,9 @@ V scaled_excess(const Vector3<V>& a, const Vector3<V>& b, const Vector3<V>& mome
   return value;
 }
 
-/// The closed form of the potential (Wilton), arranged so that it keeps its digits at any distance as long as
-/// the triangle is no sliver. `safe` is cleared in lanes that come too close to a vertex or an edge.
+/// Evaluates the closed form of the potential (Wilton), arranged so that it preserves its digits at any
+/// distance unless the triangle is a sliver. Clears `safe` in lanes where the origin is too close to a vertex
+/// or an edge.
 template <class Lanes, class V>
 V kernel_near(const Vector3<V>& v0, const Vector3<V>& v1, const Vector3<V>& v2, typename Lanes::Mask& safe) {
   const V r0 = sqrt(squared_norm(v0)), r1 = sqrt(squared_norm(v1)), r2 = sqrt(squared_norm(v2));
@@ -109,9 +111,9 @@ V kernel_near(const Vector3<V>& v0, const Vector3<V>& v1, const Vector3<V>& v2, 
                    moment20 = cross<Lanes>(v2, v0);
   const V nearest = min(r0, min(r1, r2)), farthest = max(r0, max(r1, r2));
 
-  // Edges from a vertex next to the origin to one far away have lost the digits of the former; then the sum
-  // of the moments gives the area, provided that the origin is within about a height, where no moment is much
-  // larger than the sum.
+  // The edge from a vertex close to the origin to a distant one loses the digits of the former. In that case
+  // the sum of the moments gives the area, provided that the origin is within about one height, where no
+  // moment is much larger than the sum.
   const auto next_to = nearest < V(0.1) * farthest;
   const Vector3<V> doubled_area =
       select(next_to, moment01 + moment12 + moment20, cross<Lanes>(edge01, edge12));
@@ -122,8 +124,8 @@ V kernel_near(const Vector3<V>& v0, const Vector3<V>& v1, const Vector3<V>& v2, 
   const V inverse_squared_area = V(1) / squared_area;
 
   // The means of 1/distance along the edges are 2(1 + x·b)/S with S = |A| + |B|. Their weights add up to 1
-  // and may be large, so only what distinguishes a mean from the common 2/T, T the mean of the three S, is
-  // weighted. The differences of the S come from differences of squares.
+  // and may be large, so only the difference of each mean from the common 2/T is weighted, where T is the
+  // mean of the three S. The differences of the S come from differences of squares.
   const V difference01 = dot(edge01, v0 + v1) / (r0 + r1), difference12 = dot(edge12, v1 + v2) / (r1 + r2);
   const V difference20 = dot(edge20, v2 + v0) / (r2 + r0);
   const V sum01 = r0 + r1, sum12 = r1 + r2, sum20 = r2 + r0;
@@ -148,7 +150,7 @@ V kernel_near(const Vector3<V>& v0, const Vector3<V>& v1, const Vector3<V>& v2, 
                     inverse_common);
 }
 
-/// E(A, B) = ∫₀¹ s ds/|A + s(B − A)|.
+/// Computes the edge moment E(A, B) = ∫₀¹ s ds/|A + s(B − A)|.
 template <class Lanes, class V>
 V edge_moment(const Vector3<V>& a, const Vector3<V>& b, const V& norm_a, const V& norm_b) {
   const Vector3<V> edge = b - a;
@@ -173,7 +175,7 @@ V squared_distance_to_segment(const Vector3<V>& a, const Vector3<V>& b) {
   return squared_norm(along(a, share, edge));
 }
 
-/// Squared distance from the origin to a triangle, good enough to choose a formula by.
+/// Computes the squared distance from the origin to a triangle, accurate enough to choose a formula.
 template <class V>
 V squared_distance_to_triangle(const Vector3<V>& v0, const Vector3<V>& v1, const Vector3<V>& v2) {
   const auto plain_cross = [](const Vector3<V>& a, const Vector3<V>& b) -> Vector3<V> {
@@ -188,7 +190,8 @@ V squared_distance_to_triangle(const Vector3<V>& v0, const Vector3<V>& v1, const
   return select(inside, volume * volume / max(squared_norm(normal), V(smallest)), to_border);
 }
 
-/// A virtual triangle turned so that a–b is its longest edge, a the end nearer to the third vertex m.
+/// A virtual triangle with its vertices renamed so that a–b is its longest edge and a is the end nearer to
+/// the third vertex m.
 template <class V>
 struct LanesHeightSplit {
   Vector3<V> a, b, m;
@@ -208,12 +211,12 @@ LanesHeightSplit<V> split_at_height(const Vector3<V>& v0, const Vector3<V>& v1, 
   const auto swap = squared_norm(m - first) > squared_norm(m - second);
   const Vector3<V> a = select(swap, second, first), b = select(swap, first, second);
   const Vector3<V> edge = b - a;
-  // A point has no longest edge, and any share will do.
+  // A triangle collapsed to a point has no longest edge, and any share will do.
   const V share = max(V(0), dot(m - a, edge)) / max(longest, V(smallest));
   return {a, b, m, share, along(a, share, edge) - m};
 }
 
-/// K by a Gauss rule along the height.
+/// Computes K by a Gauss rule along the height.
 template <class Lanes, class V>
 V kernel_along_height(const LanesHeightSplit<V>& split, const GaussNode* nodes, int points) {
   const V norm_a = sqrt(squared_norm(split.a)), norm_b = sqrt(squared_norm(split.b));

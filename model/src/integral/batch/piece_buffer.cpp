@@ -28,7 +28,8 @@ void PieceBuffer::add(const PlateFrame& plate, const LocalTriangle& triangle, do
 }
 
 void PieceBuffer::flush() {
-  // The last register may reach beyond the pieces: what stands there is left from before, or zero.
+  // The last register may extend beyond the stored pieces: it then reads zeros or earlier pieces, whose
+  // results are discarded.
   VirtualTriangles pieces;
   for (int k = 0; k < 9; ++k)
     pieces.components[k] = components_[k];
@@ -36,7 +37,7 @@ void PieceBuffer::flush() {
   double results[capacity] = {};
   std::uint32_t left[capacity];
   const std::size_t left_count = kernels_.integrate_virtual(pieces, size_, choices_, results, left);
-  // A share of a denormal number may leave no weight, but makes contact all the same.
+  // A piece with a denormal share may have weight zero but still be in contact with the plate.
   for (std::size_t i = 0; i < left_count; ++i)
     results[left[i]] = twice_areas_[left[i]] * (shares_[left[i]] * careful_kernel(left[i]));
   for (std::size_t i = 0; i < size_; ++i)

@@ -11,9 +11,9 @@
 namespace fringe::detail {
 namespace {
 
-/// At least the means of t² over a triangle and over the points half way from its centroid to its corners, t
-/// being the height beyond a plane, seen from the centroid. From the heights of the corners: t is convex, so
-/// it is nowhere more than what is interpolated between its values there.
+/// Bounds from above the mean of t² over a triangle and the mean over the points halfway from its centroid to
+/// its corners. Here t is the height beyond a plane on the side away from the centroid. The arguments are the
+/// heights of the corners: t is convex, so it nowhere exceeds the linear interpolation of its values there.
 double squared_height_beyond(double a, double b, double c) {
   const double side = a + b + c > 0 ? -1.0 : 1.0;
   const double at_a = std::max(side * a, 0.0), at_b = std::max(side * b, 0.0), at_c = std::max(side * c, 0.0);
@@ -30,7 +30,7 @@ void border_errors(const PlateFrame& plate, const Placement& placement, const No
   std::fill_n(errors, leaf.triangles.count, 0.0);
   const double reach = leaf.trianglewise.reach + leaf.trianglewise.largest_radius;
   const double nearest = nearest_distance(placement, leaf);
-  // The error is ∫t² dA/(2·nearest³), and a point has a third of the triangle's area.
+  // The error is ∫t² dA/(2·nearest³). Each point has a third of the triangle's area as its weight.
   const double factor = 3 / (2 * nearest * nearest * nearest);
   std::array<double, points_per_triangle * most_triangles_in_leaf> heights;
   const TreeKernels& kernels = best_kernels<TreeKernels>();
@@ -45,7 +45,7 @@ void border_errors(const PlateFrame& plate, const Placement& placement, const No
                               points.z.data() + first, size, heights.data());
       for (std::size_t i = 0; i < leaf.triangles.count; ++i) {
         const double* const at = heights.data() + points_per_triangle * i;
-        // The points are half way from the centroid to the corners.
+        // The points lie halfway from the centroid to the corners.
         const double centroid = (at[0] + at[1] + at[2]) / 3;
         const double a = 2 * at[0] - centroid, b = 2 * at[1] - centroid, c = 2 * at[2] - centroid;
         if (std::min({a, b, c}) < 0 && std::max({a, b, c}) > 0)

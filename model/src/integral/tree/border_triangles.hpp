@@ -7,11 +7,11 @@
 
 namespace fringe::detail {
 
-/// For each triangle of a leaf, what the kinks of the distance in the plate's border planes add to the error
-/// of its quadrature, at most (m): nothing where no border crosses it. No point of the leaf may be nearer to
-/// the plate than nearest_distance, which must be positive.
-/// @param points those of all triangles
-/// @param errors has room for the leaf's triangles
+/// Bounds, for each triangle of a leaf, the quadrature error (m) that the kinks of the distance in the
+/// plate's border planes cause: 0 where no border plane crosses the triangle. nearest_distance of the leaf
+/// must be positive.
+/// @param points quadrature points of all triangles of the tree
+/// @param errors one element per triangle of the leaf
 void border_errors(const PlateFrame& plate, const Placement& placement, const Node& leaf,
                    const PointArrays& points, double* errors);
 

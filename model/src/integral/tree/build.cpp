@@ -18,8 +18,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The Frobenius norms of the forms of the expansion of 1/distance, as symmetric tensors:
-/// √((2k − 1)!!/k!) for degree k (model/NUMERICS.md, section 11).
+/// Computes the Frobenius norms of the homogeneous forms in the Taylor expansion of 1/distance, as symmetric
+/// tensors: √((2k − 1)!!/k!) for degree k (model/NUMERICS.md, section 11).
 std::array<double, moment_degree + 1> form_norms() {
   std::array<double, moment_degree + 1> norms{};
   double squared = 1;
@@ -30,14 +30,14 @@ std::array<double, moment_degree + 1> form_norms() {
   return norms;
 }
 
-/// The second moments ∫δδᵀ among all.
+/// Extracts the second moments ∫δδᵀ from all moments.
 SymmetricMatrix second_moment(const Moments& moments) {
   const auto moment = [&](int a, int b, int c) { return moments[monomial_index(a, b, c)]; };
   return {
       {moment(2, 0, 0), moment(0, 2, 0), moment(0, 0, 2), moment(0, 1, 1), moment(1, 0, 1), moment(1, 1, 0)}};
 }
 
-/// ∫|δ|⁶ from the moments.
+/// Computes ∫|δ|⁶ from the moments.
 double sixth_power(const Moments& moments) {
   double sum = 0;
   for (int a = 0; a <= 3; ++a)
@@ -65,8 +65,8 @@ Eigen::Matrix3d matrix(const SymmetricMatrix& symmetric) {
   return result;
 }
 
-/// Four points of equal weight with the area, the centroid and the second moments of the surface: a regular
-/// tetrahedron stretched along the principal axes.
+/// Returns four points of equal weight with the area, the centroid and the second moments of the surface: a
+/// regular tetrahedron stretched along the principal axes.
 std::vector<WeightedPoint> tetrahedron_rule(const Vector3d& centre, double area, const Eigen::Matrix3d& axes,
                                             const Vector3d& variances) {
   const Eigen::Matrix3d stretch = axes * variances.cwiseMax(0).cwiseSqrt().asDiagonal();
@@ -86,25 +86,25 @@ void append(const std::vector<WeightedPoint>& points, PointArrays& arrays) {
   }
 }
 
-/// How far the mean of the expansion's form of degree 3 over a triangle is from that over the points half way
-/// from its centroid to its corners aᵢ, at most: the tensors differ by Σaᵢ⊗aᵢ⊗aᵢ/120. From the products
-/// aᵢ·aⱼ.
+/// Bounds the difference between two means of the expansion's form of degree 3: over a triangle, and over the
+/// points halfway from its centroid to its corners. With aᵢ the vectors from the centroid to the corners, the
+/// tensors differ by Σaᵢ⊗aᵢ⊗aᵢ/120; `products` are aᵢ·aⱼ.
 double cubic_mismatch(const Eigen::Array33d& products) {
   return std::sqrt(2.5 * std::max(products.cube().sum(), 0.0)) / 120;
 }
 
-/// The mean of |δ|⁴ over the triangle and that over the points, together.
+/// Computes the sum of two means of |δ|⁴: over the triangle, and over the points.
 double fourth_powers(const Eigen::Array33d& products) {
   const Eigen::Array3d squares = products.matrix().diagonal().array();
   return (squares.sum() * squares.sum() + 2 * products.square().sum()) / 180 + squares.square().sum() / 48;
 }
 
-/// What a node's parent needs to know of it.
+/// The data of a node that its parent needs.
 struct Part {
   MomentFrame frame;
-  Moments moments{};       ///< of the rule of degree 5 on every triangle
-  double sixth_error = 0;  ///< m⁸; how far its moments of degree 6 are off, at most, as a tensor's norm
-  std::vector<WeightedPoint> rule;  ///< of the highest degree
+  Moments moments{};                ///< moments, computed by the rule of degree 5 on every triangle
+  double sixth_error = 0;           ///< m²; bound of the error of the moments of degree 6, as a tensor norm
+  std::vector<WeightedPoint> rule;  ///< the node's quadrature of the highest degree
 };
 
 class Builder {
@@ -143,6 +143,7 @@ class Builder {
                                                       : build_inner(tree_.nodes[index]);
   }
 
+  /// Sets the quadratures of a leaf, whose moments come from a rule on each triangle.
   Part build_leaf(Node& leaf) {
     Part part;
     part.frame = {leaf.centre, leaf.radius};
@@ -152,8 +153,8 @@ class Builder {
       double squared = 0;
       for (const Vector3d& vertex : tree_.triangles[i])
         squared = std::max(squared, ((vertex - centroids_[i]) / leaf.radius).squaredNorm());
-      // The rule of degree 5 has positive weights and points in the triangle: of a form that does not exceed
-      // |δ|⁶, both its sum and the integral are within the largest |δ|⁶ times the area.
+      // The rule of degree 5 has positive weights and points inside the triangle. For a form bounded by |δ|⁶,
+      // both its sum and the integral are therefore at most the largest |δ|⁶ times the area.
       part.sixth_error += 2 * areas_[i] * squared * squared * squared;
     }
     finish(leaf, std::move(candidates), part);
@@ -161,6 +162,7 @@ class Builder {
     return part;
   }
 
+  /// Sets the quadratures of an inner node, whose moments come from those of its children by translation.
   Part build_inner(Node& node) {
     Part part;
     part.frame = {node.centre, node.radius};
@@ -175,6 +177,7 @@ class Builder {
     return part;
   }
 
+  /// Sets the node's area, centroid and radius.
   void set_size(Node& node) const {
     const auto& [first, count] = node.triangles;
     Vector3d weighted = Vector3d::Zero();
@@ -190,6 +193,7 @@ class Builder {
     node.radius = std::sqrt(squared);
   }
 
+  /// Sets the cone of the node's normals.
   void set_normals(Node& node) const {
     const auto& [first, count] = node.triangles;
     Vector3d sum = Vector3d::Zero();
@@ -204,7 +208,7 @@ class Builder {
     node.normals.cosine = cosine;
   }
 
-  /// The points of a rule of degree 5 on each triangle of a leaf.
+  /// Returns the points of a rule of degree 5 on each triangle of a leaf.
   std::vector<WeightedPoint> rule_points(const Node& leaf) const {
     std::vector<WeightedPoint> points;
     for (std::size_t i = leaf.triangles.first; i < leaf.triangles.first + leaf.triangles.count; ++i)
@@ -212,7 +216,7 @@ class Builder {
     return points;
   }
 
-  /// The quadratures of a node whose moments are known.
+  /// Sets the quadratures of a node whose moments are known.
   void finish(Node& node, std::vector<WeightedPoint> candidates, Part& part) {
     const SymmetricMatrix squares = second_moment(part.moments);
     for (std::size_t i = 0; i < squares.entries.size(); ++i)
@@ -225,7 +229,8 @@ class Builder {
                    tetrahedron_rule(node.centre, node.area, frame.axes,
                                     node.radius * node.radius * principal.eigenvalues()));
     if (node.first_child == no_child && tree_.nodes.size() > 1) {
-      // The points of its triangles cost hardly more, and compressing them half of the time of building.
+      // A leaf gets no quadratures of degree 3 and higher: the points of its triangles cost hardly more, and
+      // compressing them would take half of the time of building.
       for (const std::size_t step : {2U, 3U})
         node.errors.remainder[step] = std::numeric_limits<double>::infinity();
       part.rule = std::move(candidates);
@@ -236,10 +241,11 @@ class Builder {
     set_quadrature(node, part, 3, part.rule);
   }
 
+  /// Stores a quadrature of a node with the bounds of its error.
   void set_quadrature(Node& node, const Part& part, std::size_t step,
                       const std::vector<WeightedPoint>& points) {
     static const std::array<double, moment_degree + 1> norms = form_norms();
-    // Of a rule that represents the integral, moments that differ by rounding only are not told apart.
+    // If the rule reproduces a moment exactly, the difference is rounding noise.
     const Moments moments = moments_of(points, part.frame);
     std::array<double, moment_degree + 1> squared{};
     for (std::size_t i = 0; i < all_monomials; ++i) {
@@ -260,7 +266,8 @@ class Builder {
     node.errors.remainder[step] = remainder / node.area;
     node.smallest_remainder = step == 0 ? node.errors.remainder[step]
                                         : std::min(node.smallest_remainder, node.errors.remainder[step]);
-    // nᵀMn is at most the norm of M; the centre alone has no second moment at all.
+    // Adds the Frobenius norm of the mismatch M of degree 2, which bounds nᵀMn. The rule of degree 1, the
+    // centre alone, has no second moment.
     if (step > 0)
       for (std::size_t i = 0; i < 3; ++i)
         node.second_moment.entries[i] += std::sqrt(squared[2]);
@@ -275,6 +282,7 @@ class Builder {
       sum.entries[i] -= factor * product[i];
   }
 
+  /// Sets the bounds of the errors of the triangles' quadratures.
   void set_trianglewise(Node& leaf) const {
     TrianglewiseErrors& errors = leaf.trianglewise;
     for (std::size_t i = leaf.triangles.first; i < leaf.triangles.first + leaf.triangles.count; ++i) {
@@ -295,7 +303,7 @@ class Builder {
   PointArrays points_, triangle_points_;
   std::vector<double> areas_;
   std::vector<Vector3d> centroids_;
-  std::vector<Vector3d> normals_;  ///< of unit length, or 0
+  std::vector<Vector3d> normals_;  ///< unit vectors, or 0 for a triangle whose normal is unknown
 };
 
 }  // namespace

@@ -6,7 +6,8 @@
 
 namespace fringe::detail {
 
-/// The tree over the triangles that have an area; no nodes when none has. The vertices must be finite.
+/// Builds the tree over the triangles of positive area; it has no nodes when there are none. The vertices
+/// must be finite.
 SurfaceNodes build_nodes(std::span<const Triangle> triangles);
 
 }  // namespace fringe::detail

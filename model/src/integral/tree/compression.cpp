@@ -13,27 +13,27 @@
 namespace fringe::detail {
 namespace {
 
-/// The coordinates are scaled to the size a node has in units of its distance when its quadrature is of most
-/// use: the monomials are then weighed as they enter the error.
+/// Size to which a node's radius is scaled: the ratio of radius to distance at which its quadrature is most
+/// useful. The monomials then have the weight with which they enter the error.
 constexpr double working_ratio = 0.25;
 
-/// A monomial of which less than this is left when those before it are matched is not matched: it would cost
-/// a point and gain less than the remainder of the series.
+/// Pivot size below which a monomial is not matched. It would cost a point and gain less than the remainder
+/// of the series.
 constexpr double smallest_pivot = 1e-5;
 
-/// How far below zero a weight may fall, as a share of the mean weight of a point, so that points are
-/// exchanged through coefficients that are not small.
+/// Share of the points' mean weight by which a weight may fall below zero, so that candidates are exchanged
+/// through coefficients that are not small.
 constexpr double slack_share = 1e-3;
 
-/// Points are not exchanged through smaller coefficients, which would multiply what weights have fallen below
-/// zero.
+/// Smallest coefficient through which candidates are exchanged. Smaller ones would amplify the negative parts
+/// of weights.
 constexpr double smallest_coefficient = 1e-3;
 
-/// Points are first compressed in groups, as many as this times the equations: of fewer groups hardly any can
-/// be spared, with more the elimination costs more than it saves.
+/// Number of groups per equation when points are first compressed in groups. With fewer groups hardly any can
+/// be dropped; with more the elimination costs more than it saves.
 constexpr std::size_t groups_per_equation = 2;
 
-/// A column per candidate, with the values of the monomials that are matched.
+/// Matrix with one column per candidate, which contains the values of the matched monomials.
 struct Columns {
   std::size_t rows = 0;
   std::size_t stride = 0;
@@ -44,7 +44,7 @@ struct Columns {
   const double* operator[](std::size_t index) const { return values.data() + index * stride; }
 };
 
-/// The values at the candidates of the monomials that are anywhere large enough to be matched.
+/// Evaluates, at all candidates, the monomials that are large enough somewhere to be matched.
 Columns columns_of(const std::vector<WeightedPoint>& candidates, const CompressionFrame& frame, int degree) {
   const MonomialRows all(candidates, frame.centre, frame.axes.transpose() * (working_ratio / frame.radius),
                          degree, MonomialRows::Factor::one);
@@ -62,9 +62,9 @@ Columns columns_of(const std::vector<WeightedPoint>& candidates, const Compressi
   return columns;
 }
 
-/// The linear system of the moments: a column per candidate, a row per monomial. Reduced by elimination it is
-/// the tableau of the simplex method: some candidates are basic, one for each row, and every other column
-/// says how the weights of the basic ones change when weight is taken from its candidate.
+/// The linear system of the moment equations: one column per candidate, one row per monomial. After
+/// elimination it is the tableau of the simplex method: each row has a basic candidate, and every other
+/// column states how the weights of the basic candidates change when weight is taken from its own candidate.
 class Tableau {
  public:
   Tableau(Columns columns, std::vector<double> candidate_weights)
@@ -73,7 +73,7 @@ class Tableau {
     std::iota(free_.begin(), free_.end(), std::size_t{0});
   }
 
-  /// The weights that give the same moments, most of them 0.
+  /// Computes weights, most of them 0, that give the same moments.
   std::vector<double> solve() {
     reduce();
     double total = 0;
@@ -92,7 +92,7 @@ class Tableau {
  private:
   static constexpr std::size_t no_candidate = static_cast<std::size_t>(-1);
 
-  /// Gauss–Jordan elimination, a monomial at a time. A row of which hardly anything is left has no basic
+  /// Performs Gauss–Jordan elimination, one monomial at a time. A row that nearly vanishes gets no basic
   /// candidate.
   void reduce() {
     std::size_t chosen = largest_in_row(0);
@@ -111,7 +111,8 @@ class Tableau {
     }
   }
 
-  /// The place in the list of the free candidate with the largest value in the row.
+  /// Returns the position in the list of free candidates of the one with the largest absolute value in the
+  /// row.
   std::size_t largest_in_row(std::size_t row) const {
     std::size_t largest = 0;
     for (std::size_t k = 1; k < free_.size(); ++k)
@@ -120,14 +121,15 @@ class Tableau {
     return largest;
   }
 
-  /// Makes the candidate basic for the row; returns what largest_in_row returns afterwards for the next one.
+  /// Makes the candidate basic for the row. Returns the result of largest_in_row for the row `next` after the
+  /// elimination.
   std::size_t eliminate(std::size_t row, std::size_t candidate, std::size_t next) {
     return kernels_.eliminate({columns_.values.data(), columns_.stride}, free_.data(), free_.size(),
                               columns_[candidate], row, next);
   }
 
-  /// Takes the weight of the last free candidate down to zero; where that would drive the weight of a basic
-  /// one below zero, the two change places (Carathéodory's theorem).
+  /// Reduces the weight of the last free candidate to zero. Where that would make the weight of a basic
+  /// candidate negative, the two change places (Carathéodory's theorem).
   void release(std::size_t candidate) {
     free_.pop_back();
     const double* const coefficients = columns_[candidate];
@@ -145,10 +147,10 @@ class Tableau {
     weights_[*leaving] = weight - step;
   }
 
-  /// The basic candidate that stands in the way of taking a free one's weight down to zero. Among those that
-  /// reach zero at about the same time it is the one with the largest coefficient: the others may fall a
-  /// little below zero, but the exchange loses no digits (P. M. J. Harris, Mathematical Programming 5, 1973,
-  /// 1).
+  /// Finds the basic candidate whose weight reaches zero first when a free candidate's weight is reduced to
+  /// zero, if there is one. Among those that reach zero at about the same time it returns the one with the
+  /// largest coefficient: the others may fall slightly below zero, but the exchange loses no digits (P. M. J.
+  /// Harris, Mathematical Programming 5, 1973, 1).
   std::optional<std::size_t> blocking(const double* coefficients, double weight) const {
     const double step =
         kernels_.longest_step(coefficients, weights_.data(), slack_, smallest_coefficient, columns_.stride);
@@ -168,20 +170,20 @@ class Tableau {
   Columns columns_;
   std::vector<double> candidate_weights_;
   std::vector<std::size_t> free_;
-  std::vector<std::size_t> basic_;  ///< by row
-  std::vector<double> weights_;     ///< of the basic candidates, by row
+  std::vector<std::size_t> basic_;  ///< basic candidate of each row
+  std::vector<double> weights_;     ///< weight of each row's basic candidate
   double slack_ = 0;
   const TreeKernels& kernels_ = best_kernels<TreeKernels>();
 };
 
-/// The candidates from `first` that still have weight, as few groups of neighbours, each of which counts as
-/// one candidate.
+/// The candidates that still have weight, in a few groups of neighbours. Each group counts as one candidate.
 struct Groups {
-  std::vector<std::size_t> first;  ///< in the list of candidates; beyond the last group, its end
+  std::vector<std::size_t> first;  ///< positions of the groups' first candidates, and the list's end
   Columns columns;
   std::vector<double> weights;
 };
 
+/// Forms the groups. A group's column is the weighted mean of its candidates' columns.
 Groups group(const Columns& columns, const std::vector<std::size_t>& listed,
              const std::vector<double>& weights) {
   const std::size_t most = groups_per_equation * columns.rows;

@@ -5,8 +5,8 @@
 namespace fringe::detail {
 namespace {
 
-/// Preparing rules takes longer than integrating with them, so they are made once, a decade apart: between
-/// two steps the number of points hardly changes.
+/// Prepares the rules for one tolerance per decade. Preparing takes longer than integrating, so it is done
+/// once; between two decades the number of points hardly changes.
 std::vector<DirectChoices> make_ladder() {
   std::vector<DirectChoices> ladder;
   for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12})

@@ -4,18 +4,18 @@
 
 namespace fringe::detail {
 
-/// Rules for integrating triangles one by one, with the largest relative error of each integral, beside
-/// rounding.
+/// Quadrature rules for integrating triangles one by one, with a bound of the relative error of each
+/// integral, rounding not included.
 struct DirectChoices {
   double relative_error;
   PreparedChoices choices;
 };
 
-/// The coarsest of a ladder of rules with which the bound of a sum, see `bound_of_sum`, is not above the
+/// Returns the cheapest prepared rules for which the bound of a sum, see `bound_of_sum`, is at most the
 /// tolerance times the true sum.
 const DirectChoices& direct_choices(double tolerance);
 
-/// What a computed sum of integrals is off, at most: the rules' error is relative to the true integrals.
+/// Bounds the error of a computed sum of integrals. The rules' error is relative to the true integrals.
 inline double bound_of_sum(double sum, double relative_error) {
   return sum * relative_error / (1 - relative_error);
 }

@@ -22,18 +22,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A node that is neither lumped nor split yet.
+/// An open node: neither replaced by a quadrature (lumped) nor split yet.
 struct Visit {
   std::size_t node;
   Placement placement;
-  double share;  ///< a lower bound of the node's integral, if all of its faces count
-  bool mixed;    ///< whether it may hold faces that do not count
+  double share;  ///< lower bound of the node's integral, provided that all of its faces count
+  bool mixed;    ///< whether some of its faces may not count
 };
 
-/// Shares of open nodes, together.
+/// Sums of the shares of open nodes.
 struct Shares {
   double all = 0;
-  double certain = 0;  ///< of nodes all of whose faces count
+  double certain = 0;  ///< sum over the nodes all of whose faces count
 
   void add(const Visit& visit) {
     all += visit.share;
@@ -45,19 +45,21 @@ struct Shares {
   }
 };
 
-/// The corners of a plate.
+/// Computes the corners of a plate.
 std::array<Vector3d, 4> corners(const Rectangle& plate) {
   return {plate.corner, plate.corner + plate.edge_u, plate.corner + plate.edge_v,
           plate.corner + plate.edge_u + plate.edge_v};
 }
 
-/// Which of a node's faces see the plate.
+/// How many of a node's faces see the plate.
 enum class Seen { all, some, none };
 
-/// Decided from the node's sphere and the cone of its normals n: for a point p of the surface and a corner q
-/// of the plate, n·(q − p) differs from |q − centre|·cos(angle of n and q − centre) by the radius at most.
+/// Decides how many of a node's faces see the plate, from the node's sphere and the cone of its normals n.
+/// For a point p of the surface and a corner q of the plate, n·(q − p) differs from |q − centre|·cos(angle
+/// between n and q − centre) by at most the radius.
 Seen seen(const Node& node, const std::array<Vector3d, 4>& plate_corners) {
-  /// Far above the rounding of the angles and lengths, far below what a node could gain by it.
+  /// Relative safety margin: far above the rounding of the angles and lengths, and small enough not to change
+  /// the decision for most nodes.
   constexpr double margin = 1e-9;
   if (node.normals.cosine <= -1)
     return Seen::some;
@@ -100,6 +102,7 @@ class Evaluation {
   }
 
  private:
+  /// Appends a node to the visits unless none of its faces sees the plate.
   void visit(std::size_t index, std::vector<Visit>& visits) {
     const Node& node = tree_.nodes[index];
     ++result_.counts.nodes_visited;
@@ -114,14 +117,14 @@ class Evaluation {
     visits.push_back({index, placement, node.area / (placement.distance + node.radius), faces == Seen::some});
   }
 
-  /// What the nodes that are still open may cost in accuracy, per share.
+  /// Computes the error that open nodes may still add, per unit of their shares.
   double error_per_share(const Shares& open) const {
     return (options_.allowance + options_.tolerance * (lumped_share_ + open.certain) - result_.bound) /
            open.all;
   }
 
-  /// Lumps the open nodes whose errors their shares of the tolerance cover, and opens the children of the
-  /// others.
+  /// Lumps the open nodes whose errors are within their shares of the tolerance, and opens the children of
+  /// the others.
   void descend() {
     Shares shares = leaf_shares_;
     for (const Visit& visit : open_)
@@ -143,6 +146,7 @@ class Evaluation {
     std::swap(open_, next_);
   }
 
+  /// Replaces a node by a quadrature whose error is at most `allowed`. Returns false if there is none.
   bool lump_within(const Visit& current, double allowed) {
     const Node& node = tree_.nodes[current.node];
     const std::optional<Lump> found = lump(frame_, current.placement, node, allowed);
@@ -160,14 +164,15 @@ class Evaluation {
     return true;
   }
 
+  /// Accounts for a lumped node with this share and error.
   void settle(double share, double error) {
     result_.bound += error;
     lumped_share_ += share;
   }
 
-  /// Leaves that could not be lumped: the points of their triangles where the tolerance that is left allows,
-  /// and the integrals of the triangles elsewhere. Leaves at the plate's borders come last, since they can
-  /// make use of whatever is left.
+  /// Integrates the leaves that could not be lumped: by the points of their triangles where the remaining
+  /// tolerance allows, otherwise triangle by triangle. Leaves at the plate's borders come last, because they
+  /// can use whatever tolerance remains.
   void finish_leaves() {
     Shares open = leaf_shares_;
     std::vector<Visit> at_borders;
@@ -192,8 +197,8 @@ class Evaluation {
     integrate_direct(remaining_tolerance());
   }
 
-  /// A leaf that a border crosses: the triangles whose errors the leaf's part of the tolerance does not cover
-  /// are integrated, and keep their own part of it.
+  /// Integrates a leaf that a border plane crosses. Triangles whose errors exceed the leaf's part of the
+  /// tolerance are integrated one by one, and their own part of the tolerance is not available to the others.
   void finish_at_border(const Visit& current, Shares& open) {
     const Node& leaf = tree_.nodes[current.node];
     const auto& [first, count] = leaf.triangles;
@@ -223,7 +228,7 @@ class Evaluation {
     open.remove(lumped);
   }
 
-  /// Appends the points of triangles.
+  /// Adds the points of triangles to the sum.
   void add_points(const Range& triangles) {
     if (triangles.count == 0)
       return;
@@ -233,15 +238,16 @@ class Evaluation {
     result_.counts.triangles_lumped += triangles.count;
   }
 
-  /// What of the tolerance the lumped nodes have not used, as a tolerance of the whole integral: it may be
-  /// used on any part of it.
+  /// Computes the tolerance that the lumped nodes have not used, relative to the whole integral. Any part of
+  /// the integral may use it.
   double remaining_tolerance() const {
     const double used = std::max(result_.bound - options_.allowance, 0.0);
     return used > 0 ? std::max(options_.tolerance - used / (lumped_share_ + direct_share_), 0.0)
                     : options_.tolerance;
   }
 
-  /// Appends triangles to be integrated one by one, `mixed` when some may not count.
+  /// Appends triangles to those that are integrated one by one. `mixed` means that some of them may not
+  /// count.
   void add_direct(const Range& triangles, bool mixed) {
     if (mixed) {
       for (std::size_t i = triangles.first; i < triangles.first + triangles.count; ++i) {
@@ -281,7 +287,7 @@ class Evaluation {
   PointSum points_;
   TreeIntegral result_;
   double lumped_share_ = 0;
-  double direct_share_ = 0;  ///< of what is integrated triangle by triangle and certainly counts
+  double direct_share_ = 0;  ///< share of the triangles that are integrated one by one and certainly count
   Shares leaf_shares_;
   std::vector<Visit> open_, next_, leaves_;
   std::vector<Range> direct_;

@@ -5,7 +5,7 @@
 
 namespace fringe::detail {
 
-/// SurfaceTree::integrate for valid arguments.
+/// Implements SurfaceTree::integrate for valid arguments.
 TreeIntegral evaluate(const SurfaceNodes& tree, const Rectangle& plate, const TreeOptions& options);
 
 }  // namespace fringe::detail

@@ -2,7 +2,7 @@
 
 #include "integral/tree/kernels.hpp"
 
-/// The kernels of surface trees for one instruction set, which `Lanes` stands for.
+/// The kernels of surface trees for one instruction set, given by the template parameter `Lanes`.
 namespace fringe::detail {
 
 template <class Lanes>
@@ -52,8 +52,8 @@ class TreeKernelsFor {
 
   static double longest_step(const double* coefficients, const double* weights, double slack,
                              double smallest_coefficient, std::size_t size) {
-    // A coefficient that is too small, or positive, leaves a denominator that makes the quotient larger than
-    // any weight.
+    // A positive or too small coefficient gets a tiny denominator, which makes the quotient larger than any
+    // weight.
     constexpr double smallest_denominator = 1e-300, smallest_share = 1e-3;
     const V slacks(slack), least(smallest_share * slack), too_small(smallest_coefficient),
         denominators(smallest_denominator);

@@ -14,7 +14,7 @@ struct RuleNode {
   double weight;
 };
 
-/// The seven-point rule of degree 5 (J. Radon, Monatshefte für Mathematik und Physik 52, 1948, 286).
+/// Returns the seven-point rule of degree 5 (J. Radon, Monatshefte für Mathematik und Physik 52, 1948, 286).
 std::array<RuleNode, 7> radon_rule() {
   const double root = std::sqrt(15.0);
   std::array<RuleNode, 7> rule{};
@@ -56,12 +56,13 @@ constexpr Tables make_tables() {
 
 constexpr Tables tables = make_tables();
 
-/// The moments of the same measure when every point's coordinate along the axis grows by `shift`.
+/// Replaces moments by those of the same measure with every point translated by `shift` along the axis.
 void shift_along(std::size_t axis, double shift, Moments& moments) {
   std::array<double, powers> shift_to{1};
   for (std::size_t k = 1; k < powers; ++k)
     shift_to[k] = shift_to[k - 1] * shift;
-  // Downwards, so that the lower powers that a moment needs are still those of the unshifted measure.
+  // From high to low degree, so that the lower moments in each sum are still those of the untranslated
+  // measure.
   for (std::size_t i = all_monomials; i-- > 0;) {
     std::array<std::size_t, 3> exponents{};
     for (std::size_t k = 0; k < 3; ++k)
@@ -87,7 +88,7 @@ void append_rule(const Triangle& triangle, double area, std::vector<WeightedPoin
 }
 
 Moments moments_of(const std::vector<WeightedPoint>& points, const MomentFrame& frame) {
-  // So few that their monomials stay in the fastest cache.
+  // Number of points whose monomials fit into the fastest cache.
   constexpr std::size_t block = 48;
   Moments moments{};
   for (std::size_t first = 0; first < points.size(); first += block) {

@@ -8,11 +8,11 @@
 #include "integral/tree/compression.hpp"
 #include "integral/tree/monomials.hpp"
 
-/// The moments of a surface about a centre: the integrals over the surface of the monomials of (p −
+/// Moments of a surface about a centre: the integrals over the surface of the monomials in (p −
 /// centre)/scale, in m².
 namespace fringe::detail {
 
-/// Where moments are taken.
+/// Centre and unit of length (m) of moments.
 struct MomentFrame {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double scale = 1;
@@ -23,10 +23,10 @@ using Moments = MonomialValues;
 /// Appends the points of a rule of degree 5 on the triangle.
 void append_rule(const Triangle& triangle, double area, std::vector<WeightedPoint>& points);
 
-/// The moments of weighted points.
+/// Computes the moments of weighted points.
 Moments moments_of(const std::vector<WeightedPoint>& points, const MomentFrame& frame);
 
-/// Adds the moments of a part of the surface, known in a frame of its own.
+/// Adds the moments of a part of the surface, translated and rescaled from the part's own frame.
 void add_translated(const Moments& part, const MomentFrame& part_frame, const MomentFrame& frame,
                     Moments& moments);
 

@@ -3,17 +3,17 @@
 #include <array>
 #include <cstddef>
 
-/// The monomials xᵃyᵇzᶜ up to degree 6, in an order in which a lower degree comes before a higher one, so
-/// that those up to degree p are the first monomial_count(p).
+/// The monomials xᵃyᵇzᶜ up to degree 6, ordered by degree, so that those up to degree p are the first
+/// monomial_count(p).
 namespace fringe::detail {
 
-/// The highest degree to which a node's quadrature is exact. With one more degree fewer nodes are needed, but
-/// the number of points per node grows as its third power: beyond 5 the sum over a scene no longer gets
-/// cheaper.
+/// Highest degree to which a node's quadrature is exact. One more degree would need fewer nodes, but the
+/// number of points per node grows as the third power of the degree: beyond 5 the sum over a scene no longer
+/// gets cheaper.
 constexpr int highest_degree = 5;
 
-/// The highest degree of the moments that are known. One more than the quadratures keep, so that what they
-/// are off first is measured instead of bounded.
+/// Highest degree of the moments that are computed: one above the quadratures' degree, so that the leading
+/// term of their error is measured instead of bounded.
 constexpr int moment_degree = highest_degree + 1;
 
 constexpr std::size_t monomial_count(int degree) {
@@ -25,9 +25,9 @@ constexpr std::size_t all_monomials = monomial_count(moment_degree);
 struct Monomial {
   std::array<int, 3> exponents{};
   int degree = 0;
-  std::size_t factor = 0;  ///< the monomial of one degree less that this one is a multiple of
-  int axis = 0;            ///< the coordinate it is multiplied by
-  double multinomial = 1;  ///< how often the monomial occurs in (x + y + z) to its degree
+  std::size_t factor = 0;  ///< index of the monomial of one degree less that divides this one
+  int axis = 0;            ///< the coordinate by which that monomial is multiplied
+  double multinomial = 1;  ///< coefficient of the monomial in (x + y + z)^degree
 };
 
 using MonomialTable = std::array<Monomial, all_monomials>;
@@ -38,8 +38,9 @@ constexpr MonomialTable make_monomials() {
   std::size_t next = 1;
   for (std::size_t previous = 0; next < all_monomials; ++previous) {
     const Monomial& base = table[previous];
-    int first_axis =
-        0;  // the highest axis in use: multiplying only by it and those after it meets each product once
+    // The highest axis with a positive exponent: multiplying by it and later axes only makes each product
+    // once.
+    int first_axis = 0;
     for (int axis = 0; axis < 3; ++axis)
       if (base.exponents[static_cast<std::size_t>(axis)] > 0)
         first_axis = axis;
@@ -58,7 +59,7 @@ constexpr MonomialTable make_monomials() {
 
 inline constexpr MonomialTable monomials = make_monomials();
 
-/// The place of xᵃyᵇzᶜ in the table.
+/// Returns the index of xᵃyᵇzᶜ in the table.
 constexpr std::size_t monomial_index(int a, int b, int c) {
   const int degree = a + b + c;
   std::size_t index = degree == 0 ? 0 : monomial_count(degree - 1);

@@ -11,14 +11,14 @@
 #include "geometry/plate_frame.hpp"
 #include "integral/tree/node.hpp"
 
-/// What the quadratures of a node are off, at most (model/NUMERICS.md, section 11).
+/// Bounds of the errors of a node's quadratures (model/NUMERICS.md, section 11).
 namespace fringe::detail {
 
-/// Where a node's centre lies.
+/// Distances of a node's centre.
 struct Placement {
-  double distance;  ///< from the plate
-  double border_u;  ///< from the nearer of the two planes on the plate's edges that cross x
-  double border_v;
+  double distance;  ///< distance from the plate
+  double border_u;  ///< distance from the nearer of the two border planes normal to x
+  double border_v;  ///< the same for y
 };
 
 inline Placement place(const PlateFrame& plate, const Eigen::Vector3d& centre) {
@@ -27,7 +27,7 @@ inline Placement place(const PlateFrame& plate, const Eigen::Vector3d& centre) {
           std::min(std::abs(local.y()), std::abs(local.y() - plate.length_v))};
 }
 
-/// What the kinks of the distance in the plate's border planes add to the error, at most, for any of a node's
+/// Bounds the error that the kinks of the distance in the plate's border planes cause, for any of a node's
 /// quadratures.
 inline double kink_error(const PlateFrame& plate, const Placement& placement, const Node& node) {
   const double radius = node.radius;
@@ -45,7 +45,7 @@ inline double kink_error(const PlateFrame& plate, const Placement& placement, co
   return node.area / nearest * ratio * ratio * sum / 2;
 }
 
-/// What the quadratures of a node whose sphere lies in one cell are off, at most. The centre must be farther
+/// Bounds the errors of the quadratures of a node whose sphere lies in one cell. The centre must be farther
 /// from the plate than the radius.
 inline PerQuadrature smooth_errors(const Placement& placement, const Node& node) {
   const double ratio = node.radius / placement.distance, scale = node.area / placement.distance;
@@ -60,18 +60,18 @@ inline PerQuadrature smooth_errors(const Placement& placement, const Node& node)
   return sums;
 }
 
-/// The quadrature that stands for a node, with the bound of its error.
+/// The quadrature that replaces a node's surface, with the bound of its error.
 struct Lump {
   std::size_t quadrature;
   double error;
 };
 
-/// The fewest points whose error is not above what is allowed, if there are any.
+/// Returns the quadrature with the fewest points whose error bound is at most `allowed`, if there is one.
 inline std::optional<Lump> lump(const PlateFrame& plate, const Placement& placement, const Node& node,
                                 double allowed) {
   if (!(placement.distance > node.radius))
     return std::nullopt;
-  // What the form of the highest degree and those beyond it add: read first, since most nodes fail by it.
+  // Tests the remainder beyond the form of the highest degree first, because most nodes fail by it.
   const double ratio = node.radius / placement.distance, cube = ratio * ratio * ratio;
   if (node.smallest_remainder * cube * cube * ratio * node.area >
       allowed * (placement.distance - node.radius))
@@ -86,12 +86,13 @@ inline std::optional<Lump> lump(const PlateFrame& plate, const Placement& placem
   return std::nullopt;
 }
 
-/// No point of a leaf's triangles is nearer to the plate.
+/// Computes a lower bound of the distance between a leaf's triangles and the plate.
 inline double nearest_distance(const Placement& placement, const Node& leaf) {
   return placement.distance - leaf.trianglewise.reach - leaf.trianglewise.largest_radius;
 }
 
-/// The error of the quadratures of a leaf's triangles together, without what the border planes add.
+/// Bounds the summed error of the quadratures of a leaf's triangles, without the contribution of the border
+/// planes.
 inline double trianglewise_error(const Placement& placement, const Node& leaf) {
   const double centroids = placement.distance - leaf.trianglewise.reach;
   const double nearest = nearest_distance(placement, leaf);

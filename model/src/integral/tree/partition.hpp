@@ -8,8 +8,8 @@
 
 namespace fringe::detail {
 
-/// About as many as keep the points of a node and those of its triangles in balance: with more, the leaves at
-/// the plate's borders grow, with fewer the number of nodes does.
+/// Largest number of triangles in a leaf. It balances the points of nodes against those of triangles: with
+/// more, the leaves at the plate's borders grow; with fewer, the number of nodes does.
 constexpr std::size_t most_triangles_in_leaf = 32;
 
 struct Partition {
@@ -17,9 +17,9 @@ struct Partition {
   std::vector<Triangle> triangles;
 };
 
-/// The triangles that have an area, halved again and again at the median of their centroids along the longest
-/// side of the centroids' box, until a node has few enough to be a leaf. Only the nodes' ranges and children
-/// are set.
+/// Bisects the triangles of positive area at the median of their centroids, along the longest side of the
+/// centroids' box, until every leaf has at most most_triangles_in_leaf. Sets only the nodes' ranges and
+/// children.
 Partition partition(std::span<const Triangle> triangles);
 
 }  // namespace fringe::detail

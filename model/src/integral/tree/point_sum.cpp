@@ -37,7 +37,8 @@ void PointSum::flush() {
   if (size_ == 0)
     return;
   const std::size_t last = size_ - 1;
-  // Whole registers are read: what is beyond the last point weighs nothing, and is nowhere near the plate.
+  // Whole registers are read: the elements after the last point repeat it with weight zero, at a distance
+  // from the plate that is safe to divide by.
   for (std::size_t i = size_; i % TriangleArrays::padding != 0; ++i) {
     x_[i] = x_[last];
     y_[i] = y_[last];

@@ -7,7 +7,7 @@
 
 namespace fringe::detail {
 
-/// Σ w/d over points that come in small ranges: they are gathered, so that few are summed at a time.
+/// Accumulates Σ w/d over points that come in small ranges, which are gathered so that registers are full.
 class PointSum {
  public:
   PointSum(const BatchKernels& kernels, const PlateFrame& plate)
@@ -19,10 +19,11 @@ class PointSum {
   std::size_t count() const { return count_; }
 
  private:
-  /// Few enough to stay in the fastest cache, many enough to fill long registers.
+  /// Number of points in the buffer: few enough to stay in the fastest cache, many enough to fill long
+  /// registers.
   static constexpr std::size_t capacity = 512;
 
-  /// More points are summed where they lie.
+  /// Number of points in a range up to which it is gathered; longer ranges are summed in place.
   static constexpr std::size_t most_gathered = 32;
 
   void gather(const PointArrays& arrays, const Range& range);
@@ -30,7 +31,7 @@ class PointSum {
 
   const BatchKernels& kernels_;
   PlateCoordinates plate_;
-  double x_[capacity], y_[capacity], z_[capacity], weight_[capacity];  // up to size_ only
+  double x_[capacity], y_[capacity], z_[capacity], weight_[capacity];  // only the first size_ are set
   std::size_t size_ = 0;
   std::size_t count_ = 0;
   double sum_ = 0;

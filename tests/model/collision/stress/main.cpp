@@ -21,9 +21,9 @@
 #include "fringe/gjk.hpp"
 #include "simd/dispatch.hpp"
 
-/// The stress program of collision queries: random pairs of every class, in units of length from 2^−150 to
-/// 2^150, against linear programming in integers. Every way to ask is asked, and every certificate is
-/// checked.
+/// The stress program of collision queries: compares random pairs of every class, in units of length from
+/// 2^−150 to 2^150, with linear programming in integers. It tests every query function and checks every
+/// certificate.
 namespace fringe::test {
 namespace {
 
@@ -33,14 +33,14 @@ using Eigen::Vector3d;
 struct Tally {
   std::size_t pairs = 0;
   std::size_t intersecting = 0;
-  std::size_t wrong = 0;     ///< answers of any of the ways to ask
-  std::size_t unproven = 0;  ///< certificates that prove nothing
-  std::size_t close = 0;     ///< pairs that the quick search left to exact arithmetic
+  std::size_t wrong = 0;     ///< wrong answers of any query function
+  std::size_t unproven = 0;  ///< certificates that do not prove the answer
+  std::size_t close = 0;     ///< pairs that the filter left to exact arithmetic
   std::size_t thesis_wrong = 0;
   std::size_t thesis_endless = 0;
 };
 
-/// A pair of a class in some unit of length.
+/// Returns a pair of a class in a random unit of length.
 ShapePair in_some_unit(const PairClass& pair_class, Random& random) {
   const ShapePair pair = pair_class.make(random);
   constexpr std::size_t largest_exponent = 150;
@@ -67,7 +67,8 @@ void count_hulls(const ShapePair& pair, bool truth, Tally& tally) {
   }
 }
 
-/// Moved hulls have no vertices in doubles for the oracle, but certificates that say whether they are right.
+/// Counts failures for posed hulls. Their vertices are not representable in doubles, so linear programming
+/// cannot check the answer, but its certificate can.
 void count_moved_hulls(const ShapePair& pair, Random& random, Tally& tally) {
   const ConvexShape a = ConvexShape::hull(pair.a), b = ConvexShape::hull(pair.b);
   const Isometry3d pose_a = random.rigid_motion(), pose_b = random.rigid_motion();
@@ -87,7 +88,7 @@ Tally run(const PairClass& pair_class, std::size_t pairs, std::uint64_t seed) {
     tally.wrong += answer.intersects != truth ? 1U : 0U;
     tally.unproven += proves(answer, pair.a, pair.b) ? 0U : 1U;
     count_hulls(pair, truth, tally);
-    // One in ten: rational numbers with rotations take their time.
+    // One pair in ten is tested with rotations, because rational arithmetic is slow for them.
     constexpr std::size_t share_of_moved = 10;
     if (tally.pairs % share_of_moved == 0)
       count_moved_hulls(pair, random, tally);
