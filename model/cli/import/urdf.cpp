@@ -155,7 +155,7 @@ class Reader {
                   const urdf::Pose& origin) {
     const std::string what = fmt::format("link \"{}\"", link);
     if (!geometry)
-      fail(what, "its geometry is none that is known");
+      fail(what, "unknown geometry type");
     scene_.objects.push_back({names_.take(link), index, shape_of(*geometry, what), pose_of(origin)});
   }
 
@@ -177,7 +177,7 @@ class Reader {
     case urdf::Geometry::MESH:
       return mesh_of(static_cast<const urdf::Mesh&>(geometry), what);
     }
-    fail(what, "its geometry is none that is known");
+    fail(what, "unknown geometry type");
   }
 
   double positive(double size, const std::string& what, std::string_view shape) const {

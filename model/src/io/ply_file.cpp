@@ -159,7 +159,7 @@ class Values {
   std::int64_t length(const Property& property) {
     const std::int64_t length = whole_number(*property.length);
     if (length < 0)
-      throw InputError("the PLY file has a list of fewer than no values");
+      throw InputError("the PLY file has a list of negative length");
     return length;
   }
 
@@ -305,7 +305,7 @@ std::vector<Triangle> read_ply(std::string_view content) {
   const Element& face_element = only_element(header, "face", lists_vertices);
   for (const Property& property : face_element.properties)
     if (lists_vertices(property) && property.type.kind == Kind::floating_point)
-      fail_header("vertices are named by fractions");
+      fail_header("vertex indices must be integers");
   Values values(content, *header.format);
   std::vector<Eigen::Vector3d> vertices;
   FanCorners corners;
