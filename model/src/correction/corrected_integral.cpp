@@ -14,7 +14,8 @@ namespace {
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-/// Mean logarithm of truth over model in the set-ups that are not sealed.
+/// Factor c of the correction `constant`, from the mean logarithm of truth over model in the set-ups that are
+/// not sealed (model/CORRECTIONS.md).
 constexpr double constant_factor = 1.295;
 
 double arc_factor(const Vector3d& normal, const Rectangle& plate) {
@@ -24,10 +25,10 @@ double arc_factor(const Vector3d& normal, const Rectangle& plate) {
   return angle > 0 ? sine / angle : 1;
 }
 
-/// What the disc as large as the plate gains by its edge at the distance, relative.
+/// Returns the relative gain by its edge of a disc as large as the plate, at the given distance.
 double kirchhoff_factor(double distance, const Rectangle& plate) {
   const double circumference = pi * std::sqrt(plate.edge_u.norm() * plate.edge_v.norm() / pi);
-  // Beyond its validity the term would turn negative.
+  // Beyond the formula's range of validity the term would become negative.
   return 1 + std::max(0.0, distance / circumference * (std::log(16 * circumference / distance) - 1));
 }
 
@@ -38,7 +39,7 @@ double palmer_factor(double distance, const Rectangle& plate) {
   return factor;
 }
 
-/// Σ I·factor over the triangles, the factor depending on the triangle's mean distance A/I.
+/// Computes Σ I·factor over the triangles; the factor depends on the triangle's mean distance A/I.
 template <class Factor>
 double sum_of(const ChargedSurface& object, const TriangleBatch& batch, std::span<const Rectangle> plates,
               const Factor& factor) {

@@ -14,13 +14,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Each triangle's integral, relative to what a distance of its own size would make of it.
+/// Error of each triangle's integral, relative to its value at a distance of the triangle's own size.
 constexpr double quadrature_tolerance = 1e-3;
 
-/// Lateral distance counts more than height, fitted to the set-ups that are not sealed.
+/// Weight of the lateral distance relative to the height (no unit), fitted to the set-ups that are not
+/// sealed.
 constexpr double lateral_weight = 1.62;
 
-/// A flat convex face, and its outline.
+/// A flat convex face, given by its outline.
 struct FlatFace {
   std::vector<Vector3d> corners;
   Vector3d normal;
@@ -33,7 +34,7 @@ std::vector<FlatFace> faces_of(std::span<const Rectangle> plates) {
   return faces;
 }
 
-/// Two triangles that make a parallelogram are one face.
+/// Returns the faces of a surface; two consecutive triangles that form a parallelogram are one face.
 std::vector<FlatFace> faces_of(const ChargedSurface& surface) {
   constexpr double rounding = 1e-9;
   std::vector<FlatFace> faces;
@@ -59,7 +60,7 @@ Vector3d nearest_on_segment(const Vector3d& a, const Vector3d& b, const Vector3d
   return a + std::clamp(t, 0.0, 1.0) * (b - a);
 }
 
-/// How far a point in a face's plane is outside of the face.
+/// Returns the distance of a point in a face's plane from the face; 0 inside.
 double lateral_distance(const FlatFace& face, const Vector3d& point) {
   double squared = infinity;
   bool inside = true;
@@ -80,7 +81,7 @@ double distance(std::span<const FlatFace> faces, const Vector3d& point) {
   return least;
 }
 
-/// The arc from a point of a surface with the normal to the nearest of the faces.
+/// Returns the length of the arc from a point of a surface with the given normal to the nearest face.
 double front_length(std::span<const FlatFace> faces, const Vector3d& point, const Vector3d& normal) {
   double least = infinity;
   for (const FlatFace& face : faces) {
@@ -93,8 +94,8 @@ double front_length(std::span<const FlatFace> faces, const Vector3d& point, cons
   return least;
 }
 
-/// Around the edge of a sheet, half a turn with the point's distance from the edge as radius; at the edge of
-/// a body, a quarter.
+/// Returns the length of the path around the nearest edge: half a turn at the edge of a sheet, with the
+/// point's distance from the edge as radius; a quarter turn at the edge of a body.
 double back_length(const FlatFace& own, bool closed, std::span<const FlatFace> faces, const Vector3d& point) {
   double least = infinity;
   for (std::size_t i = 0; i < own.corners.size(); ++i) {

@@ -15,7 +15,7 @@ namespace {
 
 using detail::ConeQuery;
 
-/// The cone where it is. Divided first, 180° are exactly π.
+/// Returns the sensor's cone in the world. The angle is divided by 180 first, so that 180° becomes exactly π.
 SensingCone placed(const DistanceSensor& sensor, const Eigen::Isometry3d& pose) {
   return {pose * sensor.apex, pose.linear() * sensor.direction.stableNormalized(),
           sensor.full_angle_degrees / 180 * std::numbers::pi, sensor.range};
