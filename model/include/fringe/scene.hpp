@@ -13,7 +13,7 @@
 
 namespace fringe {
 
-/// What fills the space between the conductors.
+/// The medium that fills the space between the conductors.
 struct Medium {
   double relative_permittivity = 1.0;
 };
@@ -68,7 +68,7 @@ struct Object {
   bool collides = true;
 };
 
-/// Everything a scene file says, in the file's order.
+/// The contents of a scene file, in the file's order.
 struct Scene {
   Medium medium;
   bool has_room = false;  ///< whether grounded walls surround the scene
