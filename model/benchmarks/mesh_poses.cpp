@@ -18,7 +18,7 @@ constexpr double half_sensor = 0.05;
 constexpr double nearest = 0.003;
 constexpr double farthest = 0.1;
 
-/// The closed surface of cubes that stand side by side, each square of it cut into 2·parts² triangles.
+/// Makes the closed surface of adjacent cubes, each square of it divided into 2·parts² triangles.
 Mesh cubes(const std::vector<Eigen::Vector3i>& cells, double side, int parts) {
   Mesh mesh{"", 1, {}};
   for (const Eigen::Vector3i& cell : cells)

@@ -8,8 +8,8 @@
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_sensing.hpp"
 
-/// The answers as JSON documents. Infinity is written as the number 1e999, which every reader of JSON takes
-/// for one.
+/// Writes the answers as JSON documents. Infinity is written as the number 1e999, which every JSON reader
+/// takes as infinity.
 namespace fringe::cli {
 
 std::string capacitance_json(const SceneCapacitance& answer, const CapacitanceOptions& options,

@@ -4,10 +4,10 @@
 
 #include "fringe/boundary_elements.hpp"
 
-/// What boundary elements find, as a JSON document and as a table for people.
+/// Writes a Maxwell matrix as a JSON document and as a table for people.
 namespace fringe::cli {
 
-/// How a Maxwell matrix was asked for.
+/// The method and the accuracy that were requested for a Maxwell matrix.
 struct MaxwellRequest {
   std::string method;  ///< "boundary-elements" or "reduced:K"
   double rtol;

@@ -22,7 +22,7 @@ tinygltf::Model parse(const fs::path& path) {
   if (!fs::is_regular_file(path))
     throw InputError("the file does not exist or is not a file");
   tinygltf::TinyGLTF loader;
-  // Pictures have no part in it.
+  // Images are not needed.
   loader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int,
                            const unsigned char*, int, void*) { return true; },
                         nullptr);
@@ -44,7 +44,8 @@ tinygltf::Model parse(const fs::path& path) {
   return model;
 }
 
-/// p ↦ rotation·rest·p + translation, `rest` being what a rigid body does not do.
+/// The pose p ↦ rotation·rest·p + translation, where `rest` is the scaling and shear that a rigid link cannot
+/// have.
 struct NodePose {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Matrix3d rest = Eigen::Matrix3d::Identity();
@@ -92,7 +93,8 @@ class Reader {
   }
 
  private:
-  /// `rest`: what the nodes above do to this one beyond what their links do.
+  /// Adds a node and its children. `rest` is the scaling and shear of the nodes above, which their links do
+  /// not have.
   void add_node(int number, std::optional<std::size_t> parent, const Eigen::Matrix3d& rest,
                 std::size_t depth) {
     const std::string what = fmt::format("node {}", number);
@@ -140,7 +142,7 @@ class Reader {
       for (Triangle& triangle : mesh.triangles) {
         for (Eigen::Vector3d& vertex : triangle)
           vertex = rest * vertex;
-        // A reflection turns what is seen anticlockwise into clockwise.
+        // A reflection reverses the orientation of the triangles.
         if (reflected)
           std::swap(triangle[1], triangle[2]);
       }
@@ -148,7 +150,8 @@ class Reader {
     scene_.objects.push_back({name, scene_.links.size() - 1, std::move(mesh)});
   }
 
-  /// Far more than a model has; nodes are read one within the other, which takes space on the stack.
+  /// Limit of nesting, far above that of any model; nodes are read recursively, which takes space on the
+  /// stack.
   static constexpr std::size_t deepest = 1000;
 
   const tinygltf::Model& model_;

@@ -7,7 +7,7 @@
 
 namespace fringe::cli {
 
-/// Names as they are given, and with a number where one is taken already.
+/// Makes names unique by appending a number to a name that is taken already.
 class UniqueNames {
  public:
   std::string take(const std::string& wanted) {

@@ -29,8 +29,8 @@ struct MaxwellMatrix {
   /// F, every sensor's diagonal entry minus its value without the objects, and an estimate of its error.
   Eigen::VectorXd delta_self;
   Eigen::VectorXd delta_self_errors;
-  /// Whether a diagonal entry is a lower bound of the true one. It is, because Galerkin's energy is extremal,
-  /// if the integrals are evaluated much more accurately than the charges are known.
+  /// Whether a diagonal entry is a lower bound of the true one. It is, by the variational principle of the
+  /// Galerkin method, if the integrals are evaluated much more accurately than the charges are known.
   std::vector<bool> lower_bounds;
   bool reached = false;  ///< whether all estimated errors are within rtol
   std::size_t unknowns = 0;
