@@ -37,7 +37,7 @@ struct SetUp {
   std::string name;
   Scene scene;
   Eigen::MatrixXd truth;      ///< F; empty when not known
-  double relative_error = 0;  ///< of the truth
+  double relative_error = 0;  ///< relative error of the truth
 };
 
 Eigen::Vector3d vector(const rapidjson::Value& value) {

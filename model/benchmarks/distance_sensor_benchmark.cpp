@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 /// Segments of a sphere of 32·30 triangles.
 constexpr int segments = 32;
 
-constexpr std::size_t questions = 256;
+constexpr std::size_t questions = 256;  ///< number of cones
 
 class Uniform {
  public:

@@ -124,7 +124,8 @@ class Reader {
     Eigen::Isometry3d placed = Eigen::Isometry3d::Identity();
     placed.linear() = pose.rotation;
     placed.translation() = rest * pose.translation;
-    // rest·rotation·(rest of this node) = rotation·below.
+    // rest·rotation·(rest of this node) = rotation·below, so the rest of the nodes above moves below the
+    // rotation.
     const Eigen::Matrix3d below = pose.rotation.transpose() * rest * pose.rotation * pose.rest;
     const std::string name = names_.take(node.name.empty() ? fmt::format("node {}", number) : node.name);
     scene_.links.push_back({name, parent, placed});

@@ -11,13 +11,14 @@
 namespace fringe::cli {
 namespace {
 
-/// The bytes of one accessor, checked: element i begins at data + i·stride.
+/// The bytes of one accessor, whose bounds were checked: element i begins at data + i·stride.
 struct Elements {
   const unsigned char* data;
   std::size_t stride;
   std::size_t count;
 };
 
+/// Locates an accessor's elements; throws InputError unless they are within their buffer.
 Elements elements(const tinygltf::Model& model, int number) {
   const auto refuse = [number](const char* reason) {
     throw InputError(fmt::format("accessor {}: {}", number, reason));
@@ -58,6 +59,7 @@ Number number_at(const unsigned char* data) {
   return number;
 }
 
+/// Reads the positions of an accessor.
 std::vector<Eigen::Vector3d> positions(const tinygltf::Model& model, int number) {
   const Elements found = elements(model, number);
   const tinygltf::Accessor& accessor = model.accessors[static_cast<std::size_t>(number)];

@@ -32,7 +32,7 @@ enum class BoxMethod {
   vertices,   ///< eigenvectors of the covariance of the vertices (thesis 3.1.4.1)
   triangles,  ///< eigenvectors of the covariance of the surface (thesis 3.1.4.2); `vertices` if it has no
               ///< area
-  tight       ///< searched for the smallest volume
+  tight       ///< found by a search for the smallest volume
 };
 
 /// Reads "vertices", "triangles" or "tight"; throws InputError for anything else.

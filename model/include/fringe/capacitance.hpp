@@ -17,10 +17,10 @@ constexpr double vacuum_permittivity = 8.8541878128e-12;
 /// The rule by which the plates of one sensor count a point of a surface.
 enum class PlateRule {
   sum,     ///< each plate counts every point (thesis 5.3, read literally)
-  nearest  ///< only the plate nearest to the point counts it: ∫dA/min_k d_k
+  nearest  ///< only the plate nearest to a point counts it: ∫dA/min_k d_k
 };
 
-/// Which faces count for a plate.
+/// The rule that selects the faces that count for a plate.
 enum class FaceRule {
   all,    ///< every triangle (thesis 5.3.4)
   facing  ///< the triangles from whose outward side some point of the plate is seen, and those in contact

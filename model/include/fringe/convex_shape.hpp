@@ -76,9 +76,9 @@ struct ShapesSeparated {
   Eigen::Vector3d direction;
 };
 
-/// The shapes are disjoint, but so close that no direction of three doubles was found to separate them. One
-/// that does is the exact vector from n to the origin, n the point nearest to the origin on the line or plane
-/// through the two or three points of the simplex, or the only one.
+/// The shapes are disjoint, but so close that no direction of three doubles was found to separate them. The
+/// exact vector from n to the origin separates them, where n is the point nearest to the origin on the line
+/// or plane through the two or three points of the simplex, or its only point.
 struct ShapesSeparatedBySimplex {
   PointSimplex simplex;
 };
@@ -109,7 +109,7 @@ struct ShapeAnswer {
 ShapeAnswer gjk_intersects(const ConvexShape& a, const Eigen::Isometry3d& pose_a, const ConvexShape& b,
                            const Eigen::Isometry3d& pose_b);
 
-/// The shortest distance of two convex shapes, and what proves it.
+/// The shortest distance of two convex shapes, with bounds that prove it.
 struct ShapeDistance {
   double distance;            ///< distance of the witness points; 0 if the shapes have a point in common
   double lower_bound;         ///< proven lower bound of the distance

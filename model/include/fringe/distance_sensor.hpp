@@ -35,11 +35,11 @@ enum class ConeMethod {
 /// Reads "field_of_view" or "cone_equation"; throws InputError for anything else.
 ConeMethod parse_cone_method(std::string_view text);
 
-/// A point that a distance sensor sees.
+/// A point that a distance sensor detects.
 struct VisiblePoint {
   double distance;        ///< from the apex
   Eigen::Vector3d point;  ///< in the cone's frame of reference
-  std::size_t triangle;   ///< the index of the triangle it lies on
+  std::size_t triangle;   ///< index of the triangle on which it lies
 };
 
 /// Throws InputError unless everything is finite, the direction is not zero, and the angle and the range are

@@ -27,9 +27,9 @@ struct SeparatingDirection {
   Eigen::Vector3d direction;
 };
 
-/// The hulls are disjoint, but so close that no direction of three doubles was found to separate them. One
-/// that does is the exact vector from n to the origin, n the point nearest to the origin on the line or plane
-/// through the two or three points of the simplex, or the only one.
+/// The hulls are disjoint, but so close that no direction of three doubles was found to separate them. The
+/// exact vector from n to the origin separates them, where n is the point nearest to the origin on the line
+/// or plane through the two or three points of the simplex, or its only point.
 struct SeparatingSimplex {
   PairSimplex simplex;
 };

@@ -6,7 +6,7 @@
 
 namespace fringe {
 
-/// The integral in closed form, region by region (model/NUMERICS.md).
+/// The closed form, region by region (model/NUMERICS.md).
 struct Exact {};
 
 /// The thesis' own method (5.3.2): divides the triangle into 4^levels equal triangles and uses the distance

@@ -35,7 +35,7 @@ std::optional<int> parse_reduced_steps(std::string_view text);
 /// pose (model/BOUNDARY_ELEMENTS.md, section 8). What does not depend on poses is prepared once.
 class ReducedEvaluator {
  public:
-  /// Prepares the scene; a body of triangles, such as a round one, takes a second or two.
+  /// Prepares the scene; each body of triangles, including round ones, takes a second or two.
   ///
   /// @throws InputError for the scenes that maxwell() refuses, except those whose conductors touch, for
   /// bodies of more than 2,000 triangles, and for options out of range.

@@ -15,7 +15,7 @@ namespace fringe {
 enum class PairStatus {
   clear,     ///< their bounding boxes do not meet
   bounds,    ///< their bounding boxes meet but they themselves do not: the orange mark
-  collision  ///< they have a point in common: the red mark
+  collision  ///< the objects have a point in common: the red mark
 };
 
 /// Returns "clear", "bounds" or "collision".

@@ -22,7 +22,7 @@ struct SensedPoint {
   std::size_t triangle;  ///< the index among the object's triangles, as in conductors()
 };
 
-/// What one distance sensor of a scene reads.
+/// The reading of one distance sensor of a scene.
 struct DistanceReading {
   std::string name;
   std::optional<SensedPoint> closest;  ///< none if nothing is in its cone

@@ -25,9 +25,9 @@ struct TreeOptions {
 
 /// The work done for an integral over a surface. Every triangle is evaluated, lumped or skipped.
 struct TreeCounts {
-  std::size_t triangles_evaluated = 0;  ///< integrated one by one
-  std::size_t triangles_lumped = 0;     ///< represented by the quadrature of a node
-  std::size_t triangles_skipped = 0;    ///< without area, or not among the faces that count
+  std::size_t triangles_evaluated = 0;  ///< triangles integrated one by one
+  std::size_t triangles_lumped = 0;     ///< triangles represented by the quadrature of a node
+  std::size_t triangles_skipped = 0;    ///< triangles without area, or not among the faces that count
   std::size_t nodes_lumped = 0;         ///< nodes whose quadrature was used
   std::size_t nodes_visited = 0;        ///< nodes visited
   std::size_t points = 0;               ///< points of all quadratures used

@@ -47,7 +47,7 @@ Farthest farthest_from(const Vector3d& centre, const std::vector<Vector3d>& poin
 struct Ball {
   Vector3d centre;
   double square;                   ///< squared radius
-  std::vector<Vector3d> boundary;  ///< the points that determine it
+  std::vector<Vector3d> boundary;  ///< the points on it that determine it
 };
 
 /// Finds the smallest ball around at most five points. It is the circumscribed ball of a subset; among the

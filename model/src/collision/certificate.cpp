@@ -7,7 +7,7 @@
 #include "collision/rational_vector.hpp"
 #include "fringe/gjk.hpp"
 
-/// Certificates are checked with nothing but the coordinates and rational arithmetic.
+/// Verifies certificates with nothing but the coordinates and rational arithmetic.
 namespace fringe {
 namespace {
 

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A vertex with the largest product with the direction, and that product in units.
+/// A support point: its index and its product with the direction, in units.
 struct ExactExtreme {
   std::size_t index = 0;
   Integer product;

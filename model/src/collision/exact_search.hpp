@@ -20,7 +20,7 @@ class ExactVertices {
   /// Moves the vertices by the matrix of a pose, which must outlive this object.
   ExactVertices(Vertices vertices, const Eigen::Isometry3d& pose);
 
-  /// All coordinates of all positions are multiples of 2^unit().
+  /// Returns a common unit: all coordinates of all positions are multiples of 2^unit().
   int unit() const { return unit_; }
 
   /// Returns a position in units of 2^unit, which must not be above unit().
@@ -36,7 +36,7 @@ class ExactVertices {
 
 /// Two hulls with positions in integers.
 struct ExactHulls {
-  const HullPair& hulls;  ///< the vertices' positions, rounded
+  const HullPair& hulls;  ///< the rounded positions of the vertices
   ExactVertices a;
   ExactVertices b;
   int unit;  ///< coordinates count in units of 2^unit

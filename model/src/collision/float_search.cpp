@@ -66,6 +66,7 @@ bool surely_around_origin(const std::array<Vector3d, 4>& points) {
          certain_sign(p, q, r) == -sign;
 }
 
+/// Returns the point of the face nearest to the origin, by its barycentric coordinates.
 Vector3d nearest_point(const FloatSimplex& simplex, const NearestFace<double>& face) {
   Vector3d sum = Vector3d::Zero();
   double total = 0;
@@ -80,7 +81,8 @@ Vector3d nearest_point(const FloatSimplex& simplex, const NearestFace<double>& f
 }  // namespace
 
 FloatSearch float_search(const HullPair& hulls, Goal goal) {
-  // Limit of iterations; more than ten are rarely needed. The exact search continues from there.
+  // Limit of iterations; more than ten are rarely needed. The exact search continues from where this one
+  // ends.
   constexpr int most_rounds = 40;
   // The iteration stops at this duality gap relative to the squared distance, where rounding errors outweigh
   // any further gain.

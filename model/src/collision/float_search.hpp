@@ -9,8 +9,8 @@
 namespace fringe::detail {
 
 enum class Goal {
-  decision,  ///< whether the hulls intersect
-  distance   ///< the nearest points, too
+  decision,  ///< decide whether the hulls intersect
+  distance   ///< find the nearest points, too
 };
 
 struct FloatSearch {

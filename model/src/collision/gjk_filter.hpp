@@ -78,7 +78,7 @@ struct BoxNumbers {
   double half_widths[3];
 };
 
-/// The functions for one instruction set.
+/// The function table of one instruction set.
 struct GjkFilter {
   /// Returns the verdict alone; somewhat faster than prove.
   Verdict (*decide)(const PlacedShape& a, const PlacedShape& b);

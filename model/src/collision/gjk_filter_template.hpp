@@ -63,7 +63,7 @@ class GjkFilterFor {
     double x, y, z;
   };
 
-  /// A point of a shape in the shape's frame, and its index among the vertices.
+  /// A support point in the shape's frame, and its index among the vertices.
   struct Local {
     Vec at;
     std::uint32_t index;
@@ -336,8 +336,8 @@ class GjkFilterFor {
   };
 
   struct BoxLanes {
-    Four axes[3];  ///< the axes' x, their y, their z
-    Four half;     ///< half the widths
+    Four axes[3];  ///< the x of the three axes, then their y, then their z
+    Four half;     ///< half-widths
   };
 
   static void add_product(const Four& a, const Four& b, Four& sum) {

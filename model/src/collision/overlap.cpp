@@ -31,6 +31,7 @@ constexpr double certain = 1 - 8 * epsilon;
 /// box's axes.
 constexpr double axes_margin = 1e-13;
 
+/// Returns the norm without overflow or underflow of squares.
 double length(const Vector3d& vector) {
   return std::hypot(vector.x(), vector.y(), vector.z());
 }

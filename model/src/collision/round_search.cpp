@@ -28,7 +28,7 @@ double inward_share(const SupportShape& shape) {
   constexpr double share = 0x1p-48;
   if (shape.form != Form::sector || shape.size[0] == 0)
     return share;
-  // The inner point of a thin piece is close to its flat sides.
+  // The inner point of a thin piece is close to its flat sides, so the fraction must be larger.
   const double thickness = (shape.size[0] - shape.size[2] * shape.ends[0]) / shape.size[0];
   return std::min(1.0, share / std::min(thickness, shape.ends[3]));
 }
@@ -60,6 +60,7 @@ struct FoundPoints {
   }
 };
 
+/// Converts a simplex of indices to the points in the shapes' frames.
 PointSimplex simplex_of(const PairSimplex& pairs, const FoundPoints& a, const FoundPoints& b) {
   PointSimplex simplex;
   for (std::size_t i = 0; i < pairs.size; ++i)
@@ -67,6 +68,8 @@ PointSimplex simplex_of(const PairSimplex& pairs, const FoundPoints& a, const Fo
   return simplex;
 }
 
+/// Finds, in integers, the distance of the hulls of the points found so far, and the simplex nearest to the
+/// origin.
 ExactNearest nearest_of(const HullPair& hulls, const FoundPoints& a, const FoundPoints& b,
                         const PairSimplex& start, double& distance) {
   const ExactHulls exact =

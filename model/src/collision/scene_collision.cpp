@@ -42,7 +42,7 @@ AlignedBox3d enclosing(const OrientedBox& box) {
 
 /// An object that can collide with another one.
 struct Body {
-  std::size_t index;  ///< in the scene
+  std::size_t index;  ///< index of the object in the scene
   Object object;
   BoundingSphere ball = {};  ///< for a mesh: around its box, in its frame
   std::optional<OrientedBox> own_box =

@@ -9,7 +9,7 @@
 #include "collision/rational_vector.hpp"
 #include "fringe/convex_shape.hpp"
 
-/// Certificates of shapes are verified with nothing but the given numbers and rational arithmetic.
+/// Verifies certificates of shapes with nothing but the given numbers and rational arithmetic.
 namespace fringe {
 namespace {
 
@@ -156,6 +156,7 @@ std::vector<RationalVector> points_of(const PointSimplex& simplex, const Rationa
   return points;
 }
 
+/// Tests whether the direction separates the shapes.
 bool proves_separation(const RationalVector& direction, const RationalShape& a, const RationalShape& b) {
   return overlap_from_above(direction, a, b) < 0;
 }

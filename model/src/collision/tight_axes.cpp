@@ -39,8 +39,8 @@ std::vector<Vector3d> spread_directions(std::size_t count) {
 /// Returns the points that are extreme along at least one of many directions: few points whose hull is nearly
 /// that of all.
 Points extreme_points(const Points& points) {
-  constexpr std::size_t few = 100;
-  constexpr std::size_t direction_count = 400;
+  constexpr std::size_t few = 100;              ///< vertices up to which all are kept
+  constexpr std::size_t direction_count = 400;  ///< number of directions
   if (points.size() <= few)
     return points;
   std::vector<std::size_t> indices;
@@ -88,6 +88,7 @@ std::vector<Vector2d> convex_hull(std::vector<Vector2d> points) {
   return hull;
 }
 
+/// Returns the extent of the points along an axis.
 template <class Vectors, class Vector>
 double width_along(const Vectors& points, const Vector& axis) {
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
@@ -134,7 +135,7 @@ BoxCandidate smallest_with_axis(const Points& points, const Vector3d& axis) {
 /// Improves a box: keeps one axis and turns the other two to the smallest box, for each axis in turn, until a
 /// round reduces the volume no further.
 BoxCandidate improved(const Points& points, BoxCandidate candidate) {
-  constexpr double worth_a_round = 1 - 1e-9;
+  constexpr double worth_a_round = 1 - 1e-9;  ///< ratio of volumes above which a round is the last
   while (true) {
     const double before = candidate.volume;
     const Matrix3d axes = candidate.axes;
@@ -155,7 +156,7 @@ void append_axes(std::vector<Vector3d>& directions, const Matrix3d& axes) {
 
 /// Appends the normals of the largest faces, since a tight box often lies flat on one of them.
 void append_normals(std::vector<Vector3d>& directions, const Points& points, std::span<const Face> faces) {
-  constexpr std::size_t most = 60;
+  constexpr std::size_t most = 60;  ///< number of normals
   std::vector<Vector3d> normals;
   for (const auto& [i, j, k] : faces) {
     const Vector3d normal = (points[j] - points[i]).cross(points[k] - points[i]);
@@ -172,7 +173,7 @@ void append_normals(std::vector<Vector3d>& directions, const Points& points, std
 /// For a shape of few vertices, appends the directions of all lines through two vertices, the edges among
 /// them.
 void append_connections(std::vector<Vector3d>& directions, const Points& points) {
-  constexpr std::size_t few = 16;
+  constexpr std::size_t few = 16;  ///< vertices up to which all pairs are used
   if (points.size() > few)
     return;
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -184,10 +185,11 @@ void append_connections(std::vector<Vector3d>& directions, const Points& points)
 }  // namespace
 
 Matrix3d tight_axes(const Points& points, std::span<const Face> faces) {
-  constexpr std::size_t spread = 100;
+  constexpr std::size_t spread = 100;  ///< number of directions spread over the half sphere
   // Number of starting boxes that are improved; the smallest box is reached from one of them.
   constexpr std::size_t improved_count = 12;
   const Points extreme = extreme_points(points);
+  // The candidates for the first axis of a box.
   std::vector<Vector3d> directions = spread_directions(spread);
   append_axes(directions, Matrix3d::Identity());
   append_axes(directions, axes_of_vertices(points));

@@ -76,6 +76,7 @@ double strip_border(int index, int count) {
   return (1 - std::cos(std::numbers::pi * index / count)) / 2;
 }
 
+/// Returns the number of cells along a side.
 int cells_along(double length, double cell) {
   constexpr double rounding = 1e-9;
   return std::clamp(static_cast<int>(std::ceil(length / cell - rounding)), 1, most_cells_along);
@@ -101,6 +102,7 @@ void divide_needle(const Vector3d& start, const Vector3d& end, const Vector3d& a
 /// Ratio of the longest side to the height above which a triangle is a needle.
 constexpr double needle = 300;
 
+/// Divides a patch into cells of about the given size.
 void divide(const Patch& patch, double cell, std::vector<Patch>& cells) {
   if (patch.parallelogram) {
     const int count_u = cells_along(patch.u.norm(), cell), count_v = cells_along(patch.v.norm(), cell);
@@ -252,6 +254,7 @@ void make_modes(ChargedSurface& surface) {
 /// Largest number of triangles in a cluster.
 constexpr std::size_t cluster_size = 8;
 
+/// Makes a cluster and, if the members lie in approximately one plane, the triangle that replaces them.
 Cluster cluster_of(const ChargedSurface& surface, std::span<const std::size_t> members) {
   Cluster cluster;
   cluster.members.assign(members.begin(), members.end());

@@ -18,6 +18,7 @@ using std::numbers::pi;
 /// not sealed (model/CORRECTIONS.md).
 constexpr double constant_factor = 1.295;
 
+/// Returns sin θ/θ, where θ is the angle between the triangle and the plate.
 double arc_factor(const Vector3d& normal, const Rectangle& plate) {
   const Vector3d plate_normal = plate.edge_u.cross(plate.edge_v).normalized();
   const double sine = normal.cross(plate_normal).norm(),
@@ -32,6 +33,7 @@ double kirchhoff_factor(double distance, const Rectangle& plate) {
   return 1 + std::max(0.0, distance / circumference * (std::log(16 * circumference / distance) - 1));
 }
 
+/// Returns Palmer's factor for the edges of the plate at the given distance.
 double palmer_factor(double distance, const Rectangle& plate) {
   double factor = 1;
   for (const double length : {plate.edge_u.norm(), plate.edge_v.norm()})
@@ -53,6 +55,7 @@ double sum_of(const ChargedSurface& object, const TriangleBatch& batch, std::spa
   return sum;
 }
 
+/// Returns Σ∫dA/d without a correction.
 double plain(const TriangleBatch& batch, std::span<const Rectangle> plates) {
   double sum = 0;
   for (const BoundedIntegral& total : total_integrals(batch, plates))

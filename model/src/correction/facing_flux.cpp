@@ -97,7 +97,7 @@ Polygon<Vector2d> projected(const Polygon<Vector3d>& polygon, const Vector3d& ax
 /// A pair of facing sides and the plane that bisects the angle between them.
 struct Facing {
   Vector3d across;  ///< unit vector from the plate to the triangle, normal to the bisecting plane
-  double cosine;    ///< of the angle between the surfaces
+  double cosine;    ///< cosine of the angle between the surfaces
   double factor;    ///< of ∫dA/gap along `across`, to replace the gap by the arc's length
 
   Facing(const Vector3d& sum_of_normals, double cosine_between)

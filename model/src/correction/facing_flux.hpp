@@ -11,7 +11,7 @@ namespace fringe::detail {
 
 /// Sums over triangles. θ is the angle between a triangle and the plate; all sums are symmetric in the two.
 struct FacingFlux {
-  double flux = 0;           ///< ∫dA/L, L the length of the arc; m
+  double flux = 0;           ///< ∫dA/L, where L is the length of the arc; m
   double soft_flux = 0;      ///< the same with gaps √(g² + s²) instead of g; m
   double tilted_excess = 0;  ///< flux − soft_flux of each triangle, times 1 − cos θ; m
   double area = 0;           ///< area over which they face each other, m²
@@ -21,7 +21,7 @@ struct FacingFlux {
 struct FacingPlate {
   explicit FacingPlate(const Rectangle& plate);
 
-  std::array<Eigen::Vector3d, 4> corners;  ///< in order
+  std::array<Eigen::Vector3d, 4> corners;  ///< in order around the plate
   Eigen::Vector3d normal;                  ///< of length 1
 };
 

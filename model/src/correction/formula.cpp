@@ -17,14 +17,15 @@ using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 
 /// The formula's constants (no unit), fitted to the set-ups that are not sealed by `python3 -m
 /// analysis.topics.corrections.fit`.
-constexpr double linear_stiffness = 1.969;
-constexpr double quadratic_stiffness = 2.213;
-constexpr double remaining_stiffness = 8.175;
-constexpr double fringe = 2.369;
-constexpr double attraction = 3.795;
-constexpr double saturation = 0.217;
-constexpr double tilt = 0.795;
-constexpr double fringe_near = -1.866;
+constexpr double linear_stiffness =
+    1.969;  ///< weight of the potential's linear variation in the polarisability
+constexpr double quadratic_stiffness = 2.213;  ///< weight of its quadratic variation
+constexpr double remaining_stiffness = 8.175;  ///< weight of its remaining variation
+constexpr double fringe = 2.369;        ///< weight of the fringing flux at the border of the facing area
+constexpr double attraction = 3.795;    ///< weight of the mutual attraction of the charges
+constexpr double saturation = 0.217;    ///< limits the polarisability to 1/saturation
+constexpr double tilt = 0.795;          ///< weight of the near flux between tilted sides
+constexpr double fringe_near = -1.866;  ///< change of the fringing flux per coupling
 
 /// Computes the potentials, over 4π, at the nodes of the object (rows) of unit charges at the nodes of the
 /// sensor (columns).
@@ -65,6 +66,7 @@ double own_gap(const ChargedSurface& surface) {
   return surface.area / (surface.closed ? 2 : 1) / surface.own_capacitance;
 }
 
+/// Adds the flux between an object and one plate, cluster by cluster where the gap is large enough.
 void add_facing_flux(FacingFlux& flux, const ChargedSurface& object, const Rectangle& rectangle,
                      double softness) {
   const FacingPlate plate(rectangle);

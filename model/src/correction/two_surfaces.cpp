@@ -72,6 +72,7 @@ double lateral_distance(const FlatFace& face, const Vector3d& point) {
   return inside ? 0 : std::sqrt(squared);
 }
 
+/// Returns the distance of a point from the nearest face.
 double distance(std::span<const FlatFace> faces, const Vector3d& point) {
   double least = infinity;
   for (const FlatFace& face : faces) {
@@ -108,6 +109,7 @@ double back_length(const FlatFace& own, bool closed, std::span<const FlatFace> f
   return least;
 }
 
+/// Tests whether a corner of another face is in front of this face.
 bool sees(const FlatFace& face, std::span<const FlatFace> others) {
   for (const FlatFace& other : others)
     for (const Vector3d& corner : other.corners)
@@ -116,6 +118,7 @@ bool sees(const FlatFace& face, std::span<const FlatFace> others) {
   return false;
 }
 
+/// Integrates a function over a face.
 template <class Function>
 double integral_over(const FlatFace& face, const Function& function) {
   double sum = 0;
@@ -128,6 +131,8 @@ double integral_over(const FlatFace& face, const Function& function) {
   return sum;
 }
 
+/// Computes ∫dA (1/L_front + 1/L_back) over a surface; a face of a closed one counts with one of its terms
+/// only.
 double arcs_over(std::span<const FlatFace> surface, bool closed, std::span<const FlatFace> others) {
   double sum = 0;
   for (const FlatFace& face : surface)

@@ -168,6 +168,7 @@ class SceneEvaluator::Implementation {
   /// Whether groups of triangles may be lumped and objects replaced by their enclosures.
   bool lumps() const { return options_.tolerance > 0 && options_.plates == PlateRule::sum; }
 
+  /// Evaluates one sensor with all objects.
   void evaluate(std::size_t sensor) {
     const std::span<Pair> pairs = std::span(pairs_).subspan(sensor * objects_.size(), objects_.size());
     for (std::size_t object = 0; object < pairs.size(); ++object) {
@@ -198,6 +199,8 @@ class SceneEvaluator::Implementation {
     return options_.tolerance / 2 * total / static_cast<double>(pairs.size());
   }
 
+  /// Computes the integral of one pair, or keeps the known value if it is accurate enough, or estimates it
+  /// by the object's enclosure.
   void integrate(Pair& pair, PlacedObject& object, std::span<const Rectangle> plates, double allowance) {
     Surface& surface = object.surface;
     const double own = options_.tolerance / 2 * (pair.integral.value - pair.integral.bound);
@@ -226,6 +229,7 @@ class SceneEvaluator::Implementation {
     answer_.counts += pair.integral.counts;
   }
 
+  /// Computes the corrected value of one pair, or keeps the known one.
   void correct(Pair& pair, std::size_t sensor, std::size_t object) {
     const std::vector<Rectangle>& plates = placed_sensors_[sensor].plates;
     const PlacedObject& before = objects_[object];
@@ -257,6 +261,7 @@ class SceneEvaluator::Implementation {
                                      charged_sensors_[sensor], sensor_pose, in_object_frame_);
   }
 
+  /// Writes the results of one sensor into the answer.
   void tell(std::size_t sensor, std::span<const Pair> pairs) {
     SensorCapacitance& felt = answer_.sensors[sensor];
     felt.total = 0;
@@ -280,7 +285,7 @@ class SceneEvaluator::Implementation {
   std::vector<PlacedSensor> placed_sensors_;
   std::vector<PlacedObject> objects_;
   std::vector<detail::ChargedSurface>
-      charged_sensors_;  ///< in their links' frames; empty without a correction
+      charged_sensors_;  ///< in the frames of their links; empty without a correction
   std::vector<detail::ChargedSurface> charged_objects_;  ///< in their own frames; empty without a correction
   std::optional<detail::Recommended> recommended_;
   bool all_moved_ = false;

@@ -28,6 +28,7 @@ class ConeBounds {
  private:
   template <class Reach>
   bool separated(const Eigen::Vector3d& centre, const Reach& least) const;
+  /// Returns the margin that covers the rounding of the coordinates of the apex and the box.
   double allowance(const Eigen::AlignedBox3d& box) const;
   double least_distance(const Triangle& triangle) const;
   bool misses(const Triangle& triangle, const Eigen::AlignedBox3d& box) const;
@@ -35,7 +36,7 @@ class ConeBounds {
   Eigen::Vector3d apex_;
   Eigen::Vector3d axis_;
   double cosine_, sine_;
-  double pose_rounding_;  ///< relative to the coordinates
+  double pose_rounding_;  ///< relative to the coordinates, no unit
   double apex_allowance_;
 };
 

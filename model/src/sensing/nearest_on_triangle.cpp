@@ -50,6 +50,7 @@ struct SeenTriangle {
   Vector3d rounding;  ///< error bound of each coordinate
 };
 
+/// Computes a side of the triangle; `difference` is end − start, computed without cancellation.
 TriangleSide side_between(const PreciseVector& start, const PreciseVector& end,
                           const PreciseVector& difference) {
   const double size = largest_component(difference);
@@ -90,6 +91,7 @@ class Search {
       see(point, square);
   }
 
+  /// Records a point in the cone if it is the nearest so far.
   void see(const PreciseVector& point, DoubleDouble square) {
     if (square < visible_square_) {
       visible_square_ = square;
@@ -138,6 +140,7 @@ class Search {
     }
   }
 
+  /// Tests whether a point of the triangle's plane is in the triangle, up to rounding.
   bool in_triangle(const PreciseVector& point) const {
     for (std::size_t i = 0; i < 3; ++i)
       if (!(dot(inward_[i], point - triangle_.vertices[i]).high >= -precise_noise))

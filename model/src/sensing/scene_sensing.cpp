@@ -63,6 +63,7 @@ class SceneSensing::Implementation {
   }
 
  private:
+  /// Searches all objects for the closest visible point.
   std::optional<SensedPoint> closest(ConeQuery& query,
                                      const std::vector<Eigen::Isometry3d>& link_poses) const {
     for (std::size_t i = 0; i < objects_.size(); ++i)
