@@ -22,10 +22,9 @@ struct VertexBlocks {
 /// divided into squares; for each square the table lists all vertices that may be the support point for a
 /// direction through it.
 struct DirectionCells {
-  int resolution;  ///< squares along a side; 0: there is no table and all vertices are compared
-  const std::uint32_t*
-      starts;             ///< where each cell's vertices begin, at a block of their own; the end comes last
-  VertexBlocks vertices;  ///< vertices of all cells, one cell after the other
+  int resolution;                ///< squares along a side; 0: there is no table and all vertices are compared
+  const std::uint32_t* starts;   ///< where each cell's vertices begin, block by block; last, the end
+  VertexBlocks vertices;         ///< vertices of all cells, one cell after the other
   const std::uint32_t* indices;  ///< indices of these vertices among the hull's
 };
 

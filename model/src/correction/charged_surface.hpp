@@ -18,8 +18,7 @@ namespace fringe::detail {
 struct Cluster {
   std::vector<std::size_t> members;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double radius =
-      0;  ///< of a sphere about the centre that contains the members; infinite: they have no common plane
+  double radius = 0;  ///< of a sphere about the centre around the members; infinite: no common plane
   Triangle stand_in;  ///< with the members' centroid, area and mean normal
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   double area = 0;

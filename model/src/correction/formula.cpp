@@ -15,12 +15,11 @@ namespace {
 using Eigen::VectorXd;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// The formula's constants (no unit), fitted to the set-ups that are not sealed by `python3 -m
-/// analysis.topics.corrections.fit`.
-constexpr double linear_stiffness =
-    1.969;  ///< weight of the potential's linear variation in the polarisability
-constexpr double quadratic_stiffness = 2.213;  ///< weight of its quadratic variation
-constexpr double remaining_stiffness = 8.175;  ///< weight of its remaining variation
+/// Constants of the formula (no unit), fitted to the set-ups that are not sealed by
+/// `python3 -m analysis.topics.corrections.fit`.
+constexpr double linear_stiffness = 1.969;     ///< weight of linear variation in the polarisability
+constexpr double quadratic_stiffness = 2.213;  ///< weight of quadratic variation
+constexpr double remaining_stiffness = 8.175;  ///< weight of remaining variation
 constexpr double fringe = 2.369;        ///< weight of the fringing flux at the border of the facing area
 constexpr double attraction = 3.795;    ///< weight of the mutual attraction of the charges
 constexpr double saturation = 0.217;    ///< limits the polarisability to 1/saturation

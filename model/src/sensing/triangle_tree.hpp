@@ -23,8 +23,7 @@ class TriangleTree {
 
  private:
   BoxTree tree_;
-  std::vector<Triangle>
-      triangles_;  ///< in the order of tree_.items(), so that the triangles of a leaf are adjacent
+  std::vector<Triangle> triangles_;  ///< in the order of tree_.items(), those of a leaf adjacent
 };
 
 }  // namespace fringe::detail
