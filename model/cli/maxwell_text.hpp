@@ -16,6 +16,7 @@ struct MaxwellRequest {
 std::string maxwell_json(const Scene& scene, const MaxwellMatrix& matrix, const MaxwellRequest& request,
                          double seconds);
 
+/// Formats the matrix as a table in pF.
 std::string maxwell_table(const MaxwellMatrix& matrix, const MaxwellRequest& request, double seconds);
 
 }  // namespace fringe::cli

@@ -52,6 +52,7 @@ struct NodePose {
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 };
 
+/// Splits a node's transformation into rotation, rest and translation.
 NodePose pose_of(const tinygltf::Node& node) {
   NodePose pose;
   if (node.matrix.size() == 16) {
@@ -118,6 +119,7 @@ class Reader {
       add_node(child, index, below, depth + 1);
   }
 
+  /// Adds the link of a node, and its mesh.
   void add_link(const tinygltf::Node& node, int number, std::optional<std::size_t> parent,
                 const Eigen::Matrix3d& rest) {
     const NodePose pose = pose_of(node);

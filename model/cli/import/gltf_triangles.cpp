@@ -103,6 +103,7 @@ std::vector<std::size_t> indices(const tinygltf::Model& model, int number, std::
   return result;
 }
 
+/// Appends the triangles of a primitive; ignores points and lines.
 void append(std::vector<Triangle>& triangles, const tinygltf::Model& model,
             const tinygltf::Primitive& primitive) {
   // A primitive without a mode consists of triangles.

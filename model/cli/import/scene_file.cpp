@@ -147,6 +147,7 @@ void write_bytes(const fs::path& path, const std::string& bytes) {
     throw std::runtime_error(fmt::format("{}: cannot be written", path.string()));
 }
 
+/// Returns the head of the scene file, with an example of a sensor as a comment.
 std::string heading(const Scene& scene, const std::string& source) {
   const std::string link =
       scene.links.empty() ? "" : fmt::format("link = {}, ", quoted(scene.links.back().name));

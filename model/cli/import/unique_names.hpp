@@ -10,6 +10,7 @@ namespace fringe::cli {
 /// Makes names unique by appending a number to a name that is taken already.
 class UniqueNames {
  public:
+  /// Returns the wanted name, or one with the first number that makes it unique.
   std::string take(const std::string& wanted) {
     std::string name = wanted;
     for (int number = 2; !taken_.insert(name).second; ++number)

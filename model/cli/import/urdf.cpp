@@ -180,12 +180,14 @@ class Reader {
     fail(what, "its geometry is none that is known");
   }
 
+  /// Returns a size; throws InputError unless it is positive and finite.
   double positive(double size, const std::string& what, std::string_view shape) const {
     if (!(size > 0) || !std::isfinite(size))
       fail(what, fmt::format("{}: a size must be greater than zero, not {}", shape, size));
     return size;
   }
 
+  /// Reads and scales a mesh file.
   Mesh mesh_of(const urdf::Mesh& mesh, const std::string& what) const {
     const Eigen::Vector3d scale(mesh.scale.x, mesh.scale.y, mesh.scale.z);
     if (!scale.allFinite() || scale.prod() == 0)

@@ -30,6 +30,7 @@ enum class FaceRule {
 PlateRule parse_plate_rule(std::string_view text);
 /// Reads "all" or "facing". Throws InputError for anything else.
 FaceRule parse_face_rule(std::string_view text);
+/// Returns the text from which the rule is read.
 std::string to_string(PlateRule rule);
 std::string to_string(FaceRule rule);
 

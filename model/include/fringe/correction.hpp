@@ -38,6 +38,7 @@ std::span<const CorrectionInfo> corrections();
 /// Reads a name of the registry. Throws InputError, listing the choices, for anything else.
 Correction parse_correction(std::string_view text);
 
+/// Returns the correction's name in the registry.
 std::string to_string(Correction correction);
 
 /// The terms of the correction `formula` for one sensor and one object (model/CORRECTIONS.md); in m unless

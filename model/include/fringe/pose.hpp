@@ -40,6 +40,7 @@ std::size_t find_link(const std::vector<Link>& links, std::string_view name);
 /// Replaces a link's pose relative to its parent. Throws InputError when no link has the name.
 void set_pose(Scene& scene, std::string_view link_name, const Eigen::Isometry3d& pose);
 
+/// Moves a rectangle or a triangle by a pose.
 Rectangle transformed(const Rectangle& rectangle, const Eigen::Isometry3d& pose);
 Triangle transformed(const Triangle& triangle, const Eigen::Isometry3d& pose);
 

@@ -28,6 +28,7 @@ struct SceneInfo {
   std::vector<ObjectInfo> objects;
 };
 
+/// Collects the counts and the objects' geometry of a scene.
 SceneInfo scene_info(const Scene& scene);
 
 }  // namespace fringe

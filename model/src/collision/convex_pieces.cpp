@@ -76,6 +76,7 @@ OrientedBox enclosing_box_of(const Mesh& mesh) {
   return oriented_box(vertices, faces, BoxMethod::tight);
 }
 
+/// Makes one piece of a convex shape.
 template <typename Form>
 ConvexPieces single(ConvexShape shape, const Form& form) {
   const AlignedBox3d box = box_of(form);

@@ -19,6 +19,7 @@ class CoordinateBlocks {
   void fill_block();
 
   std::size_t size() const { return size_; }
+  /// Returns a view of the coordinates, valid until the next change.
   VertexBlocks blocks() const {
     return {coordinates_.data(), static_cast<std::uint32_t>(size_), static_cast<std::uint32_t>(last_)};
   }

@@ -41,6 +41,7 @@ ExactExtreme exactly_farthest_along(const ExactHulls& exact, Vertices vertices,
   return extreme;
 }
 
+/// Returns the point a − b of a pair.
 ExactVector point_of(const ExactHulls& exact, VertexPair pair) {
   return difference(exact.a.position(pair.a, exact.unit), exact.b.position(pair.b, exact.unit));
 }

@@ -29,6 +29,7 @@ struct FloatSimplex {
                        [=](VertexPair own) { return own.a == pair.a && own.b == pair.b; });
   }
 
+  /// Reduces the simplex to the members of a face.
   void keep(unsigned members) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < simplex.size; ++i)

@@ -89,6 +89,7 @@ class GjkFilterFor {
   static Vec minus(const Vec& a, const Vec& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
   static Vec negated(const Vec& a) { return {-a.x, -a.y, -a.z}; }
   static double dot(const Vec& a, const Vec& b) { return fused(a.x, b.x, fused(a.y, b.y, a.z * b.z)); }
+  /// Returns a b − c d with one rounding less where fused multiply-add exists.
   static double difference_of_products(double a, double b, double c, double d) {
     return fused(a, b, -(c * d));
   }
@@ -96,6 +97,7 @@ class GjkFilterFor {
     return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
             difference_of_products(a.x, b.y, a.y, b.x)};
   }
+  /// Returns the 1-norm of a vector.
   static double sum_of_magnitudes(const Vec& a) {
     return __builtin_fabs(a.x) + __builtin_fabs(a.y) + __builtin_fabs(a.z);
   }
@@ -187,6 +189,7 @@ class GjkFilterFor {
                                       square(v, inverse, resolution));
   }
 
+  /// Finds a hull's support point, by its direction cells if it has any.
   static Local hull_support(const SupportShape& shape, const Vec& d) {
     const DirectionCells& cells = shape.cells;
     if (cells.resolution == 0) {
@@ -228,6 +231,8 @@ class GjkFilterFor {
     return {rim, 0};
   }
 
+  /// Finds a sector's support point: on the outer arc if the direction is between the ends, otherwise at an
+  /// end.
   static Local sector_support(const SupportShape& shape, const Vec& d) {
     const double* ends = shape.ends;
     const double z = __builtin_copysign(shape.size[1], d.z);

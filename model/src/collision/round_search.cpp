@@ -43,6 +43,7 @@ struct FoundPoints {
 
   bool is_round() const { return shape.is_round(); }
 
+  /// Adds a support point, moved inwards if the shape is round; returns its index.
   std::size_t add(const Vector3d& point) {
     const SupportShape& support = shape.data().support;
     const Vector3d within =

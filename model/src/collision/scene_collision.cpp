@@ -83,6 +83,7 @@ class NarrowPhase {
   }
 
  private:
+  /// Tests the pieces, starting from the roots of both hierarchies.
   bool meet_below_roots() {
     const BoxTree::Node& a = pieces_a_.tree.root();
     const BoxTree::Node& b = pieces_b_.tree.root();
@@ -194,6 +195,7 @@ class CollisionDetector::Implementation {
  private:
   std::optional<std::size_t> link_of(std::size_t body) const { return bodies_[body].object.link; }
 
+  /// Tests whether a pair's status may differ from that of the last answer.
   bool can_have_changed(std::size_t a, std::size_t b) const {
     return is_first_ || !motion_.rigid(link_of(a), link_of(b));
   }
@@ -277,6 +279,7 @@ class CollisionDetector::Implementation {
     marks_[{a, b}] = meet ? PairStatus::collision : PairStatus::bounds;
   }
 
+  /// Writes the marked pairs into the answer.
   void write_marks() {
     answer_.marked.clear();
     for (const auto& [pair, status] : marks_)

@@ -90,6 +90,7 @@ class NearestSimplex {
   }
 
  private:
+  /// Reduces the simplex to a face and computes the face's point nearest to the origin.
   void keep(const detail::NearestFace<double>& face) {
     double total = 0;
     std::size_t kept = 0;

@@ -46,6 +46,7 @@ struct Patch {
   Vector3d v;
   bool parallelogram;
 
+  /// Returns the area of the patch.
   double area() const { return u.cross(v).norm() / (parallelogram ? 1 : 2); }
   Vector3d centre() const { return corner + (u + v) / (parallelogram ? 2 : 3); }
 };
@@ -187,6 +188,7 @@ void divide_in_groups(std::span<const Patch> cells, std::span<std::size_t> numbe
   divide_in_groups(cells, numbers.subspan(half), count - count / 2, groups);
 }
 
+/// Computes the same matrix for groups of cells as point charges; their distances are limited from below.
 MatrixXd potentials(std::span<const Group> groups) {
   const auto count = static_cast<Eigen::Index>(groups.size());
   MatrixXd result(count, count);

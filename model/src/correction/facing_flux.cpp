@@ -44,6 +44,7 @@ double cross(const Vector2d& a, const Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
+/// Returns twice the area, positive if the polygon is anticlockwise.
 double twice_signed_area(const Polygon<Vector2d>& polygon) {
   double sum = 0;
   for (std::size_t i = 2; i < polygon.size; ++i)
@@ -117,6 +118,8 @@ struct Facing {
 /// Least value of 1 + cosine; below it neither the angle nor the bisecting plane is known.
 constexpr double least_opening = 1e-7;
 
+/// Adds the flux over a triangle of the bisecting plane, where `area` is the triangle's and the gaps are
+/// those at its corners.
 void add(FacingFlux& sum, const Facing& facing, double area, double gap0, double gap1, double gap2,
          double softness) {
   const auto [sharp, soft] = inverse_gaps(gap0, gap1, gap2, softness);
@@ -144,6 +147,7 @@ struct Shadow {
     }
   }
 
+  /// Tests by intervals whether the triangle certainly projects beside the plate.
   bool misses() const {
     const auto outside = [](const double(&x)[3]) {
       return std::max({x[0], x[1], x[2]}) <= 0 || std::min({x[0], x[1], x[2]}) >= 1;
@@ -151,6 +155,7 @@ struct Shadow {
     return outside(u) || outside(v);
   }
 
+  /// Tests whether the triangle projects into the plate.
   bool within() const {
     const auto inside = [](const double(&x)[3]) {
       return std::min({x[0], x[1], x[2]}) >= 0 && std::max({x[0], x[1], x[2]}) <= 1;

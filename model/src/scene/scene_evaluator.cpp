@@ -23,6 +23,7 @@ using detail::Enclosure;
 using detail::Surface;
 using detail::SurfaceIntegral;
 
+/// Throws InputError for options that are out of range or cannot be combined.
 void validate(const CapacitanceOptions& options) {
   if (!std::isfinite(options.tolerance) || options.tolerance < 0)
     throw InputError(fmt::format("tolerance {} must be finite and not negative", options.tolerance));
@@ -38,6 +39,7 @@ void validate(const CapacitanceOptions& options) {
                                  to_string(options.correction)));
 }
 
+/// Prepares the surface of an object. Throws InputError for an object that the model does not support.
 Surface surface_of(const Object& object) {
   if (!std::holds_alternative<Grounded>(object.role))
     throw InputError(
@@ -59,6 +61,7 @@ struct PlacedSensor {
   std::vector<detail::PlateFrame> frames;
 };
 
+/// Moves a sensor's plates into the world. Throws InputError for an invalid plate.
 PlacedSensor placed(const Sensor& sensor, const Eigen::Isometry3d& pose) {
   PlacedSensor result;
   for (const Rectangle& plate : sensor.plates) {

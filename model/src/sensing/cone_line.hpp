@@ -62,6 +62,7 @@ class ConeEquation {
   Crossings crossings(const PreciseLine& line) const;
 
  private:
+  /// Tests whether a crossing lies on the mirror cone, which the squared equation includes, too.
   bool on_mirror_cone(const PreciseLine& line, DoubleDouble position_over_distance) const;
 
   PreciseVector x_, y_, z_;

@@ -34,6 +34,7 @@ class ConeQuery {
   const std::optional<Sighting>& best() const { return best_; }
 
  private:
+  /// Tests whether a point is better than the best so far.
   bool improves(double distance, std::size_t surface, std::size_t index) const;
 
   SensingCone cone_;

@@ -193,6 +193,7 @@ bool is_origin_but_for_rounding(const Vector3d& point, const Vector3d& rounding)
   return point.squaredNorm() <= point.cwiseAbs().dot(rounding);
 }
 
+/// Finds the nearest point for coordinates of ordinary magnitude.
 template <class Method>
 std::optional<NearestPoint> nearest_of_scaled(const Triangle& triangle, const Vector3d& apex,
                                               const Method& cone) {

@@ -56,6 +56,7 @@ struct Polar {
   PreciseVector direction;
 };
 
+/// Normalises a vector.
 inline Polar polar(const PreciseVector& a) {
   const DoubleDouble square = dot(a, a);
   if (!(square.high > 0))

@@ -21,6 +21,7 @@ SensingCone placed(const DistanceSensor& sensor, const Eigen::Isometry3d& pose) 
           sensor.full_angle_degrees / 180 * std::numbers::pi, sensor.range};
 }
 
+/// An object with the hierarchy of its triangles, and its pose on its link.
 struct SensedObject {
   std::string name;
   std::optional<std::size_t> link;
