@@ -59,7 +59,6 @@ Number number_at(const unsigned char* data) {
   return number;
 }
 
-/// Reads the positions of an accessor.
 std::vector<Eigen::Vector3d> positions(const tinygltf::Model& model, int number) {
   const Elements found = elements(model, number);
   const tinygltf::Accessor& accessor = model.accessors[static_cast<std::size_t>(number)];

@@ -34,7 +34,6 @@ struct Farthest {
   double square;
 };
 
-/// Finds the vertex farthest from the centre.
 Farthest farthest_from(const Vector3d& centre, const std::vector<Vector3d>& points) {
   Farthest farthest{0, 0};
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -44,10 +44,9 @@ AlignedBox3d enclosing(const OrientedBox& box) {
 struct Body {
   std::size_t index;  ///< index of the object in the scene
   Object object;
-  BoundingSphere ball = {};  ///< for a mesh: around its box, in its frame
-  std::optional<OrientedBox> own_box =
-      {};  ///< in its frame; for a mesh, computed once its ball overlaps another body
-  std::optional<ConvexPieces> pieces = {};   ///< computed once the box overlaps another body's box
+  BoundingSphere ball = {};                  ///< for a mesh: around its box, in its frame
+  std::optional<OrientedBox> own_box = {};   ///< in its frame; a mesh's is computed when needed
+  std::optional<ConvexPieces> pieces = {};   ///< computed when needed
   Isometry3d pose = Isometry3d::Identity();  ///< in the world
   OrientedBox box = {};                      ///< in the world, if own_box is known
 };
@@ -250,7 +249,7 @@ class CollisionDetector::Implementation {
       look_at(std::min(body, other), std::max(body, other));
   }
 
-  /// Tests whether the oriented boxes of two bodies overlap whose boxes in the tree do. Computes a mesh's
+  /// For two bodies whose boxes in the tree overlap, tests whether their oriented boxes do. Computes a mesh's
   /// oriented box when it is first needed.
   bool oriented_boxes_meet(std::size_t a, std::size_t b) {
     for (const std::size_t index : {a, b}) {

@@ -156,7 +156,6 @@ std::vector<RationalVector> points_of(const PointSimplex& simplex, const Rationa
   return points;
 }
 
-/// Tests whether the direction separates the shapes.
 bool proves_separation(const RationalVector& direction, const RationalShape& a, const RationalShape& b) {
   return overlap_from_above(direction, a, b) < 0;
 }

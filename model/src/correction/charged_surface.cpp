@@ -46,7 +46,6 @@ struct Patch {
   Vector3d v;
   bool parallelogram;
 
-  /// Returns the area of the patch.
   double area() const { return u.cross(v).norm() / (parallelogram ? 1 : 2); }
   Vector3d centre() const { return corner + (u + v) / (parallelogram ? 2 : 3); }
 };
@@ -77,7 +76,6 @@ double strip_border(int index, int count) {
   return (1 - std::cos(std::numbers::pi * index / count)) / 2;
 }
 
-/// Returns the number of cells along a side.
 int cells_along(double length, double cell) {
   constexpr double rounding = 1e-9;
   return std::clamp(static_cast<int>(std::ceil(length / cell - rounding)), 1, most_cells_along);

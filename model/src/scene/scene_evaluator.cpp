@@ -171,7 +171,6 @@ class SceneEvaluator::Implementation {
   /// Whether groups of triangles may be lumped and objects replaced by their enclosures.
   bool lumps() const { return options_.tolerance > 0 && options_.plates == PlateRule::sum; }
 
-  /// Evaluates one sensor with all objects.
   void evaluate(std::size_t sensor) {
     const std::span<Pair> pairs = std::span(pairs_).subspan(sensor * objects_.size(), objects_.size());
     for (std::size_t object = 0; object < pairs.size(); ++object) {
