@@ -99,7 +99,7 @@ Polygon<Vector2d> projected(const Polygon<Vector3d>& polygon, const Vector3d& ax
 struct Facing {
   Vector3d across;  ///< unit vector from the plate to the triangle, normal to the bisecting plane
   double cosine;    ///< cosine of the angle between the surfaces
-  double factor;    ///< of ∫dA/gap along `across`, to replace the gap by the arc's length
+  double factor;    ///< factor on ∫dA/gap along `across`, which replaces the gap by the arc's length
 
   Facing(const Vector3d& sum_of_normals, double cosine_between)
       : across(sum_of_normals.normalized()), cosine(cosine_between) {

@@ -30,7 +30,7 @@ class Recommended {
 
  private:
   std::optional<ReducedEvaluator> evaluator_;
-  const MaxwellMatrix* matrix_ = nullptr;  ///< null if conductors touch
+  const MaxwellMatrix* matrix_ = nullptr;  ///< null if there is no answer, as when conductors touch
   bool is_stale_ = true;
 };
 

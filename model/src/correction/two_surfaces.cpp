@@ -95,8 +95,9 @@ double front_length(std::span<const FlatFace> faces, const Vector3d& point, cons
   return least;
 }
 
-/// Returns the length of the path around the nearest edge: half a turn at the edge of a sheet, with the
-/// point's distance from the edge as radius; a quarter turn at the edge of a body.
+/// Returns the length of the shortest path from the back of a face around one of its edges to the other
+/// faces: half a turn at the edge of a sheet, with the point's distance from the edge as radius, or a quarter
+/// turn at the edge of a body; then an arc.
 double back_length(const FlatFace& own, bool closed, std::span<const FlatFace> faces, const Vector3d& point) {
   double least = infinity;
   for (std::size_t i = 0; i < own.corners.size(); ++i) {
