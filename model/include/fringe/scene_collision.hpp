@@ -54,10 +54,10 @@ std::vector<ObjectPair> all_pairs(const SceneCollision& answer, const Scene& sce
 ///
 /// Cylinders, cones, spheres and the outside of arcs are truly round here, whatever `segments` says; the
 /// inside of an arc is flat between its segments. A mesh whose triangles bound a volume includes its inside;
-/// any other mesh is its surface only. Between polytopes the answer is exact for the poses in the world as
-/// rounded (fringe/convex_shape.hpp states what holds for round shapes). The bounding boxes are oriented
-/// ones, the smallest that are known; they count as meeting if they are less than 1e-8 of their size and
-/// distance apart.
+/// any other mesh is its surface only. Between objects whose surfaces are flat the answer is exact for the
+/// poses in the world as rounded (fringe/convex_shape.hpp states what holds for round ones). The bounding
+/// boxes are oriented ones, the smallest that are known; they count as meeting if they are less than 1e-8 of
+/// their size and distance apart.
 class CollisionDetector {
  public:
   explicit CollisionDetector(const Scene& scene);
