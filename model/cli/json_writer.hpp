@@ -22,7 +22,7 @@ inline void write_text(Writer& writer, const char* key, const std::string& text)
   write_text(writer, text);
 }
 
-/// Writes a number; infinity as 1e999, which every JSON reader takes as infinity.
+/// Writes a number; infinity as 1e999, which is a valid JSON number.
 inline void write_number(Writer& writer, double number) {
   if (std::isinf(number))
     writer.RawValue("1e999", 5, rapidjson::kNumberType);
