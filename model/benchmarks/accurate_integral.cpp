@@ -21,13 +21,14 @@ long double distance(const Vector& point, const Sides& sides) {
   return (point - nearest).norm();
 }
 
-/// The parts of a triangle on either side of the plane where a coordinate has the value `level`.
+/// Divides a triangle by the plane where a coordinate has the value `level`.
 std::vector<Part> cut(const Part& part, Eigen::Index coordinate, long double level) {
   const auto height = [&](const Vector& vertex) { return vertex[coordinate] - level; };
   for (std::size_t i = 0; i < 3; ++i) {
     const Vector &alone = part[i], &next = part[(i + 1) % 3], &last = part[(i + 2) % 3];
     const long double here = height(alone), towards_next = height(next), towards_last = height(last);
-    // One vertex strictly on its side, the other two not on that side, and not both in the plane.
+    // The plane divides the triangle if one vertex is strictly on its own side, and of the other two none is
+    // on that side and not both are in the plane.
     if (here * towards_next > 0 || here * towards_last > 0 || here == 0 ||
         (towards_next == 0 && towards_last == 0))
       continue;
@@ -42,9 +43,9 @@ long double longest_edge(const Part& part) {
   return std::max({(part[1] - part[0]).norm(), (part[2] - part[1]).norm(), (part[0] - part[2]).norm()});
 }
 
-/// A product Gauss rule collapsed onto the first vertex. On a part no larger than its distance the integrand
-/// is analytic along every line for a length of the part around it; 15 points then leave about
-/// (2 + √5)^-30 < 1e-18.
+/// Integrates by a product Gauss rule collapsed onto the first vertex (Duffy). On a part no larger than half
+/// its distance from the plate the integrand is analytic along every line for a length of the part around it;
+/// 15 points then leave an error of about (2 + √5)^-30 < 1e-18.
 long double quadrature(const Part& part, const Sides& sides) {
   using Rule = boost::math::quadrature::gauss<long double, 15>;
   const long double twice_area = (part[1] - part[0]).cross(part[2] - part[0]).norm();
@@ -56,7 +57,7 @@ long double quadrature(const Part& part, const Sides& sides) {
   return twice_area * Rule::integrate(along, 0.0L, 1.0L);
 }
 
-/// Halves the longest edge until a part is small for its distance.
+/// Integrates over a part; bisects it at its longest edge until it is small relative to its distance.
 long double integral_of_part(const Part& part, const Sides& sides) {
   const long double longest = longest_edge(part);
   if (longest == 0)

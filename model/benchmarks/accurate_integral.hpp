@@ -5,12 +5,13 @@
 
 namespace fringe::benchmarks {
 
-/// ∫dA/d over a triangle in metres, to a relative error far below 2^-53: what the methods' errors are
-/// measured against. It shares nothing with them: quadrature of the distance itself in extended precision, on
-/// parts of the triangle so small and so far from each other's cells that the distance is smooth on each.
+/// Computes ∫dA/d over a triangle in metres, to a relative error far below 2^-53, as the reference for the
+/// methods' errors. It shares no code with them: it applies quadrature to the distance itself, in extended
+/// precision, on parts of the triangle so small, and each within one cell, that the distance is smooth on
+/// each.
 ///
-/// The triangle must keep away from the plate, and the plate's edges must be along x and y with its corner in
-/// the origin: other plates would bring rounding of their own.
+/// The triangle must not touch the plate, and the plate's edges must be along x and y with its corner at the
+/// origin, since other plates would add rounding errors of their own.
 long double accurate_integral(const Triangle& triangle, const Rectangle& plate);
 
 }  // namespace fringe::benchmarks

@@ -1,7 +1,8 @@
-/// Boundary elements by rtol: time, true error and estimated error over set-ups whose Maxwell matrix is known
-/// from another boundary-element method, and time over boxes and bodies of triangles. Times are of this
-/// thread's processor time, the least of five, of bodies of triangles of two; what is made once per process
-/// is made before. At the end come the tables of model/BOUNDARY_ELEMENTS.md, to be pasted as they are.
+/// Measures boundary elements by rtol: time, true error and estimated error over set-ups whose Maxwell matrix
+/// is known from another boundary-element method, and time over boxes and bodies of triangles. Times are
+/// processor times of this thread, the least of five (of two for bodies of triangles), without the data that
+/// are computed once per process. At the end it prints the tables of model/BOUNDARY_ELEMENTS.md, to be pasted
+/// as they are.
 
 #include <algorithm>
 #include <array>
@@ -36,14 +37,14 @@ struct SetUp {
   std::string name;
   Scene scene;
   Eigen::MatrixXd truth;      ///< F; empty when not known
-  double relative_error = 0;  ///< of the truth
+  double relative_error = 0;  ///< relative error of the truth
 };
 
 Eigen::Vector3d vector(const rapidjson::Value& value) {
   return {value[0].GetDouble(), value[1].GetDouble(), value[2].GetDouble()};
 }
 
-/// Every conductor is a sensor: so may each consist of several rectangles.
+/// Reads the set-ups. Every conductor is read as a sensor, since a sensor may consist of several rectangles.
 std::vector<SetUp> known_set_ups() {
   std::ifstream file(FRINGE_SET_UPS);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
@@ -68,7 +69,7 @@ std::vector<SetUp> known_set_ups() {
   return set_ups;
 }
 
-/// A plate of 10 cm and a body in front of it.
+/// Makes a set-up of a plate of 10 cm and a body in front of it.
 SetUp body_set_up(const std::string& name, const Shape& body, const Eigen::Vector3d& centre, double degrees) {
   SetUp set_up;
   set_up.name = name;
@@ -91,7 +92,7 @@ std::vector<SetUp> box_set_ups() {
   return set_ups;
 }
 
-/// The answer at the strictest rtol that is quickly reached stands for what is not known.
+/// Fills in unknown true values by the answer at the strictest rtol that is reached quickly.
 void solve_unknown(std::vector<SetUp>& set_ups, double rtol) {
   for (SetUp& set_up : set_ups)
     if (set_up.truth.size() == 0) {
@@ -101,7 +102,7 @@ void solve_unknown(std::vector<SetUp>& set_ups, double rtol) {
     }
 }
 
-/// Bodies of triangles; the truth of a cube is known from functions on its faces.
+/// Makes bodies of triangles; the true values of a cube are computed with its square faces as elements.
 std::vector<SetUp> mesh_set_ups() {
   const Cuboid cube{0.05, 0.05, 0.05};
   std::vector<SetUp> cubes{body_set_up("", cube, {0, 0, 0.045}, 0)};
@@ -117,7 +118,7 @@ std::vector<SetUp> mesh_set_ups() {
   return set_ups;
 }
 
-/// What was measured of one set-up at one rtol; errors relative to the entries.
+/// The results of one set-up at one rtol; errors are relative to the entries.
 struct Measurement {
   std::string name;
   double rtol;
@@ -126,7 +127,7 @@ struct Measurement {
   double error;
   double known_to;
   double stated;
-  bool covered;  ///< whether the estimate and what the truth is known to cover the error
+  bool covered;  ///< whether the estimated error plus the uncertainty of the truth covers the error
 };
 
 Measurement measure(const SetUp& set_up, double rtol, int repeats) {
@@ -155,13 +156,13 @@ std::string written(double rtol) {
   return fmt::format("1e{}", power);
 }
 
-/// Two digits.
+/// Formats a value with two significant digits.
 std::string rounded(double value) {
   const double power = std::floor(std::log10(value)), unit = std::pow(10, power - 1);
   return fmt::format("{:.{}f}", std::round(value / unit) * unit, std::max(0, 1 - static_cast<int>(power)));
 }
 
-/// The rows of some set-ups, one for every rtol.
+/// Prints the rows of a group of set-ups, one for every rtol.
 void print_rows(const std::string& what, const std::vector<Measurement>& measured,
                 std::span<const double> asked) {
   for (const double rtol : asked) {
@@ -179,7 +180,8 @@ void print_rows(const std::string& what, const std::vector<Measurement>& measure
   }
 }
 
-/// Bodies of triangles, a row for each; where the truth is not known better than to the error, without it.
+/// Prints a row for each body of triangles; omits the true error if the truth is not known more accurately
+/// than that.
 void print_rows(const std::vector<Measurement>& measured) {
   for (const Measurement& one : measured)
     fmt::print("| {} | {} | {} | {} / {} / {} | {} |\n", one.name, written(one.rtol), one.unknowns,

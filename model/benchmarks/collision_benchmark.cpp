@@ -11,11 +11,12 @@
 #include "peers/peer.hpp"
 #include "random.hpp"
 
-/// Nanoseconds per boolean query of two convex shapes, beside FCL, libccd and Bullet: the median of many
-/// rounds in which everybody takes turns. No query knows of an earlier one. Half of the pairs intersect, by
-/// the distance of their centres; the last columns are how many answers differ from fringe's.
+/// Measures the nanoseconds per boolean query of two convex shapes, in comparison with FCL, libccd and
+/// Bullet: the median of many rounds in which the libraries take turns. No query uses the result of an
+/// earlier one. The distance of their centres is chosen so that half of the pairs intersect; the last columns
+/// are the differences of the numbers of intersecting pairs from fringe's.
 ///
-/// Pairs of cuboids whose faces touch are rows of their own, so is the shortest distance.
+/// Pairs of cuboids whose faces touch have rows of their own, and so has the shortest distance.
 ///
 ///     collision_benchmark [ROUNDS [FILE.json]]
 namespace {
@@ -44,7 +45,7 @@ std::vector<Row> rows() {
   std::vector<Row> made{{"cuboids", {}}, {"cylinder-cone", {}}};
   for (std::size_t i = 0; i < shapes_per_row; ++i) {
     made[0].shapes.push_back({PeerShape::Kind::cuboid, {length(), length(), length()}});
-    // A is a shape of even index, B one of odd index.
+    // A has an even index, B an odd one.
     made[1].shapes.push_back(
         {i % 2 == 0 ? PeerShape::Kind::cylinder : PeerShape::Kind::cone, {length() / 2, length(), 0}});
   }
@@ -56,7 +57,7 @@ std::vector<Row> rows() {
   return made;
 }
 
-/// Pairs at random distances up to `farthest` in random poses.
+/// Makes pairs in random poses at random distances up to `farthest`.
 PeerPairs pairs_within(double farthest) {
   Random random;
   PeerPairs pairs;
@@ -72,7 +73,7 @@ PeerPairs pairs_within(double farthest) {
   return pairs;
 }
 
-/// So far apart that half of them intersect.
+/// Makes pairs at distances for which half of them intersect.
 PeerPairs half_intersecting(const PeerShapes& shapes) {
   double low = 0, high = 10;
   constexpr int halvings = 20;
@@ -127,8 +128,8 @@ RowTimes measure(const std::string& name, const PeerShapes& shapes, const PeerPa
   return row;
 }
 
-/// Cuboids with sides that are multiples of 1/8, and pairs of them whose faces touch: exactly, or turned
-/// together, and then but for the rounding of their poses.
+/// Makes cuboids with sides that are multiples of 1/8. Pairs of them touch with their faces: exactly, or,
+/// when turned together, up to the rounding of their poses.
 PeerShapes touching_cuboids() {
   Random random;
   PeerShapes shapes;
@@ -156,7 +157,7 @@ PeerPairs touching_pairs(const PeerShapes& shapes, bool turned) {
   return pairs;
 }
 
-/// For the report: rows by name, their peers by name.
+/// Writes the rows for the report as JSON.
 std::string json_of(const std::vector<RowTimes>& rows) {
   std::string text = "{\"rows\": [";
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -184,7 +185,7 @@ int main(int argument_count, char** arguments) {
   for (const Row& row : all)
     measured.push_back(measure(row.name, row.shapes, half_intersecting(row.shapes), everybody, rounds));
   const PeerShapes cuboids = touching_cuboids();
-  // What floating point leaves open takes integers, and a thousand times as long.
+  // Pairs that floating point leaves undecided are solved in integers, which takes a thousand times as long.
   const int few_rounds = 1 + rounds / 10;
   measured.push_back(measure("faces touch", cuboids, touching_pairs(cuboids, false), everybody, few_rounds));
   measured.push_back(

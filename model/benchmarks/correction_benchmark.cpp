@@ -11,13 +11,13 @@
 #include "fringe/pose.hpp"
 #include "fringe/scene_evaluator.hpp"
 
-/// Cost of every correction: an object that moves before a sensor, one new pose an answer. The counter
-/// `per_triangle` is in seconds. Corrections are compared within one run only.
+/// Measures every correction for an object that moves in front of a sensor, with a new pose for each answer.
+/// The counter `per_triangle` is in seconds. Compare corrections within one run only.
 namespace {
 
 using namespace fringe;
 
-/// What moves, from a few large triangles to many small ones.
+/// Returns the moving objects, from a few large triangles to many small ones.
 std::vector<std::pair<std::string, Shape>> shapes() {
   return {{"plate", Plate{0.1, 0.08}},
           {"cuboid", Cuboid{0.1, 0.08, 0.05}},
@@ -35,7 +35,7 @@ void run(benchmark::State& state, const Shape& shape, Correction correction) {
   scene.objects = {{"target", 0, shape, Eigen::Isometry3d::Identity(), Grounded{}, true}};
   SceneEvaluator evaluator(scene, {.correction = correction});
   int step = 0;
-  // Turning and swaying 10 to 14 cm above the sensor: no pose comes twice.
+  // The object turns and sways 10 to 14 cm above the sensor; no pose is repeated.
   const auto next = [&]() -> const SceneCapacitance& {
     ++step;
     evaluator.set_pose("moving", pose_from_axis({1, 2, 0.5}, 0.37 * step,

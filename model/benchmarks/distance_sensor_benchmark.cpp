@@ -11,18 +11,18 @@
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 
-/// Cost of a distance sensor's question in a room full of bodies: by the tree, against a look at every
-/// triangle, and of making the tree. The sensors stand among the bodies and look in all directions; `seen` is
-/// the share of questions with an answer.
+/// Measures the queries of a distance sensor in a room full of bodies, by the tree and by testing every
+/// triangle, and the building of the tree. The sensors stand among the bodies and look in all directions;
+/// `seen` is the fraction of queries with an answer.
 namespace {
 
 using namespace fringe;
 using Eigen::Vector3d;
 
-/// A sphere of 32·30 triangles.
+/// Segments of a sphere of 32·30 triangles.
 constexpr int segments = 32;
 
-constexpr std::size_t questions = 256;
+constexpr std::size_t questions = 256;  ///< number of cones
 
 class Uniform {
  public:
@@ -39,7 +39,7 @@ class Uniform {
   std::mt19937_64 generator_{1};
 };
 
-/// Bodies of 10 to 40 cm in a room of 6 m.
+/// Makes bodies of 10 to 40 cm in a room of 6 m.
 std::vector<Triangle> room(int bodies) {
   Uniform uniform;
   std::vector<Triangle> triangles;
@@ -62,7 +62,7 @@ std::vector<SensingCone> cones(double degrees) {
   return result;
 }
 
-/// Asks one question after the other; the time is that of one.
+/// Measures one query after another; the time is that of one query.
 template <class Answer>
 void ask(benchmark::State& state, const std::vector<SensingCone>& asked, std::size_t triangles,
          const Answer& answer) {

@@ -24,15 +24,15 @@
 
 namespace fringe::benchmarks {
 
-/// The part of a run whose instructions are counted: callgrind is told this name (--toggle-collect). Not
-/// inlined, and with something left to do after the call, so that entering and leaving it can be seen.
+/// Runs the part whose instructions are counted: callgrind is given this function's name (--toggle-collect).
+/// It is not inlined, and something remains to be done after the call, so that callgrind sees entry and exit.
 [[gnu::noinline]] void counted_workload(const std::function<double()>& work, double& sum) {
   sum += work();
 }
 
 namespace {
 
-/// A workload prepares what is not counted and returns what is.
+/// A workload does the preparation that is not counted and returns the function that is.
 using Workload = std::function<std::function<double()>()>;
 
 double sum(const std::vector<double>& values) {
@@ -48,7 +48,7 @@ Workload integrals(const std::string& method, const TriangleSet& set) {
   };
 }
 
-/// A scene of many small boxes on links of their own, as text.
+/// Returns the text of a scene of many small boxes, each on its own link.
 std::string scene_of_boxes(int count) {
   std::string text = "[[sensor]]\nname = \"plate\"\n"
                      "plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]\n";
@@ -63,7 +63,7 @@ std::string scene_of_boxes(int count) {
   return text;
 }
 
-/// A file for as long as this lives.
+/// A file that is removed on destruction.
 class TemporaryFile {
  public:
   explicit TemporaryFile(const std::string& text)
@@ -114,7 +114,7 @@ Workload by_tree(double tolerance, const TriangleSet& set) {
   };
 }
 
-/// One link of many moves, after the trees are made.
+/// Moves one of many links, after the trees are built.
 std::function<double()> pose_of_a_scene() {
   const Scene scene = load_scene(TemporaryFile(scene_of_boxes(100)).path());
   const auto evaluator = std::make_shared<SceneEvaluator>(scene, CapacitanceOptions{.tolerance = 1e-4});
@@ -148,10 +148,10 @@ std::map<std::string, Workload> workloads() {
   return all;
 }
 
-/// Does the work twice, the second time counted: what is made once and kept, such as tables of nodes, is no
-/// part of the count.
+/// Does the work twice and counts the second time, so that data computed once and kept, such as tables of
+/// nodes, are not counted.
 void count(const Workload& workload) {
-  // What other threads do is not counted.
+  // One thread only, since callgrind does not count the others.
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   const std::function<double()> work = workload();
   double results = work();
@@ -178,8 +178,8 @@ int run(const std::string& name) {
 }  // namespace
 }  // namespace fringe::benchmarks
 
-/// instruction_counts WORKLOAD does one workload, for tests/model/instruction_counts.py to count its
-/// instructions; instruction_counts --list names the workloads.
+/// Runs one workload (`instruction_counts WORKLOAD`), whose instructions tests/model/instruction_counts.py
+/// counts; `instruction_counts --list` prints the names of the workloads.
 int main(int argument_count, char** arguments) {
   if (argument_count != 2) {
     fmt::print(stderr, "usage: instruction_counts WORKLOAD | --list\n");

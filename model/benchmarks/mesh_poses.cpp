@@ -14,11 +14,11 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-constexpr double half_sensor = 0.05;
-constexpr double nearest = 0.003;
-constexpr double farthest = 0.1;
+constexpr double half_sensor = 0.05;  ///< half the side of the sensor, m
+constexpr double nearest = 0.003;     ///< least distance of a body, m
+constexpr double farthest = 0.1;      ///< largest distance of a body, m
 
-/// The closed surface of cubes that stand side by side, each square of it cut into 2·parts² triangles.
+/// Makes the closed surface of adjacent cubes, each square of it divided into 2·parts² triangles.
 Mesh cubes(const std::vector<Eigen::Vector3i>& cells, double side, int parts) {
   Mesh mesh{"", 1, {}};
   for (const Eigen::Vector3i& cell : cells)
@@ -54,6 +54,7 @@ Mesh moved(Mesh mesh, const Vector3d& by) {
   return mesh;
 }
 
+/// Estimates the distance of a body from the sensor by points on its triangles.
 double distance_from_sensor(const std::vector<Triangle>& triangles, const Isometry3d& pose) {
   constexpr int parts = 4;
   double least = 1;

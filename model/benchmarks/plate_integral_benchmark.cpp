@@ -17,9 +17,9 @@
 #include "fringe/surface_tree.hpp"
 #include "triangle_sets.hpp"
 
-/// Run time against error: every method on the sets of triangles that decide how fast a scene is, as
-/// SET/METHOD. Counters: `per_triangle` in seconds, `error` the largest relative error, `triangles` how many
-/// were evaluated, a sample of the set where the method is slow.
+/// Measures run time and error of every method on the sets of triangles that determine the speed of a scene,
+/// as SET/METHOD. Counters: `per_triangle` in seconds; `error`, the largest relative error; `triangles`, the
+/// number evaluated, which is a sample of the set for slow methods.
 namespace {
 
 using namespace fringe;
@@ -28,8 +28,8 @@ using namespace fringe::benchmarks;
 using Values = std::vector<double>;
 using Evaluation = std::function<Values()>;
 
-/// A method under measurement. `prepare` does what is not timed, and returns what is: the integrals of the
-/// triangles, in their order.
+/// A method to measure. `prepare` does the work that is not timed and returns the work that is: it computes
+/// the integrals of the triangles, in their order.
 struct MeasuredMethod {
   std::string name;
   std::size_t most_triangles;
@@ -45,7 +45,7 @@ MeasuredMethod one_by_one(const std::string& name, std::size_t most_triangles) {
   return {name, most_triangles, prepare};
 }
 
-/// The triangles laid out beforehand, as for a surface that meets one plate after another.
+/// Lays out the triangles in advance, as for a surface that is evaluated against many plates.
 MeasuredMethod prepared(const std::string& name, double tolerance) {
   const auto prepare = [=](const std::vector<Triangle>& triangles) -> Evaluation {
     return [=, batch = TriangleBatch(triangles)] {
@@ -55,7 +55,7 @@ MeasuredMethod prepared(const std::string& name, double tolerance) {
   return {name, all, prepare};
 }
 
-/// Only the sum over the triangles, by a tree made beforehand.
+/// Computes only the sum over the triangles, by a tree built in advance.
 MeasuredMethod summed_by_tree(const std::string& name, double tolerance) {
   const auto prepare = [=](const std::vector<Triangle>& triangles) -> Evaluation {
     return [=, tree = std::make_shared<SurfaceTree>(triangles)] {
@@ -66,7 +66,7 @@ MeasuredMethod summed_by_tree(const std::string& name, double tolerance) {
 }
 
 std::vector<MeasuredMethod> measured_methods() {
-  // As many triangles as keep one evaluation near 10 ms, a node taking about 3 ns.
+  // With this many triangles one evaluation takes about 10 ms; a node takes about 3 ns.
   const auto affordable = [](std::size_t nodes) { return 4'000'000 / nodes; };
   std::vector<MeasuredMethod> methods{one_by_one("exact", all)};
   for (std::size_t levels = 0, nodes = 1; levels <= 8; ++levels, nodes *= 4)
@@ -81,7 +81,7 @@ std::vector<MeasuredMethod> measured_methods() {
   return methods;
 }
 
-/// The integrals of a set's triangles as they should be.
+/// The true integrals of a set's triangles.
 using Truth = std::vector<long double>;
 
 struct MeasuredSet {
@@ -109,7 +109,7 @@ std::vector<MeasuredSet> measured_sets() {
   return sets;
 }
 
-/// At most `most` of the elements, evenly spread.
+/// Selects at most `most` elements, evenly spread.
 template <class Element>
 std::vector<Element> sample(const std::vector<Element>& elements, std::size_t most) {
   if (elements.size() <= most)
@@ -120,7 +120,8 @@ std::vector<Element> sample(const std::vector<Element>& elements, std::size_t mo
   return chosen;
 }
 
-/// Of the values, or of their sum where the method gives no more.
+/// Returns the largest relative error of the values, or that of their sum if the method computes only the
+/// sum.
 double largest_relative_error(const Values& values, const Truth& truth) {
   if (values.size() == 1) {
     const long double sum = std::accumulate(truth.begin(), truth.end(), 0.0L);
@@ -148,8 +149,8 @@ void run(benchmark::State& state, const MeasuredSet& measured, const MeasuredMet
 }  // namespace
 
 int main(int argument_count, char** arguments) {
-  // A tenth of the usual time per measurement keeps all of them within a minute; whoever asks for another one
-  // gets it, because the last word counts.
+  // A tenth of the usual time per measurement keeps the total within a minute. An option given on the command
+  // line takes precedence, since the last one counts.
   std::string minimum_time = "--benchmark_min_time=0.05";
   std::vector<char*> given(arguments, arguments + argument_count);
   given.insert(given.begin() + 1, minimum_time.data());
@@ -159,7 +160,7 @@ int main(int argument_count, char** arguments) {
     return 2;
   benchmark::AddCustomContext("compiler", FRINGE_COMPILER);
 
-  // Methods are compared on one core, and the clock of the benchmark sees this thread alone.
+  // Methods are compared on one core; the benchmark's clock measures this thread only.
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   const std::vector<MeasuredSet> sets = measured_sets();
   const std::vector<MeasuredMethod> methods = measured_methods();

@@ -1,8 +1,9 @@
-/// The reduced method by its steps: error, time per pose and whether the stated error covers the true one,
-/// over random poses of plates, of boxes and of bodies of triangles, and over the scene files that are named;
-/// with --meshes COUNT only over so many poses of the bodies of triangles. The truth is that of boundary
-/// elements at rtol = 1e-4, of triangles less; where that is not reached, the set-up is left out.
-/// Methods take turns; times are of this thread's processor, the least of five moves to the same pose.
+/// Measures the reduced method by its steps: error, time per pose, and whether the stated error covers the
+/// true one, over random poses of plates, of boxes and of bodies of triangles, and over the scene files
+/// given; with --meshes COUNT only over this many poses of the bodies of triangles. The true values are those
+/// of boundary elements at rtol = 1e-4 (less strict for triangles); a set-up for which that is not reached is
+/// omitted. Methods take turns; times are processor times of this thread, the least of five moves to the same
+/// pose.
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +26,7 @@ namespace {
 using namespace fringe;
 using Eigen::Vector3d;
 
-constexpr int repeats = 5;
+constexpr int repeats = 5;  ///< moves per measurement; the quickest counts
 
 double processor_seconds() {
   timespec time{};
@@ -33,7 +34,7 @@ double processor_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// The objects hang on a link of their own, to be moved.
+/// Name of an additional link that carries the objects, so that they can be moved.
 constexpr const char* mover = "objects of the benchmark";
 
 Scene movable(Scene scene) {
@@ -44,7 +45,7 @@ Scene movable(Scene scene) {
   return scene;
 }
 
-/// A sensor of 10 cm and a plate or box of 2 to 20 cm, no nearer to each other than 5 mm.
+/// Makes scenes of a sensor of 10 cm and a plate or box of 2 to 20 cm, at least 5 mm apart.
 class RandomScenes {
  public:
   explicit RandomScenes(bool boxes) : boxes_(boxes) {}
@@ -73,7 +74,7 @@ class RandomScenes {
     return from + (to - from) * static_cast<double>(random_() >> 11) * 0x1p-53;
   }
 
-  /// Over a grid of points of each in turn: good to a few millimetres.
+  /// Estimates the distance over a grid of points of each body in turn, to a few millimetres.
   static double distance(const Cuboid& sizes, const Eigen::Isometry3d& pose) {
     const Vector3d half = Vector3d(sizes.size_x, sizes.size_y, sizes.size_z) / 2, sensor(0.05, 0.05, 0);
     const auto beside = [](const Vector3d& point, const Vector3d& box) {
@@ -94,7 +95,7 @@ class RandomScenes {
   std::mt19937_64 random_{1};
 };
 
-/// What one method did with one set-up.
+/// The result of one method for one set-up.
 struct Measurement {
   double error;
   double microseconds;
@@ -114,11 +115,11 @@ double quickest(const std::function<void()>& answer) {
 
 struct Measurements {
   std::vector<std::vector<Measurement>> by_steps{most_reduced_steps};
-  std::vector<double> triangle_integral;  ///< µs
+  std::vector<double> triangle_integral;  ///< times in µs
   std::size_t unknown = 0;
 };
 
-/// Moves a link and asks for the answer, which is held against the truth.
+/// Moves a link and compares the answer with the truth.
 Measurement measured_answer(ReducedEvaluator& evaluator, const std::string& link,
                             const Eigen::Isometry3d& pose, const MaxwellMatrix& truth) {
   evaluator.set_pose(link, pose);
@@ -143,7 +144,7 @@ void measure_integral(const Scene& scene, const std::string& link, const Eigen::
   }));
 }
 
-/// One body in many poses: it is prepared once.
+/// Measures one body, prepared once, in many poses.
 void measure_body(const benchmarks::MeshBody& body, int count, Measurements& measured) {
   Scene known = benchmarks::mesh_scene(body.known);
   const Scene scene = benchmarks::mesh_scene(body.shape);

@@ -14,9 +14,10 @@
 #include "peers/fcl_scene.hpp"
 #include "random.hpp"
 
-/// Milliseconds per frame of a scene in which every object moves: fringe's detector, all pairs by the same
-/// test of two shapes, and FCL's dynamic tree; the median of rounds in which they take turns. As many objects
-/// per volume in every row, so that contacts grow with their number and pairs with its square.
+/// Measures the milliseconds per frame of a scene in which every object moves: fringe's detector, all pairs
+/// by the same test of two shapes, and FCL's dynamic tree. Times are medians of rounds in which the three
+/// take turns. The density of objects is the same in every row, so that contacts grow with their number and
+/// pairs with its square.
 ///
 ///     scene_collision_benchmark [ROUNDS [FILE.json]]
 namespace {
@@ -42,7 +43,7 @@ struct MovingObjects {
     }
   }
 
-  /// Everybody a small step on, and turned.
+  /// Moves every object by a small step and turns it.
   std::vector<Isometry3d> next_poses(Random& random) {
     constexpr double step = 0.05;
     std::vector<Isometry3d> poses;
@@ -56,7 +57,7 @@ struct MovingObjects {
 };
 
 Shape scene_shape(const PeerShape& shape) {
-  // Segments have no say in collisions.
+  // The number of segments does not affect collisions.
   constexpr int segments = 12;
   switch (shape.kind) {
   case PeerShape::Kind::cylinder:
@@ -107,7 +108,7 @@ std::size_t collide_all_pairs(const std::vector<ConvexShape>& shapes, const std:
   return count;
 }
 
-/// Returns a JSON object for the report.
+/// Measures one number of objects; returns a JSON object for the report.
 std::string measure(std::size_t object_count, int rounds) {
   MovingObjects objects(object_count);
   const Scene scene = scene_of(objects);

@@ -12,16 +12,16 @@
 #include "fringe/pose.hpp"
 #include "fringe/scene_evaluator.hpp"
 
-/// Cost of a pose in a scene whose arm moves: eight sensors on the arm, some bodies near it, many more in the
-/// room. Cost follows what is near, not what there is. Counters are per pose and summed over the sensors;
-/// `bound` is the largest bound of a sensor relative to its total, `error` the largest error made, at the
-/// last pose.
+/// Measures the time of a pose in a scene whose arm moves: eight sensors on the arm, some bodies near it,
+/// many more in the room. The time depends on the bodies nearby, not on their total number. Counters are per
+/// pose and summed over the sensors; `bound` is the largest bound of a sensor relative to its total, `error`
+/// the largest actual error, at the last pose.
 namespace {
 
 using namespace fringe;
 using Eigen::Vector3d;
 
-/// Segments of a sphere of 72·70 triangles: 200 of them are a million.
+/// Segments of a sphere of 72·70 triangles; 200 spheres have a million.
 constexpr int segments = 72;
 
 constexpr int near_bodies = 8;
@@ -30,7 +30,7 @@ Eigen::Isometry3d shifted(const Vector3d& translation) {
   return pose_from_axis({0, 0, 1}, 0, translation);
 }
 
-/// Eight plates around the tip of an arm that is 1 m long.
+/// Returns eight plates around the tip of an arm that is 1 m long.
 std::vector<Sensor> sensors_on_arm() {
   std::vector<Sensor> sensors;
   for (int i = 0; i < 8; ++i) {
@@ -45,7 +45,7 @@ std::vector<Sensor> sensors_on_arm() {
   return sensors;
 }
 
-/// A room of 10 m with the arm in its middle: bodies of 10 to 40 cm, the first of them around the arm, the
+/// Makes a room of 10 m with the arm in its middle: bodies of 10 to 40 cm, the first few around the arm, the
 /// others at least 2 m away.
 Scene room(int bodies) {
   std::mt19937_64 generator(1);
@@ -65,7 +65,7 @@ Scene room(int bodies) {
   return scene;
 }
 
-/// The arm turning about the vertical axis and nodding.
+/// Returns the arm's pose: it turns about the vertical axis and nods.
 Eigen::Isometry3d arm_pose(int step) {
   return pose_from_axis({0, 0, 1}, 0.5 * step, {0, 0, 0}) *
          pose_from_axis({0, 1, 0}, 20 * std::sin(0.02 * step), {0, 0, 0});
@@ -98,7 +98,7 @@ void run(benchmark::State& state, int bodies, double tolerance) {
     evaluator.set_pose("arm", arm_pose(++step));
     return evaluator.capacitance();
   };
-  // The trees are made on the way round, before the time is taken.
+  // This first round builds the trees before the measurement.
   for (int i = 0; i < 720; ++i)
     move();
   EvaluationCounts counts;

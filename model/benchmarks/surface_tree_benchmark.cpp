@@ -11,10 +11,10 @@
 #include "fringe/surface_tree.hpp"
 #include "triangle_sets.hpp"
 
-/// Cost of the tree over a closed mesh: building it, and one plate and pose against tolerance, gap and the
-/// mesh's number of triangles. The column `error` is the error that was made, `bound` the one that was
-/// guaranteed, both relative to the sum of the triangles' integrals; `evaluated` counts triangles, `nodes`
-/// the nodes whose points were used.
+/// Measures the tree over a closed mesh: building it, and integrating one plate and pose, against tolerance,
+/// gap and the mesh's number of triangles. The column `error` is the actual error and `bound` the guaranteed
+/// one, both relative to the sum of the triangles' integrals; `evaluated` counts triangles, `nodes` the nodes
+/// whose quadrature was used.
 namespace {
 
 using namespace fringe;
@@ -24,7 +24,7 @@ struct Surface {
   std::unique_ptr<SurfaceTree> tree;
 };
 
-/// The closed mesh of so many segments with its tree, made once.
+/// Returns the closed mesh of this many segments with its tree; each is made once.
 const Surface& surface(int segments) {
   static std::map<int, Surface> made;
   Surface& result = made[segments];
@@ -35,7 +35,7 @@ const Surface& surface(int segments) {
   return result;
 }
 
-/// The plate of the triangle sets, `gap` metres farther from the mesh and turned about an edge.
+/// Returns the plate of the triangle sets, `gap` metres farther from the mesh and turned about an edge.
 Rectangle posed_plate(double gap, double degrees) {
   return transformed(benchmarks::measured_plate(), pose_from_axis({1, 0, 0}, degrees, {0, 0, -gap}));
 }
@@ -61,7 +61,7 @@ void integrate(benchmark::State& state, int segments, const Rectangle& plate, co
   state.counters["points"] = static_cast<double>(integral.counts.points);
 }
 
-/// About a hundred thousand triangles.
+/// Segments of a mesh of about a hundred thousand triangles.
 constexpr int measured_segments = 318;
 
 void register_builds() {
@@ -90,7 +90,7 @@ int main(int argument_count, char** arguments) {
     for (const double degrees : {0.0, 30.0})
       register_integrals(measured_segments, gap, degrees, FaceRule::all);
   register_integrals(measured_segments, 0.1, 0, FaceRule::facing);
-  // Ten times as many triangles on the same surface: what is visible stays the same.
+  // These meshes have a tenth and ten times as many triangles on the same surface.
   for (const int segments : {100, 1000})
     register_integrals(segments, 0.1, 0, FaceRule::all);
   benchmark::RunSpecifiedBenchmarks();

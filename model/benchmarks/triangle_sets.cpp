@@ -19,8 +19,8 @@ struct Box {
   Vector3d high;
 };
 
-/// Random numbers that are the same with every standard library: the engine is fixed by the standard, its
-/// distributions are not.
+/// Random numbers that are the same with every standard library: the standard specifies the engine
+/// completely, but not the distributions.
 class Random {
  public:
   double uniform(double low, double high) {
@@ -32,7 +32,7 @@ class Random {
     return {x, y, uniform(box.low.z(), box.high.z())};
   }
 
-  /// A direction, all alike: on a sphere the height is uniform (Archimedes).
+  /// Returns a uniformly distributed direction: on a sphere the height is uniform (Archimedes).
   Vector3d direction() {
     const double height = uniform(-1, 1), angle = uniform(0, 2 * std::numbers::pi);
     const double radius = std::sqrt(1 - height * height);
@@ -48,7 +48,7 @@ double distance_from_plate(const Vector3d& point) {
                     point.y() - std::clamp(point.y(), 0.0, side), point.z());
 }
 
-/// A triangle with its corners on a sphere about `centre`.
+/// Returns a triangle with its corners on a sphere about `centre`.
 Triangle triangle_about(Random& random, const Vector3d& centre, double radius) {
   Triangle triangle;
   for (Vector3d& vertex : triangle)
@@ -66,8 +66,8 @@ std::vector<Triangle> triangles_in(const Box& box, double size_over_distance, st
   return triangles;
 }
 
-/// Where the centres lie: so far inside the cells, and so high, that coarse triangles stay in one cell and do
-/// not meet the plate's plane.
+/// Returns the box of the centres. It is so far inside the region's cell, and so high, that coarse triangles
+/// stay in one cell and do not meet the plate's plane.
 Box box(Region region) {
   switch (region) {
   case Region::face:
@@ -124,7 +124,7 @@ TriangleSet small_straddlers(std::size_t count) {
 }
 
 TriangleSet nine_cell_straddlers(std::size_t count) {
-  // Flat enough that no triangle meets the plate, where the integral would diverge.
+  // The triangles are flat enough that none meets the plate, where the integral would diverge.
   constexpr double size_over_height = 2, height_share = 0.3;
   Random random;
   std::vector<Triangle> triangles(count);

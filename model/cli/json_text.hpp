@@ -8,8 +8,7 @@
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_sensing.hpp"
 
-/// The answers as JSON documents. Infinity is written as the number 1e999, which every reader of JSON takes
-/// for one.
+/// Writes the answers as JSON documents. Infinity is written as 1e999, which is a valid JSON number.
 namespace fringe::cli {
 
 std::string capacitance_json(const SceneCapacitance& answer, const CapacitanceOptions& options,

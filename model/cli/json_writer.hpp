@@ -8,7 +8,7 @@
 #include <rapidjson/prettywriter.h>
 #include <rapidjson/stringbuffer.h>
 
-/// What every JSON document is written with.
+/// Functions with which every JSON document is written.
 namespace fringe::cli {
 
 using Writer = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
@@ -22,7 +22,7 @@ inline void write_text(Writer& writer, const char* key, const std::string& text)
   write_text(writer, text);
 }
 
-/// Infinity is written as the number 1e999, which every reader of JSON takes for one.
+/// Writes a number; infinity as 1e999, which is a valid JSON number.
 inline void write_number(Writer& writer, double number) {
   if (std::isinf(number))
     writer.RawValue("1e999", 5, rapidjson::kNumberType);
@@ -40,7 +40,7 @@ inline void write_count(Writer& writer, const char* key, std::size_t count) {
   writer.Uint64(count);
 }
 
-/// Every document begins with the version of its format (geometries/schemas/FORMATS.md).
+/// Begins a document with the version of its format (geometries/schemas/FORMATS.md).
 inline void start_document(Writer& writer) {
   writer.StartObject();
   write_count(writer, "format", 1);

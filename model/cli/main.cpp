@@ -30,7 +30,7 @@ using namespace fringe;
 
 enum ExitCode { answered = 0, failed = 1, wrong_input = 2, not_reached = 3 };
 
-/// What the command line asks for.
+/// The arguments of the command line.
 struct Request {
   std::string scene;
   std::string method = "exact";
@@ -72,7 +72,7 @@ CLI::App* add_import_command(CLI::App& program, cli::ImportRequest& request) {
   return command;
 }
 
-/// What an action answers; what it refuses is told with the name of the scene's file.
+/// Runs an action and puts the name of the scene file in front of its InputErrors.
 template <typename Action>
 auto of_file(const std::string& file, const Action& action) {
   try {
@@ -96,13 +96,13 @@ std::string answer_capacitance(const Request& request) {
                       : cli::capacitance_table(answer, options, elapsed.count());
 }
 
-/// The answer, and whether the error asked for was reached.
+/// The text of the answer, and whether the requested error was reached.
 struct MaxwellAnswer {
   std::string text;
   bool reached;
 };
 
-/// `reduced_steps`: none for the boundary elements themselves.
+/// Computes a Maxwell matrix. `reduced_steps` is empty for the method boundary-elements.
 MaxwellAnswer answer_maxwell(const Request& request, std::optional<int> reduced_steps) {
   const Scene scene = load_scene(request.scene);
   const auto start = std::chrono::steady_clock::now();
@@ -117,7 +117,7 @@ MaxwellAnswer answer_maxwell(const Request& request, std::optional<int> reduced_
           matrix.reached};
 }
 
-/// Every method has options of its own; one that would change nothing is refused.
+/// Refuses options that the method does not use.
 void refuse_options_of_other_methods(const CLI::App& command, const std::string& method,
                                      bool boundary_elements) {
   for (const char* option : {"--plates", "--faces", "--tolerance", "--correction", "--output"})
@@ -214,7 +214,7 @@ int run(int argument_count, char** arguments) {
       fmt::print(stderr, "fringe: there is no command '{}': see fringe --help\n", arguments[1]);
       return wrong_input;
     }
-    // Help and version end in an "error" too, one with exit code 0.
+    // Help and version also end in an "error", one with exit code 0.
     return program.exit(error, std::cout, std::cerr) == 0 ? answered : wrong_input;
   }
 

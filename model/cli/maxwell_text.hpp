@@ -4,10 +4,10 @@
 
 #include "fringe/boundary_elements.hpp"
 
-/// What boundary elements find, as a JSON document and as a table for people.
+/// Writes a Maxwell matrix as a JSON document and as a table for people.
 namespace fringe::cli {
 
-/// How a Maxwell matrix was asked for.
+/// The method and the accuracy that were requested for a Maxwell matrix.
 struct MaxwellRequest {
   std::string method;  ///< "boundary-elements" or "reduced:K"
   double rtol;
@@ -16,6 +16,7 @@ struct MaxwellRequest {
 std::string maxwell_json(const Scene& scene, const MaxwellMatrix& matrix, const MaxwellRequest& request,
                          double seconds);
 
+/// Formats the matrix as a table in pF.
 std::string maxwell_table(const MaxwellMatrix& matrix, const MaxwellRequest& request, double seconds);
 
 }  // namespace fringe::cli

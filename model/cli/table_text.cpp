@@ -11,7 +11,7 @@ namespace {
 
 constexpr double millimetres_per_metre = 1e3;
 
-/// What there is to say about an object's capacitance beside its value.
+/// Returns a note on contact or on the error bound of an object's capacitance; empty if there is neither.
 std::string remark(const ObjectCapacitance& object) {
   if (std::isinf(object.capacitance))
     return "  contact";

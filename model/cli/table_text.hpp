@@ -8,7 +8,7 @@
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_sensing.hpp"
 
-/// The answers as tables for people: capacitances in pF, distances in mm.
+/// Formats the answers as tables for people: capacitances in pF, distances in mm.
 namespace fringe::cli {
 
 std::string capacitance_table(const SceneCapacitance& answer, const CapacitanceOptions& options,

@@ -2,7 +2,7 @@
 
 namespace fringe::cli {
 
-/// Tables are read by people: capacitances in pF.
+/// Picofarads in one farad; tables give capacitances in pF.
 inline constexpr double picofarads_per_farad = 1e12;
 
 }  // namespace fringe::cli

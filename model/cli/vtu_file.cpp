@@ -21,13 +21,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Each evaluated triangle is an object for a moment, of about a kilobyte.
+/// Number of triangles evaluated together: each one is temporarily an object of about a kilobyte.
 constexpr std::size_t triangles_at_once = 4096;
 
-/// For each sensor what each triangle of an object adds (F).
+/// For each sensor the contributions of all triangles (F).
 using Shares = std::vector<std::vector<double>>;
 
-/// The triangles are objects of their own here, so that every option means what it means for the whole.
+/// Appends the contributions of an object's triangles. Each triangle is evaluated as an object of its own, so
+/// that every option has the same meaning as for the whole scene.
 void add_shares(const Scene& scene, const Object& object, const CapacitanceOptions& options, Shares& shares) {
   const std::vector<Triangle> triangles = triangulate(object.shape);
   Scene part{scene.medium, scene.has_room, scene.links, scene.sensors, {}, {}};
@@ -43,7 +44,7 @@ void add_shares(const Scene& scene, const Object& object, const CapacitanceOptio
   }
 }
 
-/// Text within an attribute; what XML has no place for becomes a question mark.
+/// Escapes text for an XML attribute; characters that XML does not allow become question marks.
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char letter : text)
@@ -54,10 +55,10 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-/// The arrays of a file: the text that names them, and the bytes behind it that they refer to.
+/// The data arrays of a file: XML elements that refer to the bytes appended at the end.
 class Arrays {
  public:
-  /// `type`: the attributes that say what the numbers are.
+  /// Appends an array and returns its XML element; `type` contains the attributes that describe the numbers.
   template <typename Number>
   std::string add(const std::string& type, const std::string& name, const std::vector<Number>& numbers) {
     std::string text = fmt::format("<DataArray {} Name=\"{}\" format=\"appended\" offset=\"{}\"/>\n", type,
@@ -74,6 +75,7 @@ class Arrays {
   std::string bytes_;
 };
 
+/// Writes the file under a temporary name and renames it, so that no unfinished file is left.
 void write_whole(const fs::path& target, const std::string& head, const std::string& bytes,
                  const std::string& tail) {
   const fs::path unfinished =

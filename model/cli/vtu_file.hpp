@@ -7,9 +7,9 @@
 
 namespace fringe::cli {
 
-/// Writes a VTU file, whole or not at all: the triangles of fringe::conductors, in their order, three points
-/// (m) each. Of every triangle `body`, one more than the place of its conductor, and for every sensor
-/// `capacitance NAME` (F), what the triangle adds to what the sensor feels of the object; 0 for the sensors'
+/// Writes a VTU file, completely or not at all: the triangles of fringe::conductors, in their order, three
+/// points (m) each. Every triangle has `body`, the index of its conductor counted from 1, and for every
+/// sensor `capacitance NAME` (F), the triangle's contribution to the sensor's capacitance; 0 for the sensors'
 /// own triangles, +infinity on contact.
 ///
 /// @throws InputError for options under which triangles are not evaluated one by one, and as capacitance()

@@ -6,13 +6,13 @@
 
 #include "fringe/boundary_elements.hpp"
 
-/// What boundary elements find, as Python dictionaries.
+/// Converts Maxwell matrices to Python dictionaries.
 namespace fringe::python {
 
-/// As the reference's document: conductors, maxwell, error, delta_self by sensor.
+/// Returns a dictionary like the reference's document: conductors, maxwell, error, delta_self by sensor.
 pybind11::dict maxwell_dictionary(const MaxwellMatrix& matrix, double rtol, double seconds);
 
-/// As `fringe capacitance --method METHOD --json` prints it.
+/// Returns a dictionary like the document of `fringe capacitance --method METHOD --json`.
 pybind11::dict capacitance_dictionary(const Scene& scene, const MaxwellMatrix& matrix,
                                       const std::string& method, double rtol, double seconds);
 

@@ -43,7 +43,7 @@ namespace {
 using namespace fringe;
 using namespace pybind11::literals;
 
-/// Any array of numbers; its shape is checked by hand, so that a wrong one is a ValueError.
+/// Any array of numbers. Its shape is checked here, so that a wrong one raises ValueError.
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 static_assert(sizeof(Triangle) == 9 * sizeof(double), "triangles lie in memory like an (n, 3, 3) array");
@@ -210,7 +210,7 @@ py::dict dictionary(const FormulaTerms& terms) {
                                                  terms.on_object.remaining));
 }
 
-/// A scene with the evaluators of its last options, which keep what does not move.
+/// A scene and the evaluators for the last options used, which reuse the results of what does not move.
 class LiveScene {
  public:
   explicit LiveScene(Scene scene) : scene_(std::move(scene)) {}
@@ -257,7 +257,7 @@ class LiveScene {
     return reduced_->maxwell();
   }
 
-  /// The scene as it stands.
+  /// Returns a copy of the scene in its current state.
   Scene snapshot() {
     const std::lock_guard lock(mutex_);
     return scene_;
@@ -284,10 +284,10 @@ class LiveScene {
   std::optional<CollisionDetector> detector_;
   ReducedOptions reduced_options_;
   std::optional<ReducedEvaluator> reduced_;
-  std::mutex mutex_;  ///< other Python threads run while an answer is made
+  std::mutex mutex_;  ///< other Python threads run while an answer is computed
 };
 
-/// A Maxwell matrix, the scene it belongs to, the error that was asked for and how long it took.
+/// A Maxwell matrix, its scene, the requested error, and the time it took.
 struct TimedMaxwell {
   Scene scene;
   MaxwellMatrix matrix;

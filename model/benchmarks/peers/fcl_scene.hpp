@@ -10,7 +10,7 @@
 
 namespace fringe::benchmarks {
 
-/// Moving objects in FCL's dynamic tree of axis-aligned boxes, with its solver for pairs.
+/// Moving objects in FCL's dynamic tree of axis-aligned boxes, with FCL's solver for pairs.
 class FclScene {
  public:
   explicit FclScene(const PeerShapes& shapes);

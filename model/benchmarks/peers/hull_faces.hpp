@@ -12,7 +12,8 @@ struct HullFaces {
   std::vector<std::vector<int>> faces;  ///< indices of vertices, anticlockwise from outside
 };
 
-/// By Bullet's hull computer; FCL asks for the faces of a convex shape and has no means to find them.
+/// Computes the hull by Bullet's hull computer; FCL needs the faces of a convex shape and cannot compute
+/// them.
 HullFaces hull_faces(const std::vector<Eigen::Vector3d>& points);
 
 }  // namespace fringe::benchmarks

@@ -11,7 +11,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// What the library's callbacks get: it leaves poses to them.
+/// The argument of the library's callbacks, which must apply the pose themselves.
 struct Placed {
   const PeerShape* shape;
   const Isometry3d* pose;
@@ -64,7 +64,7 @@ class LibccdPeer : public Peer {
  public:
   LibccdPeer(bool mpr, PeerShapes shapes, PeerPairs pairs)
       : mpr_(mpr), shapes_(std::move(shapes)), pairs_(std::move(pairs)) {
-    // The library's documentation sets these four; a hundred iterations are its example.
+    // The library's documentation sets these four; its example uses a hundred iterations.
     CCD_INIT(&settings_);
     settings_.support1 = settings_.support2 = support;
     settings_.center1 = settings_.center2 = centre;

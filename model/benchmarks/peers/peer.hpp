@@ -8,17 +8,17 @@
 #include <Eigen/Geometry>
 
 /// The same queries answered by other libraries, each called as its documentation shows for two convex
-/// shapes, with everything prepared that it lets one prepare.
+/// shapes, with everything prepared in advance that the library allows.
 namespace fringe::benchmarks {
 
-/// A shape that every library has.
+/// A shape that every library supports.
 struct PeerShape {
   enum class Kind { cuboid, cylinder, cone, hull } kind;
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< cuboid: its sides; cylinder and cone: radius, height
-  std::vector<Eigen::Vector3d> vertices{};         ///< of a hull
+  std::vector<Eigen::Vector3d> vertices{};         ///< vertices of a hull
 };
 
-/// Two shapes by their indices, and where they are.
+/// Two shapes, given by their indices, and their poses.
 struct PeerPair {
   std::size_t a;
   std::size_t b;
@@ -26,7 +26,7 @@ struct PeerPair {
   Eigen::Isometry3d pose_b;
 };
 
-/// A library, or one method of it, with shapes and pairs of its own kind.
+/// A library, or one of its methods, with the shapes and pairs converted to its own types.
 class Peer {
  public:
   Peer() = default;
@@ -36,7 +36,7 @@ class Peer {
 
   virtual std::string name() const = 0;
 
-  /// How many of the pairs intersect.
+  /// Counts the pairs that intersect.
   virtual std::size_t count_intersecting() const = 0;
 };
 
@@ -44,9 +44,9 @@ using PeerShapes = std::vector<PeerShape>;
 using PeerPairs = std::vector<PeerPair>;
 
 std::unique_ptr<Peer> fringe_peer(const PeerShapes& shapes, const PeerPairs& pairs);
-/// The shortest distance; those that intersect are at none.
+/// Computes shortest distances; pairs at distance 0 count as intersecting.
 std::unique_ptr<Peer> fringe_distance_peer(const PeerShapes& shapes, const PeerPairs& pairs);
-/// The separating axes of oriented boxes alone; all shapes must be cuboids.
+/// Tests oriented boxes by their separating axes alone; all shapes must be cuboids.
 std::unique_ptr<Peer> fringe_box_peer(const PeerShapes& shapes, const PeerPairs& pairs);
 std::unique_ptr<Peer> fcl_box_peer(const PeerShapes& shapes, const PeerPairs& pairs);
 

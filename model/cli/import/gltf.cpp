@@ -22,7 +22,7 @@ tinygltf::Model parse(const fs::path& path) {
   if (!fs::is_regular_file(path))
     throw InputError("the file does not exist or is not a file");
   tinygltf::TinyGLTF loader;
-  // Pictures have no part in it.
+  // Images are not needed.
   loader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int,
                            const unsigned char*, int, void*) { return true; },
                         nullptr);
@@ -44,13 +44,15 @@ tinygltf::Model parse(const fs::path& path) {
   return model;
 }
 
-/// p ↦ rotation·rest·p + translation, `rest` being what a rigid body does not do.
+/// The pose p ↦ rotation·rest·p + translation, where `rest` is the scaling and shear that a rigid link cannot
+/// have.
 struct NodePose {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Matrix3d rest = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 };
 
+/// Splits a node's transformation into rotation, rest and translation.
 NodePose pose_of(const tinygltf::Node& node) {
   NodePose pose;
   if (node.matrix.size() == 16) {
@@ -92,7 +94,8 @@ class Reader {
   }
 
  private:
-  /// `rest`: what the nodes above do to this one beyond what their links do.
+  /// Adds a node and its children. `rest` is the scaling and shear of the nodes above, which their links do
+  /// not have.
   void add_node(int number, std::optional<std::size_t> parent, const Eigen::Matrix3d& rest,
                 std::size_t depth) {
     const std::string what = fmt::format("node {}", number);
@@ -116,13 +119,15 @@ class Reader {
       add_node(child, index, below, depth + 1);
   }
 
+  /// Adds the link of a node, and its mesh.
   void add_link(const tinygltf::Node& node, int number, std::optional<std::size_t> parent,
                 const Eigen::Matrix3d& rest) {
     const NodePose pose = pose_of(node);
     Eigen::Isometry3d placed = Eigen::Isometry3d::Identity();
     placed.linear() = pose.rotation;
     placed.translation() = rest * pose.translation;
-    // rest·rotation·(rest of this node) = rotation·below.
+    // rest·rotation·(rest of this node) = rotation·below, so the rest of the nodes above moves below the
+    // rotation.
     const Eigen::Matrix3d below = pose.rotation.transpose() * rest * pose.rotation * pose.rest;
     const std::string name = names_.take(node.name.empty() ? fmt::format("node {}", number) : node.name);
     scene_.links.push_back({name, parent, placed});
@@ -140,7 +145,7 @@ class Reader {
       for (Triangle& triangle : mesh.triangles) {
         for (Eigen::Vector3d& vertex : triangle)
           vertex = rest * vertex;
-        // A reflection turns what is seen anticlockwise into clockwise.
+        // A reflection reverses the orientation of the triangles.
         if (reflected)
           std::swap(triangle[1], triangle[2]);
       }
@@ -148,7 +153,8 @@ class Reader {
     scene_.objects.push_back({name, scene_.links.size() - 1, std::move(mesh)});
   }
 
-  /// Far more than a model has; nodes are read one within the other, which takes space on the stack.
+  /// Limit of nesting, far above that of any model; nodes are read recursively, which takes space on the
+  /// stack.
   static constexpr std::size_t deepest = 1000;
 
   const tinygltf::Model& model_;

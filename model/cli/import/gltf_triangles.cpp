@@ -11,13 +11,14 @@
 namespace fringe::cli {
 namespace {
 
-/// The bytes of one accessor, checked: element i begins at data + i·stride.
+/// The bytes of one accessor, whose bounds were checked: element i begins at data + i·stride.
 struct Elements {
   const unsigned char* data;
   std::size_t stride;
   std::size_t count;
 };
 
+/// Locates an accessor's elements; throws InputError unless they are within their buffer.
 Elements elements(const tinygltf::Model& model, int number) {
   const auto refuse = [number](const char* reason) {
     throw InputError(fmt::format("accessor {}: {}", number, reason));
@@ -42,7 +43,7 @@ Elements elements(const tinygltf::Model& model, int number) {
   const auto step = static_cast<std::size_t>(stride);
   if (accessor.count == 0)
     return {nullptr, step, 0};
-  // Each is looked at by itself: their sums could overflow.
+  // Each condition is tested separately, since sums could overflow.
   const bool fits = view.byteOffset <= bytes.size() && view.byteLength <= bytes.size() - view.byteOffset &&
                     accessor.byteOffset <= view.byteLength && size <= view.byteLength - accessor.byteOffset &&
                     (accessor.count - 1) <= (view.byteLength - accessor.byteOffset - size) / step;
@@ -74,7 +75,8 @@ std::vector<Eigen::Vector3d> positions(const tinygltf::Model& model, int number)
   return points;
 }
 
-/// Which vertices follow one another: as indices say, or all in turn without them (number −1).
+/// Returns the order of the vertices: that of the indices, or all vertices in turn if there are none (number
+/// −1).
 std::vector<std::size_t> indices(const tinygltf::Model& model, int number, std::size_t vertices) {
   std::vector<std::size_t> result;
   if (number == -1) {
@@ -100,9 +102,10 @@ std::vector<std::size_t> indices(const tinygltf::Model& model, int number, std::
   return result;
 }
 
+/// Appends the triangles of a primitive; ignores points and lines.
 void append(std::vector<Triangle>& triangles, const tinygltf::Model& model,
             const tinygltf::Primitive& primitive) {
-  // A primitive without a mode is one of triangles.
+  // A primitive without a mode consists of triangles.
   const int mode = primitive.mode == -1 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
   if (mode < TINYGLTF_MODE_TRIANGLES || mode > TINYGLTF_MODE_TRIANGLE_FAN)
     return;
@@ -117,7 +120,8 @@ void append(std::vector<Triangle>& triangles, const tinygltf::Model& model,
     throw InputError("the number of its vertices is not one of triangles");
   const std::size_t step = mode == TINYGLTF_MODE_TRIANGLES ? 3 : 1;
   for (std::size_t i = 0; i + 2 < order.size(); i += step) {
-    // In a strip every other triangle is turned, in a fan all share the first vertex.
+    // In a strip every other triangle has reversed orientation; in a fan all triangles share the first
+    // vertex.
     const bool turned = mode == TINYGLTF_MODE_TRIANGLE_STRIP && i % 2 == 1;
     const std::size_t first = mode == TINYGLTF_MODE_TRIANGLE_FAN ? 0 : i;
     const std::size_t second = turned ? i + 2 : i + 1;

@@ -8,8 +8,8 @@
 
 namespace fringe::cli {
 
-/// The triangles of a mesh of a model in the order of its primitives; points and lines are left out. Throws
-/// InputError with the element and the reason, without the file.
+/// Returns the triangles of a model's mesh in the order of its primitives; points and lines are ignored.
+/// Throws InputError with the element and the reason, without the file.
 std::vector<Triangle> gltf_triangles(const tinygltf::Model& model, int mesh);
 
 }  // namespace fringe::cli

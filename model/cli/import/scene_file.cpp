@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A file or folder with all that is in it, which is removed at the end.
+/// A temporary file or folder, which is removed with its contents on destruction.
 class Unfinished {
  public:
   explicit Unfinished(fs::path path) : path_(std::move(path)) {}
@@ -41,7 +41,7 @@ class Unfinished {
   fs::path path_;
 };
 
-/// A basic string of TOML.
+/// Writes a text as a basic string of TOML.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char letter : text) {
@@ -56,7 +56,7 @@ std::string quoted(const std::string& text) {
 }
 
 std::string listed(const Eigen::Vector3d& vector) {
-  // The sum turns -0.0 into 0.0.
+  // Adding 0.0 turns -0.0 into 0.0.
   return fmt::format("[{}, {}, {}]", vector.x() + 0.0, vector.y() + 0.0, vector.z() + 0.0);
 }
 
@@ -79,7 +79,7 @@ std::string link_text(const Link& link, const Scene& scene) {
   return text + pose_text(link.pose);
 }
 
-/// The shapes that robots are made of; plates, cones and arcs are not among them.
+/// Writes the shapes that imports produce; plates, cones and arcs are not among them.
 struct ShapeText {
   std::string mesh_file;
 
@@ -109,7 +109,7 @@ std::string object_text(const Object& object, const Scene& scene, const std::str
   return text + pose_text(object.pose);
 }
 
-/// A name that is one of a file everywhere.
+/// Returns a file name that is valid on every system: other characters become underscores.
 std::string file_name(const std::string& name) {
   std::string result = name;
   std::replace_if(
@@ -123,13 +123,13 @@ void append(std::string& bytes, std::uint32_t number) {
     bytes += static_cast<char>(number >> shift & 0xff);
 }
 
-/// A binary STL file: its coordinates have single precision, as those of all mesh files count.
+/// Returns a binary STL file. Its coordinates have single precision, like those of all mesh files here.
 std::string stl(const std::vector<Triangle>& triangles) {
   constexpr std::size_t header_size = 80;
   std::string bytes(header_size, ' ');
   append(bytes, static_cast<std::uint32_t>(triangles.size()));
   for (const Triangle& triangle : triangles) {
-    // Readers find the normal by the order of the vertices.
+    // The normal is left zero; readers compute it from the order of the vertices.
     const std::array<Eigen::Vector3d, 4> rows{Eigen::Vector3d::Zero(), triangle[0], triangle[1], triangle[2]};
     for (const Eigen::Vector3d& row : rows)
       for (const double coordinate : row)
@@ -147,6 +147,7 @@ void write_bytes(const fs::path& path, const std::string& bytes) {
     throw std::runtime_error(fmt::format("{}: cannot be written", path.string()));
 }
 
+/// Returns the head of the scene file, with an example of a sensor as a comment.
 std::string heading(const Scene& scene, const std::string& source) {
   const std::string link =
       scene.links.empty() ? "" : fmt::format("link = {}, ", quoted(scene.links.back().name));
@@ -158,10 +159,10 @@ std::string heading(const Scene& scene, const std::string& source) {
                      quoted(source), link);
 }
 
-/// The mesh files by the number of their object.
+/// The names of the mesh files by the index of their object.
 using MeshNames = std::map<std::size_t, std::string>;
 
-/// Writes the meshes of a scene into a folder, which is made when there are any.
+/// Writes the meshes of a scene into a folder, which is created if there are any.
 MeshNames write_meshes(const Scene& scene, const fs::path& folder) {
   MeshNames written;
   UniqueNames names;
@@ -176,7 +177,7 @@ MeshNames write_meshes(const Scene& scene, const fs::path& folder) {
   return written;
 }
 
-/// The scene file, its meshes in a folder beside it.
+/// Returns the text of the scene file, with its meshes in `folder` beside it.
 std::string scene_text(const Scene& scene, const std::string& source, const fs::path& folder,
                        const MeshNames& meshes) {
   std::string text = heading(scene, source);
@@ -190,7 +191,7 @@ std::string scene_text(const Scene& scene, const std::string& source, const fs::
   return text;
 }
 
-/// A message without the paths of unfinished files, which are gone when it is read.
+/// Removes the paths of temporary files, which no longer exist when the message is read.
 std::string without_paths(std::string message, const fs::path& scene_file, const fs::path& mesh_folder) {
   if (message.starts_with(scene_file.string())) {
     const std::size_t place_ends = message.find(": ");
@@ -219,7 +220,7 @@ void write_scene_file(const Scene& scene, const fs::path& target, const std::str
     throw InputError(fmt::format("{} makes no scene: {}", source,
                                  without_paths(error.what(), scene_file.path(), mesh_folder.path())));
   }
-  // What was there before stays until all of this is known to be a scene.
+  // Existing files stay until the new scene is known to be valid.
   write_bytes(scene_file.path(), scene_text(scene, source, meshes, names));
   if (!names.empty())
     fs::create_directories(beside / meshes);

@@ -7,9 +7,10 @@
 
 namespace fringe::cli {
 
-/// Names as they are given, and with a number where one is taken already.
+/// Makes names unique by appending a number to a name that is taken already.
 class UniqueNames {
  public:
+  /// Returns the wanted name, or one with the first number that makes it unique.
   std::string take(const std::string& wanted) {
     std::string name = wanted;
     for (int number = 2; !taken_.insert(name).second; ++number)

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the parser says of a file it refuses, which it tells its console only.
+/// Collects the parser's error messages about a file, which it writes to its console only.
 class Told final : public console_bridge::OutputHandler {
  public:
   Told() { console_bridge::useOutputHandler(this); }
@@ -60,7 +60,7 @@ urdf::ModelInterfaceSharedPtr parse(const fs::path& path) {
   } catch (const std::exception& error) {
     throw InputError(fmt::format("{}: {}", path.string(), error.what()));
   }
-  // A geometry that it cannot read is told and left out.
+  // The parser reports a geometry that it cannot read, and skips it.
   if (!model || !told.text().empty())
     throw InputError(
         fmt::format("{}: {}", path.string(), told.text().empty() ? "is not a robot in URDF" : told.text()));
@@ -73,14 +73,14 @@ Eigen::Isometry3d pose_of(const urdf::Pose& pose) {
                               {pose.position.x, pose.position.y, pose.position.z});
 }
 
-/// Reads one robot; `what` in an error is an element of the file.
+/// Reads one robot. The parameter `what` is the element of the file that an error message names.
 class Reader {
  public:
   Reader(const fs::path& path, UrdfGeometry geometry, const std::vector<fs::path>& package_paths)
       : path_(path), geometry_(geometry), package_paths_(package_paths), model_(parse(path)) {}
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
-  /// The parser's links own their children: those in a circle would own each other for ever.
+  /// Breaks the parser's ownership of children by their parents: links in a circle would never be freed.
   ~Reader() {
     for (const auto& [name, link] : model_->links_)
       link->child_links.clear();
@@ -138,7 +138,7 @@ class Reader {
     return origin * Eigen::AngleAxisd(position, axis.stableNormalized());
   }
 
-  /// 0, or where the joint that is mimicked puts this one.
+  /// Returns the joint's position: 0, or the one that follows from the joint that it mimics.
   double joint_position(const urdf::Joint& joint, std::size_t depth) const {
     if (!joint.mimic)
       return 0;
@@ -180,12 +180,14 @@ class Reader {
     fail(what, "unknown geometry type");
   }
 
+  /// Returns a size; throws InputError unless it is positive and finite.
   double positive(double size, const std::string& what, std::string_view shape) const {
     if (!(size > 0) || !std::isfinite(size))
       fail(what, fmt::format("{}: a size must be greater than zero, not {}", shape, size));
     return size;
   }
 
+  /// Reads and scales a mesh file.
   Mesh mesh_of(const urdf::Mesh& mesh, const std::string& what) const {
     const Eigen::Vector3d scale(mesh.scale.x, mesh.scale.y, mesh.scale.z);
     if (!scale.allFinite() || scale.prod() == 0)
@@ -200,14 +202,14 @@ class Reader {
     for (Triangle& triangle : result.triangles) {
       for (Eigen::Vector3d& vertex : triangle)
         vertex = vertex.cwiseProduct(scale);
-      // A reflection turns what is seen anticlockwise into clockwise.
+      // A reflection reverses the orientation of the triangles.
       if (scale.prod() < 0)
         std::swap(triangle[1], triangle[2]);
     }
     return result;
   }
 
-  /// The file that a URDF names.
+  /// Finds the mesh file that a URDF names.
   fs::path find(const std::string& name, const std::string& what) const {
     constexpr std::string_view package = "package://";
     constexpr std::string_view file = "file://";
@@ -233,7 +235,7 @@ class Reader {
   }
 
   static constexpr int default_segments = 48;
-  /// Far more than a robot has; links are read one within the other, which takes space on the stack.
+  /// Limit of links, far above that of any robot; links are read recursively, which takes space on the stack.
   static constexpr std::size_t most_links = 10000;
 
   const fs::path& path_;

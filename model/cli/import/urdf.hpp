@@ -8,15 +8,16 @@
 
 namespace fringe::cli {
 
-/// What of a link is taken.
+/// The geometry that is imported from a link.
 enum class UrdfGeometry { collision, visual };
 
-/// Throws InputError for a name that is none.
+/// Reads "collision" or "visual"; throws InputError for anything else.
 UrdfGeometry parse_urdf_geometry(const std::string& name);
 
-/// The links and bodies of a robot, all joints at position 0 (those that mimic others at their offset).
-/// Meshes are in metres. A file in `package://NAME/…` is looked for in the folders `package_paths`, in each
-/// as NAME/…, then in those around the URDF file. Throws InputError with file, element and reason.
+/// Reads the links and bodies of a robot with all joints at position 0 (joints that mimic others, at their
+/// offset). Meshes are in metres. A file in `package://NAME/…` is searched as NAME/… first in each folder of
+/// `package_paths`, then in the folders that contain the URDF file. Throws InputError with file, element and
+/// reason.
 Scene read_urdf(const std::filesystem::path& path, UrdfGeometry geometry,
                 const std::vector<std::filesystem::path>& package_paths);
 

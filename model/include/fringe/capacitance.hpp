@@ -14,13 +14,13 @@ namespace fringe {
 /// Permittivity of empty space in F/m (CODATA 2018, 8.854 187 8128(13)e-12).
 constexpr double vacuum_permittivity = 8.8541878128e-12;
 
-/// What the plates of one sensor do with a point of a surface.
+/// The rule by which the plates of one sensor count a point of a surface.
 enum class PlateRule {
   sum,     ///< each plate counts every point (thesis 5.3, read literally)
-  nearest  ///< only the plate nearest to the point counts it: ∫dA/min_k d_k
+  nearest  ///< only the plate nearest to a point counts it: ∫dA/min_k d_k
 };
 
-/// Which faces count for a plate.
+/// The rule that selects the faces that count for a plate.
 enum class FaceRule {
   all,    ///< every triangle (thesis 5.3.4)
   facing  ///< the triangles from whose outward side some point of the plate is seen, and those in contact
@@ -30,6 +30,7 @@ enum class FaceRule {
 PlateRule parse_plate_rule(std::string_view text);
 /// Reads "all" or "facing". Throws InputError for anything else.
 FaceRule parse_face_rule(std::string_view text);
+/// Returns the text from which the rule is read.
 std::string to_string(PlateRule rule);
 std::string to_string(FaceRule rule);
 
@@ -37,34 +38,34 @@ struct CapacitanceOptions {
   Method method = Exact{};
   PlateRule plates = PlateRule::sum;
   FaceRule faces = FaceRule::all;
-  /// What the evaluation may leave out of a sensor's total, relative to it; the bounds of its objects say how
-  /// much that was at most. 0: nothing but what the division among nearest plates needs, 1e-12. Only with the
-  /// method Exact.
+  /// Largest part of a sensor's total that the evaluation may omit, relative to the total; the bounds of its
+  /// objects state how much was omitted at most. 0: nothing except what the division among nearest plates
+  /// needs, 1e-12. Only with the method Exact.
   double tolerance = 0;
-  /// What takes the place of ε∫dA/d. All but `none` only with the defaults of the others.
+  /// The replacement for ε∫dA/d. A correction other than `none` requires the defaults of the other options.
   Correction correction = Correction::none;
 };
 
-/// What one object adds to a sensor.
+/// The contribution of one object to a sensor's capacitance.
 struct ObjectCapacitance {
   std::string name;
   double capacitance;  ///< F; +infinity on contact. Estimates the charge on the grounded object per volt on
                        ///< the sensor.
-  double bound;        ///< F; what the evaluation left out on purpose, at most. 0: nothing was.
-  bool skipped;        ///< whether the object was left out altogether
+  double bound;        ///< F; largest amount that the evaluation omitted on purpose. 0: nothing.
+  bool skipped;        ///< whether the object was not integrated at all
 };
 
-/// What one sensor feels.
+/// The capacitance and output of one sensor.
 struct SensorCapacitance {
   std::string name;
   double total;          ///< F, the sum over the objects
   double voltage;        ///< V, the divider's output; 0 on contact
-  double delta_voltage;  ///< V, the output without any object minus the output
+  double delta_voltage;  ///< V, the output without any object minus this output
   bool contact;          ///< the total is infinite: an object touches the sensor
   std::vector<ObjectCapacitance> objects;
 };
 
-/// The work an answer took, summed over the sensors and their plates.
+/// The work done for an answer, summed over the sensors and their plates.
 struct EvaluationCounts {
   std::size_t triangles_evaluated = 0;  ///< pairs of a triangle, or a part of one, and a plate
   std::size_t triangles_lumped = 0;     ///< pairs that were counted together with their neighbours
@@ -78,21 +79,21 @@ struct EvaluationCounts {
   EvaluationCounts& operator+=(const EvaluationCounts& other);
 };
 
-/// What every sensor of a scene feels, in the scene's order.
+/// The capacitance of every sensor of a scene, in the scene's order.
 struct SceneCapacitance {
   std::vector<SensorCapacitance> sensors;
   EvaluationCounts counts;
 };
 
-/// The triangle-integral model (thesis 5.3): for each sensor and object ε₀·ε_r·Σ∫dA/d over the sensor's
-/// plates and the object's triangles, and the voltage that the sum leaves (thesis 5.3.5). Throws InputError
-/// when an object is not a grounded conductor (the model knows no other) or has no triangles, when a vertex
-/// is not finite, when a plate is not a rectangle, and for options that are out of range or do not go
-/// together.
+/// Evaluates the triangle-integral model (thesis 5.3): for each sensor and object ε₀·ε_r·Σ∫dA/d over the
+/// sensor's plates and the object's triangles, and the output voltage for the sum (thesis 5.3.5). Throws
+/// InputError when an object is not a grounded conductor (the model supports no other) or has no triangles,
+/// when a vertex is not finite, when a plate is not a rectangle, and for options that are out of range or
+/// cannot be combined.
 SceneCapacitance capacitance(const Scene& scene, const CapacitanceOptions& options = {});
 
-/// The output of the voltage divider (thesis 5.3.5): C_c/(C_c + total)·input_voltage, 0 for an infinite
-/// total.
+/// Returns the output of the voltage divider (thesis 5.3.5): C_c/(C_c + total)·input_voltage, 0 for an
+/// infinite total.
 double divider_voltage(const Sensor& sensor, double total);
 
 }  // namespace fringe

@@ -14,8 +14,8 @@ struct Conductor {
   std::vector<Triangle> triangles;
 };
 
-/// The conductors of a scene, the sensors first, each in the file's order. A sensor's plate is two triangles:
-/// (corner, corner+u, corner+u+v) and (corner, corner+u+v, corner+v).
+/// Returns the conductors of a scene, the sensors first, each in the file's order. A sensor's plate is two
+/// triangles: (corner, corner+u, corner+u+v) and (corner, corner+u+v, corner+v).
 std::vector<Conductor> conductors(const Scene& scene);
 
 }  // namespace fringe

@@ -9,7 +9,7 @@
 
 namespace fringe {
 
-/// What takes the place of ε∫dA/d for an object before a sensor (model/CORRECTIONS.md).
+/// The replacement for ε∫dA/d of an object and a sensor (model/CORRECTIONS.md).
 enum class Correction {
   none,
   constant,
@@ -22,29 +22,30 @@ enum class Correction {
   recommended,
 };
 
-/// What is known of a correction.
+/// The description of a correction.
 struct CorrectionInfo {
   Correction correction;
   std::string_view name;
   std::string_view formula;
   std::string_view source;
-  std::string_view constants;  ///< and how they were fitted; empty where there are none
+  std::string_view constants;  ///< and how they were fitted; empty if there are none
   std::string_view cost;
 };
 
-/// All corrections, the plain model first.
+/// Returns all corrections, the plain model first.
 std::span<const CorrectionInfo> corrections();
 
-/// Reads a name of the registry. Throws InputError, which names the choices, for anything else.
+/// Reads a name of the registry. Throws InputError, listing the choices, for anything else.
 Correction parse_correction(std::string_view text);
 
+/// Returns the correction's name in the registry.
 std::string to_string(Correction correction);
 
-/// What the correction `formula` is combined from for one sensor and one object (model/CORRECTIONS.md); in m
-/// where nothing else is said.
+/// The terms of the correction `formula` for one sensor and one object (model/CORRECTIONS.md); in m unless
+/// stated otherwise.
 struct FormulaTerms {
-  /// How the potential of the other body's own charge varies over a body: variances relative to the mean
-  /// squared.
+  /// The variation, over a body, of the potential of the other body's own charge: variances relative to the
+  /// squared mean.
   struct Variation {
     double linear = 0;
     double quadratic = 0;
@@ -55,15 +56,15 @@ struct FormulaTerms {
   double potential = 0;  ///< 1/m: mean potential of one body's own charge on the other, per charge over ε
   Variation on_sensor;
   Variation on_object;
-  double drawn = 0;          ///< how both charges draw each other, without a unit
+  double drawn = 0;          ///< mutual attraction of the two charges (no unit)
   double flux = 0;           ///< ∫dA/L between sides that face each other; +infinity on contact
   double soft_flux = 0;      ///< the same with softened gaps
   double tilted_excess = 0;  ///< their difference weighted by 1 − cos θ
   double facing_area = 0;    ///< m²
 };
 
-/// The terms of every sensor (first index) and object of a scene, for those who fit the constants. Throws
-/// InputError for what capacitance() refuses.
+/// Computes the terms of every sensor (first index) and object of a scene, from which the constants are
+/// fitted. Throws InputError for the scenes that capacitance() refuses.
 std::vector<std::vector<FormulaTerms>> formula_terms(const Scene& scene);
 
 }  // namespace fringe

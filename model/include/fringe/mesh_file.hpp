@@ -7,9 +7,9 @@
 
 namespace fringe {
 
-/// The faces of an STL, OBJ or PLY file (by extension) in the file's order, polygons as fans from their first
-/// vertex; points and lines are left out. Throws InputError when the file is missing, damaged or without
-/// faces.
+/// Reads the faces of an STL, OBJ or PLY file (by extension) in the file's order. Polygons become fans from
+/// their first vertex; points and lines are ignored. Throws InputError when the file is missing, damaged or
+/// without faces.
 std::vector<Triangle> read_mesh_file(const std::filesystem::path& path);
 
 }  // namespace fringe

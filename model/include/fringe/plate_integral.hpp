@@ -9,8 +9,8 @@
 
 namespace fringe {
 
-/// ∫dA/d over a triangle in metres, d the shortest distance from a point of the triangle to the plate
-/// (thesis 5.3.1 to 5.3.3). Times the permittivity it is the triangle's share of the capacitance.
+/// Computes ∫dA/d over a triangle in metres, where d is the shortest distance from a point of the triangle to
+/// the plate (thesis 5.3.1 to 5.3.3). Times the permittivity it is the triangle's share of the capacitance.
 ///
 /// Both sides of the plate count alike. The result is 0 for a triangle without area, and +infinity where the
 /// triangle meets the plate in such a way that the integral diverges (it crosses the plate, or an edge lies
@@ -20,7 +20,7 @@ namespace fringe {
 /// range.
 double plate_integral(const Triangle& triangle, const Rectangle& plate, const Method& method = Exact{});
 
-/// plate_integral of each triangle, in their order; an error names the triangle by its index.
+/// Computes plate_integral of each triangle, in their order; an error names the triangle by its index.
 std::vector<double> plate_integrals(std::span<const Triangle> triangles, const Rectangle& plate,
                                     const Method& method = Exact{});
 

@@ -12,8 +12,8 @@ struct Rectangle {
   Eigen::Vector3d edge_v;
 };
 
-/// Throws InputError unless the rectangle is one: finite, no edge of length zero, and
-/// |edge_u·edge_v| ≤ 1e-9·|edge_u|·|edge_v|.
+/// Throws InputError unless the rectangle is valid: finite, no edge of length zero, and |edge_u·edge_v| ≤
+/// 1e-9·|edge_u|·|edge_v|.
 void validate(const Rectangle& rectangle);
 
 }  // namespace fringe

@@ -11,30 +11,34 @@
 
 namespace fringe {
 
-/// The steps of the reduction: 1 to 3.
+/// Largest number of steps of the reduction; the least is 1.
 constexpr int most_reduced_steps = 3;
 
 struct ReducedOptions {
-  /// How often each body answers the others' charges at least. More are taken where the error asks for it.
+  /// Least number of times that each body responds to the charges of the others. More steps are taken if the
+  /// error requires it.
   int steps = 2;
-  /// The error to be reached, of every entry relative to itself; from 1e-4 to 0.5. None: that of the steps.
+  /// Largest error of every entry, relative to the entry; from 1e-4 to 0.5. None: the error that goes with
+  /// `steps`.
   std::optional<double> rtol;
 };
 
-/// The error that goes with a number of steps: 1e-2, 1e-3, 3e-4.
+/// Returns the error that goes with the number of steps: 1e-2, 1e-3, 3e-4.
 double rtol_of(const ReducedOptions& options);
 
-/// Reads "reduced:K", K from 1 to 3; none if the text begins otherwise. Throws InputError for another K.
+/// Reads "reduced:K", K from 1 to 3; returns nothing if the text begins otherwise. Throws InputError for
+/// another K.
 std::optional<int> parse_reduced_steps(std::string_view text);
 
-/// The Maxwell matrix of rigid bodies, again and again while links move: boundary elements in which every
-/// body's charge is sought among very few distributions, found anew for every pose
-/// (model/BOUNDARY_ELEMENTS.md, section 8). What does not depend on poses is prepared once.
+/// Computes the Maxwell matrix of rigid bodies repeatedly while links move, by a reduced boundary element
+/// method: every body's charge is a combination of very few distributions, which are found anew for every
+/// pose (model/BOUNDARY_ELEMENTS.md, section 8). What does not depend on poses is prepared once.
 class ReducedEvaluator {
  public:
-  /// Bodies of triangles, round ones among them, are prepared here: a second or two each.
-  /// @throws InputError for what maxwell() refuses, but conductors that touch, for bodies of more than 2,000
-  /// triangles, and options out of range.
+  /// Prepares the scene; each body of triangles, including round ones, takes a second or two.
+  ///
+  /// @throws InputError for the scenes that maxwell() refuses, except those whose conductors touch, for
+  /// bodies of more than 2,000 triangles, and for options out of range.
   explicit ReducedEvaluator(const Scene& scene, const ReducedOptions& options = {});
   ~ReducedEvaluator();
   ReducedEvaluator(ReducedEvaluator&&) noexcept;
@@ -46,9 +50,10 @@ class ReducedEvaluator {
   /// @throws InputError when no link has the name.
   void set_pose(std::string_view link, const Eigen::Isometry3d& pose);
 
-  /// The answer for the poses as they are; valid until the next call. `unknowns` is the number of
-  /// distributions, no entry is called a lower bound, and an error is infinite where nothing is known: of
-  /// conductors so close that the quadratures do not see the gap.
+  /// Computes the matrix for the current poses; valid until the next call. `unknowns` is the number of
+  /// distributions, and no entry is marked as a lower bound. An error is infinite where nothing is known: for
+  /// conductors so close that the quadratures do not resolve the gap.
+  ///
   /// @throws InputError for conductors that touch or cross.
   const MaxwellMatrix& maxwell();
 
@@ -57,7 +62,7 @@ class ReducedEvaluator {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// The answer of a ReducedEvaluator for a scene as it is.
+/// Computes the matrix of a ReducedEvaluator for a scene as it is.
 MaxwellMatrix reduced_capacitance(const Scene& scene, const ReducedOptions& options = {});
 
 }  // namespace fringe

@@ -13,7 +13,7 @@
 
 namespace fringe {
 
-/// What fills the space between the conductors.
+/// The medium that fills the space between the conductors.
 struct Medium {
   double relative_permittivity = 1.0;
 };
@@ -35,12 +35,12 @@ struct Sensor {
   std::vector<Rectangle> plates;        ///< in the link's frame
 };
 
-/// A sensor that looks for the closest point in a cone.
+/// A sensor that measures the distance of the closest point in a cone.
 struct DistanceSensor {
   std::string name;
   std::optional<std::size_t> link;  ///< index among the links; none: the world
   Eigen::Vector3d apex;             ///< m, in the link's frame
-  Eigen::Vector3d direction;        ///< in the link's frame, of any length but zero
+  Eigen::Vector3d direction;        ///< in the link's frame, of any nonzero length
   double full_angle_degrees;        ///< in (0, 180]
   double range;                     ///< m
 };
@@ -58,7 +58,7 @@ struct Dielectric {
 
 using ElectricalRole = std::variant<Grounded, Floating, Dielectric>;
 
-/// A body the sensors see.
+/// A body that the sensors detect.
 struct Object {
   std::string name;
   std::optional<std::size_t> link;  ///< index among the links; none: the world
@@ -68,7 +68,7 @@ struct Object {
   bool collides = true;
 };
 
-/// Everything a scene file says, in the file's order.
+/// The contents of a scene file, in the file's order.
 struct Scene {
   Medium medium;
   bool has_room = false;  ///< whether grounded walls surround the scene

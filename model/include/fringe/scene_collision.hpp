@@ -11,14 +11,14 @@
 
 namespace fringe {
 
-/// How two objects of a scene stand to each other (the marks of thesis chapters 2 and 3).
+/// The relation of two objects of a scene (the marks of thesis chapters 2 and 3).
 enum class PairStatus {
-  clear,     ///< not even their bounding boxes meet
-  bounds,    ///< their bounding boxes meet, they themselves do not: the orange mark
-  collision  ///< they have a point in common: the red mark
+  clear,     ///< their bounding boxes do not meet
+  bounds,    ///< their bounding boxes meet but they themselves do not: the orange mark
+  collision  ///< the objects have a point in common: the red mark
 };
 
-/// "clear", "bounds" or "collision".
+/// Returns "clear", "bounds" or "collision".
 std::string_view to_string(PairStatus status);
 
 /// Two objects by their index in the scene, the one with the smaller index first.
@@ -28,10 +28,10 @@ struct ObjectPair {
   PairStatus status;
 };
 
-/// The work of one answer.
+/// The work done for one answer.
 struct CollisionTests {
-  std::size_t broad = 0;   ///< of two bounding boxes
-  std::size_t narrow = 0;  ///< of two convex shapes
+  std::size_t broad = 0;   ///< tests of two bounding boxes
+  std::size_t narrow = 0;  ///< tests of two convex shapes
 };
 
 struct SceneCollision {
@@ -39,23 +39,24 @@ struct SceneCollision {
   std::vector<ObjectPair> marked;  ///< all pairs that are not clear, in the order of their indices
 };
 
-/// Whether two objects of a scene are looked at for collisions: both collide, and they are not fixed to the
-/// same link. Objects without a link are each on their own.
+/// Tests whether two objects of a scene are checked for collisions: both have `collides` set, and they are
+/// not fixed to the same link. Objects without a link count as separate bodies.
 bool can_collide(const Object& a, const Object& b);
 
-/// All pairs of a scene's objects that can collide, clear ones included, in the order of their indices.
+/// Returns all pairs of a scene's objects that can collide, clear ones included, in the order of their
+/// indices.
 std::vector<ObjectPair> all_pairs(const SceneCollision& answer, const Scene& scene);
 
-/// Which objects of a scene collide, answered again and again while links move. Only pairs that can have
-/// changed are looked at, and of those only the ones whose boxes in a tree over all objects meet. What
-/// it takes to look closer is found when something comes close for the first time, which for millions of
-/// triangles takes a minute; an object that none can collide with costs nothing.
+/// Finds the colliding objects of a scene repeatedly while links move. Only pairs that can have changed are
+/// tested, and of those only the ones whose boxes meet in a bounding volume hierarchy over all objects. The
+/// data for closer tests of an object is computed when another object first comes close to it, which takes a
+/// minute for millions of triangles; an object that cannot collide with any other costs nothing.
 ///
 /// Cylinders, cones, spheres and the outside of arcs are truly round here, whatever `segments` says; the
-/// inside of an arc is flat between its segments. Of a mesh whose triangles bound a volume
-/// the inside belongs to it; any other is its surface. Where all surfaces are flat the answer is exact for
-/// the poses in the world, rounded as they are (fringe/convex_shape.hpp says what holds for round ones). The
-/// bounding boxes are oriented ones, the smallest that are known; they meet when they are less than 1e-8 of
+/// inside of an arc is flat between its segments. A mesh whose triangles bound a volume includes its inside;
+/// any other mesh is its surface only. Between objects whose surfaces are flat the answer is exact for the
+/// poses in the world as rounded (fringe/convex_shape.hpp states what holds for round ones). The bounding
+/// boxes are oriented ones, the smallest that are known; they count as meeting if they are less than 1e-8 of
 /// their size and distance apart.
 class CollisionDetector {
  public:
@@ -70,7 +71,8 @@ class CollisionDetector {
   /// @throws InputError when no link has the name.
   void set_pose(std::string_view link, const Eigen::Isometry3d& pose);
 
-  /// The answer for the poses as they are; valid until the next call. Its tests are the work of this call.
+  /// Computes the answer for the current poses; valid until the next call. Its tests are the work of this
+  /// call.
   const SceneCollision& collide();
 
  private:
@@ -78,7 +80,7 @@ class CollisionDetector {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// The answer for a scene as it is.
+/// Finds the collisions of a scene as it is.
 SceneCollision collide(const Scene& scene);
 
 }  // namespace fringe

@@ -10,15 +10,17 @@
 
 namespace fringe {
 
-/// What every sensor of a scene feels, answered again and again while links move.
+/// Evaluates every sensor of a scene repeatedly while links move.
 ///
-/// Only what can have changed is evaluated: a pair of a sensor and an object whose poses relative to each
-/// other are as they were keeps its value. With a tolerance, objects whose contribution the tolerance covers
-/// are enclosed by their bounding sphere alone, and from the second answer on the others are integrated by a
-/// SurfaceTree, made when it is first needed.
+/// Only what can have changed is evaluated: a sensor and an object that have not moved relative to each other
+/// keep their value. With a tolerance, an object whose contribution is within the tolerance is estimated from
+/// its bounding sphere alone, and from the second answer on the others are integrated by a SurfaceTree, which
+/// is built when first needed.
 class SceneEvaluator {
  public:
-  /// @throws InputError for what capacitance() refuses.
+  /// Prepares the scene.
+  ///
+  /// @throws InputError for the scenes that capacitance() refuses.
   explicit SceneEvaluator(const Scene& scene, const CapacitanceOptions& options = {});
   ~SceneEvaluator();
   SceneEvaluator(SceneEvaluator&&) noexcept;
@@ -30,7 +32,8 @@ class SceneEvaluator {
   /// @throws InputError when no link has the name.
   void set_pose(std::string_view link, const Eigen::Isometry3d& pose);
 
-  /// The answer for the poses as they are; valid until the next call. Its counts are the work of this call.
+  /// Computes the answer for the current poses; valid until the next call. Its counts are the work of this
+  /// call.
   const SceneCapacitance& capacitance();
 
  private:

@@ -11,12 +11,12 @@
 
 namespace fringe {
 
-/// What can be said about an object without any physics; in the world frame.
+/// The geometry of an object in the world frame.
 struct ObjectInfo {
   std::string name;
   std::size_t triangles;
   double area;                   ///< m²
-  std::optional<double> volume;  ///< m³, positive when the triangles face outward; none for an open surface
+  std::optional<double> volume;  ///< m³, positive if the triangles face outward; none for an open surface
   Eigen::AlignedBox3d bounding_box;  ///< m, sides along the world's axes
 };
 
@@ -28,6 +28,7 @@ struct SceneInfo {
   std::vector<ObjectInfo> objects;
 };
 
+/// Collects the counts and the objects' geometry of a scene.
 SceneInfo scene_info(const Scene& scene);
 
 }  // namespace fringe

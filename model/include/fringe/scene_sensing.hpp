@@ -22,18 +22,18 @@ struct SensedPoint {
   std::size_t triangle;  ///< the index among the object's triangles, as in conductors()
 };
 
-/// What one distance sensor of a scene reads.
+/// The reading of one distance sensor of a scene.
 struct DistanceReading {
   std::string name;
-  std::optional<SensedPoint> closest;  ///< none: nothing is in its cone
+  std::optional<SensedPoint> closest;  ///< none if nothing is in its cone
 };
 
-/// What the distance sensors of a scene read, answered again and again while links move. They see every
-/// object, whatever it is made of and also on their own link, but neither each other nor the plates of
-/// capacitive sensors. Each object's tree of boxes is made once.
+/// Evaluates the distance sensors of a scene repeatedly while links move. The sensors see every object, of
+/// whatever material and also on their own link, but neither each other nor the plates of capacitive sensors.
+/// Each object's bounding volume hierarchy is built once.
 class SceneSensing {
  public:
-  /// Throws InputError for an object that is not finite.
+  /// Prepares the scene. Throws InputError for an object that is not finite.
   explicit SceneSensing(const Scene& scene, ConeMethod method = ConeMethod::field_of_view);
   ~SceneSensing();
   SceneSensing(SceneSensing&&) noexcept;
@@ -44,9 +44,9 @@ class SceneSensing {
   /// Replaces a link's pose relative to its parent. Throws InputError when no link has the name.
   void set_pose(std::string_view link, const Eigen::Isometry3d& pose);
 
-  /// The answer for the poses as they are, the sensors in the scene's order; of several objects equally near
-  /// the first. To the last bit what cone_closest finds on the conductors() of the scene. Throws InputError
-  /// for poses that lead beyond the range of doubles.
+  /// Computes the readings for the current poses, the sensors in the scene's order; among equally near
+  /// objects the first one counts. The result is to the last bit what cone_closest finds on the conductors()
+  /// of the scene. Throws InputError for poses that lead beyond the range of doubles.
   std::vector<DistanceReading> sense() const;
 
  private:
@@ -54,7 +54,7 @@ class SceneSensing {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// One answer.
+/// Evaluates the distance sensors once, for a scene as it is.
 std::vector<DistanceReading> sense(const Scene& scene, ConeMethod method = ConeMethod::field_of_view);
 
 }  // namespace fringe

@@ -6,17 +6,17 @@
 
 #include "fringe/triangle.hpp"
 
-/// The shapes of a scene (geometries/SCENE.md), each in its own frame: centred at the origin, z the axis,
-/// metres.
+/// The shapes of a scene (geometries/SCENE.md), each in its own frame: centred at the origin, with z as its
+/// axis, in metres.
 namespace fringe {
 
-/// A rectangle in z = 0, one-sided: each of its points counts once.
+/// A one-sided rectangle in z = 0: each of its points counts once.
 struct Plate {
   double size_x;
   double size_y;
 };
 
-/// A box; a cube is one of three equal sizes.
+/// A box; a cube has three equal sizes.
 struct Cuboid {
   double size_x;
   double size_y;

@@ -16,39 +16,39 @@ namespace detail {
 struct SurfaceNodes;
 }
 
-/// How accurate an integral over a surface has to be, and over which faces it goes.
+/// The accuracy required of an integral over a surface, and the faces that count.
 struct TreeOptions {
-  double tolerance = 0;  ///< the largest error relative to the integral
-  double allowance = 0;  ///< an error (m) that is allowed besides
+  double tolerance = 0;  ///< largest error relative to the integral
+  double allowance = 0;  ///< additional error allowed, m
   FaceRule faces = FaceRule::all;
 };
 
-/// The work an integral over a surface took. Every triangle is evaluated, lumped or skipped.
+/// The work done for an integral over a surface. Every triangle is evaluated, lumped or skipped.
 struct TreeCounts {
-  std::size_t triangles_evaluated = 0;  ///< integrated one by one
-  std::size_t triangles_lumped = 0;     ///< represented by the quadrature of a node
-  std::size_t triangles_skipped = 0;    ///< without area, or not among the faces that count
+  std::size_t triangles_evaluated = 0;  ///< triangles integrated one by one
+  std::size_t triangles_lumped = 0;     ///< triangles represented by the quadrature of a node
+  std::size_t triangles_skipped = 0;    ///< triangles without area, or not among the faces that count
   std::size_t nodes_lumped = 0;         ///< nodes whose quadrature was used
-  std::size_t nodes_visited = 0;        ///< nodes looked at
+  std::size_t nodes_visited = 0;        ///< nodes visited
   std::size_t points = 0;               ///< points of all quadratures used
 };
 
 /// ∫dA/d over a surface.
 struct TreeIntegral {
-  double value = 0;  ///< m; +infinity where the surface touches the plate so that the integral diverges
+  double value = 0;  ///< m; +infinity if the surface touches the plate so that the integral diverges
   double bound = 0;  ///< m; the error of the value is at most this, besides rounding
   TreeCounts counts;
 };
 
-/// A surface of many triangles, prepared once for ∫dA/d to any plates: far away or small groups of triangles
-/// are replaced by a few points each, as far as a proven bound of the error allows (model/NUMERICS.md,
+/// A surface of many triangles, prepared once for ∫dA/d to any plates: distant or small groups of triangles
+/// are replaced by a few quadrature points each, as far as a proven error bound allows (model/NUMERICS.md,
 /// section 11).
 ///
-/// The tree lives in the surface's own frame. When the surface moves, the plate is to be given in that frame:
-/// what is stored does not change.
+/// The tree is stored in the surface's own frame. When the surface moves, give the plate in that frame; the
+/// tree does not change.
 class SurfaceTree {
  public:
-  /// Throws InputError when there are no triangles, or a vertex is not finite.
+  /// Builds the tree. Throws InputError when there are no triangles, or a vertex is not finite.
   explicit SurfaceTree(std::span<const Triangle> triangles);
   ~SurfaceTree();
   SurfaceTree(SurfaceTree&&) noexcept;
@@ -56,9 +56,9 @@ class SurfaceTree {
   SurfaceTree(const SurfaceTree&) = delete;
   SurfaceTree& operator=(const SurfaceTree&) = delete;
 
-  /// The sum of plate_integral over the triangles. bound ≤ tolerance·(the sum) + allowance. With neither,
-  /// every triangle is integrated on its own. Throws InputError when the plate is not a rectangle, or
-  /// tolerance or allowance are negative or not finite.
+  /// Computes the sum of plate_integral over the triangles, with bound ≤ tolerance·(the sum) + allowance. If
+  /// both are zero, every triangle is integrated on its own. Throws InputError when the plate is not a
+  /// rectangle, or tolerance or allowance are negative or not finite.
   TreeIntegral integrate(const Rectangle& plate, const TreeOptions& options) const;
 
   std::size_t triangle_count() const { return triangle_count_; }

@@ -8,7 +8,7 @@
 
 namespace fringe {
 
-/// Triangles laid out for integrating many at a time: made once, used against any number of plates.
+/// Triangles laid out for integrating many at a time: prepared once, used with any number of plates.
 class TriangleBatch {
  public:
   /// @throws InputError when a vertex is not finite; the message names the triangle by its index.
@@ -17,14 +17,14 @@ class TriangleBatch {
   std::size_t size() const { return size_; }
   Triangle operator[](std::size_t index) const;
 
-  /// One coordinate of all triangles: 0 to 8 for v0.x, v0.y, v0.z, v1.x, … v2.z. Readable up to the next
-  /// multiple of 8 triangles; those beyond size() have no area.
+  /// Returns one coordinate of all triangles: 0 to 8 for v0.x, v0.y, v0.z, v1.x, … v2.z. Readable up to the
+  /// next multiple of 8 triangles; those beyond size() have no area.
   const double* coordinate(std::size_t which) const { return numbers_.data() + which * stride_; }
 
-  /// Twice the area of all triangles (m²), laid out like a coordinate.
+  /// Returns twice the area of all triangles (m²), laid out like a coordinate.
   const double* twice_area() const { return numbers_.data() + 9 * stride_; }
 
-  /// The largest squared distance of a vertex from the centroid (m²), laid out like a coordinate.
+  /// Returns the largest squared distance of a vertex from the centroid (m²), laid out like a coordinate.
   const double* squared_size() const { return numbers_.data() + 10 * stride_; }
 
  private:

@@ -7,7 +7,8 @@
 
 namespace fringe {
 
-/// The triangles of a shape in its own frame: the vertices and the order that geometries/SCENE.md fixes.
+/// Computes the triangles of a shape in its own frame: the vertices and the order that geometries/SCENE.md
+/// fixes.
 std::vector<Triangle> triangulate(const Shape& shape);
 
 }  // namespace fringe

@@ -2,7 +2,7 @@
 
 namespace fringe {
 
-/// The version of this library, "major.minor.patch".
+/// Returns the version of this library, "major.minor.patch".
 const char* version();
 
 }  // namespace fringe

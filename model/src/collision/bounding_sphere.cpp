@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The point at equal distance from the one to four points, in the space they span; not finite when they are
+/// Computes the circumcentre of one to four points in the affine space they span; not finite if they are
 /// affinely dependent.
 Vector3d circumcentre(const std::vector<Vector3d>& points) {
   const auto edges = static_cast<Eigen::Index>(points.size()) - 1;
@@ -28,7 +28,7 @@ Vector3d circumcentre(const std::vector<Vector3d>& points) {
   return points[0] + edge * gram.partialPivLu().solve(half_squares);
 }
 
-/// The vertex farthest from the centre, and how far it is, squared.
+/// The vertex farthest from the centre, and its squared distance.
 struct Farthest {
   std::size_t index;
   double square;
@@ -46,12 +46,13 @@ Farthest farthest_from(const Vector3d& centre, const std::vector<Vector3d>& poin
 
 struct Ball {
   Vector3d centre;
-  double square;                   ///< of the radius
-  std::vector<Vector3d> boundary;  ///< the points that determine it
+  double square;                   ///< squared radius
+  std::vector<Vector3d> boundary;  ///< the points on it that determine it
 };
 
-/// The smallest ball around at most five points. It is the circumscribed ball of some of them; of those of
-/// all subsets it is the one whose farthest point is nearest. No test of containment, so no tolerance.
+/// Finds the smallest ball around at most five points. It is the circumscribed ball of a subset; among the
+/// circumscribed balls of all subsets, it is the one whose farthest point is nearest. No containment test is
+/// needed, and so no tolerance.
 Ball smallest_around(const std::vector<Vector3d>& points) {
   Ball best{points[0], std::numeric_limits<double>::infinity(), {}};
   for (unsigned subset = 1; subset < (1U << points.size()); ++subset) {
@@ -76,7 +77,8 @@ BoundingSphere bounding_sphere(std::span<const Vector3d> vertices) {
   Vector3d centre = middle;
   Farthest farthest = farthest_from(centre, points);
   Ball ball{points.front(), 0, {points.front()}};
-  // The ball of the boundary grows with every round; when rounding hides that it does, it is the smallest.
+  // The ball of the boundary points grows with every iteration; it is the smallest once rounding hides the
+  // growth.
   while (true) {
     const Farthest outside = farthest_from(ball.centre, points);
     if (outside.square < farthest.square) {
@@ -90,10 +92,10 @@ BoundingSphere bounding_sphere(std::span<const Vector3d> vertices) {
       break;
     ball = std::move(next);
   }
-  // Six roundings of the squared distance count half in the radius; the rest is so that whoever rounds the
-  // distance anew finds it smaller, too.
+  // The six roundings of the squared distance count half in the radius; the remainder of the margin makes a
+  // distance that a caller rounds anew still smaller than the radius.
   constexpr double outward = 1 + 8 * std::numeric_limits<double>::epsilon();
-  // What the centre and the radius can lose below the normal numbers.
+  // The absolute error that the centre and the radius can have in the subnormal range.
   constexpr double smallest = 3 * std::numeric_limits<double>::denorm_min();
   const auto in_given_unit = [e = exponent](double x) { return std::ldexp(x, e); };
   return {centre.unaryExpr(in_given_unit), in_given_unit(std::sqrt(farthest.square) * outward) + smallest};

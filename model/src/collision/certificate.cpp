@@ -7,7 +7,7 @@
 #include "collision/rational_vector.hpp"
 #include "fringe/gjk.hpp"
 
-/// Certificates are checked with nothing but the coordinates and rational arithmetic.
+/// Verifies certificates with nothing but the coordinates and rational arithmetic.
 namespace fringe {
 namespace {
 
@@ -15,6 +15,7 @@ using detail::Rational;
 using detail::RationalVector;
 using Vertices = std::span<const Eigen::Vector3d>;
 
+/// Tests whether direction·a < direction·b for all vertices a and b.
 bool separates(const RationalVector& direction, Vertices a, Vertices b) {
   std::optional<Rational> highest;
   for (const Eigen::Vector3d& vertex : a) {
@@ -27,7 +28,7 @@ bool separates(const RationalVector& direction, Vertices a, Vertices b) {
          });
 }
 
-/// The points a − b of the pairs; none when an index is out of range.
+/// Returns the points a − b of the pairs; no points if an index is out of range.
 std::vector<RationalVector> points_of(const PairSimplex& simplex, Vertices a, Vertices b) {
   std::vector<RationalVector> points;
   for (std::size_t i = 0; i < std::min(simplex.size, simplex.pairs.size()); ++i) {

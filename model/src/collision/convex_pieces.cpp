@@ -16,7 +16,7 @@ using Eigen::AlignedBox3d;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// Covers the roundings of sizes, sines and cosines.
+/// Relative margin of boxes: covers the rounding errors of sizes, sines and cosines.
 constexpr double outwards = 0x1p-48;
 
 AlignedBox3d enlarged(const AlignedBox3d& box) {
@@ -28,7 +28,7 @@ AlignedBox3d centred_box(double x, double y, double z) {
   return enlarged({Vector3d(-x, -y, -z), Vector3d(x, y, z)});
 }
 
-/// Around the sector of a ring from −half to +half (radians).
+/// Computes a box around the sector of a ring from −half to +half (radians).
 AlignedBox3d sector_box(double inner, double outer, double height, double half) {
   constexpr double quarter = std::numbers::pi / 2;
   const double low_x = std::cos(half) * (half > quarter ? outer : inner);
@@ -76,6 +76,7 @@ OrientedBox enclosing_box_of(const Mesh& mesh) {
   return oriented_box(vertices, faces, BoxMethod::tight);
 }
 
+/// Makes one piece of a convex shape.
 template <typename Form>
 ConvexPieces single(ConvexShape shape, const Form& form) {
   const AlignedBox3d box = box_of(form);
@@ -103,7 +104,7 @@ ConvexPieces pieces_of(const Sphere& sphere) {
 }
 
 ConvexPieces pieces_of(const Arc& arc) {
-  // A piece must be less than half a turn.
+  // Largest angle of a piece in degrees; a convex piece must be less than half a turn.
   constexpr double most_degrees = 120;
   const int count = std::max(arc.segments, static_cast<int>(std::ceil(arc.degrees / most_degrees)));
   const double degrees = arc.degrees / count;
@@ -141,7 +142,8 @@ OrientedBox enclosing_box(const Shape& shape) {
 }
 
 BoundingSphere ball_around_box(const Mesh& mesh) {
-  /// More than √3: along no axes is the box wider than a ball around the triangles.
+  /// Factor between the radii, more than √3: along none of its axes is the box wider than a ball around the
+  /// triangles.
   constexpr double box_in_ball = 1.74;
   AlignedBox3d box;
   for (const Triangle& triangle : mesh.triangles)

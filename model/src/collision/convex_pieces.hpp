@@ -17,22 +17,24 @@ struct ConvexPiece {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< from the piece's frame to the shape's
 };
 
-/// A shape as pieces whose union it is (or its surface, of a mesh), in the shape's frame.
+/// A shape divided into convex pieces in the shape's frame. Their union is the shape or, for a mesh, its
+/// surface.
 struct ConvexPieces {
   std::vector<ConvexPiece> pieces;
-  BoxTree tree;  ///< over the pieces
+  BoxTree tree;  ///< bounding volume hierarchy over the pieces
 
-  /// Whether the pieces are triangles that bound a volume, which then belongs to the shape.
+  /// Whether the pieces are triangles that enclose a volume, which then belongs to the shape.
   bool bounds_volume = false;
 };
 
-/// Around a shape, in its frame.
+/// Computes a box around a shape, in its frame.
 OrientedBox enclosing_box(const Shape& shape);
 
-/// A ball around enclosing_box of a mesh, which is looked for long where there are millions of triangles.
+/// Returns a ball that contains enclosing_box of a mesh, without computing that box, which takes long for
+/// millions of triangles.
 BoundingSphere ball_around_box(const Mesh& mesh);
 
-/// An arc becomes a piece for each of its segments, a mesh one for each triangle.
+/// Divides a shape into convex pieces: an arc into one for each segment, a mesh into one for each triangle.
 ConvexPieces convex_pieces(const Shape& shape);
 
 }  // namespace fringe::detail

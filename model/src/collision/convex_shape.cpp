@@ -18,7 +18,7 @@ using detail::ConvexShapeData;
 using detail::Form;
 using Eigen::Vector3d;
 
-/// What rounding may have taken off a length computed from coordinates.
+/// Factor that compensates the rounding of a length computed from coordinates.
 constexpr double rounded_up = 1 + 0x1p-50;
 
 void check_length(double length, std::string_view name) {
@@ -26,7 +26,7 @@ void check_length(double length, std::string_view name) {
     throw InputError(fmt::format("{} must be finite and not negative, not {}", name, length));
 }
 
-/// A shape of a form with no more to it than sizes.
+/// Creates the data of a shape that its kind and sizes describe completely.
 std::shared_ptr<ConvexShapeData> sized(Form form, const Vector3d& size, double reach) {
   auto data = std::make_shared<ConvexShapeData>();
   data->support = {};
@@ -36,7 +36,7 @@ std::shared_ptr<ConvexShapeData> sized(Form form, const Vector3d& size, double r
   return data;
 }
 
-/// The mean of the vertices that are extreme along the axes.
+/// Returns the mean of the vertices that are extreme along the coordinate axes.
 Vector3d middle_of(std::span<const Vector3d> vertices) {
   Vector3d sum = Vector3d::Zero();
   constexpr double extremes = 6;

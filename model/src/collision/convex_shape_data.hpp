@@ -10,7 +10,7 @@
 
 namespace fringe::detail {
 
-/// Coordinates in blocks, as VertexBlocks describes them.
+/// Vertex coordinates in the layout that VertexBlocks describes.
 class CoordinateBlocks {
  public:
   void push_back(const Eigen::Vector3d& point);
@@ -19,6 +19,7 @@ class CoordinateBlocks {
   void fill_block();
 
   std::size_t size() const { return size_; }
+  /// Returns a view of the coordinates, valid until the next change.
   VertexBlocks blocks() const {
     return {coordinates_.data(), static_cast<std::uint32_t>(size_), static_cast<std::uint32_t>(last_)};
   }
@@ -29,7 +30,7 @@ class CoordinateBlocks {
   std::size_t last_ = 0;
 };
 
-/// What a DirectionCells points to.
+/// Storage of a DirectionCells.
 struct CellLists {
   int resolution = 0;
   std::vector<std::uint32_t> starts;
@@ -37,12 +38,12 @@ struct CellLists {
   std::vector<std::uint32_t> indices;
 };
 
-/// The cells of a hull; none where looking at all vertices is as fast.
+/// Builds the direction cells of a hull; none if it has so few vertices that comparing all is as fast.
 CellLists direction_cells(std::span<const Eigen::Vector3d> vertices, double reach);
 
 struct ConvexShapeData {
   SupportShape support;
-  std::vector<Eigen::Vector3d> vertices;  ///< of flat shapes; a box's in the order of SupportPair
+  std::vector<Eigen::Vector3d> vertices;  ///< of polytopes; a box's in the order of SupportPair
   CoordinateBlocks coordinates;
   CellLists cells;
 };

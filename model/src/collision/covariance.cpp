@@ -10,7 +10,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Orthonormal for equal eigenvalues, too: the solver turns one orthogonal basis into the other.
+/// Returns eigenvectors as rows. They are orthonormal even for equal eigenvalues, since the solver applies
+/// orthogonal transformations only.
 Matrix3d eigenvectors(const Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(covariance);
   return solver.eigenvectors().rowwise().reverse().transpose();

@@ -9,12 +9,12 @@
 
 namespace fringe::detail {
 
-/// The eigenvectors (rows, that of the largest eigenvalue first) of the covariance of the points
+/// Computes the eigenvectors (rows, that of the largest eigenvalue first) of the covariance of the points
 /// (thesis 3.1.4.1).
 Eigen::Matrix3d axes_of_vertices(const std::vector<Eigen::Vector3d>& points);
 
-/// The same of the points of the triangles, each weighted with its area (thesis 3.1.4.2); of the vertices
-/// when the triangles have none.
+/// Computes the same for the surface of the triangles, each weighted by its area (thesis 3.1.4.2). If the
+/// triangles have no area, uses the vertices.
 Eigen::Matrix3d axes_of_triangles(const std::vector<Eigen::Vector3d>& points, std::span<const Face> faces);
 
 }  // namespace fringe::detail

@@ -9,16 +9,19 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The root of the number of vertices over the squares along a side of the cube. More squares would spare a
-/// block of vertices here and there, and take more memory than is near the processor.
+/// Ratio of the square root of the number of vertices to the number of squares along a side of the cube. With
+/// more squares a query would at times visit one block of vertices less, but the table would outgrow the
+/// processor's fast memory.
 constexpr double vertices_per_square_root = 4.5;
 
-/// Squares times vertices, of all of the cube: as much as is looked at in a fraction of a second.
+/// Limit of squares times vertices, over the whole cube; this much work takes a fraction of a second.
 constexpr double most_work = 2e7;
 
-/// What the borders of a square are moved outwards, so that rounding a direction's place does not matter.
+/// Length by which the borders of a square are moved outwards (the cube's side is 2), so that rounding of a
+/// direction's position does not matter.
 constexpr double cell_border = 1e-9;
 
+/// Returns the direction through the point (u, v) of a face of the cube [−1, 1]³.
 Vector3d direction_through(int face, double u, double v) {
   const double main = face % 2 == 0 ? 1 : -1;
   const int axis = face / 2;
@@ -29,8 +32,9 @@ Vector3d direction_through(int face, double u, double v) {
   return direction;
 }
 
-/// The vertices that may be farthest along a direction between the corners: not those that another vertex
-/// exceeds along all corners, and so along all that is between them.
+/// Returns the vertices that may be the support point for a direction between the corners. A vertex is
+/// dropped if another one exceeds it along all four corners, and therefore along every direction between
+/// them.
 std::vector<std::uint32_t> candidates(std::span<const Vector3d> vertices,
                                       const std::array<Vector3d, 4>& corners, double margin) {
   using Products = Eigen::Array4d;
@@ -39,7 +43,7 @@ std::vector<std::uint32_t> candidates(std::span<const Vector3d> vertices,
   };
   std::vector<Products> products(vertices.size());
   std::transform(vertices.begin(), vertices.end(), products.begin(), products_of);
-  // The farthest along the corners and along their middle exceed nearly all that can be exceeded.
+  // The support points along the corners and along their mean exceed nearly all vertices that can be dropped.
   std::array<std::size_t, 5> leaders{};
   for (std::size_t i = 1; i < vertices.size(); ++i) {
     for (Eigen::Index corner = 0; corner < 4; ++corner)
@@ -82,11 +86,11 @@ CellLists direction_cells(std::span<const Vector3d> vertices, double reach) {
   CellLists cells;
   if (vertices.size() <= SupportShape::few_vertices)
     return cells;
-  // A square then has, on a ball's hull, some fifteen vertices.
+  // With this resolution a square of a sphere's hull lists about fifteen vertices.
   const double wished = std::sqrt(static_cast<double>(vertices.size())) / vertices_per_square_root;
   const double affordable = std::sqrt(most_work / (6 * static_cast<double>(vertices.size())));
   cells.resolution = std::max(2, static_cast<int>(std::lround(std::min(wished, affordable))));
-  // Twice what products of a vertex with a corner, of components up to 1, can be off.
+  // Twice the error bound of a vertex's product with a corner, whose components are at most 1.
   const double margin = 0x1p-48 * reach;
   const double side = 2.0 / cells.resolution;
   for (int face = 0; face < 6; ++face)

@@ -12,12 +12,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A vertex with the largest product with the direction, and that product in units.
+/// A support point: its index and its product with the direction, in units.
 struct ExactExtreme {
   std::size_t index = 0;
   Integer product;
 };
 
+/// Finds an exact support point. Only vertices whose rounded products are within the error bound of the
+/// largest are compared in integers.
 ExactExtreme exactly_farthest_along(const ExactHulls& exact, Vertices vertices,
                                     const ExactVertices& positions, const ExactVector& direction) {
   const HullPair& hulls = exact.hulls;
@@ -28,7 +30,7 @@ ExactExtreme exactly_farthest_along(const ExactHulls& exact, Vertices vertices,
   ExactExtreme extreme;
   bool found = false;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    // Written so that what is not a number is compared exactly.
+    // Written so that a NaN is compared exactly.
     if ((vertices[i] - hulls.origin).dot(rounded) < threshold)
       continue;
     Integer product = dot(positions.position(i, exact.unit), direction);
@@ -39,10 +41,13 @@ ExactExtreme exactly_farthest_along(const ExactHulls& exact, Vertices vertices,
   return extreme;
 }
 
+/// Returns the point a − b of a pair.
 ExactVector point_of(const ExactHulls& exact, VertexPair pair) {
   return difference(exact.a.position(pair.a, exact.unit), exact.b.position(pair.b, exact.unit));
 }
 
+/// Finds the point of the simplex nearest to the origin, and reduces the simplex to the face that contains
+/// it.
 ExactNearest nearest_of(const ExactHulls& exact, const PairSimplex& simplex) {
   std::array<ExactVector, 4> points;
   for (std::size_t i = 0; i < simplex.size; ++i)
@@ -69,7 +74,7 @@ ExactNearest nearest_of(const ExactHulls& exact, const PairSimplex& simplex) {
   return nearest;
 }
 
-/// Σ weightsᵢ positionᵢ/total, rounded.
+/// Computes Σ weightsᵢ positionᵢ/total, rounded.
 template <class PositionOf>
 Vector3d combination(const ExactHulls& exact, const ExactNearest& nearest, const PositionOf& position_of) {
   ExactVector sum;
@@ -105,7 +110,7 @@ ExactVertices::ExactVertices(Vertices vertices)
 
 ExactVertices::ExactVertices(Vertices vertices, const Eigen::Isometry3d& pose)
     : vertices_(vertices), pose_(&pose) {
-  // Where all is zero any unit will do.
+  // If all coordinates are zero, any unit will do.
   own_unit_ = common_unit(vertices, 0);
   const std::array<Vector3d, 3> columns{pose.linear().col(0), pose.linear().col(1), pose.linear().col(2)};
   matrix_unit_ = common_unit(columns, 0);

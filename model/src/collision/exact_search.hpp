@@ -8,44 +8,44 @@
 #include "collision/float_search.hpp"
 #include "collision/hull_pair.hpp"
 
-/// The search in integers, which decides whatever floating point cannot (model/NUMERICS.md, section 13).
+/// GJK in integers, which decides the queries that floating point cannot (model/NUMERICS.md, section 13).
 namespace fringe::detail {
 
 /// The exact positions of vertices.
 class ExactVertices {
  public:
-  /// Vertices where they are.
+  /// Takes the vertices as they are.
   explicit ExactVertices(Vertices vertices);
 
-  /// Vertices moved by the matrix of a pose, which must outlive this.
+  /// Moves the vertices by the matrix of a pose, which must outlive this object.
   ExactVertices(Vertices vertices, const Eigen::Isometry3d& pose);
 
-  /// All coordinates of all positions are multiples of 2^unit().
+  /// Returns a common unit: all coordinates of all positions are multiples of 2^unit().
   int unit() const { return unit_; }
 
-  /// In units of 2^unit, which must not be above unit().
+  /// Returns a position in units of 2^unit, which must not be above unit().
   ExactVector position(std::size_t index, int unit) const;
 
  private:
   Vertices vertices_;
   const Eigen::Isometry3d* pose_ = nullptr;
-  int own_unit_;         ///< of the coordinates before they are moved
-  int matrix_unit_ = 0;  ///< of the rotation's matrix
+  int own_unit_;         ///< unit of the coordinates before they are moved
+  int matrix_unit_ = 0;  ///< unit of the rotation matrix
   int unit_;
 };
 
-/// Two hulls in integers.
+/// Two hulls with positions in integers.
 struct ExactHulls {
-  const HullPair& hulls;  ///< the vertices' positions, rounded
+  const HullPair& hulls;  ///< the rounded positions of the vertices
   ExactVertices a;
   ExactVertices b;
   int unit;  ///< coordinates count in units of 2^unit
 };
 
-/// Of hulls whose positions are given exactly.
+/// Prepares hulls whose positions are given exactly.
 ExactHulls exact_hulls(const HullPair& hulls);
 
-/// Of moved hulls; `hulls` has the rounded positions.
+/// Prepares moved hulls; `hulls` contains the rounded positions.
 ExactHulls exact_hulls(const HullPair& hulls, const ExactVertices& a, const ExactVertices& b);
 
 /// A point of the Minkowski difference: Σ weightsᵢ (aᵢ − bᵢ)/total over the pairs of the simplex, all weights
@@ -54,19 +54,19 @@ struct ExactNearest {
   PairSimplex simplex;
   std::array<Integer, 4> weights;
   Integer total;
-  ExactVector point;  ///< times `total`, in units
+  ExactVector point;  ///< times `total`, in units of 2^unit
 };
 
-/// From any simplex, or an empty one: the point of the Minkowski difference nearest to the origin. With the
-/// goal `decision` any point p will do for disjoint hulls that has p·q > 0 for all points q of the
-/// difference.
+/// Runs GJK from any simplex, or an empty one, and returns the point of the Minkowski difference nearest to
+/// the origin. With the goal `decision` and disjoint hulls, it returns any point p for which p·q > 0 for all
+/// points q of the difference.
 ExactNearest exact_search(const ExactHulls& exact, const PairSimplex& start, Goal goal);
 
-/// The point's distance from the origin and the points of the hulls that it is the difference of: right to
-/// three units in the last place, each coordinate to one.
+/// Computes the point's distance from the origin and the witness points, that is the points of the hulls
+/// whose difference it is. The distance is accurate to three units in the last place, each coordinate to one.
 HullDistance rounded_distance(const ExactHulls& exact, const ExactNearest& nearest);
 
-/// Whether direction·a < direction·b for all vertices.
+/// Tests whether direction·a < direction·b for all vertices a and b.
 bool separates(const ExactHulls& exact, const Eigen::Vector3d& direction);
 
 }  // namespace fringe::detail

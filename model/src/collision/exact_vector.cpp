@@ -10,14 +10,16 @@ namespace {
 
 constexpr int digits = std::numeric_limits<double>::digits;
 
-/// Enough for what cutting off the rest changes to be a thousandth of a unit in a double's last place.
+/// Bits of a quotient: enough for its truncation to change the result by a thousandth of a unit in a double's
+/// last place.
 constexpr int quotient_bits = digits + 11;
 
+/// Returns the number of bits of the magnitude.
 int length(const Integer& number) {
   return number.is_zero() ? 0 : static_cast<int>(msb(Integer(abs(number)))) + 1;
 }
 
-/// The number over 2^bits, its magnitude cut off after a double's digits.
+/// Returns number/2^bits, its magnitude truncated to the digits of a double.
 double scaled(const Integer& number, int bits) {
   const int dropped = std::max(0, length(number) - digits);
   const Integer leading = Integer(abs(number)) >> static_cast<unsigned>(dropped);

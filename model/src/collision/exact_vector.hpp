@@ -6,16 +6,17 @@
 #include <Eigen/Core>
 #include <boost/multiprecision/cpp_int.hpp>
 
-/// Vectors of integers, for what floating point leaves undecided.
+/// Vectors of integers, for queries that floating point leaves undecided.
 namespace fringe::detail {
 
 using Integer = boost::multiprecision::cpp_int;
 using ExactVector = std::array<Integer, 3>;
 
-/// The exponent of a power of two of which all coordinates are multiples, `at_most` if they allow more.
+/// Returns the largest exponent of a power of two of which all coordinates are multiples, but no more than
+/// `at_most`.
 int common_unit(std::span<const Eigen::Vector3d> points, int at_most);
 
-/// The point in units of 2^unit, which must be a common unit of its coordinates.
+/// Converts a point to units of 2^unit, which must be a common unit of its coordinates.
 ExactVector in_units(const Eigen::Vector3d& point, int unit);
 
 ExactVector difference(const ExactVector& a, const ExactVector& b);
@@ -23,16 +24,16 @@ ExactVector negated(const ExactVector& vector);
 
 Integer dot(const ExactVector& a, const ExactVector& b);
 
-/// The vector times the power of two that brings its largest component to [1/2, 1), each component rounded by
-/// less than 2⁻⁵²; zero for zero.
+/// Scales the vector by the power of two that brings its largest component to [1/2, 1), and rounds each
+/// component by less than 2⁻⁵². Returns zero for the zero vector.
 Eigen::Vector3d direction_of(const ExactVector& vector);
 
-/// numerator/denominator·2^exponent, less than one unit in the last place off (above the subnormal numbers).
-/// The denominator must be positive.
+/// Computes numerator/denominator·2^exponent with an error below one unit in the last place (above the
+/// subnormal numbers). The denominator must be positive.
 double rounded_quotient(const Integer& numerator, const Integer& denominator, int exponent);
 
-/// √(square)/denominator·2^exponent, less than two units in the last place off (above the subnormal numbers).
-/// The denominator must be positive.
+/// Computes √(square)/denominator·2^exponent with an error below two units in the last place (above the
+/// subnormal numbers). The denominator must be positive.
 double rounded_root_quotient(const Integer& square, const Integer& denominator, int exponent);
 
 }  // namespace fringe::detail

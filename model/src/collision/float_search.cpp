@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A simplex with the rounded points of its pairs.
+/// A simplex of vertex pairs with their rounded differences.
 struct FloatSimplex {
   PairSimplex simplex;
   std::array<Vector3d, 4> points;
@@ -29,6 +29,7 @@ struct FloatSimplex {
                        [=](VertexPair own) { return own.a == pair.a && own.b == pair.b; });
   }
 
+  /// Reduces the simplex to the members of a face.
   void keep(unsigned members) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < simplex.size; ++i)
@@ -40,10 +41,10 @@ struct FloatSimplex {
   }
 };
 
-/// The sign of the determinant of three points, each coordinate of which is a rounded difference; 0 when
-/// rounding may have changed it. Seven roundings stand between the coordinates and each of the six products
-/// (J. R. Shewchuk, Discrete & Computational Geometry 18, 1997, 305); in the safe range none underflows that
-/// matters.
+/// Returns the sign of the determinant of three points, each coordinate of which is a rounded difference; 0
+/// if rounding may have changed it. Seven roundings stand between the coordinates and each of the six
+/// products (J. R. Shewchuk, Discrete & Computational Geometry 18, 1997, 305). In the safe range no product
+/// underflows that matters.
 int certain_sign(const Vector3d& p, const Vector3d& q, const Vector3d& r) {
   constexpr double unit_roundoff = std::numeric_limits<double>::epsilon() / 2;
   constexpr double error_per_magnitude = (7 + 56 * unit_roundoff) * unit_roundoff;
@@ -57,8 +58,8 @@ int certain_sign(const Vector3d& p, const Vector3d& q, const Vector3d& r) {
   return determinant > 0 ? 1 : -1;
 }
 
-/// Whether the origin surely lies inside the tetrahedron: its barycentric coordinates are proportional to
-/// these determinants, every second one taken negative.
+/// Tests whether the origin certainly lies inside the tetrahedron: its barycentric coordinates are
+/// proportional to these determinants with alternating signs.
 bool surely_around_origin(const std::array<Vector3d, 4>& points) {
   const auto& [p, q, r, s] = points;
   const int sign = certain_sign(q, r, s);
@@ -66,6 +67,7 @@ bool surely_around_origin(const std::array<Vector3d, 4>& points) {
          certain_sign(p, q, r) == -sign;
 }
 
+/// Returns the point of the face nearest to the origin, by its barycentric coordinates.
 Vector3d nearest_point(const FloatSimplex& simplex, const NearestFace<double>& face) {
   Vector3d sum = Vector3d::Zero();
   double total = 0;
@@ -80,9 +82,11 @@ Vector3d nearest_point(const FloatSimplex& simplex, const NearestFace<double>& f
 }  // namespace
 
 FloatSearch float_search(const HullPair& hulls, Goal goal) {
-  // Seldom more than ten are needed. What is not found by then is left to the exact search.
+  // Limit of iterations; more than ten are rarely needed. The exact search continues from where this one
+  // ends.
   constexpr int most_rounds = 40;
-  // What can still be gained is then no more than what rounding has cost.
+  // The iteration stops at this duality gap relative to the squared distance, where rounding errors outweigh
+  // any further gain.
   constexpr double no_gain = 1e-14;
   if (!in_safe_range(hulls))
     return {};
@@ -92,7 +96,7 @@ FloatSearch float_search(const HullPair& hulls, Goal goal) {
   for (int round = 0; round < most_rounds; ++round) {
     const Vector3d direction = -nearest;
     const double error = product_error(hulls, direction);
-    // Smaller products could lose digits to underflow, which the error leaves out.
+    // For a smaller error bound, products could lose digits to underflow, which the bound does not cover.
     constexpr double smallest_error = 1e-250;
     if (error < smallest_error)
       break;

@@ -4,22 +4,23 @@
 
 #include "collision/hull_pair.hpp"
 
-/// The search in floating point, which ends most queries and starts the exact one of the others
-/// (model/NUMERICS.md, section 13).
+/// GJK in floating point, which answers most queries and provides the exact search with a start for the
+/// others (model/NUMERICS.md, section 13).
 namespace fringe::detail {
 
 enum class Goal {
-  decision,  ///< whether the hulls intersect
-  distance   ///< the nearest points, too
+  decision,  ///< decide whether the hulls intersect
+  distance   ///< find the nearest points, too
 };
 
 struct FloatSearch {
-  /// What is proven, with regard to every rounding. With the goal `distance`, never a separation.
+  /// The answer, if it is proven for every possible rounding. With the goal `distance`, never a separation.
   std::optional<GjkAnswer> answer;
-  /// Otherwise, where the search got to: a simplex near the origin. Empty where it was not tried.
+  /// The simplex near the origin that the search reached. Empty if the search was not tried.
   PairSimplex reached;
 };
 
+/// Runs GJK in floating point.
 FloatSearch float_search(const HullPair& hulls, Goal goal);
 
 }  // namespace fringe::detail

@@ -19,6 +19,7 @@ using detail::ExactNearest;
 using detail::Goal;
 using Eigen::Vector3d;
 
+/// Converts the result of the exact search into an answer with a certificate.
 GjkAnswer answer_of(const ExactHulls& exact, const ExactNearest& nearest) {
   if (detail::dot(nearest.point, nearest.point).is_zero())
     return {true, SimplexAroundOrigin{nearest.simplex}};
@@ -28,7 +29,7 @@ GjkAnswer answer_of(const ExactHulls& exact, const ExactNearest& nearest) {
   return {false, SeparatingSimplex{nearest.simplex}};
 }
 
-/// A few vertices of a hull for one quick search, relative to an origin.
+/// Copies the vertices of a small hull, relative to an origin, into the layout of one filter query.
 class PassingHull {
  public:
   PassingHull(detail::Vertices vertices, const Vector3d& origin) {
@@ -43,7 +44,7 @@ class PassingHull {
         largest = std::max(largest, std::abs(coordinate));
       }
     }
-    // Some point inside: the mean of two vertices that are not neighbours in most lists.
+    // Any point of the hull: the midpoint of two vertices that are not neighbours in most lists.
     const Vector3d middle = (vertices.front() - origin) / 2 + (vertices[vertices.size() / 2] - origin) / 2;
     std::copy(middle.begin(), middle.end(), support_.middle);
     constexpr double root_of_3 = 1.7320508075688774;
@@ -62,8 +63,8 @@ class PassingHull {
   Eigen::Matrix4d identity_ = Eigen::Matrix4d::Identity();
 };
 
-/// By the quick search; none where it leaves the question open. Laying out more than a few vertices for it
-/// would take longer than it saves.
+/// Answers the query by the filter; returns nothing if the filter leaves it undecided. For larger hulls,
+/// copying the vertices would take longer than the filter saves.
 std::optional<GjkAnswer> quick_answer(const detail::HullPair& hulls) {
   if (std::max(hulls.a.size(), hulls.b.size()) > detail::SupportShape::few_vertices)
     return std::nullopt;

@@ -3,55 +3,56 @@
 #include <cstddef>
 #include <cstdint>
 
-/// The search in floating point that answers most queries (model/NUMERICS.md, section 13).
+/// The filtered GJK search in floating point, which answers most queries (model/NUMERICS.md, section 13).
 ///
-/// Compiled once for every instruction set: what is declared here obeys the rule in simd/dispatch.hpp.
+/// It is compiled once for every instruction set; the declarations here obey the rule in simd/dispatch.hpp.
 namespace fringe::detail {
 
-/// Vertices in blocks of eight: their x, then their y, then their z. The last vertex is repeated where the
-/// last block would not be full.
+/// Vertices in blocks of eight: their x, then their y, then their z. The last vertex is repeated to fill the
+/// last block.
 struct VertexBlocks {
   const double* coordinates;
-  std::uint32_t count;  ///< of vertices, repeated ones included
-  std::uint32_t last;   ///< the index of the vertex that is repeated; ones above stand for it
+  std::uint32_t count;  ///< number of vertices, including repeated ones
+  std::uint32_t last;   ///< index of the vertex that is repeated; larger indices mean this vertex
 
   static constexpr std::size_t size = 8;
 };
 
-/// For hulls of many vertices: the directions, by the face and square of a cube around the origin that they
-/// go through, and for each square all vertices that may be the farthest along one of its directions.
+/// Lookup table for the support mapping of hulls of many vertices. The faces of a cube around the origin are
+/// divided into squares; for each square the table lists all vertices that may be the support point for a
+/// direction through it.
 struct DirectionCells {
-  int resolution;                ///< squares along a side; 0: there are no cells, all vertices are looked at
-  const std::uint32_t* starts;   ///< where a cell's vertices begin, with a block of its own; and the end
-  VertexBlocks vertices;         ///< of all cells, one after the other
-  const std::uint32_t* indices;  ///< of these vertices among the hull's
+  int resolution;                ///< squares along a side; 0: there is no table and all vertices are compared
+  const std::uint32_t* starts;   ///< where each cell's vertices begin, block by block; last, the end
+  VertexBlocks vertices;         ///< vertices of all cells, one cell after the other
+  const std::uint32_t* indices;  ///< indices of these vertices among the hull's
 };
 
 enum class Form : int { hull, box, ball, cylinder, cone, sector };
 
-/// A convex shape in its own frame, as its farthest points along directions.
+/// A convex shape in its own frame, given by the numbers that its support mapping needs.
 struct SupportShape {
   Form form;
   double size[3];  ///< box: half the sides; ball: radius; cylinder, cone and sector: (outer) radius, half the
                    ///< height, inner radius
   double ends[4];  ///< sector: the unit vectors (x, y) of its two ends, anticlockwise, less than half a turn
-  double middle[3];  ///< a point of the shape, but for rounding
-  double reach;      ///< no point is farther from the frame's origin
+  double middle[3];  ///< a point of the shape, up to rounding
+  double reach;      ///< radius around the frame's origin that contains the shape
   VertexBlocks vertices;
   DirectionCells cells;
 
-  /// Hulls of no more vertices are moved as a whole when a search begins.
+  /// Hulls of at most this many vertices are moved as a whole when a search begins.
   static constexpr std::size_t few_vertices = 32;
 };
 
-/// A shape with the 16 numbers, column by column, of the matrix of its pose: a rotation to 1e-9.
+/// A shape and its pose: the 16 numbers of a matrix, column by column, which must be a rotation to 1e-9.
 struct PlacedShape {
   const SupportShape* shape;
   const double* pose;
 };
 
-/// The farthest point of A along a direction and that of B against it, each in its shape's frame; and of
-/// hulls and boxes their indices (of a box: bit k is set where coordinate k is positive).
+/// The support points of A along a direction and of B against it, each in its shape's frame, and the vertex
+/// indices for hulls and boxes (for a box, bit k is set if coordinate k is positive).
 struct SupportPair {
   double on_a[3];
   double on_b[3];
@@ -61,32 +62,33 @@ struct SupportPair {
 
 enum class Verdict : int { undecided, disjoint, intersecting };
 
-/// What the search has proven with regard to every rounding, or where it got to.
+/// What the search has proven, every rounding considered, or the simplex that it reached.
 struct GjkFilterAnswer {
   Verdict verdict;
-  double direction[3];   ///< disjoint: separates the shapes, from A to B
-  SupportPair pairs[4];  ///< the simplex reached; intersecting: one around the origin
+  double direction[3];   ///< if disjoint: a separating direction, from A to B
+  SupportPair pairs[4];  ///< the simplex reached; if intersecting: one that contains the origin
   int size;
 };
 
 /// An oriented box as plain numbers, laid out as OrientedBox is.
 struct BoxNumbers {
   double centre[3];
-  double axes[9];  ///< the axes' x, their y, their z
+  double axes[9];  ///< the x of all axes, then their y, then their z
   double half_widths[3];
 };
 
-/// The functions for one instruction set.
+/// The function table of one instruction set.
 struct GjkFilter {
-  /// The verdict alone; somewhat faster.
+  /// Returns the verdict alone; somewhat faster than prove.
   Verdict (*decide)(const PlacedShape& a, const PlacedShape& b);
 
+  /// Computes the verdict with its proof.
   void (*prove)(const PlacedShape& a, const PlacedShape& b, GjkFilterAnswer& answer);
 
-  /// A point of a shape farthest along a direction, both in its own frame.
+  /// Computes the support point of a shape along a direction, both in the shape's own frame.
   void (*support)(const SupportShape& shape, const double* direction, double* point);
 
-  /// By how much two boxes are apart along one of the fifteen axes that tell them apart, at most.
+  /// Computes the largest gap between two boxes along the fifteen candidate separating axes.
   double (*box_gap)(const BoxNumbers& a, const BoxNumbers& b);
 };
 

@@ -5,7 +5,7 @@
 
 #include "collision/gjk_filter.hpp"
 
-/// The filtered GJK search for one instruction set, which `Lanes` stands for.
+/// The filtered GJK search for the instruction set that `Lanes` represents.
 namespace fringe::detail {
 
 template <class Lanes>
@@ -20,10 +20,10 @@ class GjkFilterFor {
     answer.verdict = dispatched<true>(a, b, answer);
   }
 
-  /// The largest gap along the fifteen axes, those of pairs of edges not brought to length one. Overflow
-  /// leaves it NaN.
+  /// Computes the largest gap along the fifteen candidate separating axes; those that are cross products of
+  /// two edges are not normalised. Overflow makes the result NaN.
   static double box_gap(const BoxNumbers& a, const BoxNumbers& b) {
-    // Four numbers from a place within the box's bytes: the fourth is a neighbour of another array.
+    // Loads four numbers from a place within the box's bytes; the fourth belongs to a neighbouring array.
     const auto loaded = [](const BoxNumbers& box, std::size_t place, Four& four) {
       __builtin_memcpy(&four, reinterpret_cast<const char*>(&box) + place, sizeof(Four));
     };
@@ -33,7 +33,7 @@ class GjkFilterFor {
       loaded(a, axis, lanes_a.axes[k]);
       loaded(b, axis, lanes_b.axes[k]);
     }
-    // What stands before them goes to the lane without a meaning.
+    // The number in front of the half-widths goes to the unused lane.
     constexpr std::size_t before_half = offsetof(BoxNumbers, half_widths) - sizeof(double);
     loaded(a, before_half, lanes_a.half);
     loaded(b, before_half, lanes_b.half);
@@ -56,26 +56,26 @@ class GjkFilterFor {
   static constexpr GjkFilter kernels{&decide, &prove, &support, &box_gap};
 
  private:
-  /// Three numbers and one without a meaning.
+  /// Three numbers and an unused fourth lane.
   using Four = double __attribute__((vector_size(32)));
 
   struct Vec {
     double x, y, z;
   };
 
-  /// A point of a shape in the shape's frame, and its index among the vertices.
+  /// A support point in the shape's frame, and its index among the vertices.
   struct Local {
     Vec at;
     std::uint32_t index;
   };
 
-  /// A point of the difference of the shapes, and the round that found it.
+  /// A point of the Minkowski difference, and the iteration that found it.
   struct Point {
     Vec at;
     int round;
   };
 
-  /// What a point of the difference comes from.
+  /// The support points whose difference a point of the Minkowski difference is.
   struct Source {
     Local a, b;
   };
@@ -89,6 +89,7 @@ class GjkFilterFor {
   static Vec minus(const Vec& a, const Vec& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
   static Vec negated(const Vec& a) { return {-a.x, -a.y, -a.z}; }
   static double dot(const Vec& a, const Vec& b) { return fused(a.x, b.x, fused(a.y, b.y, a.z * b.z)); }
+  /// Returns a b − c d with one rounding less where fused multiply-add exists.
   static double difference_of_products(double a, double b, double c, double d) {
     return fused(a, b, -(c * d));
   }
@@ -96,11 +97,12 @@ class GjkFilterFor {
     return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
             difference_of_products(a.x, b.y, a.y, b.x)};
   }
+  /// Returns the 1-norm of a vector.
   static double sum_of_magnitudes(const Vec& a) {
     return __builtin_fabs(a.x) + __builtin_fabs(a.y) + __builtin_fabs(a.z);
   }
 
-  /// Zero, but NaN where a number of a rotation is not finite.
+  /// Returns zero, or NaN if a number of a rotation is not finite.
   static double zero_if_finite(const double* pose_a, const double* pose_b) {
     Four sum{};
     for (const double* pose : {pose_a, pose_b})
@@ -112,10 +114,12 @@ class GjkFilterFor {
     return 0 * (sum[0] + sum[1] + sum[2]);
   }
 
+  /// Turns a direction into the shape's frame (by the transposed rotation).
   static Vec to_local(const double* pose, const Vec& d) {
     return {dot({pose[0], pose[1], pose[2]}, d), dot({pose[4], pose[5], pose[6]}, d),
             dot({pose[8], pose[9], pose[10]}, d)};
   }
+  /// Rotates a point and adds an offset.
   static Vec rotated(const double* pose, const Vec& p, const Vec& plus) {
     return {fused(pose[0], p.x, fused(pose[4], p.y, fused(pose[8], p.z, plus.x))),
             fused(pose[1], p.x, fused(pose[5], p.y, fused(pose[9], p.z, plus.y))),
@@ -125,7 +129,7 @@ class GjkFilterFor {
   using V = typename Lanes::Vector;
   static constexpr std::size_t width = Lanes::width;
 
-  /// The products of the vertices of a block, from a lane on.
+  /// Computes the dot products of the vertices of a block with (x, y, z), from a lane on.
   static V products(const double* block, std::size_t lane, const V& x, const V& y, const V& z) {
     constexpr std::size_t size = VertexBlocks::size;
     return fma(
@@ -139,7 +143,7 @@ class GjkFilterFor {
     return {block[0], block[size], block[2 * size]};
   }
 
-  /// One of the vertices from `first` up to below `last` with the largest product.
+  /// Finds a support point among the vertices from `first` up to below `last`.
   static std::size_t farthest(const VertexBlocks& vertices, std::size_t first, std::size_t last,
                               const Vec& d) {
     constexpr std::size_t size = VertexBlocks::size;
@@ -158,12 +162,14 @@ class GjkFilterFor {
     return static_cast<std::size_t>(places[lane]) + lane;
   }
 
+  /// Returns the index of the square along one side of a cube face.
   static int square(double along, double inverse_of_main, int resolution) {
     const double half = 0.5 * resolution;
     const int index = static_cast<int>(fused(along * inverse_of_main, half, half));
     return index < resolution ? index : resolution - 1;
   }
 
+  /// Returns the index of the direction cell.
   static std::uint32_t cell(int resolution, const Vec& d) {
     const double x = __builtin_fabs(d.x), y = __builtin_fabs(d.y), z = __builtin_fabs(d.z);
     int face;
@@ -183,6 +189,7 @@ class GjkFilterFor {
                                       square(v, inverse, resolution));
   }
 
+  /// Finds a hull's support point, by its direction cells if it has any.
   static Local hull_support(const SupportShape& shape, const Vec& d) {
     const DirectionCells& cells = shape.cells;
     if (cells.resolution == 0) {
@@ -194,10 +201,10 @@ class GjkFilterFor {
     return {vertex(cells.vertices, i), cells.indices[i]};
   }
 
-  /// (x, y) of the given length along (d.x, d.y), along x for zero.
+  /// Returns (x, y, z) with (x, y) of length `radius` along (d.x, d.y), or along x if that is zero.
   static Vec on_circle(double radius, const Vec& d, double z) {
     double x = d.x, y = d.y, square = fused(x, x, y * y);
-    // Where squares leave the range of doubles, the direction is first brought nearer to 1.
+    // Where the squares would underflow or overflow, the direction is first scaled towards 1.
     constexpr double small = 0x1p-900, large = 0x1p900, near_1 = 0x1p500;
     if (square < small || square > large) {
       const double factor = square < small ? near_1 : 1 / near_1;
@@ -224,6 +231,8 @@ class GjkFilterFor {
     return {rim, 0};
   }
 
+  /// Finds a sector's support point: on the outer arc if the direction is between the ends, otherwise at an
+  /// end.
   static Local sector_support(const SupportShape& shape, const Vec& d) {
     const double* ends = shape.ends;
     const double z = __builtin_copysign(shape.size[1], d.z);
@@ -237,7 +246,7 @@ class GjkFilterFor {
     return {{radius * end[0], radius * end[1], z}, 0};
   }
 
-  /// The kinds of shape for which the search is compiled; all others are of one kind.
+  /// The kinds of shape for which the search is compiled separately; Curved covers all round ones.
   struct Hull {
     static Local support(const SupportShape& shape, const Vec& d) { return hull_support(shape, d); }
   };
@@ -263,13 +272,14 @@ class GjkFilterFor {
     }
   };
 
-  /// A point of a moved shape, in the world and in the shape's frame.
+  /// A support point of a moved shape, in the world and in the shape's frame.
   struct Found {
     Vec at;
     Local local;
   };
 
-  /// A moved shape: directions are turned into its frame, points out of it.
+  /// The support mapping of a moved shape: turns the direction into the shape's frame and the point out of
+  /// it.
   template <class Kind>
   struct Turned {
     const SupportShape& shape;
@@ -284,8 +294,8 @@ class GjkFilterFor {
     }
   };
 
-  /// A moved hull of at most so many vertices, all of which are moved beforehand. Where that is one block its
-  /// loops are none.
+  /// The support mapping of a moved hull with at most this many vertices, all of which are moved in advance.
+  /// With one block of vertices the loops disappear.
   template <std::uint32_t most_vertices>
   struct Moved {
     const SupportShape& shape;
@@ -314,7 +324,8 @@ class GjkFilterFor {
     }
 
     Found farthest(const Vec& d) const {
-      // The last five bits of a product are replaced by the index of its vertex, so that the largest has it.
+      // The last five bits of each product are replaced by the index of its vertex, so that the largest
+      // product carries it.
       constexpr std::size_t size = VertexBlocks::size;
       const V x(d.x), y(d.y), z(d.z);
       V best = Lanes::tagged(products(blocks, 0, x, y, z), 0);
@@ -330,8 +341,8 @@ class GjkFilterFor {
   };
 
   struct BoxLanes {
-    Four axes[3];  ///< the axes' x, their y, their z
-    Four half;     ///< half the widths
+    Four axes[3];  ///< the x of the three axes, then their y, then their z
+    Four half;     ///< half-widths
   };
 
   static void add_product(const Four& a, const Four& b, Four& sum) {
@@ -342,13 +353,14 @@ class GjkFilterFor {
   }
   static void add_product(double a, const Four& b, Four& sum) { add_product(Four{a, a, a, a}, b, sum); }
 
-  /// By S. Gottschalk, M. C. Lin and D. Manocha, SIGGRAPH 1996, 171.
+  /// Computes the largest gap along the fifteen axes of the separating axis test (S. Gottschalk, M. C. Lin
+  /// and D. Manocha, SIGGRAPH 1996, 171).
   static double gap(const BoxLanes& a, const BoxLanes& b, const Vec& between) {
     const Four* const axes_a = a.axes;
     const Four* const axes_b = b.axes;
     const Four half_a = a.half, half_b = b.half;
     const auto magnitude = [](const Four& value, Four& result) { result = value < 0 ? -value : value; };
-    // Each a sum of three products.
+    // Computes x a + y b + z c.
     const auto combined = [](double x, const Four& a, double y, const Four& b, double z, const Four& c,
                              Four& result) {
       result = x * a;
@@ -358,7 +370,7 @@ class GjkFilterFor {
     Four along_a, along_b;
     combined(between.x, axes_a[0], between.y, axes_a[1], between.z, axes_a[2], along_a);
     combined(between.x, axes_b[0], between.y, axes_b[1], between.z, axes_b[2], along_b);
-    Four cosines[3], sizes[3];  // of each axis of A with those of B
+    Four cosines[3], sizes[3];  // of each axis of A with the axes of B
     for (int i = 0; i < 3; ++i) {
       combined(axes_a[0][i], axes_b[0], axes_a[1][i], axes_b[1], axes_a[2][i], axes_b[2], cosines[i]);
       magnitude(cosines[i], sizes[i]);
@@ -396,7 +408,7 @@ class GjkFilterFor {
     return largest > gaps[2] ? largest : gaps[2];
   }
 
-  /// Two boxes by their fifteen axes.
+  /// Tests two boxes by their fifteen candidate separating axes.
   static Verdict compare_boxes(const PlacedShape& a, const PlacedShape& b) {
     const auto lanes_of = [](const PlacedShape& box, BoxLanes& lanes) {
       for (int k = 0; k < 3; ++k)
@@ -408,10 +420,10 @@ class GjkFilterFor {
     lanes_of(b, lanes_b);
     const Vec between{b.pose[12] - a.pose[12], b.pose[13] - a.pose[13], b.pose[14] - a.pose[14]};
     const double extent = sum_of_magnitudes(between) + a.shape->reach + b.shape->reach;
-    // Squares neither overflow nor, where they matter, underflow.
+    // In this range squares neither overflow nor, where it matters, underflow.
     if (!(extent < 0x1p500 && extent > 0x1p-500))
       return Verdict::undecided;
-    // The poses' matrices are taken for rotations, which they are to 1e-9.
+    // The margin is large enough for poses whose matrices are rotations only to 1e-9.
     const double margin = 0x1p-24 * extent, largest_gap = gap(lanes_a, lanes_b, between);
     if (largest_gap > margin)
       return Verdict::disjoint;
@@ -455,34 +467,36 @@ class GjkFilterFor {
     }
   }
 
-  /// Up to four points of the difference. Of three, with what the next round needs of them.
+  /// Up to four points of the Minkowski difference. A triangle also stores the products that the next
+  /// iteration needs.
   struct Simplex {
     Point points[4];
     int size;
-    Vec crosses[3];      ///< of points 1 and 2, 2 and 0, 0 and 1
-    double determinant;  ///< of points 0, 1, 2
+    Vec crosses[3];      ///< cross products of the points 1 and 2, 2 and 0, 0 and 1
+    double determinant;  ///< of the points 0, 1 and 2
   };
 
   static Vec plus(const Vec& a, const Vec& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 
-  /// Without a proof to give, a point inside the difference that is none of the shapes' farthest points is
-  /// the first of the simplex, which spares one round.
+  /// Runs the filtered GJK iteration. Without a proof to give, the simplex starts with an inner point of the
+  /// Minkowski difference that is no difference of support points; this saves one iteration.
   ///
-  /// Flattened: left to itself the compiler calls even the products of vectors, there being so many searches.
+  /// gnu::flatten is needed because the search is instantiated so often that the compiler would otherwise not
+  /// inline even the dot products.
   template <bool with_proof, class A, class B>
   [[gnu::flatten]] static Verdict search(const PlacedShape& a, const PlacedShape& b,
                                          GjkFilterAnswer& answer) {
     const double* pose_a = a.pose;
     const double* pose_b = b.pose;
     const Vec offset{pose_a[12] - pose_b[12], pose_a[13] - pose_b[13], pose_a[14] - pose_b[14]};
-    // A bound of the length of every point of the difference; NaN where a rotation is not finite.
+    // Bounds the length of every point of the Minkowski difference; NaN if a rotation is not finite.
     const double extent =
         sum_of_magnitudes(offset) + a.shape->reach + b.shape->reach + zero_if_finite(pose_a, pose_b);
     answer.size = 0;
     if (!(extent < 0x1p170 && extent > 0x1p-170))
       return Verdict::undecided;
     constexpr double error_per_product = 0x1p-46, error_per_determinant = 0x1p-46;
-    // Below it, products could have lost digits to underflow.
+    // Below these, products could have lost digits to underflow.
     constexpr double smallest_product = 0x1p-860, smallest_direction = 0x1p-900;
     const double error_of_determinants = error_per_determinant * extent * extent * extent;
     const Vec middle_a{a.shape->middle[0], a.shape->middle[1], a.shape->middle[2]};
@@ -531,6 +545,7 @@ class GjkFilterFor {
     return verdict;
   }
 
+  /// Writes the simplex and the direction into the answer.
   static void record(const Simplex& simplex, const Source* sources, const Vec& direction,
                      GjkFilterAnswer& answer) {
     answer.direction[0] = direction.x;
@@ -544,8 +559,8 @@ class GjkFilterFor {
     }
   }
 
-  /// Keeps the newest point, the last one, and the origin's nearest point of the segment. The direction leads
-  /// from that to the origin, here and below.
+  /// Reduces a segment to the face of it nearest to the origin; the newest point, which is the last one,
+  /// always stays. Sets the direction from the nearest point to the origin, as the functions below do.
   static void reduce_segment(Simplex& simplex, Vec& direction) {
     const Vec& a = simplex.points[1].at;
     const Vec along = minus(simplex.points[0].at, a);
@@ -561,6 +576,7 @@ class GjkFilterFor {
                  -fused(a.z, square, along.z * share)};
   }
 
+  /// Computes the products of the three points and reduces the triangle they form.
   static void reduce_triangle(Simplex& simplex, Vec& direction) {
     const Vec& c = simplex.points[0].at;
     const Vec& b = simplex.points[1].at;
@@ -572,11 +588,11 @@ class GjkFilterFor {
     direct_from_triangle(simplex, simplex.determinant, direction);
   }
 
-  /// From the triangle to the side on which the determinant with the origin in place of a point beyond the
-  /// triangle is positive, or from one of its edges.
+  /// Sets the direction along the triangle's normal, to the side of the origin, which the sign of the
+  /// determinant `side` tells; or reduces the triangle to an edge if the origin lies beyond that edge.
   static void direct_from_triangle(Simplex& simplex, double side, Vec& direction) {
     const Vec normal = plus(plus(simplex.crosses[0], simplex.crosses[1]), simplex.crosses[2]);
-    // The edges opposite the points 0 and 1 end in the newest.
+    // The edges opposite the points 0 and 1 end at the newest point.
     const double beyond_0 = dot(normal, simplex.crosses[0]), beyond_1 = dot(normal, simplex.crosses[1]);
     if (beyond_0 < 0 || beyond_1 < 0) {
       if (beyond_0 < beyond_1)
@@ -589,10 +605,13 @@ class GjkFilterFor {
     direction = side > 0 ? negated(normal) : normal;
   }
 
-  /// With one point more: either it is decided, or one of the others is dropped.
+  /// Adds a point to the triangle. If the tetrahedron contains the origin, keeps all four points and returns
+  /// `intersecting`, or `undecided` where rounding leaves that open. Otherwise drops one of the older points
+  /// and reduces the triangle that remains.
   static Verdict add_to_triangle(Simplex& simplex, const Point& added, Vec& direction, double error) {
     const Vec& a = added.at;
-    // Proportional to the barycentric coordinates of the origin, all times the sign of the volume.
+    // These are proportional to the barycentric coordinates of the origin, all multiplied by the sign of the
+    // volume.
     const double sign_of_first = simplex.determinant;
     const double product_0 = dot(a, simplex.crosses[0]), product_1 = dot(a, simplex.crosses[1]),
                  product_2 = dot(a, simplex.crosses[2]);
@@ -610,7 +629,7 @@ class GjkFilterFor {
       simplex.size = 4;
       return Verdict::undecided;
     }
-    // The origin is beyond the face opposite the dropped point, whichever share is the least.
+    // The origin lies beyond the face opposite the dropped point, the one with the least share.
     if (share_0 < share_1 && share_0 < share_2) {
       simplex.points[0] = simplex.points[1];
       simplex.points[1] = simplex.points[2];

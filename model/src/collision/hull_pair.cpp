@@ -10,6 +10,7 @@
 namespace fringe::detail {
 namespace {
 
+/// Returns the largest coordinate of the vertices relative to the origin, in magnitude.
 double extent_from(Vertices vertices, const Eigen::Vector3d& origin) {
   double extent = 0;
   for (const Eigen::Vector3d& vertex : vertices)

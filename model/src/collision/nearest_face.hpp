@@ -4,27 +4,27 @@
 #include <cstddef>
 #include <optional>
 
-/// The point of a simplex that is nearest to the origin (model/NUMERICS.md, section 13).
+/// Finds the point of a simplex nearest to the origin (model/NUMERICS.md, section 13).
 namespace fringe::detail {
 
-/// A face of a simplex, and the point of it that is nearest to the origin: Σ weightsᵢ pᵢ / Σ weightsᵢ over
-/// the points of the face, all weights positive. Weights of other points are not set.
+/// A face of a simplex, and its point nearest to the origin: Σ weightsᵢ pᵢ / Σ weightsᵢ over the points of
+/// the face, all weights positive. The weights of other points are not set.
 template <class Number>
 struct NearestFace {
   unsigned members;  ///< bit i: whether point i belongs to the face
   std::array<Number, 4> weights;
 };
 
-/// The subsets of four points, as bits, the small ones first.
+/// The subsets of four points as bit sets, in order of size.
 constexpr std::array<unsigned, 15> subsets_by_size{1, 2, 4, 8, 3, 5, 6, 9, 10, 12, 7, 11, 13, 14, 15};
 
 constexpr bool holds(unsigned subset, std::size_t point) {
   return ((subset >> point) & 1U) != 0;
 }
 
-/// The smallest face that holds the point of the hull of `size` points nearest to the origin, by Johnson's
-/// determinants. In exact arithmetic there always is one, also when the points are affinely dependent; in
-/// floating point none of them may pass. product(i, j, k) is pᵢ·(pⱼ − pₖ).
+/// Finds the smallest face that contains the point, nearest to the origin, of the hull of `size` points, by
+/// Johnson's determinants. In exact arithmetic there always is one, even if the points are affinely
+/// dependent; in floating point it may happen that no face passes the test. product(i, j, k) is pᵢ·(pⱼ − pₖ).
 template <class Number, class Product>
 std::optional<NearestFace<Number>> nearest_face(const Product& product, std::size_t size) {
   std::array<std::array<Number, 4>, 16> determinants;

@@ -24,7 +24,8 @@ void check(std::span<const Face> faces, std::size_t vertices) {
         throw InputError(fmt::format("face {} names vertex {}; there are {} vertices", i, vertex, vertices));
 }
 
-/// Orthonormal to rounding and right-handed; the rows must be so but for their sign and small errors.
+/// Makes the rows orthonormal up to rounding and right-handed; they must be so already up to sign and small
+/// errors.
 Matrix3d right_handed(const Matrix3d& axes) {
   Matrix3d result;
   const Vector3d first = axes.row(0).normalized();
@@ -45,7 +46,7 @@ Matrix3d axes_by(BoxMethod method, const std::vector<Vector3d>& points, std::spa
   throw InputError("there is no such method for boxes");
 }
 
-/// The middle of the points' extent along the axes.
+/// Returns the centre of the points' extent along the axes.
 Vector3d middle_along(const Matrix3d& axes, const std::vector<Vector3d>& points, const Vector3d& from) {
   Vector3d lowest = Vector3d::Constant(std::numeric_limits<double>::infinity()), highest = -lowest;
   for (const Vector3d& point : points) {
@@ -80,10 +81,10 @@ OrientedBox oriented_box(std::span<const Vector3d> vertices, std::span<const Fac
     half_widths = half_widths.cwiseMax((axes * offset).cwiseAbs());
     farthest = std::max(farthest, offset.norm());
   }
-  // Four roundings stand between a coordinate and a height, and the axes are orthonormal to a few: twice
-  // that, so that whoever computes the heights anew finds them within, too.
+  // Four roundings stand between a coordinate and a height, and the axes are orthonormal to a few more. The
+  // margin is twice that, so that a height computed anew by a caller is still inside.
   const double outward = 8 * std::numeric_limits<double>::epsilon() * farthest;
-  // What the centre and the half-widths can lose below the normal numbers.
+  // The absolute error that the centre and the half-widths can have in the subnormal range.
   constexpr double smallest = 4 * std::numeric_limits<double>::denorm_min();
   const auto in_given_unit = [e = exponent](double x) { return std::ldexp(x, e); };
   return {centre.unaryExpr(in_given_unit), axes,

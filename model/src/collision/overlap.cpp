@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-/// A box as the plain numbers it is made of, without copying them.
+/// Views a box as plain numbers without copying them.
 const detail::BoxNumbers& numbers_of(const OrientedBox& box) {
   static_assert(std::is_standard_layout_v<OrientedBox> && sizeof(OrientedBox) == sizeof(detail::BoxNumbers) &&
                 offsetof(OrientedBox, axes) == offsetof(detail::BoxNumbers, axes) &&
@@ -23,18 +23,20 @@ const detail::BoxNumbers& numbers_of(const OrientedBox& box) {
   return reinterpret_cast<const detail::BoxNumbers&>(box);
 }
 
-/// A length has at most two roundings of its own and those of the differences it is made of; a sum of radii
-/// has one.
+/// Factor that allows for rounding in comparing a distance with a sum of radii: a length has at most two
+/// roundings of its own and those of the differences it is computed from; a sum of radii has one.
 constexpr double certain = 1 - 8 * epsilon;
 
-/// Ten times what an oriented box's axes may be off.
+/// Margin of box comparisons, relative to the sum of all lengths: ten times the rounding error of an oriented
+/// box's axes.
 constexpr double axes_margin = 1e-13;
 
+/// Returns the norm without overflow or underflow of squares.
 double length(const Vector3d& vector) {
   return std::hypot(vector.x(), vector.y(), vector.z());
 }
 
-/// The same box, or a little more than it.
+/// Returns the same box, enlarged by rounding at most, as an oriented box.
 OrientedBox oriented(const Eigen::AlignedBox3d& box) {
   const Vector3d rounding = 2 * epsilon * box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs());
   return {box.min() / 2 + box.max() / 2, Eigen::Matrix3d::Identity(),
@@ -72,9 +74,9 @@ bool overlap(const Eigen::AlignedBox3d& a, const OrientedBox& b) {
 }
 
 bool detail::overlap_within(const OrientedBox& a, const OrientedBox& b, double relative_margin) {
-  // Everything compared is a sum of products of an offset or a half-width with at most two components of
-  // axes: what is off is at most some ten times what they are, times all lengths together. The comparison is
-  // written so that overflow means overlap.
+  // Every compared quantity is a sum of products of an offset or a half-width with at most two axis
+  // components, so its error is at most some ten times the error of the axes, times the sum of all lengths.
+  // The comparison is written so that overflow counts as overlap.
   const double lengths = (b.centre - a.centre).lpNorm<1>() + a.half_widths.sum() + b.half_widths.sum();
   const double gap = detail::best_kernels<detail::GjkFilter>().box_gap(numbers_of(a), numbers_of(b));
   return !(gap > relative_margin * lengths + std::numeric_limits<double>::min());

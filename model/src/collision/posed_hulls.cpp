@@ -8,6 +8,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
+/// Returns the rotated vertices plus the offset.
 std::vector<Vector3d> moved(const std::vector<Vector3d>& vertices, const Isometry3d& pose,
                             const Vector3d& offset) {
   std::vector<Vector3d> result;

@@ -9,7 +9,7 @@
 
 namespace fringe::detail {
 
-/// Two flat shapes in poses, in integers. The shapes and the poses must outlive it.
+/// Two polytopes in given poses, with positions in integers. The shapes and the poses must outlive it.
 class PosedHulls {
  public:
   PosedHulls(const ConvexShape& a, const Eigen::Isometry3d& pose_a, const ConvexShape& b,

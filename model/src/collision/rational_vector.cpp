@@ -12,8 +12,8 @@ RationalVector cross_product(const RationalVector& a, const RationalVector& b) {
 
 using Rows = std::array<std::array<Rational, 5>, 4>;
 
-/// Whether the equations (the last column is their right-hand side) have exactly one solution, and it is not
-/// negative. Gauss-Jordan elimination.
+/// Tests by Gauss-Jordan elimination whether the linear system (the last column is its right-hand side) has
+/// exactly one solution and no component of it is negative.
 bool solved_by_non_negative(Rows rows, std::size_t unknowns) {
   for (std::size_t column = 0; column < unknowns; ++column) {
     std::size_t pivot = column;

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <boost/multiprecision/cpp_int.hpp>
 
-/// Vectors of rational numbers, with which certificates are checked.
+/// Vectors of rational numbers, with which certificates are verified.
 namespace fringe::detail {
 
 using Rational = boost::multiprecision::cpp_rational;
@@ -19,16 +19,15 @@ RationalVector plus(const RationalVector& a, const RationalVector& b);
 RationalVector minus(const RationalVector& a, const RationalVector& b);
 RationalVector times(const Rational& factor, const RationalVector& vector);
 
-/// A positive multiple of the point of the line or plane through two or three points that is nearest to the
-/// origin; zero when they span none. One point is its own.
+/// Returns a positive multiple of the point nearest to the origin on the line or plane through two or three
+/// points; zero if the points are affinely dependent. A single point is returned as it is.
 RationalVector towards_nearest(const std::vector<RationalVector>& points);
 
-/// Whether some of the points, affinely independent ones, have the origin as a convex combination. By
-/// Carathéodory's theorem that is so whenever the hull of all holds it.
+/// Tests whether the origin lies in the hull of the points: whether it is a convex combination of an affinely
+/// independent subset, which by Carathéodory's theorem is equivalent.
 bool hull_holds_origin(const std::vector<RationalVector>& points);
 
-/// Of the hull of up to four points, the squared distance of a point that is no farther from the origin than
-/// any other.
+/// Computes the squared distance from the origin to the hull of up to four points.
 Rational squared_distance_to_origin(const std::vector<RationalVector>& points);
 
 }  // namespace fringe::detail

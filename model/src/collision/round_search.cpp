@@ -15,24 +15,25 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// The point that those of a round surface are drawn towards.
+/// Returns an inner point of the shape, towards which points of its round surface are moved.
 Vector3d inner_point(const SupportShape& shape) {
   if (shape.form != Form::sector)
     return Vector3d::Zero();
   return {(shape.size[0] + shape.size[2] * shape.ends[0]) / 2, 0, 0};
 }
 
-/// By what share of the way a rounded point of the surface is drawn inwards, so as to lie within for certain.
+/// Returns the fraction of the way to inner_point by which a rounded surface point is moved inwards so that
+/// it certainly lies in the shape.
 double inward_share(const SupportShape& shape) {
   constexpr double share = 0x1p-48;
   if (shape.form != Form::sector || shape.size[0] == 0)
     return share;
-  // The inner point of a thin piece is close to its flat sides.
+  // The inner point of a thin piece is close to its flat sides, so the fraction must be larger.
   const double thickness = (shape.size[0] - shape.size[2] * shape.ends[0]) / shape.size[0];
   return std::min(1.0, share / std::min(thickness, shape.ends[3]));
 }
 
-/// The points of a shape that have been found, and the positions of all.
+/// The support points of a shape found so far, in its frame, and their positions.
 struct FoundPoints {
   const ConvexShape& shape;
   const Isometry3d& pose;
@@ -42,6 +43,7 @@ struct FoundPoints {
 
   bool is_round() const { return shape.is_round(); }
 
+  /// Adds a support point, moved inwards if the shape is round; returns its index.
   std::size_t add(const Vector3d& point) {
     const SupportShape& support = shape.data().support;
     const Vector3d within =
@@ -59,6 +61,7 @@ struct FoundPoints {
   }
 };
 
+/// Converts a simplex of indices to the points in the shapes' frames.
 PointSimplex simplex_of(const PairSimplex& pairs, const FoundPoints& a, const FoundPoints& b) {
   PointSimplex simplex;
   for (std::size_t i = 0; i < pairs.size; ++i)
@@ -66,6 +69,8 @@ PointSimplex simplex_of(const PairSimplex& pairs, const FoundPoints& a, const Fo
   return simplex;
 }
 
+/// Finds, in integers, the distance of the hulls of the points found so far, and the simplex nearest to the
+/// origin.
 ExactNearest nearest_of(const HullPair& hulls, const FoundPoints& a, const FoundPoints& b,
                         const PairSimplex& start, double& distance) {
   const ExactHulls exact =
@@ -90,12 +95,13 @@ ShapeAnswer round_search(const ConvexShape& a, const Isometry3d& pose_a, const C
     on_b.add(on_b.farthest_along(offset));
   }
   const double extent = offset.lpNorm<1>() + a.data().support.reach + b.data().support.reach;
-  // What a support value is off at most, as in the quick search, and what is drawn inwards.
+  // Bounds the error of a support value, as in the filter, plus the displacement of points moved inwards.
   const double error = 0x1p-45 * extent;
   PairSimplex simplex;
   ShapesUndecided undecided{};
   undecided.overlap = std::numeric_limits<double>::infinity();
-  // Some twenty are needed where the shapes all but touch. What is left then is said, not guessed.
+  // About twenty iterations are needed where the shapes nearly touch. A pair still open after this many is
+  // reported as undecided.
   constexpr int most_rounds = 300;
   for (int round = 0; round < most_rounds; ++round) {
     const HullPair hulls{on_a.positions, on_b.positions, Vector3d::Zero(), extent, coordinate_error_of_moved};

@@ -7,14 +7,14 @@
 
 namespace fringe::detail {
 
-/// Points in a unit in which their squares neither overflow nor underflow.
+/// Points scaled by a power of two so that their squares neither overflow nor underflow.
 struct ScaledPoints {
-  std::vector<Eigen::Vector3d> points;  ///< coordinates in [−1, 1], times 2^exponent what was given
-  Eigen::Vector3d middle;               ///< of their axis-aligned box
+  std::vector<Eigen::Vector3d> points;  ///< coordinates in [−1, 1]; times 2^exponent, the given ones
+  Eigen::Vector3d middle;               ///< centre of the scaled points' axis-aligned box
   int exponent;
 };
 
-/// Throws InputError for no points and for one that is not finite.
+/// Scales the points. Throws InputError if there are none or if one is not finite.
 ScaledPoints scaled_points(std::span<const Eigen::Vector3d> points);
 
 }  // namespace fringe::detail

@@ -21,7 +21,7 @@ using Eigen::AlignedBox3d;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// Poses may be rotations to 1e-9 only.
+/// Relative margin of box comparisons: ten times 1e-9, the accuracy to which poses must be rotations.
 constexpr double margin_of_boxes = 1e-8;
 
 OrientedBox moved(const OrientedBox& box, const Isometry3d& pose) {
@@ -33,22 +33,22 @@ OrientedBox moved(const AlignedBox3d& box, const Isometry3d& pose) {
 }
 
 AlignedBox3d enclosing(const OrientedBox& box) {
-  // Larger than the roundings of the centre and of the sum.
+  // Relative margin, larger than the rounding errors of the centre and of the sum.
   constexpr double rounding = 1e-14;
   const Vector3d reach = box.axes.cwiseAbs().transpose() * box.half_widths;
   const Vector3d margin = rounding * (box.centre.cwiseAbs() + reach);
   return {box.centre - reach - margin, box.centre + reach + margin};
 }
 
-/// An object that can collide with another.
+/// An object that can collide with another one.
 struct Body {
-  std::size_t index;  ///< in the scene
+  std::size_t index;  ///< index of the object in the scene
   Object object;
-  BoundingSphere ball = {};                  ///< of a mesh, around the box, in its frame
-  std::optional<OrientedBox> own_box = {};   ///< in its frame; of a mesh, once its ball has met another body
-  std::optional<ConvexPieces> pieces = {};   ///< once the box has met another's
+  BoundingSphere ball = {};                  ///< for a mesh: around its box, in its frame
+  std::optional<OrientedBox> own_box = {};   ///< in its frame; a mesh's is computed when needed
+  std::optional<ConvexPieces> pieces = {};   ///< computed when needed
   Isometry3d pose = Isometry3d::Identity();  ///< in the world
-  OrientedBox box = {};                      ///< in the world, where own_box is known
+  OrientedBox box = {};                      ///< in the world, if own_box is known
 };
 
 Body body_of(std::size_t index, const Object& object) {
@@ -60,7 +60,8 @@ Body body_of(std::size_t index, const Object& object) {
   return body;
 }
 
-/// In the world, by what is known of the body.
+/// Returns an axis-aligned box around the body in the world: around its oriented box if that is known,
+/// otherwise around its ball.
 AlignedBox3d enclosing(const Body& body) {
   if (body.own_box)
     return enclosing(body.box);
@@ -68,8 +69,8 @@ AlignedBox3d enclosing(const Body& body) {
                                Vector3d::Constant(body.ball.radius)});
 }
 
-/// Whether two bodies have a point in common, by the pieces whose boxes meet; they must have been cut into
-/// them.
+/// The narrow phase: tests whether two bodies have a point in common by testing the pairs of convex pieces
+/// whose boxes overlap. Both bodies must have been divided into pieces.
 class NarrowPhase {
  public:
   NarrowPhase(const Body& a, const Body& b, CollisionTests& tests)
@@ -81,14 +82,15 @@ class NarrowPhase {
   }
 
  private:
+  /// Tests the pieces, starting from the roots of both hierarchies.
   bool meet_below_roots() {
     const BoxTree::Node& a = pieces_a_.tree.root();
     const BoxTree::Node& b = pieces_b_.tree.root();
-    // The boxes of single pieces have been tried already.
+    // The boxes of two single pieces have been compared already.
     return a.is_leaf() && b.is_leaf() ? meet(a, b) : meet_within(a, b);
   }
 
-  /// Whether a body whose surface the other does not meet is inside of it.
+  /// Tests whether `inner` lies inside `outer`, given that their surfaces do not meet.
   bool is_within(const Body& inner, const Body& outer) {
     if (!outer.pieces->bounds_volume)
       return false;
@@ -106,6 +108,7 @@ class NarrowPhase {
     return intersect(a.shape, a_.pose * a.pose, b.shape, b_.pose * b.pose);
   }
 
+  /// Traverses both hierarchies at once, opening the node with the larger box.
   bool meet_within(const BoxTree::Node& a, const BoxTree::Node& b) {
     ++tests_.broad;
     if (!detail::overlap_within(moved(a.box, a_.pose), moved(b.box, b_.pose), margin_of_boxes))
@@ -191,6 +194,7 @@ class CollisionDetector::Implementation {
  private:
   std::optional<std::size_t> link_of(std::size_t body) const { return bodies_[body].object.link; }
 
+  /// Tests whether a pair's status may differ from that of the last answer.
   bool can_have_changed(std::size_t a, std::size_t b) const {
     return is_first_ || !motion_.rigid(link_of(a), link_of(b));
   }
@@ -201,7 +205,7 @@ class CollisionDetector::Implementation {
       body.box = ::fringe::moved(*body.own_box, body.pose);
   }
 
-  /// The bodies that have moved; at first that is all of them.
+  /// Updates the poses and the tree, and returns the bodies that have moved; in the first call, all of them.
   std::vector<std::size_t> move_bodies() {
     std::vector<std::size_t> moved;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -212,7 +216,8 @@ class CollisionDetector::Implementation {
       if (!is_first_)
         tree_.move(i, enclosing(bodies_[i]));
     }
-    // What has moved apart makes for large nodes.
+    // Ratio of the tree's cost to that when it was built; beyond it, nodes have grown so large that it is
+    // rebuilt.
     constexpr double worth_building_anew = 1.5;
     if (is_first_ || tree_.cost() > worth_building_anew * cost_when_built_)
       build_tree();
@@ -228,7 +233,7 @@ class CollisionDetector::Implementation {
     cost_when_built_ = tree_.cost();
   }
 
-  /// Looks at the pairs of a body with those below a node that are not done.
+  /// Descends the tree, and tests the pairs of a body with the bodies below a node that are not done yet.
   void look_for_partners(std::size_t body, const BoxTree::Node& node, const std::vector<bool>& done) {
     ++answer_.tests.broad;
     if (!overlap(tree_.leaf_of(body).box, node.box))
@@ -244,7 +249,8 @@ class CollisionDetector::Implementation {
       look_at(std::min(body, other), std::max(body, other));
   }
 
-  /// Whether the oriented boxes meet of two bodies whose boxes in the tree do.
+  /// For two bodies whose boxes in the tree overlap, tests whether their oriented boxes do. Computes a mesh's
+  /// oriented box when it is first needed.
   bool oriented_boxes_meet(std::size_t a, std::size_t b) {
     for (const std::size_t index : {a, b}) {
       Body& body = bodies_[index];
@@ -261,6 +267,7 @@ class CollisionDetector::Implementation {
     return detail::overlap_within(bodies_[a].box, bodies_[b].box, margin_of_boxes);
   }
 
+  /// Tests a pair of bodies, and records whether only their boxes or the bodies themselves overlap.
   void look_at(std::size_t a, std::size_t b) {
     if (!oriented_boxes_meet(a, b))
       return;
@@ -271,6 +278,7 @@ class CollisionDetector::Implementation {
     marks_[{a, b}] = meet ? PairStatus::collision : PairStatus::bounds;
   }
 
+  /// Writes the marked pairs into the answer.
   void write_marks() {
     answer_.marked.clear();
     for (const auto& [pair, status] : marks_)
@@ -279,9 +287,9 @@ class CollisionDetector::Implementation {
 
   detail::LinkMotion motion_;
   std::vector<Body> bodies_;
-  BoxTree tree_;  ///< over the bodies' boxes in the world
+  BoxTree tree_;  ///< bounding volume hierarchy over the bodies' boxes in the world
   double cost_when_built_ = 0;
-  std::map<std::pair<std::size_t, std::size_t>, PairStatus> marks_;  ///< by the indices of bodies
+  std::map<std::pair<std::size_t, std::size_t>, PairStatus> marks_;  ///< by the indices of the two bodies
   bool is_first_ = true;
   SceneCollision answer_;
 };

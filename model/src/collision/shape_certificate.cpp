@@ -9,7 +9,7 @@
 #include "collision/rational_vector.hpp"
 #include "fringe/convex_shape.hpp"
 
-/// Certificates of shapes are checked with nothing but the numbers given and rational arithmetic.
+/// Verifies certificates of shapes with nothing but the given numbers and rational arithmetic.
 namespace fringe {
 namespace {
 
@@ -20,7 +20,7 @@ using detail::SupportShape;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// A shape with its pose in rational numbers.
+/// A shape and its pose in rational numbers.
 struct RationalShape {
   const ConvexShape& shape;
   std::array<RationalVector, 3> columns;
@@ -38,15 +38,15 @@ struct RationalShape {
     return result;
   }
 
-  /// A direction of the world in the shape's frame, so that products with points do not change but by the
-  /// translation.
+  /// Turns a direction of the world into the shape's frame, by the transposed matrix: products with points
+  /// change by the translation's product only.
   RationalVector turned_back(const RationalVector& direction) const {
     return {detail::product(columns[0], direction), detail::product(columns[1], direction),
             detail::product(columns[2], direction)};
   }
 };
 
-/// A number not below the root, by less than 2^−200 of it.
+/// Returns an upper bound of the square root, above it by less than 2^−200 of it.
 Rational root_from_above(const Rational& square) {
   if (square.is_zero())
     return 0;
@@ -59,8 +59,8 @@ Rational root_from_above(const Rational& square) {
   return {Integer(root + 1), Integer(denominator << extra_bits)};
 }
 
-/// A number not below the product of any point of a shape in its own frame with the direction, and above the
-/// largest of them by less than 2^−200.
+/// Returns an upper bound of the support function: of the product of the direction with any point of a shape,
+/// in its own frame. It exceeds the largest product by less than 2^−200.
 Rational height_from_above(const ConvexShape& shape, const RationalVector& direction) {
   const SupportShape& form = shape.data().support;
   const Rational radius(form.size[0]), half_height(form.size[1]);
@@ -101,7 +101,7 @@ Rational height_from_above(const ConvexShape& shape, const RationalVector& direc
   return highest.value();
 }
 
-/// A number not below max direction·a − min direction·b over the points of the moved shapes.
+/// Returns an upper bound of max direction·a − min direction·b over the points a and b of the moved shapes.
 Rational overlap_from_above(const RationalVector& direction, const RationalShape& a, const RationalShape& b) {
   const RationalVector against = detail::times(-1, direction);
   return height_from_above(a.shape, a.turned_back(direction)) +
@@ -109,7 +109,8 @@ Rational overlap_from_above(const RationalVector& direction, const RationalShape
          detail::product(direction, detail::minus(a.translation, b.translation));
 }
 
-/// Whether a point in the shape's own frame belongs to it; of a hull, whether it is one of its vertices.
+/// Tests whether a point in the shape's own frame belongs to it; for a hull, whether it is one of the
+/// vertices.
 bool holds(const ConvexShape& shape, const Vector3d& point) {
   if (!point.allFinite())
     return false;
@@ -142,7 +143,7 @@ bool holds(const ConvexShape& shape, const Vector3d& point) {
          shape.data().vertices.end();
 }
 
-/// The differences of the moved points; none when one of them is not of its shape.
+/// Returns the differences of the moved points; no points if one of them does not belong to its shape.
 std::vector<RationalVector> points_of(const PointSimplex& simplex, const RationalShape& a,
                                       const RationalShape& b) {
   std::vector<RationalVector> points;

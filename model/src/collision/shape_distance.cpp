@@ -22,11 +22,12 @@ using detail::SupportShape;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// What the two bounds may leave between them, relative to the distance.
+/// Difference between the upper and lower bound, relative to the distance, at which the iteration has
+/// converged.
 constexpr double most_doubt = 1e-12;
 
-/// What a point of the difference, and its product with a direction of length 1, are off at most, relative to
-/// the extent.
+/// Bound on the error of a point of the Minkowski difference and of its product with a unit vector, relative
+/// to the extent.
 constexpr double relative_error = 0x1p-47;
 
 struct Posed {
@@ -43,7 +44,7 @@ struct Posed {
   }
 };
 
-/// A simplex of the difference A − B, and the point of it that is nearest to the origin.
+/// A simplex of the Minkowski difference A − B, and its point nearest to the origin.
 class NearestSimplex {
  public:
   NearestSimplex(const Posed& a, const Posed& b)
@@ -58,7 +59,8 @@ class NearestSimplex {
     return a_.pose.linear() * pair.a + offset_ - b_.pose.linear() * pair.b;
   }
 
-  /// False where rounding hides which face is nearest, or where there is nothing new.
+  /// Adds a point and reduces the simplex to the face nearest to the origin. Returns false if rounding hides
+  /// which face that is, or if the point is in the simplex already.
   bool add(const PointPair& pair) {
     const auto known = std::span(simplex_.pairs).first(simplex_.size);
     if (std::ranges::any_of(known, [&](const PointPair& own) { return own.a == pair.a && own.b == pair.b; }))
@@ -77,7 +79,7 @@ class NearestSimplex {
     return true;
   }
 
-  /// The points of the shapes that the nearest point is the difference of, in the world.
+  /// Returns the witness points in the world: the points of the shapes whose difference is the nearest point.
   PointPair witnesses() const {
     PointPair sum{Vector3d::Zero(), Vector3d::Zero()};
     for (std::size_t i = 0; i < simplex_.size; ++i) {
@@ -88,6 +90,7 @@ class NearestSimplex {
   }
 
  private:
+  /// Reduces the simplex to a face and computes the face's point nearest to the origin.
   void keep(const detail::NearestFace<double>& face) {
     double total = 0;
     std::size_t kept = 0;
@@ -116,11 +119,11 @@ class NearestSimplex {
 
 struct FloatDistance {
   ShapeDistance found;
-  bool is_closed;  ///< whether the bounds leave no more doubt than allowed
+  bool is_closed;  ///< whether the bounds differ by no more than most_doubt
   PointSimplex simplex;
 };
 
-/// Gilbert, Johnson and Keerthi's iteration, until its bounds meet or rounding stops it.
+/// Runs the iteration of Gilbert, Johnson and Keerthi until its bounds meet or rounding stops it.
 FloatDistance search_in_floating_point(const Posed& a, const Posed& b, double extent) {
   NearestSimplex simplex(a, b);
   ShapeDistance found{extent, 0, Vector3d::Zero(), a.pose.translation(), b.pose.translation(), false};
@@ -128,7 +131,7 @@ FloatDistance search_in_floating_point(const Posed& a, const Posed& b, double ex
   Vector3d direction = simplex.offset().isZero(0) ? Vector3d::UnitX() : Vector3d(-simplex.offset());
   const auto farthest = [&] { return PointPair{a.farthest_along(direction), b.farthest_along(-direction)}; };
   simplex.add(farthest());
-  // Polytopes take about ten, round shapes thirty.
+  // Polytopes take about ten iterations, round shapes thirty.
   constexpr int most_rounds = 100;
   for (int round = 0; round < most_rounds; ++round) {
     const double length = simplex.nearest().norm();
@@ -149,7 +152,7 @@ FloatDistance search_in_floating_point(const Posed& a, const Posed& b, double ex
   return {found, false, simplex.simplex()};
 }
 
-/// The simplex by the indices of its vertices.
+/// Converts a simplex of points to the indices of its vertices.
 PairSimplex indices_of(const PointSimplex& points, const ConvexShape& a, const ConvexShape& b) {
   const auto index_of = [](const ConvexShape& shape, const Vector3d& point) {
     const auto& vertices = shape.data().vertices;
@@ -161,6 +164,7 @@ PairSimplex indices_of(const PointSimplex& points, const ConvexShape& a, const C
   return simplex;
 }
 
+/// Computes the distance of two polytopes in integers.
 ShapeDistance solve_in_integers(const Posed& a, const Posed& b, const PointSimplex& start) {
   const detail::PosedHulls hulls(a.shape, a.pose, b.shape, b.pose);
   const detail::ExactNearest nearest =
@@ -172,7 +176,8 @@ ShapeDistance solve_in_integers(const Posed& a, const Posed& b, const PointSimpl
       solved.distance, solved.distance * rounded_down, direction, solved.witness_a, solved.witness_b, true};
 }
 
-/// The point that the certificate says they share, as one of either.
+/// Returns the distance of shapes that meet: zero, with the common point that the certificate names, as a
+/// point of each shape.
 ShapeDistance meeting(const ShapeAnswer& answer, const Posed& a, const Posed& b) {
   const auto* meet = std::get_if<ShapesMeet>(&answer.certificate);
   const PointSimplex& shared = meet ? meet->simplex : std::get<ShapesUndecided>(answer.certificate).simplex;
@@ -204,7 +209,7 @@ ShapeDistance gjk_distance(const ConvexShape& a, const Isometry3d& pose_a, const
   const ShapeAnswer answer = gjk_intersects(a, pose_a, b, pose_b);
   if (answer.intersects) {
     ShapeDistance shared = meeting(answer, posed_a, posed_b);
-    // Where faces touch, rounding may have lost the simplex.
+    // Where faces touch, rounding may have made the simplex miss the common point.
     if (!is_flat || (shared.witness_a - shared.witness_b).norm() <= relative_error * extent)
       return shared;
   }

@@ -44,7 +44,7 @@ PairSimplex pairs_of(const GjkFilterAnswer& answer) {
   return simplex;
 }
 
-/// Two flat shapes, decided in integers.
+/// Decides whether two polytopes intersect, in integers.
 ShapeAnswer decide_exactly(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b,
                            const Isometry3d& pose_b, const PairSimplex& start) {
   const detail::PosedHulls hulls(a, pose_a, b, pose_b);
@@ -77,7 +77,7 @@ ShapeAnswer gjk_intersects(const ConvexShape& a, const Isometry3d& pose_a, const
   detail::best_kernels<detail::GjkFilter>().prove(placed(a, pose_a), placed(b, pose_b), answer);
   if (answer.verdict == Verdict::disjoint)
     return {false, ShapesSeparated{Vector3d(answer.direction)}};
-  // A simplex of points that are rounded to the surface is no proof yet.
+  // For round shapes the simplex proves nothing yet, since its points are rounded and may lie outside.
   if (a.is_round() || b.is_round())
     return detail::round_search(a, pose_a, b, pose_b, simplex_of(answer));
   if (answer.verdict == Verdict::intersecting)

@@ -6,7 +6,7 @@
 #include "collision/hull_pair.hpp"
 #include "fringe/gjk.hpp"
 
-/// Algorithm 2.1 with appendix C as printed, mistakes included: it serves for comparison only.
+/// Algorithm 2.1 with appendix C as printed, including its mistakes; it serves for comparison only.
 namespace fringe {
 namespace {
 
@@ -19,12 +19,12 @@ Vector3d farthest(Vertices vertices, const Vector3d& direction) {
   });
 }
 
-/// u × v × u, from left to right.
+/// Computes (u × v) × u.
 Vector3d double_cross(const Vector3d& u, const Vector3d& v) {
   return u.cross(v).cross(u);
 }
 
-/// The points the simplex has beside the newest, A; B was added last.
+/// The points of the simplex besides the newest, A; B was added last.
 struct ThesisSimplex {
   Vector3d b = Vector3d::Zero(), c = Vector3d::Zero(), d = Vector3d::Zero();
   int size = 0;
@@ -45,7 +45,7 @@ struct ThesisSimplex {
   }
 };
 
-/// The regions 3 to 6 of the triangle ABC, which are not the simplex's own points but copies.
+/// Handles the regions 3 to 6 of the triangle ABC. The points are copies, so that the simplex can be changed.
 void update_triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c, ThesisSimplex& simplex,
                      Vector3d& v) {
   const Vector3d ab = b - a, ac = c - a, ao = -a, normal = ab.cross(ac);
@@ -64,7 +64,7 @@ void update_triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c, Th
   }
 }
 
-/// CheckAndUpdateSimplex.
+/// The thesis' CheckAndUpdateSimplex: updates the simplex and the direction; true if it contains the origin.
 bool check_and_update(const Vector3d& a, ThesisSimplex& simplex, Vector3d& v) {
   const Vector3d ao = -a;
   if (simplex.size == 0) {
@@ -83,7 +83,8 @@ bool check_and_update(const Vector3d& a, ThesisSimplex& simplex, Vector3d& v) {
     update_triangle(a, b, c, simplex, v);
     return false;
   }
-  // In front of a triangle is where region 5 is not: the printed sign of region 4 contradicts region 5.
+  // The origin counts as in front of a face wherever it is not in region 5; the sign printed for region 4
+  // contradicts region 5.
   const Vector3d ac = c - a, ad = d - a;
   if (ac.cross(ad).dot(ao) > 0)
     update_triangle(a, c, d, simplex, v);

@@ -23,7 +23,7 @@ struct BoxCandidate {
   double volume;
 };
 
-/// Directions spread evenly over a half sphere, along a spiral.
+/// Returns directions spread evenly over a half sphere, along a spiral.
 std::vector<Vector3d> spread_directions(std::size_t count) {
   constexpr double golden_angle = std::numbers::pi * (3 - 2.23606797749978969);
   std::vector<Vector3d> directions;
@@ -36,10 +36,11 @@ std::vector<Vector3d> spread_directions(std::size_t count) {
   return directions;
 }
 
-/// The points that are extreme in some of many directions: few, and nearly the hull of all.
+/// Returns the points that are extreme along at least one of many directions: few points whose hull is nearly
+/// that of all.
 Points extreme_points(const Points& points) {
-  constexpr std::size_t few = 100;
-  constexpr std::size_t direction_count = 400;
+  constexpr std::size_t few = 100;              ///< vertices up to which all are kept
+  constexpr std::size_t direction_count = 400;  ///< number of directions
   if (points.size() <= few)
     return points;
   std::vector<std::size_t> indices;
@@ -60,12 +61,13 @@ Points extreme_points(const Points& points) {
   return extreme;
 }
 
+/// Returns twice the signed area of the triangle abc, positive if its corners are anticlockwise.
 double turn(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-/// The corners of the hull, anticlockwise, by Andrew's monotone chain. Rounding may leave a corner out that
-/// is next to an edge; the box is fitted to all points at the end.
+/// Computes the corners of the convex hull, anticlockwise, by Andrew's monotone chain. Rounding may omit a
+/// corner that is close to an edge; this does no harm, since the box is fitted to all points at the end.
 std::vector<Vector2d> convex_hull(std::vector<Vector2d> points) {
   std::sort(points.begin(), points.end(), [](const Vector2d& p, const Vector2d& q) {
     return p.x() < q.x() || (p.x() == q.x() && p.y() < q.y());
@@ -86,6 +88,7 @@ std::vector<Vector2d> convex_hull(std::vector<Vector2d> points) {
   return hull;
 }
 
+/// Returns the extent of the points along an axis.
 template <class Vectors, class Vector>
 double width_along(const Vectors& points, const Vector& axis) {
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
@@ -97,11 +100,11 @@ double width_along(const Vectors& points, const Vector& axis) {
   return highest - lowest;
 }
 
-/// The smallest box with a given first axis: a side of the smallest rectangle around a polygon lies on an
-/// edge of it (H. Freeman and R. Shapira, Communications of the ACM 18, 1975, 409).
+/// Finds the smallest box with a given first axis: the smallest rectangle around a polygon has a side along
+/// one of the polygon's edges (H. Freeman and R. Shapira, Communications of the ACM 18, 1975, 409).
 BoxCandidate smallest_with_axis(const Points& points, const Vector3d& axis) {
-  // Far above rounding: of flat shapes, which all have a box without volume, it chooses the smallest by area
-  // or length.
+  // Added to every width (for coordinates of the order of one; far above rounding). All boxes around a flat
+  // shape have volume zero; with this, the one of the smallest area or length is chosen.
   constexpr double least_width = 1e-12;
   const Vector3d u = axis.unitOrthogonal(), v = axis.cross(u);
   std::vector<Vector2d> projected;
@@ -129,9 +132,10 @@ BoxCandidate smallest_with_axis(const Points& points, const Vector3d& axis) {
   return candidate;
 }
 
-/// Keeps one axis and turns the others to the smallest box, for each axis in turn, while that gains anything.
+/// Improves a box: keeps one axis and turns the other two to the smallest box, for each axis in turn, until a
+/// round reduces the volume no further.
 BoxCandidate improved(const Points& points, BoxCandidate candidate) {
-  constexpr double worth_a_round = 1 - 1e-9;
+  constexpr double worth_a_round = 1 - 1e-9;  ///< ratio of volumes above which a round is the last
   while (true) {
     const double before = candidate.volume;
     const Matrix3d axes = candidate.axes;
@@ -150,9 +154,9 @@ void append_axes(std::vector<Vector3d>& directions, const Matrix3d& axes) {
     directions.emplace_back(axes.row(i).transpose().normalized());
 }
 
-/// The normals of the largest faces: boxes often lie flat on one.
+/// Appends the normals of the largest faces, since a tight box often lies flat on one of them.
 void append_normals(std::vector<Vector3d>& directions, const Points& points, std::span<const Face> faces) {
-  constexpr std::size_t most = 60;
+  constexpr std::size_t most = 60;  ///< number of normals
   std::vector<Vector3d> normals;
   for (const auto& [i, j, k] : faces) {
     const Vector3d normal = (points[j] - points[i]).cross(points[k] - points[i]);
@@ -166,9 +170,10 @@ void append_normals(std::vector<Vector3d>& directions, const Points& points, std
     directions.emplace_back(normals[static_cast<std::size_t>(i)].normalized());
 }
 
-/// The edges, and whatever else joins two vertices, of a shape of few.
+/// For a shape of few vertices, appends the directions of all lines through two vertices, the edges among
+/// them.
 void append_connections(std::vector<Vector3d>& directions, const Points& points) {
-  constexpr std::size_t few = 16;
+  constexpr std::size_t few = 16;  ///< vertices up to which all pairs are used
   if (points.size() > few)
     return;
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -180,10 +185,11 @@ void append_connections(std::vector<Vector3d>& directions, const Points& points)
 }  // namespace
 
 Matrix3d tight_axes(const Points& points, std::span<const Face> faces) {
-  constexpr std::size_t spread = 100;
-  // Of the first guesses, so many are improved: the best lies in the valley of one of them.
+  constexpr std::size_t spread = 100;  ///< number of directions spread over the half sphere
+  // Number of starting boxes that are improved; the smallest box is reached from one of them.
   constexpr std::size_t improved_count = 12;
   const Points extreme = extreme_points(points);
+  // The candidates for the first axis of a box.
   std::vector<Vector3d> directions = spread_directions(spread);
   append_axes(directions, Matrix3d::Identity());
   append_axes(directions, axes_of_vertices(points));

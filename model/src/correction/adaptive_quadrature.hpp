@@ -7,11 +7,11 @@
 
 namespace fringe::detail {
 
-/// ∫f dA over a triangle: a rule of degree 2, halved along all sides until halving changes it by no more than
-/// `tolerance`.
+/// Computes ∫f dA over a triangle by a rule of degree 2. Divides the triangle by halving its sides until this
+/// changes the result by no more than `tolerance`.
 template <class Function>
 double adaptive_integral(const Triangle& triangle, const Function& function, double tolerance) {
-  // A side is halved this often at most, near contact: 4^7 parts.
+  // Limit of halvings of a side, reached near contact: 4^7 parts.
   constexpr int most_levels = 7;
   const auto rule = [&](const Triangle& part) {
     const auto& [a, b, c] = part;

@@ -22,24 +22,24 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Cells that a surface is divided into, about: a plate has 6 × 6.
+/// Approximate number of cells of a surface: a plate has 6 × 6.
 constexpr double cells_per_surface = 36;
 
-/// A long patch is not divided finer than this.
+/// Limit of cells along one side of a long patch.
 constexpr int most_cells_along = 16;
 
-/// Surfaces of more cells have their neighbours taken together: the matrix of 128 unknowns takes a
+/// Limit of nodes. In surfaces of more cells neighbours are merged, since a matrix of 128 unknowns takes a
 /// millisecond.
 constexpr std::size_t most_nodes = 128;
 
-/// What the potential of constant charge on so few cells, asked at their centres only, makes of the own
-/// capacitance: the mean over plates of all shapes. A box has 0.982.
+/// Ratio of the own capacitance computed by collocation, with constant charge on so few cells, to the true
+/// one: the mean over plates of all shapes. For a box it is 0.982.
 constexpr double coarseness = 0.9765;
 
-/// 1/r averaged over pairs of points of a square of side 1: (4/3)(1 + 3 asinh 1 − √2).
+/// Mean of 1/r over pairs of points of a square of side 1: (4/3)(1 + 3 asinh 1 − √2).
 constexpr double square_self_potential = 2.9732;
 
-/// A triangle, or a parallelogram corner, corner + u, corner + u + v, corner + v.
+/// A triangle, or a parallelogram with the corners corner, corner + u, corner + u + v, corner + v.
 struct Patch {
   Vector3d corner;
   Vector3d u;
@@ -50,7 +50,8 @@ struct Patch {
   Vector3d centre() const { return corner + (u + v) / (parallelogram ? 2 : 3); }
 };
 
-/// A parallelogram where two triangles that follow each other make one, else the triangles one by one.
+/// Returns the patches of a surface: one parallelogram for two consecutive triangles that form one, otherwise
+/// single triangles.
 std::vector<Patch> patches_of(std::span<const Triangle> triangles) {
   constexpr double rounding = 1e-9;
   std::vector<Patch> patches;
@@ -69,7 +70,8 @@ std::vector<Patch> patches_of(std::span<const Triangle> triangles) {
   return patches;
 }
 
-/// Cells along a side, finer towards the edges, where the charge is.
+/// Returns a border of the cells along a side (0 … 1), which are graded towards the edges, where the charge
+/// is.
 double strip_border(int index, int count) {
   return (1 - std::cos(std::numbers::pi * index / count)) / 2;
 }
@@ -79,10 +81,10 @@ int cells_along(double length, double cell) {
   return std::clamp(static_cast<int>(std::ceil(length / cell - rounding)), 1, most_cells_along);
 }
 
-/// A triangle so much longer than high that how its charge lies across it does not matter: a row of
-/// parallelograms along its longest side, each as high as the triangle is in their middle. Triangles like
-/// itself would lie so close upon each other that potentials at their centres do not tell their charges
-/// apart.
+/// Divides a needle: a triangle so much longer than high that the distribution of its charge across it does
+/// not matter. Makes a row of parallelograms along its longest side, each as high as the triangle in their
+/// middle. Similar triangles would lie so close together that the potentials at their centres could not
+/// distinguish their charges.
 void divide_needle(const Vector3d& start, const Vector3d& end, const Vector3d& apex,
                    std::vector<Patch>& cells) {
   const Vector3d side = end - start;
@@ -96,9 +98,10 @@ void divide_needle(const Vector3d& start, const Vector3d& end, const Vector3d& a
   }
 }
 
-/// Above this ratio of its longest side to its height a triangle is a needle.
+/// Ratio of the longest side to the height above which a triangle is a needle.
 constexpr double needle = 300;
 
+/// Divides a patch into cells of about the given size.
 void divide(const Patch& patch, double cell, std::vector<Patch>& cells) {
   if (patch.parallelogram) {
     const int count_u = cells_along(patch.u.norm(), cell), count_v = cells_along(patch.v.norm(), cell);
@@ -132,10 +135,11 @@ void divide(const Patch& patch, double cell, std::vector<Patch>& cells) {
   }
 }
 
-/// 1/r averaged over a cell, seen from a point.
+/// Returns the mean of 1/r over a cell, where r is the distance from a point.
 double mean_inverse_distance(const Patch& cell, const Vector3d& point) {
   const Vector3d to_centre = cell.centre() - point;
-  // Farther away, what the cell's extent changes is below one part in a hundred.
+  // Beyond this distance, relative to the cell's sides, the cell's extent changes the mean by less than one
+  // part in a hundred.
   constexpr double far = 2.5;
   if (to_centre.norm() > far * (cell.u.norm() + cell.v.norm()))
     return 1 / to_centre.norm();
@@ -143,7 +147,8 @@ double mean_inverse_distance(const Patch& cell, const Vector3d& point) {
   return cell.parallelogram ? kernel(a, b, c) + kernel(a, c, d) : 2 * kernel(a, b, d);
 }
 
-/// The potentials, times 4π, that charges of 1 on each cell make at the others' centres.
+/// Computes the collocation matrix: the potentials, times 4π, at the centres of all cells of a unit charge on
+/// each cell.
 MatrixXd potentials(std::span<const Patch> cells) {
   const auto count = static_cast<Eigen::Index>(cells.size());
   MatrixXd result(count, count);
@@ -154,13 +159,13 @@ MatrixXd potentials(std::span<const Patch> cells) {
   return result;
 }
 
-/// Neighbours taken together: a charge at a point with the self potential of a square.
+/// Neighbouring cells merged: a point charge with the self-potential of a square.
 struct Group {
   Vector3d centre;
   double area;
 };
 
-/// Divides cells, named by their numbers, into about so many groups of neighbours.
+/// Divides cells, given by their indices, into about `count` groups of neighbours.
 void divide_in_groups(std::span<const Patch> cells, std::span<std::size_t> numbers, std::size_t count,
                       std::vector<Group>& groups) {
   if (count <= 1 || numbers.size() <= 1) {
@@ -181,6 +186,7 @@ void divide_in_groups(std::span<const Patch> cells, std::span<std::size_t> numbe
   divide_in_groups(cells, numbers.subspan(half), count - count / 2, groups);
 }
 
+/// Computes the same matrix for groups of cells as point charges; their distances are limited from below.
 MatrixXd potentials(std::span<const Group> groups) {
   const auto count = static_cast<Eigen::Index>(groups.size());
   MatrixXd result(count, count);
@@ -195,12 +201,12 @@ MatrixXd potentials(std::span<const Group> groups) {
   return result;
 }
 
-/// The charges that make the potential 1 everywhere, and their sum.
+/// Solves for the charges that make the potential 1 everywhere, and sets the own capacitance, their sum.
 void settle(const MatrixXd& potentials_of_cells, ChargedSurface& surface) {
   const VectorXd one = VectorXd::Constant(potentials_of_cells.rows(), 1.0);
   const Eigen::PartialPivLU<MatrixXd> factors(potentials_of_cells);
-  // Where surfaces lie upon each other any division of the charge between them will do: the smallest is
-  // taken.
+  // Where surfaces coincide, any division of the charge between them is a solution; the one of least norm is
+  // used.
   constexpr double least_condition = 1e-10;
   const VectorXd charges = factors.rcond() > least_condition
                                ? VectorXd(factors.solve(one))
@@ -209,7 +215,8 @@ void settle(const MatrixXd& potentials_of_cells, ChargedSurface& surface) {
   surface.charges = charges / charges.sum();
 }
 
-/// Gram–Schmidt, twice for rounding, of the linear and quadratic polynomials under the charges as weights.
+/// Makes the linear and quadratic polynomials orthonormal with the charges as weights, by Gram–Schmidt, twice
+/// because of rounding.
 void make_modes(ChargedSurface& surface) {
   const VectorXd& weight = surface.charges;
   Matrix3Xd from_centre = surface.nodes.colwise() - surface.nodes * weight;
@@ -231,7 +238,7 @@ void make_modes(ChargedSurface& surface) {
       for (const VectorXd& mode : modes)
         values -= mean(values.cwiseProduct(mode)) * mode;
     }
-    // On a flat or regular surface some polynomials are combinations of others but for rounding.
+    // On a flat or regular surface some polynomials are combinations of others up to rounding.
     constexpr double negligible = 1e-6;
     const double squared = mean(values.cwiseAbs2());
     if (squared > negligible)
@@ -244,9 +251,10 @@ void make_modes(ChargedSurface& surface) {
     surface.modes.row(i) = modes[static_cast<std::size_t>(i)].cwiseProduct(weight);
 }
 
-/// Triangles in a cluster, at most.
+/// Largest number of triangles in a cluster.
 constexpr std::size_t cluster_size = 8;
 
+/// Makes a cluster and, if the members lie in approximately one plane, the triangle that replaces them.
 Cluster cluster_of(const ChargedSurface& surface, std::span<const std::size_t> members) {
   Cluster cluster;
   cluster.members.assign(members.begin(), members.end());
@@ -257,7 +265,8 @@ Cluster cluster_of(const ChargedSurface& surface, std::span<const std::size_t> m
     directed_area += surface.areas[i] * surface.normals[i];
     cluster.area += surface.areas[i];
   }
-  // Below, the members' normals spread too far for one to stand for them.
+  // Below this ratio of the vector sum of the areas to their sum, the normals differ too much for one
+  // triangle to represent the members.
   constexpr double least_common = 0.98;
   if (members.size() == 1 || !(directed_area.norm() > least_common * cluster.area)) {
     cluster.radius = std::numeric_limits<double>::infinity();
@@ -269,7 +278,7 @@ Cluster cluster_of(const ChargedSurface& surface, std::span<const std::size_t> m
       cluster.radius = std::max(cluster.radius, (corner - cluster.centre).norm());
   cluster.area = directed_area.norm();
   cluster.normal = directed_area / cluster.area;
-  // Equilateral: the area is 3√3/4 times the squared distance of a corner from the centre.
+  // For an equilateral triangle the area is 3√3/4 times the squared distance of a corner from the centre.
   const double reach = std::sqrt(4 * cluster.area / (3 * std::numbers::sqrt3));
   const Vector3d u = cluster.normal.unitOrthogonal(), v = cluster.normal.cross(u);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -279,7 +288,8 @@ Cluster cluster_of(const ChargedSurface& surface, std::span<const std::size_t> m
   return cluster;
 }
 
-/// Halves the triangles at the median along the longest side of their box until they are few.
+/// Divides the triangles recursively at the median along the longest side of their bounding box until each
+/// cluster is small enough.
 void make_clusters(ChargedSurface& surface, std::span<std::size_t> indices) {
   if (indices.size() <= cluster_size) {
     surface.clusters.push_back(cluster_of(surface, indices));
@@ -328,8 +338,8 @@ ChargedSurface make_charged_surface(std::vector<Triangle> triangles) {
   const double cell = std::sqrt(surface.area / cells_per_surface);
   std::vector<Triangle> charged;
   std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(charged), has_area);
-  // A sensor far from the origin may be so small that this is said of both its triangles: its edges are known
-  // apart from its corner.
+  // Both triangles of a small sensor far from the origin may fail this test; they are used nevertheless,
+  // since its edges are known independently of its corner.
   for (const Patch& patch : patches_of(charged.empty() ? triangles : charged))
     if (patch.area() > 0)
       divide(patch, cell, cells);

@@ -14,9 +14,11 @@ namespace {
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-/// Mean logarithm of truth over model in the set-ups that are not sealed.
+/// Factor c of the correction `constant`, from the mean logarithm of truth over model in the set-ups that are
+/// not sealed (model/CORRECTIONS.md).
 constexpr double constant_factor = 1.295;
 
+/// Returns sin θ/θ, where θ is the angle between the triangle and the plate.
 double arc_factor(const Vector3d& normal, const Rectangle& plate) {
   const Vector3d plate_normal = plate.edge_u.cross(plate.edge_v).normalized();
   const double sine = normal.cross(plate_normal).norm(),
@@ -24,13 +26,14 @@ double arc_factor(const Vector3d& normal, const Rectangle& plate) {
   return angle > 0 ? sine / angle : 1;
 }
 
-/// What the disc as large as the plate gains by its edge at the distance, relative.
+/// Returns the relative gain by its edge of a disc as large as the plate, at the given distance.
 double kirchhoff_factor(double distance, const Rectangle& plate) {
   const double circumference = pi * std::sqrt(plate.edge_u.norm() * plate.edge_v.norm() / pi);
-  // Beyond its validity the term would turn negative.
+  // Beyond the formula's range of validity the term would become negative.
   return 1 + std::max(0.0, distance / circumference * (std::log(16 * circumference / distance) - 1));
 }
 
+/// Returns Palmer's factor for the edges of the plate at the given distance.
 double palmer_factor(double distance, const Rectangle& plate) {
   double factor = 1;
   for (const double length : {plate.edge_u.norm(), plate.edge_v.norm()})
@@ -38,7 +41,7 @@ double palmer_factor(double distance, const Rectangle& plate) {
   return factor;
 }
 
-/// Σ I·factor over the triangles, the factor depending on the triangle's mean distance A/I.
+/// Computes Σ I·factor over the triangles; the factor depends on the triangle's mean distance A/I.
 template <class Factor>
 double sum_of(const ChargedSurface& object, const TriangleBatch& batch, std::span<const Rectangle> plates,
               const Factor& factor) {
@@ -52,6 +55,7 @@ double sum_of(const ChargedSurface& object, const TriangleBatch& batch, std::spa
   return sum;
 }
 
+/// Returns Σ∫dA/d without a correction.
 double plain(const TriangleBatch& batch, std::span<const Rectangle> plates) {
   double sum = 0;
   for (const BoundedIntegral& total : total_integrals(batch, plates))

@@ -11,7 +11,7 @@
 
 namespace fringe::detail {
 
-/// What a correction puts in the place of Σ∫dA/d, in m, for bodies that do not touch.
+/// Computes a correction's replacement for Σ∫dA/d, in m, for bodies that do not touch.
 ///
 /// @param batch the object's triangles
 /// @param sensor_pose maps the sensor's frame to the object's

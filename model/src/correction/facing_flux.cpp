@@ -12,7 +12,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// A convex polygon: at most a triangle or rectangle cut by two planes and the four or five sides of another.
+/// A convex polygon: at most a triangle or rectangle clipped by two planes and by the four or five sides of
+/// another one.
 template <class Point>
 struct Polygon {
   std::array<Point, 16> points;
@@ -24,7 +25,7 @@ struct Polygon {
   }
 };
 
-/// The part of a polygon where the heights, one for each of its points, are not negative.
+/// Clips a polygon to the part where the height, given at each point, is not negative.
 template <class Point, class Height>
 Polygon<Point> clipped(const Polygon<Point>& polygon, const Height& height) {
   Polygon<Point> result;
@@ -43,6 +44,7 @@ double cross(const Vector2d& a, const Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
+/// Returns twice the area, positive if the polygon is anticlockwise.
 double twice_signed_area(const Polygon<Vector2d>& polygon) {
   double sum = 0;
   for (std::size_t i = 2; i < polygon.size; ++i)
@@ -50,7 +52,7 @@ double twice_signed_area(const Polygon<Vector2d>& polygon) {
   return sum;
 }
 
-/// The part of a polygon that lies in a convex one.
+/// Clips a polygon to a convex one.
 Polygon<Vector2d> intersection(Polygon<Vector2d> polygon, const Polygon<Vector2d>& convex) {
   const double turn = twice_signed_area(convex) < 0 ? -1 : 1;
   for (std::size_t i = 0; i < convex.size && polygon.size > 2; ++i) {
@@ -61,7 +63,8 @@ Polygon<Vector2d> intersection(Polygon<Vector2d> polygon, const Polygon<Vector2d
   return polygon;
 }
 
-/// 2·∫dλ/g and 2·∫dλ/√(g² + s²) over the simplex, g linear with values g0, g1, g2 at the corners.
+/// 2·∫dλ/g and 2·∫dλ/√(g² + s²) over the simplex, where g is linear with the values g0, g1, g2 at the
+/// corners.
 struct InverseGaps {
   double sharp;
   double soft;
@@ -69,8 +72,8 @@ struct InverseGaps {
 
 InverseGaps inverse_gaps(double g0, double g1, double g2, double softness) {
   const auto [least, most] = std::minmax({g0, g1, g2});
-  // Taylor's series about the mean is off by some hundredth of the third power of the relative change: 5e-5,
-  // far below the formula's own error.
+  // The error of the Taylor series about the mean is about a hundredth of the third power of the relative
+  // change: 5e-5, far below the formula's own error.
   constexpr double nearly_constant = 0.15;
   if (most - least <= nearly_constant * least) {
     const double mean = (g0 + g1 + g2) / 3, squared = mean * mean;
@@ -92,27 +95,31 @@ Polygon<Vector2d> projected(const Polygon<Vector3d>& polygon, const Vector3d& ax
   return result;
 }
 
-/// A pair of sides with the plane that halves the angle between them.
+/// A pair of facing sides and the plane that bisects the angle between them.
 struct Facing {
-  Vector3d across;  ///< from the plate to the triangle, of length 1
-  double cosine;    ///< of the angle between the surfaces
-  double factor;    ///< of ∫dA/gap across, for the arc's length
+  Vector3d across;  ///< unit vector from the plate to the triangle, normal to the bisecting plane
+  double cosine;    ///< cosine of the angle between the surfaces
+  double factor;    ///< factor on ∫dA/gap along `across`, which replaces the gap by the arc's length
 
   Facing(const Vector3d& sum_of_normals, double cosine_between)
       : across(sum_of_normals.normalized()), cosine(cosine_between) {
-    // Surfaces side by side in one plane face nothing: the weight falls to zero over the last tenth.
+    // Surfaces side by side in one plane do not face each other: the weight falls to zero over the last
+    // tenth.
     constexpr double nearly_opposite = 0.1;
     const double weight = std::min(1.0, (1 + cosine) / nearly_opposite);
-    // The gap across is a chord of the arc: gap = 2ρ sin(θ/2), dA across = cos(θ/2) dA, arc = ρθ.
+    // The gap along `across` is a chord of the arc: gap = 2ρ sin(θ/2), projected area = cos(θ/2) dA, arc =
+    // ρθ.
     const double tangent = std::sqrt(std::max(0.0, 1 - cosine) / (1 + cosine));
     constexpr double small_tangent = 1e-4;
     factor = weight * (tangent < small_tangent ? 1 : tangent / std::atan(tangent));
   }
 };
 
-/// Below, neither the angle nor the plane between is known.
+/// Least value of 1 + cosine; below it neither the angle nor the bisecting plane is known.
 constexpr double least_opening = 1e-7;
 
+/// Adds the flux over a triangle of the bisecting plane, where `area` is the triangle's and the gaps are
+/// those at its corners.
 void add(FacingFlux& sum, const Facing& facing, double area, double gap0, double gap1, double gap2,
          double softness) {
   const auto [sharp, soft] = inverse_gaps(gap0, gap1, gap2, softness);
@@ -123,7 +130,8 @@ void add(FacingFlux& sum, const Facing& facing, double area, double gap0, double
   sum.area += area * std::min(1.0, facing.factor);
 }
 
-/// Where the triangle's corners are in the plate's shadow along a direction: 0 … 1 along both edges.
+/// The coordinates of the triangle's corners in the plate, when projected along a direction: 0 … 1 along both
+/// edges.
 struct Shadow {
   double u[3];
   double v[3];
@@ -139,6 +147,7 @@ struct Shadow {
     }
   }
 
+  /// Tests by intervals whether the triangle certainly projects beside the plate.
   bool misses() const {
     const auto outside = [](const double(&x)[3]) {
       return std::max({x[0], x[1], x[2]}) <= 0 || std::min({x[0], x[1], x[2]}) >= 1;
@@ -146,6 +155,7 @@ struct Shadow {
     return outside(u) || outside(v);
   }
 
+  /// Tests whether the triangle projects into the plate.
   bool within() const {
     const auto inside = [](const double(&x)[3]) {
       return std::min({x[0], x[1], x[2]}) >= 0 && std::max({x[0], x[1], x[2]}) <= 1;
@@ -154,7 +164,7 @@ struct Shadow {
   }
 };
 
-/// The sides overlap in part, or one crosses the other's plane.
+/// Adds the flux between two sides that overlap in part, or of which one crosses the other's plane.
 void add_common_part(FacingFlux& sum, const Facing& facing, const Triangle& triangle, const Vector3d& normal,
                      const FacingPlate& plate, const Vector3d& plate_normal, double softness) {
   const Vector3d &on_plate = plate.corners[0], &on_triangle = triangle[0];
@@ -167,7 +177,8 @@ void add_common_part(FacingFlux& sum, const Facing& facing, const Triangle& tria
   seeing = clipped(seeing, [&](const Vector3d& point) { return normal.dot(point - on_triangle); });
   if (seen.size < 3 || seeing.size < 3)
     return;
-  // Arcs of a wedge have their ends equally far from its apex, and so in one place of the bisecting plane.
+  // The ends of a wedge's arc are equally far from the apex of the wedge, and so they project to the same
+  // point of the bisecting plane.
   const Vector3d axis_u = facing.across.unitOrthogonal(), axis_v = facing.across.cross(axis_u);
   auto common = intersection(projected(seen, axis_u, axis_v), projected(seeing, axis_u, axis_v));
   const auto height = [&](const Vector3d& on_surface, const Vector3d& of_surface, const Vector2d& place) {
@@ -186,8 +197,8 @@ void add_common_part(FacingFlux& sum, const Facing& facing, const Triangle& tria
   }
 }
 
-/// One side of a triangle before one side of a plate: the normals are those of the sides, and the whole plate
-/// may be before that of the triangle.
+/// Adds the flux between one side of a triangle and one side of a plate, whose normals are given.
+/// `whole_plate_before` tells whether the whole plate is in front of the triangle's side.
 void add_sides(FacingFlux& sum, const Triangle& triangle, const Vector3d& normal, double triangle_area,
                bool whole_plate_before, const FacingPlate& plate, const Vector3d& plate_normal,
                double softness) {
@@ -197,7 +208,8 @@ void add_sides(FacingFlux& sum, const Triangle& triangle, const Vector3d& normal
   double heights[3];
   for (std::size_t i = 0; i < 3; ++i)
     heights[i] = plate_normal.dot(triangle[i] - plate.corners[0]);
-  // The triangle before its side of the plate, and the plate before the triangle's: nothing is cut.
+  // Nothing needs clipping if the triangle is in front of the plate's side and the plate in front of the
+  // triangle's.
   const bool uncut = std::min({heights[0], heights[1], heights[2]}) > 0 && whole_plate_before;
   const Vector3d direction = plate_normal - normal;
   const Shadow shadow(triangle, plate, direction);

@@ -15,17 +15,19 @@ namespace {
 using Eigen::VectorXd;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Fitted to the set-ups that are not sealed: `python3 -m analysis.topics.corrections.fit`.
-constexpr double linear_stiffness = 1.969;
-constexpr double quadratic_stiffness = 2.213;
-constexpr double remaining_stiffness = 8.175;
-constexpr double fringe = 2.369;
-constexpr double attraction = 3.795;
-constexpr double saturation = 0.217;
-constexpr double tilt = 0.795;
-constexpr double fringe_near = -1.866;
+/// Constants of the formula (no unit), fitted to the set-ups that are not sealed by
+/// `python3 -m analysis.topics.corrections.fit`.
+constexpr double linear_stiffness = 1.969;     ///< weight of linear variation in the polarisability
+constexpr double quadratic_stiffness = 2.213;  ///< weight of quadratic variation
+constexpr double remaining_stiffness = 8.175;  ///< weight of remaining variation
+constexpr double fringe = 2.369;        ///< weight of the fringing flux at the border of the facing area
+constexpr double attraction = 3.795;    ///< weight of the mutual attraction of the charges
+constexpr double saturation = 0.217;    ///< limits the polarisability to 1/saturation
+constexpr double tilt = 0.795;          ///< weight of the near flux between tilted sides
+constexpr double fringe_near = -1.866;  ///< change of the fringing flux per coupling
 
-/// Potentials at the nodes of the object (rows) by charges at the nodes of the sensor (columns), over 4π.
+/// Computes the potentials, over 4π, at the nodes of the object (rows) of unit charges at the nodes of the
+/// sensor (columns).
 RowMatrix coupling(const ChargedSurface& object, const ChargedSurface& sensor,
                    const Eigen::Isometry3d& sensor_pose, double squared_softness) {
   constexpr auto lanes = static_cast<Eigen::Index>(TriangleArrays::padding);
@@ -42,7 +44,7 @@ RowMatrix coupling(const ChargedSurface& object, const ChargedSurface& sensor,
   return inverse_distances.leftCols(sensor.nodes.cols()) / (4 * std::numbers::pi);
 }
 
-/// Relative variances of a potential's deviation from its mean.
+/// Computes the relative variances of a potential's deviation from its mean.
 FormulaTerms::Variation variation(const ChargedSurface& surface, const VectorXd& deviation, double mean) {
   const VectorXd parts = surface.modes * deviation;
   const double linear = parts.head(surface.linear_modes).squaredNorm(), both = parts.squaredNorm(),
@@ -50,23 +52,26 @@ FormulaTerms::Variation variation(const ChargedSurface& surface, const VectorXd&
   return {linear / squared, (both - linear) / squared, (all - both) / squared};
 }
 
-/// How much a body's charge gives way to the potential's variation over it, for a coupling of 1.
+/// Returns the relative increase of a body's charge because the potential varies over it, for a coupling of
+/// 1.
 double polarisability(const FormulaTerms::Variation& variation) {
   const double value = linear_stiffness * variation.linear + quadratic_stiffness * variation.quadratic +
                        remaining_stiffness * variation.remaining;
   return value / (1 + saturation * value);
 }
 
-/// Area over own capacitance: the gap at which the near and the far capacitance are alike.
+/// Returns the area over the own capacitance: the gap at which the near and the far capacitance are equal.
 double own_gap(const ChargedSurface& surface) {
   return surface.area / (surface.closed ? 2 : 1) / surface.own_capacitance;
 }
 
+/// Adds the flux between an object and one plate, cluster by cluster where the gap is large enough.
 void add_facing_flux(FacingFlux& flux, const ChargedSurface& object, const Rectangle& rectangle,
                      double softness) {
   const FacingPlate plate(rectangle);
   const PlateFrame frame = plate_frame(rectangle);
-  // With a gap of so many radii the cluster's extent and bend change what it adds by less than a hundredth.
+  // If the gap exceeds this many radii, the cluster's extent and curvature change its contribution by less
+  // than a hundredth.
   constexpr double far = 4;
   for (const Cluster& cluster : object.clusters) {
     if (distance(frame, frame.axes * (cluster.centre - frame.corner)) > far * cluster.radius) {
@@ -115,7 +120,7 @@ double formula(const FormulaTerms& terms) {
   const double drawn_factor = 1 + attraction * coupled * terms.drawn;
   const double polarised =
       (1 + coupled * polarisability(terms.on_object)) * (1 + coupled * polarisability(terms.on_sensor));
-  // The softened coupling of bodies that nearly touch stays well below 1; this only keeps the sign.
+  // The softened coupling of nearly touching bodies stays well below 1; this bound only preserves the sign.
   constexpr double least = 0.02;
   const double determinant = std::max(1 / polarised - coupled * drawn_factor * drawn_factor, least);
   const double far = terms.potential * own_product * drawn_factor / determinant;

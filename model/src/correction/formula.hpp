@@ -10,14 +10,14 @@
 
 namespace fringe::detail {
 
-/// The terms of the correction `formula` (model/CORRECTIONS.md).
+/// Computes the terms of the correction `formula` (model/CORRECTIONS.md).
 ///
 /// @param sensor_pose maps the sensor's frame to the object's
 /// @param plates the sensor's plates in the object's frame
 FormulaTerms formula_terms(const ChargedSurface& object, const ChargedSurface& sensor,
                            const Eigen::Isometry3d& sensor_pose, std::span<const Rectangle> plates);
 
-/// An estimate of `mutual` over the permittivity, in m.
+/// Estimates `mutual` over the permittivity, in m.
 double formula(const FormulaTerms& terms);
 
 }  // namespace fringe::detail

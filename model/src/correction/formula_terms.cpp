@@ -6,7 +6,7 @@
 namespace fringe {
 
 std::vector<std::vector<FormulaTerms>> formula_terms(const Scene& scene) {
-  // Refuses what the correction refuses.
+  // Throws for the scenes that the correction refuses.
   capacitance(scene, {.correction = Correction::formula});
   const std::vector<Eigen::Isometry3d> link_poses = world_poses(scene.links);
   std::vector<std::vector<FormulaTerms>> result;

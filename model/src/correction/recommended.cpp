@@ -9,16 +9,16 @@
 namespace fringe::detail {
 namespace {
 
-/// Of the value. Where an answer states so large an error, in mean a quarter of it is met, which is what the
-/// formula is off (rms).
+/// Largest stated error, relative to the value, with which an answer is used. Where this much is stated, the
+/// mean actual error is a quarter of it, which is the rms error of the formula.
 constexpr double most_stated_error = 0.1;
 
-/// With as many a pose takes seven times as long as the integral over them, with half as many eleven times
-/// (model/CORRECTIONS.md, section 5).
+/// Least number of triangles of a mesh. With this many a pose takes seven times as long as the integral over
+/// them, with half as many eleven times (model/CORRECTIONS.md, section 5).
 constexpr std::size_t fewest_triangles = 96;
 
-/// Whether a pose takes no more than ten times what the integral takes: with plates and boxes, and one body
-/// of many triangles at most. Two would take each other's distances, too.
+/// Tests whether a pose takes no more than ten times as long as the integral: plates and boxes, and at most
+/// one body of many triangles. Two such bodies would also need the distances between their triangles.
 bool is_cheap(const Scene& scene) {
   std::size_t meshes = 0;
   for (const Object& object : scene.objects) {
@@ -37,8 +37,8 @@ Recommended::Recommended(const Scene& scene) {
     if (is_cheap(scene))
       evaluator_.emplace(scene, ReducedOptions{1, std::nullopt});
   } catch (const InputError&) {
-    // Shapes, rooms and sensors that it does not know are the formula's; what is wrong in itself, the formula
-    // refuses too.
+    // Shapes, rooms and sensors that the reduced method does not support are left to the formula, which also
+    // refuses invalid input.
     evaluator_.reset();
   }
 }
@@ -59,8 +59,7 @@ bool Recommended::update() {
   try {
     matrix_ = &evaluator_->maxwell();
   } catch (const InputError&) {
-    // Conductors that touch: one that is not a sensor's is legal to the formula, and a sensor's contact
-    // known.
+    // Conductors touch. The formula accepts contacts between objects and reports a contact with a sensor.
     matrix_ = nullptr;
   }
   return true;

@@ -14,13 +14,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Each triangle's integral, relative to what a distance of its own size would make of it.
+/// Error of each triangle's integral, relative to its value at a distance of the triangle's own size.
 constexpr double quadrature_tolerance = 1e-3;
 
-/// Lateral distance counts more than height, fitted to the set-ups that are not sealed.
+/// Weight of the lateral distance relative to the height (no unit), fitted to the set-ups that are not
+/// sealed.
 constexpr double lateral_weight = 1.62;
 
-/// A flat convex face, and its outline.
+/// A flat convex face, given by its outline.
 struct FlatFace {
   std::vector<Vector3d> corners;
   Vector3d normal;
@@ -33,7 +34,7 @@ std::vector<FlatFace> faces_of(std::span<const Rectangle> plates) {
   return faces;
 }
 
-/// Two triangles that make a parallelogram are one face.
+/// Returns the faces of a surface; two consecutive triangles that form a parallelogram are one face.
 std::vector<FlatFace> faces_of(const ChargedSurface& surface) {
   constexpr double rounding = 1e-9;
   std::vector<FlatFace> faces;
@@ -59,7 +60,7 @@ Vector3d nearest_on_segment(const Vector3d& a, const Vector3d& b, const Vector3d
   return a + std::clamp(t, 0.0, 1.0) * (b - a);
 }
 
-/// How far a point in a face's plane is outside of the face.
+/// Returns the distance of a point in a face's plane from the face; 0 inside.
 double lateral_distance(const FlatFace& face, const Vector3d& point) {
   double squared = infinity;
   bool inside = true;
@@ -71,6 +72,7 @@ double lateral_distance(const FlatFace& face, const Vector3d& point) {
   return inside ? 0 : std::sqrt(squared);
 }
 
+/// Returns the distance of a point from the nearest face.
 double distance(std::span<const FlatFace> faces, const Vector3d& point) {
   double least = infinity;
   for (const FlatFace& face : faces) {
@@ -80,7 +82,7 @@ double distance(std::span<const FlatFace> faces, const Vector3d& point) {
   return least;
 }
 
-/// The arc from a point of a surface with the normal to the nearest of the faces.
+/// Returns the length of the arc from a point of a surface with the given normal to the nearest face.
 double front_length(std::span<const FlatFace> faces, const Vector3d& point, const Vector3d& normal) {
   double least = infinity;
   for (const FlatFace& face : faces) {
@@ -93,8 +95,9 @@ double front_length(std::span<const FlatFace> faces, const Vector3d& point, cons
   return least;
 }
 
-/// Around the edge of a sheet, half a turn with the point's distance from the edge as radius; at the edge of
-/// a body, a quarter.
+/// Returns the length of the shortest path from the back of a face around one of its edges to the other
+/// faces: half a turn at the edge of a sheet, with the point's distance from the edge as radius, or a quarter
+/// turn at the edge of a body; then an arc.
 double back_length(const FlatFace& own, bool closed, std::span<const FlatFace> faces, const Vector3d& point) {
   double least = infinity;
   for (std::size_t i = 0; i < own.corners.size(); ++i) {
@@ -107,6 +110,7 @@ double back_length(const FlatFace& own, bool closed, std::span<const FlatFace> f
   return least;
 }
 
+/// Tests whether a corner of another face is in front of this face.
 bool sees(const FlatFace& face, std::span<const FlatFace> others) {
   for (const FlatFace& other : others)
     for (const Vector3d& corner : other.corners)
@@ -115,6 +119,7 @@ bool sees(const FlatFace& face, std::span<const FlatFace> others) {
   return false;
 }
 
+/// Integrates a function over a face.
 template <class Function>
 double integral_over(const FlatFace& face, const Function& function) {
   double sum = 0;
@@ -127,6 +132,8 @@ double integral_over(const FlatFace& face, const Function& function) {
   return sum;
 }
 
+/// Computes ∫dA (1/L_front + 1/L_back) over a surface; a face of a closed one counts with one of its terms
+/// only.
 double arcs_over(std::span<const FlatFace> surface, bool closed, std::span<const FlatFace> others) {
   double sum = 0;
   for (const FlatFace& face : surface)

@@ -8,10 +8,12 @@
 /// Corrections that integrate over the object and over the sensor, both in the object's frame.
 namespace fringe::detail {
 
-/// √(∫dA/d over the object · ∫dA/d over the sensor's plates), in m; `on_object` is the former.
+/// Computes √(∫dA/d over the object · ∫dA/d over the sensor's plates), in m; `on_object` is the first
+/// integral.
 double reciprocal_integral(const ChargedSurface& object, std::span<const Rectangle> plates, double on_object);
 
-/// Field lines as arcs (model/CORRECTIONS.md): √(A B), A and B each ∫dA (1/L_front + 1/L_back), in m.
+/// Computes √(A B), where A and B are each ∫dA (1/L_front + 1/L_back) over one surface, in m; field lines are
+/// taken as arcs (model/CORRECTIONS.md).
 double two_sided_arcs(const ChargedSurface& object, std::span<const Rectangle> plates);
 
 }  // namespace fringe::detail

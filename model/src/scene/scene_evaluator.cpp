@@ -23,6 +23,7 @@ using detail::Enclosure;
 using detail::Surface;
 using detail::SurfaceIntegral;
 
+/// Throws InputError for options that are out of range or cannot be combined.
 void validate(const CapacitanceOptions& options) {
   if (!std::isfinite(options.tolerance) || options.tolerance < 0)
     throw InputError(fmt::format("tolerance {} must be finite and not negative", options.tolerance));
@@ -31,13 +32,14 @@ void validate(const CapacitanceOptions& options) {
                                  to_string(options.method)));
   if (options.correction == Correction::none)
     return;
-  // Each correction says itself which faces count and how they are integrated.
+  // Each correction determines itself which faces count and how they are integrated.
   if (!std::holds_alternative<Exact>(options.method) || options.plates != PlateRule::sum ||
       options.faces != FaceRule::all || options.tolerance > 0)
     throw InputError(fmt::format("correction {}: method, plates, faces and tolerance must be their defaults",
                                  to_string(options.correction)));
 }
 
+/// Prepares the surface of an object. Throws InputError for an object that the model does not support.
 Surface surface_of(const Object& object) {
   if (!std::holds_alternative<Grounded>(object.role))
     throw InputError(
@@ -53,12 +55,13 @@ Surface surface_of(const Object& object) {
   }
 }
 
-/// A sensor's plates where they are.
+/// A sensor's plates in the world.
 struct PlacedSensor {
   std::vector<Rectangle> plates;
   std::vector<detail::PlateFrame> frames;
 };
 
+/// Moves a sensor's plates into the world. Throws InputError for an invalid plate.
 PlacedSensor placed(const Sensor& sensor, const Eigen::Isometry3d& pose) {
   PlacedSensor result;
   for (const Rectangle& plate : sensor.plates) {
@@ -76,7 +79,7 @@ PlacedSensor placed(const Sensor& sensor, const Eigen::Isometry3d& pose) {
   return result;
 }
 
-/// An object's surface and where it is.
+/// An object's surface and its pose.
 struct PlacedObject {
   std::optional<std::size_t> link;
   Eigen::Isometry3d on_link;
@@ -85,7 +88,7 @@ struct PlacedObject {
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
 };
 
-/// What is known of one sensor and one object.
+/// The cached integral of one sensor and one object.
 struct Pair {
   Enclosure enclosure;
   SurfaceIntegral integral;
@@ -112,7 +115,7 @@ class SceneEvaluator::Implementation {
     if (options.correction == Correction::none)
       return;
     for (const Sensor& sensor : sensors_) {
-      // Refuses plates that are none, before anything is made of them.
+      // Throws for invalid plates before they are used.
       placed(sensor, Eigen::Isometry3d::Identity());
       charged_sensors_.push_back(detail::make_charged_surface(detail::plate_triangles(sensor.plates)));
     }
@@ -137,7 +140,7 @@ class SceneEvaluator::Implementation {
     answer_.counts = {};
     motion_.update();
     place();
-    // In the Maxwell matrix every body matters to every pair.
+    // In the Maxwell matrix every body affects every pair.
     all_moved_ = recommended_ && recommended_->update();
     for (std::size_t sensor = 0; sensor < sensors_.size(); ++sensor)
       evaluate(sensor);
@@ -151,7 +154,7 @@ class SceneEvaluator::Implementation {
     return answers_ == 0 || !motion_.rigid(link, std::nullopt);
   }
 
-  /// Brings what moved to where it is.
+  /// Updates the world poses of the sensors and objects that moved.
   void place() {
     for (std::size_t i = 0; i < sensors_.size(); ++i)
       if (has_moved(sensors_[i].link))
@@ -165,7 +168,7 @@ class SceneEvaluator::Implementation {
     }
   }
 
-  /// Whether objects may be lumped, or their surfaces looked at from outside only.
+  /// Whether groups of triangles may be lumped and objects replaced by their enclosures.
   bool lumps() const { return options_.tolerance > 0 && options_.plates == PlateRule::sum; }
 
   void evaluate(std::size_t sensor) {
@@ -186,8 +189,9 @@ class SceneEvaluator::Implementation {
     tell(sensor, pairs);
   }
 
-  /// Half of the tolerance goes with each object's own integral. The other half, of what the objects add up
-  /// to at least, is divided among them equally: the many that hardly matter need no accuracy of their own.
+  /// Returns the absolute error allowed for each object. Half of the tolerance applies to each object's own
+  /// integral. The other half, taken of a lower bound of the total, is divided equally among the objects, so
+  /// that the many that hardly matter need no accuracy of their own.
   double allowance_per_object(std::span<const Pair> pairs) const {
     if (!lumps() || options_.faces == FaceRule::facing)
       return 0;
@@ -197,6 +201,8 @@ class SceneEvaluator::Implementation {
     return options_.tolerance / 2 * total / static_cast<double>(pairs.size());
   }
 
+  /// Computes the integral of one pair, or keeps the known value if it is accurate enough, or estimates it
+  /// by the object's enclosure.
   void integrate(Pair& pair, PlacedObject& object, std::span<const Rectangle> plates, double allowance) {
     Surface& surface = object.surface;
     const double own = options_.tolerance / 2 * (pair.integral.value - pair.integral.bound);
@@ -225,6 +231,7 @@ class SceneEvaluator::Implementation {
     answer_.counts += pair.integral.counts;
   }
 
+  /// Computes the corrected value of one pair, or keeps the known one.
   void correct(Pair& pair, std::size_t sensor, std::size_t object) {
     const std::vector<Rectangle>& plates = placed_sensors_[sensor].plates;
     const PlacedObject& before = objects_[object];
@@ -247,7 +254,7 @@ class SceneEvaluator::Implementation {
     for (const Rectangle& plate : plates)
       in_object_frame_.push_back(transformed(plate, before.from_world));
     const Eigen::Isometry3d sensor_pose = before.from_world * motion_.world_pose(sensors_[sensor].link);
-    // Contact is the integral's to tell; where the object's sphere is off the plates it need not be asked.
+    // The integral detects contact; it is not needed if the object's bounding sphere is off the plates.
     if (std::isinf(detail::enclosure(before.surface, before.centroid, placed_sensors_[sensor].frames).upper))
       pair.integral = detail::surface_integral(before.surface, in_object_frame_, {}, 0);
     if (!std::isinf(pair.integral.value))
@@ -256,6 +263,7 @@ class SceneEvaluator::Implementation {
                                      charged_sensors_[sensor], sensor_pose, in_object_frame_);
   }
 
+  /// Writes the results of one sensor into the answer.
   void tell(std::size_t sensor, std::span<const Pair> pairs) {
     SensorCapacitance& felt = answer_.sensors[sensor];
     felt.total = 0;
@@ -279,11 +287,11 @@ class SceneEvaluator::Implementation {
   std::vector<PlacedSensor> placed_sensors_;
   std::vector<PlacedObject> objects_;
   std::vector<detail::ChargedSurface>
-      charged_sensors_;  ///< in their links' frames; empty without a correction
-  std::vector<detail::ChargedSurface> charged_objects_;  ///< in their own frames; likewise
+      charged_sensors_;  ///< in the frames of their links; empty without a correction
+  std::vector<detail::ChargedSurface> charged_objects_;  ///< in their own frames; empty without a correction
   std::optional<detail::Recommended> recommended_;
   bool all_moved_ = false;
-  std::vector<Pair> pairs_;  ///< of the first sensor with every object, then of the second
+  std::vector<Pair> pairs_;  ///< those of the first sensor with every object, then those of the second
   std::vector<Rectangle> in_object_frame_;
   SceneCapacitance answer_;
   std::size_t answers_ = 0;

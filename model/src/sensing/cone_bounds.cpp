@@ -8,18 +8,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Covers the rounding of the coordinates that an apex on a triangle is granted, and that of a pose's
-/// product.
+/// Relative error bound of coordinates: covers the rounding within which an apex counts as on a triangle, and
+/// that of a product with a pose.
 constexpr double coordinate_rounding = 0x1p-48;
 
-/// A pose's rotation may be this far from orthonormal (pose_from_matrix), its inverse as far from that; with
-/// room to spare.
+/// Bound, with room to spare, on how far a pose's rotation is from orthonormal (pose_from_matrix) and its
+/// transpose from its inverse.
 constexpr double orthonormality = 1e-8;
 
-/// Covers what a cone's boundary is widened by and the rounding of a dozen operations.
+/// Relative margin that covers `boundary_width` and the rounding of a dozen operations.
 constexpr double relative_rounding = 0x1p-46;
 
-/// Squares of components within these bounds neither overflow nor lose digits.
+/// Tests whether the square is in a range where squares of components neither overflow nor lose digits.
 bool is_ordinary(double square) {
   return square > 0x1p-900 && square < 0x1p900;
 }
@@ -47,9 +47,10 @@ double ConeBounds::least_distance(const Eigen::AlignedBox3d& box) const {
   return distance * (1 - relative_rounding) - allowance(box);
 }
 
-/// But for the rounding of its coordinates: along any direction of length 1 the triangle is no nearer than
-/// its nearest vertex is along it. The best of these directions leads to the point nearest to the apex: the
-/// normal does where that is inside, and near it the directions of the vertices do.
+/// Returns a lower bound of the distance from the apex to the triangle, apart from the rounding of its
+/// coordinates. Along any unit vector the triangle is at least as far as its nearest vertex. The best such
+/// vector points to the point nearest to the apex: it is the normal if that point is inside the triangle; if
+/// it is near a vertex, the direction to that vertex is nearly as good.
 double ConeBounds::least_distance(const Triangle& triangle) const {
   const Vector3d a = triangle[0] - apex_, b = triangle[1] - apex_, c = triangle[2] - apex_;
   double least = 0;
@@ -65,9 +66,9 @@ double ConeBounds::least_distance(const Triangle& triangle) const {
   return least - relative_rounding * (a.lpNorm<1>() + b.lpNorm<1>() + c.lpNorm<1>());
 }
 
-/// Whether one of two planes through the apex has the cone on its one side and all points on the other: that
-/// across the axis, and that which touches the cone along the line nearest to a centre. `least` is the lowest
-/// product of a direction with the points.
+/// Tests whether one of two planes through the apex separates the cone from all points: the plane
+/// perpendicular to the axis, and the plane tangent to the cone along the line nearest to a centre.
+/// least(direction) is the smallest product of the direction with a point.
 template <class Reach>
 bool ConeBounds::separated(const Vector3d& centre, const Reach& least) const {
   if (least(-axis_) > 0)
@@ -76,8 +77,8 @@ bool ConeBounds::separated(const Vector3d& centre, const Reach& least) const {
   const double square = aside.squaredNorm();
   if (!is_ordinary(square))
     return false;
-  // Near the axis most of `aside` is rounding: only made perpendicular again it is sure to be on the cone's
-  // other side.
+  // Near the axis most of `aside` is rounding error; it must be made perpendicular to the axis again for the
+  // plane to have the cone on its other side.
   const Vector3d across = aside / std::sqrt(square);
   return least(cosine_ * (across - across.dot(axis_) * axis_) - sine_ * axis_) > 0;
 }
@@ -102,7 +103,7 @@ bool ConeBounds::misses(const Triangle& triangle, const Eigen::AlignedBox3d& box
 bool ConeBounds::misses(const Triangle& triangle, double reach) const {
   Eigen::AlignedBox3d box(triangle[0]);
   box.extend(triangle[1]).extend(triangle[2]);
-  // The cheapest first.
+  // The cheapest test comes first.
   return least_distance(box) > reach || misses(triangle, box) ||
          least_distance(triangle) - allowance(box) > reach;
 }

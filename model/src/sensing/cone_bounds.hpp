@@ -8,25 +8,27 @@
 
 namespace fringe::detail {
 
-/// What can be said of boxes and triangles and a cone in plain floating point. Never wrong: whatever rounding
-/// could have decided is left open.
+/// Conservative tests of boxes and triangles against a cone in plain floating point: whatever rounding could
+/// have decided is left open.
 class ConeBounds {
  public:
-  /// The cone as seen from where the boxes are; the pose leads from there to the cone's frame of reference.
+  /// Takes the cone into the frame of the boxes; the pose leads from that frame to the cone's frame of
+  /// reference.
   ConeBounds(const SensingCone& cone, const Eigen::Isometry3d& pose);
 
-  /// No point of the box is nearer to the apex than this.
+  /// Returns a lower bound of the distance from the apex to any point of the box.
   double least_distance(const Eigen::AlignedBox3d& box) const;
 
-  /// True only when no point of the box is in the cone.
+  /// Returns true only if no point of the box is in the cone.
   bool misses(const Eigen::AlignedBox3d& box) const;
 
-  /// True only when no point of the triangle is in the cone and not beyond the reach.
+  /// Returns true only if no point of the triangle is in the cone and within the reach.
   bool misses(const Triangle& triangle, double reach) const;
 
  private:
   template <class Reach>
   bool separated(const Eigen::Vector3d& centre, const Reach& least) const;
+  /// Returns the margin that covers the rounding of the coordinates of the apex and the box.
   double allowance(const Eigen::AlignedBox3d& box) const;
   double least_distance(const Triangle& triangle) const;
   bool misses(const Triangle& triangle, const Eigen::AlignedBox3d& box) const;
@@ -34,7 +36,7 @@ class ConeBounds {
   Eigen::Vector3d apex_;
   Eigen::Vector3d axis_;
   double cosine_, sine_;
-  double pose_rounding_;  ///< relative to the coordinates
+  double pose_rounding_;  ///< relative to the coordinates, no unit
   double apex_allowance_;
 };
 

@@ -5,7 +5,7 @@
 namespace fringe::detail {
 namespace {
 
-/// The unit vector along the coordinate axis that is farthest from a direction.
+/// Returns the unit vector along the coordinate axis that makes the largest angle with a direction.
 PreciseVector farthest_coordinate_axis(const PreciseVector& direction) {
   Eigen::Index index = 0;
   rounded(direction).cwiseAbs().minCoeff(&index);
@@ -34,11 +34,11 @@ bool ConeEquation::on_mirror_cone(const PreciseLine& line, DoubleDouble position
 
 Crossings ConeEquation::crossings(const PreciseLine& line) const {
   const PreciseVector &f = line.to_foot, &e = line.along;
-  // a·t² + 2b·t + c = 0 with t the position over the distance.
+  // a·t² + 2b·t + c = 0, where t is the position divided by the distance.
   const DoubleDouble a = cosine_squared_ * (e.x * e.x + e.y * e.y) - sine_squared_ * (e.z * e.z),
                      b = cosine_squared_ * (f.x * e.x + f.y * e.y) - sine_squared_ * (f.z * e.z),
                      c = cosine_squared_ * (f.x * f.x + f.y * f.y) - sine_squared_ * (f.z * f.z);
-  // b² − a·c in a form without their cancellation: cos²·(sin²·(m_x² + m_y²) − cos²·m_z²), m = f × e.
+  // b² − a·c, rewritten to avoid its cancellation: cos²·(sin²·(m_x² + m_y²) − cos²·m_z²), m = f × e.
   const PreciseVector m = cross(f, e);
   const DoubleDouble steepness = sine_squared_ * (m.x * m.x + m.y * m.y),
                      limit = cosine_squared_ * (m.z * m.z);

@@ -5,7 +5,7 @@
 
 #include "sensing/precise_cone.hpp"
 
-/// The two ways of the thesis to say which points of a line lie in a cone with its apex in the origin.
+/// The thesis' two methods to find which points of a line lie in a cone with its apex at the origin.
 namespace fringe::detail {
 
 /// The points distance·to_foot + u·along, for all u. Both directions have length 1 and are perpendicular, so
@@ -18,7 +18,7 @@ struct PreciseLine {
   PreciseVector point(DoubleDouble u) const { return distance * to_foot + u * along; }
 };
 
-/// Where a line meets a cone's side: none, one or two values of u.
+/// The crossings of a line with a cone's surface: none, one or two values of u.
 struct Crossings {
   std::array<DoubleDouble, 2> positions{};
   std::size_t count = 0;
@@ -28,7 +28,7 @@ struct Crossings {
   const DoubleDouble* end() const { return positions.data() + count; }
 };
 
-/// By the angle to the axis, in the frame the triangles are given in (thesis 4.2.2).
+/// Decides by the angle to the axis, in the frame in which the triangles are given (thesis 4.2.2).
 class FieldOfView {
  public:
   explicit FieldOfView(const PreciseCone& cone) : cone_(cone) {}
@@ -44,8 +44,8 @@ class FieldOfView {
   PreciseCone cone_;
 };
 
-/// By the equation cos²·(x² + y²) = sin²·z², in the frame whose z axis is the cone's (thesis 4.2.1; the
-/// tangent, multiplied out, may be infinite).
+/// Decides by the equation cos²·(x² + y²) = sin²·z², in the frame whose z axis is the cone's (thesis 4.2.1,
+/// multiplied out since the tangent may be infinite).
 class ConeEquation {
  public:
   explicit ConeEquation(const PreciseCone& cone);
@@ -62,6 +62,7 @@ class ConeEquation {
   Crossings crossings(const PreciseLine& line) const;
 
  private:
+  /// Tests whether a crossing lies on the mirror cone, which the squared equation includes, too.
   bool on_mirror_cone(const PreciseLine& line, DoubleDouble position_over_distance) const;
 
   PreciseVector x_, y_, z_;

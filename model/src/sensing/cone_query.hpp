@@ -9,31 +9,32 @@
 
 namespace fringe::detail {
 
-/// A point that is seen, and on which of several surfaces.
+/// A visible point and the index of its surface.
 struct Sighting {
   VisiblePoint point;
   std::size_t surface;
 };
 
-/// A question that is put to triangles one by one, and its best answer so far. The answer does not depend on
-/// the order.
+/// A query to which triangles are offered one by one; it keeps the best answer so far. The answer does not
+/// depend on the order.
 class ConeQuery {
  public:
-  /// Throws InputError as validate(cone) does.
+  /// Prepares the cone. Throws InputError as validate(cone) does.
   ConeQuery(const SensingCone& cone, ConeMethod method);
 
   const SensingCone& cone() const { return cone_; }
 
-  /// Points farther than this do not count.
+  /// Points farther away than this do not count.
   double reach() const { return reach_; }
 
-  /// Looks at a triangle in the cone's frame of reference. Of equally near ones the one with the lowest
-  /// surface and index counts.
+  /// Updates the answer by a triangle given in the cone's frame of reference. Among equally near triangles
+  /// the one with the lowest surface and index counts.
   void offer(const Triangle& triangle, std::size_t surface, std::size_t index);
 
   const std::optional<Sighting>& best() const { return best_; }
 
  private:
+  /// Tests whether a point is better than the best so far.
   bool improves(double distance, std::size_t surface, std::size_t index) const;
 
   SensingCone cone_;

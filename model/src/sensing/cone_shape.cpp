@@ -9,14 +9,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Covers what a cone's boundary is widened by, and the rounding of its sizes and its pose.
+/// Relative enlargement that covers `boundary_width` and the rounding of the cone's sizes and pose.
 constexpr double widened = 1 + 0x1p-40;
 
-/// What rounding moves an apex or a vertex by, relative to its coordinates and the pose's, with room to
-/// spare.
+/// Bound on the displacement of an apex or a vertex by rounding, relative to its coordinates and the pose's,
+/// with room to spare.
 constexpr double placing_rounding = 0x1p-46;
 
-/// Half of the angle from which on a cone's base would be far wider than what the sensor sees.
+/// Half angle in radians above which the base of a cone would be far wider than the view; a cylinder is used
+/// there.
 constexpr double widest = 1.0;
 
 }  // namespace
@@ -29,8 +30,8 @@ ConeShape::ConeShape(const SensingCone& cone, double reach) : coordinates_(cone.
   shape_.size[0] = radius;
   shape_.size[1] = length / 2;
   shape_.reach = std::hypot(radius, length / 2) * widened;
-  // A cone's apex is its upper end. The rounding that the rotation has beyond the poses of a scene is as
-  // small as that of the sizes.
+  // The apex is the upper end of the cone shape. This rotation is rounded more than a scene's poses are, but
+  // no more than the sizes.
   const Vector3d axis = cone.direction.stableNormalized();
   pose_.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), -axis).toRotationMatrix();
   pose_.translation() = cone.apex + length / 2 * axis;

@@ -4,7 +4,7 @@ namespace fringe::detail {
 
 bool FieldOfView::contains(const PreciseVector& point) const {
   const DoubleDouble ahead = dot(cone_.axis, point), square = dot(point, point);
-  // In a narrow cone the cosines hardly differ, the sines do; in a wide one it is the other way round.
+  // In a narrow cone cosines hardly differ but sines do; in a wide cone it is the other way round.
   if (cone_.cosine.high < cone_.sine.high)
     return (ahead - (cone_.cosine - DoubleDouble{precise_noise, 0}) * square_root(square)).high >= 0;
   const PreciseVector aside = cross(cone_.axis, point);
@@ -13,9 +13,10 @@ bool FieldOfView::contains(const PreciseVector& point) const {
 }
 
 Crossings FieldOfView::crossings(const PreciseLine& line) const {
-  // The plane through the line and the apex holds two rays of the cone's side, at equal angles to the axis'
-  // projection, whose components are `towards` and `along`; the tangents of these angles have `width` over
-  // the cosine. So only the cone ahead is met, never its mirror image, which the squared equation has, too.
+  // The plane through the line and the apex contains two rays of the cone's surface, at equal angles to the
+  // axis' projection, whose components are `towards` and `along`; the tangents of these angles are `width`
+  // over the cosine. This finds crossings with the cone only and never with its mirror image, which also
+  // solves the squared equation.
   const DoubleDouble towards = dot(cone_.axis, line.to_foot), along = dot(cone_.axis, line.along);
   DoubleDouble square, largest;
   if (cone_.cosine.high < cone_.sine.high) {

@@ -9,11 +9,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Sines below this make a triangle a segment: its normal would have too few digits, and its width, at most
-/// this share of its length, moves no distance.
+/// A triangle with a sine below this is treated as a segment: its normal would have too few digits, and its
+/// width, at most this fraction of its length, changes no distance.
 constexpr double thinnest = 0x1p-60;
 
-/// How far off its coordinates may be, relative to each, for an apex to be taken as on the triangle.
+/// Relative error of each coordinate within which an apex counts as lying on the triangle.
 constexpr double apex_rounding = 0x1p-51;
 
 double largest_component(const Vector3d& a) {
@@ -35,7 +35,7 @@ PreciseVector times_power_of_two(const PreciseVector& a, int exponent) {
   return {scaled(a.x), scaled(a.y), scaled(a.z)};
 }
 
-/// A side of the triangle: the points of a line from one position to another.
+/// A side of the triangle: the points of a line between two positions.
 struct TriangleSide {
   bool has_length = false;
   PreciseVector direction;
@@ -43,13 +43,14 @@ struct TriangleSide {
   DoubleDouble from, to;
 };
 
-/// A triangle seen from the apex, its largest coordinate between 1 and 2.
+/// A triangle relative to the apex, scaled so that its largest coordinate is between 1 and 2.
 struct SeenTriangle {
   std::array<PreciseVector, 3> vertices;
   std::array<TriangleSide, 3> sides;
-  Vector3d rounding;  ///< what each coordinate may be off by
+  Vector3d rounding;  ///< error bound of each coordinate
 };
 
+/// Computes a side of the triangle; `difference` is end − start, computed without cancellation.
 TriangleSide side_between(const PreciseVector& start, const PreciseVector& end,
                           const PreciseVector& difference) {
   const double size = largest_component(difference);
@@ -61,7 +62,7 @@ TriangleSide side_between(const PreciseVector& start, const PreciseVector& end,
   return {true, direction, {distance, to_foot, direction}, from, to};
 }
 
-/// Searches the points that can be nearest, the five cases of the thesis' section 4.2.
+/// Searches the candidates for the nearest point: the five cases of the thesis' section 4.2.
 template <class Method>
 class Search {
  public:
@@ -74,12 +75,12 @@ class Search {
     consider_plane();
   }
 
-  /// The nearest point of all, in the cone or not.
+  /// The nearest point of the triangle, whether in the cone or not.
   const PreciseVector& nearest() const { return nearest_; }
   const std::optional<PreciseVector>& visible() const { return visible_; }
 
  private:
-  /// Case 5, and whatever else is a point of the triangle.
+  /// Handles case 5, the vertices, and any other point of the triangle.
   void consider(const PreciseVector& point) {
     const DoubleDouble square = dot(point, point);
     if (square < nearest_square_) {
@@ -90,6 +91,7 @@ class Search {
       see(point, square);
   }
 
+  /// Records a point in the cone if it is the nearest so far.
   void see(const PreciseVector& point, DoubleDouble square) {
     if (square < visible_square_) {
       visible_square_ = square;
@@ -97,8 +99,9 @@ class Search {
     }
   }
 
-  /// Cases 4 and 3. A line through the apex has no point nearer than an end of the side that is in the cone,
-  /// unless the apex is on the side.
+  /// Handles cases 4 and 3: the foot of the perpendicular on a side, and the crossings of the side with the
+  /// cone. A side whose line passes through the apex needs no crossings: unless the apex is on the side, the
+  /// nearest of its points in the cone is an end.
   void consider(const TriangleSide& side) {
     if (side.from.high <= 0 && side.to.high >= 0)
       consider(side.line.point({}));
@@ -111,8 +114,9 @@ class Search {
       }
   }
 
-  /// Cases 1 and 2. From the foot of the perpendicular the side of the cone is nearest in the direction of
-  /// the axis' projection; the thesis' point S, where the axis meets the plane, need not exist.
+  /// Handles cases 1 and 2: the foot of the perpendicular on the plane, and the crossings of the plane with
+  /// the cone. The point of the cone's surface nearest to the foot lies in the direction of the axis'
+  /// projection; the thesis' point S, where the axis meets the plane, need not exist.
   void consider_plane() {
     const PreciseVector product = cross(triangle_.sides[0].direction, triangle_.sides[1].direction);
     const auto [sine, normal] = polar(product);
@@ -136,6 +140,7 @@ class Search {
     }
   }
 
+  /// Tests whether a point of the triangle's plane is in the triangle, up to rounding.
   bool in_triangle(const PreciseVector& point) const {
     for (std::size_t i = 0; i < 3; ++i)
       if (!(dot(inward_[i], point - triangle_.vertices[i]).high >= -precise_noise))
@@ -154,7 +159,8 @@ class Search {
   DoubleDouble visible_square_ = infinite;
 };
 
-/// No cone at all, in the frame that the triangles are given in: what is nearest is nearest with any.
+/// A cone that contains nothing, in the frame in which the triangles are given. The nearest point of the
+/// triangle does not depend on the cone.
 struct NoCone {
   static const PreciseVector& to_frame(const PreciseVector& vector) { return vector; }
   static PreciseVector axis() { return {{}, {}, {1, 0}}; }
@@ -162,8 +168,8 @@ struct NoCone {
   static Crossings crossings(const PreciseLine& /*line*/) { return {}; }
 };
 
-/// The triangle in the cone's frame, its largest coordinate between 1 and 2 after the scaling by a power of
-/// two.
+/// Returns the triangle in the cone's frame; scaling by the power of two brings its largest coordinate
+/// between 1 and 2.
 template <class Method>
 SeenTriangle seen_from(const Vector3d& apex, const Triangle& triangle, int exponent, const Method& cone) {
   SeenTriangle seen;
@@ -182,11 +188,12 @@ SeenTriangle seen_from(const Vector3d& apex, const Triangle& triangle, int expon
   return seen;
 }
 
-/// Whether moving each coordinate by its rounding could bring the point to the origin.
+/// Tests whether moving each coordinate by its rounding error could bring the point to the origin.
 bool is_origin_but_for_rounding(const Vector3d& point, const Vector3d& rounding) {
   return point.squaredNorm() <= point.cwiseAbs().dot(rounding);
 }
 
+/// Finds the nearest point for coordinates of ordinary magnitude.
 template <class Method>
 std::optional<NearestPoint> nearest_of_scaled(const Triangle& triangle, const Vector3d& apex,
                                               const Method& cone) {
@@ -200,9 +207,9 @@ std::optional<NearestPoint> nearest_of_scaled(const Triangle& triangle, const Ve
   const SeenTriangle seen = seen_from(apex, triangle, exponent, cone);
   const Search<Method> search(seen, cone);
   Vector3d nearest = rounded(cone.from_frame(search.nearest()));
-  // Turning into the cone's frame leaves a trace of rounding in every coordinate, also in one that is exactly
-  // 0 in the frame of the triangle. What is no farther than that is looked at again where the coordinates are
-  // exact.
+  // Turning into the cone's frame leaves a rounding error in every coordinate, even in one that is exactly 0
+  // in the frame of the triangle. A distance no larger than this error is computed again in the frame where
+  // the coordinates are exact.
   if (largest_component(nearest) <= precise_noise) {
     const NoCone anywhere;
     const SeenTriangle exactly = seen_from(apex, triangle, exponent, anywhere);
@@ -223,7 +230,7 @@ std::optional<NearestPoint> nearest_of_scaled(const Triangle& triangle, const Ve
 template <class Method>
 std::optional<NearestPoint> nearest_on_triangle(const Triangle& triangle, const Vector3d& apex,
                                                 const Method& cone) {
-  // Within these differences and their low parts neither overflow nor underflow.
+  // Between these exponents, differences and their low parts neither overflow nor underflow.
   constexpr int largest_exponent = 500, smallest_exponent = -400;
   double largest = largest_component(apex);
   for (const Vector3d& vertex : triangle)

@@ -14,8 +14,8 @@ struct NearestPoint {
   Eigen::Vector3d point;
 };
 
-/// The point of a finite triangle nearest to the apex among those in a cone of unlimited range; none when the
-/// triangle is outside.
+/// Finds the point of a finite triangle nearest to the apex among those in a cone of unlimited range. Returns
+/// nothing if the triangle is outside the cone.
 template <class Method>
 std::optional<NearestPoint> nearest_on_triangle(const Triangle& triangle, const Eigen::Vector3d& apex,
                                                 const Method& cone);

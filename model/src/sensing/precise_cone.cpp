@@ -9,8 +9,9 @@ struct CosineAndSine {
   DoubleDouble cosine, sine;
 };
 
-/// By Taylor's series of an eighth of the angle, whose terms have fallen below 2^−110 after the twelfth, and
-/// doubling it three times. 1 − cosine is what is doubled: a cosine near 1 keeps its digits.
+/// Computes both by the Taylor series at an eighth of the angle, whose terms fall below 2^−110 after the
+/// twelfth, and by doubling the angle three times. The doubling works on 1 − cosine, so that a cosine near 1
+/// keeps its digits.
 CosineAndSine cosine_and_sine(DoubleDouble angle) {
   constexpr int halvings = 3, terms = 24;
   const DoubleDouble x = 0x1p-3 * angle, square = x * x;

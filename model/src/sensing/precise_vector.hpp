@@ -41,7 +41,7 @@ inline PreciseVector cross(const PreciseVector& a, const PreciseVector& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// a − b without error.
+/// Computes a − b without error.
 inline PreciseVector exact_difference(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return {exact_sum(a.x(), -b.x()), exact_sum(a.y(), -b.y()), exact_sum(a.z(), -b.z())};
 }
@@ -50,12 +50,13 @@ inline Eigen::Vector3d rounded(const PreciseVector& a) {
   return {a.x.high, a.y.high, a.z.high};
 }
 
-/// A vector of length 1 and the length it had; a length of 0 has no direction.
+/// The length of a vector and its direction, a unit vector; a vector of length 0 has no direction.
 struct Polar {
   DoubleDouble length;
   PreciseVector direction;
 };
 
+/// Normalises a vector.
 inline Polar polar(const PreciseVector& a) {
   const DoubleDouble square = dot(a, a);
   if (!(square.high > 0))

@@ -15,12 +15,13 @@ namespace {
 
 using detail::ConeQuery;
 
-/// The cone where it is. Divided first, 180° are exactly π.
+/// Returns the sensor's cone in the world. The angle is divided by 180 first, so that 180° becomes exactly π.
 SensingCone placed(const DistanceSensor& sensor, const Eigen::Isometry3d& pose) {
   return {pose * sensor.apex, pose.linear() * sensor.direction.stableNormalized(),
           sensor.full_angle_degrees / 180 * std::numbers::pi, sensor.range};
 }
 
+/// An object with the hierarchy of its triangles, and its pose on its link.
 struct SensedObject {
   std::string name;
   std::optional<std::size_t> link;
@@ -63,6 +64,7 @@ class SceneSensing::Implementation {
   }
 
  private:
+  /// Searches all objects for the closest visible point.
   std::optional<SensedPoint> closest(ConeQuery& query,
                                      const std::vector<Eigen::Isometry3d>& link_poses) const {
     for (std::size_t i = 0; i < objects_.size(); ++i)

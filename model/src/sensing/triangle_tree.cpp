@@ -16,7 +16,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A triangle costs as much as a dozen boxes, boxes of single triangles twice the memory.
+/// Triangles in a leaf: testing a triangle takes as long as a dozen boxes, but leaves of single triangles
+/// need twice the memory.
 constexpr std::size_t triangles_per_leaf = 2;
 
 Eigen::AlignedBox3d box_of(const Triangle& triangle) {
@@ -58,7 +59,7 @@ void TriangleTree::search(ConeQuery& query, const Eigen::Isometry3d& pose, std::
     const BoxTree::Node* node;
   };
   const ConeBounds bounds(query.cone(), pose);
-  // Whole objects are worth the sharpest test.
+  // For a whole object the most precise test pays off.
   if (bounds.least_distance(whole) > query.reach() || bounds.misses(whole) ||
       ConeShape(query.cone(), query.reach()).misses(whole, pose))
     return;
