@@ -42,7 +42,7 @@ CHUNK = 1000
 
 @dataclass(frozen=True)
 class FluxEnergies:
-    """Energies (n, n) of the best fluxes (ε = 1), and how much too high the iteration may have energies_left each diagonal entry."""
+    """Energies (n, n) of the best fluxes (ε = 1), and how much too high the iteration may have left each diagonal entry."""
 
     lower: Array
     algebraic_error: Array
