@@ -24,8 +24,10 @@ def plane_faces(body: Polyhedron) -> list[list[Face]]:
         [face for group in np.unique(label[part]) for face in _faces_of(body, np.flatnonzero(label == group))]
         for part in body.parts
     ]
-    needless = _vertices_inside_edges(body, [loop for part in faces for face in part for loop in face])
-    return [[[[k for k in loop if k not in needless] for loop in face] for face in part] for part in faces]
+    inside_edges = _vertices_inside_edges(body, [loop for part in faces for face in part for loop in face])
+    return [
+        [[[k for k in loop if k not in inside_edges] for loop in face] for face in part] for part in faces
+    ]
 
 
 def _coplanar_groups(body: Polyhedron) -> Indices:
