@@ -15,7 +15,7 @@ __all__ = ["Reference", "maxwell"]
 
 
 def __getattr__(name: str) -> Any:
-    """Load the solver when it is first asked for: the command's help and its input errors do without it."""
+    """Import the solver on first use, so that the command's help and its input errors appear without loading it."""
     if name in __all__:
         import fem_reference.answer.reference as reference
 

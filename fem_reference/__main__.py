@@ -18,6 +18,7 @@ ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
 
 
 def _positive(text: str) -> float:
+    """Parse a positive number."""
     try:
         value = float(text)
     except ValueError:
@@ -28,12 +29,14 @@ def _positive(text: str) -> float:
 
 
 def _field_file(text: str) -> Path:
+    """Parse the name of a VTU file."""
     if not text.endswith(".vtu"):
         raise argparse.ArgumentTypeError(f"{text!r} does not end in .vtu")
     return Path(text)
 
 
 def _names(text: str) -> tuple[str, ...]:
+    """Parse names separated by commas."""
     names = tuple(text.split(","))
     if not all(names):
         raise argparse.ArgumentTypeError(f"{text!r} has an empty name")
@@ -43,9 +46,9 @@ def _names(text: str) -> tuple[str, ...]:
 def _parser(program: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=program,
-        description="The Maxwell capacitance matrix of a scene by finite elements, with an error for every entry.",
-        epilog="Exit status: 0 answered; 2 wrong input; 3 the asked accuracy was not reached, the answer and its "
-        "errors are given all the same; 1 anything else.",
+        description="Compute the Maxwell capacitance matrix of a scene by finite elements, with an error for every entry.",
+        epilog="Exit status: 0 answered; 2 wrong input; 3 the requested accuracy was not reached (the answer is printed with "
+        "the errors reached); 1 any other failure.",
     )
     parser.add_argument("scene", metavar="SCENE", help="a scene file (TOML)")
     parser.add_argument(
@@ -55,52 +58,55 @@ def _parser(program: str) -> argparse.ArgumentParser:
         "--max-seconds",
         type=_positive,
         default=math.inf,
-        help="start no level that would end later than this",
+        metavar="S",
+        help="start no level that is predicted to end later than this many seconds after the start (default: no limit)",
     )
     parser.add_argument(
         "--max-unknowns",
         type=_positive,
         default=math.inf,
-        help="start no level that would have more unknowns than this",
+        metavar="N",
+        help="start no level that is predicted to have more unknowns than this (default: no limit)",
     )
     parser.add_argument(
         "--max-memory",
         type=_positive,
         default=math.inf,
         metavar="GIB",
-        help="start no level that would take more memory than this",
+        help="start no level that is predicted to take more memory than this (default: no limit)",
     )
     parser.add_argument(
         "--error",
         choices=("enclosure", "estimate"),
         default="enclosure",
-        help="what rtol is asked of: half the width of intervals proven to hold the truth (default), or errors estimated from "
-        "successive meshes, several times faster",
+        help="the error that --rtol limits: half the width of an interval that is proven to contain the true value (default), or an "
+        "error estimated from successive meshes, which is several times faster",
     )
     parser.add_argument(
         "--columns",
         metavar="NAME[,NAME…]",
         type=_names,
         default=(),
-        help="solve only these conductors' rows and columns, the other ones grounded (default: all)",
+        help="solve for the rows and columns of these conductors only, with the other conductors grounded (default: all)",
     )
     parser.add_argument(
         "--no-symmetry",
         action="store_true",
-        help="mesh the whole of space although the scene may be its own mirror image: slower, and a check",
+        help="mesh the whole of space even if the scene is its own mirror image; slower, for checking the use of symmetry",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON document and nothing else")
     parser.add_argument(
         "--output",
         metavar="FILE.vtu",
         type=_field_file,
-        help="also write potential, field and bodies, the first sensor at 1 V, on the coarsest mesh, for ParaView",
+        help="also write a file for ParaView with the potential, the field and the bodies on the coarsest mesh, with the first sensor "
+        "at 1 V",
     )
     parser.add_argument(
         "--slice",
         metavar="FILE",
-        help="in the place of the matrix: write the potential in a vertical plane through the conductors' centres, "
-        "the first sensor at 1 V, to this JSON file",
+        help="instead of computing the matrix, write to this JSON file the potential in a vertical plane through the conductors' "
+        "centres, with the first sensor at 1 V",
     )
     parser.add_argument("--version", action="version", version=_version())
     return parser
@@ -126,19 +132,19 @@ def main(arguments: list[str] | None = None) -> int:
     from fem_reference.common.limits import Limits
     from geometries.common.errors import InputError
 
-    # Every process runs all of this, and comes to the same end; one of them says so.
+    # Every process runs all of this and ends with the same status; only the first one prints messages.
     is_first = MPI.COMM_WORLD.rank == 0
-    told = sys.stderr if is_first else io.StringIO()
+    error_stream = sys.stderr if is_first else io.StringIO()
     try:
-        alone = [
+        single_process_only = [
             ("--slice", options.slice),
             ("--output", options.output),
             ("--error enclosure", options.error == "enclosure"),
         ]
-        what = next((name for name, asked in alone if asked), None)
-        if MPI.COMM_WORLD.size > 1 and what is not None:
+        refused = next((name for name, asked in single_process_only if asked), None)
+        if MPI.COMM_WORLD.size > 1 and refused is not None:
             raise InputError(
-                options.scene, what, "is made by a single process; several solve with --error estimate"
+                options.scene, refused, "is made by a single process; several solve with --error estimate"
             )
         if options.slice is not None:
             return documents.write_slice(Path(options.scene), Path(options.slice))
@@ -155,21 +161,21 @@ def main(arguments: list[str] | None = None) -> int:
             not options.no_symmetry,
         )
     except InputError as wrong:
-        print(f"fem_reference: {wrong}", file=told)
+        print(f"fem_reference: {wrong}", file=error_stream)
         return WRONG_INPUT
     except (RuntimeError, OSError, MemoryError) as failure:
         words = shlex.join(sys.argv[1:] if arguments is None else arguments)
         print(
             f"fem_reference: {options.scene}: {failure or 'out of memory'}; "
             f"to see it again: {installation.command('fem_reference')} {words}",
-            file=told,
+            file=error_stream,
         )
         return FAILED
 
 
 def _prepare_libraries() -> None:
-    """Compiled forms are kept beside the build; a process uses one core, since cases run side by side; no chatter."""
-    # The compiler's messages come through the root logger, whose level the build tools set themselves.
+    """Keep compiled forms beside the build, use one core per process, since cases run side by side, and silence the libraries' logs."""
+    # The form compiler logs through the root logger, whose level the build tools set themselves: only disabling works.
     logging.disable(logging.INFO)
     os.environ.setdefault("XDG_CACHE_HOME", str(installation.cache_folder()))
     os.environ.setdefault("OMP_NUM_THREADS", "1")

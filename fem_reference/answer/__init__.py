@@ -1,1 +1,1 @@
-"""From several meshes to one value and its error."""
+"""Combines the solutions on successive meshes into one Maxwell matrix with an error for every entry."""

@@ -1,4 +1,7 @@
-"""The best single value between proven bounds: they narrow in proportion, so that where they meet is known early."""
+"""The best single value between proven bounds, extrapolated from two intervals.
+
+As the mesh is refined both bounds approach the true value in a fixed proportion, so that two intervals show where they meet.
+"""
 
 from __future__ import annotations
 
@@ -11,36 +14,37 @@ from fem_reference.solve.enclosure import Enclosure
 from fem_reference.solve.level import Level
 
 LEAST_NARROWING = 1.5
-"""Width over the next one's, 2 for each halving in theory. Below it one of the two meshes is bad in a place that spoils one bound
-more than the other, and the middle is better."""
+"""Least ratio of two interval widths at which the value is extrapolated; in theory each halving of the edge size gives 2. Below it
+one of the two meshes is bad in a place that spoils one bound more than the other, and the middle of the interval is the better value."""
 LEAST_FRACTION_OF_WIDTH = 0.25
-"""The error of a value between bounds is never stated below this fraction of their distance: NUMERICS.md section 5."""
+"""Least stated error of a value between bounds, as a fraction of their distance: NUMERICS.md section 5."""
 
 
 def best_value(levels: Sequence[Level]) -> Estimate:
-    """The Maxwell matrix and its estimated error, from the levels' bounds as far as there are any."""
+    """The Maxwell matrix and its estimated error: from the levels' bounds where there are any, else from the potentials."""
     bounds = [level.enclosure for level in levels if level.enclosure is not None]
     potentials = [level.maxwell for level in levels]
     if not bounds:
         return estimate(potentials)
     if len(bounds) > 1:
-        return _between(bounds)
+        return _extrapolated_to_zero_width(bounds)
     if len(levels) == 1:
         (only,) = bounds
         return Estimate(
             (only.lower + only.upper) / 2, only.half_width, np.zeros(only.lower.shape, dtype=bool)
         )
-    # Narrow bounds on the coarsest level: where the potentials do not converge yet, the theory's ratio is taken all the same.
+    # Only one level has bounds, being narrow enough: extrapolate the potentials, by the theory's ratio where they do not converge yet.
     found = estimate(potentials)
     theory = 2 * potentials[-1] - potentials[-2]
-    every = np.ones(theory.shape, dtype=bool)
-    return Estimate(np.where(found.extrapolated, found.value, theory), found.error, every)
+    everywhere = np.ones(theory.shape, dtype=bool)
+    return Estimate(np.where(found.extrapolated, found.value, theory), found.error, everywhere)
 
 
-def _between(bounds: Sequence[Enclosure]) -> Estimate:
-    """Where the line through two intervals' middles, over their widths, meets width zero; the narrowest's middle at worst.
+def _extrapolated_to_zero_width(bounds: Sequence[Enclosure]) -> Estimate:
+    """Extrapolate the middles of two intervals, as a linear function of their widths, to width zero.
 
-    The two narrowest of each entry are taken: a mesh that is worse than a coarser one, as happens, spoils nothing.
+    Where the widths do not fall by LEAST_NARROWING, the value is the middle of the narrowest interval. The two narrowest intervals
+    of each entry are used, so that a mesh that is worse than a coarser one, as happens, does no harm.
     """
     middles = np.array([(interval.lower + interval.upper) / 2 for interval in bounds])
     widths = np.array([interval.upper - interval.lower for interval in bounds])

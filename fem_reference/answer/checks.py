@@ -1,6 +1,7 @@
-"""What an estimated Maxwell matrix has to agree with: entries that symmetry makes equal, and bounds on the coarsest mesh.
+"""Checks of an estimated Maxwell matrix, against entries that are equal by symmetry and against bounds from the coarsest mesh.
 
-Neither is needed for an answer. Both cost little and know nothing of the differences between levels that errors are estimated from.
+An answer needs neither check. Both cost little, and both are independent of the differences between levels from which the errors
+are estimated.
 """
 
 from __future__ import annotations
@@ -19,18 +20,19 @@ Array = NDArray[np.float64]
 def checked(
     found: Estimate, exchanges: Sequence[Sequence[int]], bounds: Enclosure | None
 ) -> tuple[Estimate, str | None]:
-    """The estimate with errors that cover what it is checked against, and what it contradicted, in words.
+    """Widen the errors of an estimate until it passes the checks; returns it with a description of what it contradicted.
 
-    Each of `exchanges` is an order of the conductors in which the matrix is the same. `bounds` are proven.
+    The description is None where every deviation was within the errors stated. Each of `exchanges` is a permutation of the
+    conductors that leaves the matrix unchanged. `bounds` are proven.
     """
     value, error = found.value, found.error
     contradicted: list[str] = []
     for exchange in exchanges:
         order = np.ix_(exchange, exchange)
-        apart = np.abs(value - value[order])
-        if np.any(apart > found.error + found.error[order]):
+        difference = np.abs(value - value[order])
+        if np.any(difference > found.error + found.error[order]):
             contradicted.append("entries that are equal by symmetry differ by more than their errors")
-        error = np.maximum(error, apart)
+        error = np.maximum(error, difference)
     if bounds is not None:
         outside = np.maximum(np.maximum(bounds.lower - value, value - bounds.upper), 0.0)
         if np.any(outside > found.error):

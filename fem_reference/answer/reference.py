@@ -30,59 +30,61 @@ Array = NDArray[np.float64]
 ErrorKind = Literal["enclosure", "estimate"]
 
 LEVELS_BEFORE_CHECK = 3
-"""The ratio of two differences takes three levels: with fewer no accuracy counts as reached."""
+"""Number of levels that the ratio of two differences takes: with fewer no accuracy counts as reached."""
 MOST_LEVELS = 6
+"""Largest number of levels; after it the answer is returned even if its errors are above `rtol`."""
 GROWTH_OF_TIME = 3.2
-"""Time of a level over that of the one before, somewhat above the largest ratio met in the default study (2.9)."""
+"""Predicted ratio of the times of successive levels, somewhat above the largest measured in the default study (2.9)."""
 GROWTH_OF_UNKNOWNS = 2.4
-"""The same for unknowns and memory: the cells along the edges double."""
+"""Predicted ratio of the unknowns, and of the memory, of successive levels: the number of cells along the edges doubles."""
 
 
 @dataclass(frozen=True)
 class Reference:
-    """The answer for one scene; farads. `names` and the rows of the matrices: sensors first, then objects."""
+    """The answer for one scene, in farads. The rows of the matrices follow `names`: sensors first, then objects."""
 
     names: tuple[str, ...]
     sensors: int
-    """How many of them are sensors."""
+    """Number of sensors among `names`."""
     maxwell: Estimate
-    """(n, n): Q = maxwell · V."""
+    """Maxwell matrix (n, n): Q = maxwell · V."""
     delta_self: Estimate
-    """(m,): maxwell[s, s] less what it is without the objects, per sensor."""
+    """For each sensor s (m,): maxwell[s, s] minus its value without the objects."""
     levels: tuple[Level, ...]
     rtol: float
     seconds: float
     grounded: tuple[str, ...] = ()
-    """Conductors that are present and not asked for: they have no row. Sensors first."""
+    """Conductors that are present, but whose columns were not asked for: they are grounded and have no row. Sensors first."""
     grounded_sensors: int = 0
+    """Number of sensors among `grounded`."""
     floating: tuple[str, ...] = ()
-    """Conductors without charge: eliminated from the matrix."""
+    """Conductors without charge, which are eliminated from the matrix."""
     dielectrics: tuple[Dielectric, ...] = ()
     curved: tuple[str, ...] = ()
-    """Bodies with curved surfaces, of which the cells are an approximation."""
+    """Bodies with curved surfaces, which the cells follow approximately."""
     planes: tuple[Plane, ...] = ()
-    """Planes of symmetry, metres; the answer is that of one side of them, a half, a quarter or an eighth of space."""
+    """Planes of symmetry, in metres; only one side of each was solved: a half, a quarter or an eighth of space."""
     enclosure: Enclosure | None = None
-    """Where the entries of the Maxwell matrix lie, when asked for."""
+    """Proven bounds of the entries of the Maxwell matrix, when asked for."""
     in_room: bool = False
-    """Whether ground is the walls of a room; else it is infinity."""
+    """Whether ground is the walls of a room rather than infinity."""
     left_out: tuple[LeftOut, ...] = ()
-    """Distant bodies that were not solved for; the errors and the interval account for them."""
+    """Distant bodies that were left out of the mesh; the errors and the interval account for them."""
     stopped_by: str | None = None
-    """The limit that ended the refinement."""
+    """The limit that ended the refinement, if one did."""
     contradicted: str | None = None
-    """What the estimates disagree with by more than their errors, in words: such an answer is never reached."""
+    """Description of the checks that the estimates fail by more than their errors; such an answer never counts as reached."""
 
     @property
     def has_objects(self) -> bool:
-        """Whether there is anything that `delta_self` could be due to."""
+        """Whether the scene has objects besides its sensors, without which `delta_self` would be zero."""
         grounded_objects = len(self.grounded) - self.grounded_sensors
         others = grounded_objects or self.floating or self.dielectrics
         return len(self.names) > self.sensors or bool(others)
 
     @property
     def reached(self) -> bool:
-        """Whether every error is within `rtol`, was judged by enough levels, and is not known to be too small."""
+        """Whether every error is at most `rtol`, rests on enough levels, and is contradicted by no check."""
         enough = len(self.levels) >= LEVELS_BEFORE_CHECK
         return enough and self.worst <= self.rtol and self.contradicted is None
 
@@ -92,9 +94,10 @@ class Reference:
 
     @property
     def worst(self) -> float:
-        """The largest relative error among the entries of the Maxwell matrix, and the delta_self if errors are estimates.
+        """The largest relative error: of the entries of the Maxwell matrix and, if errors are estimates, of the delta_self.
 
-        Of an enclosure: half its width. What is proven says nothing about the difference of two solutions.
+        The error of an enclosed entry is half the width of its interval. The bounds prove nothing about delta_self, which is the
+        difference of two solutions.
         """
         if self.enclosure is not None:
             return float(np.max(self.enclosure.half_width / np.abs(self.maxwell.value)))
@@ -133,13 +136,13 @@ def maxwell(
 ) -> Reference:
     """Solve the scene on finer and finer meshes until every entry's relative error is at most `rtol`.
 
-    `error` says which: half the width of an interval that is proven to hold the truth, or an estimate from successive
-    levels, several times faster. Stops unfinished (`reached` False, the errors as they are) when the next level would end
-    after `max_seconds`, have more than `max_unknowns` or take more than `max_memory` bytes. `progress` is told every level
-    and the largest relative error so far; `source` names the scene in errors. With
-    `columns`, names of conductors, only their rows and columns are solved and returned, the others grounded. Without `symmetry`
-    the whole of space is meshed although the scene may be its own mirror image. Raises InputError for scenes that cannot be
-    solved, RuntimeError when the mesher or the solver fails.
+    `error` selects the kind of error: half the width of an interval that is proven to contain the true value, or an estimate from
+    successive levels, which is several times faster. The refinement stops early (`reached` is False, the errors are those
+    reached) when the next level would end after `max_seconds`, have more than `max_unknowns` or take more than `max_memory` bytes.
+    `progress` is called after each level with the level and the largest relative error so far; `source` names the scene in error
+    messages. With `columns`, names of conductors, only their rows and columns are solved and returned, and the other conductors are
+    grounded. Without `symmetry` the whole of space is meshed even if the scene is its own mirror image. Raises InputError for
+    scenes that cannot be solved, RuntimeError when the mesher or the solver fails.
     """
     limits = Limits(max_seconds, max_unknowns, max_memory)
     return solve_conductors(
@@ -162,7 +165,7 @@ def solve_conductors(
     error: ErrorKind = "enclosure",
     symmetry: bool = True,
 ) -> Reference:
-    """As `maxwell`, for conductors given as bodies."""
+    """Solve as `maxwell` does, for conductors given as bodies."""
     start = time.monotonic()
     growth = growth_for(rtol)
     whole = problem
@@ -173,46 +176,47 @@ def solve_conductors(
     while True:
         number = len(levels)
         sizing = Sizing(refinement=2.0**number, growth=growth)
-        # The next level may be the last when there are limits, and is when none are left.
+        # A limit may make this level the last one, and the last of MOST_LEVELS is the last one: both need bounds.
         enclosed = error == "enclosure" and (
             number >= next_enclosed
             or number == MOST_LEVELS - 1
             or (limits != Limits() and next_enclosed < MOST_LEVELS)
         )
-        # Bounds on the first mesh check what differences between meshes cannot: a mistake that all meshes share.
+        # Bounds on the first mesh reveal what differences between meshes cannot: a mistake that all meshes share.
         checks = number == 0 and MPI.COMM_WORLD.size == 1
         bounds: Bounds = "enclosure" if enclosed else "check" if checks and error == "estimate" else "none"
         level = solve_level(problem, relative_permittivity, sizing, bounds, planes)
         bound = sum((body.bound for body in left_out), np.zeros(len(problem.names)))
         if left_out and not is_negligible(bound, level.maxwell, level.delta_self, rtol):
-            # Only the first level tells how small the smallest entries are.
+            # The first level shows that some entries are too small for the bound: solve the whole scene after all.
             problem, left_out, planes = whole, (), _planes(whole, symmetry)
             continue
         levels.append(level)
-        answer = _answer(
+        answer = _combined(
             problem, relative_permittivity, levels, rtol, growth, time.monotonic() - start, planes, bound
         )
         answer = replace(answer, left_out=left_out)
         if progress is not None:
             progress(levels[-1], answer.worst)
-        # Every process takes the decision of the first, whose clock it is.
+        # Clocks differ between processes, so that all of them follow the decision of the first.
         stopped_by = MPI.COMM_WORLD.bcast(_stopped_by(levels, limits, answer.seconds))
         if answer.reached or len(levels) == MOST_LEVELS or stopped_by is not None:
             most = f"{MOST_LEVELS} levels are the most"
             return answer if answer.reached else replace(answer, stopped_by=stopped_by or most)
         if enclosed:
-            next_enclosed = number + _halvings(answer.worst, rtol)
+            next_enclosed = number + _levels_to_next_enclosure(answer.worst, rtol)
 
 
 def _planes(problem: Conductors, symmetry: bool) -> tuple[Plane, ...]:
-    """The planes of symmetry to be used."""
+    """The planes of symmetry to use: none unless `symmetry`."""
     return mirror_planes(problem.bodies, problem.owner, problem.room) if symmetry else ()
 
 
-def _halvings(worst: float, rtol: float) -> int:
-    """How many halvings of the edge size to go before the next enclosure; no further one is needed when it is narrow enough.
+def _levels_to_next_enclosure(worst: float, rtol: float) -> int:
+    """Number of levels from this enclosure to the next; MOST_LEVELS when this one is narrow enough, so that none follows.
 
-    The width falls at least like the edge size, on the coarsest levels faster: from two levels on it is worth asking.
+    The width falls at least in proportion to the edge size, and faster on the coarsest levels, so that the next enclosure is
+    computed after at most two levels.
     """
     if worst <= rtol:
         return MOST_LEVELS
@@ -220,15 +224,16 @@ def _halvings(worst: float, rtol: float) -> int:
 
 
 def _stopped_by(levels: Sequence[Level], limits: Limits, seconds: float) -> str | None:
+    """The limit that the next level is predicted to exceed, in words; None when it would keep all of them."""
     last = levels[-1]
-    # A level without bounds says nothing about their time; it goes with the cells.
+    # The time of the bounds is proportional to the cells. A level without bounds does not show it; an earlier level does.
     enclosed = (level.flux_seconds / level.cells for level in levels if level.enclosure is not None)
     flux = max(enclosed, default=0.0) * last.cells
     predicted = seconds + GROWTH_OF_TIME * (last.seconds - last.flux_seconds + flux)
     return limits.exceeded_by(predicted, GROWTH_OF_UNKNOWNS * last.unknowns, GROWTH_OF_UNKNOWNS * last.memory)
 
 
-def _answer(
+def _combined(
     problem: Conductors,
     relative_permittivity: float,
     levels: Sequence[Level],
@@ -238,9 +243,10 @@ def _answer(
     planes: Sequence[Plane],
     left_out: Array,
 ) -> Reference:
-    """Extrapolate, and add what the levels share: the open boundary, the elements away from the edges, what is left out.
+    """Extrapolate the levels, and add the errors that all levels share.
 
-    `left_out` (n,) is what bodies left out may add to the diagonal.
+    These are the errors of the open boundary, of the elements away from the edges, and of the bodies left out: `left_out` (n,)
+    bounds what these bodies may add to the diagonal.
     """
     farads = epsilon_0 * relative_permittivity * problem.unit
     finest = levels[-1].maxwell
@@ -291,7 +297,7 @@ def _answer(
 
 
 def _exchanges(problem: Conductors) -> list[tuple[int, ...]]:
-    """The orders of the matrix' rows in which it is the same, as the scene mirrored is itself."""
+    """The permutations of the rows and columns that leave the matrix unchanged, because a mirror image of the scene is the scene."""
     kinds: list[tuple[str, float]] = [("row", 0.0)] * len(problem.names)
     kinds += [("floating", 0.0)] * len(problem.floating) + [("grounded", 0.0)] * len(problem.grounded)
     kinds += [("dielectric", body.contrast) for body in problem.dielectrics]

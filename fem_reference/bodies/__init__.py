@@ -1,1 +1,1 @@
-"""The bodies of a scene: shapes, distances, symmetry, and which conductor each belongs to."""
+"""The bodies of a scene: shapes, distances, planes of symmetry, and the conductors that the bodies make up."""

@@ -1,4 +1,7 @@
-"""Triangles that bound a box, however its faces are cut, are a cuboid: its distances and planes of symmetry are known."""
+"""Recognises triangle meshes that bound a box, however its faces are cut into triangles.
+
+Such a mesh is treated as a cuboid, whose distances have closed forms and whose planes of symmetry are known.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +12,10 @@ from fem_reference.bodies.polyhedron import SAME_POINT, Polyhedron
 
 
 def cuboid_of(body: Polyhedron) -> Cuboid | None:
-    """The cuboid with the same surface, to what is taken for one vertex; None when there is none.
+    """The cuboid with the same surface, to the tolerance at which vertices are merged; None when there is none.
 
-    Every triangle has to lie in the face of the bounding box, in the frame of the triangles, that its outward side shows. A closed
-    surface in that of a box is the whole of it.
+    The bounding box is taken in the frame of the triangles' normals. Every triangle has to lie in the face of this box to which its
+    outward normal points. A closed surface that is a part of the box's surface is all of it.
     """
     if len(body.parts) != 1:
         return None

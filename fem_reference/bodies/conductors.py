@@ -1,4 +1,4 @@
-"""From a scene to the bodies of the field problem: which conductor is made of what, and whether it can be solved."""
+"""Converts a scene to the bodies of the field problem, grouped into conductors, and refuses scenes that cannot be solved."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ Array = NDArray[np.float64]
 ClosedFormShape = PlateShape | shapes.Cuboid | shapes.Sphere | shapes.Cylinder | shapes.Cone | shapes.Arc
 
 SMALLEST_GAP = 1e-3
-"""Smallest gap over the smaller of two bodies' sizes. The mesh resolves every gap, and its size grows like the square of
-size over gap: below this a case would not fit the machine."""
+"""Smallest gap that is meshed, over the smaller of the two bodies' sizes. The mesh resolves every gap, and the number of its cells is
+proportional to the square of size over gap: with a smaller gap it would not fit into memory."""
 
 
 @dataclass(frozen=True)
 class Dielectric:
-    """A body without charge of its own; `contrast` is its relative permittivity over the medium's."""
+    """A dielectric body, which carries no free charge; `contrast` is its relative permittivity over the medium's."""
 
     name: str
     relative_permittivity: float
@@ -39,54 +39,59 @@ class Dielectric:
 
 @dataclass(frozen=True)
 class Conductors:
-    """What a scene is made of. Lengths over `unit`.
+    """The conductors and dielectric bodies of a scene, with all lengths divided by `unit`.
 
-    `bodies[k]` is a part of number `owner[k]`: numbers go through the conductors of the Maxwell matrix, sensors first,
-    then through the floating conductors, then through those that are only grounded, then through the dielectric bodies.
+    Conductors and dielectric bodies are numbered: first the conductors of the Maxwell matrix (sensors first), then the floating
+    conductors, then the conductors that are only grounded, then the dielectric bodies. `bodies[k]` is a part of number `owner[k]`.
     """
 
     names: tuple[str, ...]
     """The conductors that have a row in the Maxwell matrix."""
     sensors: int
+    """Number of sensors among `names`."""
     bodies: tuple[Body, ...]
     owner: tuple[int, ...]
     centre: Array
+    """Origin of the scaled scene, in metres."""
     unit: float
+    """Unit of length of the scaled scene, in metres."""
     floating: tuple[str, ...] = ()
     dielectrics: tuple[Dielectric, ...] = ()
     grounded: tuple[str, ...] = ()
-    """Conductors that are present and never driven: nobody asked for their columns. Sensors first."""
+    """Conductors that are present but never driven, because their columns were not asked for. Sensors first."""
     grounded_sensors: int = 0
+    """Number of sensors among `grounded`."""
     room: Cuboid | None = None
     """The grounded walls around everything; None in free space."""
 
     def bodies_of(self, conductor: int) -> list[int]:
+        """Indices of the bodies that make up one conductor or dielectric body."""
         return [k for k, owner in enumerate(self.owner) if owner == conductor]
 
     @property
     def driven(self) -> int:
-        """How many conductors are driven, floating ones too: the first ones."""
+        """Number of conductors that are driven, floating ones included; they come first in the numbering."""
         return len(self.names) + len(self.floating)
 
     @property
     def parts(self) -> list[list[int]]:
-        """The bodies of every conductor."""
+        """Indices of the bodies of each conductor."""
         return [self.bodies_of(k) for k in range(self.driven + len(self.grounded))]
 
     def in_metres(self, plane: Plane) -> Plane:
-        """A plane of the scaled scene in the world frame."""
+        """Convert a plane of the scaled scene to the world frame, in metres."""
         return Plane(plane.normal, float(self.unit * plane.offset + plane.normal @ self.centre))
 
     @property
     def curved(self) -> tuple[str, ...]:
-        """The bodies with curved surfaces."""
+        """Names of the bodies with curved surfaces."""
         return tuple(
             body.name for body in self.bodies if not isinstance(body, Rectangle | Cuboid | Polyhedron)
         )
 
     @property
     def permittivities(self) -> dict[int, float]:
-        """Of the dielectric bodies, relative to the medium's."""
+        """The permittivity of each dielectric body, by its index in `bodies`, relative to the medium's."""
         first = self.driven + len(self.grounded)
         return {
             body: dielectric.contrast
@@ -96,10 +101,10 @@ class Conductors:
 
     @property
     def most_charge(self) -> float:
-        """Bound on the sum of |charge| in the scene over twice the driven conductor's charge, the others grounded.
+        """Bound on the sum of |charge| in the scene over twice the charge of the one driven conductor, the others being grounded.
 
-        Every field line starts on the driven conductor. It ends and starts again at most once on each floating conductor;
-        a share |1 − 1/ε| of it does on the surface of a dielectric body, which it is taken to cross once.
+        Every field line starts on the driven conductor. It ends and starts again at most once on each floating conductor; at each
+        dielectric body, which it is assumed to cross once, a share |1 − 1/ε| of it does so.
         """
         return 1 + len(self.floating) + sum(abs(1 - 1 / body.contrast) for body in self.dielectrics)
 
@@ -107,9 +112,10 @@ class Conductors:
 def conductors(scene: Scene, source: str = "scene", columns: Sequence[str] = ()) -> Conductors:
     """The conductors and dielectric bodies of a scene, moved to the origin and scaled by their bounding sphere's radius.
 
-    So the mesh, and every number but the unit, is the same for a scene of twice the size or elsewhere. With `columns` only
-    these conductors have a row, the other ones are grounded. Raises InputError for what cannot be solved: no conductor, a
-    column of none, a shape or material the solver does not know, conductors that touch.
+    Scaled, a scene of twice the size or in another place gives the same mesh and the same numbers, except for the unit. With
+    `columns` only the conductors named there have a row, and the others are grounded. Raises InputError for scenes that cannot be
+    solved: without a sensor, with a column that names no conductor, with a shape or material unknown to the solver, or with
+    conductors that touch.
     """
     if not scene.sensors:
         raise InputError(source, "sensor", "nothing to solve: the scene has no capacitive sensor")
@@ -135,7 +141,7 @@ def conductors(scene: Scene, source: str = "scene", columns: Sequence[str] = ())
         bodies.append(_object_body(scene, body, source))
     for first, second in combinations(range(len(bodies)), 2):
         if owner[first] != owner[second]:
-            # Dielectric bodies come last: the second of two is one when either is.
+            # Dielectric bodies come last, so that the second of two bodies is dielectric when either is.
             any_dielectric = owner[second] >= len(scene.sensors) + len(solid)
             _refuse_contact(bodies[first], bodies[second], any_dielectric, source)
     return normalised(
@@ -152,7 +158,7 @@ def conductors(scene: Scene, source: str = "scene", columns: Sequence[str] = ())
 
 
 def _room(scene: Scene, bodies: Sequence[Body], source: str) -> Cuboid | None:
-    """The walls; InputError when a body is not inside, off them."""
+    """The walls of the scene's room, if it has one. Raises InputError when a body is outside or too close to them."""
     if scene.room is None:
         return None
     pose = scene.room.pose.transform()
@@ -167,6 +173,7 @@ def _room(scene: Scene, bodies: Sequence[Body], source: str) -> Cuboid | None:
 
 
 def _refuse_unknown(columns: Sequence[str], rows: Sequence[str], source: str) -> None:
+    """Raise InputError when one of the columns asked for is not that of a conductor."""
     unknown = [name for name in columns if name not in rows]
     if unknown:
         known = ", ".join(f'"{name}"' for name in rows)
@@ -186,7 +193,7 @@ def normalised(
     grounded_sensors: int = 0,
     room: Cuboid | None = None,
 ) -> Conductors:
-    """Conductors from bodies in metres: `bodies[k]` is a part of number `owner[k]`, the first `sensors` are sensors."""
+    """Scale bodies given in metres to `Conductors`, whose attributes the arguments are."""
     centre, unit = bounding_sphere(bodies)
     scaled = tuple(moved(body, centre, unit) for body in bodies)
     return Conductors(
@@ -205,7 +212,7 @@ def normalised(
 
 
 def rectangle(name: str, corner: Array, edge_u: Array, edge_v: Array) -> Rectangle:
-    """The rectangle corner + a·edge_u + b·edge_v, a and b in [0, 1]; edges at right angles, metres."""
+    """The rectangle corner + a·edge_u + b·edge_v with a and b in [0, 1]; the edges are at right angles, lengths in metres."""
     widths = float(np.linalg.norm(edge_u)), float(np.linalg.norm(edge_v))
     first, second = edge_u / widths[0], edge_v / widths[1]
     axes = np.array([first, second, np.cross(first, second)])
@@ -219,6 +226,7 @@ def _dielectric(body: Object, scene: Scene) -> Dielectric:
 
 
 def _object_body(scene: Scene, body: Object, source: str) -> Body:
+    """The body of an object in the world frame. Raises InputError for a dielectric plate and for a mesh that bounds no solid."""
     key = f'object "{body.name}"'
     if body.relative_permittivity is not None and isinstance(body.shape, PlateShape):
         raise InputError(source, f"{key}: shape.type", "a plate has no volume that could be dielectric")
@@ -229,11 +237,11 @@ def _object_body(scene: Scene, body: Object, source: str) -> Body:
         except NotASolid as reason:
             raise InputError(source, f"{key}: shape.file", f"{body.shape.file} {reason}") from reason
         return cuboid_of(solid) or solid
-    return _placed(body.name, body.shape, rotation.T, translation)
+    return _body_of_shape(body.name, body.shape, rotation.T, translation)
 
 
-def _placed(name: str, shape: ClosedFormShape, axes: Array, centre: Array) -> Body:
-    """The body of a shape whose frame has these axes (rows) and this origin."""
+def _body_of_shape(name: str, shape: ClosedFormShape, axes: Array, centre: Array) -> Body:
+    """The body of a shape whose own frame has these axes (rows) and this origin in the world."""
     match shape:
         case PlateShape():
             x, y = shape.size
@@ -253,7 +261,7 @@ def _placed(name: str, shape: ClosedFormShape, axes: Array, centre: Array) -> Bo
 
 
 def _refuse_contact(first: Body, second: Body, dielectric: bool, source: str) -> None:
-    """Refuse bodies that meet or nearly do; when the second is `dielectric` it may touch the first with a face."""
+    """Raise InputError when two bodies meet, or are too close to mesh; a `dielectric` second body may touch the first with a face."""
     key = f'"{first.name}" and "{second.name}"'
     gap = distance(first, second)
     size = min(first.size, second.size)
@@ -282,7 +290,7 @@ def _refuse_contact(first: Body, second: Body, dielectric: bool, source: str) ->
 
 
 def moved(body: Body, centre: Array, unit: float) -> Body:
-    """The body after `centre` has become the origin, lengths over `unit`."""
+    """The body with `centre` as the origin and with lengths divided by `unit`."""
     if isinstance(body, Polyhedron):
         return replace(body, vertices=(body.vertices - centre) / unit, size=body.size / unit)
     origin = (body.centre - centre) / unit
@@ -297,5 +305,6 @@ def moved(body: Body, centre: Array, unit: float) -> Body:
 
 
 def moved_cuboid(body: Cuboid, centre: Array, unit: float) -> Cuboid:
+    """The cuboid with `centre` as the origin and with lengths divided by `unit`."""
     a, b, c = body.half_widths
     return replace(body, centre=(body.centre - centre) / unit, half_widths=(a / unit, b / unit, c / unit))

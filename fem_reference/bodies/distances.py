@@ -1,9 +1,9 @@
-"""How far bodies are from each other, and whether one holds the other.
+"""Distances between bodies, and tests whether one contains another.
 
-Every body is a union of convex pieces, each the convex hull of points and circles, thickened by a radius. The distance of two
-convex pieces is that of their Minkowski difference from the origin. It is found from ever more of the difference's
-extreme points (Wolfe 1976; with one point at a time it is the method of Gilbert, Johnson & Keerthi): the point nearest to
-the origin in the hull of those found so far bounds the distance from above, the plane through the next one from below.
+Every body is a union of convex pieces, each the convex hull of points and circles, thickened by a radius. The distance between two
+convex pieces is the distance of their Minkowski difference from the origin. It is found from a growing set of extreme points of the
+difference (Wolfe 1976; with one point at a time it is the method of Gilbert, Johnson & Keerthi). The point nearest to the origin in
+the convex hull of the points so far bounds the distance from above, and the plane through the next extreme point from below.
 """
 
 from __future__ import annotations
@@ -24,21 +24,22 @@ Vector = NDArray[np.float64]
 
 MayTouch = Rectangle | Cuboid | Cylinder | Cone
 MAY_TOUCH = (Rectangle, Cuboid, Cylinder, Cone)
-"""The bodies that may touch a dielectric one: convex, and with plane faces."""
+"""The shapes that may touch a dielectric body: convex, with plane faces."""
 
 TOUCHING = 1e-9
-"""Distance over size below which two bodies touch: coordinates are written with some ten digits."""
+"""Distance over size below which two bodies count as touching, since coordinates are written with some ten digits."""
 DISTANCE_TOLERANCE = 1e-6
-"""Relative width between the two bounds at which the distance counts as found; the lower one is returned."""
+"""Relative distance of the two bounds at which the iteration ends; the lower bound is returned."""
 MOST_STEPS = 200
+"""Largest number of iterations."""
 AWAY = np.array([1.0, 0.0, 0.0])
-"""Any direction."""
+"""An arbitrary direction, in which the extreme point of a body is taken to represent it."""
 SHRINKING = 1e-6
-"""Share of its size by which a body is shrunk to see whether it overlaps another one or only touches it."""
+"""Share of its size by which a body is shrunk to decide whether it overlaps another body or only touches it."""
 FLAT = 1e-7
-"""Distance from a plane, over the reach of a piece, within which points lie in it."""
+"""Largest distance from a plane, over the bounding radius of a piece, at which points count as lying in the plane."""
 ARC_TOLERANCE = 1e-4
-"""How much larger than an arc, over its size, the convex pieces may be that stand for it."""
+"""Largest distance by which the convex pieces that cover an arc may exceed it, over its size."""
 
 
 @dataclass(frozen=True)
@@ -51,19 +52,20 @@ class Piece:
 
     @property
     def centre(self) -> Vector:
+        """The mean of the points and of the circles' centres."""
         centres = [self.points, *(circle[0][None] for circle in self.circles)]
         return np.asarray(np.concatenate(centres).mean(axis=0))
 
     @property
     def reach(self) -> float:
-        """The radius of a sphere about `centre` that holds the piece."""
+        """The bounding radius: that of a sphere about `centre` that contains the piece."""
         middle = self.centre
         far = [float(np.linalg.norm(self.points - middle, axis=1).max())] if len(self.points) else []
         far += [float(np.linalg.norm(c - middle) + np.linalg.norm(u)) for c, u, _ in self.circles]
         return max(far) + self.radius
 
     def extreme(self, direction: Vector) -> Vector:
-        """The point of the hull (without the radius) that is farthest in a direction."""
+        """The support point: the point of the hull, not thickened, that is farthest in a direction."""
         found = [self.points[np.argmax(self.points @ direction)]] if len(self.points) else []
         for centre, u, v in self.circles:
             a, b = float(u @ direction), float(v @ direction)
@@ -72,7 +74,7 @@ class Piece:
         return max(found, key=lambda point: float(point @ direction))
 
     def ends_in_face(self, direction: Vector) -> bool:
-        """Whether the points farthest in a unit direction make up a plane face, not a line or a point."""
+        """Whether the points farthest in a unit direction form a plane face rather than a line or a point."""
         tolerance = FLAT * self.reach
         farthest = float(self.extreme(direction) @ direction)
         for centre, u, v in self.circles:
@@ -84,9 +86,9 @@ class Piece:
 
 
 def distance(first: Body, second: Body) -> float:
-    """The shortest distance (m) between two bodies, at most DISTANCE_TOLERANCE too small; 0 when they meet.
+    """The shortest distance (m) between two bodies, too small by a factor of at most DISTANCE_TOLERANCE; 0 when they meet.
 
-    A polyhedron is its surface here: what it holds inside is at a distance too.
+    Distances from a polyhedron are those from its surface, for bodies inside of it too.
     """
     if isinstance(first, Rectangle | Cuboid) and isinstance(second, Rectangle | Cuboid):
         return separation(first, second)
@@ -105,17 +107,17 @@ def distance(first: Body, second: Body) -> float:
 
 
 def in_contact(first: Body, second: Body) -> bool:
-    """Whether two bodies of shapes that may touch do so."""
+    """Whether two bodies touch; always False for shapes that may not."""
     if not (isinstance(first, MAY_TOUCH) and isinstance(second, MAY_TOUCH)):
         return False
     return distance(first, second) <= TOUCHING * min(first.size, second.size)
 
 
 def touch_with_faces(first: Body, second: Body) -> bool:
-    """Whether two bodies that meet, the second a solid, have plane faces in one plane there and no volume in common.
+    """Whether two bodies that meet, the second of them a solid, touch with plane faces in one plane and do not overlap.
 
-    The second is shrunk about its middle: what only touched it is then off it, and the direction tells the faces. Only for
-    shapes that may touch; of others it is not known.
+    The second body is shrunk about its centre. If the bodies only touched, they are then apart, and the direction of their distance
+    shows with which faces they touched. For shapes that may not touch the answer is False.
     """
     if not (isinstance(first, MAY_TOUCH) and isinstance(second, MAY_TOUCH)):
         return False
@@ -131,14 +133,17 @@ def touch_with_faces(first: Body, second: Body) -> bool:
             for centre, u, v in other.circles
         ),
     )
-    apart, direction = _nearest(one, shrunk)
+    apart, direction = _distance_and_direction(one, shrunk)
     if apart <= TOUCHING * min(first.size, second.size):
         return False
     return one.ends_in_face(-direction) and shrunk.ends_in_face(direction)
 
 
 def holds(outer: Body, inner: Body) -> bool:
-    """Whether the solid `outer` holds `inner`, or a part of it that its surface does not meet."""
+    """Whether the solid `outer` contains `inner`; a polyhedron also if it contains one of the parts of `inner`.
+
+    Bodies that meet the surface of a polyhedron do not count as contained.
+    """
     if isinstance(outer, Polyhedron):
         if distance(outer, inner) <= TOUCHING * min(outer.size, inner.size):
             return False
@@ -155,7 +160,7 @@ def holds(outer: Body, inner: Body) -> bool:
 
 
 def gap_to_walls(body: Body, room: Cuboid) -> float:
-    """The shortest distance (m) of a body from the walls of a room it is in; negative when it is not."""
+    """The shortest distance (m) between a body and the walls of the room around it; negative when the body is not inside."""
     gaps = [
         half - (float((piece.extreme(side * axis) - room.centre) @ (side * axis)) + piece.radius)
         for piece in pieces(body)
@@ -166,7 +171,7 @@ def gap_to_walls(body: Body, room: Cuboid) -> float:
 
 
 def pieces(body: Body) -> list[Piece]:
-    """The convex pieces that a body consists of; a polyhedron's are the triangles of its surface."""
+    """The convex pieces that a body consists of; those of a polyhedron are the triangles of its surface."""
     if isinstance(body, Rectangle | Cuboid):
         return [Piece(body.corners)]
     if isinstance(body, Sphere):
@@ -186,7 +191,7 @@ def pieces(body: Body) -> list[Piece]:
 
 
 def _arc_pieces(arc: Arc) -> list[Piece]:
-    """Wedges that cover the arc: their outer corners lie on the tangents, their inner ones on the inner wall."""
+    """Wedges that cover the arc. Their outer corners lie on tangents of the outer circle, their inner corners on the inner circle."""
     step = math.sqrt(8 * ARC_TOLERANCE * arc.size / arc.outer_radius)
     count = math.ceil(2 * arc.half_angle / step)
     angles = np.linspace(-arc.half_angle, arc.half_angle, count + 1)
@@ -198,12 +203,15 @@ def _arc_pieces(arc: Arc) -> list[Piece]:
 
 
 def _piece_distance(first: Piece, second: Piece) -> float:
-    """A lower bound of the distance of two convex pieces, tight to DISTANCE_TOLERANCE; 0 when they meet."""
-    return _nearest(first, second)[0]
+    """A lower bound of the distance between two convex pieces, tight to DISTANCE_TOLERANCE; 0 when they meet."""
+    return _distance_and_direction(first, second)[0]
 
 
-def _nearest(first: Piece, second: Piece) -> tuple[float, Vector]:
-    """The distance as `_piece_distance` has it, and a unit vector from the second piece to the first; 0 when they meet."""
+def _distance_and_direction(first: Piece, second: Piece) -> tuple[float, Vector]:
+    """The distance that `_piece_distance` returns, and the unit vector along it from the second piece to the first.
+
+    Both are 0 when the pieces meet.
+    """
     thickness = first.radius + second.radius
     scale = first.reach + second.reach + float(np.linalg.norm(first.centre - second.centre))
     start = first.centre - second.centre
@@ -223,9 +231,9 @@ def _nearest(first: Piece, second: Piece) -> tuple[float, Vector]:
 
 
 def _nearest_in_hull(points: Vector, scale: float) -> Vector:
-    """The point of the convex hull of points (n, 3) that is nearest to the origin.
+    """The point of the convex hull of points p_i (n, 3) that is nearest to the origin.
 
-    Minimising |Σ w_i p_i|² + scale²·(Σ w_i − 1)² over w ≥ 0 gives its weights up to their sum (Wolfe 1976).
+    Minimising |Σ w_i p_i|² + scale²·(Σ w_i − 1)² over w ≥ 0 gives the weights of this point up to a common factor (Wolfe 1976).
     """
     matrix = np.vstack([points.T, np.full(len(points), scale)])
     weights, _ = nnls(matrix, np.array([0.0, 0.0, 0.0, scale]), maxiter=100 * len(points))

@@ -1,4 +1,4 @@
-"""Bodies so far away that they need not be meshed, and a bound on what they would have changed: NUMERICS.md section 10."""
+"""Leaves out bodies that are too far away to matter, with a bound on what they would have changed: NUMERICS.md section 10."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from fem_reference.bodies.conductors import Conductors, moved, moved_cuboid
 Array = NDArray[np.float64]
 
 SHARE = 0.1
-"""Of the accuracy asked for: what all bodies left out may have changed together."""
+"""Share of the requested accuracy that all bodies left out may use up together."""
 DISC = 4.0
-"""Capacitance over ε·diameter of a disc. Every body holds one as wide as its `size`, so that no conductor has less."""
+"""Capacitance of a disc over ε times its diameter. Every body contains a disc as wide as its `size`, so that no conductor has less."""
 
 
 @dataclass(frozen=True)
 class LeftOut:
-    """A body that is not there; `bound` (n,) is what it may add to M[i, i] of each row, farads."""
+    """A body that is left out; it would add at most `bound` (n,), in farads, to the entry M[i, i] of each row."""
 
     name: str
     bound: Array
@@ -32,15 +32,17 @@ class LeftOut:
 def without_distant(
     problem: Conductors, permittivity: float, rtol: float
 ) -> tuple[Conductors, tuple[LeftOut, ...]]:
-    """The problem without the bodies that together change no M[i, i] by more than SHARE·`rtol`; and these bodies.
+    """The problem without bodies that together change no M[i, i] by more than SHARE·`rtol` of itself, and these bodies.
 
-    `permittivity` (F/m) is the medium's.     Bodies with a row stay, as do dielectric ones of a permittivity below the medium's.
+    `permittivity` (F/m) is the medium's. Conductors with a row stay, and so do dielectric bodies of a permittivity below the medium's.
     """
     names = dict(enumerate([*problem.names, *problem.floating, *problem.grounded]))
     names |= {len(names) + k: body.name for k, body in enumerate(problem.dielectrics)}
     first_dielectric = problem.driven + len(problem.grounded)
-    thin = {first_dielectric + k for k, body in enumerate(problem.dielectrics) if body.contrast < 1}
-    chosen = set(range(len(problem.names), len(names))) - thin
+    less_permittive = {
+        first_dielectric + k for k, body in enumerate(problem.dielectrics) if body.contrast < 1
+    }
+    chosen = set(range(len(problem.names), len(names))) - less_permittive
     largest = [max(problem.bodies[k].size for k in problem.bodies_of(i)) for i in range(len(problem.names))]
     allowed = SHARE * rtol * DISC * np.array(largest)
     while chosen:
@@ -54,14 +56,14 @@ def without_distant(
 
 
 def is_negligible(bound: Array, maxwell: Array, delta_self: Array, rtol: float) -> bool:
-    """Whether changes of M[i, i] by `bound` (n,) are within SHARE·`rtol` of every entry and every delta_self."""
+    """Whether changes of M[i, i] by `bound` (n,) change every entry and every delta_self by at most SHARE·`rtol` of itself."""
     within_entries = np.sqrt(np.outer(bound, bound)) <= SHARE * rtol * np.abs(maxwell)
     within_changes = bound[: len(delta_self)] <= SHARE * rtol * delta_self
     return bool(within_entries.all() and within_changes.all())
 
 
 def _bound(problem: Conductors, number: int, left_out: Collection[int]) -> Array:
-    """What body `number` may add to M[i, i] (n,), ε = 1, when those `left_out` are gone or grounded."""
+    """The most that number `number` may add to M[i, i] (n,), for ε = 1, when those `left_out` are absent or grounded."""
     own = [problem.bodies[k] for k in problem.bodies_of(number)]
     centre, radius = _ball(own)
     gap = np.inf if problem.room is None else gap_to_walls(Sphere("ball", centre, radius), problem.room)
@@ -81,7 +83,7 @@ def _highest_potential(
     problem: Conductors, driven: int, left_out: Collection[int], centre: Array, radius: float
 ) -> float:
     """Bound on the potential in a ball (centre, radius) with one conductor at 1 V and the other ones grounded."""
-    # What is not grounded hands the potential on: it counts as part of the driven conductor.
+    # Floating and dielectric bodies transmit the potential of the driven conductor, and so count as parts of it.
     first_dielectric = problem.driven + len(problem.grounded)
     lifted = [
         body
@@ -95,7 +97,7 @@ def _highest_potential(
 
 
 def _ball(bodies: Sequence[Body]) -> tuple[Array, float]:
-    """Centre (3,) and radius of a ball that holds these bodies."""
+    """Centre (3,) and radius of a ball that contains these bodies."""
     if len(bodies) == 1 and isinstance(bodies[0], Sphere):
         return bodies[0].centre, bodies[0].radius
     return bounding_sphere(bodies)

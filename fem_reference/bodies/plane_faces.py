@@ -1,4 +1,4 @@
-"""Triangles in one plane as one face, so that the mesh need not follow how a plane face was cut into triangles."""
+"""Merges neighbouring triangles in one plane into one face, so that the mesh need not follow the triangles of plane faces."""
 
 from __future__ import annotations
 
@@ -11,25 +11,27 @@ from fem_reference.bodies.polyhedron import FLAT_DEGREES, Polyhedron
 
 Indices = NDArray[np.int64]
 Face = list[list[int]]
-"""Loops of numbers of vertices: the outline, then the holes."""
+"""Loops of vertex numbers: first the outline, then the holes."""
 
 IN_PLANE = 1e-9
-"""How far the vertices of a face may be off its plane, over the body's extent: OpenCASCADE takes 1e-7 for nothing."""
+"""Largest distance of a face's vertices from its plane, over the body's extent. OpenCASCADE's own tolerance is 1e-7."""
 
 
 def plane_faces(body: Polyhedron) -> list[list[Face]]:
-    """The faces of every part. What is no simple face of one plane, such as rounded data, stays in triangles."""
-    label = _coplanar(body)
+    """The faces of every part. Triangles that do not form a simple plane face, as in rounded data, stay faces of their own."""
+    label = _coplanar_groups(body)
     faces = [
         [face for group in np.unique(label[part]) for face in _faces_of(body, np.flatnonzero(label == group))]
         for part in body.parts
     ]
-    needless = _needless_vertices(body, [loop for part in faces for face in part for loop in face])
-    return [[[[k for k in loop if k not in needless] for loop in face] for face in part] for part in faces]
+    inside_edges = _vertices_inside_edges(body, [loop for part in faces for face in part for loop in face])
+    return [
+        [[[k for k in loop if k not in inside_edges] for loop in face] for face in part] for part in faces
+    ]
 
 
-def _coplanar(body: Polyhedron) -> Indices:
-    """A number for each triangle (m,): equal where a path over flat edges leads from one to the other."""
+def _coplanar_groups(body: Polyhedron) -> Indices:
+    """A label for each triangle (m,), equal for triangles that a path over flat edges connects."""
     _, sides, angle = body.folds
     sides = sides[angle <= FLAT_DEGREES]
     count = len(body.triangles)
@@ -38,27 +40,27 @@ def _coplanar(body: Polyhedron) -> Indices:
 
 
 def _faces_of(body: Polyhedron, group: Indices) -> list[Face]:
-    """The triangles of a group as one face, or each as its own."""
+    """The triangles of a group as one face if they form one, else each triangle as a face."""
     triangles: list[list[int]] = body.triangles[group].tolist()
-    apart = [[triangle] for triangle in triangles]
+    separate = [[triangle] for triangle in triangles]
     if len(group) == 1:
-        return apart
+        return separate
     corners = body.vertices[body.triangles[group]]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)
     normal /= np.linalg.norm(normal)
     if np.ptp(corners.reshape(-1, 3) @ normal) > IN_PLANE * np.ptp(body.vertices, axis=0).max():
-        return apart
+        return separate
     loops = _outlines(triangles)
     if loops is None:
-        return apart
+        return separate
     areas = [_area(body.vertices[loop], normal) for loop in loops]
     if sum(area > 0 for area in areas) != 1:
-        return apart
+        return separate
     return [[loops[k] for k in np.argsort(areas)[::-1]]]
 
 
 def _outlines(triangles: list[list[int]]) -> list[list[int]] | None:
-    """The loops of edges that one triangle only has; None when two of them meet in a vertex."""
+    """The loops of edges that belong to a single triangle; None when two loops meet in a vertex."""
     edges = {(one, other) for a, b, c in triangles for one, other in ((a, b), (b, c), (c, a))}
     following: dict[int, int] = {}
     for start, end in sorted(edges):
@@ -83,8 +85,8 @@ def _area(loop: NDArray[np.float64], normal: NDArray[np.float64]) -> float:
     return float(np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0) @ normal)
 
 
-def _needless_vertices(body: Polyhedron, loops: list[list[int]]) -> set[int]:
-    """Those within a straight edge of two faces."""
+def _vertices_inside_edges(body: Polyhedron, loops: list[list[int]]) -> set[int]:
+    """The vertices that lie inside a straight edge between two faces and can be dropped."""
     neighbours: dict[int, set[int]] = {}
     for loop in loops:
         for start, end in zip(loop, [*loop[1:], loop[0]]):

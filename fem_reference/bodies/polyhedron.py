@@ -1,4 +1,4 @@
-"""Solids bounded by triangles, from mesh files: what makes triangles the surface of a solid, and its edges."""
+"""Solids bounded by triangles, from mesh files: checks that the triangles bound a solid, and finds its sharp edges."""
 
 from __future__ import annotations
 
@@ -15,25 +15,26 @@ Vector = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 MOST_TRIANGLES = 5000
-"""Every triangle of a round surface becomes a face of the geometry; NUMERICS.md section 8 has the time that takes."""
+"""Largest number of triangles. Every triangle of a round surface becomes a face of the geometry; NUMERICS.md section 8 has the times
+that meshing these takes."""
 SAME_POINT = 1e-6
-"""Vertices closer than this, over the surface's extent, are one: mesh files keep single precision."""
+"""Largest distance of vertices that are merged, over the surface's extent: mesh files keep single precision."""
 SHARP_DEGREES = 30.0
-"""Faces that meet at a larger angle make an edge that the mesh is refined towards. At a flatter one, of a faceted round
-surface, the singularity is weaker than 0.15 in the power of the distance."""
+"""Least angle (degrees) between the normals of two faces at an edge towards which the mesh is refined. At flatter edges, those of
+faceted round surfaces, the singularity is weaker than 0.15 in the power of the distance."""
 
 FLAT_DEGREES = 0.05
-"""Triangles that meet at a smaller angle are parts of one plane face: what single precision turns small triangles by is less,
-and no faceted round surface of MOST_TRIANGLES is that fine."""
+"""Largest angle (degrees) between the normals of triangles in one plane face. Rounding to single precision turns small triangles by
+less, and no faceted round surface of MOST_TRIANGLES has angles as small."""
 
 
 class NotASolid(ValueError):
-    """Triangles that do not bound a solid; the message says why and where."""
+    """Raised for triangles that do not bound a solid; the message says why and where."""
 
 
 @dataclass(frozen=True)
 class Polyhedron:
-    """A solid bounded by triangles, anticlockwise seen from outside; metres."""
+    """A solid bounded by triangles, each anticlockwise seen from outside; lengths in metres."""
 
     name: str
     vertices: Vector
@@ -41,9 +42,9 @@ class Polyhedron:
     triangles: Indices
     """(m, 3): numbers of vertices."""
     parts: tuple[Indices, ...]
-    """Which triangles bound each of the pieces that do not touch each other."""
+    """The numbers of the triangles that bound each of the solid's parts, which do not touch each other."""
     size: float
-    """The smallest width of a piece across one of its faces."""
+    """The smallest width of a part at right angles to one of its faces."""
 
     @property
     def is_solid(self) -> bool:
@@ -55,7 +56,7 @@ class Polyhedron:
 
     @property
     def edges(self) -> Indices:
-        """The sharp convex edges (k, 2), where the charge is singular; numbers of vertices."""
+        """The sharp convex edges, where the charge density is singular, as numbers of vertices (k, 2)."""
         corners = self.vertices[self.triangles]
         pairs, faces, angle = self.folds
         outward = corners[faces[:, 1]].mean(axis=1) - corners[faces[:, 0]].mean(axis=1)
@@ -64,7 +65,7 @@ class Polyhedron:
 
     @property
     def rounded(self) -> NDArray[np.bool_]:
-        """Which triangles (m,) are parts of a faceted round surface: they meet others at angles that are neither flat nor sharp."""
+        """Which triangles (m,) belong to a faceted round surface: those that meet others at an angle neither flat nor sharp."""
         _, faces, angle = self.folds
         found = np.zeros(len(self.triangles), dtype=bool)
         found[faces[(angle > FLAT_DEGREES) & (angle <= SHARP_DEGREES)]] = True
@@ -72,7 +73,7 @@ class Polyhedron:
 
     @property
     def folds(self) -> tuple[Indices, Indices, Vector]:
-        """All edges (k, 2), the two triangles (k, 2) at each, and the angle (k,) between their normals in degrees."""
+        """All edges (k, 2), the two triangles (k, 2) at each edge, and the angle (k,) in degrees between their normals."""
         normals = _normals(self.vertices[self.triangles])
         pairs, faces = _edges_with_faces(self.triangles)
         cosine = np.einsum("ij,ij->i", normals[faces[:, 0]], normals[faces[:, 1]])
@@ -80,7 +81,7 @@ class Polyhedron:
         return pairs, faces, np.degrees(np.arctan2(sine, cosine))
 
     def holds(self, points: Vector) -> NDArray[np.bool_]:
-        """Whether each of the points (n, 3) is inside: the solid angle of the surface is 4π there, else 0."""
+        """Whether each of the points (n, 3) is inside: the surface subtends the solid angle 4π there, and 0 outside."""
         to = self.vertices[self.triangles][None] - points[:, None, None]
         a, b, c = to[:, :, 0], to[:, :, 1], to[:, :, 2]
         ra, rb, rc = (np.linalg.norm(side, axis=2) for side in (a, b, c))
@@ -93,8 +94,8 @@ class Polyhedron:
 def polyhedron(name: str, triangles: Vector) -> Polyhedron:
     """The solid that triangles (m, 3, 3) bound, each anticlockwise seen from outside.
 
-    Vertices in the same place are one; triangles that this leaves with two are dropped. Raises NotASolid when the surface is open, its
-    triangles do not agree which side is outside or take the inside for it, when it meets itself, or has too many.
+    Vertices in the same place are merged, and triangles of which only two vertices remain are dropped. Raises NotASolid when the
+    surface is open or meets itself, when its triangles are not oriented consistently or are inside out, or when there are too many.
     """
     extent = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
     vertices, corners = _merged(triangles, SAME_POINT * extent)
@@ -122,7 +123,7 @@ def polyhedron(name: str, triangles: Vector) -> Polyhedron:
 
 
 def _merged(triangles: Vector, tolerance: float) -> tuple[Vector, Indices]:
-    """Vertices without repetition (n, 3), and each triangle's numbers of them (m, 3)."""
+    """Merge vertices within `tolerance`: returns the vertices (n, 3) and the triangles as their numbers (m, 3)."""
     points = triangles.reshape(-1, 3)
     close = cKDTree(points).query_pairs(tolerance, output_type="ndarray")
     graph = coo_array((np.ones(len(close)), (close[:, 0], close[:, 1])), shape=(len(points), len(points)))
@@ -132,7 +133,7 @@ def _merged(triangles: Vector, tolerance: float) -> tuple[Vector, Indices]:
 
 
 def _refuse_needles(triangles: Vector, tolerance: float) -> None:
-    """No triangle may have a vertex on the opposite side."""
+    """Raise NotASolid when a vertex of a triangle lies on the opposite side, so that the triangle has no area."""
     sides = np.linalg.norm(np.roll(triangles, -1, axis=1) - triangles, axis=2).max(axis=1)
     cross = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     flat = np.linalg.norm(cross, axis=1) <= tolerance * sides
@@ -141,7 +142,7 @@ def _refuse_needles(triangles: Vector, tolerance: float) -> None:
 
 
 def _refuse_open(vertices: Vector, corners: Indices) -> None:
-    """Every directed edge must be there once, and once in the other direction."""
+    """Raise NotASolid unless every directed edge occurs exactly once, and once in the other direction."""
     directed = corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     known, count = np.unique(directed, axis=0, return_counts=True)
     if count.max() > 1:
@@ -158,7 +159,7 @@ def _refuse_open(vertices: Vector, corners: Indices) -> None:
 
 
 def _parts(corners: Indices) -> list[Indices]:
-    """Groups of triangles that hang together by vertices."""
+    """The connected components of the surface: groups of triangles connected by common vertices."""
     rows = np.repeat(np.arange(len(corners)), 3)
     size = (len(corners), int(corners.max()) + 1)
     touches = coo_array((np.ones(rows.size), (rows, corners.ravel())), shape=size).tocsr()
@@ -167,7 +168,7 @@ def _parts(corners: Indices) -> list[Indices]:
 
 
 def _refuse_crossing(vertices: Vector, corners: Indices, tolerance: float) -> None:
-    """No edge of a triangle may meet another triangle but where they share vertices."""
+    """Raise NotASolid when an edge of a triangle meets another triangle with which it shares no vertex."""
     pairs = np.array(list(_close_pairs(vertices[corners])), dtype=np.int64).reshape(-1, 2)
     for edge in ((0, 1), (1, 2), (2, 0)):
         for one, other in ((0, 1), (1, 0)):
@@ -208,7 +209,7 @@ def _segment_meets(segments: Vector, triangles: Vector, tolerance: float) -> NDA
 def _overlap_in_plane(
     segments: Vector, triangles: Vector, normal: Vector, tolerance: float
 ) -> NDArray[np.bool_]:
-    """Whether segments in the plane of their triangles meet them: no line along a side or the segment parts them."""
+    """Whether segments in the planes of their triangles meet them: no line parallel to a side or to the segment separates them."""
     apart = np.zeros(len(segments), dtype=bool)
     sides = np.concatenate(
         [np.roll(triangles, -1, axis=1) - triangles, segments[:, 1:] - segments[:, :1]], axis=1
@@ -224,7 +225,7 @@ def _overlap_in_plane(
 
 
 def _outside(points: Vector, triangles: Vector, normal: Vector) -> Vector:
-    """How far each point, in the plane of its triangle, is on the outer side of a side of it."""
+    """How far each point, in the plane of its triangle, is beyond one of the triangle's sides; negative inside."""
     sides = np.roll(triangles, -1, axis=1) - triangles
     outward = np.cross(sides, normal[:, None])
     outward /= np.linalg.norm(outward, axis=2, keepdims=True)
@@ -240,19 +241,22 @@ def _edges_with_faces(corners: Indices) -> tuple[Indices, Indices]:
 
 
 def _normals(triangles: Vector) -> Vector:
+    """Unit normals (m, 3) of triangles (m, 3, 3)."""
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300))
 
 
 def _volume(triangles: Vector) -> float:
+    """The signed volume that a closed surface bounds; negative when it is inside out."""
     centred = triangles - triangles.mean(axis=(0, 1))
     return float(np.einsum("ij,ij->", centred[:, 0], np.cross(centred[:, 1], centred[:, 2])) / 6)
 
 
 def _least_extent(triangles: Vector) -> float:
-    """The smallest width between two planes parallel to a triangle that hold the surface between them."""
+    """The smallest distance between two planes parallel to one of the triangles with the whole surface between them."""
     return float(np.ptp(triangles.reshape(-1, 3) @ _normals(triangles).T, axis=0).min())
 
 
 def _place(point: Vector) -> str:
+    """The coordinates of a point as text for messages."""
     return "(" + ", ".join(f"{coordinate:.4g}" for coordinate in point) + ") m"

@@ -1,6 +1,6 @@
-"""Round solids in the world frame: spheres, cylinders, cones and arcs. Their surfaces are meshed curved, not faceted.
+"""Round solids in the world frame: spheres, cylinders, cones and arcs, whose surfaces are meshed curved, not faceted.
 
-`axes` are the rows of the body's frame: its axis is axes[2]; an arc is symmetric about axes[0].
+The rows of `axes` are the axes of the body's own frame. The axis of rotation is axes[2]; an arc is symmetric about axes[0].
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Sphere:
-    """A ball; metres."""
+    """A ball; lengths in metres."""
 
     name: str
     centre: Vector
@@ -37,8 +37,8 @@ class Sphere:
 
 
 @dataclass(frozen=True)
-class _Upright:
-    """What stands on a circle around axes[2], from −height/2 to height/2; metres."""
+class _OnCircularBase:
+    """A body of revolution around axes[2] on a circular base, from −height/2 to height/2; lengths in metres."""
 
     name: str
     centre: Vector
@@ -61,18 +61,18 @@ class _Upright:
 
 
 @dataclass(frozen=True)
-class Cylinder(_Upright):
-    """A solid cylinder around axes[2], from −height/2 to height/2; metres."""
+class Cylinder(_OnCircularBase):
+    """A solid cylinder around axes[2], from −height/2 to height/2; lengths in metres."""
 
 
 @dataclass(frozen=True)
-class Cone(_Upright):
-    """A solid cone around axes[2], base at −height/2, apex at height/2; metres."""
+class Cone(_OnCircularBase):
+    """A solid cone around axes[2] with its base at −height/2 and its apex at height/2; lengths in metres."""
 
 
 @dataclass(frozen=True)
 class Arc:
-    """A ring sector around axes[2], from −half_angle to half_angle about axes[0]; metres, radians."""
+    """A sector of a ring around axes[2], from −half_angle to half_angle about axes[0]; lengths in metres, angles in radians."""
 
     name: str
     centre: Vector
@@ -109,5 +109,6 @@ RoundBody = Sphere | Cylinder | Cone | Arc
 
 
 def _box(centre: Vector, axes: Vector, half_widths: tuple[float, float, float]) -> Vector:
+    """The corners (8, 3) of a box."""
     signs = np.array([[a, b, c] for c in (-1, 1) for b in (-1, 1) for a in (-1, 1)])
     return np.asarray(centre + (signs * np.asarray(half_widths)) @ axes)

@@ -1,8 +1,8 @@
-"""The bodies as the field solver sees them: rectangles without thickness, discs, and solids, in the world frame.
+"""The bodies of the field problem in the world frame: rectangles and discs without thickness, and solids.
 
-Every body answers the same questions: how large is it, where are its edges (the charge is singular there), and how far
-is a point from it. The distances are closed forms in the body's own frame, where its symmetry planes fold space into one
-octant; the mesh generator gets the same closed forms as text (`sizing`).
+Every body has a size, corners, and, where the charge density is singular, edges. In the frame of a body that is symmetric about its
+coordinate planes, the distance of a point depends on the absolute values of its coordinates only. The mesh generator gets the
+same closed forms as text (`distance_expressions`).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Rectangle:
-    """A plate without thickness: centre ± half_widths[i]·axes[i]; metres. Its normal is axes[2]."""
+    """A plate without thickness: centre ± half_widths[i]·axes[i], with the normal axes[2]; lengths in metres."""
 
     name: str
     centre: Vector
@@ -35,12 +35,12 @@ class Rectangle:
 
     @property
     def size(self) -> float:
-        """The shorter side (m): the length that the edge singularity has to be resolved against."""
+        """The shorter side (m), relative to which the mesh has to resolve the edge singularity."""
         return 2 * min(self.half_widths)
 
     @property
     def spans(self) -> Vector:
-        """Edge vectors (k, 3) of the parallelotope; the body is origin + Σ s_i·spans[i], s in [0, 1]."""
+        """Edge vectors (2, 3): the body is corners[0] + Σ s_i·spans[i] with s_i in [0, 1]."""
         return 2 * np.asarray(self.half_widths)[:, None] * self.axes[:2]
 
     @property
@@ -61,7 +61,7 @@ class Rectangle:
 
 @dataclass(frozen=True)
 class Disc:
-    """A circular plate without thickness, the set-up of Love's equation; its normal is axes[2]; metres."""
+    """A circular plate without thickness, as in Love's equation, with the normal axes[2]; lengths in metres."""
 
     name: str
     centre: Vector
@@ -90,7 +90,7 @@ class Disc:
 
 @dataclass(frozen=True)
 class Cuboid:
-    """A solid box: centre ± half_widths[i]·axes[i]; metres."""
+    """A solid box: centre ± half_widths[i]·axes[i]; lengths in metres."""
 
     name: str
     centre: Vector
@@ -107,11 +107,12 @@ class Cuboid:
 
     @property
     def spans(self) -> Vector:
+        """Edge vectors (3, 3): the body is corners[0] + Σ s_i·spans[i] with s_i in [0, 1]."""
         return 2 * np.asarray(self.half_widths)[:, None] * self.axes
 
     @property
     def corners(self) -> Vector:
-        """The eight corners (8, 3); corner a + 2b + 4c has the sign + on the axis whose bit is set."""
+        """The eight corners (8, 3); corner number a + 2b + 4c is on the positive side of the axes whose bits a, b, c are 1."""
         u, v, w = self.spans
         origin = self.centre - (u + v + w) / 2
         return np.array([origin + a * u + b * v + c * w for c in (0, 1) for b in (0, 1) for a in (0, 1)])
@@ -121,21 +122,21 @@ Body = Rectangle | Disc | Cuboid | Sphere | Cylinder | Cone | Arc | Polyhedron
 
 
 def bounding_sphere(bodies: Sequence[Body]) -> tuple[Vector, float]:
-    """Centre (3,) and radius (m) of a sphere around all bodies: the middle of their bounding box, and what it takes."""
+    """Centre (3,) and radius (m) of a sphere around all bodies; its centre is that of their bounding box."""
     corners = np.concatenate([body.corners for body in bodies])
     centre = (corners.min(axis=0) + corners.max(axis=0)) / 2
     return centre, float(np.linalg.norm(corners - centre, axis=1).max())
 
 
 def _folded(body: Rectangle | Disc, points: Vector) -> Vector:
-    """Coordinates (3, n) of points in the body's frame, folded into the first octant by the body's symmetry."""
+    """Absolute values (3, n) of the coordinates of points in the body's frame."""
     return np.asarray(np.abs((points - body.centre) @ body.axes.T).T)
 
 
 def separation(first: Rectangle | Cuboid, second: Rectangle | Cuboid) -> float:
     """The shortest distance (m) between two bodies; 0 when they touch or overlap.
 
-    Both are parallelotopes, so this is a least-squares problem with bounds 0 … 1 on the edge parameters.
+    Both bodies are parallelotopes, so that this is a least-squares problem for the coefficients of the edge vectors, bounded by 0 and 1.
     """
     scale = max(np.abs(first.spans).max(), np.abs(second.spans).max())
     matrix = np.vstack([first.spans, -second.spans]).T / scale

@@ -1,7 +1,7 @@
-"""Planes in which a scene is its own mirror image, found and not declared: they spare the mesh half of space each.
+"""Finds the planes in which a scene is its own mirror image; each of them halves the space to be meshed.
 
-Every conductor has to be its own image, so that all potentials are symmetric and no field line crosses the plane. Where mirroring
-exchanges conductors, no mesh is spared, but entries of the Maxwell matrix are equal, which checks the answer.
+Every conductor has to be its own mirror image, so that all potentials are symmetric and no field line crosses the plane. A plane in
+which mirroring exchanges conductors does not reduce the mesh; but it makes entries of the Maxwell matrix equal, which checks the answer.
 """
 
 from __future__ import annotations
@@ -20,45 +20,43 @@ from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
 Array = NDArray[np.float64]
 
 ROOM = -1
-"""What a room's walls belong to, beside the numbers of the conductors."""
+"""The owner number of a room's walls, which no conductor has."""
 
 TOLERANCE = 1e-9
-"""How far images may be off, over the unit of length (the scene's bounding sphere): rounding of poses, and far below the error
-of any answer."""
+"""Largest distance between a mirror image and the body it has to coincide with, over the unit of length (the radius of the scene's
+bounding sphere). It allows for the rounding of poses, and is far below the error of any answer."""
 
 
 @dataclass(frozen=True)
 class Plane:
-    """The points x with normal·x = offset; the normal (3,) is of unit length."""
+    """The plane of the points x with normal·x = offset, where the normal (3,) has unit length."""
 
     normal: Array
     offset: float
 
     def mirrored(self, points: Array) -> Array:
-        """The images (…, 3) of points (…, 3)."""
+        """The mirror images (…, 3) of points (…, 3)."""
         return points - 2 * (points @ self.normal - self.offset)[..., None] * self.normal
 
     def turned(self, directions: Array) -> Array:
-        """The images (…, 3) of directions (…, 3)."""
+        """The mirror images (…, 3) of directions (…, 3)."""
         return directions - 2 * (directions @ self.normal)[..., None] * self.normal
 
 
 def mirror_planes(
     bodies: Sequence[Body], owner: Sequence[int], room: Cuboid | None = None
 ) -> tuple[Plane, ...]:
-    """Up to three planes at right angles, in each of which every conductor and every dielectric body is its own image.
+    """Find up to three planes at right angles in which every conductor, every dielectric body and the room are their own images.
 
-    So is the room, when there is one.
-
-    Planes in which a plate lies are left out: on the outline of a plate in the mesh's own boundary gmsh now and then makes a
-    tetrahedron without volume. `owner[k]` is the conductor or dielectric body that body k belongs to. Lengths are over
-    the scene's unit.
+    Planes in which a plate lies are left out: where the outline of a plate lies in the boundary of the mesh, gmsh sometimes makes
+    tetrahedra without volume. `owner[k]` is the conductor or dielectric body that body k belongs to. Lengths are over the scene's
+    unit.
     """
     bodies, owner = _with_room(bodies, owner, room)
     found: list[Plane] = []
     for plane in _candidates(bodies, owner):
         upright = all(abs(plane.normal @ other.normal) < TOLERANCE for other in found)
-        if upright and not _holds_a_plate(plane, bodies) and _is_own_image(plane, bodies, owner):
+        if upright and not _contains_a_plate(plane, bodies) and _is_own_image(plane, bodies, owner):
             found.append(plane)
     return tuple(found)
 
@@ -66,10 +64,11 @@ def mirror_planes(
 def exchanges(
     bodies: Sequence[Body], owner: Sequence[int], kinds: Sequence[Hashable], room: Cuboid | None = None
 ) -> tuple[tuple[int, ...], ...]:
-    """The mirror images of the scene that are the scene with some of its conductors or dielectric bodies exchanged.
+    """Find the planes in which the scene is mirrored to itself with some of its conductors or dielectric bodies exchanged.
 
-    Each is a tuple: number k of `owner` becomes the number in place k, which is of the same kind, `kinds[k]`. Entries of the
-    Maxwell matrix that an exchange maps to each other are equal. The other arguments are those of `mirror_planes`.
+    Each plane is described by the permutation of the numbers in `owner`, as a tuple: mirroring takes number k to the number in place
+    k, which has the same kind, `kinds[k]`. Entries of the Maxwell matrix that the permutation maps to each other are equal. The other
+    arguments are those of `mirror_planes`.
     """
     bodies, owner = _with_room(bodies, owner, room)
     found: list[tuple[int, ...]] = []
@@ -87,21 +86,21 @@ def exchanges(
 def _with_room(
     bodies: Sequence[Body], owner: Sequence[int], room: Cuboid | None
 ) -> tuple[list[Body], list[int]]:
-    """The bodies and their owners with the room, if any, as one body more."""
+    """The bodies and their owners, with the room, if any, as an additional body."""
     if room is None:
         return list(bodies), list(owner)
     return [*bodies, room], [*owner, ROOM]
 
 
 def _candidates(bodies: Sequence[Body], owner: Sequence[int]) -> Iterator[Plane]:
-    """Planes of symmetry of the first body, and those that exchange it with another of its conductor."""
+    """Planes of symmetry of the first body, and planes that may exchange it with another body of its conductor."""
     first = bodies[0]
     centre = first.corners.mean(axis=0)
-    # A sphere has any axes; of surfaces made of triangles none are known.
+    # For a sphere any axes will do; for a triangle mesh no axes are known.
     axes = np.eye(3) if isinstance(first, Sphere | Polyhedron) else first.axes
     for axis in axes:
         yield Plane(axis, float(axis @ centre))
-    # A square has two more.
+    # A square is symmetric about its diagonals as well.
     for one, other in combinations(axes, 2):
         for diagonal in ((one + other) / np.sqrt(2), (one - other) / np.sqrt(2)):
             yield Plane(diagonal, float(diagonal @ centre))
@@ -110,7 +109,7 @@ def _candidates(bodies: Sequence[Body], owner: Sequence[int]) -> Iterator[Plane]
 
 
 def _bisectors(bodies: Sequence[Body]) -> Iterator[Plane]:
-    """The planes in the middle between the first body's centre and those of the others."""
+    """The perpendicular bisectors between the centre of the first body and those of the other bodies."""
     centre = bodies[0].corners.mean(axis=0)
     for body in bodies[1:]:
         between = body.corners.mean(axis=0) - centre
@@ -120,7 +119,8 @@ def _bisectors(bodies: Sequence[Body]) -> Iterator[Plane]:
             yield Plane(normal, float(normal @ (centre + between / 2)))
 
 
-def _holds_a_plate(plane: Plane, bodies: Sequence[Body]) -> bool:
+def _contains_a_plate(plane: Plane, bodies: Sequence[Body]) -> bool:
+    """Whether a plate lies in the plane."""
     plates = [body for body in bodies if isinstance(body, Rectangle | Disc)]
     return any(np.abs(plate.corners @ plane.normal - plane.offset).max() < TOLERANCE for plate in plates)
 
@@ -132,9 +132,9 @@ def _is_own_image(plane: Plane, bodies: Sequence[Body], owner: Sequence[int]) ->
 
 
 def _images(plane: Plane, bodies: Sequence[Body], owner: Sequence[int]) -> dict[int, int] | None:
-    """The number of `owner` that each number becomes in the mirror; None if the mirror image is another scene.
+    """The number of `owner` to which mirroring takes each number; None if the mirror image is a different scene.
 
-    All bodies of one number become bodies of one number, of as many.
+    All bodies of one number must become bodies of a single number, which has as many bodies.
     """
     images: dict[int, int] = {}
     for body, own in zip(bodies, owner):
@@ -150,7 +150,7 @@ def _images(plane: Plane, bodies: Sequence[Body], owner: Sequence[int]) -> dict[
 
 
 def _is_image(body: Body, other: Body, plane: Plane) -> bool:
-    """Whether `other` is the mirror image of `body`; not known of surfaces made of triangles."""
+    """Whether `other` is the mirror image of `body`; False for triangle meshes, for which this is not examined."""
     if type(body) is not type(other) or isinstance(body, Polyhedron):
         return False
     corners, wanted = plane.mirrored(body.corners), other.corners
@@ -163,7 +163,7 @@ def _is_image(body: Body, other: Body, plane: Plane) -> bool:
         return False
     if isinstance(body, Rectangle | Cuboid):
         return True
-    # Round bodies fill the boxes of their corners, so that the axes have to correspond too.
+    # Round bodies with the same bounding box may still have different axes, so that the axes have to correspond too.
     assert isinstance(other, Disc | Cylinder | Cone | Arc)
     axis, wanted_axis = plane.turned(body.axes[2]), other.axes[2]
     along = float(axis @ wanted_axis) if isinstance(body, Cone) else abs(float(axis @ wanted_axis))
@@ -172,6 +172,7 @@ def _is_image(body: Body, other: Body, plane: Plane) -> bool:
 
 
 def _same_lengths(body: Body, other: Body) -> bool:
+    """Whether all lengths and angles of two round bodies agree within TOLERANCE."""
     names = ("radius", "height", "inner_radius", "outer_radius", "half_angle")
     pairs = [(getattr(body, name), getattr(other, name)) for name in names if hasattr(body, name)]
     return all(abs(a - b) <= TOLERANCE for a, b in pairs)

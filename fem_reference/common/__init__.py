@@ -1,1 +1,1 @@
-"""What every room of the reference uses: limits, and names of the stages for messages."""
+"""Code that all folders of the reference use: limits, and names of the stages for messages."""

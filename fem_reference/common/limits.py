@@ -1,4 +1,4 @@
-"""What an answer may take: seconds, unknowns, memory; and what the next level would."""
+"""Limits on the time, the unknowns and the memory of an answer."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from dataclasses import dataclass
 from mpi4py import MPI
 
 BYTES_PER_UNIT_OF_MAXRSS = 1024
-"""Linux counts the peak of a process in kibibytes."""
+"""Bytes per unit of `ru_maxrss`, the peak memory of a process, which Linux counts in kibibytes."""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """No level is begun that would go beyond one of these."""
+    """Limits of the whole solution: no level is started that is predicted to exceed one of them."""
 
     seconds: float = math.inf
     unknowns: float = math.inf
     memory: float = math.inf
-    """Bytes."""
+    """Limit of the memory of all processes together, in bytes."""
 
     def exceeded_by(self, seconds: float, unknowns: float, memory: float) -> str | None:
-        """The first limit that these exceed, in words; None when all are kept."""
+        """The first limit that these predictions exceed, in words; None when they keep all limits."""
         if seconds > self.seconds:
             return f"the next level would end after {self.seconds:g} s"
         if unknowns > self.unknowns:
@@ -33,6 +33,6 @@ class Limits:
 
 
 def peak_memory() -> int:
-    """The most memory (bytes) that the processes have held so far, all together."""
+    """Sum of the peak memories (bytes) of all processes so far."""
     own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * BYTES_PER_UNIT_OF_MAXRSS
     return int(MPI.COMM_WORLD.allreduce(own))

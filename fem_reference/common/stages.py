@@ -1,4 +1,4 @@
-"""Failures of gmsh and PETSc, with the stage they happened in."""
+"""Names the stage in which gmsh or PETSc failed."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from contextlib import contextmanager
 
 @contextmanager
 def stage(name: str) -> Iterator[None]:
-    """Turn whatever the libraries raise inside into a RuntimeError that names the stage.
+    """Convert exceptions of the libraries into a RuntimeError that names the stage.
 
-    gmsh raises plain Exceptions, PETSc its own RuntimeErrors that are a number only. Running out of memory stays what it is.
+    gmsh raises plain Exceptions, and PETSc RuntimeErrors that contain only a number. A MemoryError is not converted.
     """
     try:
         yield

@@ -1,1 +1,1 @@
-"""From bodies to a tetrahedral mesh: geometry, sizes of the cells, quarter-point elements."""
+"""Meshes the bodies of a scene: OpenCASCADE geometry, sizes of the tetrahedra, quarter-point elements."""

@@ -1,4 +1,4 @@
-"""Second-order cells on curved surfaces: which they are, and that none is turned inside out."""
+"""Second-order cells on curved surfaces: finds them, estimates the error of their shape, and mends those with inverted maps."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ from fem_reference.mesh.quarter_points import TETRAHEDRON_EDGES, second_order, s
 Array = NDArray[np.float64]
 
 VERTICES = np.array(basix.geometry(basix.CellType.tetrahedron))
+"""The four vertices of the reference tetrahedron."""
 SECOND_ORDER_NODES = np.concatenate([VERTICES, VERTICES[TETRAHEDRON_EDGES].mean(axis=1)])
 """The ten nodes of the reference tetrahedron."""
 
 MOST_STRAIGHTENINGS = 20
-"""Two or three are what it takes."""
+"""Largest number of passes of `straighten_inverted`; two or three suffice."""
 
 
 def curved_cells(nodes: Array, cells: NDArray[np.int32], centre: Array, radius: float) -> NDArray[np.bool_]:
-    """Which cells (n,) are not straight, those at the outer sphere (centre, radius) left out."""
+    """Which cells (n,) have bent sides, except those at the outer sphere (centre, radius)."""
     straight = nodes[cells[:, TETRAHEDRON_EDGES]].mean(axis=2)
     bent = np.linalg.norm(nodes[cells[:, 4:]] - straight, axis=2).max(axis=1)
     length = np.linalg.norm(nodes[cells[:, 1]] - nodes[cells[:, 0]], axis=1)
@@ -28,12 +29,12 @@ def curved_cells(nodes: Array, cells: NDArray[np.int32], centre: Array, radius: 
 
 
 def shape_error(nodes: Array, cells: NDArray[np.int32]) -> float:
-    """How much capacitances may change, relatively, because second-order cells (n, 10) only nearly follow a curved surface.
+    """Estimate the relative error of capacitances that is due to second-order cells (n, 10) following a curved surface only nearly.
 
     A parabola through the ends and the middle of an arc of half angle a and radius R lies up to R·a⁴/32 inside the circle. A
-    displacement d of a surface changes capacitances by at most d/R by itself, and by d over the gap to another
-    conductor, which is at least the length of the cells there (`sizing`). Both, for the worst side, twice, since a face bends in two
-    directions.
+    displacement d of a surface changes the capacitances by at most d/R of themselves, and by d over the gap to another conductor,
+    which is at least as wide as the cells there are long (`sizing`). The estimate is the sum of both for the worst side, doubled
+    because a face bends in two directions.
     """
     ends = nodes[cells[:, TETRAHEDRON_EDGES]]
     chord = ends[:, :, 1] - ends[:, :, 0]
@@ -46,10 +47,10 @@ def shape_error(nodes: Array, cells: NDArray[np.int32]) -> float:
 
 
 def straighten_inverted(nodes: Array, cells: NDArray[np.int32]) -> None:
-    """Move the middle nodes of cells whose map turns over at one of its ten nodes back onto the straight edges, in place.
+    """Straighten the cells whose map is inverted (its determinant changes sign) at one of their ten nodes, in place.
 
-    Slivers on a curved surface do so now and then. Neighbours share the nodes, hence the repetition; cells that are
-    straight all round do not turn over. Raises RuntimeError when some stay turned over.
+    Slivers on a curved surface sometimes have such maps. Straightening a cell moves nodes that its neighbours share, hence the
+    repetition; a cell with only straight sides is not inverted. Raises RuntimeError when inverted cells remain.
     """
     gradients = second_order().tabulate(1, SECOND_ORDER_NODES)[1:, :, :, 0]
     for _ in range(MOST_STRAIGHTENINGS):

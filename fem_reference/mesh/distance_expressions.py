@@ -1,7 +1,8 @@
 """Distances from bodies as expressions in x, y, z for gmsh's MathEval.
 
-In a body's own frame its symmetry planes fold space: a point's coordinates may be taken as absolute values. Inside round
-solids the distance to the surface is given, so that the mesh coarsens towards their middle; inside cuboids and arcs 0.
+Most bodies are symmetric about the coordinate planes of their own frame, so that a distance depends only on the absolute values of a
+point's coordinates. Inside spheres, cylinders and cones the expression is the distance to the surface, so that the mesh coarsens
+towards their middle; inside cuboids and arcs it is 0.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from fem_reference.bodies.shapes import Cuboid, Disc, Rectangle
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
 
 TextBody = Rectangle | Disc | Cuboid | Sphere | Cylinder | Cone | Arc
-"""The bodies whose distances are closed forms."""
+"""The bodies whose distances have closed forms."""
 
 
 def surface_distance(body: TextBody) -> str:
@@ -36,7 +37,7 @@ def surface_distance(body: TextBody) -> str:
 
 
 def wall_distance(room: Cuboid) -> str:
-    """Distance to the walls of a room, inside of it."""
+    """Distance from a point inside a room to its walls."""
     return minimum([f"({half!r}-{c})" for c, half in zip(_folded(room), room.half_widths)])
 
 
@@ -64,7 +65,7 @@ def edge_distance(body: TextBody) -> str | None:
 
 
 def curvature_radius(body: TextBody) -> str | None:
-    """The smaller radius of curvature of the surface nearby; None for bodies with plane faces only."""
+    """The smaller principal radius of curvature of the surface near a point; None for bodies with plane faces only."""
     if isinstance(body, Sphere | Cylinder):
         return repr(body.radius)
     if isinstance(body, Cone):
@@ -77,7 +78,7 @@ def curvature_radius(body: TextBody) -> str | None:
 
 
 def minimum(expressions: Sequence[str]) -> str:
-    """The smallest of several expressions; MathEval's own `min` takes two."""
+    """The smallest of several expressions, nested because MathEval's `min` takes two arguments."""
     if len(expressions) == 1:
         return f"({expressions[0]})"
     half = len(expressions) // 2
@@ -85,7 +86,7 @@ def minimum(expressions: Sequence[str]) -> str:
 
 
 def _local(body: Rectangle | Disc | Cuboid | Cylinder | Cone | Arc) -> list[str]:
-    """Coordinates in the body's frame."""
+    """The three coordinates in the body's frame."""
     return [
         "+".join(f"({axis[k]!r})*({name}-({body.centre[k]!r}))" for k, name in enumerate("xyz"))
         for axis in body.axes.tolist()
@@ -93,11 +94,12 @@ def _local(body: Rectangle | Disc | Cuboid | Cylinder | Cone | Arc) -> list[str]
 
 
 def _folded(body: Rectangle | Disc | Cuboid | Cylinder | Cone | Arc) -> list[str]:
-    """Absolute coordinates in the body's frame."""
+    """The absolute values of the three coordinates in the body's frame."""
     return [f"abs({coordinate})" for coordinate in _local(body)]
 
 
 def _beyond(coordinate: str, limit: float) -> str:
+    """How far a coordinate exceeds a limit; 0 when it does not."""
     return f"max({coordinate}-{limit!r},0)"
 
 
@@ -107,7 +109,7 @@ def _radius_from_centre(sphere: Sphere) -> str:
 
 
 def _cone_side_distance(cone: Cone) -> str:
-    """To the slanted side, a segment in the half-plane of (distance from the axis, z)."""
+    """Distance to the lateral surface, which is a segment in the half-plane of (distance from the axis, z)."""
     x, y, z = _local(cone)
     across, down = f"sqrt(({x})^2+({y})^2)", f"({cone.height / 2!r}-({z}))"
     length = cone.radius**2 + cone.height**2
@@ -116,11 +118,13 @@ def _cone_side_distance(cone: Cone) -> str:
 
 
 def _cone_base_distance(cone: Cone) -> str:
+    """Distance to the disc at the bottom of the cone."""
     x, y, z = _local(cone)
     return f"sqrt({_beyond(f'sqrt(({x})^2+({y})^2)', cone.radius)}^2+({z}+{cone.height / 2!r})^2)"
 
 
 def _arc_surface_distance(arc: Arc) -> str:
+    """Distance to the arc; 0 inside."""
     _, _, z = _folded(arc)
     past_end, along = _arc_coordinates(arc)
     radial = f"max(max({arc.inner_radius!r}-{along},{along}-{arc.outer_radius!r}),0)"
@@ -129,7 +133,7 @@ def _arc_surface_distance(arc: Arc) -> str:
 
 
 def _arc_edge_distance(arc: Arc) -> str:
-    """To the nearest of the circles and, unless it is a ring, of the ends' edges."""
+    """Distance to the nearest edge of an arc: its four circular edges and, unless it is a ring, the edges of its two ends."""
     _, _, z = _folded(arc)
     past_end, along = _arc_coordinates(arc)
     above = f"({z}-{arc.height / 2!r})^2"
@@ -144,7 +148,7 @@ def _arc_edge_distance(arc: Arc) -> str:
 
 
 def _arc_coordinates(arc: Arc) -> tuple[str, str]:
-    """How far a point is past the plane of the sector's end, and its place along the radius of the sector nearest to it."""
+    """How far a point is past the plane of the sector's end, and its coordinate along the nearest radius of the sector."""
     x, y, _ = _local(arc)
     if arc.is_ring:
         return "(-1)", f"sqrt(({x})^2+({y})^2)"
@@ -153,9 +157,10 @@ def _arc_coordinates(arc: Arc) -> tuple[str, str]:
 
 
 def _behind(arc: Arc) -> str:
-    """Distance to the plane that has all of a narrow sector on one side; 0 for a wide one.
+    """Lower bound on the distance to a narrow sector from points behind it; 0 for a wide sector.
 
-    Behind the axis the other coordinates would take the sector's mirror image for the sector.
+    It is the distance to the plane, at right angles to the sector's middle radius, beyond which the whole sector lies. Without it
+    points behind the axis would get the distance to the sector's mirror image.
     """
     x, _, _ = _local(arc)
     nearest = arc.inner_radius * math.cos(arc.half_angle)

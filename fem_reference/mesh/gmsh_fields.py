@@ -1,6 +1,6 @@
-"""Mesh-size fields of gmsh: expressions, and the distances to sampled faces and edges of polyhedra that these refer to.
+"""Mesh-size fields of gmsh: expressions, and distances to sampled faces and edges of polyhedra that occur in them.
 
-gmsh 4.8 hangs on expressions that refer to other expressions, not on those that refer to distances.
+gmsh 4.8 hangs on expressions that refer to other expressions; expressions that refer to distances work.
 """
 
 from __future__ import annotations
@@ -14,24 +14,26 @@ from numpy.typing import NDArray
 from fem_reference.bodies.polyhedron import Polyhedron
 
 POINTS_PER_CURVE = 200
+"""Number of sample points on each sharp edge."""
 
 
 def expression(text: str) -> int:
-    """A field from an expression in x, y, z."""
+    """Add a field given by an expression in x, y, z."""
     return _field("MathEval", {}, {"F": text})
 
 
 def smallest(fields: Sequence[int]) -> int:
+    """Add the field that is the smallest of several fields at each point."""
     return _combined("Min", fields)
 
 
 def name(field: int) -> str:
-    """The field as a part of an expression; it must not be one itself."""
+    """The name of a field for use in an expression; the field must not be an expression itself."""
     return f"F{field}"
 
 
 def surface_distance(volumes: Sequence[int], spacing: float) -> int:
-    """Distance to the surface of volumes, from points at about `spacing` on it."""
+    """Add the distance to the surface of volumes, sampled at points about `spacing` apart."""
     faces = [tag for _, tag in gmsh.model.getBoundary([(3, tag) for tag in volumes], oriented=False)]
     groups: dict[int, list[int]] = {}
     for face in faces:
@@ -47,7 +49,7 @@ def surface_distance(volumes: Sequence[int], spacing: float) -> int:
 
 
 def edge_distance(body: Polyhedron, volumes: Sequence[int]) -> int | None:
-    """Distance to the sharp edges of a polyhedron; None when it has none."""
+    """Add the distance to the sharp edges of a polyhedron; None when it has none."""
     ends = body.vertices[body.edges]
     faces = gmsh.model.getBoundary([(3, tag) for tag in volumes], oriented=False)
     curves = {tag for _, tag in gmsh.model.getBoundary(faces, combined=False, oriented=False)}

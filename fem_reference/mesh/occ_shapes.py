@@ -21,10 +21,11 @@ Entity = tuple[int, int]
 """(dimension, tag)."""
 
 CONE_SECTORS = 4
+"""Number of sectors in which a cone is built."""
 
 
 def add_body(body: Body) -> list[Entity]:
-    """Add one body to the geometry; returns what it consists of."""
+    """Add one body to the geometry; returns the entities that it consists of."""
     if isinstance(body, Disc):
         return [_disc(body)]
     if isinstance(body, Polyhedron):
@@ -35,9 +36,10 @@ def add_body(body: Body) -> list[Entity]:
 
 
 def add_ball(centre: Vector, radius: float, planes: Sequence[Plane]) -> Entity:
-    """Add the part of a ball on the side of planes through its centre, at right angles, that their normals point to.
+    """Add the part of a ball that lies on the side of all planes to which their normals point.
 
-    It is built as a sector, whose flat faces are its own: cutting a whole ball along its seam fails.
+    The planes go through the centre at right angles. The part is built as a sector with flat faces of its own, since OpenCASCADE fails
+    to cut a whole ball along its seam.
     """
     occ = gmsh.model.occ
     lowest = 0.0 if len(planes) % 2 else -math.pi / 2
@@ -50,9 +52,9 @@ def add_ball(centre: Vector, radius: float, planes: Sequence[Plane]) -> Entity:
 def cut_to(
     shapes: Sequence[Sequence[Entity]], centre: Vector, size: float, planes: Sequence[Plane]
 ) -> list[list[Entity]]:
-    """What of each shape is on the side of planes through the centre, at right angles, that their normals point to.
+    """Cut each shape to the part that lies on the side of all planes to which their normals point.
 
-    `size` is more than any shape reaches from the centre.
+    The planes go through the centre at right angles. No shape reaches as far as `size` from the centre.
     """
     occ = gmsh.model.occ
     low = [
@@ -70,16 +72,19 @@ def cut_to(
 
 
 def _frame(planes: Sequence[Plane]) -> Vector:
-    """Right-handed axes (3, 3), rows: of one plane its normal is the third, of two they are the first, of three all."""
+    """Right-handed axes (3, 3), as rows, that include the planes' normals.
+
+    The normal of a single plane is the third axis, those of two planes are the first two, and those of three are all axes.
+    """
     normals = np.array([plane.normal for plane in planes]).reshape(-1, 3)
     rest = np.linalg.svd(normals, full_matrices=True)[2][len(planes) :] if len(planes) else np.eye(3)
     axes = np.vstack([rest, normals]) if len(planes) == 1 else np.vstack([normals, rest])
-    # Exchanging the first two leaves the side the same.
+    # Exchanging the first two axes makes the frame right-handed and keeps the side.
     return axes if np.linalg.det(axes) > 0 else axes[[1, 0, 2]]
 
 
 def _place(entities: list[Entity], axes: Vector, centre: Vector) -> None:
-    """Turn by the rotation whose columns are the axes, then move: rigidly, which keeps surfaces what they are."""
+    """Rotate entities so that x, y and z become the axes, then move them to `centre`; spheres, cylinders … stay of their kind."""
     turn = Rotation.from_matrix(axes.T).as_rotvec()
     angle = float(np.linalg.norm(turn))
     if angle > 0:
@@ -106,7 +111,7 @@ def _parallelotope(body: Rectangle | Cuboid) -> Entity:
 
 
 def _polyhedron(body: Polyhedron) -> list[Entity]:
-    """One volume for each part; its plane faces share their edges with their neighbours."""
+    """Add one volume for each part of a polyhedron, with plane faces that share edges with their neighbours."""
     occ = gmsh.model.occ
     parts = plane_faces(body)
     used = sorted({vertex for part in parts for face in part for loop in face for vertex in loop})
@@ -120,7 +125,7 @@ def _polyhedron(body: Polyhedron) -> list[Entity]:
 
 
 def _round(body: RoundBody) -> list[Entity]:
-    """The primitive around the z axis, moved to its place rigidly, which keeps its surfaces what they are."""
+    """Add a round body: OpenCASCADE's primitive around the z axis, rotated and moved to its place."""
     occ = gmsh.model.occ
     if isinstance(body, Sphere):
         return [(3, occ.addSphere(*body.centre, body.radius))]
@@ -136,7 +141,7 @@ def _round(body: RoundBody) -> list[Entity]:
 
 
 def _cone_in_sectors(cone: Cone) -> list[Entity]:
-    """gmsh's surface mesher stalls at the apex of a whole cone, whose surface closes on itself there; not at a sector's."""
+    """Add a cone as several sectors: gmsh's surface mesher stalls at the apex of a whole cone, where its surface closes on itself."""
     occ = gmsh.model.occ
     sectors = []
     for k in range(CONE_SECTORS):
@@ -148,6 +153,7 @@ def _cone_in_sectors(cone: Cone) -> list[Entity]:
 
 
 def _sector(arc: Arc) -> Entity:
+    """Add an arc around the z axis: a sector of the outer cylinder without the inner one."""
     occ = gmsh.model.occ
     bottom = (0, 0, -arc.height / 2, 0, 0, arc.height)
     opening = {"angle": 2 * math.pi if arc.is_ring else 2 * arc.half_angle}
@@ -160,7 +166,7 @@ def _sector(arc: Arc) -> Entity:
 
 
 def _polygon(loops: Sequence[Sequence[int]], lines: dict[frozenset[int], int]) -> int:
-    """A plane face between loops of points, the outline first; edges found in `lines` are shared, others are added to it."""
+    """Add a plane face bounded by loops of points, the outline first; edges in `lines` are reused, new ones are added to it."""
     occ = gmsh.model.occ
     curves = []
     for points in loops:

@@ -1,4 +1,4 @@
-"""The distances from polyhedra, which gmsh samples, as names of fields that `sizing` puts into its expressions."""
+"""Distances from polyhedra, which gmsh samples: names of the fields, for use in the expressions of `sizing`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.mesh.size_rules import Sizing
 
 SPACING_IN_GAP = 0.5
-"""Distance of the points that stand for a face over the width of the narrowest gap to the body."""
+"""Spacing of the sample points on a face over the width of the narrowest gap to the body."""
 
 
 def sampled_surfaces(
@@ -22,7 +22,7 @@ def sampled_surfaces(
     sizing: Sizing,
     volumes: Mapping[int, Sequence[int]],
 ) -> dict[int, str]:
-    """For each polyhedron among the bodies: the distance to its surface, from points as close as its gaps ask for."""
+    """Sample the distance to the surface of each polyhedron among the bodies, as finely as its gaps require."""
     sampled = {}
     for k, body in enumerate(bodies):
         if isinstance(body, Polyhedron):
@@ -33,15 +33,15 @@ def sampled_surfaces(
 
 
 def sampled_edges(body: Polyhedron, volumes: Sequence[int]) -> str | None:
-    """The distance to the sharp edges; None when there are none."""
+    """Sample the distance to the sharp edges of a polyhedron; None when it has none."""
     field = gmsh_fields.edge_distance(body, volumes)
     return None if field is None else gmsh_fields.name(field)
 
 
 def facet_size(body: Polyhedron) -> float | None:
-    """The median length of the sides of triangles on rounded surfaces, from which the mesh grows; None without such.
+    """The median length of the sides of the triangles on rounded surfaces, from which the mesh size grows; None without such.
 
-    How plane faces are cut into triangles says nothing.
+    The triangles of plane faces do not count: how a plane face is cut into triangles is arbitrary.
     """
     corners = body.vertices[body.triangles[body.rounded]]
     if not len(corners):

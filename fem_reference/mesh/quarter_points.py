@@ -1,9 +1,9 @@
-"""Quarter-point elements at the edges of plates, and quadratures that are exact on them.
+"""Quarter-point elements at the edges of plates, and quadratures that are exact on them to rounding error.
 
-At the edge of a plate without thickness the potential behaves as the square root of the distance. A second-order
-element whose mid-side node stands at a quarter of the side maps its reference coordinate to exactly that
-(Henshell & Shaw 1975, Barsoum 1976). On a tetrahedron with straight sides such an element is the straight tetrahedron,
-its coordinate s away from the vertices on the edge replaced by s²: NUMERICS.md section 5.
+At the edge of a plate without thickness the potential behaves as the square root of the distance. In a second-order element whose
+mid-side nodes lie a quarter of the side away from the edge, polynomials in the reference coordinates have this behaviour (Henshell &
+Shaw 1975, Barsoum 1976). If the sides are straight, such an element fills the straight tetrahedron, and its map replaces the
+coordinate s, which grows away from the vertices on the edge, by s²: NUMERICS.md section 5.
 """
 
 from __future__ import annotations
@@ -23,14 +23,15 @@ TETRAHEDRON_EDGES = np.array([[2, 3], [1, 3], [1, 2], [0, 3], [0, 2], [0, 1]])
 """Vertices of the edges that carry nodes 4 … 9 of a second-order tetrahedron, in the order of basix."""
 
 RADIAL_DEGREE = 23
-"""Gauss rule of 12 points along s. The integrands are polynomials in s over (1 + s)², analytic but for s = −1, so that n points
-leave an error of about 5.8^(−2n): 12 points leave rounding."""
+"""Degree of the Gauss rule along s, which has 12 points. The integrands are polynomials in s over (1 + s)², which are analytic except
+at s = −1, so that n points leave an error of about 5.8^(−2n): with 12 points it is rounding error."""
 
 
 def vertices_on_edges(nodes: Array, cells: NDArray[np.int32], bodies: Sequence[Body]) -> NDArray[np.bool_]:
     """Which of the four vertices of each cell (n, 4) lie on the edge of a plate.
 
-    Solids' right-angled edges (power 2/3) do not count; they are left to the grading.
+    The right-angled edges of solids, where the potential behaves as the power 2/3 of the distance, do not count: there the grading of
+    the mesh alone resolves the singularity.
     """
     vertices = np.unique(cells[:, :4])
     on_edge = np.zeros(len(nodes), dtype=bool)
@@ -47,7 +48,7 @@ def straighten(nodes: Array, cells: NDArray[np.int32]) -> None:
 
 
 def pull(nodes: Array, cells: NDArray[np.int32], on_edge: NDArray[np.bool_]) -> None:
-    """Move the middle node of every side with one end on a plate's edge to a quarter of the way from there, in place."""
+    """Move the middle node of every side with one end on a plate's edge to a quarter of the side from this end, in place."""
     straight = nodes.copy()
     for k, (i, j) in enumerate(TETRAHEDRON_EDGES):
         for near, far in ((i, j), (j, i)):
@@ -57,12 +58,15 @@ def pull(nodes: Array, cells: NDArray[np.int32], on_edge: NDArray[np.bool_]) -> 
 
 
 def is_pulled(on_edge: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which cells (n,) are quarter-point elements: some of their four vertices (n, 4) are on a plate's edge, not all."""
+    """Which cells (n,) are quarter-point elements: some, but not all, of their four vertices (n, 4) are on a plate's edge."""
     return np.asarray(on_edge.any(axis=1) & ~on_edge.all(axis=1))
 
 
 def patterns(on_edge: NDArray[np.bool_]) -> Iterator[tuple[frozenset[int], NDArray[np.int64]]]:
-    """The cells by which of their vertices (n, 4) the map collapses towards; none for the straight cells."""
+    """Group the cells by their vertices on a plate's edge (n, 4), towards which the quarter-point map collapses.
+
+    Yields the vertices and the numbers of the cells; straight cells have no such vertices.
+    """
     codes = np.where(is_pulled(on_edge), on_edge @ np.array([1, 2, 4, 8]), 0)
     for code in np.unique(codes):
         yield frozenset(k for k in range(4) if code >> k & 1), np.flatnonzero(codes == code)
@@ -70,7 +74,7 @@ def patterns(on_edge: NDArray[np.bool_]) -> Iterator[tuple[frozenset[int], NDArr
 
 @cache
 def second_order() -> basix.finite_element.FiniteElement:
-    """The element whose nodes are a second-order tetrahedron's."""
+    """The second-order Lagrange element, whose shape functions map a second-order tetrahedron."""
     return basix.create_element(
         basix.ElementFamily.P, basix.CellType.tetrahedron, 2, basix.LagrangeVariant.equispaced
     )
@@ -79,8 +83,8 @@ def second_order() -> basix.finite_element.FiniteElement:
 def jacobian(collapsed: frozenset[int], points: Array) -> Array:
     """Derivatives (points, 3, 3) of the quarter-point map of the reference tetrahedron to itself.
 
-    An element with straight sides is this map followed by an affine one, so that its integrals are those of the reference
-    tetrahedron in another metric.
+    The map of an element with straight sides is this map followed by an affine one, so that its integrals are those over the
+    reference tetrahedron with another metric.
     """
     corners = np.array(basix.geometry(basix.CellType.tetrahedron))
     nodes = np.vstack([corners, np.zeros((len(TETRAHEDRON_EDGES), 3))])
@@ -93,10 +97,11 @@ def jacobian(collapsed: frozenset[int], points: Array) -> Array:
 
 @cache
 def aligned_rule(collapsed: frozenset[int], degree: int) -> tuple[Array, Array]:
-    """Points (n, 3) and weights (n,) on the reference tetrahedron, for integrands of a quarter-point element.
+    """Quadrature points (n, 3) and weights (n,) on the reference tetrahedron for the integrals over a quarter-point element.
 
-    `collapsed` are the one to three vertices on the plate's edge. With s the sum of the other barycentric coordinates the
-    integrand is a polynomial of at most `degree` in the positions within the two simplices, and analytic in s.
+    `collapsed` are the one to three vertices on the plate's edge. Let s be the sum of the other barycentric coordinates. The integrand
+    is analytic in s, and a polynomial of at most `degree` in the positions within the two simplices that the collapsed and the other
+    vertices span.
     """
     points, weights = basix.make_quadrature(basix.CellType.interval, RADIAL_DEGREE)
     s = points[:, 0]
@@ -113,7 +118,7 @@ def aligned_rule(collapsed: frozenset[int], degree: int) -> tuple[Array, Array]:
 
 
 def _simplex_rule(vertices: int, degree: int) -> tuple[Array, Array]:
-    """Barycentric points (n, vertices) and weights of a rule on a simplex; the weights' sum is the reference volume."""
+    """Barycentric points (n, vertices) and weights of a quadrature on a simplex; the weights add up to the reference volume."""
     if vertices == 1:
         return np.ones((1, 1)), np.ones(1)
     kind = {2: basix.CellType.interval, 3: basix.CellType.triangle}[vertices]

@@ -1,4 +1,4 @@
-"""The numbers of the rule by which `sizing` makes the tetrahedra small or large."""
+"""The parameters of the rule by which `sizing` sets the size of the tetrahedra."""
 
 from __future__ import annotations
 
@@ -7,27 +7,27 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Sizing:
-    """How fine the mesh is. Lengths are relative; `fem_reference/NUMERICS.md` section 2 has the measurements."""
+    """Relative sizes that determine how fine the mesh is; `fem_reference/NUMERICS.md` section 2 has the measurements."""
 
     edge: float = 0.1
     """Size at a body's edges over the body's size, on the coarsest level."""
     edge_in_gap: float = 0.3
-    """Size at an edge over the width of the gap there, on the coarsest level: from 0.4 on the first level may lie outside
-    the convergent range."""
+    """Size at an edge over the width of the gap there, on the coarsest level. With 0.4 or more the first level may lie outside the
+    range in which the errors fall as in theory."""
     gap: float = 1.0
-    """Size in a gap over its width. Cubic elements resolve the smooth field in a gap with one."""
+    """Size in a gap over its width. One cubic element resolves the smooth field across a gap."""
     gap_between_faces: float = 5.0
-    """The same between two bodies with plane faces only: the field that straight faces have between them is nearly linear
-    across, however wide the cells are, and where it is not an edge is near, from which the size grows."""
+    """The same between two bodies with plane faces only. There the potential is nearly linear across the gap, which cells of any width
+    represent; where it is not, an edge is near, from which the size grows."""
     curvature: float = 0.3
     """Size on a curved surface over its radius of curvature, on the coarsest level."""
     growth: float = 0.4
     """Growth of the size per distance from the edges."""
     refinement: float = 1.0
-    """Divides the sizes at the edges: 1, 2, 4, … on successive levels, at a fixed growth. Those on curved surfaces, where
-    nothing is singular, are divided by its root."""
+    """Divisor of the sizes at the edges: 1, 2, 4, … on successive levels, at a fixed growth. The sizes on curved surfaces, where nothing
+    is singular, are divided by its square root."""
 
 
 def growth_for(rtol: float) -> float:
-    """The growth whose own error (`convergence.shared_error`) leaves room for a relative accuracy."""
+    """The growth at which the shared error of all levels (`convergence.shared_error`) is well below a relative accuracy."""
     return 0.4 if rtol >= 2e-4 else 0.25

@@ -1,14 +1,13 @@
-"""The size of the tetrahedra: small at the conductors' edges and in the gaps between them, growing with the distance.
+"""The size of the tetrahedra: small at the conductors' edges and in the gaps between them, and growing with the distance.
 
-The charge density of a conductor is singular at its edges and varies over the width of a gap, and is smooth elsewhere, so
+The charge density of a conductor is singular at its edges, varies over distances like the width of a gap, and is smooth elsewhere. Hence the size at a point x is
 
     h(x) = min( edge_i + growth · distance to the edges of body i,  c·(distance to body i + distance to body j) )
 
-over all bodies i and all pairs i, j. `edge_i` is a fraction of the body's size, or of the local gap where that is
-smaller. The sum of two distances is the local width of a gap, wherever the gap is: two plates that meet at an angle are
-resolved where they are close, and nowhere else. Between plane faces c is larger than 1, as the field there is nearly
-linear but for the surroundings of edges. Distances are closed forms, evaluated by
-gmsh's MathEval, but those to polyhedra, which gmsh samples.
+over all bodies i and all pairs i, j. `edge_i` is a fraction of the body's size, or of the local gap where that is smaller. The sum of
+the distances to two bodies is the local width of the gap between them: two plates at an angle are resolved where they are close, and
+nowhere else. Between plane faces c is larger than 1, since the potential there is nearly linear except near edges. gmsh's MathEval
+evaluates closed forms of the distances; gmsh samples the distances to polyhedra.
 """
 
 from __future__ import annotations
@@ -37,7 +36,8 @@ from fem_reference.mesh.size_rules import Sizing
 __all__ = ["Sizing", "set_size_field"]
 
 AT_APEX = 0.1
-"""Size at the apex of a cone over that at its edge: around the apex the surface bends as sharply as one likes."""
+"""Size of the cells at the apex of a cone over the size at its edge. It has to end the refinement by curvature, since the radius of
+curvature falls to 0 towards the apex."""
 
 
 def set_size_field(
@@ -50,9 +50,9 @@ def set_size_field(
 ) -> None:
     """Make the size field of these bodies the background mesh of the current gmsh model.
 
-    Bodies of one conductor (equal `owner`) have no gap between them, nor have a dielectric body and what it touches; there
-    the thickness of the dielectric is what the field varies over. `volumes` are gmsh's tags of the volumes that solid
-    bodies consist of.
+    The size is not reduced in gaps between bodies of one conductor (equal `owner`), nor between a dielectric body and a body it
+    touches, where the field varies over the thickness of the dielectric. `volumes` maps each solid body to gmsh's tags of its
+    volumes.
     """
     pairs = [(i, j) for i, j in combinations(range(len(bodies)), 2) if owner[i] != owner[j]]
     contacts = [(i, j) for i, j in pairs if in_contact(bodies[i], bodies[j])]
@@ -80,20 +80,23 @@ def set_size_field(
 
 
 def _is_plane_faced(body: Body) -> bool:
-    """Whether a body has plane faces only. Where two such are close and not parallel, an edge is as near as the gap is narrow."""
+    """Whether all faces of a body are plane.
+
+    Where faces of two such bodies are close and not parallel, an edge is so near that growth from it resolves the gap.
+    """
     if isinstance(body, Polyhedron):
         return not body.rounded.any()
     return isinstance(body, Rectangle | Disc | Cuboid)
 
 
 def _in_gap(first: Body, second: Body, sizing: Sizing) -> float:
-    """The size in the gap between two bodies, over its width."""
+    """Size of the cells in the gap between two bodies over the width of the gap."""
     plane = _is_plane_faced(first) and _is_plane_faced(second)
     return sizing.gap_between_faces if plane else sizing.gap
 
 
 def _sizes_of_body(body: TextBody, at_edges: str, surface: str, sizing: Sizing) -> list[str]:
-    """What the body's edges ask for, and what its curvature does: on a cone that is nothing at the apex."""
+    """The sizes that the edges of a body and the curvature of its surface require; at the apex of a cone AT_APEX limits the latter."""
     edges, radius = edge_distance(body), curvature_radius(body)
     sizes = [] if edges is None else [f"{at_edges}+{sizing.growth}*{edges}"]
     if radius is not None:
@@ -106,7 +109,7 @@ def _sizes_of_body(body: TextBody, at_edges: str, surface: str, sizing: Sizing) 
 def _sizes_of_polyhedron(
     body: Polyhedron, at_edges: str, surface: str, sizing: Sizing, volumes: Sequence[int]
 ) -> list[str]:
-    """What the sharp edges ask for, and what rounded surfaces do: they start from the size of their facets."""
+    """The sizes that the sharp edges and the rounded surfaces of a polyhedron require; the latter start from the size of facets."""
     edges, facet = sampled_edges(body, volumes), facet_size(body)
     sizes = [] if edges is None else [f"{at_edges}+{sizing.growth}*{edges}"]
     if facet is not None:

@@ -1,4 +1,4 @@
-"""From bodies to a tagged tetrahedral mesh: OpenCASCADE geometry, graded mesh, quarter-point elements at plate edges."""
+"""Makes a graded tetrahedral mesh around the bodies, with tags that tell them apart and quarter-point elements at plate edges."""
 
 from __future__ import annotations
 
@@ -22,60 +22,67 @@ from fem_reference.common.stages import stage
 from fem_reference.bodies.symmetry import Plane
 
 OUTER_SURFACE = 1
+"""Tag of the facets at which the mesh ends: the outer sphere or the walls of a room."""
 FREE_SPACE = 1
+"""Tag of the cells outside all bodies."""
 FIRST_BODY = 10
-"""Body k carries the tag FIRST_BODY + k: on its facets when it is a plate, on its cells when it is solid."""
+"""Tag of body 0. Body k has the tag FIRST_BODY + k: on its facets when it is a plate, on its cells when it is solid."""
 
 AWAY_FROM_EDGES, NEAR_EDGE = 0, 1
-"""Values of `TaggedMesh.near_edge`: quarter-point elements and those on curved surfaces, which count as near an edge,
-need a quadrature of higher degree."""
+"""Values of `TaggedMesh.near_edge`. Quarter-point elements and cells on curved surfaces, which need a quadrature of higher degree,
+have NEAR_EDGE; all other cells have AWAY_FROM_EDGES."""
 
 OUTER_RADIUS = 100.0
-"""Radius of the outer sphere over the radius of the conductors' bounding sphere. The mesh grows geometrically, so that
-100 costs few unknowns more than 10, and what the boundary condition neglects falls as its third power."""
+"""Radius of the outer sphere over the radius of the conductors' bounding sphere. The cells grow geometrically, so that 100 takes few
+unknowns more than 10, and the error of the boundary condition falls with the third power of this radius."""
 
 ROOM_REACH = 2.0
-"""Any factor above 1: what is farther than this from the middle is out of the room."""
+"""Radius that takes the place of the outer sphere's in a room, over the distance of the room's corners. Any factor above 1 is right:
+nothing in the room is farther away."""
 
 WALL = 1e-9
-"""Distance from a wall, over the room's half width, within which corners lie in it: rounding of OpenCASCADE."""
+"""Largest distance of a corner from the wall it lies in, over the room's half width: rounding of OpenCASCADE."""
 
 OUTER_AREA_TOLERANCE = 1e-6
-"""Relative: what OpenCASCADE's integration of areas leaves is 1e-12, a face too many or too few is a twelfth or more."""
+"""Relative tolerance on the area of the outer surface. OpenCASCADE integrates areas to 1e-12; one face too many or too few changes
+the area by a twelfth or more."""
 
 MESH_ADAPT = 1
-"""gmsh's most robust way to mesh a surface, twice as slow as the one it takes by itself."""
+"""gmsh's number of its most robust surface mesher, which is half as fast as the default."""
 
 TETRAHEDRON = 4
-"""gmsh's number of the straight one."""
+"""gmsh's number of the element type tetrahedron with four nodes."""
 
 GO_ON, RAISE = 0, 2
-"""gmsh's General.AbortOnError."""
+"""Values of gmsh's option General.AbortOnError: continue after an error, or raise an exception."""
 
 FLAT = 1e-9
-"""Six times the volume over the cube of the longest side of what counts as none; the flattest usable cells met have 1e-5."""
+"""Largest ratio of six times the volume to the cube of the longest side at which a tetrahedron counts as flat. The flattest usable
+cells met have 1e-5."""
 
 
 @dataclass(frozen=True)
 class TaggedMesh:
-    """A tetrahedral mesh with the conductors' tags, and the outer sphere it ends at."""
+    """A tetrahedral mesh with tags for bodies, free space and the outer surface."""
 
     mesh: dolfinx.mesh.Mesh
     cells: dolfinx.mesh.MeshTagsMetaClass
     facets: dolfinx.mesh.MeshTagsMetaClass
     near_edge: dolfinx.mesh.MeshTagsMetaClass
     on_edge: NDArray[np.bool_]
-    """(cells, 4): which vertices lie on the edge of a plate."""
+    """(cells, 4): which vertices of each cell lie on the edge of a plate."""
     curved: NDArray[np.bool_]
-    """(cells,): which follow a curved surface. The others are straight, but for quarter points."""
+    """(cells,): which cells follow a curved surface. The other cells have straight sides; some of them are quarter-point elements."""
     shape_error: float
-    """What following the surfaces only nearly may do to capacitances, relatively (`curved_cells`)."""
+    """Relative error of capacitances due to the difference between the cells' curved surfaces and the bodies' (`curved_cells`)."""
     centre: NDArray[np.float64]
+    """Centre of the outer sphere."""
     radius: float
+    """Radius of the outer sphere."""
     copies: int
-    """How many mirror images of the mesh make up the whole of space."""
+    """Number of mirror images of the mesh, itself included, that make up the whole of space."""
     in_room: bool = False
-    """Whether the outer surface is a room's walls, grounded; else it is the sphere."""
+    """Whether the outer surface is the grounded walls of a room rather than the sphere."""
 
     @property
     def cell_count(self) -> int:
@@ -83,18 +90,18 @@ class TaggedMesh:
 
     @property
     def local_cells(self) -> int:
-        """The cells that this process knows: all, when it is the only one."""
+        """Number of cells on this process: all of them if there is only one process."""
         return local_count(self.mesh, 3)
 
 
 def local_count(mesh: dolfinx.mesh.Mesh, dimension: int) -> int:
-    """The entities of a dimension that this process knows."""
+    """Number of the mesh's entities of a dimension on this process, ghosts included."""
     index_map = mesh.topology.index_map(dimension)
     return int(index_map.size_local + index_map.num_ghosts)
 
 
 def on_first_process(comm: MPI.Comm, action: Callable[[], None]) -> None:
-    """Do something on the first process only; RuntimeError on all of them when it fails there."""
+    """Run an action on the first process only; raises RuntimeError on all processes when it fails there."""
     failure = None
     if comm.rank == 0:
         try:
@@ -115,13 +122,12 @@ def tagged_mesh(
     planes: Sequence[Plane] = (),
     room: Cuboid | None = None,
 ) -> TaggedMesh:
-    """Mesh the space around (and inside) the bodies out to a sphere of OUTER_RADIUS bounding radii, or to a room's walls.
+    """Mesh the space around and inside the bodies, out to a sphere of OUTER_RADIUS bounding radii or to the walls of a room.
 
-    Of `planes`, planes of symmetry at right angles, only the side that their normals point to is meshed. `owner[k]` is the
-    conductor that body k belongs to; `dielectrics` are the bodies whose inside has a field. Solids are meshed inside as
-    well: the field without them is solved on the same mesh. With `straight` the tetrahedra are of first order and there
-    are no quarter-point elements: less exact, but a point finds its cell without an iteration. Raises RuntimeError when
-    gmsh fails.
+    Only the side of each of `planes`, planes of symmetry at right angles, that its normal points to is meshed. `owner[k]` is the
+    conductor that body k belongs to; `dielectrics` are the bodies with a field inside. All solids are meshed inside, since the field
+    without them is solved on the same mesh. With `straight` the tetrahedra are of first order and none is a quarter-point element:
+    this is less accurate, but the cell of a point is found without an iteration. Raises RuntimeError when gmsh fails.
     """
     centre = bounding_sphere(bodies)[0]
     for plane in planes:
@@ -175,9 +181,10 @@ def tagged_mesh(
 
 
 def _generate() -> None:
-    """Tetrahedra for the current gmsh model, with a second try where the triangles of two surfaces cross each other.
+    """Mesh the current gmsh model; if that fails, try again with another surface mesher.
 
-    Other triangles help too where a tetrahedron has all of its corners in a plane of symmetry, in a narrow gap.
+    Other surface triangles help where the triangles of two surfaces cross each other, and where a tetrahedron in a narrow gap has all
+    of its corners in a plane of symmetry.
     """
     if _errors_of_meshing():
         gmsh.model.mesh.clear()
@@ -188,7 +195,10 @@ def _generate() -> None:
 
 
 def _errors_of_meshing() -> list[str]:
-    """Mesh; what gmsh says went wrong. An exception in its midst would leave it locked, and the next try without effect."""
+    """Mesh the current gmsh model and return gmsh's error messages.
+
+    Exceptions are switched off meanwhile: raised inside of gmsh, one would leave it locked, and the next try would have no effect.
+    """
     gmsh.option.setNumber("General.AbortOnError", GO_ON)
     gmsh.logger.start()
     try:
@@ -210,7 +220,7 @@ def _corners() -> NDArray[np.float64]:
 
 
 def _without_volume(corners: NDArray[np.float64]) -> list[str]:
-    """What is wrong with cells (n, 4, 3), in words: nothing, or that some have no volume and where."""
+    """Error messages about flat cells among those with corners (n, 4, 3): none, or one that says where they are."""
     edges = corners[:, 1:] - corners[:, :1]
     volume = np.abs(np.linalg.det(edges))
     flat = volume < FLAT * np.linalg.norm(edges, axis=2).max(axis=1) ** 3
@@ -221,7 +231,7 @@ def _without_volume(corners: NDArray[np.float64]) -> list[str]:
 
 
 def _refuse_flat_cells(corners: NDArray[np.float64]) -> None:
-    """Raise RuntimeError when one of the cells (n, 4, 3) has no volume: the equations would make no sense."""
+    """Raise RuntimeError when one of the cells (n, 4, 3) has no volume, since the equations would be meaningless."""
     errors = _without_volume(corners)
     if MPI.COMM_WORLD.allreduce(bool(errors), op=MPI.LOR):
         raise RuntimeError(f"meshing failed: {''.join(errors)}")
@@ -229,6 +239,7 @@ def _refuse_flat_cells(corners: NDArray[np.float64]) -> None:
 
 @contextmanager
 def _gmsh_model() -> Iterator[None]:
+    """Start gmsh with an empty model, in which only the size field determines the size of the cells, and stop it afterwards."""
     gmsh.initialize(readConfigFiles=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
@@ -248,7 +259,7 @@ def _build_geometry(
     planes: Sequence[Plane],
     room: Cuboid | None,
 ) -> dict[int, list[int]]:
-    """Build the current gmsh model; returns the tags of the volumes that each solid body consists of."""
+    """Build the geometry in the current gmsh model and tag it; returns the volumes that each solid body consists of."""
     occ = gmsh.model.occ
     shapes = [add_body(body) for body in bodies]
     if room is not None:
@@ -265,7 +276,7 @@ def _build_geometry(
     gmsh.model.addPhysicalGroup(3, free_space, FREE_SPACE)
     tagged: set[tuple[int, int]] = set()
     for k, part in enumerate(parts[1:]):
-        # Plates of one conductor may overlap: each piece belongs to the first.
+        # Plates of one conductor may overlap: each piece belongs to the first plate that it is a part of.
         own = [entity for entity in part if entity not in tagged]
         tagged.update(own)
         if own:
@@ -291,6 +302,7 @@ def _require_outer_area(faces: Sequence[int], radius: float, room: Cuboid | None
 
 
 def _is_outer(face: int, radius: float, room: Cuboid | None) -> bool:
+    """Whether a face is a part of the outer sphere or, in a room, of a wall."""
     if room is not None:
         return _is_wall(face, room)
     far = np.max(np.abs(gmsh.model.getBoundingBox(2, face))) > 0.5 * radius
@@ -298,10 +310,10 @@ def _is_outer(face: int, radius: float, room: Cuboid | None) -> bool:
 
 
 def _is_wall(face: int, room: Cuboid) -> bool:
-    """Whether all corners of a plane face lie in one wall."""
+    """Whether all corners of a plane face lie in the same wall of the room."""
     points = gmsh.model.getBoundary([(2, face)], combined=False, oriented=False, recursive=True)
     corners = np.array([gmsh.model.getValue(0, tag, []) for _, tag in points])
     offsets = (corners - room.centre) @ room.axes.T
-    # The sign tells opposite walls apart: a plane of symmetry has corners in both, and is a wall of neither.
+    # The signs tell opposite walls apart: a face in a plane of symmetry may have corners in both, and is no part of either.
     beyond = np.concatenate([offsets, -offsets], axis=1) - np.tile(room.half_widths, 2)
     return bool((np.abs(beyond) < WALL * max(room.half_widths)).all(axis=0).any())

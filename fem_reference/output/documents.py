@@ -1,4 +1,4 @@
-"""What the command prints and writes: a JSON document, a table for people, and a slice of the potential."""
+"""The output of the command: a JSON document, a table for people to read, a slice of the potential, and a field file."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from fem_reference.answer.reference import ErrorKind, Reference, maxwell
 from geometries.common.files import whole_file
 from geometries.scene.reader import load
 
-# Of the documents, as geometries/schemas/FORMATS.md says.
+# Version of the documents' format, as geometries/schemas/FORMATS.md describes it.
 FORMAT = 1
 PICOFARAD = 1e-12
 ANSWERED, NOT_REACHED = 0, 3
@@ -52,7 +52,7 @@ def answer(
     """Solve a scene file and print the answer; returns the exit status."""
     scene = load(path)
     is_first = MPI.COMM_WORLD.rank == 0
-    progress = _tell_level if is_first and not as_json else None
+    progress = _print_level if is_first and not as_json else None
     reference = maxwell(
         scene,
         rtol=rtol,
@@ -86,7 +86,7 @@ def answer(
 
 
 def document(reference: Reference) -> dict[str, Any]:
-    """The answer as plain data: farads, metres, seconds, bytes; matrices row by row in the order of `conductors`."""
+    """The answer as data for JSON: farads, metres, seconds, bytes; matrices row by row in the order of `conductors`."""
     sensors = reference.names[: reference.sensors]
     result: dict[str, Any] = {
         "format": FORMAT,
@@ -137,7 +137,7 @@ def document(reference: Reference) -> dict[str, Any]:
 
 
 def versions() -> dict[str, str]:
-    """The software that can change an answer."""
+    """Versions of the libraries on which the numbers of an answer depend."""
     return {
         "dolfinx": dolfinx.__version__,
         "basix": basix.__version__,
@@ -148,7 +148,7 @@ def versions() -> dict[str, str]:
 
 
 def table(reference: Reference) -> str:
-    """The Maxwell matrix and delta_self in picofarad, each with its error."""
+    """A table of the Maxwell matrix and delta_self in picofarad, each with its error, for people to read."""
     width = max(8, *(len(name) for name in reference.names)) + 2
     lines = ["Maxwell matrix, pF: charge on the row's conductor per volt on the column's"]
     lines.append(" " * width + "".join(f"{name:>24}" for name in reference.names))
@@ -190,7 +190,7 @@ def table(reference: Reference) -> str:
 
 
 def write_slice(path: Path, target: Path) -> int:
-    """Write the potential around the scene in a vertical plane to a JSON file, whole or not at all."""
+    """Write the potential in a vertical plane to a JSON file; leaves no incomplete file behind. Returns the exit status."""
     text = json.dumps({"format": FORMAT, **potential_slice(load(path), str(path))})
     with whole_file(target) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
@@ -198,13 +198,14 @@ def write_slice(path: Path, target: Path) -> int:
 
 
 def write_field(path: Path, target: Path) -> None:
-    """Write the field around the scene to a VTU file, whole or not at all."""
+    """Write the field around the scene to a VTU file; leaves no incomplete file behind."""
     if not target.parent.is_dir():
         raise FileNotFoundError(f"there is no folder {target.parent} for {target.name}")
     write_field_file(load(path), target, str(path))
 
 
-def _tell_level(level: Level, worst: float) -> None:
+def _print_level(level: Level, worst: float) -> None:
+    """Print a line about a finished level to standard error."""
     print(
         f"edge size {level.edge_size * 1e3:.3g} mm: {level.unknowns} unknowns, {level.seconds:.1f} s, "
         f"largest relative error so far {worst:.2e}",
@@ -214,6 +215,7 @@ def _tell_level(level: Level, worst: float) -> None:
 
 
 def _level_document(level: Level) -> dict[str, Any]:
+    """One level as data for JSON."""
     described: dict[str, Any] = {
         "h_min": level.edge_size,
         "unknowns": level.unknowns,

@@ -1,4 +1,4 @@
-"""The field with the first sensor at 1 V, to look at: on the coarsest mesh, made straight."""
+"""The potential with the first sensor at 1 V, for pictures: solved on the coarsest mesh, with straight tetrahedra."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fem_reference.solve.field_problem import FieldProblem, first_sensor_driven
 
 
 def driven_sensor(problem: Conductors) -> tuple[TaggedMesh, fem.Function]:
-    """The mesh, and the potential with every other conductor grounded or, if floating, without charge.
+    """The mesh, and the potential with every other conductor grounded or, if it is floating, uncharged.
 
     Raises RuntimeError when the mesher or the solver fails.
     """

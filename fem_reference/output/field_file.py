@@ -1,4 +1,4 @@
-"""The field around a scene as a VTU file for ParaView: potential, field, and which body is where."""
+"""Writes the field around a scene as a VTU file for ParaView: the potential, the field and the bodies."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ Indices = NDArray[np.int64]
 
 
 def write_field_file(scene: Scene, target: Path, source: str = "scene") -> None:
-    """Write the field with the first sensor at 1 V, whole or not at all: a picture, from the coarsest mesh, made straight.
+    """Write the field with the first sensor at 1 V on the coarsest mesh, with straight tetrahedra; leaves no incomplete file behind.
 
-    Every other conductor is grounded or, if floating, without charge. Metres; `potential` (V) at the nodes, `field` (V/m)
-    in the middle of the tetrahedra, not a number on the triangles of plates; `body` of tetrahedra and triangles: 0 in free
-    space, else one more than the place in the answer's `conductors`, `floating` and `dielectrics`, in this order.
-    Raises InputError as `conductors` does, RuntimeError when the mesher or the solver fails, OSError when the file cannot
-    be written.
+    Every other conductor is grounded or, if it is floating, uncharged. Coordinates are in metres. The file has the `potential` (V) at
+    the nodes, the `field` (V/m) in the middle of the tetrahedra (NaN on the triangles of plates), and the `body` of tetrahedra and
+    triangles: 0 in free space, else one more than the position in the answer's `conductors`, `floating` and `dielectrics`, in this
+    order. Raises InputError as `conductors` does, RuntimeError when the mesher or the solver fails, OSError when the file cannot be
+    written.
     """
     problem = conductors(scene, source)
     tagged, potential = driven_sensor(problem)
@@ -49,7 +49,7 @@ def write_field_file(scene: Scene, target: Path, source: str = "scene") -> None:
 
 
 def _at_nodes(potential: fem.Function) -> Array:
-    """Values (n,) at the nodes of a straight mesh."""
+    """Values (n,) of a potential at the nodes of a mesh of straight tetrahedra."""
     mesh = potential.function_space.mesh
     linear = fem.Function(fem.FunctionSpace(mesh, ("Lagrange", 1), jit_params=COMPILATION))
     linear.interpolate(potential)
@@ -59,7 +59,7 @@ def _at_nodes(potential: fem.Function) -> Array:
 
 
 def _field_in_cells(potential: fem.Function) -> Array:
-    """−∇u (n, 3) in the middle of every cell."""
+    """The field −∇u (n, 3) in the middle of every cell."""
     mesh = potential.function_space.mesh
     vectors = ufl.VectorElement("DG", mesh.ufl_cell(), 0)
     constant = fem.Function(fem.FunctionSpace(mesh, vectors, jit_params=COMPILATION))
@@ -69,6 +69,7 @@ def _field_in_cells(potential: fem.Function) -> Array:
 
 
 def _bodies_of_cells(tagged: TaggedMesh, problem: Conductors) -> Indices:
+    """The `body` number (n,) of every tetrahedron."""
     bodies = np.zeros(tagged.cell_count, dtype=np.int64)
     for k, owner in enumerate(problem.owner):
         bodies[tagged.cells.find(FIRST_BODY + k)] = owner + 1
@@ -76,7 +77,7 @@ def _bodies_of_cells(tagged: TaggedMesh, problem: Conductors) -> Indices:
 
 
 def _plates(tagged: TaggedMesh, problem: Conductors) -> tuple[Indices, Indices]:
-    """The triangles (n, 3) of all plates, numbers of nodes, and what they belong to (n,)."""
+    """The triangles of all plates as numbers of nodes (n, 3), and their `body` numbers (n,)."""
     topology = tagged.mesh.topology
     topology.create_connectivity(2, 0)
     node = np.zeros(topology.index_map(0).size_local, dtype=np.int64)

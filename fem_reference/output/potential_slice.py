@@ -1,4 +1,4 @@
-"""The potential in a plane through a scene, to look at: solved on the coarsest level, a picture rather than a figure."""
+"""The potential in a vertical plane through a scene, for pictures: solved on the coarsest mesh, without an error estimate."""
 
 from __future__ import annotations
 
@@ -16,18 +16,20 @@ from geometries.scene.scene import Scene
 Array = NDArray[np.float64]
 
 POINTS = 121
+"""Number of points along each side of the picture."""
 REACH = 1.6
 """Half the width of the picture over the radius of the conductors' bounding sphere."""
 SAME_PLACE = 0.02
-"""Centres closer than this, in radii of the bounding sphere, give no direction to cut along."""
+"""Largest horizontal distance of two centres, over the radius of the bounding sphere, at which they count as lying above each other."""
 
 
 def potential_slice(scene: Scene, source: str = "scene") -> dict[str, Any]:
     """{"origin": (2,), "direction": (2,), "along": (k,), "z": (k,), "potential": (k, k)}: metres, volts.
 
-    The plane is vertical and goes through the centre of the first sensor and that of all other conductors; along x when
-    they stand above each other. A point of it is origin + along·direction horizontally, z upwards; rows of `potential`
-    follow z. The first sensor is at 1 V, every other conductor grounded or, if floating, without charge. Raises InputError as `conductors` does.
+    The vertical plane goes through the centre of the first sensor and the common centre of all other bodies; it is parallel to x when
+    these lie above each other. Its points have the horizontal coordinates origin + along·direction and the height z; the rows of
+    `potential` follow z. The first sensor is at 1 V, every other conductor grounded or, if it is floating, uncharged. Raises
+    InputError as `conductors` does.
     """
     problem = conductors(scene, source)
     potential = driven_sensor(problem)[1]
@@ -46,7 +48,7 @@ def potential_slice(scene: Scene, source: str = "scene") -> dict[str, Any]:
 
 
 def _vertical_plane(problem: Conductors) -> tuple[Array, Array]:
-    """A point (2,), halfway between the two centres, and a unit direction (2,) in the scaled frame, x ≥ 0."""
+    """The point (2,) halfway between the two centres, and the plane's horizontal unit vector (2,) with x ≥ 0, in the scaled frame."""
     centres = [body.corners.mean(axis=0)[:2] for body in problem.bodies]
     sensor = np.mean([centres[k] for k in problem.bodies_of(0)], axis=0)
     elsewhere = [centre for centre, owner in zip(centres, problem.owner) if owner != 0]
@@ -59,7 +61,7 @@ def _vertical_plane(problem: Conductors) -> tuple[Array, Array]:
 
 
 def _evaluate(function: fem.Function, points: Array) -> Array:
-    """Values (n,) of a function at points (n, 3); 0 outside of its mesh, behind the walls of a room."""
+    """Values (n,) of a function at points (n, 3); 0 outside of its mesh, that is behind the walls of a room."""
     mesh = function.function_space.mesh
     tree = dolfinx.geometry.BoundingBoxTree(mesh, mesh.topology.dim)
     candidates = dolfinx.geometry.compute_collisions(tree, points)

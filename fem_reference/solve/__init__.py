@@ -1,1 +1,1 @@
-"""The equations on one mesh: potentials and fluxes, and the energies that bound the Maxwell matrix."""
+"""Solves the field problem on one mesh: potentials, fluxes, and the energies of both, which bound the Maxwell matrix."""

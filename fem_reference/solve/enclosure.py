@@ -1,4 +1,4 @@
-"""From energies above and below to an interval for every entry of the Maxwell matrix."""
+"""Intervals for the entries of the Maxwell matrix, from upper and lower bounds of the energy."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Enclosure:
-    """Two symmetric matrices (n, n); every entry of the true one lies between theirs."""
+    """Two symmetric matrices (n, n) between whose entries those of the true Maxwell matrix lie."""
 
     lower: Array
     upper: Array
@@ -25,12 +25,12 @@ class Enclosure:
 
 
 def enclosure(below: Array, above: Array) -> Enclosure:
-    """Intervals from VᵀLV ≤ VᵀMV ≤ VᵀUV for all voltages V, L = `below` and U = `above` (n, n).
+    """Intervals from VᵀLV ≤ VᵀMV ≤ VᵀUV for all voltages V, with L = `below` and U = `above` (n, n).
 
-    With D = U − L positive semidefinite the distance of M[i, j] from the middle is at most ½√(D[i, i]·D[j, j]) (Cauchy and
-    Schwarz for the two semidefinite forms U − M and M − L); U[i, j] and L[i, j] alone bound nothing. Off the diagonal M is
-    never positive: the charge that a grounded conductor takes has the other sign. Raises RuntimeError when L exceeds U,
-    which no exact energies can.
+    D = U − L is positive semidefinite, so that M[i, j] differs from the middle of U[i, j] and L[i, j] by at most
+    ½√(D[i, i]·D[j, j]): this is the Cauchy–Schwarz inequality for the semidefinite forms U − M and M − L. Off the diagonal U[i, j]
+    and L[i, j] themselves are no bounds; but there M is never positive, since the charge induced on a grounded conductor has the
+    opposite sign. Raises RuntimeError when a diagonal entry of L exceeds that of U, which is impossible for exact energies.
     """
     gap = np.diag(above) - np.diag(below)
     if np.any(gap < 0):
@@ -44,16 +44,16 @@ def enclosure(below: Array, above: Array) -> Enclosure:
 
 
 def widened(interval: Enclosure, relative: float) -> Enclosure:
-    """The interval for bodies whose capacitances may differ by this much, relatively, from those enclosed."""
+    """Widen the interval for bodies whose capacitances may differ by `relative` from those enclosed."""
     own = np.diag(interval.upper)
     change = relative * np.sqrt(np.outer(own, own))
     return Enclosure(interval.lower - change, interval.upper + change)
 
 
 def with_left_out(interval: Enclosure, bound: Array) -> Enclosure:
-    """The interval for the scene with bodies that were left out: they add a positive semidefinite matrix to M.
+    """Widen the interval to hold for the scene with the bodies that were left out, which add a positive semidefinite matrix to M.
 
-    `bound` (n,) is more than they add to the diagonal; of the rest the matrix may add or take √(bound[i]·bound[j]).
+    They increase the diagonal by at most `bound` (n,), and change any other entry, up or down, by at most √(bound[i]·bound[j]).
     """
     change = np.sqrt(np.outer(bound, bound))
     off_diagonal = ~np.eye(len(bound), dtype=bool)
@@ -65,7 +65,7 @@ def with_left_out(interval: Enclosure, bound: Array) -> Enclosure:
 
 
 def intersection(enclosures: Sequence[Enclosure]) -> Enclosure:
-    """What several enclosures of one matrix leave."""
+    """The entrywise intersection of several enclosures of one matrix."""
     return reduce(
         lambda a, b: Enclosure(np.maximum(a.lower, b.lower), np.minimum(a.upper, b.upper)), enclosures
     )

@@ -1,8 +1,8 @@
-"""The equations of the potentials on the faces, one polynomial a face, solved by conjugate gradients.
+"""The hybridised system for the multipliers on the faces, solved by preconditioned conjugate gradients.
 
-Preconditioned by two levels: all faces, block by block, and the continuous potentials that are linear in every cell. These
-are few, their values on the faces are among the multipliers, and what they cannot represent is local to a face: 20 to
-40 iterations whatever the mesh.
+A multiplier is one polynomial on each face, and acts as a potential there. The preconditioner has two levels: the diagonal blocks of
+all faces, and a coarse space of the continuous potentials that are linear in every cell. The coarse space is small, its values on
+the faces are multipliers, and the errors that it cannot represent are local to a face: 20 to 40 iterations are enough on any mesh.
 """
 
 from __future__ import annotations
@@ -35,29 +35,33 @@ SOLVER_OPTIONS: dict[str, str | float | int] = {
 }
 
 ALGEBRAIC_SAFETY = 100
-"""The square of the preconditioned residual is the energy of what the iteration leaves, up to the preconditioner's quality:
-one that removes only a hundredth of an error's energy, far worse than observed, is within this factor."""
+"""Factor on the square of the preconditioned residual, which is the energy of the iteration's remaining error up to the quality of
+the preconditioner. The factor covers a preconditioner that removes only a hundredth of an error's energy, far worse than observed."""
 
 KERNEL = 1e-9
-"""Eigenvalues of a face's block below this fraction of its largest are rounding: nothing can flow that this multiplier
-tests, as between two quarter-point elements at a vertex of the edge. The smallest others met are 1e-3 of the largest."""
+"""Eigenvalues of a face's block below this fraction of its largest are rounding noise. Such a multiplier tests a flow that is always
+zero, as between two quarter-point elements at a vertex on the edge. The smallest other eigenvalues met are 1e-3 of the largest."""
 
 
 @dataclass(frozen=True)
 class FaceSolution:
-    """Multipliers (faces, m), and a bound on the energy that the iteration left of them."""
+    """Multipliers (faces, m), and a bound on the energy of the error that the iteration left in them."""
 
     potentials: Array
     energy_left: float
 
 
 class FaceSystem:
-    """The sum of the cells' quadratic forms of the multipliers on their faces; those on some faces are given."""
+    """The sum of the cells' condensed quadratic forms, in which the multipliers on some faces are prescribed (Dirichlet)."""
 
     def __init__(
         self, parts: Sequence[tuple[Array, Integers]], face_vertices: Integers, fixed: Integers, degree: int
     ) -> None:
-        """`parts` are forms (n, k·m, k·m) of cells with faces (n, k) each; `face_vertices` (faces, 3) are ascending."""
+        """Assemble the system from `parts`: quadratic forms (n, k·m, k·m) of cells with k faces each, and these faces (n, k).
+
+        The vertices of each face in `face_vertices` (faces, 3) are in ascending order. The multipliers on the faces `fixed` are
+        prescribed.
+        """
         self.parts = parts
         self.per_face = face_polynomials(degree)
         self.face_count = len(face_vertices)
@@ -68,20 +72,23 @@ class FaceSystem:
         self.free = np.flatnonzero(used)
         number = np.full(self.face_count, -1)
         number[self.free] = np.arange(len(self.free))
-        matrix = _without_kernels(
+        matrix = _with_regular_blocks(
             _assembled([(forms, number[faces]) for forms, faces in parts], len(self.free))
         )
-        coarse = _linear_potentials(face_vertices, self.free, fixed, degree)
-        self._matrix, self._coarse = _blocked(matrix), _unblocked(coarse)
-        self._coarse_matrix = _unblocked((coarse.T @ (matrix.tocsr() @ coarse)).tocsr())
-        self._solver = self._prepared()
+        coarse = _coarse_space(face_vertices, self.free, fixed, degree)
+        self._matrix, self._coarse = _petsc_block_matrix(matrix), _petsc_matrix(coarse)
+        self._coarse_matrix = _petsc_matrix((coarse.T @ (matrix.tocsr() @ coarse)).tocsr())
+        self._solver = self._two_level_solver()
 
     @property
     def unknowns(self) -> int:
         return len(self.free) * self.per_face
 
     def solve(self, driven: Integers) -> FaceSolution:
-        """The multipliers with these fixed faces at potential 1, the other fixed ones at 0; RuntimeError when not found."""
+        """Solve for the multipliers with these fixed faces at potential 1 and the other fixed ones at 0.
+
+        Raises RuntimeError when the iteration does not converge.
+        """
         potentials = np.zeros((self.face_count, self.per_face))
         potentials[driven] = 1
         load, solution = self._matrix.createVecLeft(), self._matrix.createVecRight()
@@ -92,12 +99,13 @@ class FaceSystem:
         return FaceSolution(potentials, ALGEBRAIC_SAFETY * self._solver.getResidualNorm() ** 2)
 
     def energies(self, potentials: Sequence[Array]) -> Array:
-        """The quadratic form (n, n) of multipliers (faces, m)."""
+        """The values (n, n) of the quadratic form for pairs of n sets of multipliers (faces, m)."""
         images = [self._applied(own) for own in potentials]
         found = np.array([[np.vdot(a, image) for image in images] for a in potentials])
         return np.asarray((found + found.T) / 2)
 
     def _applied(self, potentials: Array) -> Array:
+        """The product of the matrix of all faces, fixed ones too, with multipliers (faces, m)."""
         image = np.zeros_like(potentials)
         for forms, faces in self.parts:
             local = potentials[faces].reshape(len(faces), -1, 1)
@@ -106,7 +114,8 @@ class FaceSystem:
                 image[:, k] += np.bincount(faces.ravel(), flows[:, :, k].ravel(), minlength=self.face_count)
         return image
 
-    def _prepared(self) -> PETSc.KSP:
+    def _two_level_solver(self) -> PETSc.KSP:
+        """Conjugate gradients with the two-level preconditioner."""
         solver = PETSc.KSP().create(self._matrix.comm)
         solver.setOperators(self._matrix)
         preconditioner = solver.getPC()
@@ -120,7 +129,7 @@ class FaceSystem:
 
 
 def _assembled(parts: Sequence[tuple[Array, NDArray[np.int64]]], count: int) -> scipy.sparse.bsr_matrix:
-    """The sum of the forms over the free faces, block by block; faces numbered −1 are not free."""
+    """Assemble the forms into a block matrix over the `count` free faces; faces numbered −1 are not free."""
     keys, blocks = [], []
     for forms, faces in parts:
         each = faces.shape[1]
@@ -139,11 +148,11 @@ def _assembled(parts: Sequence[tuple[Array, NDArray[np.int64]]], count: int) -> 
     return scipy.sparse.bsr_matrix((summed, places % count, pointers), shape=(size, size))
 
 
-def _without_kernels(matrix: scipy.sparse.bsr_matrix) -> scipy.sparse.bsr_matrix:
-    """The matrix with its largest eigenvalue where a face's block has none.
+def _with_regular_blocks(matrix: scipy.sparse.bsr_matrix) -> scipy.sparse.bsr_matrix:
+    """Make the diagonal block of every face regular: replace its zero eigenvalues by its largest one.
 
-    The form is positive semidefinite, so what a block does not see the whole matrix does not see either: solutions and
-    energies stay what they are.
+    The whole form is positive semidefinite, so that the kernel of a diagonal block is in the kernel of the whole matrix. Solutions and
+    energies therefore do not change.
     """
     rows = np.repeat(np.arange(len(matrix.indptr) - 1), np.diff(matrix.indptr))
     diagonal = np.flatnonzero(rows == matrix.indices)
@@ -153,10 +162,13 @@ def _without_kernels(matrix: scipy.sparse.bsr_matrix) -> scipy.sparse.bsr_matrix
     return matrix
 
 
-def _linear_potentials(
+def _coarse_space(
     face_vertices: Integers, free: NDArray[np.int64], fixed: Integers, degree: int
 ) -> scipy.sparse.csr_matrix:
-    """Values on the free faces (unknowns, vertices) of the potentials that are 1 at one vertex, and linear in the cells."""
+    """The coarse space (unknowns, vertices): values on the free faces of the hat function of each free vertex.
+
+    A hat function is 1 at its vertex, 0 at the others, and linear in every cell.
+    """
     points = polynomials_on_face(degree).points
     barycentric = np.column_stack([1 - points.sum(axis=1), points])
     is_free = np.zeros(face_vertices.max() + 1, dtype=bool)
@@ -173,7 +185,8 @@ def _linear_potentials(
     )
 
 
-def _blocked(matrix: scipy.sparse.bsr_matrix) -> PETSc.Mat:
+def _petsc_block_matrix(matrix: scipy.sparse.bsr_matrix) -> PETSc.Mat:
+    """Copy a block matrix to PETSc."""
     pointers, columns = matrix.indptr.astype(PETSc.IntType), matrix.indices.astype(PETSc.IntType)
     return PETSc.Mat().createBAIJ(
         size=matrix.shape,
@@ -183,7 +196,8 @@ def _blocked(matrix: scipy.sparse.bsr_matrix) -> PETSc.Mat:
     )
 
 
-def _unblocked(matrix: scipy.sparse.csr_matrix) -> PETSc.Mat:
+def _petsc_matrix(matrix: scipy.sparse.csr_matrix) -> PETSc.Mat:
+    """Copy a sparse matrix without blocks to PETSc."""
     pointers, columns = matrix.indptr.astype(PETSc.IntType), matrix.indices.astype(PETSc.IntType)
     return PETSc.Mat().createAIJ(
         size=matrix.shape, csr=(pointers, columns, matrix.data), comm=PETSc.COMM_SELF

@@ -1,4 +1,4 @@
-"""Laplace's equation around the conductors on one mesh: cubic elements, open boundary, charges by the energy."""
+"""Laplace's equation around the conductors on one mesh: cubic Lagrange elements, an open boundary, charges from the energy."""
 
 from __future__ import annotations
 
@@ -18,14 +18,18 @@ from fem_reference.mesh.tagged_mesh import AWAY_FROM_EDGES, FIRST_BODY, NEAR_EDG
 from fem_reference.common.stages import stage
 
 DEGREE = 3
+"""Degree of the Lagrange elements."""
 QUADRATURE_DEGREE_NEAR_EDGE = 10
-"""On quarter-point elements the integrand is rational; degree 4 puts a point on the singular edge (NaN)."""
+"""Quadrature degree on quarter-point elements, where the integrand is rational. Degree 4 would put a point on the singular edge and
+give NaN."""
 QUADRATURE_DEGREE = 4
-"""Exact for the gradients of cubic functions on straight elements."""
+"""Quadrature degree that is exact for products of gradients of cubic functions on straight elements."""
 CURVED_SURFACE_QUADRATURE_DEGREE = 8
+"""Quadrature degree on the faces of the outer sphere."""
 
 COMPILATION = {"timeout": 300}
-"""Seconds to wait for another process that compiles the same form: cases run side by side on a slow machine too."""
+"""Seconds to wait for another process that compiles the same form. It has to be enough for cases that run side by side on a slow
+machine."""
 
 SOLVER_OPTIONS: dict[str, str | float | int] = {
     "ksp_type": "cg",
@@ -45,19 +49,19 @@ SOLVER_OPTIONS: dict[str, str | float | int] = {
 
 @dataclass(frozen=True)
 class Charges:
-    """Charges per volt on one mesh, for ε = 1: lengths in the unit of the mesh."""
+    """Charges per volt on one mesh, for ε = 1, in the mesh's unit of length."""
 
     maxwell: NDArray[np.float64]
-    """(n, n): charge on conductor i with conductor j at 1 V and the others grounded; floating ones have no charge."""
+    """(n, n): charge on conductor i with conductor j at 1 V and the others grounded; floating conductors carry no charge."""
     sensors_alone: NDArray[np.float64]
-    """(m, m): the same for the first m conductors with everything but sensors absent."""
+    """(m, m): the same for the first m conductors in a scene of the sensors alone."""
     unknowns: int
     potentials: list[NDArray[np.float64]]
-    """For each conductor: the potential (unknowns,) with it at 1 V and the others grounded."""
+    """For each driven conductor the potential (unknowns,) with this conductor at 1 V and the others grounded."""
 
 
 class FieldProblem:
-    """The stiffness matrix of one mesh, and solutions with any choice of conductors on it."""
+    """The stiffness matrix of one mesh, with solutions for any choice of the conductors on it."""
 
     def __init__(
         self,
@@ -65,9 +69,9 @@ class FieldProblem:
         conductors: Sequence[Sequence[int]],
         permittivities: Mapping[int, float] | None = None,
     ) -> None:
-        """`conductors[k]` lists the bodies that make up conductor k.
+        """Assemble the matrix; `conductors[k]` lists the bodies that make up conductor k.
 
-        `permittivities` has those of the solid bodies that are dielectric, relative to the medium's.
+        `permittivities` maps each dielectric body to its permittivity relative to the medium's.
         """
         self.tagged = tagged
         self.permittivities = dict(permittivities or {})
@@ -78,7 +82,7 @@ class FieldProblem:
         self.wall_dofs = _wall_dofs(tagged, self.space)
 
     def without_dielectrics(self) -> FieldProblem:
-        """The same conductors on the same mesh, the medium in the place of every dielectric body."""
+        """The same conductors on the same mesh, with every dielectric body replaced by the medium."""
         if not self.permittivities:
             return self
         bare = copy.copy(self)
@@ -91,9 +95,10 @@ class FieldProblem:
         return int(self.space.dofmap.index_map.size_global)
 
     def potentials(self, present: Sequence[int], driven: int) -> list[NDArray[np.float64]]:
-        """For each of the first `driven` conductors: the potential (unknowns,) with it at 1 V, the other present ones at 0 V.
+        """Solve for one potential (unknowns,) for each of the first `driven` of the `present` conductors.
 
-        Conductors that are not present are free space. Raises RuntimeError when the iteration does not converge.
+        That conductor is at 1 V, the other present ones are at 0 V, and absent conductors are free space. Raises RuntimeError when
+        the iteration does not converge.
         """
         with stage("solving the equations"):
             return self._potentials(present, driven)
@@ -127,16 +132,16 @@ class FieldProblem:
         return potentials
 
     def energies(self, potentials: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
-        """u_i·K·u_j (n, n) of potentials (unknowns,): the charge on conductor i with conductor j at 1 V (ε = 1).
+        """The products u_i·K·u_j (n, n) of potentials (unknowns,): the charge on conductor i with conductor j at 1 V (ε = 1).
 
-        The same numbers as the sums of the reactions K·u_j over the conductors' unknowns, but what the iterative solver
-        leaves undone enters squared.
+        They equal the sums of the reactions K·u_j over the conductors' unknowns, except that the error of the iterative solver
+        enters squared.
         """
         return products(self.stiffness, potentials)
 
 
 def products(matrix: PETSc.Mat, vectors: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """v_i·A·v_j (n, n) for a symmetric matrix."""
+    """The products v_i·A·v_j (n, n) for a symmetric matrix A."""
     images = []
     for vector in vectors:
         source = matrix.createVecRight()
@@ -151,10 +156,11 @@ def products(matrix: PETSc.Mat, vectors: Sequence[NDArray[np.float64]]) -> NDArr
 def charges(
     problem: FieldProblem, sensors: int, floating: int = 0, grounded: int = 0, grounded_sensors: int = 0
 ) -> Charges:
-    """The Maxwell matrix on one mesh; the first `sensors` conductors also with everything but sensors absent.
+    """Solve for the Maxwell matrix on one mesh, and for that of the sensors alone.
 
-    The last `grounded` conductors are never driven, the first `grounded_sensors` of them are sensors. The `floating` ones
-    before carry no charge. Neither have a row in the matrix.
+    The first `sensors` conductors are sensors. The last `grounded` conductors are never driven, and the first `grounded_sensors` of
+    them are sensors too. The `floating` conductors, which come before the grounded ones, carry no charge. Neither kind has a row in
+    the matrix.
     """
     count = len(problem.dofs)
     driven = count - grounded
@@ -170,7 +176,7 @@ def charges(
 
 
 def without_floating(maxwell: NDArray[np.float64], floating: int) -> NDArray[np.float64]:
-    """The Maxwell matrix of the other conductors when the last `floating` ones carry no charge: the Schur complement.
+    """Eliminate the last `floating` conductors, which carry no charge, from the Maxwell matrix: its Schur complement.
 
     Solving the rows 0 = M_fk·V_k + M_ff·V_f for the floating conductors' potentials leaves M_kk − M_kf·M_ff⁻¹·M_fk.
     """
@@ -184,7 +190,7 @@ def without_floating(maxwell: NDArray[np.float64], floating: int) -> NDArray[np.
 
 
 def first_sensor_driven(problem: FieldProblem, floating: int) -> NDArray[np.float64]:
-    """The potential (unknowns,) with the first conductor at 1 V, the last `floating` without charge, the others at 0 V."""
+    """The potential (unknowns,) with the first conductor at 1 V, the last `floating` ones uncharged, and the others at 0 V."""
     count = len(problem.dofs)
     potentials = problem.potentials(range(count), count)
     if floating == 0:
@@ -197,7 +203,10 @@ def first_sensor_driven(problem: FieldProblem, floating: int) -> NDArray[np.floa
 def _stiffness(
     tagged: TaggedMesh, space: fem.FunctionSpace, permittivities: Mapping[int, float]
 ) -> PETSc.Mat:
-    """∫ε∇u·∇v over the mesh, plus the open boundary ∫ (x·n)/|x|² u v, exact for 1/|x|; ε = 1 but in dielectric bodies."""
+    """Assemble ∫ε∇u·∇v over the mesh plus, without a room, the open boundary ∫ (x·n)/|x|² u v, which is exact for 1/|x|.
+
+    ε is 1 outside of dielectric bodies.
+    """
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
     dx = ufl.Measure("dx", domain=tagged.mesh, subdomain_data=tagged.near_edge)
     ds = ufl.Measure("ds", domain=tagged.mesh, subdomain_data=tagged.facets)
@@ -219,14 +228,14 @@ def _stiffness(
 
 
 def permittivity(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> fem.Function:
-    """The permittivity of every cell."""
+    """The permittivity relative to the medium's, as a function that is constant in every cell."""
     coefficient = fem.Function(fem.FunctionSpace(tagged.mesh, ("DG", 0), jit_params=COMPILATION))
     coefficient.x.array[:] = cell_permittivities(tagged, permittivities)
     return coefficient
 
 
 def cell_permittivities(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> NDArray[np.float64]:
-    """The permittivity (cells,) relative to the medium's: 1 but in dielectric bodies."""
+    """The permittivity (cells,) relative to the medium's: 1 outside of dielectric bodies."""
     values = np.ones(tagged.local_cells)
     for body, value in permittivities.items():
         values[tagged.cells.find(FIRST_BODY + body)] = value
@@ -234,34 +243,36 @@ def cell_permittivities(tagged: TaggedMesh, permittivities: Mapping[int, float])
 
 
 def _conductor_dofs(tagged: TaggedMesh, space: fem.FunctionSpace, bodies: Sequence[int]) -> NDArray[np.int32]:
+    """This process's unknowns on, and inside of, the bodies of one conductor."""
     found = []
     for k in bodies:
         for dimension, tags in ((2, tagged.facets), (3, tagged.cells)):
-            # All processes ask, those without such entities too: the dofs of one may be on the facets of another.
+            # The call is collective, and the unknowns of one process may lie on the facets of another: processes without such
+            # entities must take part.
             found.append(fem.locate_dofs_topological(space, dimension, tags.find(FIRST_BODY + k)))
     known = np.unique(np.concatenate(found))
     return np.asarray(known[known < space.dofmap.index_map.size_local], dtype=PETSc.IntType)
 
 
 def _wall_dofs(tagged: TaggedMesh, space: fem.FunctionSpace) -> NDArray[np.int32]:
-    """The unknowns on the walls of a room; none in free space."""
+    """This process's unknowns on the walls of a room; none in free space."""
     walls = tagged.facets.find(OUTER_SURFACE) if tagged.in_room else np.empty(0, dtype=np.int32)
     known = fem.locate_dofs_topological(space, 2, walls)
     return np.asarray(known[known < space.dofmap.index_map.size_local], dtype=PETSc.IntType)
 
 
 def release_unused(communicator: MPI.Comm) -> None:
-    """Free the matrices and vectors of a mesh's communicator, and of each process by itself, that nothing refers to any more.
+    """Free the unreferenced PETSc matrices and vectors of a mesh's communicator, and those of each process by itself.
 
-    petsc4py keeps what Python drops until all processes of its communicator say that they have dropped it. The communicator is the
-    mesh's own: once the mesh is gone too, nobody can say so.
+    petsc4py keeps an object that Python has dropped until all processes of the object's communicator confirm that they have dropped
+    it too. The communicator is the mesh's own, so that this must be called while the mesh still exists.
     """
     for scope in (communicator, MPI.COMM_SELF):
         PETSc.garbage_cleanup(scope)
 
 
 def set_options(solver: PETSc.KSP, options: Mapping[str, str | float | int]) -> None:
-    """Configure a solver; the process's option database, which is shared, keeps nothing of it."""
+    """Configure a solver, and remove its options from PETSc's shared option database afterwards."""
     database = PETSc.Options()
     solver.setOptionsPrefix("field_")
     for name, value in options.items():

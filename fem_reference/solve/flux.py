@@ -1,9 +1,9 @@
 """Lower bounds of the Maxwell matrix from divergence-free fluxes on one mesh (complementary energy).
 
 For any voltages V the energy VᵀMV is the maximum over divergence-free fluxes σ of 2·Σ V_i·(flow of σ out of conductor i) −
-∫|σ|². Raviart–Thomas fluxes, extended to infinity along rays, make this a lower bound. The continuity of the flow from
-cell to cell is imposed by multipliers on the faces, which act as potentials there; the fluxes are eliminated cell by cell, so
-that what is solved is symmetric and positive: NUMERICS.md section 5.
+∫|σ|². Maximising over Raviart–Thomas fluxes, extended to infinity along rays, gives a lower bound. The hybridised system imposes the
+continuity of the flow from cell to cell by multipliers on the faces, which act as potentials there. Static condensation eliminates
+the fluxes cell by cell and leaves a symmetric positive semidefinite system for the multipliers: NUMERICS.md section 5.
 """
 
 from __future__ import annotations
@@ -34,15 +34,15 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int32]
 
 CURVED_QUADRATURE_DEGREE = 12
-"""Twice the degree of the fluxes and as much again for the cell's own curvature."""
+"""Quadrature degree in cells on curved surfaces: twice the degree of the fluxes, and as much again for the cell's curvature."""
 
 CHUNK = 1000
-"""Cells at a time: their matrices stay within some tens of megabytes."""
+"""Number of cells condensed at a time, so that their matrices take no more than some tens of megabytes."""
 
 
 @dataclass(frozen=True)
 class FluxEnergies:
-    """Energies (n, n) of the best fluxes, ε = 1, and how far the iteration may have left each diagonal entry too high."""
+    """Energies (n, n) of the best fluxes (ε = 1), and how much too high the iteration may have left each diagonal entry."""
 
     lower: Array
     algebraic_error: Array
@@ -51,20 +51,20 @@ class FluxEnergies:
 
 @dataclass(frozen=True)
 class _Cells:
-    """The cells outside the conductors."""
+    """The cells outside the conductors, where there is a field."""
 
     nodes: Array
-    """(n, 10, 3): vertices and middle nodes."""
+    """(n, 10, 3): coordinates of the vertices and of the middle nodes."""
     faces: Integers
-    """(n, 4) numbers of the faces."""
+    """(n, 4): numbers of the faces."""
     orders: Integers
-    """(n, 4): which of ORDERS sorts the vertices of each face."""
+    """(n, 4): index of the order in ORDERS that sorts the vertices of each face by their numbers."""
     on_edge: NDArray[np.bool_]
-    """(n, 4) vertices on the edge of a plate."""
+    """(n, 4): which vertices lie on the edge of a plate."""
     curved: NDArray[np.bool_]
-    """(n,) cells that follow a curved surface."""
+    """(n,): which cells follow a curved surface."""
     permittivity: Array
-    """(n,)."""
+    """(n,): permittivity relative to the medium's."""
 
 
 def flux_energies(
@@ -74,27 +74,30 @@ def flux_energies(
     degree: int,
     permittivities: Mapping[int, float] | None = None,
 ) -> FluxEnergies:
-    """The energies of the best fluxes of this degree; `conductors[k]` lists the bodies that make up conductor k.
+    """Solve for the best fluxes of this degree and return their energies.
 
-    One flux for each of the first `driven` conductors, the other ones are grounded. `permittivities` has those of the dielectric bodies. Raises RuntimeError when the iteration does not converge.
+    `conductors[k]` lists the bodies that make up conductor k. There is one flux for each of the first `driven` conductors; the other
+    conductors are grounded. `permittivities` maps each dielectric body to its permittivity relative to the medium's. Raises
+    RuntimeError when the iteration does not converge.
     """
-    cells = _outside(tagged, permittivities or {})
-    # The outer surface's faces are cells of one face each.
-    parts = [(_eliminated(cells, degree), cells.faces)]
+    cells = _cells_with_field(tagged, permittivities or {})
+    # The space beyond each face of the outer surface is one more cell, with this single face.
+    parts = [(_condensed(cells, degree), cells.faces)]
     fixed = [_faces_of(tagged, cells, bodies) for bodies in conductors]
     if tagged.in_room:
         fixed.append(tagged.facets.find(OUTER_SURFACE))
     else:
-        parts.append(_outer(tagged, cells, degree))
+        parts.append(_condensed_exterior(tagged, cells, degree))
     face_vertices = np.sort(tagged.mesh.topology.connectivity(2, 0).array.reshape(-1, 3), axis=1)
     system = FaceSystem(parts, face_vertices, np.concatenate(fixed), degree)
     solutions = [system.solve(faces) for faces in fixed[:driven]]
     potentials = [solution.potentials for solution in solutions]
-    left = np.array([solution.energy_left for solution in solutions])
-    return FluxEnergies(system.energies(potentials), left, system.unknowns)
+    energies_left = np.array([solution.energy_left for solution in solutions])
+    return FluxEnergies(system.energies(potentials), energies_left, system.unknowns)
 
 
-def _outside(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> _Cells:
+def _cells_with_field(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> _Cells:
+    """Collect the cells of free space and of dielectric bodies."""
     topology = tagged.mesh.topology
     for pair in ((3, 2), (3, 0), (2, 0)):
         topology.create_connectivity(*pair)
@@ -119,8 +122,8 @@ def _outside(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> _Cells:
     )
 
 
-def _eliminated(cells: _Cells, degree: int) -> Array:
-    """For each cell the energy (n, m, m) of the best flux as a quadratic form of the multipliers on its faces."""
+def _condensed(cells: _Cells, degree: int) -> Array:
+    """Statically condense each cell: the energy (n, m, m) of its best flux as a quadratic form of the multipliers on its faces."""
     size = 4 * face_polynomials(degree)
     forms = np.empty((len(cells.faces), size, size))
     for collapsed, members in patterns(cells.on_edge):
@@ -139,6 +142,7 @@ def _eliminated(cells: _Cells, degree: int) -> Array:
 def _chunks(
     members: NDArray[np.int64], curved: NDArray[np.bool_]
 ) -> Iterator[tuple[NDArray[np.int64], bool]]:
+    """Split cells into chunks that are either all straight or all curved, with which it is."""
     for kind in (False, True):
         own = members[curved[members] == kind]
         for start in range(0, len(own), CHUNK):
@@ -146,7 +150,7 @@ def _chunks(
 
 
 def _straight_mass(nodes: Array, space: FluxSpace) -> Array:
-    """∫σ_n·σ_m (cells, n, n) in cells that are affine images of a reference element."""
+    """Mass matrices ∫σ_n·σ_m (cells, n, n) of cells that are affine images of a reference element."""
     edges = nodes[:, 1:4] - nodes[:, :1]
     metric = edges @ edges.transpose(0, 2, 1) / np.abs(np.linalg.det(edges))[:, None, None]
     count = space.products.shape[2]
@@ -154,7 +158,7 @@ def _straight_mass(nodes: Array, space: FluxSpace) -> Array:
 
 
 def _curved_mass(nodes: Array, space: FluxSpace, collapsed: frozenset[int]) -> Array:
-    """The same in any second-order cells, by quadrature: rational functions, smooth but for the edges of discs."""
+    """Mass matrices of any second-order cells, by quadrature. The integrands are rational, and smooth except at the edges of discs."""
     if collapsed:
         points, weights = aligned_rule(collapsed, CURVED_QUADRATURE_DEGREE)
     else:
@@ -170,10 +174,11 @@ def _curved_mass(nodes: Array, space: FluxSpace, collapsed: frozenset[int]) -> A
     return mass
 
 
-def _outer(tagged: TaggedMesh, cells: _Cells, degree: int) -> tuple[Array, Integers]:
-    """The energy of the best flux from each face of the outer surface to infinity, as a quadratic form; and the faces.
+def _condensed_exterior(tagged: TaggedMesh, cells: _Cells, degree: int) -> tuple[Array, Integers]:
+    """Condense the space beyond the outer surface: the energy of the best flux from each of its faces to infinity.
 
-    A flux q per reference area that leaves along rays from the centre has the energy ∫ q²·|x|²/(x·n) dA.
+    Returns the quadratic forms of the multipliers and the numbers of the faces. A flux of q per area that leaves along rays from the
+    centre has the energy ∫ q²·|x|²/(x·n) dA.
     """
     points, weights = basix.make_quadrature(basix.CellType.triangle, 2 * degree + 2)
     barycentric = np.column_stack([1 - points.sum(axis=1), points])
@@ -186,7 +191,7 @@ def _outer(tagged: TaggedMesh, cells: _Cells, degree: int) -> tuple[Array, Integ
         x = tabulated[0] @ cells.nodes[cell] - tagged.centre
         jacobian = np.einsum("dpk,ki->pid", tabulated[1:], cells.nodes[cell])
         area = np.cross(jacobian @ (corners[1] - corners[0]), jacobian @ (corners[2] - corners[0]))
-        # q per reference area is q/|area| per area: one factor of the area's size is left in the denominator x·n.
+        # q is given per reference area, that is q/|area| per area; one factor |area| remains in the denominator x·area.
         weight = weights * np.einsum("pi,pi->p", x, x) / np.abs(np.einsum("pi,pi->p", x, area))
         value = tests.tabulate(0, in_order(barycentric, ORDERS[cells.orders[cell, face]]))[0][:, :, 0]
         product = np.einsum("p,pm,pn->mn", weights, value, value)
@@ -195,7 +200,7 @@ def _outer(tagged: TaggedMesh, cells: _Cells, degree: int) -> tuple[Array, Integ
 
 
 def _faces_of(tagged: TaggedMesh, cells: _Cells, bodies: Sequence[int]) -> Integers:
-    """The faces on the surfaces of these bodies."""
+    """Numbers of the faces on the surfaces of these bodies."""
     found = []
     for body in bodies:
         found.append(tagged.facets.find(FIRST_BODY + body))

@@ -1,4 +1,4 @@
-"""What one mesh says about a scene's Maxwell matrix."""
+"""One level of the refinement: a scene's Maxwell matrix, and its bounds, on one mesh."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ from fem_reference.solve.upper_energy import upper_energies
 Array = NDArray[np.float64]
 
 Bounds = Literal["none", "check", "enclosure"]
-"""Whether a level is to have bounds: none, wide ones that check its values, or those that are the answer."""
+"""Which bounds to compute on a level: none, wide ones that only check its values, or narrow ones that are part of the answer."""
 
 FLUX_DEGREE = 3
-"""Raviart–Thomas fluxes of degree 3 match the cubic potentials: on the square plate both bounds are then about as far
-from the truth, at four times the time of the potentials. Degree 2 is three to four times farther off at a third of the time, degree 4
-takes three times as long for two thirds of the distance."""
+"""Degree of the Raviart–Thomas fluxes. Degree 3 matches the cubic potentials: on the square plate the lower bound is then about as
+far from the true value as the upper one, at four times the time of the potentials. Degree 2 is three to four times farther off at a
+third of the time; degree 4 takes three times as long for two thirds of the distance."""
 CHECK_DEGREE = 2
-"""Degree of the fluxes that only check a level: bounds some 0.5 to 1 % wide on the coarsest one, for a tenth of the time of an
-answer of three levels. Degree 1 leaves quarter-point cells with no flux at all."""
+"""Degree of the fluxes that only check a level: the bounds are some 0.5 to 1 % wide on the coarsest level, and take a tenth of the
+time of an answer of three levels. With degree 1 no flux is left in quarter-point cells."""
 
 
 @dataclass(frozen=True)
 class Level:
-    """One mesh; farads, and the size of its tetrahedra at the finest body's edges in metres."""
+    """The solution on one mesh; matrices in farads, `edge_size` in metres at the edges of the smallest body."""
 
     edge_size: float
     unknowns: int
@@ -50,11 +50,11 @@ class Level:
     memory: int = 0
     """The most memory (bytes) the process had held when the level was done."""
     flux_seconds: float = 0.0
-    """What the bounds took, of `seconds`."""
+    """The share of `seconds` that the bounds took."""
     enclosure: Enclosure | None = None
-    """Where the truth lies, when asked for."""
+    """Proven bounds of the Maxwell matrix, when asked for."""
     check: Enclosure | None = None
-    """The same by coarser fluxes, of a level whose error is to be estimated: what contradicts it is wrong."""
+    """Wider proven bounds, by fluxes of lower degree, against which an estimated answer is checked."""
 
 
 def solve_level(
@@ -64,7 +64,7 @@ def solve_level(
     bounds: Bounds,
     planes: Sequence[Plane] = (),
 ) -> Level:
-    """Mesh and solve once, on one side of planes of symmetry.
+    """Mesh and solve once, on one side of the planes of symmetry.
 
     Raises RuntimeError when the mesher or the solver fails, or when bounds are asked for and contradict each other.
     """
@@ -78,7 +78,7 @@ def solve_level(
         room=problem.room,
     )
     farads = epsilon_0 * relative_permittivity * problem.unit * mesh.copies
-    found, done, interval = _answers(problem, mesh, farads, bounds)
+    found, done, interval = _charges_and_bounds(problem, mesh, farads, bounds)
     release_unused(mesh.mesh.comm)
     smallest = min(body.size for body in problem.bodies)
     end = time.monotonic()
@@ -97,10 +97,13 @@ def solve_level(
     )
 
 
-def _answers(
+def _charges_and_bounds(
     problem: Conductors, mesh: TaggedMesh, farads: float, bounds: Bounds
 ) -> tuple[Charges, float, Enclosure | None]:
-    """The charges, when they were known, and where they lie when that is asked for. Refers to no matrix any more."""
+    """Solve for the charges and, if asked for, their bounds; also returns the time at which the charges were known.
+
+    The matrices are local to this function, so that `release_unused` can free them afterwards.
+    """
     system = FieldProblem(mesh, problem.parts, problem.permittivities)
     found = charges(
         system, problem.sensors, len(problem.floating), len(problem.grounded), problem.grounded_sensors
@@ -116,7 +119,7 @@ def _answers(
 def _enclosure(
     problem: Conductors, system: FieldProblem, potentials: list[Array], farads: float, degree: int
 ) -> Enclosure:
-    """Where the matrix lies; eliminating floating conductors keeps the order of the two bounds (NUMERICS.md section 5)."""
+    """Bounds of the Maxwell matrix without floating conductors; eliminating these keeps L ≤ M ≤ U (NUMERICS.md section 5)."""
     above = upper_energies(system, potentials)
     flux = flux_energies(system.tagged, problem.parts, problem.driven, degree, problem.permittivities)
     below = flux.lower - np.diag(flux.algebraic_error)

@@ -1,8 +1,9 @@
-"""Divergence-free fluxes on the reference tetrahedron, and their normal components through its faces.
+"""Divergence-free Raviart–Thomas fluxes on the reference tetrahedron, and their flows through its faces.
 
 A flux φ in reference coordinates stands for σ = J·φ/|det J| in space (the contravariant Piola map, P.-A. Raviart & J. M. Thomas
-1977): divergence-free where φ is, and with the same flow through every piece of a face. What flows through a face is tested with polynomials in the face's own barycentric
-coordinates, its vertices in ascending order of their numbers in the mesh, so that both cells at a face use the same ones.
+1977). σ is divergence-free where φ is, and has the same flow through every piece of a face. The flow through a face is tested with
+polynomials in the barycentric coordinates of the face. Its vertices are taken in ascending order of their numbers in the mesh, so
+that both cells at a face use the same polynomials.
 """
 
 from __future__ import annotations
@@ -21,8 +22,9 @@ Array = NDArray[np.float64]
 
 CORNERS = np.array(basix.geometry(basix.CellType.tetrahedron))
 FACES = np.array(basix.topology(basix.CellType.tetrahedron)[2])
-"""Vertices of face f, which lies opposite vertex f."""
+"""Local vertices of each face; face f lies opposite vertex f."""
 ORDERS = list(permutations(range(3)))
+"""The orders in which the three vertices of a face can be numbered."""
 
 
 @dataclass(frozen=True)
@@ -31,12 +33,12 @@ class FluxSpace:
 
     degree: int
     combinations: Array
-    """(all, n): the n fluxes as combinations of basix's basis."""
+    """(all, n): coefficients of the n fluxes in basix's basis of the whole Raviart–Thomas space."""
     flows: Array
-    """(4, 6, m, n): flux n through face f tested with the face's polynomial m, for each order of the face's vertices."""
+    """(4, 6, m, n): flow of flux n through face f, tested with the face's polynomial m, for each order of the face's vertices."""
     products: Array
-    """(3, 3, n, n): the integrals of component d of one flux times component e of the other, after the quarter-point map.
-    In a cell that is an affine image of the reference tetrahedron the energy is their sum over the metric."""
+    """(3, 3, n, n): integrals of component d of one flux times component e of another, after the quarter-point map. In a cell that
+    is an affine image of the reference tetrahedron the energy is their sum weighted with the metric."""
 
     def values(self, points: Array) -> Array:
         """The fluxes (points, 3, n) at points (points, 3) of the reference tetrahedron."""
@@ -45,16 +47,16 @@ class FluxSpace:
 
 
 def face_polynomials(degree: int) -> int:
-    """How many polynomials test the flow through a face."""
+    """Number of polynomials that test the flow through a face, which is the number of multipliers on it."""
     return degree * (degree + 1) // 2
 
 
 @cache
 def flux_space(degree: int, collapsed: frozenset[int] = frozenset()) -> FluxSpace:
-    """The space for cells whose `collapsed` vertices lie on the edge of a plate (`quarter_points`).
+    """The space of fluxes in cells whose `collapsed` vertices lie on the edge of a plate (`quarter_points`).
 
-    There det J vanishes on the simplex of these vertices, like the square of the distance to an edge, and only fluxes
-    that do not flow along this edge (or within this face) have a finite energy: NUMERICS.md section 5.
+    In such a cell det J vanishes on the simplex of these vertices (an edge or a face): like the square of the distance from an edge.
+    Only fluxes without a component along this edge, or within this face, have a finite energy: NUMERICS.md section 5.
     """
     element = _element(degree)
     points, weights = basix.make_quadrature(basix.CellType.tetrahedron, 2 * degree)
@@ -65,7 +67,7 @@ def flux_space(degree: int, collapsed: frozenset[int] = frozenset()) -> FluxSpac
     ).tabulate(0, points)[0][:, :, 0]
     conditions = [np.einsum("p,pm,pa->ma", weights, tests, divergence)]
     if 2 <= len(collapsed) <= 3:
-        conditions.append(_flow_within(element, degree, sorted(collapsed)))
+        conditions.append(_conditions_within(element, degree, sorted(collapsed)))
     combinations = _null_space(np.vstack(conditions))
     flows = np.einsum("fpma,an->fpmn", _flows(degree), combinations)
     return FluxSpace(degree, combinations, flows, _products(element, degree, combinations, collapsed))
@@ -73,7 +75,7 @@ def flux_space(degree: int, collapsed: frozenset[int] = frozenset()) -> FluxSpac
 
 @cache
 def polynomials_on_face(degree: int) -> basix.finite_element.FiniteElement:
-    """The polynomials that test the flow through a face: a Lagrange basis, so that all ones are the constant 1."""
+    """The polynomials that test the flow through a face: a Lagrange basis, so that coefficients of 1 give the constant 1."""
     return basix.create_element(
         basix.ElementFamily.P,
         basix.CellType.triangle,
@@ -84,7 +86,10 @@ def polynomials_on_face(degree: int) -> basix.finite_element.FiniteElement:
 
 
 def in_order(barycentric: Array, order: tuple[int, ...]) -> Array:
-    """Reference coordinates (n, 2) on a face of points given by barycentric coordinates (n, 3) of its local vertices."""
+    """Convert barycentric coordinates (n, 3) with respect to a face's local vertices to reference coordinates (n, 2) of the face.
+
+    `order` is the order of ORDERS that sorts these vertices by their numbers in the mesh.
+    """
     return barycentric[:, list(order)][:, 1:]
 
 
@@ -97,6 +102,7 @@ def _element(degree: int) -> basix.finite_element.FiniteElement:
 
 @cache
 def _flows(degree: int) -> Array:
+    """The flows (4, 6, m, all) of basix's basis through the faces, tested with the polynomials of each face."""
     points, weights = basix.make_quadrature(basix.CellType.triangle, 2 * degree)
     barycentric = np.column_stack([1 - points.sum(axis=1), points])
     tests = polynomials_on_face(degree)
@@ -112,8 +118,10 @@ def _flows(degree: int) -> Array:
     return np.array(flows)
 
 
-def _flow_within(element: basix.finite_element.FiniteElement, degree: int, vertices: list[int]) -> Array:
-    """Rows that vanish for the fluxes without a component within the simplex of these vertices, on this simplex."""
+def _conditions_within(
+    element: basix.finite_element.FiniteElement, degree: int, vertices: list[int]
+) -> Array:
+    """Linear conditions (rows) that a flux has no component within the simplex of these vertices, on this simplex."""
     kind = {2: basix.CellType.interval, 3: basix.CellType.triangle}[len(vertices)]
     lattice = basix.create_lattice(kind, degree + 1, basix.LatticeType.equispaced, True)
     spans = CORNERS[vertices[1:]] - CORNERS[vertices[0]]
@@ -122,8 +130,8 @@ def _flow_within(element: basix.finite_element.FiniteElement, degree: int, verti
     others = [k for k in range(4) if k not in vertices]
     rows = []
     for point, value in zip(points, values):
-        # Along a ray from this point to the far vertices the flow may be what it is: it counts in the frame of the
-        # simplex's edges and these rays.
+        # The flow along rays from this point to the far vertices is not restricted. So the flux is resolved in the frame of the
+        # simplex's edges and these rays, and only its components along the edges must vanish.
         frame = np.vstack([spans, CORNERS[others] - point])
         rows.append((value @ np.linalg.inv(frame))[:, : len(spans)].T)
     return np.concatenate(rows)
@@ -132,6 +140,7 @@ def _flow_within(element: basix.finite_element.FiniteElement, degree: int, verti
 def _products(
     element: basix.finite_element.FiniteElement, degree: int, combinations: Array, collapsed: frozenset[int]
 ) -> Array:
+    """The integrals `FluxSpace.products`."""
     if collapsed:
         points, weights = aligned_rule(collapsed, 2 * degree + 2)
     else:
@@ -145,6 +154,6 @@ def _products(
 
 def _null_space(matrix: Array) -> Array:
     _, singular, rows = np.linalg.svd(matrix)
-    # Conditions may depend on each other: their rank counts.
+    # The conditions may be linearly dependent, so that the dimension follows from their rank.
     rank = int(np.sum(singular > 1e-10 * singular[0]))
     return np.asarray(rows[rank:].T)

@@ -1,8 +1,8 @@
-"""Upper bounds of the Maxwell matrix: the exact energy, out to infinity, of potentials found on one mesh.
+"""Upper bounds of the Maxwell matrix: the exact energies, out to infinity, of the potentials found on one mesh.
 
-Any potential that is V_i on conductor i and continuous everywhere has at least the energy VᵀMV. What the solver found is such a
-potential, however it was found, once its energy is integrated exactly and it is extended to infinity: by 1/t along rays
-from the centre. NUMERICS.md section 5.
+Any continuous potential that is V_i on conductor i has at least the energy VᵀMV (Dirichlet's principle). The solver's potentials,
+continued to infinity by 1/t along rays from the centre, are of this kind however inexact the iteration was, so that their exactly
+integrated energies are upper bounds: NUMERICS.md section 5.
 """
 
 from __future__ import annotations
@@ -32,29 +32,29 @@ from fem_reference.solve.field_problem import (
 Array = NDArray[np.float64]
 
 CURVED_QUADRATURE_DEGREE = 12
-"""Twice the degree of the potentials and as much again for the cell's own curvature."""
+"""Quadrature degree in cells on curved surfaces: twice the degree of the potentials, and as much again for the cell's curvature."""
 
 CHUNK = 500
-"""Curved cells at a time: what is kept for each point of each stays within some tens of megabytes."""
+"""Number of curved cells integrated at a time, so that the values at their quadrature points take some tens of megabytes at most."""
 
 
 def upper_energies(problem: FieldProblem, potentials: Sequence[Array]) -> Array:
-    """The energies (n, n) of potentials (unknowns,), continued to infinity; ε = 1 but in dielectric bodies."""
+    """The energies (n, n) of potentials (unknowns,) continued to infinity; ε is 1 outside of dielectric bodies."""
     straight_part = products(_away_from_edges(problem), potentials)
     return straight_part + _near_edges(problem, np.array(potentials))
 
 
 def _away_from_edges(problem: FieldProblem) -> PETSc.Mat:
-    """The energy in the straight cells, and beyond the outer surface, as a matrix.
+    """Assemble the matrix of the energy in the straight cells and, without a room, beyond the outer surface.
 
-    With d = x·n the extension u(x)/t along the ray t·x, t ≥ 1, of values u on the surface has there the energy
+    Values u on the outer surface are continued as u(x)/t along the ray t·x, t ≥ 1. With d = x·n this continuation has the energy
     ∫ d·|∇_Γ u|² + (u + x·∇_Γ u)²/d dA.
     """
     tagged = problem.tagged
     u, v = ufl.TrialFunction(problem.space), ufl.TestFunction(problem.space)
     dx = ufl.Measure("dx", domain=tagged.mesh, subdomain_data=tagged.near_edge)
     ds = ufl.Measure("ds", domain=tagged.mesh, subdomain_data=tagged.facets)
-    # Both are exact on flat faces and straight cells, where gradients and normals are polynomials.
+    # Both quadratures are exact on straight cells and flat faces, where gradients are polynomials and normals constant.
     away = dx(AWAY_FROM_EDGES, metadata={"quadrature_degree": 2 * DEGREE - 2})
     outer = ds(OUTER_SURFACE, metadata={"quadrature_degree": 2 * DEGREE})
     x = ufl.SpatialCoordinate(tagged.mesh) - fem.Constant(tagged.mesh, PETSc.ScalarType(tuple(tagged.centre)))
@@ -77,7 +77,7 @@ def _away_from_edges(problem: FieldProblem) -> PETSc.Mat:
 
 
 def _near_edges(problem: FieldProblem, potentials: Array) -> Array:
-    """The energy in the other cells: quarter-point elements, integrated to rounding, and those on curved surfaces."""
+    """The energies (n, n) in the other cells: quarter-point elements, integrated to rounding error, and cells on curved surfaces."""
     tagged = problem.tagged
     cells = tagged.local_cells
     dofs = problem.space.dofmap.list.array.reshape(cells, -1)
@@ -127,7 +127,8 @@ def _element() -> basix.finite_element.FiniteElement:
 def _products(collapsed: frozenset[int]) -> Array:
     """Integrals (3, 3, n, n) over the reference tetrahedron of ∂_d of one shape function times ∂_e of another.
 
-    The derivatives are those after the quarter-point map; in a cell, an affine image, the energy is their sum over the metric.
+    The derivatives are taken after the quarter-point map. In a cell that is an affine image of the reference tetrahedron the energy
+    is the sum of these integrals weighted with the metric.
     """
     points, weights = aligned_rule(collapsed, 2 * DEGREE + 2)
     derivatives = jacobian(collapsed, points)
