@@ -1,4 +1,8 @@
-"""Command line: python3 -m fem_reference SCENE [--rtol R] [--error KIND] [--columns NAME,…] [--max-…] [--no-symmetry] [--json] [--output F.vtu] [--slice F]."""
+"""Command line: python3 -m fem_reference SCENE [options].
+
+Options are --rtol R, --error KIND, --columns NAME,…, --max-seconds, --max-unknowns, --max-memory, --no-symmetry, --json,
+--output F.vtu and --slice F.
+"""
 
 from __future__ import annotations
 
