@@ -1,4 +1,8 @@
-"""Command line: python3 -m fem_reference SCENE [--rtol R] [--error KIND] [--columns NAME,…] [--max-…] [--no-symmetry] [--json] [--output F.vtu] [--slice F]."""
+"""Command line: python3 -m fem_reference SCENE [options].
+
+Options are --rtol R, --error KIND, --columns NAME,…, --max-seconds, --max-unknowns, --max-memory, --no-symmetry, --json,
+--output F.vtu and --slice F.
+"""
 
 from __future__ import annotations
 
@@ -144,7 +148,9 @@ def main(arguments: list[str] | None = None) -> int:
         refused = next((name for name, asked in single_process_only if asked), None)
         if MPI.COMM_WORLD.size > 1 and refused is not None:
             raise InputError(
-                options.scene, refused, "is made by a single process; several solve with --error estimate"
+                options.scene,
+                refused,
+                "needs a single process; several processes can only solve with --error estimate",
             )
         if options.slice is not None:
             return documents.write_slice(Path(options.scene), Path(options.slice))

@@ -36,7 +36,9 @@ def checked(
     if bounds is not None:
         outside = np.maximum(np.maximum(bounds.lower - value, value - bounds.upper), 0.0)
         if np.any(outside > found.error):
-            contradicted.append("entries are off the bounds of the coarsest mesh by more than their errors")
+            contradicted.append(
+                "entries are outside of the bounds of the coarsest mesh by more than their errors"
+            )
         error = np.maximum(error, outside)
     words = "; ".join(dict.fromkeys(contradicted)) or None
     return Estimate(value, error, found.extrapolated), words

@@ -201,7 +201,7 @@ def solve_conductors(
         # Clocks differ between processes, so that all of them follow the decision of the first.
         stopped_by = MPI.COMM_WORLD.bcast(_stopped_by(levels, limits, answer.seconds))
         if answer.reached or len(levels) == MOST_LEVELS or stopped_by is not None:
-            most = f"{MOST_LEVELS} levels are the most"
+            most = f"the refinement ends after {MOST_LEVELS} levels"
             return answer if answer.reached else replace(answer, stopped_by=stopped_by or most)
         if enclosed:
             next_enclosed = number + _levels_to_next_enclosure(answer.worst, rtol)

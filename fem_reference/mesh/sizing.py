@@ -1,6 +1,7 @@
 """The size of the tetrahedra: small at the conductors' edges and in the gaps between them, and growing with the distance.
 
-The charge density of a conductor is singular at its edges, varies over distances like the width of a gap, and is smooth elsewhere. Hence the size at a point x is
+The charge density of a conductor is singular at its edges, varies over distances like the width of a gap, and is smooth elsewhere.
+Hence the size at a point x is
 
     h(x) = min( edge_i + growth · distance to the edges of body i,  c·(distance to body i + distance to body j) )
 

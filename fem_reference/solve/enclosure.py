@@ -28,9 +28,9 @@ def enclosure(below: Array, above: Array) -> Enclosure:
     """Intervals from VᵀLV ≤ VᵀMV ≤ VᵀUV for all voltages V, with L = `below` and U = `above` (n, n).
 
     D = U − L is positive semidefinite, so that M[i, j] differs from the middle of U[i, j] and L[i, j] by at most
-    ½√(D[i, i]·D[j, j]): this is the Cauchy–Schwarz inequality for the semidefinite forms U − M and M − L. Off the diagonal U[i, j]
-    and L[i, j] themselves are no bounds; but there M is never positive, since the charge induced on a grounded conductor has the
-    opposite sign. Raises RuntimeError when a diagonal entry of L exceeds that of U, which is impossible for exact energies.
+    ½√(D[i, i]·D[j, j]): this is the Cauchy–Schwarz inequality for the semidefinite forms U − M and M − L. U[i, j] and L[i, j]
+    themselves are no bounds off the diagonal. The off-diagonal entries of M are never positive, since the charge induced on a
+    grounded conductor has the opposite sign. Raises RuntimeError when a diagonal entry of L exceeds that of U, which is impossible for exact energies.
     """
     gap = np.diag(above) - np.diag(below)
     if np.any(gap < 0):

@@ -1,4 +1,4 @@
-"""What the tests of the field reference share: compiled forms are kept with the build."""
+"""Environment of the tests of the field reference: compiled forms are kept with the build, and each process uses one core."""
 
 import os
 from pathlib import Path

@@ -1,9 +1,9 @@
-"""Random scenes, and what must not matter to their Maxwell matrices: python3 -m tests.fem_reference.invariances [--count N] [--seed S].
+"""Invariances of the Maxwell matrices of random scenes: python3 -m tests.fem_reference.invariances [--count N] [--seed S].
 
-A scene has sensors and bodies of every kind, in free space or in a room, with no plane of symmetry to three of them. It is solved by
-the field reference, half of the times with proven bounds, and by boundary elements and the reduced method where they take it; then
-again after one change that the truth does not feel, a different one for each scene. Prints a line for each scene, and every scene for
-which two answers differ by more than both state.
+A scene has sensors and bodies of every kind, in free space or in a room, with zero to three planes of symmetry. It is solved by
+the field reference, for half of the scenes with proven bounds, and by boundary elements and the reduced method where they accept it.
+Then it is solved again after one change that does not affect the true matrix, a different one from scene to scene. Prints a line for
+each scene, and the text of every scene for which two answers differ by more than both their errors.
 """
 
 from __future__ import annotations
@@ -46,38 +46,39 @@ from geometries.scene.writer import canonical  # noqa: E402
 
 Array = NDArray[np.float64]
 MIRROR = np.diag([1.0, -1.0, 1.0])
-"""In y: every shape of the format is its own image in this plane of its own frame."""
+"""The reflection in y, which maps every shape of the scene format, in its own frame, to itself."""
 
 RTOL = 1e-2
 MOST_UNKNOWNS = {"enclosure": 1.0, "estimate": 1e5}
-"""One level is enclosed, one to three are estimated from: the errors that they state are compared, whether they are small or not."""
+"""Limits on the unknowns, by kind of error: they allow one level of enclosures, and one to three levels of estimates. The errors need
+not be small, since only the stated intervals are compared."""
 FAR = 25.0
-"""Metres; a ball of 1 cm changes no entry by 1e-4 of it from there (fem_reference/NUMERICS.md, section 10)."""
+"""Distance (metres) from which a ball of 1 cm changes no entry by 1e-4 of itself (fem_reference/NUMERICS.md, section 10)."""
 
 
 @dataclass(frozen=True)
 class Answer:
-    """Where every entry lies, as stated; `names` are those of the rows."""
+    """The stated intervals of a matrix's entries; `names` are those of its rows."""
 
     names: tuple[str, ...]
     lower: Array
     upper: Array
     faceted: bool
-    """Whether round bodies are what their triangles are: the others have their true shape."""
+    """Whether round bodies were represented by triangles rather than by their true shape."""
 
     def of(self, names: tuple[str, ...]) -> tuple[Array, Array]:
-        """Both bounds of some of the rows, in this order."""
+        """The lower and upper bounds of the entries of some rows, in this order."""
         order = np.ix_(*[[self.names.index(name) for name in names]] * 2)
         return self.lower[order], self.upper[order]
 
 
 def agree(one: Answer, other: Answer, names: tuple[str, ...]) -> bool:
-    """Whether every entry of these rows may be the same in both."""
+    """Whether the intervals of two answers overlap for every entry of these rows."""
     (below, above), (other_below, other_above) = one.of(names), other.of(names)
     return bool(np.all(below <= other_above) and np.all(other_below <= above))
 
 
-# What a scene is made of.
+# Random scenes.
 
 
 def random_scene(number: int, seed: int, prism: MeshShape) -> Scene:
@@ -137,7 +138,7 @@ def _shape(random: np.random.Generator, prism: MeshShape) -> Shape:
 
 
 def _reach(shape: Shape) -> float:
-    """The radius of a ball around the shape's origin that holds it."""
+    """The radius of a ball around the shape's origin that contains the shape."""
     return float(np.linalg.norm(shape.triangles().reshape(-1, 3), axis=1).max())
 
 
@@ -177,11 +178,11 @@ def written_prism(path: Path) -> MeshShape:
     return shape
 
 
-# What must not matter.
+# Changes that must not matter.
 
 
 def moved(scene: Scene, random: np.random.Generator) -> Scene:
-    """Everything turned about any axis, and moved by some millimetres; the room, too."""
+    """The scene turned about a random axis and moved by some millimetres, with its room."""
     rotation = Rotation.from_rotvec(random.normal(size=3))
     pose = _pose(Transform(rotation.as_matrix(), random.uniform(-5e-3, 5e-3, 3)))
     (link,) = scene.links
@@ -193,7 +194,7 @@ def moved(scene: Scene, random: np.random.Generator) -> Scene:
 
 
 def mirrored(scene: Scene, random: np.random.Generator) -> Scene:
-    """Everything in a mirror."""
+    """The mirror image of the scene."""
     sensors = tuple(
         replace(sensor, plates=tuple(_mirrored_plate(plate) for plate in sensor.plates))
         for sensor in scene.sensors
@@ -206,12 +207,12 @@ def mirrored(scene: Scene, random: np.random.Generator) -> Scene:
 
 
 def exchanged(scene: Scene, random: np.random.Generator) -> Scene:
-    """The bodies in the opposite order."""
+    """The scene with its bodies in the opposite order."""
     return replace(scene, sensors=scene.sensors[::-1], objects=scene.objects[::-1])
 
 
 def with_a_distant_ball(scene: Scene, random: np.random.Generator) -> Scene:
-    """A small ball so far away that nothing feels it; in a room there is no place for it."""
+    """The scene with a small ball too far away to matter; a room has no place for it."""
     if scene.room is not None:
         return moved(scene, random)
     where = FAR * random.normal(size=3)
@@ -222,7 +223,7 @@ def with_a_distant_ball(scene: Scene, random: np.random.Generator) -> Scene:
 
 
 def unchanged(scene: Scene, random: np.random.Generator) -> Scene:
-    """The same scene: for a solver that is told to use no symmetry."""
+    """The same scene, to be solved without the use of symmetry."""
     return scene
 
 
@@ -258,10 +259,11 @@ def _vector(values: Array) -> Vector3:
     return (x, y, z)
 
 
-# Who answers.
+# Methods whose answers are compared.
 
 
 def by_the_field(scene: Path, error: ErrorKind, symmetry: bool) -> Answer:
+    """Solve by the field reference."""
     found = maxwell(
         load(scene),
         rtol=RTOL,
@@ -274,7 +276,7 @@ def by_the_field(scene: Path, error: ErrorKind, symmetry: bool) -> Answer:
 
 
 def by_panels(scene: Path, method: str) -> Answer | None:
-    """Boundary elements or the reduced method; None for what they refuse."""
+    """Solve by boundary elements or the reduced method; None for a scene that the method refuses."""
     try:
         found = fringe.Scene.load(scene).maxwell(method=method, rtol=RTOL)
     except fringe.InputError:
@@ -294,7 +296,7 @@ def _rows(scene: Scene) -> list[str]:
 
 @dataclass(frozen=True)
 class Compared:
-    """What became of a scene: the change, how many pairs of answers were compared, and which of them disagree."""
+    """The result for one scene: the change made to it, the number of pairs of answers compared, and the pairs that disagree."""
 
     change: str
     pairs: int
@@ -302,7 +304,7 @@ class Compared:
 
 
 def compared(scene: Scene, number: int, folder: Path) -> Compared | None:
-    """Solve a scene and a changed one by everything that takes them; None when the field reference refuses the scene."""
+    """Solve a scene and its changed copy by every method that accepts them; None when the field reference refuses the scene."""
     change = CHANGES[number % len(CHANGES)]
     random = np.random.default_rng([7, number])
     before, after = folder / "scene.toml", folder / "changed.toml"

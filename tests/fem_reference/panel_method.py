@@ -1,8 +1,8 @@
 """Capacitances of thin rectangles by an independent method: uniformly charged panels and collocation.
 
-Nothing here is shared with the field solver: no mesh of space, no weak form, no gmsh. The potential of a uniformly charged
-rectangle in its own plane's frame is a closed form (e.g. E. Durand, Électrostatique I, 1964); panels are narrow towards the edges, where the
-charge density grows like r^(−1/2); two refinements are extrapolated.
+The method shares nothing with the field solver: no mesh of space, no weak form, no gmsh. The potential of a uniformly charged
+rectangle has a closed form in the rectangle's frame (e.g. E. Durand, Électrostatique I, 1964). Panels become narrow towards the edges,
+where the charge density grows like r^(−1/2), and the results of two refinements are extrapolated.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from scipy.constants import epsilon_0
 Array = NDArray[np.float64]
 
 COUNTS = (12, 18, 27)
-"""Panels along each side on successive refinements."""
+"""Numbers of panels along each side on successive refinements."""
 
 
 @dataclass(frozen=True)
 class Plate:
-    """The rectangle corner + a·edge_u + b·edge_v, a and b in [0, 1]; metres."""
+    """The rectangle corner + a·edge_u + b·edge_v with a and b in [0, 1]; lengths in metres."""
 
     corner: Array
     edge_u: Array
@@ -29,9 +29,9 @@ class Plate:
 
 
 def maxwell(plates: list[Plate]) -> tuple[Array, Array]:
-    """The Maxwell matrix (n, n) in F of plates that are a conductor each, and its error, judged from the refinements."""
+    """The Maxwell matrix (n, n) in F of plates that are a conductor each, and its error, estimated from the refinements."""
     values = [_maxwell(plates, count) for count in COUNTS]
-    # The error falls like the square of the panels' number on grids that are graded quadratically.
+    # On quadratically graded grids the error is inversely proportional to the square of the number of panels along a side.
     ratio = (COUNTS[-1] / COUNTS[-2]) ** 2
     best = values[-1] + (values[-1] - values[-2]) / (ratio - 1)
     ratio_before = (COUNTS[-2] / COUNTS[-3]) ** 2

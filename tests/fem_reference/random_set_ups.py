@@ -1,6 +1,6 @@
-"""Enclosures of random set-ups against the panel method: python3 -m tests.fem_reference.random_set_ups [--count N] [--seed S].
+"""Enclosures of random plates against the panel method: python3 -m tests.fem_reference.random_set_ups [--count N] [--seed S].
 
-Prints one line for each set-up and fails when a matrix is not enclosed as far as the panel method knows it.
+Prints one line for each set of plates. Fails when an enclosure excludes every matrix within the error of the panel method.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from tests.fem_reference.panel_method import Plate
 Array = NDArray[np.float64]
 
 LEAST_GAP = 0.1
-"""Over the smaller plate's shorter side: closer, the panel method would need finer panels."""
+"""Least gap between two plates over the smaller one's shorter side; for narrower gaps the panel method would need finer panels."""
 
 
 def set_ups(count: int, seed: int) -> Iterator[list[Plate]]:
-    """Two plates, every third time three: sides of 2 to 12 cm in any pose, near each other and not touching."""
+    """Yield `count` sets of two plates, every third one of three, with sides of 2 to 12 cm, in any pose, close but not touching."""
     random = np.random.default_rng(seed)
     made = 0
     while made < count:
@@ -47,7 +47,7 @@ def _random_plate(random: np.random.Generator) -> Plate:
 
 
 def enclosed(plates: list[Plate], refinement: float) -> tuple[bool, float, float]:
-    """Whether every entry lies inside, the largest relative width, and what the panel method is sure to."""
+    """Whether every entry lies inside, the largest relative width, and the largest relative error of the panel method."""
     bodies = [rectangle(str(k), plate.corner, plate.edge_u, plate.edge_v) for k, plate in enumerate(plates)]
     problem = normalised([str(k) for k in range(len(plates))], 1, bodies, range(len(plates)))
     interval = solve_level(problem, 1.0, Sizing(refinement=refinement), "enclosure").enclosure

@@ -1,7 +1,7 @@
 """Enclosures of a study's cases against boundary elements: python3 -m tests.fem_reference.study_enclosures [STUDY] [--cases N].
 
-Prints one line for each case, then how wide the intervals are and how far in them the best values are off; fails when a matrix is not
-enclosed as far as boundary elements know it.
+Prints one line for each case, then the widths of the intervals and the errors of the best values in them. Fails when an enclosure
+excludes every matrix within the error of boundary elements.
 """
 
 from __future__ import annotations
@@ -25,18 +25,21 @@ from geometries.studies.study import Case
 Array = NDArray[np.float64]
 
 TRUTH_RTOL = 5e-6
-"""Of boundary elements; they state what they reach."""
+"""Relative tolerance of the boundary elements, whose answer states the error reached."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """Matrices (n, n): the interval's relative width, and the best value's error, relative and no less than the truth's."""
+    """The comparison of one case: matrices (n, n) of the intervals' relative widths and of the best values' relative errors.
+
+    An error is at least that of the boundary elements with which the value is compared.
+    """
 
     inside: bool
     width: Array
     error: Array
     seconds: float
-    """Of the processor."""
+    """Processor time."""
 
 
 def outcome(case: Case) -> Outcome:

@@ -1,4 +1,4 @@
-"""Only some columns asked for: what comes back is that part of the whole matrix, bounds too."""
+"""The option --columns: the result is the submatrix of the whole matrix, with its bounds."""
 
 from __future__ import annotations
 
@@ -68,6 +68,6 @@ def test_an_object_alone_has_no_change_of_a_sensor() -> None:
 
 
 @pytest.mark.parametrize("name", ["nobody", "floating"])
-def test_a_column_that_is_none_is_refused_by_name(name: str) -> None:
+def test_an_unknown_column_is_refused_by_name(name: str) -> None:
     with pytest.raises(InputError, match=f'columns: "{name}" is not a conductor with a column'):
         maxwell(loads(SCENE), columns=["left", name])

@@ -1,4 +1,4 @@
-"""python3 -m fem_reference: exit statuses, messages, and what is left behind."""
+"""The command python3 -m fem_reference: exit statuses, messages, and the files it writes."""
 
 from __future__ import annotations
 
@@ -171,7 +171,7 @@ def test_a_slice_that_cannot_be_written_leaves_nothing(scene: Path, tmp_path: Pa
 
 
 def test_the_field_is_written_for_paraview(scene: Path, tmp_path: Path) -> None:
-    """Read back: metres, 1 V on the first sensor, the floating object between, field = −gradient in between them."""
+    """The file has metres, 1 V on the first sensor, a lower voltage on the floating object, and the field −∇u between them."""
     scene.write_text(
         SCENE
         + 'potential = "floating"\n[[object]]\nname = "ball"\ntranslation = [0, 0, -0.06]\n'

@@ -1,4 +1,4 @@
-"""When gmsh or the solver fails: status 1, the stage and how to see it again, and nothing written."""
+"""Failures of gmsh or the solver: exit status 1, a message with the stage and the command that reproduces it, and no file written."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def fail(*_: Any) -> NoReturn:
 
 
 HURRIED = solve.SOLVER_OPTIONS | {"ksp_max_it": 1}
-"""An iteration that does not get anywhere."""
+"""Solver options with which the iteration does not converge."""
 
 
 @pytest.mark.parametrize(
@@ -73,7 +73,7 @@ def report_crossing() -> None:
 
 
 def flatten_a_tetrahedron() -> None:
-    """Its first corner moves into the face of the others."""
+    """Move the first corner of a tetrahedron into the plane of the other three."""
     corners = gmsh.model.mesh.getElementsByType(mesh.TETRAHEDRON)[1][:4]
     others = [gmsh.model.mesh.getNode(corner)[0] for corner in corners[1:]]
     gmsh.model.mesh.setNode(corners[0], np.mean(others, axis=0), [])

@@ -1,4 +1,4 @@
-"""What must not matter to an answer does not: a dozen of the random scenes of `invariances`, in seconds each."""
+"""Changes that must not matter to an answer do not: a dozen of the random scenes of `invariances`, each of which takes seconds."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 
 from tests.fem_reference.invariances import compared, random_scene, written_prism
 
-# Free space and rooms, no plane of symmetry to two of them, one to three conductors, every change, bounds and estimates.
+# Scenes in free space and in rooms, with zero to two planes of symmetry and one to three conductors; every change, bounds and estimates.
 NUMBERS = (8, 16, 9, 10, 51, 93, 21, 30, 22, 31, 15, 68)
 SEED = 1
 

@@ -1,4 +1,4 @@
-"""The panel method by itself: it knows the truth of boundary elements within the error that it states."""
+"""The panel method by itself: its results agree with boundary elements within the error that it states."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Several processes: the matrix of one, to 1e-9, told once."""
+"""Several processes: their matrix is that of one process to 1e-9, and only one of them prints it."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ def scene(tmp_path: Path) -> Path:
 
 def run(processes: list[str], *arguments: str | Path) -> subprocess.CompletedProcess[str]:
     command = [*processes, sys.executable, "-m", "fem_reference", *map(str, arguments)]
-    # Without what this process's own MPI has put into the environment.
+    # os.environ lacks the variables that this process's own MPI has set, which the command must not inherit.
     environment = dict(os.environ)
     return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
 
 
 def answer(scene: Path, processes: list[str]) -> dict[str, Any]:
-    """One level: what is asked for is not reached, with exit status 3 of the whole."""
+    """The answer after one level, which does not reach the requested accuracy, so that mpirun ends with status 3."""
     done = run(processes, scene, "--json", "--error", "estimate", "--max-seconds", "0.1")
     assert done.returncode == 3, done.stderr
     found = json.loads(done.stdout)

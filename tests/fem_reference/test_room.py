@@ -1,4 +1,4 @@
-"""A grounded box around everything: ground is its walls, no longer infinity."""
+"""Scenes in a room: a grounded box around everything, whose walls take the place of ground at infinity."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from geometries.scene.reader import loads
 Vector = NDArray[np.float64]
 
 UNIT_CUBE = 0.66067815409957
-"""C / 4πε0·side in free space; Helsing & Perfekt 2013."""
+"""Capacitance of a cube in free space over 4πε0·side; Helsing & Perfekt 2013."""
 PLATE = Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))
 
 
@@ -34,7 +34,7 @@ def box(*size: float, axes: Vector = np.eye(3), centre: tuple[float, ...] = (0, 
 
 
 def enclosed(bodies: list[Body], room: Cuboid | None, refinement: float = 1.0) -> Enclosure:
-    """Each body a conductor."""
+    """The enclosure of the Maxwell matrix of bodies that are a conductor each."""
     problem = normalised([body.name for body in bodies], 1, bodies, range(len(bodies)), room=room)
     planes = mirror_planes(problem.bodies, problem.owner, problem.room)
     found = solve_level(problem, 1.0, Sizing(refinement=refinement), "enclosure", planes).enclosure
@@ -43,7 +43,7 @@ def enclosed(bodies: list[Body], room: Cuboid | None, refinement: float = 1.0) -
 
 
 def own(found: Enclosure) -> tuple[float, float]:
-    """The interval of the first own entry over ε0, metres."""
+    """The interval of the first diagonal entry over ε0, in metres."""
     return found.lower[0, 0] / epsilon_0, found.upper[0, 0] / epsilon_0
 
 
@@ -62,7 +62,7 @@ def test_the_smaller_the_room_the_larger_the_capacitance_and_a_large_one_is_free
 
 
 def test_a_ball_in_a_box_lies_between_the_two_concentric_balls() -> None:
-    """Spherical condensers with the balls inside and around the room, which has no middle plane in common with the axes."""
+    """The capacitance lies between those of the spherical condensers with the balls in and around the room, which is turned."""
     turned = np.linalg.qr(np.array([[1.0, 2, 3], [0, 1, 4], [5, 6, 0]]))[0]
     lower, upper = own(enclosed([Sphere("ball", np.zeros(3), 0.5)], box(4, 4, 4, axes=turned)))
     between = [4 * np.pi / (1 / 0.5 - 1 / radius) for radius in (2 * np.sqrt(3), 2.0)]
@@ -70,7 +70,7 @@ def test_a_ball_in_a_box_lies_between_the_two_concentric_balls() -> None:
 
 
 def test_a_plate_near_a_wall_is_a_plate_and_its_image() -> None:
-    """The wall below is a mirror: in half of space, M[0, 0] is that of two plates at opposite voltages. The other walls are far."""
+    """The wall below acts as a mirror: M[0, 0] is that of one of two plates at opposite voltages. The other walls are far away."""
     gap, far = 0.3, 40.0
     lower, upper = own(enclosed([PLATE], box(far, far, far, centre=(0, 0, far / 2 - gap))))
     image = Rectangle("image", np.array([0, 0, -2 * gap]), np.eye(3), (0.5, 0.5))
@@ -100,7 +100,8 @@ EDGE_TO_EDGE = (
 def test_one_side_of_the_planes_of_a_room_gives_the_answer_of_the_whole(
     bodies: tuple[Body, ...], centre: tuple[float, ...], number: int
 ) -> None:
-    """A plane of symmetry has corners in opposite walls: it was taken for a wall, and grounded, where nothing else cut it."""
+    """A face in a plane of symmetry may have corners in opposite walls. It was once mistaken for a wall, and grounded, where no body
+    cut it."""
     room = box(8, 8, 8, centre=centre)
     problem = normalised([body.name for body in bodies], 1, bodies, range(len(bodies)), room=room)
     planes = mirror_planes(problem.bodies, problem.owner, problem.room)
@@ -112,13 +113,13 @@ def test_one_side_of_the_planes_of_a_room_gives_the_answer_of_the_whole(
 
 
 def test_an_outer_surface_that_is_not_whole_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whatever takes a wall for none, or another face for a wall."""
+    """The check of the area catches any mistake about which faces are walls."""
     monkeypatch.setattr(tagged_mesh, "_is_wall", lambda face, room: face % 2 == 0)
     with pytest.raises(RuntimeError, match="outer surface"):
         enclosed([PLATE], box(4, 4, 4))
 
 
-def test_planes_of_the_bodies_that_are_none_of_the_room_are_not_used() -> None:
+def test_planes_of_symmetry_of_the_bodies_that_the_room_lacks_are_not_used() -> None:
     centred = mirror_planes([PLATE], [0], box(4, 4, 4))
     aside = mirror_planes([PLATE], [0], box(4, 4, 4, centre=(0.5, 0, 0)))
     assert len(centred) == 2 and len(aside) == 1 and abs(aside[0].normal[1]) == pytest.approx(1)

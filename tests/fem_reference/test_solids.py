@@ -1,4 +1,4 @@
-"""Solids of every shape, meshed: their volumes and surfaces are the true ones, and the mesh knows a dielectric body."""
+"""Meshed solids of every shape: their volumes and sizes are right, and dielectric bodies have their permittivity."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ CUBE = shapes.Cuboid((1.0, 1.0, 1.0)).triangles() @ TURNED
 
 
 def solve(problem: Conductors) -> Charges:
-    """On the coarsest level, in units of ε times the length of the bodies."""
+    """Solve on the coarsest level, in units of ε times the bodies' unit of length."""
     mesh = tagged_mesh(problem.bodies, problem.owner, Sizing(), dielectrics=problem.permittivities)
     found = charges(FieldProblem(mesh, problem.parts, problem.permittivities), 1, len(problem.floating))
     return replace(
@@ -48,7 +48,7 @@ def solve(problem: Conductors) -> Charges:
     ids=lambda value: getattr(value, "name", ""),
 )
 def test_a_meshed_solid_has_its_true_volume(body: Body, volume: float) -> None:
-    """On the coarsest level; the error of the surface's elements, of second order, falls with the fourth power."""
+    """On the coarsest level; the error of the second-order cells at the surface falls with the fourth power of their size."""
     assert abs(volume_of_mesh(body, 1) / volume - 1) < 2e-4
 
 
@@ -76,20 +76,20 @@ def slab_between_plates(slab: Cuboid | None, contrast: float) -> Charges:
 
 @cache
 def with_slab(contrast: float) -> Charges:
-    """The slab touches both plates and sticks out on one side."""
+    """Two plates with a slab that touches both and extends beyond them on one side."""
     slab = Cuboid("slab", np.array([0.1, 0, 0.25]), np.eye(3), (0.6, 0.5, 0.25))
     return slab_between_plates(slab, contrast)
 
 
 def test_a_dielectric_body_of_the_mediums_permittivity_is_not_there() -> None:
-    """On a mesh of its own, to the mesh error of the coarsest level."""
+    """Solved on a mesh without the body, the matrix is the same to the mesh error of the coarsest level."""
     bare = slab_between_plates(None, 1.0)
     np.testing.assert_allclose(with_slab(1.0).maxwell, bare.maxwell, rtol=2e-3)
     assert np.array_equal(with_slab(1.0).sensors_alone, with_slab(4.0).sensors_alone)
 
 
 def test_a_slab_between_plates_raises_their_capacitance_but_not_beyond_its_permittivity() -> None:
-    """Thomson and Dirichlet: the energy grows with the permittivity anywhere, and is ε times as much with ε everywhere."""
+    """By Dirichlet's principle the energy grows with the permittivity in any place, and is ε times as large with ε everywhere."""
     medium, slab = with_slab(1.0).maxwell, with_slab(4.0).maxwell
     assert np.linalg.eigvalsh(slab - medium).min() > 0
     assert np.linalg.eigvalsh(4 * medium - slab).min() > 0
@@ -97,7 +97,7 @@ def test_a_slab_between_plates_raises_their_capacitance_but_not_beyond_its_permi
 
 
 def test_overlapping_plates_of_one_sensor_are_one_conductor() -> None:
-    """Two rectangles that share a third of their area, against the rectangle they cover."""
+    """Two rectangles that share a third of their area are equivalent to the rectangle that they cover."""
     half: list[Body] = [Rectangle("s", np.array([x, 0, 0]), np.eye(3), (0.5, 0.5)) for x in (-0.25, 0.25)]
     whole: list[Body] = [Rectangle("s", np.zeros(3), np.eye(3), (0.75, 0.5))]
     values = [solve(normalised(["s"], 1, bodies, [0] * len(bodies))) for bodies in (half, whole)]
@@ -105,7 +105,7 @@ def test_overlapping_plates_of_one_sensor_are_one_conductor() -> None:
 
 
 def test_a_cube_given_as_a_mesh_is_the_cube() -> None:
-    """On meshes of the same edge size, which differ elsewhere: within a tenth of the error of that size."""
+    """Meshes of the same edge size, which differ elsewhere, give the same matrix within a tenth of the error of that size."""
     cuboid = solve(normalised(["s"], 1, [Cuboid("s", np.zeros(3), TURNED, (0.5, 0.5, 0.5))], [0]))
     mesh = solve(normalised(["s"], 1, [polyhedron("s", CUBE)], [0]))
     print(f"\ncube as a mesh over cuboid: {mesh.maxwell[0, 0] / cuboid.maxwell[0, 0] - 1:.1e}")
@@ -113,7 +113,7 @@ def test_a_cube_given_as_a_mesh_is_the_cube() -> None:
 
 
 def test_the_size_in_a_gap_to_a_mesh_is_the_gap() -> None:
-    """Edges of the tetrahedra beside the point where a corner of a cube comes close to a plate."""
+    """Measures the edges of the tetrahedra near the point where a corner of a cube is close to a plate."""
     down = polyhedron("cube", CUBE - [0, 0, CUBE[..., 2].min() - 0.1])
     plate = Rectangle("s", np.zeros(3), np.eye(3), (2.0, 2.0))
     problem = normalised(["s", "cube"], 1, [plate, down], [0, 1])
@@ -127,7 +127,7 @@ def test_the_size_in_a_gap_to_a_mesh_is_the_gap() -> None:
 
 
 def test_between_parallel_plates_cells_are_wider_than_the_gap_unless_an_edge_is_near() -> None:
-    """Within half a gap of the edges they are smaller than it, in the middle several times as wide."""
+    """Within half a gap of the edges the cells are smaller than the gap; in the middle they are several times as wide."""
     gap = 0.03
     plates: list[Body] = [
         Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("s", 0.0), ("p", gap))

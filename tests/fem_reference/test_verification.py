@@ -1,7 +1,7 @@
-"""The reference against truths that owe nothing to finite elements; `pytest -s` prints what it found.
+"""The reference against known values that do not come from finite elements; `pytest -s` prints both.
 
-Every test asks the same two things: the truth lies within the stated error, and the stated error is small. A sample:
-`python3 -m analysis verify` has every case.
+Every test asserts two things: the known value lies within the stated error, and the stated error is small. These tests are a sample:
+`python3 -m analysis verify` runs every case.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ Array = NDArray[np.float64]
 
 
 def solve(bodies: list[Body], rtol: float = 1e-3) -> Reference:
-    """Each body a conductor, the first the sensor."""
+    """Solve for bodies that are a conductor each; the first one is the sensor."""
     names = [body.name for body in bodies]
     return solve_conductors(normalised(names, 1, bodies, range(len(bodies))), rtol=rtol, error="estimate")
 
 
 def two_terminal(reference: Reference) -> tuple[float, float]:
-    """C between two conductors of opposite charge, and its error carried over from the entries' errors."""
+    """The capacitance between two conductors of opposite charge, with the error propagated from those of the entries."""
 
     value, error = reference.maxwell.value, reference.maxwell.error
     total = 0.0
@@ -135,9 +135,9 @@ def test_plates_against_boundary_elements(name: str) -> None:
 
 
 def test_the_error_falls_linearly_with_the_edge_size() -> None:
-    """The order of convergence that the extrapolation relies on: 1, from four levels against the truth.
+    """Measures the order of convergence on which the extrapolation relies, 1, from the true errors of four levels.
 
-    On the fifth, what all levels share begins to show; the stated error still covers the truth.
+    On the fifth level the error that all levels share begins to show; the stated error still covers the true error.
     """
     found = solve([Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))], rtol=1e-4)
     truth = 4 * np.pi * epsilon_0 * UNIT_SQUARE_PLATE

@@ -1,6 +1,6 @@
-"""The reference's round, floating and dielectric bodies against truths that owe nothing to finite elements.
+"""The reference's round, floating and dielectric bodies against known values that do not come from finite elements.
 
-As in test_verification: the truth lies within the stated error, and the stated error is small; `pytest -s` prints both.
+As in test_verification, the known value lies within the stated error, and the stated error is small; `pytest -s` prints both.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def test_two_balls() -> None:
 def test_a_ball_without_charge_of_its_own(
     name: str, answer: Callable[[int], float], others: dict[str, Any]
 ) -> None:
-    """It has no row in the matrix, and changes the other ball's only entry as its multipoles say."""
+    """A floating or dielectric ball has no row, and changes the single entry of the other ball as a multipole expansion predicts."""
     found = solve_conductors(normalised(["first"], 1, balls(), [0, 1], **others), error="estimate")
     own, _ = two_balls(0.01, 0.02, 0.05, answer)
     assert found.maxwell.value.shape == (1, 1) and found.has_objects
@@ -74,7 +74,7 @@ def test_a_ball_without_charge_of_its_own(
 
 
 def test_rings_of_charge_reproduce_known_values() -> None:
-    """A ball of 400 flat rings, and Smythe's formula (1962) for cylinders, said to be good to 0.2 %."""
+    """Check the method on a ball made of 400 flat rings, and against Smythe's formula (1962) for cylinders, accurate to 0.2 %."""
     angles = np.linspace(0, np.pi, 17)
     inscribed = body_of_revolution(list(zip(np.abs(np.sin(angles)), -np.cos(angles))))
     assert 0.99 < inscribed < 1

@@ -1,4 +1,4 @@
-"""The best value between bounds, on bounds whose distance from the truth is known."""
+"""The best value between bounds whose distances from the true value are known."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fem_reference.solve.level import Level
 
 
 def level(below: float | None, above: float, truth: float = 1.0) -> Level:
-    """One entry whose bounds are so far below and above the truth."""
+    """A level with a single entry, whose bounds are `below` and `above` away from the true value."""
     value = np.array([[truth + above]])
     interval = None if below is None else Enclosure(np.array([[truth - below]]), value)
     return Level(1.0, 1, 1, 0.0, value, value, np.zeros(1), enclosure=interval)
@@ -19,7 +19,7 @@ def level(below: float | None, above: float, truth: float = 1.0) -> Level:
 
 @pytest.mark.parametrize("narrowing", [2.0, 3.6, 1.5])
 def test_bounds_that_narrow_in_proportion_meet_in_the_truth(narrowing: float) -> None:
-    """Whatever the meshes make of the ratio, which says nothing else."""
+    """The value is found for any ratio of the two widths."""
     found = best_value([level(0.07, 0.1), level(0.07 / narrowing, 0.1 / narrowing)])
     assert found.value[0, 0] == pytest.approx(1, abs=1e-14) and found.extrapolated[0, 0]
     assert found.error[0, 0] == pytest.approx(0.17 / narrowing / 4)

@@ -1,4 +1,4 @@
-"""Estimates are held against equal entries and against bounds, and say so when they disagree."""
+"""Estimates are checked against equal entries and against bounds, and report when they contradict these."""
 
 from __future__ import annotations
 

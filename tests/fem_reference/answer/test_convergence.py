@@ -13,10 +13,11 @@ from fem_reference.answer.convergence import (
 )
 
 AGREEING_BY_CHANCE = (2.683719, 2.683916, 2.681565, 2.681252), 2.680950
-"""C11 of equal plates, pF, on four meshes of the set-up parallel-018 of the corrections; by boundary elements to 1e-5."""
+"""C11 of equal plates, in pF, on four meshes of the case parallel-018 of the corrections; by boundary elements to 1e-5."""
 
 JUMPING = (7.9822, 8.2602, 8.3072, 8.7242, 8.6428, 8.6869)
-"""An own entry, pF, on six meshes of a plate that a grounded plane cuts, where there is no limit. The last three differences fall."""
+"""A diagonal entry, in pF, on six meshes of a plate that a grounded plane cuts, for which there is no limit. The last three
+differences fall."""
 
 
 def of(*values: float) -> tuple[float, float, bool]:
@@ -24,7 +25,7 @@ def of(*values: float) -> tuple[float, float, bool]:
     return float(found.value[0]), float(found.error[0]), bool(found.extrapolated[0])
 
 
-def test_one_level_knows_nothing() -> None:
+def test_one_level_has_an_error_of_its_whole_value() -> None:
     assert of(3.0) == (3.0, 3.0, False)
 
 
@@ -33,7 +34,7 @@ def test_two_levels_are_not_extrapolated() -> None:
 
 
 def test_two_levels_may_agree_by_chance() -> None:
-    """Plates half their size apart: pF on the first three meshes, of which the third is far from the others, and the truth."""
+    """Plates half their size apart: values (pF) on the first three meshes, the third far from the others, and the true value."""
     levels, truth = AGREEING_BY_CHANCE
     value, error, extrapolated = of(*levels[:2])
     assert abs(levels[1] - levels[0]) < abs(value - truth) / 5
@@ -44,12 +45,12 @@ def test_two_levels_may_agree_by_chance() -> None:
 
 
 def test_linear_convergence_is_extrapolated_to_its_limit() -> None:
-    """1 + h at h = 4, 2, 1: the limit is 1, and the step 1 is the scale of the error."""
+    """For 1 + h at h = 4, 2, 1 the limit is 1, and the last difference, 1, is the scale of the error."""
     assert of(5.0, 3.0, 2.0) == (1.0, LEAST_FRACTION, True)
 
 
 def test_a_fourth_level_is_trusted_more_where_the_differences_fall_twice() -> None:
-    """The step 1 is the scale of the error in both; in the second the first two differences are the same."""
+    """The last difference, 1, is the scale of the error in both sequences; in the second the first two differences are equal."""
     assert of(9.0, 5.0, 3.0, 2.0) == (1.0, LEAST_FRACTION_CHECKED_TWICE, True)
     assert of(7.0, 5.0, 3.0, 2.0) == (1.0, LEAST_FRACTION, True)
 
@@ -57,13 +58,13 @@ def test_a_fourth_level_is_trusted_more_where_the_differences_fall_twice() -> No
 @pytest.mark.parametrize("edge_sizes", [(4.0, 2.0, 1.0), (8.0, 4.0, 2.0, 1.0)])
 @pytest.mark.parametrize("order", [0.8, 1.0, 4 / 3, 1.5, 2.0, 3.0])
 def test_the_error_covers_other_orders_of_convergence(order: float, edge_sizes: tuple[float, ...]) -> None:
-    """1 + h^order: the limit 1 stays inside although it is extrapolated as if the order were one."""
+    """For 1 + h^order the interval contains the limit 1, although the values are extrapolated as if the order were one."""
     value, error, extrapolated = of(*(1 + h**order for h in edge_sizes))
     assert extrapolated and abs(value - 1) <= error
 
 
 def test_differences_that_fall_fast_are_not_believed_alone() -> None:
-    """The finest mesh may be a bad one: half the difference before is the other prediction of what is left."""
+    """The finest mesh may be a bad one, so that half of the difference before is a second prediction of the remaining error."""
     value, error, extrapolated = of(5.0, 3.0, 2.9)
     assert extrapolated and value == pytest.approx(2.9 - (0.1 + 1.0) / 2)
     assert error == pytest.approx(1.0 - 0.1)
@@ -71,7 +72,7 @@ def test_differences_that_fall_fast_are_not_believed_alone() -> None:
 
 @pytest.mark.parametrize("values", [(5.0, 4.0, 1.0), (5.0, 3.0, 3.5), (5.0, 4.0, 3.2)])
 def test_differences_that_do_not_fall_are_not_extrapolated(values: tuple[float, float, float]) -> None:
-    """Growing, alternating or hardly falling differences: the finest value, and an error from the larger one."""
+    """For growing, alternating or hardly falling differences the value is the finest one, and the error is from the larger difference."""
     value, error, extrapolated = of(*values)
     first, second = abs(values[1] - values[0]), abs(values[2] - values[1])
     assert not extrapolated and value == values[2]
@@ -102,7 +103,7 @@ def test_open_boundary_error_falls_with_the_third_power_of_the_radius() -> None:
 
 
 def test_open_boundary_error_bounds_a_dipole() -> None:
-    """Two charges ±q at ±a on the axis of a sphere R: the dipole's part of ∫(1/R)u² is 16πq²a²/3R³ over (4π)²."""
+    """For two charges ±q at ±a on the axis of a sphere of radius R the dipole's part of ∫(1/R)u² is 16πq²a²/3R³ over (4π)²."""
     q, a, radius = 1.0, 1.0, 100.0
     dipole_energy = (2 * q * a) ** 2 / (4 * np.pi) ** 2 * 4 * np.pi / 3 / radius**3
     maxwell = np.array([[q]])

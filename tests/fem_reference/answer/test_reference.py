@@ -11,7 +11,7 @@ from fem_reference.answer.reference import Reference
 
 
 def answer(levels: int, error: float) -> Reference:
-    """One sensor and nothing else, M = 1 F ± `error`, from so many levels."""
+    """The answer for a single sensor, M = 1 F ± `error`, from this number of levels."""
     one = np.ones((1, 1))
     level = Level(1e-3, 1000, 100, 1.0, one, one, np.zeros(1))
     matrix = Estimate(one, error * one, np.zeros((1, 1), dtype=bool))

@@ -1,4 +1,4 @@
-"""From scenes to bodies: poses, scale, and what is refused."""
+"""Conversion of scenes to bodies: poses, scale, and the scenes that are refused."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def test_a_dielectric_body_may_touch_with_a_face_and_is_no_conductor() -> None:
     ],
 )
 def test_round_bodies_stand_where_the_scene_puts_them(shape: str) -> None:
-    """No vertex of the scene's triangles is outside of the body, and the body's box is no larger than theirs."""
+    """No vertex of the scene's triangles is outside of the body, and the body's bounding box is no larger than the triangles'."""
     scene = loads(
         target(shape, "translation = [0.01, 0.02, 0.1]\nrotation = { axis = [1, 2, 3], degrees = 40 }")
     )

@@ -1,4 +1,4 @@
-"""Distances of bodies of any shape, contact, and what holds what."""
+"""Distances between bodies of any shape, their contacts, and which of them contain others."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_distance_to_a_plate(body: Body, expected: float) -> None:
 
 
 def test_a_ring_has_a_hole() -> None:
-    """To a ball in the middle of the hole it is the inner radius less the ball's, at most ARC_TOLERANCE less."""
+    """The distance to a ball in the middle of the hole is the difference of the radii, or less by at most ARC_TOLERANCE."""
     ring = Arc("ring", np.zeros(3), TURNED, 0.5, 1.0, 0.2, np.pi)
     found = distance(ring, Sphere("ball", np.zeros(3), 0.2))
     assert 0.3 - 1e-4 * ring.size <= found <= 0.3
@@ -76,7 +76,7 @@ def evaluate(text: str, points: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("body", ROUND, ids=lambda body: f"{body.name}")
 def test_the_distance_given_to_gmsh_is_the_distance(body: TextBody) -> None:
-    """Outside of the body; behind the axis of a narrow arc, where it does not matter, it may be less."""
+    """The distance is right outside of the body; behind the axis of a narrow arc, where it does not matter, it may be too small."""
     points = np.random.default_rng(1).uniform(-3, 3, (60, 3))
     points = points[[not holds(body, Sphere("point", point, 1e-9)) for point in points]]
     true = np.array([distance(body, Sphere("point", point, 1e-9)) for point in points])
@@ -87,7 +87,7 @@ def test_the_distance_given_to_gmsh_is_the_distance(body: TextBody) -> None:
 
 @pytest.mark.parametrize("body", ROUND[1:], ids=lambda body: f"{body.name}")
 def test_the_edges_given_to_gmsh_are_on_the_surface(body: TextBody) -> None:
-    """An edge belongs to the surface, so it is never nearer than that; and at points of the edges it is at 0."""
+    """An edge belongs to the surface, so that it is never nearer than the surface; and the distance is 0 at points of the edges."""
     points = np.random.default_rng(2).uniform(-3, 3, (200, 3))
     text = edge_distance(body)
     assert text is not None
@@ -115,7 +115,7 @@ def test_bodies_touch_with_plane_faces_or_not(body: Body, expected: bool) -> Non
     assert touch_with_faces(PLATE, body) is expected
 
 
-def test_what_is_inside_is_held() -> None:
+def test_a_solid_contains_a_body_inside_it() -> None:
     small = Sphere("small", CENTRE, 0.05)
     for outer in (
         Sphere("ball", CENTRE, 0.3),

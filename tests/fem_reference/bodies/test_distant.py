@@ -1,4 +1,4 @@
-"""Bodies left out because they are far: the truth is inside all the same, and nothing is left out that matters."""
+"""Distant bodies that are left out: the interval still contains the true value, and no body that matters is left out."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NEAR: list[Body] = [plate("sensor", 0.5, 0, 0, 0), plate("target", 0.4, 0, 0, 0.
 
 
 def with_far(far: Body, kind: str, contrast: float = 5.0) -> Conductors:
-    """A sensor, a target above it, and one body more."""
+    """A sensor, a target above it, and one more body."""
     dielectrics = [Dielectric(far.name, contrast, contrast)] if kind == "dielectric" else []
     named = {k: [far.name] if k == kind else [] for k in ("floating", "grounded")}
     return normalised(
@@ -51,7 +51,7 @@ def test_a_body_near_by_or_with_a_row_or_of_less_permittivity_is_not() -> None:
 
 
 def test_bodies_left_out_add_up() -> None:
-    """As many as the accuracy allows together; the farthest first."""
+    """As many bodies are left out as the accuracy allows together, the farthest first."""
     spheres = [Sphere(str(k), np.array([0, 0, 35.0 + 10 * k]), 0.2) for k in range(6)]
     names = [body.name for body in spheres]
     problem = normalised(["sensor"], 1, [NEAR[0], *spheres], range(7), grounded=names)
@@ -68,7 +68,7 @@ def test_what_matters_to_the_smallest_entry_is_not_negligible() -> None:
 
 
 def test_the_bound_is_above_the_change_of_two_balls() -> None:
-    """The change by grounding a far ball, C12²/C22, from the series of images (Maxwell, Treatise, art. 173)."""
+    """Grounding a far ball changes the entry by C12²/C22, from the series of images (Maxwell, Treatise, art. 173)."""
     a, b, apart = 1.0, 0.5, 40.0
     balls: list[Body] = [Sphere("near", np.zeros(3), a), Sphere("far", np.array([apart, 0, 0]), b)]
     problem = normalised(["near"], 1, balls, [0, 1], grounded=["far"])
@@ -78,7 +78,7 @@ def test_the_bound_is_above_the_change_of_two_balls() -> None:
 
 
 def test_left_out_or_solved_whole_the_intervals_have_the_truth_in_common() -> None:
-    """So far that nothing may be left out at 1e-3, and is at 1e-2."""
+    """The body is at a distance at which it may not be left out at an accuracy of 1e-3, and is left out at 1e-2."""
     problem = with_far(Sphere("far", np.array([0, 0, 30.0]), 0.1), "floating")
     found = solve_conductors(problem, 2.0, rtol=1e-2, limits=Limits(seconds=1e-3))
     whole = solve_conductors(problem, 2.0, rtol=1e-3, limits=Limits(seconds=1e-3))

@@ -1,4 +1,4 @@
-"""Triangles in one plane are one face, those around a box a cuboid: the mesh does not show how a surface was cut."""
+"""Merging of triangles in one plane into faces, and of the triangles of a box into a cuboid, whatever the triangulation."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ OUTLINE = np.array([[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]], dtype=float
 
 
 def finer(triangles: Array, count: int) -> Array:
-    """Every triangle as count² of them."""
+    """Divide every triangle into count² triangles."""
     pieces = []
     for start, first, second in triangles:
         u, v = (first - start) / count, (second - start) / count
@@ -38,7 +38,7 @@ def finer(triangles: Array, count: int) -> Array:
 
 
 def prism(outline: Array, hole: Array | None = None) -> Array:
-    """The triangles of what stands on an L, or on a square with a square hole, of height 1."""
+    """The triangles of a prism of height 1, whose base is an L or a square with a square hole."""
 
     def wall(loop: Array) -> list[list[Array]]:
         low, high = (np.column_stack([loop, np.full(len(loop), z)]) for z in (0.0, 1.0))
@@ -62,7 +62,7 @@ def prism(outline: Array, hole: Array | None = None) -> Array:
 
 
 def test_a_finely_cut_cube_has_six_faces_of_four_vertices() -> None:
-    """Neither the diagonals nor the points within faces and edges are left."""
+    """The diagonals of the faces are gone, and so are the vertices inside faces and edges."""
     ((*faces,),) = plane_faces(polyhedron("box", finer(BOX, 3)))
     assert len(faces) == 6
     assert all(len(face) == 1 and len(face[0]) == 4 for face in faces)
@@ -78,7 +78,7 @@ def test_faces_may_be_bent_inwards_and_have_holes() -> None:
 
 
 def test_a_round_surface_keeps_its_facets() -> None:
-    """Those at the poles are triangles, those between two circles trapezoids, whose halves are in one plane."""
+    """The facets at the poles are triangles; those between two circles are trapezoids, whose two triangles lie in one plane."""
     ball = polyhedron("ball", shapes.Sphere(1.0, 16).triangles())
     assert ball.rounded.all()
     ((*faces,),) = plane_faces(ball)
@@ -96,7 +96,7 @@ def test_the_triangles_of_a_box_are_a_cuboid(count: int, precision: type) -> Non
     assert off.max() < 1e-6
 
 
-def test_what_is_no_box_is_none() -> None:
+def test_other_solids_are_not_replaced_by_a_cuboid() -> None:
     leaning = BOX + 1e-3 * BOX[..., :1] * [0, 1, 0]
     two = np.concatenate([BOX, BOX + 1])
     for triangles in (leaning, two, prism(OUTLINE), shapes.Sphere(1.0, 16).triangles()):
@@ -104,7 +104,7 @@ def test_what_is_no_box_is_none() -> None:
 
 
 def cell_count(target: Body) -> int:
-    """Of a coarse mesh, with a plate close by."""
+    """Number of cells of a coarse mesh around the target and a plate close to it."""
     plate = Rectangle("s", np.array([0.1, -0.2, 0.3]) + [0, 0, -0.3], np.eye(3), (0.1, 0.1))
     problem = normalised(["s", "t"], 1, [plate, target], [0, 1])
     return tagged_mesh(problem.bodies, problem.owner, Sizing(edge=0.2), straight=True).cell_count

@@ -1,4 +1,4 @@
-"""Triangles from mesh files as solids: their edges, and what is refused because it bounds none."""
+"""Triangle meshes as solids: their sharp edges, and the refusal of meshes that do not bound a solid."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ CUBE = shapes.Cuboid((0.2, 0.2, 0.2)).triangles()
 
 
 def test_a_cube_has_twelve_edges_and_eight_vertices() -> None:
-    """The diagonals of its faces are none; vertices that differ by the rounding of single precision are one."""
+    """The diagonals of its faces are no edges, and vertices that differ by the rounding of single precision are merged."""
     found = polyhedron("cube", CUBE + 1e-9 * np.random.default_rng(1).normal(size=CUBE.shape))
     assert len(found.vertices) == 8 and len(found.edges) == 12 and len(found.parts) == 1
     lengths = np.linalg.norm(np.diff(found.vertices[found.edges], axis=1), axis=2)
@@ -27,7 +27,7 @@ def test_a_finely_faceted_ball_has_no_edges() -> None:
 
 
 def test_edges_that_open_inwards_are_not_singular() -> None:
-    """Those of an L are its outline's but for the inner corner's: 3 at each of 6 corners are 18, less one."""
+    """An L-shaped prism has 18 edges, 3 at each of the 6 corners of its outline; the one at the inner corner is not singular."""
     outline = np.array([[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]], dtype=float)
     top = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]
     low, high = (np.column_stack([outline, np.full(6, z)]) for z in (0.0, 1.0))
@@ -80,6 +80,6 @@ def one_flipped() -> Array:
         "many",
     ],
 )
-def test_what_bounds_no_solid_is_refused_with_the_place(triangles: Array, words: str) -> None:
+def test_a_surface_that_bounds_no_solid_is_refused_with_the_place(triangles: Array, words: str) -> None:
     with pytest.raises(NotASolid, match=words):
         polyhedron("mesh", triangles)

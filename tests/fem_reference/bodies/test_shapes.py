@@ -1,4 +1,4 @@
-"""Bodies: their distances are closed forms, held here against brute force over sampled points."""
+"""The closed forms of the bodies' distances, compared with the smallest distance to sampled points."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Planes of symmetry: found where they are, nowhere else, and the answer on one side is that of the whole."""
+"""Planes of symmetry: all are found and no others, and solving one side gives the answer of the whole."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def problem_of(target: Body) -> Conductors:
 
 @pytest.mark.parametrize("target, number", [(plate(0, 0, 0.3), 2), (plate(1.2, 0, 0), 1)])
 def test_one_side_gives_the_answer_of_the_whole(target: Body, number: int) -> None:
-    """Two meshes of the same fineness: the enclosures overlap, and a side has a share of the unknowns."""
+    """On meshes of the same fineness the enclosures overlap, and one side has its share of the unknowns."""
     problem = problem_of(target)
     found = mirror_planes(problem.bodies, problem.owner)
     assert len(found) == number

@@ -1,4 +1,4 @@
-"""Quarter-point elements: what their map is, and that their integrals are exact."""
+"""Quarter-point elements: the formula of their map, and the exactness of their integrals."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def some_points() -> Array:
 
 @pytest.mark.parametrize("collapsed", KINDS)
 def test_the_element_is_the_straight_one_with_the_distance_squared(collapsed: frozenset[int]) -> None:
-    """(1 − s)·P + s·Q goes to (1 − s²)·P' + s²·Q' in any tetrahedron."""
+    """The map takes (1 − s)·P + s·Q to (1 − s²)·P' + s²·Q' in any tetrahedron."""
     corners = np.random.default_rng(2).normal(size=(4, 3))
     nodes = np.vstack([corners, np.zeros((6, 3))])
     cell = np.arange(10, dtype=np.int32)[None]
@@ -77,7 +77,7 @@ def test_the_rule_integrates_polynomials(collapsed: frozenset[int]) -> None:
 def test_energies_of_fluxes_do_not_depend_on_the_rule(
     collapsed: frozenset[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """They are finite and integrated to rounding: half as many points again change nothing."""
+    """The energies are finite and integrated to rounding error: a rule with one and a half times the points gives the same."""
     found = flux_space(3, collapsed).products
     with monkeypatch.context() as patch:
         patch.setattr(quarter_points, "RADIAL_DEGREE", 35)

@@ -1,4 +1,4 @@
-"""Enclosures: what the truth is compared with lies inside, always, and they are narrow. `pytest -s` prints what was found."""
+"""Enclosures are narrow and always contain the known value. `pytest -s` prints them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from tests.fem_reference.random_set_ups import enclosed, set_ups
 Array = NDArray[np.float64]
 
 CASES = boundary_elements()[::3]
-"""A sample; `python3 -m analysis verify` has all of them."""
+"""A sample of the cases; `python3 -m analysis verify` runs all of them."""
 
 
 def random_semidefinite(seed: int) -> Array:
@@ -33,7 +33,7 @@ def random_semidefinite(seed: int) -> Array:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_every_matrix_between_the_bounds_is_enclosed(seed: int) -> None:
-    """Any M with L ≤ M ≤ U has its entries inside; off-diagonals of M are those of a capacitance matrix, not positive."""
+    """The entries of any M with L ≤ M ≤ U lie inside, if its off-diagonal entries are not positive, as those of a Maxwell matrix."""
     below = np.diag([9.0, 8.0, 7.0]) - 2.5 + 0.1 * random_semidefinite(seed)
     gap, share = random_semidefinite(seed + 100), np.linspace(0, 1, 5)
     found = enclosure(below, below + gap)
@@ -44,7 +44,7 @@ def test_every_matrix_between_the_bounds_is_enclosed(seed: int) -> None:
 
 
 def test_the_bound_off_the_diagonal_is_sharp() -> None:
-    """D = [[1, 1], [1, 1]]: M may be L or U, and off the diagonal the middle is half of D's entry off either."""
+    """With D = [[1, 1], [1, 1]] M may be L or U, whose off-diagonal entries are both half of D's entry away from the middle."""
     below = np.array([[4.0, -3.0], [-3.0, 4.0]])
     found = enclosure(below, below + 1)
     assert found.lower[0, 1] == pytest.approx(-3) and found.upper[0, 1] == pytest.approx(-2)
@@ -83,7 +83,7 @@ def level(problem: Conductors, refinement: float) -> Level:
 
 
 def widths_around(name: str, problem: Conductors, truth: float, truth_error: float) -> list[float]:
-    """Relative widths over three halvings of the edge size; asserts that the truth is inside each time."""
+    """Relative widths over three halvings of the edge size; asserts that the known value is inside each time."""
     widths = []
     for refinement in (1, 2, 4):
         found = level(problem, refinement).enclosure
@@ -111,7 +111,7 @@ def test_cube() -> None:
 
 @pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
 def test_plates_against_boundary_elements(case: dict[str, Any]) -> None:
-    """The coarsest mesh encloses every entry of every case, as far as the other method knows it."""
+    """The coarsest mesh encloses every entry of every case within the error of the boundary elements."""
     found = level(conductors_of(case), 1).enclosure
     assert found is not None
     truth = 1e-12 * np.array(case["maxwell_pF"])
@@ -124,7 +124,7 @@ def test_plates_against_boundary_elements(case: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("plates", list(set_ups(1, seed=7)))
 def test_random_poses_against_panels(plates: list[Plate]) -> None:
-    """A sample of `random_set_ups`, on the coarsest mesh."""
+    """The enclosures of a sample of `random_set_ups`, on the coarsest mesh."""
     inside, width, slack = enclosed(plates, 1)
     assert inside and width <= 0.1 and slack <= 1e-2 * width + 1e-3
 

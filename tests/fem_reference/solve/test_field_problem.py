@@ -1,4 +1,4 @@
-"""One mesh, one solve: what holds for the discrete answer whatever the size of the elements."""
+"""The solution on one mesh: properties of the discrete answer that do not depend on the size of the elements."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_the_mesh_tags_every_body_and_the_outer_sphere() -> None:
 
 
 def test_the_smallest_tetrahedra_are_at_the_edges_of_the_plates() -> None:
-    """The size asked for at the edges is met by the mesh, within the factor tetrahedra scatter by."""
+    """The cells at the edges have the prescribed size, within the scatter of tetrahedra."""
     problem, mesh, _ = above_box()
     cells = mesh.mesh.geometry.dofmap.array.reshape(-1, 10)[mesh.near_edge.values == NEAR_EDGE]
     corners = mesh.mesh.geometry.x[cells[:, :4]]
@@ -52,7 +52,7 @@ def test_the_smallest_tetrahedra_are_at_the_edges_of_the_plates() -> None:
 
 
 def test_the_maxwell_matrix_is_that_of_conductors_in_free_space() -> None:
-    """Symmetric, positive definite, charges of the opposite sign induced, and diagonally dominant: some flux escapes."""
+    """The matrix is symmetric and positive definite, has negative off-diagonal entries, and is diagonally dominant: some flux escapes."""
     _, _, system = above_box()
     matrix = charges(system, 1).maxwell
     assert np.array_equal(matrix, matrix.T)
@@ -74,7 +74,7 @@ def test_energies_are_the_charges_by_reaction() -> None:
 
 
 def test_without_its_objects_a_sensor_is_the_plate_alone() -> None:
-    """On the mesh of all three, with the others absent, against a mesh of its own: the same to the mesh error."""
+    """Solved on the mesh of all three bodies and on a mesh of its own, the plate has the same capacitance to the mesh error."""
     problem, _, system = above_box()
     found = charges(system, 1)
     single = normalised(["sensor"], 1, [plate("sensor", 0.0)], [0])
@@ -85,7 +85,7 @@ def test_without_its_objects_a_sensor_is_the_plate_alone() -> None:
 
 
 def test_a_floating_conductor_carries_no_charge_and_has_no_row() -> None:
-    """With the box floating: its reactions add up to nothing, and the others' are the rows of the reduced matrix."""
+    """With the box floating its reactions add up to 0, and those of the others are the rows of the reduced matrix."""
     _, _, system = above_box()
     potential = first_sensor_driven(system, 1)
     source, image = system.stiffness.createVecRight(), system.stiffness.createVecLeft()
@@ -99,7 +99,7 @@ def test_a_floating_conductor_carries_no_charge_and_has_no_row() -> None:
 
 
 def test_a_floating_conductor_is_between_grounded_and_absent() -> None:
-    """A third conductor grounded, floating, absent: each takes a constraint away, so the energies fall."""
+    """From a grounded to a floating to an absent third conductor, each step removes a constraint, so that the energies fall."""
     _, _, system = above_box()
     grounded = charges(system, 3).maxwell
     floating = without_floating(grounded, 1)
@@ -109,7 +109,7 @@ def test_a_floating_conductor_is_between_grounded_and_absent() -> None:
 
 
 def test_a_sensor_of_two_rectangles_is_one_conductor() -> None:
-    """Two halves that share an edge, against the whole plate."""
+    """Two halves that share an edge are equivalent to the whole plate."""
     halves: list[Body] = [
         Rectangle("left", np.array([-0.25, 0, 0]), np.eye(3), (0.25, 0.5)),
         Rectangle("right", np.array([0.25, 0, 0]), np.eye(3), (0.25, 0.5)),

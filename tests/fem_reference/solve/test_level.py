@@ -1,4 +1,4 @@
-"""One level of the reference, again and again in one process."""
+"""Repeated solution of one level in one process: its memory is freed."""
 
 from pathlib import Path
 from resource import getpagesize
@@ -14,13 +14,13 @@ from fem_reference.bodies.symmetry import mirror_planes
 
 
 def memory_in_use() -> int:
-    """Bytes that the process holds now."""
+    """The memory (bytes) that the process holds now."""
     return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * getpagesize()
 
 
 @pytest.mark.parametrize("bounds", ["none", "check", "enclosure"])
 def test_a_level_leaves_no_memory_behind(bounds: Bounds) -> None:
-    """Its matrices take some 10 MB, its bounds three times that."""
+    """The matrices of the level take some 10 MB, its bounds three times as much."""
     plates = [
         Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("a", 0), ("b", 0.4))
     ]
