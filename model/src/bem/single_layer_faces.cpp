@@ -281,7 +281,7 @@ class InnerPotential {
 /// Rows are the inner face's functions, columns the outer's.
 Eigen::MatrixXd integral(const ChargedFace& outer, FaceFunctions outer_functions, const OuterRule& rule,
                          const ChargedFace& inner, FaceFunctions inner_functions, double digits) {
-  const ChargeKernels& kernels = best_kernels<ChargeKernels>();
+  const auto& kernels = best_kernels<ChargeKernels>();
   InnerPotential potential(inner, inner_functions, digits);
   const Index count = whole_face_blocks(inner_functions.count());
   /// Lines whose sums stay in the cache until they are added up.

@@ -27,7 +27,7 @@ constexpr std::size_t slots_in_block = 64;
 double parallel(const float* vector, const float* other, std::ptrdiff_t padded) {
   /// The square of the sine of the angle.
   constexpr double nearly = 1e-8;
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   const double square = kernels.dot(vector, vector, padded), product = kernels.dot(vector, other, padded);
   const double other_square = kernels.dot(other, other, padded);
   return product * product >= (1 - nearly) * square * other_square && square > 0 ? product / square : 0;
@@ -95,7 +95,7 @@ ReducedSystem::Vector& ReducedSystem::new_vector(std::size_t body) {
 
 /// What a body's vectors have of a charge.
 void ReducedSystem::take_out(std::size_t body, float* charge, float* moments) {
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   const std::ptrdiff_t padded = level(body).padded;
   for (std::size_t k = 0; k < used_; ++k) {
     if (vectors_[k].body != body)
@@ -148,7 +148,7 @@ void ReducedSystem::exchange(std::size_t active) {
 
 /// Rows of the factor for the vectors that it has not yet.
 void ReducedSystem::extend() {
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   if (net_.rows() < signed_of(used_))
     net_.conservativeResize(2 * signed_of(used_), signed_of(conductors_));
   for (; extended_ < used_; ++extended_) {
@@ -196,7 +196,7 @@ void ReducedSystem::find_charges(std::size_t conductors) {
 }
 
 void ReducedSystem::find_residuals(std::size_t active, std::size_t conductors) {
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   solution_.truncation.setZero(signed_of(conductors_), signed_of(conductors_));
   for (std::size_t body = 0; body < active; ++body) {
     const PreparedLevel& prepared = level(body);
@@ -235,7 +235,7 @@ void ReducedSystem::find_residuals(std::size_t active, std::size_t conductors) {
 
 /// New vectors from the corrections; false when none has anything new.
 bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   bool added = false;
   for (std::size_t body = 0; body < active; ++body) {
     const std::ptrdiff_t padded = level(body).padded;
@@ -314,7 +314,7 @@ void ReducedSystem::judge_truncation() {
 
 /// What the highest functions of the first bodies hold, and of each body how much.
 MatrixXd ReducedSystem::resolution(std::size_t active, std::size_t conductors) {
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   const auto size = signed_of(conductors);
   MatrixXd result = MatrixXd::Zero(size, size);
   const Eigen::VectorXd own = net_.topLeftCorner(signed_of(extended_), size).colwise().squaredNorm();
@@ -350,7 +350,7 @@ MatrixXd ReducedSystem::resolution(std::size_t active, std::size_t conductors) {
 
 /// The change of the capacitances from coarser triangles to these.
 MatrixXd ReducedSystem::missing() {
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   const auto size = signed_of(conductors_);
   MatrixXd result = MatrixXd::Zero(size, size);
   for (std::size_t body = 0; body < bodies_.size(); ++body) {
