@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <tuple>
 #include <utility>
 
 #include <Eigen/Geometry>
 
 #include "bem/graded_triangles.hpp"
+#include "geometry/surface_mesh.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -24,32 +23,11 @@ constexpr std::size_t few_triangles = 400;
 /// As many triangles as a triangle has quarters.
 constexpr std::size_t group_size = 4;
 
-/// The triangles that share a side with each one.
-std::vector<std::vector<std::size_t>> neighbours_of(std::span<const Triangle> triangles) {
-  using Point = std::tuple<double, double, double>;
-  std::map<std::pair<Point, Point>, std::vector<std::size_t>> users;
-  const auto key = [](const Vector3d& p) { return Point(p.x(), p.y(), p.z()); };
-  for (std::size_t k = 0; k < triangles.size(); ++k)
-    for (std::size_t side = 0; side < 3; ++side) {
-      Point from = key(triangles[k][side]), to = key(triangles[k][(side + 1) % 3]);
-      if (to < from)
-        std::swap(from, to);
-      users[{from, to}].push_back(k);
-    }
-  std::vector<std::vector<std::size_t>> neighbours(triangles.size());
-  for (const auto& [ends, sharing] : users)
-    for (const std::size_t one : sharing)
-      for (const std::size_t other : sharing)
-        if (one != other)
-          neighbours[one].push_back(other);
-  return neighbours;
-}
-
 /// Neighbouring triangles of about one plane, a few in each group; those left alone are groups of one.
 std::vector<std::vector<std::size_t>> grouped(std::span<const Triangle> triangles) {
   /// The cosine of the angle between neighbours of one group: a sharp edge parts them.
   constexpr double same_plane = 0.7;
-  const auto neighbours = neighbours_of(triangles);
+  const auto neighbours = SurfaceMesh(triangles).neighbours();
   std::vector<Vector3d> normals, centres;
   for (const Triangle& triangle : triangles) {
     normals.push_back((triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized());
