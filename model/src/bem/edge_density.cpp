@@ -1,9 +1,7 @@
 #include "bem/edge_density.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -11,30 +9,16 @@
 #include <Eigen/Geometry>
 
 #include "bem/panel.hpp"
+#include "geometry/surface_mesh.hpp"
 
 namespace fringe::detail {
 namespace {
 
 using Eigen::Vector3d;
-using Place = std::array<double, 3>;
 
 /// Least exponent of a sharp edge. Faces that meet at 160° or more have a smaller one, and so do the facets
 /// of a round body.
 constexpr double least_exponent = 0.1;
-
-/// Adjacency: the triangles at each edge.
-using Users = std::map<std::pair<Place, Place>, std::vector<std::size_t>>;
-
-Users users_of(std::span<const Triangle> triangles) {
-  Users users;
-  const auto corner = [](const Vector3d& p) { return Place{p.x(), p.y(), p.z()}; };
-  for (std::size_t k = 0; k < triangles.size(); ++k)
-    for (std::size_t side = 0; side < 3; ++side) {
-      const Place from = corner(triangles[k][side]), to = corner(triangles[k][(side + 1) % 3]);
-      users[std::minmax(from, to)].push_back(k);
-    }
-  return users;
-}
 
 Vector3d opposite_corner(const Triangle& triangle, const Vector3d& from, const Vector3d& to) {
   for (const Vector3d& corner : triangle)
@@ -43,18 +27,18 @@ Vector3d opposite_corner(const Triangle& triangle, const Vector3d& from, const V
   return from;
 }
 
-/// Returns the widest angle between neighbouring triangles around an edge, on the side where the charge is.
-double widest_angle(std::span<const Triangle> triangles, const std::vector<std::size_t>& users,
+/// Returns the widest angle between neighbouring faces around an edge, on the side where the charge is.
+double widest_angle(std::span<const Triangle> triangles, std::span<const std::uint32_t> faces,
                     const Vector3d& from, const Vector3d& to) {
   const Vector3d axis = (to - from).normalized();
-  const auto away = [&](std::size_t user) -> Vector3d {
-    const Vector3d offset = opposite_corner(triangles[user], from, to) - from;
+  const auto away = [&](std::uint32_t face) -> Vector3d {
+    const Vector3d offset = opposite_corner(triangles[face], from, to) - from;
     return offset - offset.dot(axis) * axis;
   };
-  const Vector3d first = away(users.front()), second = axis.cross(first);
+  const Vector3d first = away(faces.front()), second = axis.cross(first);
   std::vector<double> angles;
-  for (const std::size_t user : users) {
-    const Vector3d direction = away(user);
+  for (const std::uint32_t face : faces) {
+    const Vector3d direction = away(face);
     const double angle = std::atan2(direction.dot(second), direction.dot(first));
     angles.push_back(angle < 0 ? angle + 2 * std::numbers::pi : angle);
   }
@@ -66,13 +50,13 @@ double widest_angle(std::span<const Triangle> triangles, const std::vector<std::
 }
 
 /// Returns true if the faces of a closed surface form a concave edge, as in a corner of a room.
-bool is_hollow(std::span<const Triangle> triangles, const std::vector<std::size_t>& users,
+bool is_hollow(std::span<const Triangle> triangles, std::span<const std::uint32_t> faces,
                const Vector3d& from, const Vector3d& to) {
-  if (users.size() != 2)
+  if (faces.size() != 2)
     return false;
-  const Triangle& one = triangles[users[0]];
+  const Triangle& one = triangles[faces[0]];
   const Vector3d normal = (one[1] - one[0]).cross(one[2] - one[0]);
-  return normal.dot(opposite_corner(triangles[users[1]], from, to) - from) > 0;
+  return normal.dot(opposite_corner(triangles[faces[1]], from, to) - from) > 0;
 }
 
 double charge_exponent(double angle) {
@@ -83,7 +67,8 @@ double charge_exponent(double angle) {
 
 EdgeDensity::EdgeDensity(std::span<const Triangle> triangles)
     : size_(std::sqrt(area(triangles))), part_of_(triangles.size()) {
-  const bool closed = is_closed(triangles), inside_out = signed_volume(triangles) < 0;
+  const SurfaceMesh mesh(triangles);
+  const bool closed = mesh.is_closed(), inside_out = signed_volume(triangles) < 0;
   std::iota(part_of_.begin(), part_of_.end(), std::size_t{0});
   const auto part = [&](std::size_t triangle) {
     while (part_of_[triangle] != triangle)
@@ -91,16 +76,16 @@ EdgeDensity::EdgeDensity(std::span<const Triangle> triangles)
     return triangle;
   };
   std::vector<std::pair<std::size_t, SharpEdge>> found;
-  for (const auto& [ends, users] : users_of(triangles)) {
-    const Vector3d from(ends.first.data()), to(ends.second.data());
-    const double exponent = charge_exponent(widest_angle(triangles, users, from, to));
+  for (const SurfaceMesh::Edge& edge : mesh.edges()) {
+    const Vector3d &from = mesh.vertices()[edge.from], &to = mesh.vertices()[edge.to];
+    const double exponent = charge_exponent(widest_angle(triangles, edge.faces, from, to));
     const bool is_smooth = exponent < least_exponent;
-    const bool grows = !is_smooth && !(closed && !inside_out && is_hollow(triangles, users, from, to));
-    for (const std::size_t user : users) {
+    const bool grows = !is_smooth && !(closed && !inside_out && is_hollow(triangles, edge.faces, from, to));
+    for (const std::uint32_t face : edge.faces) {
       if (grows)
-        found.push_back({user, {from, to, exponent}});
+        found.push_back({face, {from, to, exponent}});
       else if (is_smooth)
-        part_of_[part(user)] = part(users.front());
+        part_of_[part(face)] = part(edge.faces.front());
     }
   }
   for (std::size_t triangle = 0; triangle < part_of_.size(); ++triangle)

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <tuple>
 #include <utility>
 
 #include <Eigen/Geometry>
 
 #include "bem/graded_triangles.hpp"
+#include "geometry/surface_mesh.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -25,33 +24,12 @@ constexpr std::size_t few_triangles = 400;
 /// Number of triangles in a group: as many as a triangle has quarters.
 constexpr std::size_t group_size = 4;
 
-/// Returns the adjacency: the triangles that share a side with each one.
-std::vector<std::vector<std::size_t>> neighbours_of(std::span<const Triangle> triangles) {
-  using Point = std::tuple<double, double, double>;
-  std::map<std::pair<Point, Point>, std::vector<std::size_t>> users;
-  const auto key = [](const Vector3d& p) { return Point(p.x(), p.y(), p.z()); };
-  for (std::size_t k = 0; k < triangles.size(); ++k)
-    for (std::size_t side = 0; side < 3; ++side) {
-      Point from = key(triangles[k][side]), to = key(triangles[k][(side + 1) % 3]);
-      if (to < from)
-        std::swap(from, to);
-      users[{from, to}].push_back(k);
-    }
-  std::vector<std::vector<std::size_t>> neighbours(triangles.size());
-  for (const auto& [ends, sharing] : users)
-    for (const std::size_t one : sharing)
-      for (const std::size_t other : sharing)
-        if (one != other)
-          neighbours[one].push_back(other);
-  return neighbours;
-}
-
 /// Groups a few neighbouring, nearly coplanar triangles each; a triangle that is left alone is a group of
 /// one.
 std::vector<std::vector<std::size_t>> grouped(std::span<const Triangle> triangles) {
   /// Least cosine of the angle between the planes of triangles in one group: a sharp edge separates groups.
   constexpr double same_plane = 0.7;
-  const auto neighbours = neighbours_of(triangles);
+  const auto neighbours = SurfaceMesh(triangles).neighbours();
   std::vector<Vector3d> normals, centres;
   for (const Triangle& triangle : triangles) {
     normals.push_back((triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized());

@@ -285,7 +285,7 @@ class InnerPotential {
 /// the outer's.
 Eigen::MatrixXd integral(const ChargedFace& outer, FaceFunctions outer_functions, const OuterRule& rule,
                          const ChargedFace& inner, FaceFunctions inner_functions, double digits) {
-  const ChargeKernels& kernels = best_kernels<ChargeKernels>();
+  const auto& kernels = best_kernels<ChargeKernels>();
   InnerPotential potential(inner, inner_functions, digits);
   const Index count = whole_face_blocks(inner_functions.count());
   /// Number of lines whose sums stay in the cache until they are added up.

@@ -1,24 +1,13 @@
 #include "fringe/triangle.hpp"
 
-#include <algorithm>
-#include <map>
 #include <numeric>
-#include <tuple>
-#include <utility>
 
+#include "geometry/surface_mesh.hpp"
 #include "numeric/compensated.hpp"
 
 namespace fringe {
-namespace {
 
 using Eigen::Vector3d;
-using Coordinates = std::tuple<double, double, double>;
-
-Coordinates coordinates(const Vector3d& point) {
-  return {point.x(), point.y(), point.z()};
-}
-
-}  // namespace
 
 double twice_area(const Triangle& triangle) {
   const Vector3d edge0 = triangle[2] - triangle[1];
@@ -51,19 +40,7 @@ double signed_volume(std::span<const Triangle> triangles) {
 }
 
 bool is_closed(std::span<const Triangle> triangles) {
-  // How often each edge is used in one direction, minus the uses in the opposite direction.
-  std::map<std::pair<Coordinates, Coordinates>, int> uses;
-  for (const Triangle& triangle : triangles) {
-    for (int i = 0; i < 3; ++i) {
-      const Coordinates from = coordinates(triangle[i]), to = coordinates(triangle[(i + 1) % 3]);
-      if (from < to)
-        ++uses[{from, to}];
-      else if (to < from)
-        --uses[{to, from}];
-    }
-  }
-  return !triangles.empty() &&
-         std::all_of(uses.begin(), uses.end(), [](const auto& use) { return use.second == 0; });
+  return detail::SurfaceMesh(triangles).is_closed();
 }
 
 Eigen::AlignedBox3d axis_aligned_box(std::span<const Triangle> triangles) {

@@ -82,7 +82,7 @@ std::vector<double> plate_integrals(const TriangleBatch& triangles, const Rectan
   validate(options);
   const ChoicesFor choices(options.tolerance);
   const PlateFrame frame = plate_frame(plate);
-  const BatchKernels& kernels = best_kernels<BatchKernels>();
+  const auto& kernels = best_kernels<BatchKernels>();
   std::vector<double> values(triangles.size());
   for_each_chunk(chunks_of(triangles), options.threads, [&](std::size_t chunk) {
     integrate_chunk(kernels, triangles, chunk * chunk_size, chunk_count(triangles, chunk), frame, *choices,
@@ -102,7 +102,7 @@ std::vector<BoundedIntegral> total_integrals(const TriangleBatch& triangles,
   }
   validate(options);
   const ChoicesFor choices(options.tolerance);
-  const BatchKernels& kernels = best_kernels<BatchKernels>();
+  const auto& kernels = best_kernels<BatchKernels>();
   std::vector<PlateFrame> frames;
   for (const Rectangle& plate : plates)
     frames.push_back(plate_frame(plate));

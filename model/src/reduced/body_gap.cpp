@@ -71,7 +71,7 @@ bool may_hold(const PlacedBody& outer, const BoxNumbers& box, const PlacedBody& 
 }  // namespace
 
 double body_gap(const PlacedBody& a, const PlacedBody& b) {
-  const GjkFilter& search = best_kernels<GjkFilter>();
+  const auto& search = best_kernels<GjkFilter>();
   const BoxNumbers box_a = whole_box(a), box_b = whole_box(b);
   const double apart = search.box_gap(box_a, box_b);
   if (apart > 0)

@@ -30,7 +30,7 @@ constexpr std::size_t slots_in_block = 64;
 double parallel(const float* vector, const float* other, std::ptrdiff_t padded) {
   /// Squared sine of the angle below which two vectors are parallel.
   constexpr double nearly = 1e-8;
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   const double square = kernels.dot(vector, vector, padded), product = kernels.dot(vector, other, padded);
   const double other_square = kernels.dot(other, other, padded);
   return product * product >= (1 - nearly) * square * other_square && square > 0 ? product / square : 0;
@@ -98,7 +98,7 @@ ReducedSystem::Vector& ReducedSystem::new_vector(std::size_t body) {
 
 /// Orthogonalises a charge and its moments against the body's basis.
 void ReducedSystem::take_out(std::size_t body, float* charge, float* moments) {
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   const std::ptrdiff_t padded = level(body).padded;
   for (std::size_t k = 0; k < used_; ++k) {
     if (vectors_[k].body != body)
@@ -152,7 +152,7 @@ void ReducedSystem::exchange(std::size_t active) {
 
 /// Appends rows to the Cholesky factor for the vectors that it does not contain yet.
 void ReducedSystem::extend() {
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   if (net_.rows() < signed_of(used_))
     net_.conservativeResize(2 * signed_of(used_), signed_of(conductors_));
   for (; extended_ < used_; ++extended_) {
@@ -203,7 +203,7 @@ void ReducedSystem::find_charges(std::size_t conductors) {
 /// Computes the residuals on each body, the charges with which the body alone responds to them, and what
 /// these charges add to the capacitances (`truncation`).
 void ReducedSystem::find_residuals(std::size_t active, std::size_t conductors) {
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   solution_.truncation.setZero(signed_of(conductors_), signed_of(conductors_));
   for (std::size_t body = 0; body < active; ++body) {
     const PreparedLevel& prepared = level(body);
@@ -242,7 +242,7 @@ void ReducedSystem::find_residuals(std::size_t active, std::size_t conductors) {
 
 /// Orthonormalises the corrections and adds them to the basis. Returns false if none of them is new.
 bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   bool added = false;
   for (std::size_t body = 0; body < active; ++body) {
     const std::ptrdiff_t padded = level(body).padded;
@@ -326,7 +326,7 @@ void ReducedSystem::judge_truncation() {
 /// Returns the contribution of the highest functions of the first bodies to the capacitances, and stores that
 /// of each body.
 MatrixXd ReducedSystem::resolution(std::size_t active, std::size_t conductors) {
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   const auto size = signed_of(conductors);
   MatrixXd result = MatrixXd::Zero(size, size);
   const Eigen::VectorXd own = net_.topLeftCorner(signed_of(extended_), size).colwise().squaredNorm();
@@ -362,7 +362,7 @@ MatrixXd ReducedSystem::resolution(std::size_t active, std::size_t conductors) {
 
 /// Returns the change of the capacitances from coarser triangles to the present ones.
 MatrixXd ReducedSystem::missing() {
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   const auto size = signed_of(conductors_);
   MatrixXd result = MatrixXd::Zero(size, size);
   for (std::size_t body = 0; body < bodies_.size(); ++body) {

@@ -47,7 +47,7 @@ const Kernels& kernels(InstructionSet set) {
 /// Returns one kind of kernels for the fastest instruction set of this machine.
 template <class Kernels>
 const Kernels& best_kernels() {
-  static const Kernels& best = kernels<Kernels>(available_instruction_sets().back());
+  static const auto& best = kernels<Kernels>(available_instruction_sets().back());
   return best;
 }
 

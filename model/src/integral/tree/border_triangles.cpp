@@ -33,7 +33,7 @@ void border_errors(const PlateFrame& plate, const Placement& placement, const No
   // The error is ∫t² dA/(2·nearest³). Each point has a third of the triangle's area as its weight.
   const double factor = 3 / (2 * nearest * nearest * nearest);
   std::array<double, points_per_triangle * most_triangles_in_leaf> heights;
-  const TreeKernels& kernels = best_kernels<TreeKernels>();
+  const auto& kernels = best_kernels<TreeKernels>();
   const Eigen::Vector3d local = plate.axes * (leaf.centre - plate.corner);
   for (int axis = 0; axis < 2; ++axis) {
     const Eigen::Vector3d normal = plate.axes.row(axis);

@@ -21,7 +21,7 @@ MonomialRows::MonomialRows(std::span<const WeightedPoint> points, const Eigen::V
   for (std::size_t j = points.size(); j < stride_; ++j)
     for (double* const row : {rows_.get(), coordinates, coordinates + stride_, coordinates + 2 * stride_})
       row[j] = 0;
-  const TreeKernels& kernels = best_kernels<TreeKernels>();
+  const auto& kernels = best_kernels<TreeKernels>();
   for (std::size_t i = 1; i < row_count_; ++i)
     kernels.multiply(row(monomials[i].factor),
                      coordinates + static_cast<std::size_t>(monomials[i].axis) * stride_, stride_,
@@ -29,7 +29,7 @@ MonomialRows::MonomialRows(std::span<const WeightedPoint> points, const Eigen::V
 }
 
 void MonomialRows::add_up(MonomialValues& sums) const {
-  const TreeKernels& kernels = best_kernels<TreeKernels>();
+  const auto& kernels = best_kernels<TreeKernels>();
   for (std::size_t i = 0; i < row_count_; ++i)
     sums[i] += kernels.sum(row(i), stride_);
 }

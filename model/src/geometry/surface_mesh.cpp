@@ -1,0 +1,91 @@
+#include "geometry/surface_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Orders numbers; what is not a number comes last, so that sorting is defined for any.
+bool is_less(double a, double b) {
+  return a < b || (std::isnan(b) && !std::isnan(a));
+}
+
+bool comes_before(const Vector3d& a, const Vector3d& b) {
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    if (is_less(a[axis], b[axis]) || is_less(b[axis], a[axis]))
+      return is_less(a[axis], b[axis]);
+  return false;
+}
+
+/// A side of a face, from the lower of its vertices to the higher one.
+struct FaceSide {
+  std::uint32_t from;
+  std::uint32_t to;
+  std::uint32_t face;
+  int direction;  ///< 1 when the face runs along it that way, −1 against it, 0 when its ends are one vertex
+
+  bool operator<(const FaceSide& other) const {
+    return std::tie(from, to, face) < std::tie(other.from, other.to, other.face);
+  }
+};
+
+}  // namespace
+
+SurfaceMesh::SurfaceMesh(std::span<const Triangle> triangles) : faces_(triangles.size()) {
+  for (const Triangle& triangle : triangles)
+    vertices_.insert(vertices_.end(), triangle.begin(), triangle.end());
+  std::sort(vertices_.begin(), vertices_.end(), comes_before);
+  const auto same = [](const Vector3d& a, const Vector3d& b) { return !comes_before(a, b); };
+  vertices_.erase(std::unique(vertices_.begin(), vertices_.end(), same), vertices_.end());
+
+  std::vector<FaceSide> sides;
+  sides.reserve(3 * triangles.size());
+  for (std::size_t k = 0; k < triangles.size(); ++k) {
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const auto vertex =
+          std::lower_bound(vertices_.begin(), vertices_.end(), triangles[k][corner], comes_before);
+      faces_[k][corner] = static_cast<std::uint32_t>(vertex - vertices_.begin());
+    }
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const std::uint32_t from = faces_[k][corner], to = faces_[k][(corner + 1) % 3];
+      sides.push_back({std::min(from, to), std::max(from, to), static_cast<std::uint32_t>(k),
+                       from < to ? 1 : (to < from ? -1 : 0)});
+    }
+  }
+  std::sort(sides.begin(), sides.end());
+  faces_of_edges_.reserve(sides.size());
+  for (const FaceSide& side : sides)
+    faces_of_edges_.push_back(side.face);
+  for (std::size_t first = 0; first < sides.size();) {
+    std::size_t end = first;
+    int balance = 0;
+    for (; end < sides.size() && sides[end].from == sides[first].from && sides[end].to == sides[first].to;
+         ++end)
+      balance += sides[end].direction;
+    edges_.push_back({sides[first].from, sides[first].to,
+                      std::span(faces_of_edges_).subspan(first, end - first), balance});
+    first = end;
+  }
+}
+
+std::vector<std::vector<std::uint32_t>> SurfaceMesh::neighbours() const {
+  std::vector<std::vector<std::uint32_t>> neighbours(faces_.size());
+  for (const Edge& edge : edges_)
+    for (const std::uint32_t one : edge.faces)
+      for (const std::uint32_t other : edge.faces)
+        if (one != other)
+          neighbours[one].push_back(other);
+  return neighbours;
+}
+
+bool SurfaceMesh::is_closed() const {
+  return !faces_.empty() &&
+         std::all_of(edges_.begin(), edges_.end(), [](const Edge& edge) { return edge.balance == 0; });
+}
+
+}  // namespace fringe::detail
