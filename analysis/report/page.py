@@ -61,7 +61,7 @@ def static(file: str) -> Markup:
 
 def json_in_page(data: str) -> Markup:
     """Returns JSON text as it may stand within a script element."""
-    # What ends a script element in HTML must not stand in one.
+    # The text of a script must not contain the tag that ends its HTML element.
     return Markup(data.replace("</", "<\\/"))
 
 
