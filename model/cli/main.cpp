@@ -182,7 +182,7 @@ int run(int argument_count, char** arguments) {
   capacitance_command
       ->add_option(
           "--correction", request.correction,
-          "none, or what takes the place of the integral: a name of model/CORRECTIONS.md, or recommended")
+          "none, or what takes the place of the integral: formula or recommended (model/CORRECTIONS.md)")
       ->capture_default_str();
   capacitance_command
       ->add_option("--output", request.output,

@@ -532,7 +532,7 @@ tolerance: what may be left out of a sensor's total, relative to it; each object
 out at most. 0: nothing is left out but by "nearest", 1e-12. Only with the method "exact".
 rtol: the error of every entry of the Maxwell matrix to be reached. Only with "boundary-elements" (if not given 1e-3) and
 "reduced:1", 2, 3 (1e-2, 1e-3, 3e-4).
-correction: "none", or the name of what takes the place of the integral (fringe.corrections()), or "recommended".
+correction: "none", or what takes the place of the integral, "formula" or "recommended" (fringe.corrections()).
 
 Asked again with the same options, only what moved since is evaluated; "counts" says what that was.
 

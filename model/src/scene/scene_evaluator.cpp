@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "correction/corrected_integral.hpp"
+#include "correction/formula.hpp"
 #include "correction/recommended.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
@@ -258,9 +258,8 @@ class SceneEvaluator::Implementation {
     if (std::isinf(detail::enclosure(before.surface, before.centroid, placed_sensors_[sensor].frames).upper))
       pair.integral = detail::surface_integral(before.surface, in_object_frame_, {}, 0);
     if (!std::isinf(pair.integral.value))
-      pair.integral.value =
-          detail::corrected_integral(options_.correction, charged_objects_[object], before.surface.batch,
-                                     charged_sensors_[sensor], sensor_pose, in_object_frame_);
+      pair.integral.value = detail::formula(detail::formula_terms(
+          charged_objects_[object], charged_sensors_[sensor], sensor_pose, in_object_frame_));
   }
 
   /// Writes the results of one sensor into the answer.
