@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -54,6 +55,19 @@ class Face:
 
     corners: Array
     normal: Array
+
+    @cached_property
+    def frame(self) -> Array:
+        """Unit vectors (3, 3) in the plane, twice, and along the normal."""
+        along = self.corners[1] - self.corners[0]
+        along = along / np.linalg.norm(along)
+        return np.array([along, np.cross(self.normal, along), self.normal])
+
+    @cached_property
+    def outline(self) -> tuple[Array, Array]:
+        """The corners (n, 2) relative to the first one, and the edges (n, 2) from each to the next, in the plane."""
+        corners = (self.corners - self.corners[0]) @ self.frame[:2].T
+        return corners, np.roll(corners, -1, axis=0) - corners
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,13 +225,12 @@ def _distance(faces: Sequence[Face], points: Array) -> Array:
 
 def _heights_and_lateral(face: Face, points: Array) -> tuple[Array, Array]:
     """Returns the heights over a face's plane (n,), and how far beside the outline the projections lie (n,), 0 inside."""
-    heights = (points - face.corners[0]) @ face.normal
-    feet = points - heights[:, None] * face.normal
-    inside = np.ones(len(points), dtype=bool)
-    beside = np.full(len(points), np.inf)
-    for a, b in zip(face.corners, np.roll(face.corners, -1, axis=0)):
-        inside &= np.cross(b - a, feet - a) @ face.normal >= 0
-        beside = np.minimum(beside, np.linalg.norm(_nearest_on_segment(a, b, feet) - feet, axis=1))
+    x, y, heights = face.frame @ (points - face.corners[0]).T
+    corners, edges = face.outline
+    right, up = x[:, None] - corners[:, 0], y[:, None] - corners[:, 1]
+    inside = np.all(edges[:, 0] * up - edges[:, 1] * right >= 0, axis=1)
+    shares = np.clip((right * edges[:, 0] + up * edges[:, 1]) / (edges**2).sum(axis=1), 0, 1)
+    beside = np.hypot(right - shares * edges[:, 0], up - shares * edges[:, 1]).min(axis=1)
     return heights, np.where(inside, 0.0, beside)
 
 

@@ -11,8 +11,8 @@ Array = NDArray[np.float64]
 
 # Error of each triangle's integral, relative to its value at a distance of the triangle's own size.
 _TOLERANCE = 1e-3
-# Limit of halvings of a side, reached near contact: 4^7 parts. The first two are always made.
-_MOST_LEVELS, _FIRST_LEVEL = 7, 2
+# Halvings of a side: those that are always made, and the limit, which is reached near contact: 4^7 parts.
+_FIRST_LEVEL, _MOST_LEVELS = 2, 7
 
 
 def adaptive_integral(triangles: Array, function: Callable[[Array], Array]) -> float:
@@ -21,14 +21,16 @@ def adaptive_integral(triangles: Array, function: Callable[[Array], Array]) -> f
     Divides a triangle by halving its sides until this changes its integral by no more than 1e-3 of the root of its area.
     """
     parts = triangles
-    values = _rule(parts, function)
     allowed = _TOLERANCE * np.sqrt(_areas(parts))
+    for _ in range(_FIRST_LEVEL):
+        parts, allowed = _quarters(parts), np.repeat(allowed / 2, 4)
+    values = _rule(parts, function)
     total = 0.0
-    for level in range(_MOST_LEVELS + 1):
+    for level in range(_FIRST_LEVEL, _MOST_LEVELS + 1):
         quarters = _quarters(parts)
         of_quarters = _rule(quarters, function).reshape(-1, 4)
         sums = of_quarters.sum(axis=1)
-        done = np.abs(sums - values) <= allowed if level >= _FIRST_LEVEL else np.zeros(len(parts), dtype=bool)
+        done = np.abs(sums - values) <= allowed
         if level == _MOST_LEVELS:
             done[:] = True
         total += float(sums[done].sum())
@@ -50,7 +52,7 @@ def _quarters(parts: Array) -> Array:
     a, b, c = parts[:, 0], parts[:, 1], parts[:, 2]
     ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
     four = [np.stack(corners, axis=1) for corners in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (bc, ca, ab))]
-    return np.stack(four, axis=1).reshape(-1, 3, 3)
+    return np.asarray(np.stack(four, axis=1).reshape(-1, 3, 3))
 
 
 def _areas(parts: Array) -> Array:
