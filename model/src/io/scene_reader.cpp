@@ -247,8 +247,9 @@ Shape read_shape(TableReader& table, const std::filesystem::path& folder) {
 
 ElectricalRole read_role(TableReader& table) {
   if (table.has("material")) {
-    if (table.has("potential"))
-      table.fail("material", "cannot be combined with potential");
+    for (const char* key : {"potential", "conductor"})
+      if (table.has(key))
+        table.fail("material", fmt::format("cannot be combined with {}", key));
     TableReader material = table.table("material");
     const Dielectric dielectric{material.positive_number("relative_permittivity")};
     material.finish();
@@ -261,7 +262,9 @@ ElectricalRole read_role(TableReader& table) {
     return Grounded{};
   if (potential == "floating")
     return Floating{};
-  table.fail("potential", R"(must be "grounded" or "floating")");
+  if (potential == "electrode")
+    return Electrode{};
+  table.fail("potential", R"(must be "grounded", "floating" or "electrode")");
 }
 
 Object read_object(TableReader& table, const LinkIndices& links, Names& used_names,
@@ -274,8 +277,46 @@ Object read_object(TableReader& table, const LinkIndices& links, Names& used_nam
   Object object{std::move(name),  link,
                 std::move(shape), read_pose(table),
                 read_role(table), table.boolean_or("collides", true)};
+  if (table.has("conductor"))
+    object.conductor = table.name("conductor");
   table.finish();
   return object;
+}
+
+/// Returns the `potential` of a conductor as a scene file names it.
+std::string_view potential_name(const Object& object) {
+  if (std::holds_alternative<Floating>(object.role))
+    return "floating";
+  return std::holds_alternative<Electrode>(object.role) ? "electrode" : "grounded";
+}
+
+/// Rejects conductors whose objects differ in potential, and conductors with the name of a sensor or of an
+/// object outside them.
+void require_conductors(const Scene& scene, const std::vector<TableReader>& tables) {
+  Names sensors;
+  for (const Sensor& sensor : scene.sensors)
+    sensors.insert(sensor.name);
+  for (const DistanceSensor& sensor : scene.distance_sensors)
+    sensors.insert(sensor.name);
+  std::map<std::string, const Object*, std::less<>> objects, first;
+  for (const Object& object : scene.objects)
+    objects[object.name] = &object;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const Object& object = scene.objects[i];
+    if (!object.conductor)
+      continue;
+    const std::string& name = *object.conductor;
+    if (sensors.contains(name))
+      tables[i].fail("conductor", fmt::format("\"{}\" is the name of a sensor", name));
+    if (const auto named = objects.find(name); named != objects.end() && named->second->conductor != name)
+      tables[i].fail("conductor",
+                     fmt::format("\"{}\" is the name of an object outside this conductor", name));
+    const Object& other = *first.try_emplace(name, &object).first->second;
+    if (potential_name(other) != potential_name(object))
+      tables[i].fail("conductor",
+                     fmt::format(R"(one conductor has one potential, but "{}" is {} and "{}" is {})",
+                                 other.name, potential_name(other), object.name, potential_name(object)));
+  }
 }
 
 toml::table parse(const std::filesystem::path& path) {
@@ -308,9 +349,11 @@ Scene load_scene(const std::filesystem::path& path) {
     scene.sensors.push_back(read_sensor(table, links, used_names));
   for (TableReader& table : root.tables("distance_sensor"))
     scene.distance_sensors.push_back(read_distance_sensor(table, links, used_names));
-  for (TableReader& table : root.tables("object"))
+  std::vector<TableReader> objects = root.tables("object");
+  for (TableReader& table : objects)
     scene.objects.push_back(read_object(table, links, used_names, folder));
   root.finish();
+  require_conductors(scene, objects);
   if (scene.sensors.empty() && scene.objects.empty())
     root.fail("", "a scene needs at least one sensor or object");
   return scene;

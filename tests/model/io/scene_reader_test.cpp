@@ -83,6 +83,18 @@ collides = false
 name = "foil"
 shape = { type = "plane", size = [1, 1] }
 potential = "floating"
+conductor = "shield"
+
+[[object]]
+name = "shield"
+shape = { type = "cube", size = 1 }
+potential = "floating"
+conductor = "shield"
+
+[[object]]
+name = "guard"
+shape = { type = "cube", size = 1 }
+potential = "electrode"
 )";
 
 TEST_F(SceneReader, ReadsEveryKey) {
@@ -111,7 +123,7 @@ TEST_F(SceneReader, ReadsEveryKey) {
   EXPECT_EQ(scene.distance_sensors[0].full_angle_degrees, 40);
   EXPECT_EQ(scene.distance_sensors[0].range, 0.8);
 
-  ASSERT_EQ(scene.objects.size(), 3U);
+  ASSERT_EQ(scene.objects.size(), 5U);
   EXPECT_EQ(std::get<Plate>(scene.objects[0].shape).size_y, 0.2);
   EXPECT_EQ(scene.objects[0].pose.translation(), Vector3d(0, 0, 0.02));
   EXPECT_TRUE(std::holds_alternative<Grounded>(scene.objects[0].role));
@@ -120,6 +132,10 @@ TEST_F(SceneReader, ReadsEveryKey) {
   EXPECT_EQ(std::get<Dielectric>(scene.objects[1].role).relative_permittivity, 50);
   EXPECT_FALSE(scene.objects[1].collides);
   EXPECT_TRUE(std::holds_alternative<Floating>(scene.objects[2].role));
+  EXPECT_EQ(scene.objects[2].conductor, "shield");
+  EXPECT_EQ(scene.objects[3].conductor, "shield");
+  EXPECT_TRUE(std::holds_alternative<Electrode>(scene.objects[4].role));
+  EXPECT_FALSE(scene.objects[4].conductor.has_value());
 }
 
 TEST_F(SceneReader, FillsInDefaults) {
@@ -327,12 +343,38 @@ const std::vector<BadScene> bad_scenes{
      "greater than zero"},
     {"unknown potential",
      "[[object]]\nname = \"o\"\nshape = { type = \"cube\", size = 1 }\npotential = \"high\"\n",
-     "object \"o\": potential", R"("grounded" or "floating")"},
+     "object \"o\": potential", R"(must be "grounded", "floating" or "electrode")"},
     {"potential and material",
      "[[object]]\nname = \"o\"\nshape = { type = \"cube\", size = 1 }\npotential = \"grounded\"\nmaterial = "
      "{ "
      "relative_permittivity = 2 }\n",
      "material", "cannot be combined with potential"},
+    {"conductor and material",
+     FRINGE_OBJECT(
+         "type = \"cube\", size = 1") "conductor = \"c\"\nmaterial = { relative_permittivity = 2 }\n",
+     "object \"o\": material", "cannot be combined with conductor"},
+    {"empty name of a conductor", FRINGE_OBJECT("type = \"cube\", size = 1") "conductor = \"\"\n",
+     "object \"o\": conductor", "must not be empty"},
+    {"conductor with the name of a sensor",
+     FRINGE_SENSOR("{ corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }")
+         FRINGE_OBJECT("type = \"cube\", size = 1") "conductor = \"s\"\n",
+     "object \"o\": conductor", "\"s\" is the name of a sensor"},
+    {"conductor with the name of a distance sensor",
+     "[[distance_sensor]]\nname = \"d\"\napex = [0, 0, 0]\ndirection = [0, 0, 1]\nfull_angle_degrees = "
+     "18\nrange = 1\n" FRINGE_OBJECT("type = \"cube\", size = 1") "conductor = \"d\"\n",
+     "object \"o\": conductor", "\"d\" is the name of a sensor"},
+    {"conductor with the name of an object outside it",
+     FRINGE_OBJECT(
+         "type = \"cube\", size = 1") "conductor = \"p\"\n[[object]]\nname = \"p\"\nshape = { type = "
+                                      "\"cube\", size = 1 }\nconductor = \"c\"\n",
+     "object \"o\": conductor", "\"p\" is the name of an object outside this conductor"},
+    {"conductor at two potentials",
+     FRINGE_OBJECT(
+         "type = \"cube\", size = 1") "conductor = \"c\"\n[[object]]\nname = \"p\"\nshape = { type = "
+                                      "\"cube\", size = 1 }\nconductor = \"c\"\npotential = "
+                                      "\"electrode\"\n",
+     "object \"p\": conductor",
+     "one conductor has one potential, but \"o\" is grounded and \"p\" is electrode"},
     {"material without permittivity",
      "[[object]]\nname = \"o\"\nshape = { type = \"cube\", size = 1 }\nmaterial = {}\n",
      "material.relative_permittivity", "is missing"},
