@@ -177,7 +177,7 @@ TEST(Capacitance, OfTheNearestPlateKeepsToTheTolerance) {
     const SensorCapacitance felt =
         capacitance(scene, {Exact{}, PlateRule::nearest, FaceRule::all, tolerance}).sensors.at(0);
     for (std::size_t i = 0; i < felt.objects.size(); ++i) {
-      const auto& [name, value, bound, skipped] = felt.objects[i];
+      const double value = felt.objects[i].capacitance, bound = felt.objects[i].bound;
       const double expected = accurate.objects[i].capacitance;
       EXPECT_LE(bound, tolerance * expected);
       EXPECT_LE(std::abs(value - expected), bound + 1e-11 * expected);
