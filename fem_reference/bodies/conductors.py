@@ -119,6 +119,7 @@ def conductors(scene: Scene, source: str = "scene", columns: Sequence[str] = ())
     """
     if not scene.sensors:
         raise InputError(source, "sensor", "nothing to solve: the scene has no capacitive sensor")
+    _refuse_unsupported(scene, source)
     solid = [body for body in scene.objects if body.relative_permittivity is None]
     grounded = [body for body in solid if body.potential == "grounded"]
     floating = [body for body in solid if body.potential == "floating"]
@@ -170,6 +171,21 @@ def _room(scene: Scene, bodies: Sequence[Body], source: str) -> Cuboid | None:
                 source, "room", f'"{body.name}" is not inside, {SMALLEST_GAP:g} of its size off the walls'
             )
     return room
+
+
+def _refuse_unsupported(scene: Scene, source: str) -> None:
+    """Raise InputError for electrodes and for conductors of several objects."""
+    for body in scene.objects:
+        if body.potential == "electrode":
+            raise InputError(
+                source, f'object "{body.name}": potential', "the field solver knows no electrodes"
+            )
+        if body.conductor is not None:
+            raise InputError(
+                source,
+                f'object "{body.name}": conductor',
+                "the field solver knows conductors of one object each",
+            )
 
 
 def _refuse_unknown(columns: Sequence[str], rows: Sequence[str], source: str) -> None:

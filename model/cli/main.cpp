@@ -8,7 +8,10 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "answers/answers.hpp"
+#include "answers/json_text.hpp"
 #include "fringe/error.hpp"
 #include "fringe/live_scene.hpp"
 #include "fringe/scene_collision.hpp"
@@ -17,14 +20,14 @@
 #include "fringe/scene_sensing.hpp"
 #include "fringe/version.hpp"
 #include "import/import_command.hpp"
-#include "json_text.hpp"
-#include "maxwell_text.hpp"
+#include "maxwell_table.hpp"
 #include "table_text.hpp"
 #include "vtu_file.hpp"
 
 namespace {
 
 using namespace fringe;
+using namespace fringe::answers;
 
 enum ExitCode { answered = 0, failed = 1, wrong_input = 2, not_reached = 3 };
 
@@ -103,26 +106,14 @@ EvaluationOptions options_of(const Request& request) {
   return options;
 }
 
-/// Writes an evaluation as a JSON document or as a table.
-std::string text_of(const Evaluation& answer, const Scene& scene, const Request& request,
-                    const EvaluationOptions& options, double seconds) {
-  if (is_integral(options.method)) {
-    const CapacitanceOptions asked = integral_options(options);
-    return request.json ? cli::capacitance_json(answer.capacitance, asked, seconds)
-                        : cli::capacitance_table(answer.capacitance, asked, seconds);
-  }
-  const std::string table_heading = std::holds_alternative<Recommended>(options.method)
-                                        ? fmt::format("recommended: answered by {}\n", answer.answered_by)
-                                        : std::string();
-  if (!answer.matrix) {
-    const CapacitanceOptions formula{.correction = Correction::formula};
-    return request.json ? cli::capacitance_json(answer.capacitance, formula, seconds)
-                        : table_heading + cli::capacitance_table(answer.capacitance, formula, seconds);
-  }
-  const double rtol = rtol_of(options);
-  return request.json
-             ? cli::maxwell_json(scene, *answer.matrix, {request.method, rtol}, seconds)
-             : table_heading + cli::maxwell_table(*answer.matrix, {answer.answered_by, rtol}, seconds);
+/// Formats an evaluation as a table.
+std::string table_of(const Evaluation& answer, const EvaluationOptions& options, double seconds) {
+  const std::string heading = std::holds_alternative<Recommended>(options.method)
+                                  ? fmt::format("recommended: answered by {}\n", answer.answered_by)
+                                  : std::string();
+  return heading + (answer.matrix
+                        ? cli::maxwell_table(*answer.matrix, {answer.answered_by, rtol_of(options)}, seconds)
+                        : cli::capacitance_table(answer.capacitance, used_options(options), seconds));
 }
 
 Answer answer_capacitance(const Request& request) {
@@ -136,24 +127,26 @@ Answer answer_capacitance(const Request& request) {
     cli::write_vtu(live.scene(), integral_options(options), *request.output);
   if (!answer.reached)
     fmt::print(stderr, "fringe: {}: an error of {} was not reached\n", request.scene, rtol_of(options));
-  return {text_of(answer, live.scene(), request, options, elapsed.count()), answer.reached};
+  return {request.json ? json_text(capacitance_answer(answer, options, elapsed.count()))
+                       : table_of(answer, options, elapsed.count()),
+          answer.reached};
 }
 
 std::string answer_collide(const Request& request) {
   const Scene scene = load_scene(request.scene);
   const SceneCollision answer = collide(scene);
-  return request.json ? cli::collision_json(answer, scene) : cli::collision_table(answer, scene);
+  return request.json ? json_text(collision_answer(answer, scene)) : cli::collision_table(answer, scene);
 }
 
 std::string answer_info(const Request& request) {
   const SceneInfo info = scene_info(load_scene(request.scene));
-  return request.json ? cli::info_json(info) : cli::info_table(info);
+  return request.json ? json_text(info_answer(info)) : cli::info_table(info);
 }
 
 std::string answer_sense(const Request& request) {
   const std::vector<DistanceReading> readings =
       sense(load_scene(request.scene), parse_cone_method(request.cone_method));
-  return request.json ? cli::readings_json(readings) : cli::readings_table(readings);
+  return request.json ? json_text(sensing_answer(readings)) : cli::readings_table(readings);
 }
 
 void print(std::string answer) {

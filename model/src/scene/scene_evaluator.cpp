@@ -23,12 +23,19 @@ using detail::Enclosure;
 using detail::Surface;
 using detail::SurfaceIntegral;
 
+/// Returns what an object is that is not grounded, for a message.
+std::string_view kind_of(const ElectricalRole& role) {
+  if (std::holds_alternative<Floating>(role))
+    return "floating";
+  return std::holds_alternative<Electrode>(role) ? "an electrode" : "dielectric";
+}
+
 /// Prepares the surface of an object. Throws InputError for an object that the model does not support.
 Surface surface_of(const Object& object, const CapacitanceOptions& options) {
   if (!std::holds_alternative<Grounded>(object.role))
     throw InputError(
         fmt::format("object \"{}\" is {}: the triangle-integral model knows only grounded conductors",
-                    object.name, std::holds_alternative<Floating>(object.role) ? "floating" : "dielectric"));
+                    object.name, kind_of(object.role)));
   std::vector<Triangle> triangles = triangulate(object.shape);
   if (triangles.empty())
     throw InputError(fmt::format("object \"{}\" has no triangles", object.name));

@@ -170,6 +170,8 @@ def test_plates_of_one_plane_that_do_not_touch_are_solved() -> None:
         (target('{ type = "cuboid", size = [0.1, 0.1, 0.05] }', DIELECTRIC), "inside"),
         (target('{ type = "sphere", radius = 0.02 }', DIELECTRIC), "touch elsewhere than with plane faces"),
         (target()[len(SENSOR) :], "nothing to solve"),
+        (target(rest='potential = "electrode"'), 'object "target": potential: .* knows no electrodes'),
+        (target(rest='conductor = "arm"'), 'object "target": conductor: .* one object each'),
     ],
 )
 def test_what_cannot_be_solved_is_refused_with_its_name(text: str, words: str) -> None:
