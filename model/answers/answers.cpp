@@ -126,6 +126,13 @@ Json description(const DistanceReading& reading) {
   return result;
 }
 
+Json description(const MeshDefects& defects) {
+  return {{"without_area", defects.without_area},   {"duplicates", defects.duplicates},
+          {"open_edges", defects.open_edges},       {"branching_edges", defects.branching_edges},
+          {"flipped_edges", defects.flipped_edges}, {"t_junctions", defects.t_junctions},
+          {"crossings", defects.crossings},         {"shells", defects.shells}};
+}
+
 Json description(const ObjectInfo& object) {
   return {
       {"name", object.name},
@@ -133,7 +140,8 @@ Json description(const ObjectInfo& object) {
       {"area", object.area},
       {"volume", object.volume ? Json(*object.volume) : Json()},
       {"aabb",
-       {{"minimum", numbers(object.bounding_box.min())}, {"maximum", numbers(object.bounding_box.max())}}}};
+       {{"minimum", numbers(object.bounding_box.min())}, {"maximum", numbers(object.bounding_box.max())}}},
+      {"defects", object.defects ? description(*object.defects) : Json()}};
 }
 
 }  // namespace
