@@ -24,7 +24,7 @@ constexpr std::size_t most_unknowns = 3'000;
 /// Largest stated error, relative, with which a matrix is used that is not as accurate as asked. The mean
 /// actual error is a quarter of what is stated, so that beyond this the 2 % (rms) of the formula are no
 /// worse.
-constexpr double most_stated_error = 0.1;
+constexpr double most_unreached_error = 0.1;
 
 /// Returns the number of steps with which the reduced method begins.
 int first_steps(double rtol) {
@@ -68,7 +68,7 @@ Evaluation RecommendedMethod::evaluate(const Scene& scene) {
     if (std::optional<Candidate> other = by_boundary_elements(scene);
         other && (!best || other->error < best->error))
       best = std::move(other);
-  if (!best || !(best->error <= std::max(rtol_, most_stated_error))) {
+  if (!best || !(best->error <= std::max(rtol_, most_unreached_error))) {
     try {
       return by_formula(scene);
     } catch (const InputError& error) {
