@@ -371,7 +371,7 @@ method.)");
            R"(What every sensor feels, as the dictionary that `fringe capacitance --json` prints; F and V.
 
 method: "exact", "split:N" or "gauss:K", as for plate_integral; or "boundary-elements", for every shape, or "reduced:K",
-the same in microseconds for moving scenes; or "recommended", the first of "reduced:K", "boundary-elements" (3,000 unknowns
+the same in microseconds for moving scenes; or "recommended", the first of "reduced:K", "boundary-elements" (1,000 unknowns
 at most) and the correction "formula" that states the error asked for.
 plates: "sum", every plate of a sensor counts every point of a surface; "nearest", only the plate nearest to it does.
 faces: "all", or "facing": only triangles whose outward side sees the plate, and those in contact with it.
