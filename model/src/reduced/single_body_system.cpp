@@ -1,4 +1,4 @@
-#include "reduced/single_element_solve.hpp"
+#include "reduced/single_body_system.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -6,9 +6,7 @@
 
 #include "bem/error_indicators.hpp"
 #include "bem/group_densities.hpp"
-#include "bem/marking.hpp"
 #include "bem/single_layer_panels.hpp"
-#include "bem/unrefined_elements.hpp"
 #include "fringe/error.hpp"
 
 namespace fringe::detail {
@@ -25,7 +23,7 @@ using Eigen::VectorXd;
 constexpr double tolerance_per_accuracy = 0.2;
 
 /// Returns the energies of the charges in the coarse space, which has one density on each group.
-MatrixXd smaller_energies(const LonePanels& panels, const VectorXd& shares, const MatrixXd& potentials) {
+MatrixXd coarse_energies(const SingleBodySystem& panels, const VectorXd& shares, const MatrixXd& potentials) {
   const MatrixXd reached = group_matrix(panels.mesh, shares, panels.matrix)
                                .llt()
                                .matrixL()
@@ -42,33 +40,34 @@ MatrixXd plain_potentials(const PanelMesh& mesh) {
 }
 
 /// Factorises the matrix; refines the quadrature if it is not positive definite.
-void factorise(LonePanels& panels) {
+void factorise(SingleBodySystem& panels) {
   /// Finest relative tolerance of the quadratures. Below it, rounding errors dominate the matrix elements.
   constexpr double finest_tolerance = 1e-13;
   panels.factor.compute(panels.matrix.transpose());
   while (panels.factor.info() != Eigen::Success) {
     if (panels.tolerance < finest_tolerance)
-      throw InputError("its triangles lie upon each other");
+      throw InputError("its triangles overlap");
     panels.tolerance /= 100;
-    panels.matrix = panel_matrix(panels.mesh.panels(), panels.tolerance);
+    panels.matrix = single_layer_matrix(panels.mesh.panels(), panels.tolerance);
     panels.factor.compute(panels.matrix.transpose());
   }
 }
 
 }  // namespace
 
-LonePanels lone_panels(std::span<const Triangle> triangles, double accuracy, std::size_t most_panels) {
-  LonePanels panels;
+SingleBodySystem solve_single_body(std::span<const Triangle> triangles, double accuracy,
+                                   std::size_t most_panels) {
+  SingleBodySystem panels;
   panels.tolerance = tolerance_per_accuracy * accuracy;
   panels.mesh.add(0, triangles);
-  panels.matrix = panel_matrix(panels.mesh.panels(), panels.tolerance);
+  panels.matrix = single_layer_matrix(panels.mesh.panels(), panels.tolerance);
   while (true) {
     factorise(panels);
     const MatrixXd potentials = plain_potentials(panels.mesh);
     const MatrixXd responses = panels.factor.solve(potentials);
     VectorXd own = potentials.cwiseProduct(responses).colwise().sum();
     const VectorXd shares = area_shares(panels.mesh);
-    const VectorXd change = own - smaller_energies(panels, shares, potentials).diagonal();
+    const VectorXd change = own - coarse_energies(panels, shares, potentials).diagonal();
     // Least response that counts, relative to the largest one to a linear potential. A flat body has almost
     // no response across it, and what is missing of it does not matter.
     constexpr double least_response = 0.1;
@@ -76,30 +75,31 @@ LonePanels lone_panels(std::span<const Triangle> triangles, double accuracy, std
     const double error = error_per_panel_change * (change.array() / own.array()).maxCoeff();
     if (error <= accuracy)
       return panels;
-    const VectorXd energies = group_energies(panels.mesh, panels.matrix, shares, responses, own);
+    const VectorXd energies = error_indicators(panels.mesh, panels.matrix, shares, responses, own);
     const std::size_t count = panels.mesh.panels().size();
     const std::vector<bool> marked =
-        groups_to_refine(panels.mesh.groups(), energies, energies.sum() * accuracy / error,
+        doerfler_marking(panels.mesh.groups(), energies, energies.sum() * accuracy / error,
                          most_panels - std::min(most_panels, count));
     if (marked.empty())
       return panels;
     const MatrixXd before = std::move(panels.matrix);
     panels.mesh.refine(marked, responses);
     panels.matrix =
-        panel_matrix(panels.mesh.panels(), panels.tolerance, {before, panels.mesh.places_before()});
+        single_layer_matrix(panels.mesh.panels(), panels.tolerance, {before, panels.mesh.places_before()});
   }
 }
 
-MatrixXd missing_energies(const LonePanels& panels, const MatrixXd& potentials, const MatrixXd& responses,
-                          const std::function<RowVectorXd(const Vector3d&)>& at) {
+MatrixXd missing_energies(const SingleBodySystem& panels, const MatrixXd& potentials,
+                          const MatrixXd& responses, const std::function<RowVectorXd(const Vector3d&)>& at) {
   const MatrixXd reached = potentials.transpose() * responses;
-  MatrixXd missing = reached - smaller_energies(panels, area_shares(panels.mesh), potentials);
+  MatrixXd missing = reached - coarse_energies(panels, area_shares(panels.mesh), potentials);
   const SampledQuarters sampled = sampled_quarters(panels.mesh);
   if (!sampled.panels.empty()) {
-    MatrixXd lacking = panel_potentials(sampled.panels, panels.mesh.panels(), -responses, panels.tolerance);
+    MatrixXd missing_potentials =
+        panel_potentials(sampled.panels, panels.mesh.panels(), -responses, panels.tolerance);
     for (std::size_t k = 0; k < sampled.panels.size(); ++k)
-      lacking.row(index_of(k)) += at(sampled.panels[k].centre);
-    missing += energy_of_quarters(sampled, lacking, panels.tolerance);
+      missing_potentials.row(index_of(k)) += at(sampled.panels[k].centre);
+    missing += energy_of_quarters(sampled, missing_potentials, panels.tolerance);
   }
   return (missing + missing.transpose()) / 2;
 }

@@ -12,7 +12,7 @@
 namespace fringe::detail {
 
 /// The body's panels, their single-layer matrix (the upper triangle) and its Cholesky factor.
-struct LonePanels {
+struct SingleBodySystem {
   PanelMesh mesh;
   Eigen::MatrixXd matrix;
   Eigen::LLT<Eigen::MatrixXd> factor;
@@ -22,13 +22,14 @@ struct LonePanels {
 /// Refines panels until the energies of the charges that potentials of degree 0 and 1 induce have an error
 /// below `accuracy`, as far as `most_panels` panels allow.
 /// @throws InputError for triangles that lie upon each other.
-LonePanels lone_panels(std::span<const Triangle> triangles, double accuracy, std::size_t most_panels);
+SingleBodySystem solve_single_body(std::span<const Triangle> triangles, double accuracy,
+                                   std::size_t most_panels);
 
 /// Returns the energies that charges of one density on each group miss, plus those that unrefined elements
 /// miss for lack of their quarters: a symmetric matrix. `responses` are the panels' charges (rows) for so
 /// many potentials (columns), `potentials` their means on the panels, and `at` returns the potentials at a
 /// point.
-Eigen::MatrixXd missing_energies(const LonePanels& panels, const Eigen::MatrixXd& potentials,
+Eigen::MatrixXd missing_energies(const SingleBodySystem& panels, const Eigen::MatrixXd& potentials,
                                  const Eigen::MatrixXd& responses,
                                  const std::function<Eigen::RowVectorXd(const Eigen::Vector3d&)>& at);
 
