@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from geometries.scene.joints import Joint
 from geometries.scene.poses import Pose, Transform, Vector3
 from geometries.scene.shapes import Shape
 
@@ -39,6 +40,8 @@ class Link:
     name: str
     parent: str | None = None
     pose: Pose = Pose()
+    joint: Joint | None = None
+    """What moves the link; `pose` is that at the joint's position."""
 
 
 @dataclass(frozen=True)

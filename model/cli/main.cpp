@@ -4,6 +4,7 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -19,7 +20,7 @@
 #include "fringe/scene_reader.hpp"
 #include "fringe/scene_sensing.hpp"
 #include "fringe/version.hpp"
-#include "import/import_command.hpp"
+#include "import_program.hpp"
 #include "maxwell_table.hpp"
 #include "table_text.hpp"
 #include "vtu_file.hpp"
@@ -51,25 +52,6 @@ CLI::App* add_command(CLI::App& program, Request& request, const std::string& na
   command->set_version_flag("--version", version());
   command->add_option("SCENE", request.scene, "The scene file (TOML)")->required();
   command->add_flag("--json", request.json, "Print one JSON document instead of a table");
-  return command;
-}
-
-CLI::App* add_import_command(CLI::App& program, cli::ImportRequest& request) {
-  CLI::App* command = program.add_subcommand(
-      "import", "Write a scene file with the links and bodies of a robot (URDF) or a model (glTF)");
-  command->set_version_flag("--version", version());
-  command->add_option("SOURCE", request.source, "A .urdf, .gltf or .glb file")->required();
-  command
-      ->add_option("SCENE", request.target, "The scene file to write (TOML); meshes go to a folder beside it")
-      ->required();
-  command
-      ->add_option("--geometry", request.geometry,
-                   "collision or visual: which geometry of a robot's links to take")
-      ->capture_default_str();
-  command
-      ->add_option("--package-path", request.package_paths,
-                   "A folder that holds packages which package:// names; may be given several times")
-      ->allow_extra_args(false);
   return command;
 }
 
@@ -158,6 +140,8 @@ void print(std::string answer) {
 }
 
 int run(int argument_count, char** arguments) {
+  if (argument_count > 1 && arguments[1] == std::string_view("import"))
+    return cli::run_import(argument_count, arguments);
   CLI::App program("fringe: what a capacitive proximity sensor feels of the objects around it");
   program.set_version_flag("--version", version());
   program.require_subcommand(1);
@@ -210,8 +194,10 @@ int run(int argument_count, char** arguments) {
       add_command(program, request, "collide",
                   "Which objects collide, and which have only their bounding boxes in common");
   add_command(program, request, "info", "Counts, areas, volumes and bounding boxes");
-  cli::ImportRequest import_request;
-  CLI::App* import_command = add_import_command(program, import_request);
+  // Listed for the help only: run_import runs it.
+  program.add_subcommand(
+      "import", "Write a scene file with the links and bodies of a robot (URDF) or a model (glTF, COLLADA, "
+                "OBJ, 3MF, STEP)");
   try {
     program.parse(argument_count, arguments);
   } catch (const CLI::ParseError& error) {
@@ -223,12 +209,6 @@ int run(int argument_count, char** arguments) {
     return program.exit(error, std::cout, std::cerr) == 0 ? answered : wrong_input;
   }
 
-  if (import_command->parsed()) {
-    import_request.about_urdf =
-        import_command->count("--geometry") > 0 || import_command->count("--package-path") > 0;
-    print(cli::import_scene(import_request));
-    return answered;
-  }
   if (capacitance_command->parsed()) {
     const auto [text, reached] = answer_capacitance(request);
     print(text);

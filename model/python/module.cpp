@@ -293,6 +293,10 @@ void set_link_pose(SharedScene& scene, const std::string& link, const Array& tra
   scene.locked([&](LiveScene& live) { live.set_pose(link, pose); });
 }
 
+void set_joint_position(SharedScene& scene, const std::string& joint, double position) {
+  scene.locked([&](LiveScene& live) { live.set_joint(joint, position); });
+}
+
 }  // namespace
 
 PYBIND11_MODULE(fringe, module) {
@@ -435,6 +439,11 @@ looked at; "tests" says how many bounding boxes ("broad") and convex shapes ("na
            "Replaces a link's pose relative to its parent. rotation: a (3, 3) rotation matrix or a "
            "quaternion (w, x, y, z) "
            "of any length but zero. Raises InputError for an unknown link or a pose that is none.")
+      .def(
+          "set_joint", &set_joint_position, "joint"_a, "position"_a,
+          "Moves the link of a joint, and the links of all joints that follow it, to a position in rad or m. "
+          "Limits are not "
+          "checked. Raises InputError for a joint that does not exist or follows another one.")
       .def("info", &info_of,
            "Counts, areas (m2), volumes (m3, None for open surfaces) and bounding boxes (m).");
 }

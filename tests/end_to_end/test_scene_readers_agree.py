@@ -30,10 +30,12 @@ rotation = { axis = [1, 2, -3], degrees = 77.7 }
 name = "hand"
 parent = "arm"
 quaternion = [0.3, -0.4, 0.5, 2]
+joint = { name = "wrist", type = "revolute", axis = [1, -2, 0.5], position = 1.1 }
 [[link]]
 name = "room"
 translation = [1, 2, 3]
 rotation = { quaternion = [1, 0, 0, 1] }
+joint = { name = "slide", type = "prismatic", axis = [1, 1, 0], mimic = { joint = "wrist", multiplier = -0.2, offset = 3 } }
 """
 SHAPES = {
     "plate": 'type = "plate", size = [0.073, 0.119]',
@@ -162,6 +164,22 @@ def test_the_canonical_text_of_poses_and_links(folder: Path) -> None:
         SENSOR + SENSOR,
         SENSOR + 'link = "nowhere"\n',
         SENSOR + '[[link]]\nname = "a"\nparent = "a"\n',
+        *(
+            SENSOR + f'[[link]]\nname = "a"\njoint = {{ name = "j", {joint} }}\n'
+            for joint in (
+                'type = "ball", axis = [0, 0, 1]',
+                'type = "revolute", axis = [0, 0, 0]',
+                'type = "revolute", axis = [0, 0, 1], lower = 1, upper = 0',
+                'type = "revolute", axis = [0, 0, 1], position = 0, mimic = { joint = "j" }',
+                'type = "revolute", axis = [0, 0, 1], mimic = { joint = "j" }',
+                'type = "revolute", axis = [0, 0, 1], mimic = { joint = "k" }',
+            )
+        ),
+        SENSOR
+        + 2
+        * '[[link]]\nname = "a"\njoint = { name = "j", type = "revolute", axis = [0, 0, 1] }\n'.replace(
+            '"a"', '"b"', 1
+        ),
         SENSOR + '[[object]]\nname = "o"\nshape = { type = "plate", size = [0.1, 0] }\n',
         SENSOR + '[[object]]\nname = "o"\nshape = { type = "plate", size = [0.1, nan] }\n',
         SENSOR + '[[object]]\nname = "o"\nshape = { type = "sphere", radius = 1, segments = 2 }\n',

@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "fringe/joint.hpp"
 #include "fringe/rectangle.hpp"
 #include "fringe/shape.hpp"
 
@@ -23,6 +24,7 @@ struct Link {
   std::string name;
   std::optional<std::size_t> parent;                       ///< index among the links; none: a root
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< from this link's frame to its parent's
+  std::optional<Joint> joint = std::nullopt;  ///< what moves it; `pose` is that at the joint's position
 };
 
 /// A capacitive sensor: one conductor made of one or more rectangles, read through a voltage divider

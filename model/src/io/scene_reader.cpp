@@ -89,15 +89,52 @@ void require_tree(const std::vector<Link>& links, const std::vector<TableReader>
   }
 }
 
+/// Reads the joint of a link, whose pose is that at position 0.
+Joint read_joint(TableReader table, const Eigen::Isometry3d& rest, Names& taken) {
+  Joint joint;
+  joint.name = table.name("name");
+  if (!taken.insert(joint.name).second)
+    table.fail("name", fmt::format("\"{}\" is taken", joint.name));
+  const std::string type = table.text("type");
+  if (type != "revolute" && type != "prismatic")
+    table.fail("type", R"(must be "revolute" or "prismatic")");
+  joint.kind = type == "revolute" ? Joint::Kind::revolute : Joint::Kind::prismatic;
+  joint.axis = table.nonzero_vector("axis");
+  joint.rest = rest;
+  if (table.has("lower"))
+    joint.lower = table.number("lower");
+  if (table.has("upper"))
+    joint.upper = table.number("upper");
+  if (joint.lower && joint.upper && *joint.upper < *joint.lower)
+    table.fail("upper", "must not be less than lower");
+  if (table.has("mimic")) {
+    if (table.has("position"))
+      table.fail("position", "cannot stand beside mimic");
+    TableReader mimic = table.table("mimic");
+    joint.mimic = Joint::Mimic{mimic.name("joint")};
+    if (mimic.has("multiplier"))
+      joint.mimic->multiplier = mimic.number("multiplier");
+    if (mimic.has("offset"))
+      joint.mimic->offset = mimic.number("offset");
+    mimic.finish();
+  } else if (table.has("position")) {
+    joint.position = table.number("position");
+  }
+  table.finish();
+  return joint;
+}
+
 std::vector<Link> read_links(TableReader& root, LinkIndices& indices) {
   std::vector<TableReader> tables = root.tables("link");
   std::vector<Link> links;
-  Names used_names;
+  Names used_names, joints;
   for (TableReader& table : tables) {
     Link link;
     link.name = read_name(table, "link", used_names);
     indices[link.name] = links.size();
     link.pose = read_pose(table);
+    if (table.has("joint"))
+      link.joint = read_joint(table.table("joint"), link.pose, joints);
     links.push_back(std::move(link));
   }
   // Parents are resolved last, because a link may refer to a parent that is described later.
@@ -106,6 +143,11 @@ std::vector<Link> read_links(TableReader& root, LinkIndices& indices) {
     tables[i].finish();
   }
   require_tree(links, tables);
+  try {
+    place_joints(links);
+  } catch (const InputError& error) {
+    root.fail("link", error.what());
+  }
   return links;
 }
 

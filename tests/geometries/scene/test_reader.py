@@ -226,6 +226,26 @@ EYE = "apex = [0, 0, 0]\ndirection = [0, 0, 1]\n"
         ),
         (object_with(BODY + "rotation = { axis = [0, 0, 1] }"), 'object "o": rotation.degrees', "is missing"),
         (object_with(BODY + "quaternion = [0, 0, 0, 0]"), 'object "o": quaternion', "must not be zero"),
+        *(
+            (
+                f'[[link]]\nname = "a"\njoint = {{ name = "j", type = "revolute", axis = [0, 0, 1]{keys} }}\n{more}'
+                + object_with(BODY),
+                key,
+                reason,
+            )
+            for keys, more, key, reason in (
+                (", lower = 1, upper = 0", "", 'link "a": joint.upper', "less than lower"),
+                (', position = 1, mimic = { joint = "j" }', "", 'link "a": joint.position', "excludes mimic"),
+                (', mimic = { joint = "j" }', "", "link", "mimics itself"),
+                (', mimic = { joint = "k" }', "", "link", 'mimics "k", which does not exist'),
+                (
+                    "",
+                    '[[link]]\nname = "b"\njoint = { name = "j", type = "revolute", axis = [0, 0, 1] }\n',
+                    'link "b": joint.name',
+                    "is taken",
+                ),
+            )
+        ),
         (
             object_with(BODY + "quaternion = [1, 0, 0, 0]\nrotation = { axis = [0, 0, 1], degrees = 3 }"),
             'object "o": quaternion',

@@ -271,6 +271,19 @@ const std::vector<BadScene> bad_scenes{
     {"rotation and quaternion",
      "[[link]]\nname = \"l\"\nquaternion = [1, 0, 0, 0]\nrotation = { axis = [0, 0, 1], degrees = 1 }\n",
      "quaternion", "cannot be combined with rotation"},
+    {"joint of an unknown type",
+     "[[link]]\nname = \"l\"\njoint = { name = \"j\", type = \"ball\", axis = [0, 0, 1] }\n",
+     "link \"l\": joint.type", R"("revolute" or "prismatic")"},
+    {"joint with limits the wrong way round",
+     "[[link]]\nname = \"l\"\njoint = { name = \"j\", type = \"revolute\", axis = [0, 0, 1], lower = 1, "
+     "upper "
+     "= 0 }\n",
+     "joint.upper", "less than lower"},
+    {"joint that mimics nothing",
+     "[[link]]\nname = \"l\"\njoint = { name = \"j\", type = \"revolute\", axis = [0, 0, 1], mimic = { joint "
+     "= "
+     "\"k\" } }\n",
+     "joint \"j\"", "mimics \"k\", which does not exist"},
 
     {"sensor without plates", "[[sensor]]\nname = \"s\"\n", "sensor \"s\": plates", "at least one plate"},
     {"sensor with no plates", "[[sensor]]\nname = \"s\"\nplates = []\n", "sensor \"s\": plates",
