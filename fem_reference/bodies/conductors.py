@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -39,7 +39,7 @@ class Conductors:
     """
 
     names: tuple[str, ...]
-    """The conductors that have a row in the Maxwell matrix."""
+    """The conductors that have a row in the Maxwell matrix: sensors, then grounded objects and electrodes in their order."""
     sensors: int
     """Number of sensors among `names`."""
     bodies: tuple[Body, ...]
@@ -121,7 +121,7 @@ def conductors(
     """The conductors and dielectric bodies of a scene, moved to the origin and scaled by their bounding sphere's radius.
 
     Scaled, a scene of twice the size or in another place gives the same mesh and the same numbers, except for the unit. Grounded bodies
-    that touch or overlap are one conductor, named after the first of them. With `columns` only the conductors named there have a row,
+    that touch or overlap are one conductor, and so are objects with the same `conductor`. With `columns` only the conductors named there have a row,
     and the others are grounded. `geometry` says which bodies are wrapped. Raises InputError for scenes that cannot be solved: without
     a sensor, with a column that names no conductor, with a shape or material unknown to the solver, or where bodies touch that may
     have different potentials. Raises RuntimeError when a body cannot be wrapped.
@@ -129,35 +129,35 @@ def conductors(
     if not scene.sensors:
         raise InputError(source, "sensor", "nothing to solve: the scene has no capacitive sensor")
     solid = [body for body in scene.objects if body.relative_permittivity is None]
-    grounded = [body for body in solid if body.potential == "grounded"]
-    floating = [body for body in solid if body.potential == "floating"]
     dielectric = [body for body in scene.objects if body.relative_permittivity is not None]
     sensors = [sensor.name for sensor in scene.sensors]
-    parts = [
+    plates = [
         Part(sensor, rectangle(sensor, *sides), sensor)
         for sensor in sensors
         for sides in scene.sensor_rectangles(sensor)
     ]
-    parts += merged([object_part(scene, body, geometry, source) for body in grounded])
-    parts += [object_part(scene, body, geometry, source) for body in [*floating, *dielectric]]
-    conducting = list(dict.fromkeys(part.conductor for part in parts if not part.dielectric))
-    rows = [name for name in conducting if name not in {body.name for body in floating}]
+    conducting = merged([object_part(scene, body, geometry, source) for body in solid], solid)
+    fixed = [part for part, body in zip(conducting, solid) if body.potential != "floating"]
+    free = [part for part, body in zip(conducting, solid) if body.potential == "floating"]
+    parts = [*plates, *fixed, *free, *(object_part(scene, body, geometry, source) for body in dielectric)]
+    rows = list(dict.fromkeys(part.conductor for part in [*plates, *fixed]))
+    floating = list(dict.fromkeys(part.conductor for part in free))
     _refuse_unknown(columns, rows, source)
     asked = [name for name in rows if not columns or name in columns]
     others = [name for name in rows if name not in asked]
-    _refuse_contacts(parts, source)
+    _refuse_contacts(parts, sensors, source)
     room = _room(scene)
     parts = meshable(scene, parts, room, geometry, source)
     if room is not None:
         for part in parts:
             refuse_outside(part.surface, room, source)
-    numbered = [*asked, *(body.name for body in floating), *others, *(body.name for body in dielectric)]
+    numbered = [*asked, *floating, *others, *(body.name for body in dielectric)]
     return normalised(
         asked,
         sum(name in asked for name in sensors),
         [part.body for part in parts],
         [numbered.index(part.conductor) for part in parts],
-        [body.name for body in floating],
+        floating,
         [_dielectric(body, scene) for body in dielectric],
         others,
         sum(name in others for name in sensors),
@@ -165,11 +165,13 @@ def conductors(
     )
 
 
-def _refuse_contacts(parts: Sequence[Part], source: str) -> None:
+def _refuse_contacts(parts: Sequence[Part], sensors: Collection[str], source: str) -> None:
     """Raise InputError when bodies of different conductors meet or are too close to mesh."""
     for first, second in combinations(parts, 2):
         if first.conductor != second.conductor:
-            refuse_contact(first.surface, second.surface, second.dielectric, source)
+            may_be_one = first.conductor not in sensors and not second.dielectric
+            remedy = '; objects with the same key "conductor" may touch' if may_be_one else ""
+            refuse_contact(first.surface, second.surface, second.dielectric, source, remedy)
 
 
 def _room(scene: Scene) -> Cuboid | None:

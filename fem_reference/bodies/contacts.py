@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -19,11 +18,6 @@ SMALLEST_GAP = 1e-3
 proportional to the square of size over gap: with a smaller gap it would not fit into memory."""
 
 
-def contacts(bodies: Sequence[Surface]) -> list[tuple[int, int]]:
-    """The pairs of bodies that touch, overlap, or contain one another."""
-    return [(i, j) for i, j in combinations(range(len(bodies)), 2) if _meet(bodies[i], bodies[j])]
-
-
 def groups(count: int, pairs: Sequence[tuple[int, int]]) -> list[int]:
     """The number (count,) of the group of each body, where the bodies of each pair are in one group; groups follow their first bodies."""
     ends = np.array(pairs, dtype=np.int64).reshape(-1, 2)
@@ -33,7 +27,8 @@ def groups(count: int, pairs: Sequence[tuple[int, int]]) -> list[int]:
     return [order[group] for group in label]
 
 
-def _meet(first: Surface, second: Surface) -> bool:
+def meet(first: Surface, second: Surface) -> bool:
+    """Whether two bodies touch, overlap, or contain one another."""
     if _boxes_apart(first, second):
         return False
     close = distance(first, second) <= TOUCHING * min(first.size, second.size)

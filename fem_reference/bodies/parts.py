@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_reference.bodies.boxes import cuboid_of
-from fem_reference.bodies.contacts import contacts, groups, refuse_contact
+from fem_reference.bodies.contacts import groups, meet, refuse_contact
 from fem_reference.bodies.distances import triangles_of
 from fem_reference.bodies.polyhedron import NotASolid, Polyhedron, polyhedron
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
@@ -83,11 +84,25 @@ def _surface_of_mesh(name: str, triangles: Array, file: str, most: int | None) -
     return cuboid_of(solid) or solid
 
 
-def merged(parts: Sequence[Part]) -> list[Part]:
-    """The parts with those that touch, overlap, or contain one another made one conductor, named after the first of them."""
-    label = groups(len(parts), contacts([part.surface for part in parts]))
-    first = [parts[label.index(group)].conductor for group in label]
-    return [replace(part, conductor=name, cluster=name) for part, name in zip(parts, first)]
+def merged(parts: Sequence[Part], objects: Sequence[Object]) -> list[Part]:
+    """The parts that these objects are, with those made one conductor that have the same `conductor`, or are grounded and touch.
+
+    Such a conductor has the first name that an object in it gives it, else that of its first object. Bodies touch as well if they overlap
+    or contain one another.
+    """
+    pairs = list(combinations(range(len(parts)), 2))
+    told = [(i, j) for i, j in pairs if objects[i].conductor is not None]
+    told = [(i, j) for i, j in told if objects[i].conductor == objects[j].conductor]
+    grounded = [k for k, body in enumerate(objects) if body.potential == "grounded"]
+    candidates = sorted({*told, *combinations(grounded, 2)})
+    touching = [(i, j) for i, j in candidates if meet(parts[i].surface, parts[j].surface)]
+    conductor, cluster = groups(len(parts), told + touching), groups(len(parts), touching)
+    result = []
+    for k, part in enumerate(parts):
+        own = [body for body, number in zip(objects, conductor) if number == conductor[k]]
+        name = next((body.conductor for body in own if body.conductor is not None), own[0].name)
+        result.append(replace(part, conductor=name, cluster=parts[cluster.index(cluster[k])].surface.name))
+    return result
 
 
 def meshable(

@@ -42,7 +42,7 @@ from geometries.scene.shapes import (
 _RIGHT_ANGLE_TOLERANCE = 1e-9
 # Largest number of triangles of a shape: a mesh of as many takes half a gigabyte.
 _MOST_TRIANGLES = 10_000_000
-_POTENTIALS = ("grounded", "floating")
+_POTENTIALS = ("grounded", "floating", "electrode")
 
 
 def load(path: Path | str) -> Scene:
@@ -68,6 +68,7 @@ def loads(text: str, source: str = "scene") -> Scene:
     root.finish()
     _check_names(scene, source)
     _check_links(scene, source)
+    _check_conductors(scene, source)
     if not scene.sensors and not scene.objects:
         raise InputError(source, "", "a scene needs at least one sensor or one object")
     return scene
@@ -126,10 +127,12 @@ def _distance_sensor(table: Table) -> DistanceSensor:
 def _object(table: Table) -> Object:
     name = table.text("name")
     if table.has("material") and table.has("potential"):
-        raise table.error("material", "excludes potential: a dielectric body has no potential")
+        raise table.error("material", "cannot be combined with potential")
+    if table.has("material") and table.has("conductor"):
+        raise table.error("material", "cannot be combined with conductor")
     potential = table.text("potential", "grounded")
     if potential not in _POTENTIALS:
-        raise table.error("potential", f"must be one of {', '.join(_POTENTIALS)}, not {potential!r}")
+        raise table.error("potential", 'must be "grounded", "floating" or "electrode"')
     relative_permittivity = None
     if table.has("material"):
         material = table.table("material")
@@ -143,6 +146,7 @@ def _object(table: Table) -> Object:
         potential=potential,
         relative_permittivity=relative_permittivity,
         collides=table.boolean("collides", True),
+        conductor=table.text("conductor") if table.has("conductor") else None,
     )
     table.finish()
     return body
@@ -156,7 +160,7 @@ def rotation(table: Table) -> Rotation:
     """Reads the rotation of a link, an object or a frame's pose from `rotation` or `quaternion`; none if both are absent."""
     if table.has("quaternion"):
         if table.has("rotation"):
-            raise table.error("quaternion", "excludes rotation: give one of them")
+            raise table.error("quaternion", "cannot be combined with rotation")
         return _quaternion(table)
     if not table.has("rotation"):
         return AxisRotation()
@@ -295,6 +299,25 @@ def _check_names(scene: Scene, source: str) -> None:
             if name in seen:
                 raise InputError(source, f'{kind} "{name}": name', "is already used")
             seen.add(name)
+
+
+def _check_conductors(scene: Scene, source: str) -> None:
+    """Refuses conductors whose bodies differ in potential, and names of conductors that others have."""
+    sensors = {sensor.name for sensor in scene.sensors} | {sensor.name for sensor in scene.distance_sensors}
+    conductor_of = {body.name: body.conductor for body in scene.objects}
+    first: dict[str, Object] = {}
+    for body in scene.objects:
+        if body.conductor is None:
+            continue
+        key, name = f'object "{body.name}": conductor', body.conductor
+        if name in sensors:
+            raise InputError(source, key, f'"{name}" is the name of a sensor')
+        if conductor_of.get(name, name) != name:
+            raise InputError(source, key, f'"{name}" is the name of an object outside this conductor')
+        other = first.setdefault(name, body)
+        if other.potential != body.potential:
+            reason = f'"{other.name}" is {other.potential} and "{body.name}" is {body.potential}'
+            raise InputError(source, key, f"one conductor has one potential, but {reason}")
 
 
 def _check_links(scene: Scene, source: str) -> None:

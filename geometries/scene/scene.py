@@ -75,7 +75,11 @@ class DistanceSensor:
 
 @dataclass(frozen=True)
 class Object:
-    """A body: a conductor that is grounded or floating, or a dielectric when `relative_permittivity` is given."""
+    """A body: a conductor that is grounded, floating or an electrode, or a dielectric when `relative_permittivity` is given.
+
+    Bodies with the same `conductor` are one conductor of that name; without it a body is a conductor of its own. An electrode may be
+    driven and sensed, as a sensor may.
+    """
 
     name: str
     shape: Shape
@@ -84,6 +88,7 @@ class Object:
     potential: str = "grounded"
     relative_permittivity: float | None = None
     collides: bool = True
+    conductor: str | None = None
 
 
 @dataclass(frozen=True)

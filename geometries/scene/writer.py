@@ -117,6 +117,7 @@ def _object(body: Object, mesh_source: MeshSource) -> dict[str, Any]:
         "link": body.link,
         **_pose(body.pose),
         "potential": None if dielectric else body.potential,
+        "conductor": body.conductor,
         "collides": body.collides,
         "material": {"relative_permittivity": body.relative_permittivity} if dielectric else None,
         "shape": _shape(body.shape, mesh_source),

@@ -65,8 +65,16 @@ SCENE: Document = {
     ],
     "object": [
         {"name": "glass", "link": "arm", "shape": BALL, "material": {"relative_permittivity": 50}},
-        {"name": "ball", "shape": BALL, "translation": [1, 0, 0], "potential": "floating", "collides": False},
+        {
+            "name": "ball",
+            "shape": BALL,
+            "translation": [1, 0, 0],
+            "potential": "floating",
+            "conductor": "pendulum",
+            "collides": False,
+        },
         *({"name": f"shape {number}", "shape": shape} for number, shape in enumerate(SHAPES)),
+        {"name": "guard", "shape": BALL, "potential": "electrode"},
     ],
 }
 MOTION: Document = {
@@ -162,7 +170,9 @@ OUT_OF_RANGE: list[tuple[Place, Any]] = [
     (("distance_sensor", 0, "range"), 0),
     (("object", 0, "potential"), "grounded"),
     (("object", 0, "material", "relative_permittivity"), 0),
+    (("object", 0, "conductor"), "pendulum"),
     (("object", 1, "potential"), "high"),
+    (("object", 1, "conductor"), ""),
     (("object", 2, "shape", "size"), [0.1, 0]),
     (("object", 2, "shape", "type"), "disc"),
     (("object", 5, "shape", "size"), -1),

@@ -51,12 +51,15 @@ struct Grounded {};
 /// An insulated conductor without net charge.
 struct Floating {};
 
+/// A conductor that may be driven and sensed, as a sensor may.
+struct Electrode {};
+
 /// A body that polarises instead of conducting.
 struct Dielectric {
   double relative_permittivity;
 };
 
-using ElectricalRole = std::variant<Grounded, Floating, Dielectric>;
+using ElectricalRole = std::variant<Grounded, Floating, Electrode, Dielectric>;
 
 /// A body that the sensors detect.
 struct Object {
@@ -66,6 +69,8 @@ struct Object {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< from the shape's frame to the link's
   ElectricalRole role = Grounded{};
   bool collides = true;
+  /// Name of the conductor whose bodies are all objects with this name; none: a conductor of its own.
+  std::optional<std::string> conductor = std::nullopt;
 };
 
 /// The contents of a scene file, in the file's order.

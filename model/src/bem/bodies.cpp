@@ -145,6 +145,15 @@ ChargedBodies bodies_on_links(const Scene& scene) {
       if (std::holds_alternative<Dielectric>(object.role))
         throw InputError(
             fmt::format("object \"{}\" is dielectric: boundary elements know only conductors", object.name));
+      if (std::holds_alternative<Electrode>(object.role))
+        throw InputError(fmt::format(
+            "object \"{}\" is an electrode: boundary elements know only grounded and floating objects",
+            object.name));
+      if (object.conductor)
+        throw InputError(fmt::format(
+            "object \"{}\" belongs to conductor \"{}\": boundary elements know only conductors of one "
+            "object each",
+            object.name, *object.conductor));
       if (std::holds_alternative<Floating>(object.role) != floating)
         continue;
       result.bodies.push_back(body_of(object, result.names.size()));

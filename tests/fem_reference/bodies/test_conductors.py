@@ -173,6 +173,7 @@ def test_plates_of_one_plane_that_do_not_touch_are_solved() -> None:
         (target('{ type = "cuboid", size = [0.1, 0.1, 0.05] }', DIELECTRIC), "inside"),
         (target('{ type = "sphere", radius = 0.02 }', DIELECTRIC), "touch elsewhere than with plane faces"),
         (target()[len(SENSOR) :], "nothing to solve"),
+        (target(rest='translation = [0, 0, 0]\npotential = "electrode"'), "touch or cross"),
     ],
 )
 def test_what_cannot_be_solved_is_refused_with_its_name(text: str, words: str) -> None:

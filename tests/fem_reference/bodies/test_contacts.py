@@ -68,6 +68,28 @@ def test_a_chain_of_links_is_one_conductor_whatever_its_order() -> None:
     assert found.names == ("front", "link2") and len(found.members[1]) == 4
 
 
+def test_objects_with_one_conductor_key_are_one_conductor_wherever_they_are() -> None:
+    """The name that is given wins; grounded bodies that touch one of them join it."""
+    text = SENSOR + body("base", BOX, (0, 0, 0.05)) + body("top", BOX, (0.04, 0, 0.05), 'conductor = "arm"')
+    text += body("far", BALL, (0.3, 0, 0.05), 'conductor = "arm"')
+    found = conductors(loads(text))
+    assert found.names == ("front", "arm") and found.members[1] == ("base", "top", "far")
+    more = 'potential = "floating"\nconductor = "hand"'
+    text = SENSOR + body("palm", BOX, (0, 0, 0.05), more) + body("thumb", BALL, (0.03, 0, 0.05), more)
+    found = conductors(loads(text))
+    assert found.floating == ("hand",) and found.parts == [[0], [1, 2]]
+
+
+def test_electrodes_have_rows_and_touch_nothing_else() -> None:
+    text = SENSOR + body("guard", BOX, (0, 0, 0.05), 'potential = "electrode"')
+    found = conductors(loads(text + body("hand", BALL, (0.1, 0, 0.05))))
+    assert found.names == ("front", "guard", "hand") and found.sensors == 1
+    with pytest.raises(
+        InputError, match='"guard" and "hand": .*touch or cross.*same key "conductor" may touch'
+    ):
+        conductors(loads(text + body("hand", BALL, (0.03, 0, 0.05))))
+
+
 @pytest.mark.parametrize(
     "text, words",
     [

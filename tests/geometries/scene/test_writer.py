@@ -27,6 +27,8 @@ quaternion = [1, 2, 3, 4]
 [[object]]
 name = "ball"
 shape = {{ type = "sphere", radius = 0.1 }}
+conductor = "head"
+potential = "electrode"
 [[object]]
 name = "can"
 shape = {{ type = "cylinder", radius = 0.1, height = 0.1 }}

@@ -29,6 +29,13 @@ TEST(BoundaryElementRefusals, Dielectrics) {
               HasSubstr("object \"target\" is dielectric"));
 }
 
+TEST(BoundaryElementRefusals, ElectrodesAndConductorsOfSeveralObjects) {
+  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].role = Electrode{}; }),
+              HasSubstr("object \"target\" is an electrode"));
+  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].conductor = "arm"; }),
+              HasSubstr("object \"target\" belongs to conductor \"arm\""));
+}
+
 TEST(BoundaryElementRefusals, Rooms) {
   EXPECT_THAT(refusal([](Scene& scene) { scene.has_room = true; }), HasSubstr("room"));
 }

@@ -28,7 +28,9 @@ TEST(ReducedRefusals, TooManyTrianglesByName) {
               HasSubstr("object \"target\" has 5040 triangles"));
 }
 
-TEST(ReducedRefusals, DielectricsAndRooms) {
+TEST(ReducedRefusals, DielectricsElectrodesAndRooms) {
+  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].role = Electrode{}; }),
+              HasSubstr("object \"target\" is an electrode"));
   EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].role = Dielectric{3}; }),
               HasSubstr("object \"target\" is dielectric"));
   EXPECT_THAT(refusal([](Scene& scene) { scene.has_room = true; }), HasSubstr("room"));
@@ -64,13 +66,6 @@ TEST(ReducedRefusals, OptionsOutOfRange) {
   EXPECT_THAT(refusal(same, {.steps = 4, .rtol = {}}), HasSubstr("must be from 1 to 3"));
   EXPECT_THAT(refusal(same, {.steps = 2, .rtol = 1e-5}), HasSubstr("rtol 1e-05 must be from 0.0001 to 0.5"));
   EXPECT_THAT(refusal(same, {.steps = 2, .rtol = NAN}), HasSubstr("rtol nan must be from"));
-}
-
-TEST(ReducedRefusals, TextsThatAreNoSteps) {
-  EXPECT_EQ(parse_reduced_steps("reduced:2"), 2);
-  EXPECT_EQ(parse_reduced_steps("exact"), std::nullopt);
-  for (const char* text : {"reduced:", "reduced:0", "reduced:4", "reduced:2x", "reduced:-1"})
-    EXPECT_THROW(parse_reduced_steps(text), InputError) << text;
 }
 
 }  // namespace

@@ -336,7 +336,8 @@ TEST(CapacitanceOptions, AreReadBackFromTheirTexts) {
 }
 
 TEST(Capacitance, KnowsOnlyGroundedConductors) {
-  for (const ElectricalRole& role : {ElectricalRole{Floating{}}, ElectricalRole{Dielectric{50}}}) {
+  for (const ElectricalRole& role :
+       {ElectricalRole{Floating{}}, ElectricalRole{Electrode{}}, ElectricalRole{Dielectric{50}}}) {
     Scene scene = sandwich();
     scene.objects[1].role = role;
     try {
