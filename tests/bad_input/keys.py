@@ -183,7 +183,7 @@ def _wrong_values(key: str, value: Any) -> Iterator[tuple[str, Any]]:
     if key in ("link", "sensor", "distance_sensor", "object") and isinstance(value, list):
         del other_types["no list"]
     yield from ((name, wrong) for name, wrong in other_types.items() if name != own)
-    if isinstance(value, str) and key != "name":
+    if isinstance(value, str) and key not in ("name", "conductor"):
         yield "a name that nothing bears", "nobody"
     if isinstance(value, str):
         yield "no letters", ""
@@ -215,6 +215,7 @@ def _by_hand() -> list[Case]:
         "material and potential": (("object", 1, "potential"), "grounded", "material"),
         "material and conductor": (("object", 1, "conductor"), "mast", "material"),
         "a conductor at two potentials": (("object", 3, "potential"), "floating", "conductor"),
+        "an empty name of a conductor": (("object", 2, "conductor"), "", "conductor"),
         "a conductor with the name of a sensor": (("object", 2, "conductor"), "front", "conductor"),
         "a conductor with the name of a distance sensor": (("object", 2, "conductor"), "eye", "conductor"),
         "a conductor with the name of an object outside it": (
