@@ -175,7 +175,7 @@ void refuse_contact(const ChargedBody& a, const ChargedBody& b) {
     throw InputError(
         fmt::format("{} and {} touch or cross: boundary elements need conductors apart", a.name, b.name));
   for (const auto& [outside, inside, points] : {std::tuple(&a, &b, &hulls_b), std::tuple(&b, &a, &hulls_a)})
-    if (is_closed(outside->triangles) && surrounds(outside->triangles, points->front().front()))
+    if (is_closed(outside->triangles) && is_in_polyhedron(outside->triangles, points->front().front()))
       throw InputError(fmt::format("{} is inside {}: boundary elements need conductors apart", inside->name,
                                    outside->name));
 }

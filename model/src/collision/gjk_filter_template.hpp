@@ -43,14 +43,15 @@ class GjkFilterFor {
                {b.centre[0] - a.centre[0], b.centre[1] - a.centre[1], b.centre[2] - a.centre[2]});
   }
 
-  static void support(const SupportShape& shape, const double* direction, double* point) {
+  static std::uint32_t support(const SupportShape& shape, const double* direction, double* point) {
     const Vec d{direction[0], direction[1], direction[2]};
-    const Local local = shape.form == Form::hull  ? Hull::support(shape, d)
-                        : shape.form == Form::box ? Box::support(shape, d)
-                                                  : Curved::support(shape, d);
+    const Local local = shape.kind == ShapeKind::hull  ? Hull::support(shape, d)
+                        : shape.kind == ShapeKind::box ? Box::support(shape, d)
+                                                       : Curved::support(shape, d);
     point[0] = local.at.x;
     point[1] = local.at.y;
     point[2] = local.at.z;
+    return local.index;
   }
 
   static constexpr GjkFilter kernels{&decide, &prove, &support, &box_gap};
@@ -194,7 +195,8 @@ class GjkFilterFor {
     const DirectionCells& cells = shape.cells;
     if (cells.resolution == 0) {
       const std::size_t i = farthest(shape.vertices, 0, shape.vertices.count, d);
-      return {vertex(shape.vertices, i), static_cast<std::uint32_t>(i)};
+      const auto index = static_cast<std::uint32_t>(i);
+      return {vertex(shape.vertices, i), index < shape.vertices.last ? index : shape.vertices.last};
     }
     const std::uint32_t c = cell(cells.resolution, d);
     const std::size_t i = farthest(cells.vertices, cells.starts[c], cells.starts[c + 1], d);
@@ -225,8 +227,8 @@ class GjkFilterFor {
 
   static Local cone_support(const SupportShape& shape, const Vec& d) {
     const Vec rim = on_circle(shape.size[0], d, -shape.size[1]);
-    const double reach_of_rim = fused(rim.x, d.x, fused(rim.y, d.y, rim.z * d.z));
-    if (shape.size[1] * d.z > reach_of_rim)
+    const double height_of_rim = fused(rim.x, d.x, fused(rim.y, d.y, rim.z * d.z));
+    if (shape.size[1] * d.z > height_of_rim)
       return {{0, 0, shape.size[1]}, 0};
     return {rim, 0};
   }
@@ -259,12 +261,12 @@ class GjkFilterFor {
   };
   struct Curved {
     static Local support(const SupportShape& shape, const Vec& d) {
-      switch (shape.form) {
-      case Form::ball:
+      switch (shape.kind) {
+      case ShapeKind::ball:
         return ball_support(shape, d);
-      case Form::cylinder:
+      case ShapeKind::cylinder:
         return {on_circle(shape.size[0], d, __builtin_copysign(shape.size[1], d.z)), 0};
-      case Form::cone:
+      case ShapeKind::cone:
         return cone_support(shape, d);
       default:
         return sector_support(shape, d);
@@ -273,7 +275,7 @@ class GjkFilterFor {
   };
 
   /// A support point of a moved shape, in the world and in the shape's frame.
-  struct Found {
+  struct SupportPoint {
     Vec at;
     Local local;
   };
@@ -288,7 +290,7 @@ class GjkFilterFor {
 
     Turned(const PlacedShape& placed, const Vec& to) : shape(*placed.shape), pose(placed.pose), offset(to) {}
 
-    Found farthest(const Vec& d) const {
+    SupportPoint farthest(const Vec& d) const {
       const Local local = Kind::support(shape, to_local(pose, d));
       return {rotated(pose, local.at, offset), local};
     }
@@ -323,7 +325,7 @@ class GjkFilterFor {
         }
     }
 
-    Found farthest(const Vec& d) const {
+    SupportPoint farthest(const Vec& d) const {
       // The last five bits of each product are replaced by the index of its vertex, so that the largest
       // product carries it.
       constexpr std::size_t size = VertexBlocks::size;
@@ -334,8 +336,8 @@ class GjkFilterFor {
           best = max(best, Lanes::tagged(products(blocks + first * 3, lane, x, y, z),
                                          static_cast<std::uint32_t>(first + lane)));
       const std::uint32_t i = Lanes::tag(Lanes::largest(best)) % most_vertices;
-      const double* const found = blocks + i / size * (3 * size) + i % size;
-      return {{found[0], found[size], found[2 * size]},
+      const double* const point = blocks + i / size * (3 * size) + i % size;
+      return {{point[0], point[size], point[2 * size]},
               {vertex(shape.vertices, i), i < shape.vertices.last ? i : shape.vertices.last}};
     }
   };
@@ -375,34 +377,34 @@ class GjkFilterFor {
       combined(axes_a[0][i], axes_b[0], axes_a[1][i], axes_b[1], axes_a[2][i], axes_b[2], cosines[i]);
       magnitude(cosines[i], sizes[i]);
     }
-    Four reach_on_a = half_a, reach_on_b = half_b;
+    Four radius_on_a = half_a, radius_on_b = half_b;
     for (int j = 0; j < 3; ++j) {
       Four size;
       combined(axes_b[0][j], axes_a[0], axes_b[1][j], axes_a[1], axes_b[2][j], axes_a[2], size);
       magnitude(size, size);
-      add_product(half_b[j], size, reach_on_a);
-      add_product(half_a[j], sizes[j], reach_on_b);
+      add_product(half_b[j], size, radius_on_a);
+      add_product(half_a[j], sizes[j], radius_on_b);
     }
     Four distance;
     magnitude(along_a, distance);
-    Four gaps = distance - reach_on_a;
-    const auto take = [&](const Four& along, const Four& reach) {
+    Four gaps = distance - radius_on_a;
+    const auto take = [&](const Four& along, const Four& radius) {
       Four value;
       magnitude(along, value);
-      value -= reach;
+      value -= radius;
       gaps = value > gaps ? value : gaps;
     };
-    take(along_b, reach_on_b);
+    take(along_b, radius_on_b);
     const Four half_b1 = __builtin_shufflevector(half_b, half_b, 1, 2, 0, 3);
     const Four half_b2 = __builtin_shufflevector(half_b, half_b, 2, 0, 1, 3);
     for (int i = 0; i < 3; ++i) {
       const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-      Four along = along_a[i2] * cosines[i1], reach = half_a[i1] * sizes[i2];
+      Four along = along_a[i2] * cosines[i1], radius = half_a[i1] * sizes[i2];
       add_product(-along_a[i1], cosines[i2], along);
-      add_product(half_a[i2], sizes[i1], reach);
-      add_product(half_b1, __builtin_shufflevector(sizes[i], sizes[i], 2, 0, 1, 3), reach);
-      add_product(half_b2, __builtin_shufflevector(sizes[i], sizes[i], 1, 2, 0, 3), reach);
-      take(along, reach);
+      add_product(half_a[i2], sizes[i1], radius);
+      add_product(half_b1, __builtin_shufflevector(sizes[i], sizes[i], 2, 0, 1, 3), radius);
+      add_product(half_b2, __builtin_shufflevector(sizes[i], sizes[i], 1, 2, 0, 3), radius);
+      take(along, radius);
     }
     const double largest = gaps[0] > gaps[1] ? gaps[0] : gaps[1];
     return largest > gaps[2] ? largest : gaps[2];
@@ -419,7 +421,7 @@ class GjkFilterFor {
     lanes_of(a, lanes_a);
     lanes_of(b, lanes_b);
     const Vec between{b.pose[12] - a.pose[12], b.pose[13] - a.pose[13], b.pose[14] - a.pose[14]};
-    const double extent = sum_of_magnitudes(between) + a.shape->reach + b.shape->reach;
+    const double extent = sum_of_magnitudes(between) + a.shape->bounding_radius + b.shape->bounding_radius;
     // In this range squares neither overflow nor, where it matters, underflow.
     if (!(extent < 0x1p500 && extent > 0x1p-500))
       return Verdict::undecided;
@@ -430,41 +432,38 @@ class GjkFilterFor {
     return largest_gap < -margin ? Verdict::intersecting : Verdict::undecided;
   }
 
-  template <bool with_proof>
-  static Verdict dispatched(const PlacedShape& a, const PlacedShape& b, GjkFilterAnswer& answer) {
-    switch (a.shape->form) {
-    case Form::hull:
-      if (a.shape->vertices.count == VertexBlocks::size)
-        return dispatched<with_proof, Moved<VertexBlocks::size>>(a, b, answer);
-      if (a.shape->vertices.count <= SupportShape::few_vertices)
-        return dispatched<with_proof, Moved<SupportShape::few_vertices>>(a, b, answer);
-      return dispatched<with_proof, Turned<Hull>>(a, b, answer);
-    case Form::box:
-      return dispatched<with_proof, Turned<Box>>(a, b, answer);
+  /// Names a type as an argument.
+  template <class T>
+  struct As {};
+
+  /// Calls a function with the support mapping that suits the shape.
+  template <class Function>
+  static Verdict with_support(const SupportShape& shape, const Function& function) {
+    switch (shape.kind) {
+    case ShapeKind::hull:
+      if (shape.vertices.count == VertexBlocks::size)
+        return function(As<Moved<VertexBlocks::size>>());
+      if (shape.vertices.count <= SupportShape::few_vertices)
+        return function(As<Moved<SupportShape::few_vertices>>());
+      return function(As<Turned<Hull>>());
+    case ShapeKind::box:
+      return function(As<Turned<Box>>());
     default:
-      return dispatched<with_proof, Turned<Curved>>(a, b, answer);
+      return function(As<Turned<Curved>>());
     }
   }
 
-  template <bool with_proof, class A>
+  /// Decides by the search for the two kinds of shape, and two boxes by their axes if no proof is asked for.
+  template <bool with_proof>
   static Verdict dispatched(const PlacedShape& a, const PlacedShape& b, GjkFilterAnswer& answer) {
-    switch (b.shape->form) {
-    case Form::hull:
-      if (b.shape->vertices.count == VertexBlocks::size)
-        return search<with_proof, A, Moved<VertexBlocks::size>>(a, b, answer);
-      if (b.shape->vertices.count <= SupportShape::few_vertices)
-        return search<with_proof, A, Moved<SupportShape::few_vertices>>(a, b, answer);
-      return search<with_proof, A, Turned<Hull>>(a, b, answer);
-    case Form::box:
-      if constexpr (!with_proof && __is_same(A, Turned<Box>)) {
-        const Verdict verdict = compare_boxes(a, b);
-        if (verdict != Verdict::undecided)
-          return verdict;
-      }
-      return search<with_proof, A, Turned<Box>>(a, b, answer);
-    default:
-      return search<with_proof, A, Turned<Curved>>(a, b, answer);
+    if (!with_proof && a.shape->kind == ShapeKind::box && b.shape->kind == ShapeKind::box) {
+      const Verdict verdict = compare_boxes(a, b);
+      if (verdict != Verdict::undecided)
+        return verdict;
     }
+    return with_support(*a.shape, [&]<class A>(As<A>) {
+      return with_support(*b.shape, [&]<class B>(As<B>) { return search<with_proof, A, B>(a, b, answer); });
+    });
   }
 
   /// Up to four points of the Minkowski difference. A triangle also stores the products that the next
@@ -490,8 +489,8 @@ class GjkFilterFor {
     const double* pose_b = b.pose;
     const Vec offset{pose_a[12] - pose_b[12], pose_a[13] - pose_b[13], pose_a[14] - pose_b[14]};
     // Bounds the length of every point of the Minkowski difference; NaN if a rotation is not finite.
-    const double extent =
-        sum_of_magnitudes(offset) + a.shape->reach + b.shape->reach + zero_if_finite(pose_a, pose_b);
+    const double extent = sum_of_magnitudes(offset) + a.shape->bounding_radius + b.shape->bounding_radius +
+                          zero_if_finite(pose_a, pose_b);
     answer.size = 0;
     if (!(extent < 0x1p170 && extent > 0x1p-170))
       return Verdict::undecided;
@@ -499,9 +498,9 @@ class GjkFilterFor {
     // Below these, products could have lost digits to underflow.
     constexpr double smallest_product = 0x1p-860, smallest_direction = 0x1p-900;
     const double error_of_determinants = error_per_determinant * extent * extent * extent;
-    const Vec middle_a{a.shape->middle[0], a.shape->middle[1], a.shape->middle[2]};
-    const Vec middle_b{b.shape->middle[0], b.shape->middle[1], b.shape->middle[2]};
-    const Vec inside = minus(rotated(pose_a, middle_a, offset), rotated(pose_b, middle_b, {0, 0, 0}));
+    const Vec centre_a{a.shape->centre[0], a.shape->centre[1], a.shape->centre[2]};
+    const Vec centre_b{b.shape->centre[0], b.shape->centre[1], b.shape->centre[2]};
+    const Vec inside = minus(rotated(pose_a, centre_a, offset), rotated(pose_b, centre_b, {0, 0, 0}));
     Vec direction = negated(inside);
     const A moved_a(a, offset);
     const B moved_b(b, {0, 0, 0});
@@ -518,7 +517,7 @@ class GjkFilterFor {
           break;
         direction = {extent, 0, 0}, magnitude = extent;
       }
-      const Found on_a = moved_a.farthest(direction), on_b = moved_b.farthest(negated(direction));
+      const SupportPoint on_a = moved_a.farthest(direction), on_b = moved_b.farthest(negated(direction));
       const Point s{minus(on_a.at, on_b.at), round};
       if constexpr (with_proof)
         sources[round] = {on_a.local, on_b.local};
