@@ -40,9 +40,9 @@ struct PlacedConvex {
   /// Returns the shape for the filter.
   PlacedShape filtered() const { return {shape, pose->data()}; }
 
-  /// Returns the point that the filter has found: an index for a polytope, a point for a round shape.
+  /// Returns the point that the filter has found: by its index in a hull, whose coordinates may be rounded.
   Eigen::Vector3d filter_point(std::uint32_t index, const double* point) const {
-    return is_round() ? Eigen::Vector3d(point) : vertices[index];
+    return shape->kind == ShapeKind::hull ? vertices[index] : Eigen::Vector3d(point);
   }
 };
 

@@ -5,9 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "collision/covariance.hpp"
+#include "collision/box_axes.hpp"
 #include "collision/scaled_points.hpp"
-#include "collision/tight_axes.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/error.hpp"
 

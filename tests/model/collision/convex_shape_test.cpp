@@ -165,6 +165,8 @@ TEST(ConvexShapes, WithFlatSurfacesAreExactForTheNumbersOfTheirPoses) {
     turned.translation().x() = offset;
     meet(cube, Isometry3d::Identity(), cube, turned);
   }
+  // Here a coordinate of the filter's direction is −0.
+  EXPECT_TRUE(meet(cube, Isometry3d::Identity(), cube, moved_by({0.5, 0.25, 0})));
   EXPECT_TRUE(meet(cube, Isometry3d::Identity(), cube, moved_by({1, 0.5, 0})));
   EXPECT_FALSE(meet(cube, Isometry3d::Identity(), cube, moved_by({std::nextafter(1.0, 2.0), 0.5, 0})));
   EXPECT_TRUE(meet(cube, moved_by({1e6, 0, 0}), cube, moved_by({1e6 + 1, 0, 0})));
