@@ -27,8 +27,8 @@ int main() {
 
   for (const double x : {0.5, 1.0, one_step_apart, 3.0}) {
     const Eigen::Isometry3d moved(Eigen::Translation3d(x, 0.25, 0));
-    const fringe::ShapeAnswer answer = fringe::gjk_intersects(cube, origin, cube, moved);
-    const fringe::ShapeDistance distance = fringe::gjk_distance(cube, origin, cube, moved);
+    const fringe::GjkAnswer answer = fringe::gjk_intersects(cube, origin, cube, moved);
+    const fringe::GjkDistance distance = fringe::gjk_distance(cube, origin, cube, moved);
     std::printf("centres %.17g apart along x: %s, distance %.3g, %s\n", x,
                 answer.intersects ? "collision" : "clear", distance.distance,
                 fringe::proves(answer, cube, origin, cube, moved) ? "proven" : "not proven");
@@ -36,7 +36,7 @@ int main() {
 
   const fringe::ConvexShape ball = fringe::ConvexShape::ball(0.5);
   const Eigen::Isometry3d corner(Eigen::Translation3d(1.5, 1.5, 1.5));
-  const fringe::ShapeDistance distance = fringe::gjk_distance(cube, origin, ball, corner);
+  const fringe::GjkDistance distance = fringe::gjk_distance(cube, origin, ball, corner);
   std::printf("ball before the cube's corner: distance %.6f, nearest point of the cube (%.1f, %.1f, %.1f)\n",
               distance.distance, distance.witness_a.x(), distance.witness_a.y(), distance.witness_a.z());
 }

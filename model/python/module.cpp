@@ -31,6 +31,7 @@
 #include "fringe/pose.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
+#include "fringe/thesis.hpp"
 #include "fringe/version.hpp"
 #include "python_object.hpp"
 
@@ -99,7 +100,7 @@ std::optional<bool> gjk_intersects_of(const Array& a, const Array& b, const std:
 
 py::tuple gjk_distance_of(const Array& a, const Array& b) {
   const std::vector<Eigen::Vector3d> hull_a = vertices_of(a, "a"), hull_b = vertices_of(b, "b");
-  HullDistance answer;
+  GjkDistance answer;
   {
     const py::gil_scoped_release unlocked;
     answer = gjk_distance(hull_a, hull_b);

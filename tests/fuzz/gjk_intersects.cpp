@@ -21,7 +21,7 @@ void gjk_intersects(Bytes bytes) {
     const GjkAnswer answer = fringe::gjk_intersects(a, b);
     require(proves(answer, a, b), "the certificate proves the answer");
     require(fringe::gjk_intersects(b, a).intersects == answer.intersects, "the order does not matter");
-    const HullDistance distance = gjk_distance(a, b);
+    const GjkDistance distance = gjk_distance(a, b);
     require((distance.distance == 0) == answer.intersects || !ordinary(a) || !ordinary(b),
             "the distance is zero when they intersect, and only then");
     require(distance.distance >= 0, "the distance is a number, and not below zero");

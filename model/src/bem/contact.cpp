@@ -68,7 +68,7 @@ void refuse_contact(const ChargedBody& a, const ChargedBody& b) {
         fmt::format("{} and {} touch or cross: boundary elements need conductors apart", a.name, b.name));
   for (const auto& [outside, inside, points] : {std::tuple(&a, &b, &hulls_b), std::tuple(&b, &a, &hulls_a)})
     if (const auto surface = triangles_of(outside->surface);
-        is_closed(surface) && surrounds(surface, points->front().front()))
+        is_closed(surface) && is_in_polyhedron(surface, points->front().front()))
       throw InputError(fmt::format("{} is inside {}: boundary elements need conductors apart", inside->name,
                                    outside->name));
 }

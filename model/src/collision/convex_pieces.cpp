@@ -60,9 +60,9 @@ AlignedBox3d box_of(const Arc& arc) {
   return sector_box(arc.inner_radius, arc.outer_radius, arc.height, arc.degrees / 2 * std::numbers::pi / 180);
 }
 
-template <typename Form>
-OrientedBox enclosing_box_of(const Form& form) {
-  const AlignedBox3d box = box_of(form);
+template <typename Primitive>
+OrientedBox enclosing_box_of(const Primitive& primitive) {
+  const AlignedBox3d box = box_of(primitive);
   return {box.center(), Eigen::Matrix3d::Identity(), enlarged(box).sizes() / 2};
 }
 
@@ -76,31 +76,31 @@ OrientedBox enclosing_box_of(const Mesh& mesh) {
   return oriented_box(vertices, faces, BoxMethod::tight);
 }
 
-/// Makes one piece of a convex shape.
-template <typename Form>
-ConvexPieces single(ConvexShape shape, const Form& form) {
-  const AlignedBox3d box = box_of(form);
-  return {{{std::move(shape)}}, BoxTree({&box, 1})};
+ConvexShape convex_shape_of(const Plate& plate) {
+  return ConvexShape::cuboid({plate.size_x, plate.size_y, 0});
 }
 
-ConvexPieces pieces_of(const Plate& plate) {
-  return single(ConvexShape::cuboid({plate.size_x, plate.size_y, 0}), plate);
+ConvexShape convex_shape_of(const Cuboid& cuboid) {
+  return ConvexShape::cuboid({cuboid.size_x, cuboid.size_y, cuboid.size_z});
 }
 
-ConvexPieces pieces_of(const Cuboid& cuboid) {
-  return single(ConvexShape::cuboid({cuboid.size_x, cuboid.size_y, cuboid.size_z}), cuboid);
+ConvexShape convex_shape_of(const Cylinder& cylinder) {
+  return ConvexShape::cylinder(cylinder.radius, cylinder.height);
 }
 
-ConvexPieces pieces_of(const Cylinder& cylinder) {
-  return single(ConvexShape::cylinder(cylinder.radius, cylinder.height), cylinder);
+ConvexShape convex_shape_of(const Cone& cone) {
+  return ConvexShape::cone(cone.radius, cone.height);
 }
 
-ConvexPieces pieces_of(const Cone& cone) {
-  return single(ConvexShape::cone(cone.radius, cone.height), cone);
+ConvexShape convex_shape_of(const Sphere& sphere) {
+  return ConvexShape::ball(sphere.radius);
 }
 
-ConvexPieces pieces_of(const Sphere& sphere) {
-  return single(ConvexShape::ball(sphere.radius), sphere);
+/// Takes a convex shape as one piece.
+template <typename Convex>
+ConvexPieces pieces_of(const Convex& convex) {
+  const AlignedBox3d box = box_of(convex);
+  return {{{convex_shape_of(convex)}}, BoxTree({&box, 1})};
 }
 
 ConvexPieces pieces_of(const Arc& arc) {
@@ -138,7 +138,7 @@ ConvexPieces pieces_of(const Mesh& mesh) {
 }  // namespace
 
 OrientedBox enclosing_box(const Shape& shape) {
-  return std::visit([](const auto& form) { return enclosing_box_of(form); }, shape);
+  return std::visit([](const auto& kind) { return enclosing_box_of(kind); }, shape);
 }
 
 BoundingSphere ball_around_box(const Mesh& mesh) {
@@ -148,12 +148,12 @@ BoundingSphere ball_around_box(const Mesh& mesh) {
   AlignedBox3d box;
   for (const Triangle& triangle : mesh.triangles)
     box.extend(axis_aligned_box(std::span<const Vector3d>(triangle)));
-  const AlignedBox3d held = enlarged(box);
-  return {held.center(), box_in_ball * held.diagonal().stableNorm() / 2};
+  box = enlarged(box);
+  return {box.center(), box_in_ball * box.diagonal().stableNorm() / 2};
 }
 
 ConvexPieces convex_pieces(const Shape& shape) {
-  return std::visit([](const auto& form) { return pieces_of(form); }, shape);
+  return std::visit([](const auto& kind) { return pieces_of(kind); }, shape);
 }
 
 }  // namespace fringe::detail

@@ -15,7 +15,7 @@ namespace fringe {
 namespace {
 
 using detail::ConvexShapeData;
-using detail::Form;
+using detail::ShapeKind;
 using Eigen::Vector3d;
 
 /// Factor that compensates the rounding of a length computed from coordinates.
@@ -27,17 +27,17 @@ void check_length(double length, std::string_view name) {
 }
 
 /// Creates the data of a shape that its kind and sizes describe completely.
-std::shared_ptr<ConvexShapeData> sized(Form form, const Vector3d& size, double reach) {
+std::shared_ptr<ConvexShapeData> sized(ShapeKind kind, const Vector3d& size, double bounding_radius) {
   auto data = std::make_shared<ConvexShapeData>();
   data->support = {};
-  data->support.form = form;
+  data->support.kind = kind;
   std::copy(size.begin(), size.end(), data->support.size);
-  data->support.reach = reach * rounded_up;
+  data->support.bounding_radius = bounding_radius * rounded_up;
   return data;
 }
 
 /// Returns the mean of the vertices that are extreme along the coordinate axes.
-Vector3d middle_of(std::span<const Vector3d> vertices) {
+Vector3d centre_of(std::span<const Vector3d> vertices) {
   Vector3d sum = Vector3d::Zero();
   constexpr double extremes = 6;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -53,25 +53,25 @@ Vector3d middle_of(std::span<const Vector3d> vertices) {
 
 ConvexShape ConvexShape::hull(std::span<const Vector3d> vertices) {
   if (vertices.empty())
-    throw InputError("a hull needs a vertex");
+    throw InputError("a convex hull needs at least one vertex");
   auto data = std::make_shared<ConvexShapeData>();
-  double reach = 0;
+  double radius = 0;
   for (const Vector3d& vertex : vertices) {
     if (!vertex.allFinite())
       throw InputError(
           fmt::format("vertex {} is not finite", static_cast<std::size_t>(&vertex - vertices.data())));
-    reach = std::max(reach, vertex.stableNorm());
+    radius = std::max(radius, vertex.stableNorm());
     data->coordinates.push_back(vertex);
   }
   data->coordinates.fill_block();
   data->vertices.assign(vertices.begin(), vertices.end());
-  data->cells = detail::direction_cells(vertices, reach);
+  data->cells = detail::direction_cells(vertices, radius);
   detail::SupportShape& support = data->support;
   support = {};
-  support.form = Form::hull;
-  support.reach = reach * rounded_up;
-  const Vector3d middle = middle_of(vertices);
-  std::copy(middle.begin(), middle.end(), support.middle);
+  support.kind = ShapeKind::hull;
+  support.bounding_radius = radius * rounded_up;
+  const Vector3d centre = centre_of(vertices);
+  std::copy(centre.begin(), centre.end(), support.centre);
   support.vertices = data->coordinates.blocks();
   support.cells = {data->cells.resolution, data->cells.starts.data(), data->cells.coordinates.blocks(),
                    data->cells.indices.data()};
@@ -82,7 +82,7 @@ ConvexShape ConvexShape::cuboid(const Vector3d& sides) {
   for (const double side : sides)
     check_length(side, "a side of a cuboid");
   const Vector3d half = sides / 2;
-  auto data = sized(Form::box, half, half.stableNorm());
+  auto data = sized(ShapeKind::box, half, half.stableNorm());
   for (unsigned corner = 0; corner < 8; ++corner)
     data->vertices.emplace_back((corner & 1U) != 0 ? half.x() : -half.x(),
                                 (corner & 2U) != 0 ? half.y() : -half.y(),
@@ -92,19 +92,19 @@ ConvexShape ConvexShape::cuboid(const Vector3d& sides) {
 
 ConvexShape ConvexShape::ball(double radius) {
   check_length(radius, "the radius of a ball");
-  return ConvexShape(sized(Form::ball, {radius, 0, 0}, radius));
+  return ConvexShape(sized(ShapeKind::ball, {radius, 0, 0}, radius));
 }
 
 ConvexShape ConvexShape::cylinder(double radius, double height) {
   check_length(radius, "the radius of a cylinder");
   check_length(height, "the height of a cylinder");
-  return ConvexShape(sized(Form::cylinder, {radius, height / 2, 0}, std::hypot(radius, height / 2)));
+  return ConvexShape(sized(ShapeKind::cylinder, {radius, height / 2, 0}, std::hypot(radius, height / 2)));
 }
 
 ConvexShape ConvexShape::cone(double radius, double height) {
   check_length(radius, "the radius of a cone");
   check_length(height, "the height of a cone");
-  return ConvexShape(sized(Form::cone, {radius, height / 2, 0}, std::hypot(radius, height / 2)));
+  return ConvexShape(sized(ShapeKind::cone, {radius, height / 2, 0}, std::hypot(radius, height / 2)));
 }
 
 ConvexShape ConvexShape::arc_piece(double inner_radius, double outer_radius, double height, double degrees) {
@@ -115,21 +115,22 @@ ConvexShape ConvexShape::arc_piece(double inner_radius, double outer_radius, dou
     throw InputError("the inner radius of an arc must not be above the outer one");
   constexpr double half_turn = 180;
   if (!(degrees > 0 && degrees < half_turn))
-    throw InputError(fmt::format("a convex piece of an arc takes 0 < degrees < 180, not {}", degrees));
-  auto data =
-      sized(Form::sector, {outer_radius, height / 2, inner_radius}, std::hypot(outer_radius, height / 2));
+    throw InputError(fmt::format(
+        "a convex piece of an arc must span more than 0 and less than 180 degrees, not {}", degrees));
+  auto data = sized(ShapeKind::sector, {outer_radius, height / 2, inner_radius},
+                    std::hypot(outer_radius, height / 2));
   const double angle = degrees / 2 * std::numbers::pi / half_turn;
   const double x = std::cos(angle), y = std::sin(angle);
   detail::SupportShape& support = data->support;
   support.ends[0] = support.ends[2] = x;
   support.ends[1] = -y;
   support.ends[3] = y;
-  support.middle[0] = (inner_radius + outer_radius) / 2 * x;
+  support.centre[0] = (inner_radius + outer_radius) / 2 * x;
   return ConvexShape(std::move(data));
 }
 
 bool ConvexShape::is_round() const {
-  return data_->support.form != Form::hull && data_->support.form != Form::box;
+  return data_->support.kind != ShapeKind::hull && data_->support.kind != ShapeKind::box;
 }
 
 }  // namespace fringe

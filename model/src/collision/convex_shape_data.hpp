@@ -39,7 +39,7 @@ struct CellLists {
 };
 
 /// Builds the direction cells of a hull; none if it has so few vertices that comparing all is as fast.
-CellLists direction_cells(std::span<const Eigen::Vector3d> vertices, double reach);
+CellLists direction_cells(std::span<const Eigen::Vector3d> vertices, double bounding_radius);
 
 struct ConvexShapeData {
   SupportShape support;

@@ -1,4 +1,4 @@
-#include "collision/covariance.hpp"
+#include "collision/box_axes.hpp"
 
 #include <Eigen/Eigenvalues>
 

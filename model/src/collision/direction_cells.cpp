@@ -82,7 +82,7 @@ void CoordinateBlocks::fill_block() {
     push_back(point);
 }
 
-CellLists direction_cells(std::span<const Vector3d> vertices, double reach) {
+CellLists direction_cells(std::span<const Vector3d> vertices, double bounding_radius) {
   CellLists cells;
   if (vertices.size() <= SupportShape::few_vertices)
     return cells;
@@ -91,7 +91,7 @@ CellLists direction_cells(std::span<const Vector3d> vertices, double reach) {
   const double affordable = std::sqrt(most_work / (6 * static_cast<double>(vertices.size())));
   cells.resolution = std::max(2, static_cast<int>(std::lround(std::min(wished, affordable))));
   // Twice the error bound of a vertex's product with a corner, whose components are at most 1.
-  const double margin = 0x1p-48 * reach;
+  const double margin = 0x1p-48 * bounding_radius;
   const double side = 2.0 / cells.resolution;
   for (int face = 0; face < 6; ++face)
     for (int i = 0; i < cells.resolution; ++i)

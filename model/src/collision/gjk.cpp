@@ -1,105 +1,160 @@
 #include "fringe/gjk.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <optional>
 
-#include "collision/exact_search.hpp"
-#include "collision/float_search.hpp"
-#include "collision/gjk_filter.hpp"
-#include "collision/hull_pair.hpp"
+#include "collision/convex_pair.hpp"
+#include "collision/convex_shape_data.hpp"
+#include "collision/gjk_iteration.hpp"
+#include "collision/minkowski_difference.hpp"
+#include "fringe/convex_shape.hpp"
+#include "fringe/error.hpp"
 #include "simd/dispatch.hpp"
 
+/// The queries: by the filter if it proves the answer, otherwise by the iteration in other numbers
+/// (model/NUMERICS.md, section 13).
 namespace fringe {
 namespace {
 
-using detail::ExactHulls;
-using detail::ExactNearest;
+using detail::ConvexPair;
+using detail::Dyadic;
+using detail::GjkFilterAnswer;
 using detail::Goal;
+using detail::NearestFace;
+using detail::Verdict;
+using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// Converts the result of the exact search into an answer with a certificate.
-GjkAnswer answer_of(const ExactHulls& exact, const ExactNearest& nearest) {
-  if (detail::dot(nearest.point, nearest.point).is_zero())
-    return {true, SimplexAroundOrigin{nearest.simplex}};
-  const Vector3d direction = detail::direction_of(detail::negated(nearest.point));
-  if (detail::separates(exact, direction))
-    return {false, SeparatingDirection{direction}};
-  return {false, SeparatingSimplex{nearest.simplex}};
+/// Returns the simplex that the filter has reached, or one to start with if it was not tried.
+Simplex reached_simplex(const ConvexPair& pair, const GjkFilterAnswer& filtered) {
+  if (filtered.size == 0)
+    return pair.start();
+  Simplex simplex;
+  for (int i = 0; i < filtered.size; ++i) {
+    const detail::SupportPair& support = filtered.pairs[i];
+    simplex.pairs[simplex.size++] = {pair.a.filter_point(support.a, support.on_a),
+                                     pair.b.filter_point(support.b, support.on_b)};
+  }
+  return simplex;
 }
 
-/// Copies the vertices of a small hull, relative to an origin, into the layout of one filter query.
-class PassingHull {
- public:
-  PassingHull(detail::Vertices vertices, const Vector3d& origin) {
-    constexpr std::size_t block = detail::VertexBlocks::size;
-    const std::size_t count = (vertices.size() + block - 1) / block * block;
-    double largest = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      const Vector3d point = vertices[std::min(i, vertices.size() - 1)] - origin;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const double coordinate = point[static_cast<Eigen::Index>(k)];
-        coordinates_[i / block * 3 * block + k * block + i % block] = coordinate;
-        largest = std::max(largest, std::abs(coordinate));
-      }
-    }
-    // Any point of the hull: the midpoint of two vertices that are not neighbours in most lists.
-    const Vector3d middle = (vertices.front() - origin) / 2 + (vertices[vertices.size() / 2] - origin) / 2;
-    std::copy(middle.begin(), middle.end(), support_.middle);
-    constexpr double root_of_3 = 1.7320508075688774;
-    support_.reach = root_of_3 * (1 + 0x1p-50) * largest;
-    support_.vertices = {coordinates_.data(), static_cast<std::uint32_t>(count),
-                         static_cast<std::uint32_t>(vertices.size() - 1)};
+/// Decides whether two polytopes intersect, in exact arithmetic.
+GjkAnswer decide_exactly(const ConvexPair& pair, const Simplex& reached) {
+  detail::PolytopeDifference difference(pair, Goal::decision);
+  const NearestFace<Dyadic> face = detail::gjk<Dyadic>(difference, reached);
+  if (face.nearest.squaredNorm().sign() == 0)
+    return {true, SimplexAroundOrigin{face.simplex}};
+  const Vector3d direction = detail::direction_of(-face.nearest);
+  if (difference.separates(direction))
+    return {false, SeparatingDirection{direction}};
+  return {false, SeparatingSimplex{face.simplex}};
+}
+
+/// Decides whether two shapes intersect, one of which is round.
+GjkAnswer decide_round(const ConvexPair& pair, Simplex reached) {
+  detail::RoundDifference difference(pair);
+  for (std::size_t i = 0; i < reached.size; ++i)
+    reached.pairs[i] = difference.inside(reached.pairs[i]);
+  detail::gjk<Dyadic>(difference, reached);
+  return difference.answer();
+}
+
+GjkAnswer decide(const ConvexPair& pair) {
+  GjkFilterAnswer filtered;
+  detail::best_kernels<detail::GjkFilter>().prove(pair.a.filtered(), pair.b.filtered(), filtered);
+  if (filtered.verdict == Verdict::disjoint)
+    return {false, SeparatingDirection{Vector3d(filtered.direction)}};
+  const Simplex reached = reached_simplex(pair, filtered);
+  // For round shapes the simplex proves nothing yet, since its points are rounded and may lie outside.
+  if (pair.is_round())
+    return decide_round(pair, reached);
+  if (filtered.verdict == Verdict::intersecting)
+    return {true, SimplexAroundOrigin{reached}};
+  return decide_exactly(pair, reached);
+}
+
+/// Solves the distance of two polytopes in exact arithmetic.
+GjkDistance solve_exactly(const ConvexPair& pair, const Simplex& start) {
+  detail::PolytopeDifference difference(pair, Goal::distance);
+  return difference.distance(detail::gjk<Dyadic>(difference, start));
+}
+
+/// Returns the distance of shapes that intersect: zero, with the point of the certificate's simplex nearest
+/// to the origin as a point of each shape.
+GjkDistance common_point(const ConvexPair& pair, const GjkAnswer& answer) {
+  const auto* around = std::get_if<SimplexAroundOrigin>(&answer.certificate);
+  const Simplex& simplex = around ? around->simplex : std::get<HiddenByRounding>(answer.certificate).simplex;
+  const auto nearest_in = [&]<class Number>(NearestFace<Number> face, const auto& difference) {
+    for (std::size_t i = 0; i < simplex.size; ++i)
+      face.add(simplex.pairs[i], difference.point(simplex.pairs[i]));
+    return face.reduce() ? std::optional(face) : std::nullopt;
+  };
+  const auto rounded = nearest_in(NearestFace<double>(), detail::RoundedDifference(pair));
+  if (rounded && rounded->nearest.norm() <= pair.rounding()) {
+    const auto [on_a, on_b] = detail::witnesses(pair, *rounded);
+    return {0, 0, Vector3d::Zero(), on_a, on_b, false};
   }
-  PassingHull(const PassingHull&) = delete;
-  PassingHull& operator=(const PassingHull&) = delete;
+  // Where surfaces touch, rounding may make the simplex miss the common point.
+  const detail::ExactDifference exact(pair);
+  const GjkDistance solved = exact.distance(nearest_in(NearestFace<Dyadic>(), exact).value());
+  return {0, 0, Vector3d::Zero(), solved.witness_a, solved.witness_b, !pair.is_round()};
+}
 
-  detail::PlacedShape placed() const { return {&support_, identity_.data()}; }
-
- private:
-  std::array<double, 3 * detail::SupportShape::few_vertices> coordinates_;
-  detail::SupportShape support_{};
-  Eigen::Matrix4d identity_ = Eigen::Matrix4d::Identity();
-};
-
-/// Answers the query by the filter; returns nothing if the filter leaves it undecided. For larger hulls,
-/// copying the vertices would take longer than the filter saves.
-std::optional<GjkAnswer> quick_answer(const detail::HullPair& hulls) {
-  if (std::max(hulls.a.size(), hulls.b.size()) > detail::SupportShape::few_vertices)
-    return std::nullopt;
-  const PassingHull a(hulls.a, hulls.origin), b(hulls.b, hulls.origin);
-  detail::GjkFilterAnswer found;
-  detail::best_kernels<detail::GjkFilter>().prove(a.placed(), b.placed(), found);
-  if (found.verdict == detail::Verdict::disjoint)
-    return GjkAnswer{false, SeparatingDirection{Vector3d(found.direction)}};
-  if (found.verdict == detail::Verdict::undecided)
-    return std::nullopt;
-  PairSimplex simplex;
-  for (int i = 0; i < found.size; ++i)
-    simplex.pairs[simplex.size++] = {found.pairs[i].a, found.pairs[i].b};
-  return GjkAnswer{true, SimplexAroundOrigin{simplex}};
+void check_pose(const Isometry3d& pose) {
+  if (!pose.matrix().allFinite())
+    throw InputError("a pose must be finite");
 }
 
 }  // namespace
 
 GjkAnswer gjk_intersects(std::span<const Vector3d> a, std::span<const Vector3d> b) {
-  const detail::HullPair hulls = detail::hull_pair(a, b);
-  if (const std::optional<GjkAnswer> answer = quick_answer(hulls))
-    return *answer;
-  const auto [answer, reached] = detail::float_search(hulls, Goal::decision);
-  if (answer)
-    return *answer;
-  const ExactHulls exact = detail::exact_hulls(hulls);
-  return answer_of(exact, detail::exact_search(exact, reached, Goal::decision));
+  return decide(detail::PassingHulls(a, b).pair());
 }
 
-HullDistance gjk_distance(std::span<const Vector3d> a, std::span<const Vector3d> b) {
-  const detail::HullPair hulls = detail::hull_pair(a, b);
-  const ExactHulls exact = detail::exact_hulls(hulls);
-  const ExactNearest nearest =
-      detail::exact_search(exact, detail::float_search(hulls, Goal::distance).reached, Goal::distance);
-  return detail::rounded_distance(exact, nearest);
+GjkDistance gjk_distance(std::span<const Vector3d> a, std::span<const Vector3d> b) {
+  const detail::PassingHulls hulls(a, b);
+  Simplex start = hulls.pair().start();
+  if (hulls.pair().is_in_safe_range()) {
+    detail::RoundedDifference difference(hulls.pair());
+    start = detail::gjk<double>(difference, start).simplex;
+  }
+  return solve_exactly(hulls.pair(), start);
+}
+
+bool intersect(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b,
+               const Isometry3d& pose_b) {
+  const Verdict verdict = detail::best_kernels<detail::GjkFilter>().decide(
+      {&a.data().support, pose_a.data()}, {&b.data().support, pose_b.data()});
+  if (verdict != Verdict::undecided)
+    return verdict == Verdict::intersecting;
+  return gjk_intersects(a, pose_a, b, pose_b).intersects;
+}
+
+GjkAnswer gjk_intersects(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b,
+                         const Isometry3d& pose_b) {
+  check_pose(pose_a);
+  check_pose(pose_b);
+  return decide(detail::convex_pair(a, pose_a, b, pose_b));
+}
+
+GjkDistance gjk_distance(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b,
+                         const Isometry3d& pose_b) {
+  check_pose(pose_a);
+  check_pose(pose_b);
+  const ConvexPair pair = detail::convex_pair(a, pose_a, b, pose_b);
+  if (!pair.is_in_safe_range()) {
+    if (!pair.is_round())
+      return solve_exactly(pair, pair.start());
+    throw InputError(
+        "the sizes and the offset of round shapes must add up to a length between 2^-170 and 2^170");
+  }
+  detail::RoundedDifference difference(pair);
+  const Simplex reached = detail::gjk<double>(difference, pair.start()).simplex;
+  if (difference.is_converged())
+    return difference.distance();
+  const GjkAnswer answer = decide(pair);
+  if (answer.intersects)
+    return common_point(pair, answer);
+  return pair.is_round() ? difference.distance() : solve_exactly(pair, reached);
 }
 
 }  // namespace fringe

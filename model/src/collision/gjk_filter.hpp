@@ -28,16 +28,16 @@ struct DirectionCells {
   const std::uint32_t* indices;  ///< indices of these vertices among the hull's
 };
 
-enum class Form : int { hull, box, ball, cylinder, cone, sector };
+enum class ShapeKind : int { hull, box, ball, cylinder, cone, sector };
 
 /// A convex shape in its own frame, given by the numbers that its support mapping needs.
 struct SupportShape {
-  Form form;
+  ShapeKind kind;
   double size[3];  ///< box: half the sides; ball: radius; cylinder, cone and sector: (outer) radius, half the
                    ///< height, inner radius
   double ends[4];  ///< sector: the unit vectors (x, y) of its two ends, anticlockwise, less than half a turn
-  double middle[3];  ///< a point of the shape, up to rounding
-  double reach;      ///< radius around the frame's origin that contains the shape
+  double centre[3];        ///< a point of the shape, up to rounding
+  double bounding_radius;  ///< of a ball around the frame's origin that contains the shape
   VertexBlocks vertices;
   DirectionCells cells;
 
@@ -85,8 +85,9 @@ struct GjkFilter {
   /// Computes the verdict with its proof.
   void (*prove)(const PlacedShape& a, const PlacedShape& b, GjkFilterAnswer& answer);
 
-  /// Computes the support point of a shape along a direction, both in the shape's own frame.
-  void (*support)(const SupportShape& shape, const double* direction, double* point);
+  /// Computes the support point of a shape along a direction, both in the shape's own frame, and returns its
+  /// index in a hull or a box.
+  std::uint32_t (*support)(const SupportShape& shape, const double* direction, double* point);
 
   /// Computes the largest gap between two boxes along the fifteen candidate separating axes.
   double (*box_gap)(const BoxNumbers& a, const BoxNumbers& b);

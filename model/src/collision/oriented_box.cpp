@@ -5,9 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "collision/covariance.hpp"
+#include "collision/box_axes.hpp"
 #include "collision/scaled_points.hpp"
-#include "collision/tight_axes.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/error.hpp"
 
@@ -43,7 +42,7 @@ Matrix3d axes_by(BoxMethod method, const std::vector<Vector3d>& points, std::spa
   case BoxMethod::tight:
     return detail::tight_axes(points, faces);
   }
-  throw InputError("there is no such method for boxes");
+  throw InputError("unknown method for an oriented box");
 }
 
 /// Returns the centre of the points' extent along the axes.
@@ -66,7 +65,8 @@ BoxMethod parse_box_method(std::string_view text) {
     return BoxMethod::triangles;
   if (text == "tight")
     return BoxMethod::tight;
-  throw InputError(fmt::format("'{}' is no method for boxes: vertices, triangles or tight", text));
+  throw InputError(
+      fmt::format("unknown method '{}' for an oriented box: use vertices, triangles or tight", text));
 }
 
 OrientedBox oriented_box(std::span<const Vector3d> vertices, std::span<const Face> faces, BoxMethod method) {

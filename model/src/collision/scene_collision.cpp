@@ -96,9 +96,9 @@ class NarrowPhase {
       return false;
     ++tests_.narrow;
     const detail::ConvexPiece& piece = inner.pieces->pieces.front();
-    const Vector3d point = inner.pose * piece.pose * Vector3d(piece.shape.data().support.middle);
-    return detail::surrounds(std::get<Mesh>(outer.object.shape).triangles,
-                             outer.pose.inverse(Eigen::Isometry) * point);
+    const Vector3d point = inner.pose * piece.pose * Vector3d(piece.shape.data().support.centre);
+    return detail::is_in_polyhedron(std::get<Mesh>(outer.object.shape).triangles,
+                                    outer.pose.inverse(Eigen::Isometry) * point);
   }
 
   bool meet(const BoxTree::Node& leaf_a, const BoxTree::Node& leaf_b) {

@@ -1,4 +1,4 @@
-#include "collision/tight_axes.hpp"
+#include "collision/box_axes.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,6 @@
 #include <numbers>
 
 #include <Eigen/Geometry>
-
-#include "collision/covariance.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -9,7 +9,7 @@ namespace fringe::detail {
 
 using Eigen::Vector3d;
 
-bool surrounds(std::span<const Triangle> surface, const Vector3d& point) {
+bool is_in_polyhedron(std::span<const Triangle> surface, const Vector3d& point) {
   // Half of the triangles' solid angles (A. Van Oosterom and J. Strackee, IEEE Transactions on Biomedical
   // Engineering 30, 1983, 125) add up to 2π times the winding number.
   double sum = 0;

@@ -75,7 +75,7 @@ std::vector<OutsideCharge> outside_charges(std::span<const Triangle> triangles,
     });
     std::vector<Vector3d> points = spread_out(candidates, shell.distance, 2 * shell.most);
     if (is_closed_surface)
-      std::erase_if(points, [&](const Vector3d& point) { return surrounds(triangles, point); });
+      std::erase_if(points, [&](const Vector3d& point) { return is_in_polyhedron(triangles, point); });
     // The first points are spread out, too.
     points.resize(std::min(points.size(), shell.most));
     for (const Vector3d& point : points)

@@ -26,10 +26,10 @@ ConeShape::ConeShape(const SensingCone& cone, double reach) : coordinates_(cone.
   const double half_angle = cone.full_angle / 2, length = reach * widened;
   const bool is_wide = half_angle > widest;
   const double radius = is_wide ? length : length * std::tan(half_angle) * widened;
-  shape_.form = is_wide ? Form::cylinder : Form::cone;
+  shape_.kind = is_wide ? ShapeKind::cylinder : ShapeKind::cone;
   shape_.size[0] = radius;
   shape_.size[1] = length / 2;
-  shape_.reach = std::hypot(radius, length / 2) * widened;
+  shape_.bounding_radius = std::hypot(radius, length / 2) * widened;
   // The apex is the upper end of the cone shape. This rotation is rounded more than a scene's poses are, but
   // no more than the sizes.
   const Vector3d axis = cone.direction.stableNormalized();
@@ -42,13 +42,13 @@ bool ConeShape::misses(const Eigen::AlignedBox3d& box, const Eigen::Isometry3d& 
   const double farthest = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
   const double rounding =
       placing_rounding * (farthest + coordinates_ + pose.translation().cwiseAbs().maxCoeff()) +
-      (widened - 1) * shape_.reach;
+      (widened - 1) * shape_.bounding_radius;
   const Vector3d half = ((box.max() / 2 - box.min() / 2).array() + rounding).matrix();
   SupportShape moved{};
-  moved.form = Form::box;
+  moved.kind = ShapeKind::box;
   for (Eigen::Index k = 0; k < 3; ++k)
     moved.size[k] = half[k];
-  moved.reach = half.stableNorm() * widened;
+  moved.bounding_radius = half.stableNorm() * widened;
   Eigen::Isometry3d place = pose;
   place.translation() = pose * centre;
   return best_kernels<GjkFilter>().decide({&shape_, pose_.data()}, {&moved, place.data()}) ==

@@ -98,7 +98,7 @@ Points turned(const Points& points, const Eigen::Isometry3d& motion) {
 
 constexpr BoxMethod methods[] = {BoxMethod::vertices, BoxMethod::triangles, BoxMethod::tight};
 
-TEST(BoundingVolumes, HoldEveryVertexStrictly) {
+TEST(BoundingVolumes, ContainEveryVertexStrictly) {
   Random random(1);
   for (int i = 0; i < draws(200); ++i) {
     const Points points = random_points(random);
@@ -117,7 +117,7 @@ TEST(BoundingVolumes, HoldEveryVertexStrictly) {
   }
 }
 
-TEST(BoundingVolumes, OfOnePointASegmentAndAFlatShape) {
+TEST(BoundingVolumes, EncloseAPointASegmentAndAFlatShape) {
   const std::vector<Points> shapes{{{1, 2, 3}},
                                    {{1, 2, 3}, {1, 2, 3}},
                                    {{0, 0, 0}},
@@ -139,7 +139,7 @@ TEST(BoundingVolumes, OfOnePointASegmentAndAFlatShape) {
   }
 }
 
-TEST(BoundingSphere, IsTheKnownSmallestOne) {
+TEST(BoundingSphere, IsTheKnownSmallestSphere) {
   // The smallest sphere of an obtuse triangle has the longest edge as its diameter; that of a regular
   // tetrahedron passes through all vertices.
   EXPECT_NEAR(bounding_sphere(Points{{-1, 0, 0}, {1, 0, 0}, {0, 0.5, 0}}).radius, 1, outward);
@@ -210,7 +210,7 @@ std::vector<KnownShape> known_shapes() {
           {"tetrahedron", {{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}}, 8}};
 }
 
-TEST(OrientedBox, TightIsWithinTwoPercentOfTheSmallestKnownInAnyRotation) {
+TEST(OrientedBox, ByTightMethodIsWithinTwoPercentOfTheSmallestKnownBoxInAnyRotation) {
   Random random(3);
   for (const auto& [name, points, smallest] : known_shapes())
     for (int i = 0; i < draws(10); ++i) {
@@ -219,7 +219,7 @@ TEST(OrientedBox, TightIsWithinTwoPercentOfTheSmallestKnownInAnyRotation) {
     }
 }
 
-TEST(OrientedBox, TightOfACubeIsTheCube) {
+TEST(OrientedBox, ByTightMethodOfACubeIsTheCube) {
   Random random(4);
   for (int i = 0; i < draws(50); ++i) {
     const OrientedBox box =
@@ -238,7 +238,7 @@ TEST(BoundingVolumes, RefuseWrongInput) {
   EXPECT_THROW(parse_box_method("loose"), InputError);
 }
 
-TEST(Overlap, OfTouchingSpheresAndBoxesIsTrue) {
+TEST(Overlap, IsTrueForTouchingSpheresAndBoxes) {
   EXPECT_TRUE(overlap(BoundingSphere{{0, 0, 0}, 1}, BoundingSphere{{3, 0, 0}, 2}));
   EXPECT_FALSE(overlap(BoundingSphere{{0, 0, 0}, 1}, BoundingSphere{{3.001, 0, 0}, 2}));
   const Eigen::AlignedBox3d unit(Vector3d(0, 0, 0), Vector3d(1, 1, 1));

@@ -52,7 +52,7 @@ ConvexShape any_primitive(Random& random) {
 
 /// Returns whether two shapes intersect, and checks the certificate.
 bool meet(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b, const Isometry3d& pose_b) {
-  const ShapeAnswer answer = gjk_intersects(a, pose_a, b, pose_b);
+  const GjkAnswer answer = gjk_intersects(a, pose_a, b, pose_b);
   EXPECT_TRUE(proves(answer, a, pose_a, b, pose_b)) << answer.certificate.index();
   EXPECT_EQ(intersect(a, pose_a, b, pose_b), answer.intersects);
   return answer.intersects;
@@ -60,14 +60,14 @@ bool meet(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b, 
 
 bool undecided(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b,
                const Isometry3d& pose_b) {
-  const ShapeAnswer answer = gjk_intersects(a, pose_a, b, pose_b);
+  const GjkAnswer answer = gjk_intersects(a, pose_a, b, pose_b);
   EXPECT_TRUE(proves(answer, a, pose_a, b, pose_b));
-  return std::holds_alternative<ShapesUndecided>(answer.certificate);
+  return std::holds_alternative<HiddenByRounding>(answer.certificate);
 }
 
-class HullsOnClass : public testing::TestWithParam<test::PairClass> {};
+class PreparedHullsOfClass : public testing::TestWithParam<test::PairClass> {};
 
-TEST_P(HullsOnClass, AnswerAsTheirVerticesDo) {
+TEST_P(PreparedHullsOfClass, IntersectIfTheirVerticesDo) {
   Random random(11);
   for (int i = 0; i < draws(300); ++i) {
     const auto [a, b] = GetParam().make(random);
@@ -77,7 +77,7 @@ TEST_P(HullsOnClass, AnswerAsTheirVerticesDo) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Pairs, HullsOnClass,
+INSTANTIATE_TEST_SUITE_P(Pairs, PreparedHullsOfClass,
                          testing::ValuesIn(test::pair_classes().begin(), test::pair_classes().end()),
                          [](const auto& instance) { return instance.param.name; });
 
@@ -89,9 +89,9 @@ TEST(ConvexShapes, OfEveryKindProveTheirAnswersInAnyPose) {
     const ConvexShape a = any_primitive(random), b = any_primitive(random);
     const Isometry3d pose_a = random.rigid_motion();
     const Isometry3d pose_b = random.rigid_motion();
-    const ShapeAnswer answer = gjk_intersects(a, pose_a, b, pose_b);
+    const GjkAnswer answer = gjk_intersects(a, pose_a, b, pose_b);
     ASSERT_TRUE(proves(answer, a, pose_a, b, pose_b)) << "pair " << i;
-    ASSERT_FALSE(std::holds_alternative<ShapesUndecided>(answer.certificate)) << "pair " << i;
+    ASSERT_FALSE(std::holds_alternative<HiddenByRounding>(answer.certificate)) << "pair " << i;
     ASSERT_EQ(intersect(a, pose_a, b, pose_b), answer.intersects) << "pair " << i;
     ASSERT_EQ(intersect(b, pose_b, a, pose_a), answer.intersects) << "pair " << i;
     meeting += answer.intersects;
@@ -100,7 +100,7 @@ TEST(ConvexShapes, OfEveryKindProveTheirAnswersInAnyPose) {
   EXPECT_LT(meeting, pairs * 4 / 5);
 }
 
-TEST(ConvexShapes, AreTheSameForEveryInstructionSet) {
+TEST(GjkFilter, ContradictsNoCertifiedAnswerWithAnyInstructionSet) {
   Random random(13);
   for (int i = 0; i < draws(4000); ++i) {
     const ConvexShape a = any_primitive(random), b = any_primitive(random);
@@ -119,7 +119,7 @@ TEST(ConvexShapes, AreTheSameForEveryInstructionSet) {
 }
 
 /// Tests gaps and overlaps of known sizes along z, between shapes whose poles or faces meet there.
-TEST(ConvexShapes, WithRoundSurfacesDecideDownToRounding) {
+TEST(ConvexShapes, WithRoundSurfacesAreDecidedDownToRounding) {
   const std::vector<ConvexShape> shapes{ConvexShape::ball(0.5), ConvexShape::cylinder(0.3, 1),
                                         ConvexShape::cone(0.4, 1), ConvexShape::cuboid({1, 2, 1}),
                                         ConvexShape::arc_piece(0, 0.6, 1, 80)};
@@ -135,22 +135,22 @@ TEST(ConvexShapes, WithRoundSurfacesDecideDownToRounding) {
     }
 }
 
-TEST(ConvexShapes, SayWhenRoundingHidesTheAnswer) {
+TEST(ConvexShapes, StateWhenRoundingHidesWhetherTheyIntersect) {
   const ConvexShape ball = ConvexShape::ball(0.5), cylinder = ConvexShape::cylinder(0.25, 1);
   const Isometry3d turn = Random(15).rigid_motion();
   const Isometry3d beside = turn * moved_by({0.6, 0.45, 0});  // 0.75 away, up to the pose's rounding
   EXPECT_TRUE(undecided(ball, turn, cylinder, beside));
   EXPECT_TRUE(intersect(ball, turn, cylinder, beside));
-  const ShapeAnswer answer = gjk_intersects(ball, turn, cylinder, beside);
-  const auto& certificate = std::get<ShapesUndecided>(answer.certificate);
+  const GjkAnswer answer = gjk_intersects(ball, turn, cylinder, beside);
+  const auto& certificate = std::get<HiddenByRounding>(answer.certificate);
   EXPECT_LT(certificate.gap, 1e-12);
   EXPECT_LT(certificate.overlap, 1e-12);
   // A certificate that claims tighter bounds than hold is refused.
-  ShapeAnswer bolder = answer;
-  std::get<ShapesUndecided>(bolder.certificate).overlap = -1e-12;
+  GjkAnswer bolder = answer;
+  std::get<HiddenByRounding>(bolder.certificate).overlap = -1e-12;
   EXPECT_FALSE(proves(bolder, ball, turn, cylinder, beside));
   bolder = answer;
-  std::get<ShapesUndecided>(bolder.certificate).simplex.pairs[0].a.x() += 1;
+  std::get<HiddenByRounding>(bolder.certificate).simplex.pairs[0].a.x() += 1;
   EXPECT_FALSE(proves(bolder, ball, turn, cylinder, beside));
 }
 
@@ -165,6 +165,8 @@ TEST(ConvexShapes, WithFlatSurfacesAreExactForTheNumbersOfTheirPoses) {
     turned.translation().x() = offset;
     meet(cube, Isometry3d::Identity(), cube, turned);
   }
+  // Here a coordinate of the filter's direction is −0.
+  EXPECT_TRUE(meet(cube, Isometry3d::Identity(), cube, moved_by({0.5, 0.25, 0})));
   EXPECT_TRUE(meet(cube, Isometry3d::Identity(), cube, moved_by({1, 0.5, 0})));
   EXPECT_FALSE(meet(cube, Isometry3d::Identity(), cube, moved_by({std::nextafter(1.0, 2.0), 0.5, 0})));
   EXPECT_TRUE(meet(cube, moved_by({1e6, 0, 0}), cube, moved_by({1e6 + 1, 0, 0})));
@@ -183,7 +185,7 @@ TEST(ConvexShapes, KeepTheirAnswerInAnyUnitOfLength) {
   }
 }
 
-TEST(ConvexShapes, OfManyVerticesHaveTheirFarthestOnesInEveryCell) {
+TEST(DirectionCells, ContainTheSupportPointOfEveryDirection) {
   // The points lie on a sphere, in a flat disc or along a segment, each of them twice. The directions are
   // random or along borders of the direction cells.
   Random random(17);
@@ -212,7 +214,18 @@ TEST(ConvexShapes, OfManyVerticesHaveTheirFarthestOnesInEveryCell) {
   }
 }
 
-TEST(ConvexShapes, WithoutExtentAreFound) {
+TEST(ConvexShapes, OfManyVerticesIntersectWithoutASafeDirection) {
+  // An offset of zero or nearly so is no direction to look up in the direction cells.
+  Random random(18);
+  Points points;
+  for (int i = 0; i < 1300; ++i)
+    points.push_back(1e-200 * random.in_box({-1, -1, -1}, {1, 1, 1}).normalized());
+  const ConvexShape hull = ConvexShape::hull(points), ball = ConvexShape::ball(1e-200);
+  EXPECT_TRUE(meet(hull, Isometry3d::Identity(), ball, Isometry3d::Identity()));
+  EXPECT_TRUE(meet(hull, Isometry3d::Identity(), ball, moved_by({1e-310, 0, 0})));
+}
+
+TEST(ConvexShapes, WithoutExtentIntersectWhatContainsThem) {
   const Isometry3d here = Isometry3d::Identity();
   const ConvexShape point = ConvexShape::hull(Points{{0, 0, 0}}), ball = ConvexShape::ball(1);
   EXPECT_TRUE(meet(point, here, ball, here));
@@ -222,7 +235,7 @@ TEST(ConvexShapes, WithoutExtentAreFound) {
   EXPECT_TRUE(meet(ConvexShape::ball(0), here, ConvexShape::cylinder(0, 1), moved_by({0, 0, 0.25})));
 }
 
-TEST(ConvexShapes, NameWhatIsWrong) {
+TEST(ConvexShapes, RefuseWrongInputWithAReason) {
   Random random(16);
   const auto message = [](auto make) -> std::string {
     try {
@@ -232,7 +245,7 @@ TEST(ConvexShapes, NameWhatIsWrong) {
     }
     return "none";
   };
-  EXPECT_EQ(message([] { return ConvexShape::hull({}); }), "a hull needs a vertex");
+  EXPECT_EQ(message([] { return ConvexShape::hull({}); }), "a convex hull needs at least one vertex");
   EXPECT_EQ(message([] {
               return ConvexShape::hull(Points{{0, 0, 0}, {0, NAN, 0}});
             }),
@@ -249,7 +262,7 @@ TEST(ConvexShapes, NameWhatIsWrong) {
   EXPECT_EQ(message([] { return ConvexShape::ball(-1); }),
             "the radius of a ball must be finite and not negative, not -1");
   EXPECT_EQ(message([] { return ConvexShape::arc_piece(1, 2, 1, 180); }),
-            "a convex piece of an arc takes 0 < degrees < 180, not 180");
+            "a convex piece of an arc must span more than 0 and less than 180 degrees, not 180");
   EXPECT_EQ(message([] { return ConvexShape::arc_piece(2, 1, 1, 20); }),
             "the inner radius of an arc must not be above the outer one");
 }

@@ -123,7 +123,7 @@ TEST_P(GjkDistanceOnClass, AgreesWithAllPairsOfFeatures) {
     auto [a, b] = GetParam().make(random);
     a.resize(std::min(a.size(), most_vertices));
     b.resize(std::min(b.size(), most_vertices));
-    const HullDistance found = gjk_distance(a, b);
+    const GjkDistance found = gjk_distance(a, b);
     ASSERT_EQ(found.distance == 0, gjk_intersects(a, b).intersects) << "pair " << i;
     if (found.distance == 0) {
       ASSERT_EQ(found.witness_a, found.witness_b) << "pair " << i;
@@ -136,17 +136,19 @@ TEST_P(GjkDistanceOnClass, AgreesWithAllPairsOfFeatures) {
   EXPECT_GT(disjoint, 0);
 }
 
-TEST_P(GjkDistanceOnClass, WitnessesLieInTheHullsAndAreSoFarApart) {
+TEST_P(GjkDistanceOnClass, HasWitnessesInTheHullsAtThatDistance) {
   Random random(4);
   for (int i = 0; i < draws(200); ++i) {
     const auto [a, b] = GetParam().make(random);
-    const auto [distance, on_a, on_b] = gjk_distance(a, b);
+    const GjkDistance found = gjk_distance(a, b);
+    const Vector3d& on_a = found.witness_a;
+    const Vector3d& on_b = found.witness_b;
     // One unit in the last place of each coordinate.
     const double rounding =
         2 * std::numeric_limits<double>::epsilon() * std::max(largest_coordinate(a), largest_coordinate(b));
     ASSERT_LE(gjk_distance(a, Points{on_a}).distance, rounding) << "pair " << i;
     ASSERT_LE(gjk_distance(b, Points{on_b}).distance, rounding) << "pair " << i;
-    ASSERT_NEAR((on_a - on_b).norm(), distance, 4 * rounding) << "pair " << i;
+    ASSERT_NEAR((on_a - on_b).norm(), found.distance, 4 * rounding) << "pair " << i;
   }
 }
 
@@ -154,13 +156,13 @@ INSTANTIATE_TEST_SUITE_P(Pairs, GjkDistanceOnClass,
                          testing::ValuesIn(test::pair_classes().begin(), test::pair_classes().end()),
                          [](const auto& instance) { return instance.param.name; });
 
-TEST(GjkDistance, OfShapesWithKnownDistances) {
+TEST(GjkDistance, EqualsKnownDistances) {
   const Points square{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
   for (const double height : {3.0, 0x1p-40, 1e-300, 1e300}) {
-    const auto [distance, on_square, on_point] = gjk_distance(square, Points{{0.25, 0.5, height}});
-    EXPECT_EQ(distance, height);
-    EXPECT_EQ(on_square, Vector3d(0.25, 0.5, 0));
-    EXPECT_EQ(on_point, Vector3d(0.25, 0.5, height));
+    const GjkDistance found = gjk_distance(square, Points{{0.25, 0.5, height}});
+    EXPECT_EQ(found.distance, height);
+    EXPECT_EQ(found.witness_a, Vector3d(0.25, 0.5, 0));
+    EXPECT_EQ(found.witness_b, Vector3d(0.25, 0.5, height));
   }
   EXPECT_EQ(gjk_distance(square, Points{{4, 5, 0}}).distance, 5);              // (1, 1) to (4, 5)
   EXPECT_EQ(gjk_distance(square, Points{{4, -2, 4}, {4, 2, 4}}).distance, 5);  // edge to edge
@@ -172,7 +174,7 @@ TEST(GjkDistance, OfShapesWithKnownDistances) {
             std::numeric_limits<double>::infinity());
 }
 
-TEST(GjkDistance, NamesWhatIsWrong) {
+TEST(GjkDistance, RefusesEmptySetsAndVerticesThatAreNotFinite) {
   EXPECT_THROW(gjk_distance({}, Points{{0, 0, 0}}), InputError);
   EXPECT_THROW(gjk_distance(Points{{0, 0, NAN}}, Points{{0, 0, 0}}), InputError);
 }

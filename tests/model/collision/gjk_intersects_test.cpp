@@ -1,10 +1,12 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "fringe/convex_shape.hpp"
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
 #include "linear_programme.hpp"
@@ -30,9 +32,9 @@ bool intersect(const Points& a, const Points& b) {
   return answer.intersects;
 }
 
-class GjkOnClass : public testing::TestWithParam<test::PairClass> {};
+class GjkIntersectsOnClass : public testing::TestWithParam<test::PairClass> {};
 
-TEST_P(GjkOnClass, AgreesWithLinearProgrammingAndProvesIt) {
+TEST_P(GjkIntersectsOnClass, AgreesWithLinearProgrammingAndProvesIt) {
   Random random(1);
   int intersecting = 0;
   for (int i = 0; i < pairs_per_class; ++i) {
@@ -48,7 +50,7 @@ TEST_P(GjkOnClass, AgreesWithLinearProgrammingAndProvesIt) {
   EXPECT_LT(intersecting, GetParam().name == "nested" ? pairs_per_class + 1 : pairs_per_class * 19 / 20);
 }
 
-TEST_P(GjkOnClass, AnswersTheSameInAnyUnitOfLength) {
+TEST_P(GjkIntersectsOnClass, AnswersTheSameInAnyUnitOfLength) {
   Random random(2);
   for (int i = 0; i < pairs_per_class; ++i) {
     const ShapePair pair = GetParam().make(random);
@@ -60,7 +62,7 @@ TEST_P(GjkOnClass, AnswersTheSameInAnyUnitOfLength) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Pairs, GjkOnClass,
+INSTANTIATE_TEST_SUITE_P(Pairs, GjkIntersectsOnClass,
                          testing::ValuesIn(test::pair_classes().begin(), test::pair_classes().end()),
                          [](const auto& instance) { return instance.param.name; });
 
@@ -76,7 +78,7 @@ TEST(GjkIntersects, CountsTouchingAtAVertexAnEdgeAndAFace) {
   }
 }
 
-TEST(GjkIntersects, DecidesBySmallestSteps) {
+TEST(GjkIntersects, DistinguishesNeighbouringDoubles) {
   // The other set is the point (t, t, t), with t one of the doubles next to 1/3; three times a double is
   // never exactly one.
   const double above = std::nextafter(1.0 / 3, 1.0);
@@ -84,6 +86,32 @@ TEST(GjkIntersects, DecidesBySmallestSteps) {
   EXPECT_FALSE(intersect(tetrahedron, {Vector3d::Constant(above)}));
   EXPECT_TRUE(intersect(tetrahedron, {Vector3d(0, 0, 0)}));
   EXPECT_FALSE(intersect(tetrahedron, {Vector3d(0, 0, -std::numeric_limits<double>::denorm_min())}));
+}
+
+TEST(GjkIntersects, AnswersForManyVerticesAsForThePreparedHulls) {
+  // Numbers of vertices that do and do not fill whole blocks; the last vertex, which fills the last block, is
+  // extreme.
+  Random random(5);
+  const Eigen::Isometry3d in_place = Eigen::Isometry3d::Identity();
+  int intersecting = 0;
+  for (const std::size_t count : {9U, 32U, 33U, 37U, 40U, 100U}) {
+    for (int i = 0; i < 50; ++i) {
+      Points a, b;
+      for (std::size_t k = 0; k < count; ++k) {
+        a.push_back(random.in_box({-1, -1, -1}, {1, 1, 1}).normalized());
+        b.emplace_back(random.in_box({-1, -1, -1}, {1, 1, 1}).normalized() + Vector3d(1.9, 0, 0));
+      }
+      a.emplace_back(1.02, 0, 0);
+      b.emplace_back(random.uniform(0.9, 1.1), 0, 0);
+      const bool expected =
+          gjk_intersects(ConvexShape::hull(a), in_place, ConvexShape::hull(b), in_place).intersects;
+      ASSERT_EQ(intersect(a, b), expected) << count << ", pair " << i;
+      ASSERT_EQ(gjk_distance(a, b).distance == 0, expected) << count << ", pair " << i;
+      intersecting += expected ? 1 : 0;
+    }
+  }
+  EXPECT_GT(intersecting, 60);
+  EXPECT_LT(intersecting, 240);
 }
 
 TEST(GjkIntersects, ProvesGapsThatNoDirectionOfDoublesShows) {
@@ -98,9 +126,12 @@ TEST(GjkIntersects, ProvesGapsThatNoDirectionOfDoublesShows) {
   EXPECT_FALSE(answer.intersects);
   EXPECT_TRUE(std::holds_alternative<SeparatingSimplex>(answer.certificate));
   EXPECT_TRUE(proves(answer, a, b));
+  GjkAnswer shorter = answer;
+  --std::get<SeparatingSimplex>(shorter.certificate).simplex.size;
+  EXPECT_FALSE(proves(shorter, a, b));
 }
 
-TEST(GjkIntersects, TakesTheWholeRangeOfDoubles) {
+TEST(GjkIntersects, IsExactInTheWholeRangeOfDoubles) {
   constexpr double huge = std::numeric_limits<double>::max(),
                    tiny = std::numeric_limits<double>::denorm_min();
   const Points wide{{-huge, -huge, 0}, {huge, -huge, 0}, {0, huge, 0}};
@@ -109,7 +140,7 @@ TEST(GjkIntersects, TakesTheWholeRangeOfDoubles) {
   EXPECT_TRUE(intersect(wide, {Vector3d(0, 0, -tiny), Vector3d(0, 0, tiny)}));
 }
 
-TEST(GjkCertificate, ThatProvesNothingIsRefused) {
+TEST(GjkCertificate, IsRefusedIfItProvesNothing) {
   const Points far{{5, 5, 5}, {6, 5, 5}}, inside{{0.1, 0.1, 0.1}};
   const GjkAnswer apart = gjk_intersects(tetrahedron, far), together = gjk_intersects(tetrahedron, inside);
   ASSERT_TRUE(proves(apart, tetrahedron, far));
@@ -124,14 +155,24 @@ TEST(GjkCertificate, ThatProvesNothingIsRefused) {
   // Touching sets are not separated.
   EXPECT_FALSE(proves({false, SeparatingDirection{{1, 0, 0}}}, tetrahedron, {{{1, 0, 0}}}));
   EXPECT_TRUE(proves({false, SeparatingDirection{{1, 1, 1}}}, tetrahedron, far));
-  EXPECT_FALSE(proves({true, SimplexAroundOrigin{{{{{9, 0}}}, 1}}}, tetrahedron, inside));
-  EXPECT_FALSE(proves({true, SimplexAroundOrigin{{{}, 0}}}, tetrahedron, inside));
-  EXPECT_FALSE(proves({true, SimplexAroundOrigin{{{{{0, 0}, {1, 0}, {2, 0}}}, 3}}}, tetrahedron, inside));
-  EXPECT_TRUE(
-      proves({true, SimplexAroundOrigin{{{{{0, 0}, {1, 0}, {2, 0}, {3, 0}}}, 4}}}, tetrahedron, inside));
+  // Points that are not vertices, no points, too few points, and all that are needed.
+  const auto around = [&](const Points& points) {
+    Simplex simplex;
+    for (const Vector3d& point : points)
+      simplex.pairs[simplex.size++] = {point, inside.front()};
+    return GjkAnswer{true, SimplexAroundOrigin{simplex}};
+  };
+  const auto& [p, q, r, s] = std::tie(tetrahedron[0], tetrahedron[1], tetrahedron[2], tetrahedron[3]);
+  EXPECT_FALSE(proves(around({inside.front()}), tetrahedron, inside));
+  EXPECT_FALSE(proves(around({{0, 0, NAN}}), tetrahedron, inside));
+  EXPECT_FALSE(proves(around({}), tetrahedron, inside));
+  EXPECT_FALSE(proves(around({p, q, r}), tetrahedron, inside));
+  EXPECT_TRUE(proves(around({p, q, r, s}), tetrahedron, inside));
+  EXPECT_FALSE(proves(apart, {}, far));
+  EXPECT_FALSE(proves(apart, tetrahedron, {}));
 }
 
-TEST(GjkIntersects, NamesWhatIsWrong) {
+TEST(GjkIntersects, RefusesWrongInputWithAReason) {
   const auto message = [](const Points& a, const Points& b) -> std::string {
     try {
       gjk_intersects(a, b);

@@ -71,7 +71,7 @@ void expect_agreement(const Make& make) {
   EXPECT_LT(meeting, pairs * 9 / 10);
 }
 
-TEST(MixedOverlap, OfSphereAndAlignedBox) {
+TEST(MixedOverlap, OfSphereAndAlignedBoxAgreesWithGjk) {
   expect_agreement([](Random& random) {
     const BoundingSphere sphere = any_sphere(random);
     const AlignedBox3d box = any_aligned_box(random);
@@ -79,7 +79,7 @@ TEST(MixedOverlap, OfSphereAndAlignedBox) {
   });
 }
 
-TEST(MixedOverlap, OfSphereAndOrientedBox) {
+TEST(MixedOverlap, OfSphereAndOrientedBoxAgreesWithGjk) {
   expect_agreement([](Random& random) {
     const BoundingSphere sphere = any_sphere(random);
     const OrientedBox box = any_box(random);
@@ -87,7 +87,7 @@ TEST(MixedOverlap, OfSphereAndOrientedBox) {
   });
 }
 
-TEST(MixedOverlap, OfAlignedAndOrientedBox) {
+TEST(MixedOverlap, OfAlignedAndOrientedBoxAgreesWithGjk) {
   expect_agreement([](Random& random) {
     const AlignedBox3d a = any_aligned_box(random);
     const OrientedBox own = oriented(a), b = any_box(random);
@@ -97,7 +97,7 @@ TEST(MixedOverlap, OfAlignedAndOrientedBox) {
 
 /// Checks that the bounding volumes of shapes that touch or almost touch, some of them a kilometre away, are
 /// never reported as disjoint.
-TEST(MixedOverlap, IsNeverAWrongNo) {
+TEST(MixedOverlap, IsNeverDeniedWhenAVertexIsShared) {
   Random random(2);
   for (const test::PairClass& pair_class : test::pair_classes())
     for (int i = 0; i < 100; ++i) {
@@ -113,7 +113,7 @@ TEST(MixedOverlap, IsNeverAWrongNo) {
     }
 }
 
-TEST(MixedOverlap, CountsTouching) {
+TEST(MixedOverlap, IsTrueForTouchingVolumes) {
   const AlignedBox3d unit{Vector3d(0, 0, 0), Vector3d(1, 1, 1)};
   EXPECT_TRUE(overlap(BoundingSphere{{3, 0.5, 0.5}, 2}, unit));
   EXPECT_FALSE(overlap(BoundingSphere{{3.001, 0.5, 0.5}, 2}, unit));

@@ -41,27 +41,27 @@ PairStatus status_of(const Shape& a, const Shape& b, const Isometry3d& pose_b) {
   return all_pairs(collide(scene), scene).at(0).status;
 }
 
-TEST(Collide, TellsClearBoundsAndCollisionApart) {
+TEST(Collide, DistinguishesClearBoundsAndCollision) {
   EXPECT_EQ(status_of(cube, cube, moved_by(2, 0, 0)), PairStatus::clear);
   EXPECT_EQ(status_of(cube, cube, moved_by(0.9, 0, 0)), PairStatus::collision);
   // The balls' boxes overlap at their corners, the balls do not.
   EXPECT_EQ(status_of(Sphere{1, 12}, Sphere{1, 12}, moved_by(1.9, 1.9, 0)), PairStatus::bounds);
 }
 
-TEST(Collide, CountsTouching) {
+TEST(Collide, CountsTouchingAsCollision) {
   EXPECT_EQ(status_of(cube, cube, moved_by(1, 0.25, 0)), PairStatus::collision);
   EXPECT_EQ(status_of(cube, cube, moved_by(std::nextafter(1.0, 2.0), 0.25, 0)), PairStatus::bounds);
   EXPECT_EQ(status_of(cube, Plate{1, 1}, moved_by(0, 0, 0.5)), PairStatus::collision);
 }
 
-TEST(Collide, TakesRoundShapesForRound) {
+TEST(Collide, TreatsRoundShapesAsTrulyRound) {
   // A prism of six segments reaches 0.87 of the radius midway between its corners; the cylinder itself
   // reaches the whole radius.
   const Isometry3d half_a_segment = pose_from_axis({0, 0, 1}, 30, {1.98, 0, 0});
   EXPECT_EQ(status_of(Cylinder{1, 1, 6}, Cylinder{1, 1, 6}, half_a_segment), PairStatus::collision);
 }
 
-TEST(Collide, LooksIntoConcaveShapes) {
+TEST(Collide, FindsNoCollisionInTheHollowOfAConcaveShape) {
   const Shape arc = Arc{1, 1.2, 1, 270, 27};
   EXPECT_EQ(status_of(arc, Sphere{0.9, 12}, Isometry3d::Identity()), PairStatus::bounds);
   EXPECT_EQ(status_of(arc, Sphere{0.9, 12}, moved_by(0.15, 0, 0)), PairStatus::collision);
@@ -69,7 +69,7 @@ TEST(Collide, LooksIntoConcaveShapes) {
   EXPECT_EQ(status_of(arc, Sphere{0.6, 12}, moved_by(-1, 0, 0)), PairStatus::bounds);
 }
 
-TEST(Collide, LooksAtTheSurfaceOfMeshes) {
+TEST(Collide, TestsTheTrianglesOfAMesh) {
   const Shape mesh = Mesh{"", 1, triangulate(Arc{1, 1.2, 1, 270, 27})};
   EXPECT_EQ(status_of(mesh, Sphere{0.9, 12}, Isometry3d::Identity()), PairStatus::bounds);
   EXPECT_EQ(status_of(mesh, Sphere{0.9, 12}, moved_by(0.15, 0, 0)), PairStatus::collision);
@@ -77,7 +77,7 @@ TEST(Collide, LooksAtTheSurfaceOfMeshes) {
   EXPECT_EQ(status_of(mesh, mesh, moved_by(0, 0, 0.99)), PairStatus::collision);
 }
 
-TEST(Collide, FindsWhatIsInsideOfAClosedMesh) {
+TEST(Collide, FindsObjectsInsideAClosedMesh) {
   std::vector<Triangle> triangles = triangulate(cube);
   const Shape closed = Mesh{"", 1, triangles};
   triangles.pop_back();
@@ -98,7 +98,7 @@ Scene three_cubes() {
   return scene;
 }
 
-TEST(Collide, LeavesOutObjectsOfOneLinkAndThoseThatDoNotCollide) {
+TEST(Collide, IgnoresObjectsOfOneLinkAndObjectsThatDoNotCollide) {
   Scene scene = three_cubes();
   EXPECT_THAT(collide(scene).marked, SizeIs(3));
   scene.objects[1].link = 0;
@@ -116,7 +116,7 @@ OrientedBox tight_box(const Mesh& mesh, const Isometry3d& pose) {
   return {pose * box.centre, box.axes * pose.linear().transpose(), box.half_widths};
 }
 
-TEST(Collide, BoundsOfMeshesAreTheTightBoxes) {
+TEST(Collide, BoundsAMeshByItsTightBox) {
   Random random(9);
   const auto any_mesh = [&] {
     const Vector3d low(-0.5, -0.5, -0.1), high(0.5, 0.5, 0.1);
@@ -140,7 +140,7 @@ TEST(Collide, BoundsOfMeshesAreTheTightBoxes) {
 /// inner radius is the larger one: it is refused as soon as it is divided.
 const Shape without_pieces = Arc{1.2, 1, 1, 90, 3};
 
-TEST(CollisionDetector, CutsIntoPiecesOnlyWhatABoxMeets) {
+TEST(CollisionDetector, DividesAnObjectIntoPiecesOnlyWhenABoxMeetsItsOwn) {
   Scene scene;
   scene.links = {{"arm", std::nullopt, moved_by(9, 0, 0)}};
   scene.objects = {object("a", cube), object("b", without_pieces)};
@@ -153,7 +153,7 @@ TEST(CollisionDetector, CutsIntoPiecesOnlyWhatABoxMeets) {
   EXPECT_THAT(detector.collide().marked, IsEmpty()) << "and what was refused is forgotten";
 }
 
-TEST(CollisionDetector, DoesNotEvenLookForTheBoxOfWhatHasNoPartner) {
+TEST(CollisionDetector, ComputesNoBoxOfAnObjectThatCannotCollide) {
   const double infinite = std::numeric_limits<double>::infinity();
   const Shape without_box = Mesh{"", 1, {{Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0, infinite, 0)}}};
   Scene scene = three_cubes();
@@ -169,7 +169,7 @@ TEST(CollisionDetector, DoesNotEvenLookForTheBoxOfWhatHasNoPartner) {
   EXPECT_THAT(collide(scene).marked, IsEmpty());
 }
 
-TEST(CollisionDetector, LooksOnlyAtWhatMoved) {
+TEST(CollisionDetector, TestsOnlyPairsThatHaveMoved) {
   const Scene scene = three_cubes();
   CollisionDetector detector(scene);
   EXPECT_EQ(detector.collide().tests.narrow, 3U);
@@ -224,7 +224,7 @@ bool surfaces_meet(const Object& a, const Isometry3d& pose_a, const Object& b, c
   return false;
 }
 
-TEST(CollisionDetector, FindsWhatAllPairsOfTrianglesShowWhileLinksMove) {
+TEST(CollisionDetector, AgreesWithAllPairsOfTrianglesWhileLinksMove) {
   Random random(5);
   constexpr std::size_t link_count = 30, objects_per_link = 2;
   Scene scene;

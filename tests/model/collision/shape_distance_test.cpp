@@ -82,7 +82,7 @@ TEST(GjkDistance, OfPosedHullsIsThatOfTheirMovedVertices) {
     const Points a = rounded(test::any_shape(random, 12)), b = rounded(test::any_shape(random, 12));
     const Isometry3d pose_a = exact_pose(random), pose_b = exact_pose(random);
     const double truth = gjk_distance(moved(a, pose_a), moved(b, pose_b)).distance;
-    const ShapeDistance found = gjk_distance(ConvexShape::hull(a), pose_a, ConvexShape::hull(b), pose_b);
+    const GjkDistance found = gjk_distance(ConvexShape::hull(a), pose_a, ConvexShape::hull(b), pose_b);
     ASSERT_NEAR(found.distance, truth, promised * truth) << i;
     ASSERT_LE(found.lower_bound, truth) << i;
     ASSERT_LE(found.distance - found.lower_bound, promised * truth) << i;
@@ -101,21 +101,21 @@ TEST(GjkDistance, OfClosePairsIsThatOfTheirVertices) {
     for (int i = 0; i < 60; ++i) {
       const test::ShapePair pair = pair_class.make(random);
       const double truth = gjk_distance(pair.a, pair.b).distance;
-      const ShapeDistance found =
+      const GjkDistance found =
           gjk_distance(ConvexShape::hull(pair.a), here, ConvexShape::hull(pair.b), here);
       ASSERT_NEAR(found.distance, truth, promised * truth) << pair_class.name << ' ' << i;
       ASSERT_LE(found.lower_bound, truth) << pair_class.name << ' ' << i;
     }
 }
 
-TEST(GjkDistance, IsProvenByItsDirectionAndItsWitnesses) {
+TEST(GjkDistance, OfPosedHullsIsProvenByItsDirectionAndItsWitnesses) {
   Random random(3);
   int proven = 0;
   constexpr int pairs = draws(500);
   for (int i = 0; i < pairs; ++i) {
     const Points a = test::any_shape(random, 12), b = test::any_shape(random, 12);
     const Isometry3d pose_a = random.rigid_motion(), pose_b = random.rigid_motion();
-    const ShapeDistance found = gjk_distance(ConvexShape::hull(a), pose_a, ConvexShape::hull(b), pose_b);
+    const GjkDistance found = gjk_distance(ConvexShape::hull(a), pose_a, ConvexShape::hull(b), pose_b);
     if (found.exact || found.distance == 0)
       continue;
     ++proven;
@@ -144,7 +144,7 @@ TEST(GjkDistance, OfCuboidsIsThatOfTheirCorners) {
     const Isometry3d pose_a = exact_pose(random), pose_b = exact_pose(random);
     const double truth =
         gjk_distance(moved(corners(half_a), pose_a), moved(corners(half_b), pose_b)).distance;
-    const ShapeDistance found =
+    const GjkDistance found =
         gjk_distance(ConvexShape::cuboid(2 * half_a), pose_a, ConvexShape::cuboid(2 * half_b), pose_b);
     ASSERT_NEAR(found.distance, truth, promised * truth) << i;
   }
@@ -152,14 +152,14 @@ TEST(GjkDistance, OfCuboidsIsThatOfTheirCorners) {
 
 /// Compares with closed forms for two balls, and for a ball beside a cylinder, above a cone's apex and above
 /// its lateral surface.
-TEST(GjkDistance, OfRoundShapes) {
+TEST(GjkDistance, OfRoundShapesEqualsClosedForms) {
   Random random(5);
   const auto at = [](double x, double y, double z) { return Isometry3d(Eigen::Translation3d(x, y, z)); };
   for (int i = 0; i < 300; ++i) {
     const Isometry3d motion = random.rigid_motion();
     const double r = random.uniform(0.1, 1), gap = random.uniform(0.2, 2);
     const auto expect = [&](const ConvexShape& a, const ConvexShape& b, const Isometry3d& place) {
-      const ShapeDistance found = gjk_distance(a, motion, b, motion * place);
+      const GjkDistance found = gjk_distance(a, motion, b, motion * place);
       // The position itself is rounded.
       EXPECT_NEAR(found.distance, gap, 4e-15 * (1 + motion.translation().norm()) + promised * gap) << i;
       EXPECT_LE(found.distance - found.lower_bound, 1e-11 * gap) << i;
@@ -175,12 +175,12 @@ TEST(GjkDistance, OfRoundShapes) {
   }
 }
 
-TEST(GjkDistance, OfShapesThatMeetIsNothing) {
+TEST(GjkDistance, IsZeroForShapesThatIntersect) {
   const ConvexShape cone = ConvexShape::cone(1, 2), cuboid = ConvexShape::cuboid({1, 1, 1});
   Isometry3d beside = Isometry3d::Identity();
   beside.translation().x() = 0.9;
   for (const auto* shape : {&cone, &cuboid}) {
-    const ShapeDistance found = gjk_distance(*shape, beside, cuboid, Isometry3d::Identity());
+    const GjkDistance found = gjk_distance(*shape, beside, cuboid, Isometry3d::Identity());
     EXPECT_EQ(found.distance, 0);
     EXPECT_EQ(found.lower_bound, 0);
     EXPECT_LT((found.witness_a - found.witness_b).norm(), 1e-14);
@@ -189,7 +189,17 @@ TEST(GjkDistance, OfShapesThatMeetIsNothing) {
   EXPECT_EQ(gjk_distance(cuboid, beside, cuboid, Isometry3d::Identity()).distance, 0);
 }
 
-TEST(GjkDistance, OfHugeAndTinyShapes) {
+TEST(GjkDistance, IsZeroForManyVerticesAtATinyOffset) {
+  Random random(6);
+  Points points;
+  for (int i = 0; i < 1300; ++i)
+    points.push_back(random.in_box({-1, -1, -1}, {1, 1, 1}).normalized());
+  const ConvexShape hull = ConvexShape::hull(points);
+  const Isometry3d offset(Eigen::Translation3d(1e-310, 0, 0));
+  EXPECT_EQ(gjk_distance(hull, offset, hull, Isometry3d::Identity()).distance, 0);
+}
+
+TEST(GjkDistance, IsAccurateForHugeAndTinyShapes) {
   const Isometry3d here = Isometry3d::Identity();
   for (const double unit : {0x1p-600, 0x1p-160, 0x1p160, 0x1p600}) {
     Isometry3d there = here;

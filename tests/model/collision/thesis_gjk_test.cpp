@@ -2,6 +2,7 @@
 
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
+#include "fringe/thesis.hpp"
 #include "shape_pairs.hpp"
 
 namespace fringe {
@@ -20,18 +21,18 @@ Points moved(const Eigen::Vector3d& step) {
   return points;
 }
 
-TEST(ThesisGjk, AnswersOrdinaryPairs) {
+TEST(ThesisGjk, DecidesOrdinaryPairs) {
   EXPECT_EQ(thesis_gjk_intersects(tetrahedron, moved({0.1, 0.1, 0.1})), true);
   EXPECT_EQ(thesis_gjk_intersects(tetrahedron, moved({2, 0, 0})), false);
 }
 
-TEST(ThesisGjk, TakesContactForSeparation) {
+TEST(ThesisGjk, CallsTouchingHullsDisjoint) {
   const Points touching = moved({1, 0, 0});
   EXPECT_TRUE(gjk_intersects(tetrahedron, touching).intersects);
   EXPECT_EQ(thesis_gjk_intersects(tetrahedron, touching), false);
 }
 
-TEST(ThesisGjk, SaysWhenItDoesNotEnd) {
+TEST(ThesisGjk, ReturnsNothingIfItDoesNotEnd) {
   EXPECT_EQ(thesis_gjk_intersects(tetrahedron, moved({0.1, 0.1, 0.1}), 2), std::nullopt);
   // For some pairs the algorithm does not terminate: many more iterations make no difference.
   Random random(3);
@@ -47,7 +48,7 @@ TEST(ThesisGjk, SaysWhenItDoesNotEnd) {
   EXPECT_GT(endless, 0);
 }
 
-TEST(ThesisGjk, RefusesWhatIsNoHull) {
+TEST(ThesisGjk, RefusesAnEmptySetOfVertices) {
   EXPECT_THROW(thesis_gjk_intersects({}, tetrahedron), InputError);
 }
 

@@ -18,6 +18,7 @@
 #include "collision/shape_pairs.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/gjk.hpp"
+#include "fringe/thesis.hpp"
 #include "simd/dispatch.hpp"
 
 /// The stress program of collision queries: compares random pairs of every class, in units of length from
@@ -52,7 +53,7 @@ ShapePair in_some_unit(const PairClass& pair_class, Random& random) {
 void count_hulls(const ShapePair& pair, bool truth, Tally& tally) {
   const ConvexShape a = ConvexShape::hull(pair.a), b = ConvexShape::hull(pair.b);
   const Isometry3d here = Isometry3d::Identity();
-  const ShapeAnswer answer = gjk_intersects(a, here, b, here);
+  const GjkAnswer answer = gjk_intersects(a, here, b, here);
   tally.wrong += answer.intersects != truth || intersect(a, here, b, here) != truth ? 1U : 0U;
   tally.unproven += proves(answer, a, here, b, here) ? 0U : 1U;
   for (const detail::InstructionSet set : detail::available_instruction_sets()) {
@@ -71,7 +72,7 @@ void count_hulls(const ShapePair& pair, bool truth, Tally& tally) {
 void count_moved_hulls(const ShapePair& pair, Random& random, Tally& tally) {
   const ConvexShape a = ConvexShape::hull(pair.a), b = ConvexShape::hull(pair.b);
   const Isometry3d pose_a = random.rigid_motion(), pose_b = random.rigid_motion();
-  const ShapeAnswer answer = gjk_intersects(a, pose_a, b, pose_b);
+  const GjkAnswer answer = gjk_intersects(a, pose_a, b, pose_b);
   tally.wrong += intersect(a, pose_a, b, pose_b) != answer.intersects ? 1U : 0U;
   tally.unproven += proves(answer, a, pose_a, b, pose_b) ? 0U : 1U;
 }

@@ -1,10 +1,10 @@
+#include "fringe/thesis.hpp"
+
 #include <algorithm>
-#include <vector>
 
 #include <Eigen/Geometry>
 
-#include "collision/hull_pair.hpp"
-#include "fringe/gjk.hpp"
+#include "collision/convex_pair.hpp"
 
 /// Algorithm 2.1 with appendix C as printed, including its mistakes; it serves for comparison only.
 namespace fringe {
