@@ -35,7 +35,9 @@ def files(package: Path) -> dict[str, str]:
 
 
 def test_it_depends_on_the_libraries_and_the_python_it_was_built_with(fields: dict[str, str]) -> None:
-    for needed in ("libfmt9", "libsleef3", "libtbb12", "libtomlplusplus3", "libc6"):
+    for needed in ("libfmt9", "libsleef3", "libtbb12", "libtomlplusplus3", "libc6", "libassimp5"):
+        assert needed in fields["Depends"]
+    for needed in ("libocct-data-exchange-7.6", "libtinyxml2.6.2v5", "liburdfdom-model3.0", "libminizip1"):
         assert needed in fields["Depends"]
     assert "python3 (>= 3.11), python3 (<< 3.12~), python3-numpy" in fields["Depends"]
     assert "python3-dolfinx" in fields["Recommends"]
@@ -70,6 +72,7 @@ def test_its_copyright_is_the_licence_of_the_repository() -> None:
         "/usr/lib/cmake/fringe/fringe-config.cmake",
         "/usr/lib/libfringe.a",
         "/usr/lib/pkgconfig/fringe.pc",
+        "/usr/libexec/fringe/fringe-import",
         "/usr/share/bash-completion/completions/fringe",
         "/usr/share/doc/fringe/copyright",
         "/usr/share/fringe/analysis/__main__.py",

@@ -59,6 +59,12 @@ def test_a_project_finds_the_library_with_cmake(prefix: Path, scene: Path) -> No
     assert float(answer) == total(prefix, scene)
 
 
+def test_the_installed_command_imports_a_model(prefix: Path, tmp_path: Path) -> None:
+    (tmp_path / "face.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    printed = output_of([prefix / "bin/fringe", "import", "face.obj", "scene.toml"], tmp_path)
+    assert printed.startswith("scene.toml: ") and (tmp_path / "scene_meshes").is_dir()
+
+
 def test_the_installed_examples_build_against_the_installed_library(prefix: Path, scene: Path) -> None:
     """One of them: all are compiled with the library itself."""
     examples, build = prefix / "share/doc/fringe/examples", scene.parent / "build"
