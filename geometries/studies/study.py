@@ -190,7 +190,10 @@ def _methods(model: Table) -> tuple[str, ...]:
         raise model.error("methods", "must be a list of strings")
     for method in methods:
         if _METHOD.fullmatch(method) is None:
-            raise model.error("methods", f'must be "exact", "split:N" or "gauss:K", not {method!r}')
+            raise model.error(
+                "methods",
+                f'must be "exact", "split:N" or "gauss:K", not {method!r}; corrections are compared by python3 -m analysis corrections',
+            )
     if "exact" not in methods:
         raise model.error("methods", 'must hold "exact", the method that is compared with the reference')
     return tuple(methods)

@@ -9,10 +9,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "fringe/boundary_elements.hpp"
-#include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
-#include "fringe/reduced_capacitance.hpp"
+#include "fringe/live_scene.hpp"
 #include "fringe/scene_collision.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
@@ -35,12 +33,12 @@ struct Request {
   std::string scene;
   std::string method = "exact";
   std::string cone_method = "field_of_view";
-  std::string plates = "sum";
-  std::string faces = "all";
-  std::string correction = "none";
+  std::optional<std::string> plates;
+  std::optional<std::string> faces;
+  std::optional<std::string> correction;
   std::optional<std::string> output;
-  double tolerance = 0;
-  double rtol = BoundaryElementOptions{}.rtol;
+  std::optional<double> tolerance;
+  std::optional<double> rtol;
   bool json = false;
 };
 
@@ -74,7 +72,7 @@ CLI::App* add_import_command(CLI::App& program, cli::ImportRequest& request) {
 
 /// Runs an action and puts the name of the scene file in front of its InputErrors.
 template <typename Action>
-auto of_file(const std::string& file, const Action& action) {
+decltype(auto) of_file(const std::string& file, const Action& action) {
   try {
     return action();
   } catch (const InputError& error) {
@@ -82,50 +80,63 @@ auto of_file(const std::string& file, const Action& action) {
   }
 }
 
-std::string answer_capacitance(const Request& request) {
-  const CapacitanceOptions options{parse_method(request.method), parse_plate_rule(request.plates),
-                                   parse_face_rule(request.faces), request.tolerance,
-                                   parse_correction(request.correction)};
-  const Scene scene = load_scene(request.scene);
-  const auto start = std::chrono::steady_clock::now();
-  const SceneCapacitance answer = of_file(request.scene, [&] { return capacitance(scene, options); });
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  if (request.output)
-    cli::write_vtu(scene, options, *request.output);
-  return request.json ? cli::capacitance_json(answer, options, elapsed.count())
-                      : cli::capacitance_table(answer, options, elapsed.count());
-}
-
-/// The text of the answer, and whether the requested error was reached.
-struct MaxwellAnswer {
+/// The text of an answer, and whether the requested error was reached.
+struct Answer {
   std::string text;
-  bool reached;
+  bool reached = true;
 };
 
-/// Computes a Maxwell matrix. `reduced_steps` is empty for the method boundary-elements.
-MaxwellAnswer answer_maxwell(const Request& request, std::optional<int> reduced_steps) {
-  const Scene scene = load_scene(request.scene);
-  const auto start = std::chrono::steady_clock::now();
-  const MaxwellMatrix matrix = of_file(request.scene, [&] {
-    return reduced_steps ? reduced_capacitance(scene, {.steps = *reduced_steps, .rtol = request.rtol})
-                         : maxwell(scene, {.rtol = request.rtol});
-  });
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  const cli::MaxwellRequest asked{request.method, request.rtol};
-  return {request.json ? cli::maxwell_json(scene, matrix, asked, elapsed.count())
-                       : cli::maxwell_table(matrix, asked, elapsed.count()),
-          matrix.reached};
+EvaluationOptions options_of(const Request& request) {
+  EvaluationOptions options{.method = parse_method(request.method)};
+  if (request.plates)
+    options.plates = parse_plate_rule(*request.plates);
+  if (request.faces)
+    options.faces = parse_face_rule(*request.faces);
+  if (request.correction)
+    options.correction = parse_correction(*request.correction);
+  options.tolerance = request.tolerance;
+  options.rtol = request.rtol;
+  validate(options);
+  if (request.output && !is_integral(options.method))
+    throw InputError(
+        fmt::format("--output is an option of the triangle-integral methods, not of {}", request.method));
+  return options;
 }
 
-/// Refuses options that the method does not use.
-void refuse_options_of_other_methods(const CLI::App& command, const std::string& method,
-                                     bool boundary_elements) {
-  for (const char* option : {"--plates", "--faces", "--tolerance", "--correction", "--output"})
-    if (boundary_elements && command.count(option) > 0)
-      throw InputError(
-          fmt::format("{} is an option of the triangle-integral methods, not of {}", option, method));
-  if (!boundary_elements && command.count("--rtol") > 0)
-    throw InputError("--rtol is an option of the method boundary-elements, and of reduced:K");
+/// Writes an evaluation as a JSON document or as a table.
+std::string text_of(const Evaluation& answer, const Scene& scene, const Request& request,
+                    const EvaluationOptions& options, double seconds) {
+  if (is_integral(options.method)) {
+    const CapacitanceOptions asked = integral_options(options);
+    return request.json ? cli::capacitance_json(answer.capacitance, asked, seconds)
+                        : cli::capacitance_table(answer.capacitance, asked, seconds);
+  }
+  const std::string table_heading = std::holds_alternative<Recommended>(options.method)
+                                        ? fmt::format("recommended: answered by {}\n", answer.answered_by)
+                                        : std::string();
+  if (!answer.matrix) {
+    const CapacitanceOptions formula{.correction = Correction::formula};
+    return request.json ? cli::capacitance_json(answer.capacitance, formula, seconds)
+                        : table_heading + cli::capacitance_table(answer.capacitance, formula, seconds);
+  }
+  const double rtol = rtol_of(options);
+  return request.json
+             ? cli::maxwell_json(scene, *answer.matrix, {request.method, rtol}, seconds)
+             : table_heading + cli::maxwell_table(*answer.matrix, {answer.answered_by, rtol}, seconds);
+}
+
+Answer answer_capacitance(const Request& request) {
+  const EvaluationOptions options = options_of(request);
+  LiveScene live(load_scene(request.scene));
+  const auto start = std::chrono::steady_clock::now();
+  const Evaluation& answer =
+      of_file(request.scene, [&]() -> const Evaluation& { return live.evaluate(options); });
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  if (request.output)
+    cli::write_vtu(live.scene(), integral_options(options), *request.output);
+  if (!answer.reached)
+    fmt::print(stderr, "fringe: {}: an error of {} was not reached\n", request.scene, rtol_of(options));
+  return {text_of(answer, live.scene(), request, options, elapsed.count()), answer.reached};
 }
 
 std::string answer_collide(const Request& request) {
@@ -165,25 +176,26 @@ int run(int argument_count, char** arguments) {
   capacitance_command
       ->add_option("--method", request.method,
                    "exact, split:N or gauss:K; or boundary-elements, for every shape, or reduced:K, the same "
-                   "in microseconds for moving scenes")
+                   "in microseconds for moving scenes; or recommended, the first of reduced:K, "
+                   "boundary-elements and the correction formula that states the error asked for")
       ->capture_default_str();
   capacitance_command
       ->add_option("--plates", request.plates,
                    "sum: every plate of a sensor counts every point; nearest: only the nearest plate does")
-      ->capture_default_str();
+      ->default_str("sum");
   capacitance_command
       ->add_option("--faces", request.faces,
                    "all, or facing: only triangles whose outward side sees the plate, and those in contact")
-      ->capture_default_str();
+      ->default_str("all");
   capacitance_command
       ->add_option("--tolerance", request.tolerance,
                    "What may be left out of a sensor's total, relative to it; only with exact")
-      ->capture_default_str();
+      ->default_str("0");
   capacitance_command
       ->add_option(
           "--correction", request.correction,
-          "none, or what takes the place of the integral: a name of model/CORRECTIONS.md, or recommended")
-      ->capture_default_str();
+          "none, or what takes the place of the integral: formula or recommended (model/CORRECTIONS.md)")
+      ->default_str("none");
   capacitance_command
       ->add_option("--output", request.output,
                    "Also write the triangles with what each adds to every sensor's capacitance, for ParaView")
@@ -194,7 +206,7 @@ int run(int argument_count, char** arguments) {
   capacitance_command->add_option(
       "--rtol", request.rtol,
       "The relative error to be reached in every entry; only with boundary-elements (if not given "
-      "0.001) and reduced:1, 2, 3 (0.01, 0.001, 0.0003)");
+      "0.001), reduced:1, 2, 3 (0.01, 0.001, 0.0003) and recommended (0.01)");
   CLI::App* sense_command =
       add_command(program, request, "sense", "The closest point that every distance sensor sees");
   sense_command
@@ -224,25 +236,14 @@ int run(int argument_count, char** arguments) {
     print(cli::import_scene(import_request));
     return answered;
   }
-  const std::optional<int> reduced_steps =
-      capacitance_command->parsed() ? parse_reduced_steps(request.method) : std::nullopt;
-  const bool boundary_elements =
-      capacitance_command->parsed() && (reduced_steps || request.method == "boundary-elements");
-  if (capacitance_command->parsed())
-    refuse_options_of_other_methods(*capacitance_command, request.method, boundary_elements);
-  if (boundary_elements) {
-    if (reduced_steps && capacitance_command->count("--rtol") == 0)
-      request.rtol = rtol_of({.steps = *reduced_steps, .rtol = {}});
-    const auto [text, reached] = answer_maxwell(request, reduced_steps);
+  if (capacitance_command->parsed()) {
+    const auto [text, reached] = answer_capacitance(request);
     print(text);
-    if (!reached)
-      fmt::print(stderr, "fringe: {}: an error of {} was not reached\n", request.scene, request.rtol);
     return reached ? answered : not_reached;
   }
-  print(capacitance_command->parsed() ? answer_capacitance(request)
-        : collide_command->parsed()   ? answer_collide(request)
-        : sense_command->parsed()     ? answer_sense(request)
-                                      : answer_info(request));
+  print(collide_command->parsed() ? answer_collide(request)
+        : sense_command->parsed() ? answer_sense(request)
+                                  : answer_info(request));
   return answered;
 }
 

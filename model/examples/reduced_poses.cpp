@@ -1,9 +1,9 @@
 // The reduced method at many poses.
 //
 // Boundary elements solve every pose from the beginning. When bodies are rigid, their own equations can be
-// solved once; ReducedEvaluator does so and then answers each pose in microseconds. It states an error with
-// every answer, as boundary elements do: `reached` says whether it is within the accuracy of the steps taken,
-// 1 %, 0.1 % and 0.03 % for 1, 2 and 3 steps.
+// solved once; a LiveScene that is asked for the reduced method does so and then answers each pose in
+// microseconds. It states an error with every answer, as boundary elements do: `reached` says whether it is
+// within the accuracy of the steps taken, 1 %, 0.1 % and 0.03 % for 1, 2 and 3 steps.
 //
 // Run it:  build/examples/reduced_poses model/examples/hand.toml
 // Expect:  at 1000 poses the reduced method agrees with boundary elements, which are asked at every
@@ -18,13 +18,12 @@
 #include <cmath>
 #include <cstdio>
 
+#include "fringe/live_scene.hpp"
 #include "fringe/pose.hpp"
-#include "fringe/reduced_capacitance.hpp"
 #include "fringe/scene_reader.hpp"
 
 int main(int count, char** arguments) {
-  fringe::Scene scene = fringe::load_scene(count > 1 ? arguments[1] : "hand.toml");
-  fringe::ReducedEvaluator evaluator(scene, {.steps = 2, .rtol = 1e-3});
+  fringe::LiveScene scene(fringe::load_scene(count > 1 ? arguments[1] : "hand.toml"));
   constexpr int poses = 1000;
   int reached = 0;
   double least = 1e300, greatest = 0, worst_difference = 0;
@@ -32,15 +31,14 @@ int main(int count, char** arguments) {
     const double share = static_cast<double>(k) / poses;
     const Eigen::Isometry3d pose =
         fringe::pose_from_axis({0, 0, 1}, 360 * share, {0.05 * share, 0, 0.1 * share});
-    evaluator.set_pose("arm", pose);
-    const fringe::MaxwellMatrix& matrix = evaluator.maxwell();
-    const double mutual = matrix.mutual(0, 1);
-    reached += matrix.reached;
+    scene.set_pose("arm", pose);
+    const fringe::Evaluation& answer = scene.evaluate({.method = fringe::Reduced{2}});
+    const double mutual = answer.matrix->mutual(0, 1);
+    reached += answer.reached;
     least = std::min(least, mutual);
     greatest = std::max(greatest, mutual);
     if (k % 100 == 0) {
-      fringe::set_pose(scene, "arm", pose);
-      const double truth = fringe::maxwell(scene, {.rtol = 1e-4}).mutual(0, 1);
+      const double truth = fringe::maxwell(scene.scene(), {.rtol = 1e-4}).mutual(0, 1);
       worst_difference = std::max(worst_difference, std::abs(mutual / truth - 1));
     }
   }

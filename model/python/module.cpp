@@ -17,22 +17,18 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "fringe/boundary_elements.hpp"
 #include "fringe/bounding_volume.hpp"
-#include "fringe/capacitance.hpp"
 #include "fringe/conductors.hpp"
 #include "fringe/correction.hpp"
 #include "fringe/distance_sensor.hpp"
 #include "fringe/error.hpp"
+#include "fringe/evaluation.hpp"
 #include "fringe/gjk.hpp"
+#include "fringe/live_scene.hpp"
 #include "fringe/plate_integral.hpp"
 #include "fringe/pose.hpp"
-#include "fringe/reduced_capacitance.hpp"
-#include "fringe/scene_collision.hpp"
-#include "fringe/scene_evaluator.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
-#include "fringe/scene_sensing.hpp"
 #include "fringe/version.hpp"
 #include "maxwell_dictionary.hpp"
 
@@ -210,153 +206,75 @@ py::dict dictionary(const FormulaTerms& terms) {
                                                  terms.on_object.remaining));
 }
 
-/// A scene and the evaluators for the last options used, which reuse the results of what does not move.
-class LiveScene {
+/// A scene that several Python threads may ask: one answer is computed at a time.
+class SharedScene {
  public:
-  explicit LiveScene(Scene scene) : scene_(std::move(scene)) {}
+  explicit SharedScene(Scene scene) : live_(std::move(scene)) {}
 
-  const Scene& scene() const { return scene_; }
+  const Scene& scene() const { return live_.scene(); }
 
-  void set_pose(const std::string& link, const Eigen::Isometry3d& pose) {
+  /// Runs an action on the scene while no other thread does, and other Python threads run on.
+  template <typename Action>
+  auto locked(const Action& action) {
+    const py::gil_scoped_release unlocked;
     const std::lock_guard lock(mutex_);
-    fringe::set_pose(scene_, link, pose);
-    if (evaluator_)
-      evaluator_->set_pose(link, pose);
-    if (sensing_)
-      sensing_->set_pose(link, pose);
-    if (detector_)
-      detector_->set_pose(link, pose);
-    if (reduced_)
-      reduced_->set_pose(link, pose);
-  }
-
-  std::vector<DistanceReading> sense(ConeMethod method) {
-    const std::lock_guard lock(mutex_);
-    if (!sensing_ || method != sensing_method_) {
-      sensing_.emplace(scene_, method);
-      sensing_method_ = method;
-    }
-    return sensing_->sense();
-  }
-
-  SceneCapacitance capacitance(const CapacitanceOptions& options) {
-    const std::lock_guard lock(mutex_);
-    if (!evaluator_ || !same(options, options_)) {
-      evaluator_.emplace(scene_, options);
-      options_ = options;
-    }
-    return evaluator_->capacitance();
-  }
-
-  MaxwellMatrix reduced(const ReducedOptions& options) {
-    const std::lock_guard lock(mutex_);
-    if (!reduced_ || options.steps != reduced_options_.steps || options.rtol != reduced_options_.rtol) {
-      reduced_.emplace(scene_, options);
-      reduced_options_ = options;
-    }
-    return reduced_->maxwell();
-  }
-
-  /// Returns a copy of the scene in its current state.
-  Scene snapshot() {
-    const std::lock_guard lock(mutex_);
-    return scene_;
-  }
-
-  SceneCollision collide() {
-    const std::lock_guard lock(mutex_);
-    if (!detector_)
-      detector_.emplace(scene_);
-    return detector_->collide();
+    return action(live_);
   }
 
  private:
-  static bool same(const CapacitanceOptions& a, const CapacitanceOptions& b) {
-    return to_string(a.method) == to_string(b.method) && a.plates == b.plates && a.faces == b.faces &&
-           a.tolerance == b.tolerance && a.correction == b.correction;
-  }
-
-  Scene scene_;
-  CapacitanceOptions options_;
-  std::optional<SceneEvaluator> evaluator_;
-  ConeMethod sensing_method_ = ConeMethod::field_of_view;
-  std::optional<SceneSensing> sensing_;
-  std::optional<CollisionDetector> detector_;
-  ReducedOptions reduced_options_;
-  std::optional<ReducedEvaluator> reduced_;
-  std::mutex mutex_;  ///< other Python threads run while an answer is computed
+  LiveScene live_;
+  std::mutex mutex_;
 };
 
-/// A Maxwell matrix, its scene, the requested error, and the time it took.
-struct TimedMaxwell {
+/// An evaluation, the scene as it was, and the time it took.
+struct TimedEvaluation {
+  Evaluation answer;
   Scene scene;
-  MaxwellMatrix matrix;
-  double rtol;
   double seconds;
 };
 
-bool is_maxwell_method(const std::string& method) {
-  return method == "boundary-elements" || parse_reduced_steps(method);
-}
-
-TimedMaxwell timed_maxwell(LiveScene& live, const std::string& method, std::optional<double> rtol) {
-  const py::gil_scoped_release unlocked;
-  const std::optional<int> steps = parse_reduced_steps(method);
-  Scene scene = live.snapshot();
-  const auto start = std::chrono::steady_clock::now();
-  const auto elapsed = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  };
-  if (steps) {
-    const ReducedOptions options{.steps = *steps, .rtol = rtol};
-    MaxwellMatrix matrix = live.reduced(options);
-    return {std::move(scene), std::move(matrix), rtol_of(options), elapsed()};
-  }
-  const BoundaryElementOptions options{.rtol = rtol.value_or(BoundaryElementOptions{}.rtol)};
-  MaxwellMatrix matrix = maxwell(scene, options);
-  return {std::move(scene), std::move(matrix), options.rtol, elapsed()};
-}
-
-py::dict maxwell_of(LiveScene& live, const std::string& method, std::optional<double> rtol) {
-  if (!is_maxwell_method(method))
-    throw InputError(
-        fmt::format("method '{}' is not known: it must be boundary-elements or reduced:K", method));
-  const TimedMaxwell found = timed_maxwell(live, method, rtol);
-  return python::maxwell_dictionary(found.matrix, found.rtol, found.seconds);
-}
-
-py::dict boundary_elements_of(LiveScene& live, const std::string& method, const std::string& plates,
-                              const std::string& faces, double tolerance, std::optional<double> rtol,
-                              const std::string& correction) {
-  if (plates != "sum" || faces != "all" || tolerance != 0 || correction != "none")
-    throw InputError(fmt::format(
-        "plates, faces, tolerance and correction are options of the triangle-integral methods, not of {}",
-        method));
-  const TimedMaxwell found = timed_maxwell(live, method, rtol);
-  return python::capacitance_dictionary(found.scene, found.matrix, method, found.rtol, found.seconds);
-}
-
-py::dict capacitance_of(LiveScene& scene, const std::string& method, const std::string& plates,
-                        const std::string& faces, double tolerance, std::optional<double> rtol,
-                        const std::string& correction) {
-  if (is_maxwell_method(method))
-    return boundary_elements_of(scene, method, plates, faces, tolerance, rtol, correction);
-  if (rtol)
-    throw InputError("rtol is an option of the method boundary-elements, and of reduced:K");
-  const CapacitanceOptions options{parse_method(method), parse_plate_rule(plates), parse_face_rule(faces),
-                                   tolerance, parse_correction(correction)};
-  SceneCapacitance answer;
-  std::chrono::duration<double> elapsed{};
-  {
-    const py::gil_scoped_release unlocked;
+TimedEvaluation timed_evaluation(SharedScene& shared, const EvaluationOptions& options) {
+  validate(options);
+  return shared.locked([&](LiveScene& live) {
     const auto start = std::chrono::steady_clock::now();
-    answer = scene.capacitance(options);
-    elapsed = std::chrono::steady_clock::now() - start;
-  }
+    const Evaluation& answer = live.evaluate(options);
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    return TimedEvaluation{answer, answer.matrix ? live.scene() : Scene(), elapsed.count()};
+  });
+}
+
+py::dict maxwell_of(SharedScene& scene, const std::string& method, std::optional<double> rtol) {
+  const EvaluationOptions options{.method = parse_method(method), .rtol = rtol};
+  if (is_integral(options.method) || std::holds_alternative<Recommended>(options.method))
+    throw InputError(fmt::format(
+        "method '{}' finds no Maxwell matrix: it must be boundary-elements or reduced:K", method));
+  const TimedEvaluation found = timed_evaluation(scene, options);
+  return python::maxwell_dictionary(found.answer.matrix.value(), rtol_of(options), found.seconds);
+}
+
+py::dict capacitance_of(SharedScene& scene, const std::string& method,
+                        const std::optional<std::string>& plates, const std::optional<std::string>& faces,
+                        std::optional<double> tolerance, std::optional<double> rtol,
+                        const std::optional<std::string>& correction) {
+  EvaluationOptions options{.method = parse_method(method), .tolerance = tolerance, .rtol = rtol};
+  if (plates)
+    options.plates = parse_plate_rule(*plates);
+  if (faces)
+    options.faces = parse_face_rule(*faces);
+  if (correction)
+    options.correction = parse_correction(*correction);
+  const TimedEvaluation found = timed_evaluation(scene, options);
+  if (found.answer.matrix)
+    return python::capacitance_dictionary(found.scene, *found.answer.matrix, method, rtol_of(options),
+                                          found.seconds);
+  const SceneCapacitance& answer = found.answer.capacitance;
   py::list sensors;
   for (const SensorCapacitance& sensor : answer.sensors)
     sensors.append(dictionary(sensor));
-  return py::dict("options"_a = dictionary(options), "seconds"_a = elapsed.count(),
+  const CapacitanceOptions used = is_integral(options.method)
+                                      ? integral_options(options)
+                                      : CapacitanceOptions{.correction = Correction::formula};
+  return py::dict("options"_a = dictionary(used), "seconds"_a = found.seconds,
                   "counts"_a = dictionary(answer.counts), "sensors"_a = sensors);
 }
 
@@ -369,29 +287,18 @@ py::dict dictionary(const DistanceReading& reading) {
                   "triangle"_a = triangle);
 }
 
-py::dict sense_of(LiveScene& scene, const std::string& method) {
+py::dict sense_of(SharedScene& scene, const std::string& method) {
   const ConeMethod how = parse_cone_method(method);
-  std::vector<DistanceReading> readings;
-  {
-    const py::gil_scoped_release unlocked;
-    readings = scene.sense(how);
-  }
   py::list sensors;
-  for (const DistanceReading& reading : readings)
+  for (const DistanceReading& reading : scene.locked([&](LiveScene& live) { return live.sense(how); }))
     sensors.append(dictionary(reading));
   return py::dict("distance_sensors"_a = sensors);
 }
 
-py::dict collide_of(LiveScene& scene) {
-  SceneCollision answer;
-  std::vector<ObjectPair> pairs;
-  {
-    const py::gil_scoped_release unlocked;
-    answer = scene.collide();
-    pairs = all_pairs(answer, scene.scene());
-  }
+py::dict collide_of(SharedScene& scene) {
+  const SceneCollision answer = scene.locked([](LiveScene& live) { return SceneCollision(live.collide()); });
   py::list result;
-  for (const ObjectPair& pair : pairs)
+  for (const ObjectPair& pair : all_pairs(answer, scene.scene()))
     result.append(py::dict("a"_a = scene.scene().objects[pair.a].name,
                            "b"_a = scene.scene().objects[pair.b].name,
                            "status"_a = std::string(to_string(pair.status))));
@@ -399,7 +306,7 @@ py::dict collide_of(LiveScene& scene) {
                   "pairs"_a = result);
 }
 
-py::dict conductors_of(const LiveScene& scene) {
+py::dict conductors_of(const SharedScene& scene) {
   std::vector<Conductor> surfaces;
   {
     const py::gil_scoped_release unlocked;
@@ -411,7 +318,7 @@ py::dict conductors_of(const LiveScene& scene) {
   return result;
 }
 
-py::dict info_of(const LiveScene& scene) {
+py::dict info_of(const SharedScene& scene) {
   SceneInfo info;
   {
     const py::gil_scoped_release unlocked;
@@ -429,12 +336,13 @@ py::dict info_of(const LiveScene& scene) {
                   "objects"_a = objects);
 }
 
-void set_link_pose(LiveScene& scene, const std::string& link, const Array& translation,
+void set_link_pose(SharedScene& scene, const std::string& link, const Array& translation,
                    const Array& rotation) {
   const Eigen::Vector3d t = vector3(translation, "translation");
   if (rotation.ndim() == 2 && rotation.shape(0) == 3 && rotation.shape(1) == 3) {
     const Eigen::Matrix3d matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>(rotation.data());
-    scene.set_pose(link, pose_from_matrix(matrix, t));
+    const Eigen::Isometry3d pose = pose_from_matrix(matrix, t);
+    scene.locked([&](LiveScene& live) { live.set_pose(link, pose); });
     return;
   }
   if (rotation.ndim() != 1 || rotation.shape(0) != 4)
@@ -445,7 +353,8 @@ void set_link_pose(LiveScene& scene, const std::string& link, const Array& trans
     throw InputError("a pose must be finite");
   if (quaternion.coeffs().isZero(0))
     throw InputError("a quaternion must not be zero");
-  scene.set_pose(link, pose_from_quaternion(quaternion, t));
+  const Eigen::Isometry3d pose = pose_from_quaternion(quaternion, t);
+  scene.locked([&](LiveScene& live) { live.set_pose(link, pose); });
 }
 
 }  // namespace
@@ -514,26 +423,29 @@ method.)");
              "The registry of corrections: a list of dictionaries with \"name\", \"formula\", \"source\", "
              "\"constants\" and \"cost\".");
 
-  py::class_<LiveScene>(module, "Scene", "A scene of links, sensors and objects (geometries/SCENE.md).")
+  py::class_<SharedScene>(module, "Scene", "A scene of links, sensors and objects (geometries/SCENE.md).")
       .def_static(
           "load",
-          [](const std::filesystem::path& path) { return std::make_unique<LiveScene>(load_scene(path)); },
+          [](const std::filesystem::path& path) { return std::make_unique<SharedScene>(load_scene(path)); },
           "path"_a, py::call_guard<py::gil_scoped_release>(),
           "Reads a scene file and the mesh files it names. Raises InputError for a wrong one.")
-      .def("capacitance", &capacitance_of, "method"_a = "exact", py::kw_only(), "plates"_a = "sum",
-           "faces"_a = "all", "tolerance"_a = 0.0, "rtol"_a = py::none(), "correction"_a = "none",
+      .def("capacitance", &capacitance_of, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
+           "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
+           "correction"_a = py::none(),
            R"(What every sensor feels, as the dictionary that `fringe capacitance --json` prints; F and V.
 
 method: "exact", "split:N" or "gauss:K", as for plate_integral; or "boundary-elements", for every shape, or "reduced:K",
-the same in microseconds for moving scenes.
+the same in microseconds for moving scenes; or "recommended", the first of "reduced:K", "boundary-elements" (3,000 unknowns
+at most) and the correction "formula" that states the error asked for.
 plates: "sum", every plate of a sensor counts every point of a surface; "nearest", only the plate nearest to it does.
 faces: "all", or "facing": only triangles whose outward side sees the plate, and those in contact with it.
 tolerance: what may be left out of a sensor's total, relative to it; each object's "bound" says how much of it was left
 out at most. 0: nothing is left out but by "nearest", 1e-12. Only with the method "exact".
-rtol: the error of every entry of the Maxwell matrix to be reached. Only with "boundary-elements" (if not given 1e-3) and
-"reduced:1", 2, 3 (1e-2, 1e-3, 3e-4).
-correction: "none", or the name of what takes the place of the integral (fringe.corrections()), or "recommended".
+rtol: the error of every entry of the Maxwell matrix to be reached. Only with "boundary-elements" (if not given 1e-3),
+"reduced:1", 2, 3 (1e-2, 1e-3, 3e-4) and "recommended" (1e-2, of the sensors' own entries and the objects' capacitances).
+correction: "none", or what takes the place of the integral, "formula" or "recommended" (fringe.corrections()).
 
+plates, faces, tolerance and correction are options of "exact", "split:N" and "gauss:K"; None is the first value named.
 Asked again with the same options, only what moved since is evaluated; "counts" says what that was.
 
 Raises InputError (a ValueError) for unknown or inconsistent options and for objects that are not grounded.)")
@@ -555,9 +467,10 @@ Round shapes are the polyhedra of their triangles here. Raises InputError (a Val
 conductors that touch, cross or are inside each other, with "reduced:K" for bodies of more than 2,000 triangles.)")
       .def(
           "formula_terms",
-          [](LiveScene& live) {
+          [](SharedScene& shared) {
             py::list sensors;
-            for (const std::vector<FormulaTerms>& of_sensor : formula_terms(live.snapshot())) {
+            const auto terms_of = [](LiveScene& live) { return formula_terms(live.scene()); };
+            for (const std::vector<FormulaTerms>& of_sensor : shared.locked(terms_of)) {
               py::list objects;
               for (const FormulaTerms& terms : of_sensor)
                 objects.append(dictionary(terms));

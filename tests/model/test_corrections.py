@@ -53,6 +53,14 @@ def test_an_unknown_name_is_refused_with_the_choices(fringe_command: Command, sc
         fringe.Scene.load(scene).capacitance(correction="magic")
 
 
+def test_corrections_that_failed_are_refused_with_the_choices(fringe_command: Command, scene: Path) -> None:
+    assert NAMES == ["none", "formula", "recommended"]
+    for name in ("constant", "arc", "kirchhoff", "palmer", "reciprocity", "two-sided-arc"):
+        answer = fringe_command("capacitance", scene, "--correction", name)
+        assert answer.returncode == 2 and answer.stdout == ""
+        assert f"'{name}'" in answer.stderr and "none, formula or recommended" in answer.stderr
+
+
 def test_options_that_would_change_nothing_are_refused(fringe_command: Command, scene: Path) -> None:
     for options in (("--faces", "facing"), ("--tolerance", "0.1"), ("--method", "boundary-elements")):
         answer = fringe_command("capacitance", scene, "--correction", "formula", *options)

@@ -1,4 +1,4 @@
-"""The estimate of every correction for every set-up, and its error."""
+"""The estimate of every correction for every set-up, and its error. The module computes its own, `candidates` those that failed."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.topics.corrections import candidates
 from analysis.topics.corrections.set_ups import SetUp, set_ups
 from analysis.topics.corrections.truths import Truth, load
 from geometries.scene.writer import canonical
@@ -56,8 +57,9 @@ class Errors:
 
 
 def names(module: Any) -> tuple[str, ...]:
-    """Returns the registry's corrections, the plain model first."""
-    return tuple(str(entry["name"]) for entry in module.corrections())
+    """Returns all corrections: the plain model, those that failed, and the module's own."""
+    plain, *others = (str(entry["name"]) for entry in module.corrections())
+    return (plain, *(each.name for each in candidates.CANDIDATES), *others)
 
 
 def estimate(module: Any, corrections: Sequence[str], chosen: Sequence[SetUp] | None = None) -> Estimates:
@@ -70,8 +72,13 @@ def estimate(module: Any, corrections: Sequence[str], chosen: Sequence[SetUp] | 
         for set_up in asked:
             path.write_text(canonical(set_up.scene), encoding="utf-8")
             scene = module.Scene.load(path)
+            failed = candidates.estimate(module, set_up.scene, corrections)
             for correction in corrections:
-                values[correction].append(scene.capacitance(correction=correction)["sensors"][0]["total"])
+                values[correction].append(
+                    failed[correction]
+                    if correction in failed
+                    else scene.capacitance(correction=correction)["sensors"][0]["total"]
+                )
     return Estimates(
         tuple(set_up.name for set_up in asked),
         tuple(set_up.family for set_up in asked),

@@ -57,14 +57,15 @@ def _panels(document: Document) -> list[Panel]:
         times = document["nanoseconds"].get(shape)
         if times is None:
             continue
+        timed = [entry for entry in document["corrections"] if entry["name"] in times]
         traces = []
         for index, (quantity, symbol) in enumerate((("rms", "circle"), ("worst", "triangle-up"))):
             traces.append(
                 go.Scatter(
-                    x=[times[entry["name"]] for entry in document["corrections"]],
-                    y=[100 * entry["sealed"][quantity] for entry in document["corrections"]],
-                    text=[entry["name"] for entry in document["corrections"]],
-                    customdata=_worst_cases(document) if quantity == "worst" else None,
+                    x=[times[entry["name"]] for entry in timed],
+                    y=[100 * entry["sealed"][quantity] for entry in timed],
+                    text=[entry["name"] for entry in timed],
+                    customdata=_worst_cases(document, timed) if quantity == "worst" else None,
                     mode="markers+text" if quantity == "rms" else "markers",
                     textposition="top center",
                     cliponaxis=False,
@@ -80,9 +81,9 @@ def _panels(document: Document) -> list[Panel]:
     return panels
 
 
-def _worst_cases(document: Document) -> list[str]:
-    """Names, for each correction, the sealed set-up in which it is worst."""
-    return [cases_section.worst(document["cases"], name, sealed=True) for name in _names(document)]
+def _worst_cases(document: Document, corrections: list[Document]) -> list[str]:
+    """Names, for each of these corrections, the sealed set-up in which it is worst."""
+    return [cases_section.worst(document["cases"], entry["name"], sealed=True) for entry in corrections]
 
 
 def _table(document: Document) -> Markup:
@@ -108,7 +109,7 @@ def _table(document: Document) -> Markup:
                 *(percent(every[name]) for name in ("rms", "median", "percentile_95", "worst")),
                 *(percent(entry["sealed"][name]) for name in ("rms", "worst")),
                 *(percent(entry["left_out"][name]) for name in ("rms", "worst")),
-                *(f"{document['nanoseconds'][shape][entry['name']]:.3g}" for shape in shapes),
+                *(_nanoseconds(document, shape, entry["name"]) for shape in shapes),
             ]
         )
     both = document["discrepancy"]
@@ -125,6 +126,12 @@ def _table(document: Document) -> Markup:
         ]
     )
     return page.table(header, rows, strong=frozenset({_names(document).index(_RECOMMENDED)}))
+
+
+def _nanoseconds(document: Document, shape: str, correction: str) -> str:
+    """Returns a time per triangle; nothing for a correction that failed, which no program times."""
+    time = document["nanoseconds"][shape].get(correction)
+    return "" if time is None else f"{time:.3g}"
 
 
 def _families(document: Document) -> Markup:
@@ -162,7 +169,7 @@ def _explanation(document: Document) -> str:
         "by a hash of their names: no constant was fitted on them. Errors are relative to the truth. Family left out: each family with "
         "the formula's constants fitted to the others, recommended as it is; for the rest, with the others' mean factor divided out. The process' row has the open set-ups in the places of all, each "
         f"predicted from the other folds; there its 95 % intervals hold the truth in {both['open_coverage']:.0%}. Times: one "
-        f"core, one run, new pose each time. Repeat: {stage.COMMAND}."
+        f"core, one run, new pose each time; those without a time failed and are not in the product. Repeat: {stage.COMMAND}."
     )
 
 

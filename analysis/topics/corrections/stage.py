@@ -16,7 +16,7 @@ from analysis.pipeline.stage import NoAnswer, Stage, outdated
 from analysis.results import machine
 from analysis.results.store import Document, read_json
 from analysis.results.study_results import Failure
-from analysis.topics.corrections import cases, evaluation
+from analysis.topics.corrections import candidates, cases, evaluation
 from analysis.topics.corrections.set_ups import set_ups
 from analysis.topics.corrections.truths import FILE
 from geometries.common.installation import ROOT, no_benchmark
@@ -69,16 +69,17 @@ def beside(results: Path) -> Path:
 
 
 def evaluated(module: Any) -> Document:
-    """Returns the errors of every correction, with what the registry says of it, as a document."""
+    """Returns the errors of every correction, also of those that failed, with what is known of it, as a document."""
     chosen = list(set_ups(module))
     found = evaluation.evaluate(module, chosen)
-    registry = {str(entry["name"]): entry for entry in module.corrections()}
+    known = {str(entry["name"]): entry for entry in module.corrections()}
+    known |= {each.name: each.description() for each in candidates.CANDIDATES}
     return {
         "truths": FILE.relative_to(ROOT).as_posix(),
         "set_ups": len(found.estimates.names),
         "sealed": int(found.estimates.sealed.sum()),
         "corrections": [
-            {**registry[entry.name], **{name.rstrip("_"): value for name, value in asdict(entry).items()}}
+            {**known[entry.name], **{name.rstrip("_"): value for name, value in asdict(entry).items()}}
             for entry in found.evaluations
         ],
         "discrepancy": {name.rstrip("_"): value for name, value in asdict(found.discrepancy).items()},
@@ -87,8 +88,8 @@ def evaluated(module: Any) -> Document:
 
 
 def nanoseconds(program: Path) -> dict[str, dict[str, float]]:
-    """Measures the processor time per triangle of every correction (second key) on every shape, all in one run in random order; the
-    least of three."""
+    """Measures the processor time per triangle of every correction of the module (second key) on every shape, all in one run in random
+    order; the least of three."""
     with tempfile.TemporaryDirectory() as folder:
         answer = Path(folder) / "answer.json"
         subprocess.run(

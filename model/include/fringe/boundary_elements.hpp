@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -17,6 +18,9 @@ struct BoundaryElementOptions {
   /// Refinement stops at this number of unknowns: a dense matrix of this size takes 3 GiB.
   std::size_t most_unknowns = 20'000;
 };
+
+/// Throws InputError for options that are out of range.
+void validate(const BoundaryElementOptions& options);
 
 /// The Maxwell capacitance matrix of a scene's conductors in free space: the charge on the row's conductor
 /// per volt on the column's, all others grounded or, if floating, without net charge.
@@ -54,6 +58,9 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options 
 /// Evaluates every sensor of the scene by its Maxwell matrix: an object's capacitance is `mutual`; a floating
 /// object, which takes no charge, is omitted; and the voltage is that of the sum, as in the triangle-integral
 /// model.
-SceneCapacitance capacitance(const Scene& scene, const MaxwellMatrix& matrix);
+///
+/// @param answered_by the method that found the matrix
+SceneCapacitance capacitance(const Scene& scene, const MaxwellMatrix& matrix,
+                             std::string_view answered_by = "boundary-elements");
 
 }  // namespace fringe

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,7 +36,7 @@ std::string to_string(PlateRule rule);
 std::string to_string(FaceRule rule);
 
 struct CapacitanceOptions {
-  Method method = Exact{};
+  Method method = Exact{};  ///< one that integrates over triangles
   PlateRule plates = PlateRule::sum;
   FaceRule faces = FaceRule::all;
   /// Largest part of a sensor's total that the evaluation may omit, relative to the total; the bounds of its
@@ -46,6 +47,9 @@ struct CapacitanceOptions {
   Correction correction = Correction::none;
 };
 
+/// Throws InputError for options that are out of range or cannot be combined.
+void validate(const CapacitanceOptions& options);
+
 /// The contribution of one object to a sensor's capacitance.
 struct ObjectCapacitance {
   std::string name;
@@ -53,6 +57,10 @@ struct ObjectCapacitance {
                        ///< the sensor.
   double bound;        ///< F; largest amount that the evaluation omitted on purpose. 0: nothing.
   bool skipped;        ///< whether the object was not integrated at all
+  std::string answered_by = {};  ///< the method; "formula" for the correction of that name
+  /// F; what the method states of the difference from the true capacitance. None: it states nothing, as the
+  /// triangle integrals and the formula.
+  std::optional<double> error = {};
 };
 
 /// The capacitance and output of one sensor.

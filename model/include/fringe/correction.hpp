@@ -9,17 +9,11 @@
 
 namespace fringe {
 
-/// The replacement for ε∫dA/d of an object and a sensor (model/CORRECTIONS.md).
+/// The replacement for ε∫dA/d of an object and a sensor (model/CORRECTIONS.md, which also tells what failed).
 enum class Correction {
-  none,
-  constant,
-  arc,
-  kirchhoff,
-  palmer,
-  reciprocity,
-  two_sided_arc,
-  formula,
-  recommended,
+  none,         ///< the plain model
+  formula,      ///< the best one in closed form
+  recommended,  ///< the reduced method where it is accurate and fast enough, else the formula
 };
 
 /// The description of a correction.

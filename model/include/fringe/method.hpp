@@ -6,22 +6,36 @@
 
 namespace fringe {
 
-/// The closed form, region by region (model/NUMERICS.md).
+/// The closed form of ∫dA/d over a triangle, region by region (model/NUMERICS.md).
 struct Exact {};
 
-/// The thesis' own method (5.3.2): divides the triangle into 4^levels equal triangles and uses the distance
-/// of each one's centroid.
+/// The thesis' own method (5.3.2) for ∫dA/d: divides the triangle into 4^levels equal triangles and uses the
+/// distance of each one's centroid.
 struct Split {
   int levels;
 };
 
-/// A product Gauss rule of points² nodes on the whole triangle.
+/// A product Gauss rule of points² nodes on the whole triangle, for ∫dA/d.
 struct Gauss {
   int points;
 };
 
-/// The method that evaluates ∫dA/d over one triangle.
-using Method = std::variant<Exact, Split, Gauss>;
+/// The Maxwell matrix by boundary elements (fringe/boundary_elements.hpp).
+struct BoundaryElements {};
+
+/// The Maxwell matrix of rigid bodies by the reduced method (fringe/reduced_capacitance.hpp). `steps` is the
+/// least number of times that each body responds to the charges of the others.
+struct Reduced {
+  int steps;
+};
+
+/// The first of these that states the accuracy asked for: the reduced method, boundary elements within a
+/// limit of work, the correction `formula` (fringe/evaluation.hpp).
+struct Recommended {};
+
+/// The method that finds what the sensors of a scene feel. The first three evaluate ∫dA/d over each triangle,
+/// and only they apply to triangles without a scene.
+using Method = std::variant<Exact, Split, Gauss, BoundaryElements, Reduced, Recommended>;
 
 /// Largest number of levels: 4^10 is a million centroids per triangle, where rounding begins to outweigh what
 /// a further level gains.
@@ -31,8 +45,14 @@ constexpr int most_split_levels = 10;
 /// more.
 constexpr int most_gauss_points = 64;
 
-/// Reads "exact", "split:N" (N from 0 to 10) or "gauss:K" (K from 1 to 64). Throws InputError for anything
-/// else.
+/// Largest number of steps of the reduced method; the least is 1.
+constexpr int most_reduced_steps = 3;
+
+/// Returns whether the method evaluates ∫dA/d over triangles.
+bool is_integral(const Method& method);
+
+/// Reads "exact", "split:N" (N from 0 to 10), "gauss:K" (K from 1 to 64), "boundary-elements", "reduced:K" (K
+/// from 1 to 3) or "recommended". Throws InputError for anything else.
 Method parse_method(std::string_view text);
 
 /// Returns the text from which parse_method reads the method.

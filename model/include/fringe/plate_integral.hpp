@@ -17,7 +17,7 @@ namespace fringe {
 /// on it; a single vertex on the plate leaves the integral finite).
 ///
 /// @throws InputError when a vertex is not finite, the plate is not a rectangle, or the method is out of
-/// range.
+/// range or one for whole scenes.
 double plate_integral(const Triangle& triangle, const Rectangle& plate, const Method& method = Exact{});
 
 /// Computes plate_integral of each triangle, in their order; an error names the triangle by its index.

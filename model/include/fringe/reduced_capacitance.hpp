@@ -7,12 +7,14 @@
 #include <Eigen/Geometry>
 
 #include "fringe/boundary_elements.hpp"
+#include "fringe/method.hpp"
 #include "fringe/scene.hpp"
 
 namespace fringe {
 
-/// Largest number of steps of the reduction; the least is 1.
-constexpr int most_reduced_steps = 3;
+namespace detail {
+class LinkPoses;
+}
 
 struct ReducedOptions {
   /// Least number of times that each body responds to the charges of the others. More steps are taken if the
@@ -26,10 +28,6 @@ struct ReducedOptions {
 /// Returns the error that goes with the number of steps: 1e-2, 1e-3, 3e-4.
 double rtol_of(const ReducedOptions& options);
 
-/// Reads "reduced:K", K from 1 to 3; returns nothing if the text begins otherwise. Throws InputError for
-/// another K.
-std::optional<int> parse_reduced_steps(std::string_view text);
-
 /// Computes the Maxwell matrix of rigid bodies repeatedly while links move, by a reduced boundary element
 /// method: every body's charge is a combination of very few distributions, which are found anew for every
 /// pose (model/BOUNDARY_ELEMENTS.md, section 8). What does not depend on poses is prepared once.
@@ -40,6 +38,9 @@ class ReducedEvaluator {
   /// @throws InputError for the scenes that maxwell() refuses, except those whose conductors touch, for
   /// bodies of more than 2,000 triangles, and for options out of range.
   explicit ReducedEvaluator(const Scene& scene, const ReducedOptions& options = {});
+  /// Prepares the scene for a LiveScene, which owns the poses.
+  ReducedEvaluator(const Scene& scene, const ReducedOptions& options,
+                   std::shared_ptr<detail::LinkPoses> poses);
   ~ReducedEvaluator();
   ReducedEvaluator(ReducedEvaluator&&) noexcept;
   ReducedEvaluator& operator=(ReducedEvaluator&&) noexcept;

@@ -11,6 +11,10 @@
 
 namespace fringe {
 
+namespace detail {
+class LinkPoses;
+}
+
 /// The relation of two objects of a scene (the marks of thesis chapters 2 and 3).
 enum class PairStatus {
   clear,     ///< their bounding boxes do not meet
@@ -61,6 +65,8 @@ std::vector<ObjectPair> all_pairs(const SceneCollision& answer, const Scene& sce
 class CollisionDetector {
  public:
   explicit CollisionDetector(const Scene& scene);
+  /// Prepares the scene for a LiveScene, which owns the poses.
+  CollisionDetector(const Scene& scene, std::shared_ptr<detail::LinkPoses> poses);
   ~CollisionDetector();
   CollisionDetector(CollisionDetector&&) noexcept;
   CollisionDetector& operator=(CollisionDetector&&) noexcept;

@@ -10,6 +10,10 @@
 
 namespace fringe {
 
+namespace detail {
+class LinkPoses;
+}
+
 /// Evaluates every sensor of a scene repeatedly while links move.
 ///
 /// Only what can have changed is evaluated: a sensor and an object that have not moved relative to each other
@@ -22,6 +26,9 @@ class SceneEvaluator {
   ///
   /// @throws InputError for the scenes that capacitance() refuses.
   explicit SceneEvaluator(const Scene& scene, const CapacitanceOptions& options = {});
+  /// Prepares the scene for a LiveScene, which owns the poses.
+  SceneEvaluator(const Scene& scene, const CapacitanceOptions& options,
+                 std::shared_ptr<detail::LinkPoses> poses);
   ~SceneEvaluator();
   SceneEvaluator(SceneEvaluator&&) noexcept;
   SceneEvaluator& operator=(SceneEvaluator&&) noexcept;

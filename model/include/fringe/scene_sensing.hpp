@@ -14,6 +14,10 @@
 
 namespace fringe {
 
+namespace detail {
+class LinkPoses;
+}
+
 /// A point of an object that a distance sensor sees.
 struct SensedPoint {
   double distance;        ///< m
@@ -35,6 +39,8 @@ class SceneSensing {
  public:
   /// Prepares the scene. Throws InputError for an object that is not finite.
   explicit SceneSensing(const Scene& scene, ConeMethod method = ConeMethod::field_of_view);
+  /// Prepares the scene for a LiveScene, which owns the poses.
+  SceneSensing(const Scene& scene, ConeMethod method, std::shared_ptr<detail::LinkPoses> poses);
   ~SceneSensing();
   SceneSensing(SceneSensing&&) noexcept;
   SceneSensing& operator=(SceneSensing&&) noexcept;

@@ -66,12 +66,6 @@ constexpr double grading_part = 1.0 / 3;
 /// A-priori grading takes at most one in so many of the allowed unknowns.
 constexpr std::size_t most_graded_part = 4;
 
-void validate(const BoundaryElementOptions& options) {
-  if (!(options.rtol >= strictest_rtol && options.rtol <= loosest_rtol))
-    throw InputError(
-        fmt::format("rtol {} must be from {} to {}", options.rtol, strictest_rtol, loosest_rtol));
-}
-
 void require_positive_definite(const PanelSolution& solution) {
   if (!solution.positive_definite)
     throw std::runtime_error("the matrix of the boundary elements is not positive definite");
@@ -299,6 +293,12 @@ MaxwellMatrix solve_as_needed(const ChargedBodies& bodies, const BoundaryElement
 
 }  // namespace
 
+void validate(const BoundaryElementOptions& options) {
+  if (!(options.rtol >= strictest_rtol && options.rtol <= loosest_rtol))
+    throw InputError(
+        fmt::format("rtol {} must be from {} to {}", options.rtol, strictest_rtol, loosest_rtol));
+}
+
 MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options) {
   validate(options);
   if (scene.has_room)
@@ -316,12 +316,13 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   return answer;
 }
 
-SceneCapacitance capacitance(const Scene& scene, const MaxwellMatrix& matrix) {
+SceneCapacitance capacitance(const Scene& scene, const MaxwellMatrix& matrix, std::string_view answered_by) {
   SceneCapacitance answer;
   for (std::size_t s = 0; s < matrix.sensors; ++s) {
     SensorCapacitance felt{matrix.conductors[s], 0, 0, 0, false, {}};
     for (std::size_t k = matrix.sensors; k < matrix.conductors.size(); ++k) {
-      felt.objects.push_back({matrix.conductors[k], matrix.mutual(s, k), 0, false});
+      felt.objects.push_back({matrix.conductors[k], matrix.mutual(s, k), 0, false, std::string(answered_by),
+                              matrix.errors(static_cast<Index>(s), static_cast<Index>(k))});
       felt.total += felt.objects.back().capacitance;
     }
     felt.voltage = divider_voltage(scene.sensors[s], felt.total);

@@ -161,7 +161,7 @@ std::vector<ObjectPair> all_pairs(const SceneCollision& answer, const Scene& sce
 
 class CollisionDetector::Implementation {
  public:
-  explicit Implementation(const Scene& scene) : motion_(scene.links) {
+  Implementation(const Scene& scene, std::shared_ptr<detail::LinkPoses> poses) : motion_(std::move(poses)) {
     const std::vector<Object>& objects = scene.objects;
     for (std::size_t i = 0; i < objects.size(); ++i) {
       const auto is_partner = [&](const Object& other) {
@@ -295,7 +295,9 @@ class CollisionDetector::Implementation {
 };
 
 CollisionDetector::CollisionDetector(const Scene& scene)
-    : implementation_(std::make_unique<Implementation>(scene)) {}
+    : CollisionDetector(scene, std::make_shared<detail::LinkPoses>(scene.links)) {}
+CollisionDetector::CollisionDetector(const Scene& scene, std::shared_ptr<detail::LinkPoses> poses)
+    : implementation_(std::make_unique<Implementation>(scene, std::move(poses))) {}
 CollisionDetector::~CollisionDetector() = default;
 CollisionDetector::CollisionDetector(CollisionDetector&&) noexcept = default;
 CollisionDetector& CollisionDetector::operator=(CollisionDetector&&) noexcept = default;

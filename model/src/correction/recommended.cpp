@@ -32,10 +32,11 @@ bool is_cheap(const Scene& scene) {
 
 }  // namespace
 
-Recommended::Recommended(const Scene& scene) {
+RecommendedCorrection::RecommendedCorrection(const Scene& scene, std::shared_ptr<LinkPoses> poses)
+    : poses_(std::move(poses)) {
   try {
     if (is_cheap(scene))
-      evaluator_.emplace(scene, ReducedOptions{1, std::nullopt});
+      evaluator_.emplace(scene, ReducedOptions{steps, std::nullopt}, poses_);
   } catch (const InputError&) {
     // Shapes, rooms and sensors that the reduced method does not support are left to the formula, which also
     // refuses invalid input.
@@ -43,16 +44,10 @@ Recommended::Recommended(const Scene& scene) {
   }
 }
 
-void Recommended::set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
-  is_stale_ = true;
-  if (evaluator_)
-    evaluator_->set_pose(link, pose);
-}
-
-bool Recommended::update() {
-  if (!is_stale_)
+bool RecommendedCorrection::update() {
+  if (answered_ == poses_->changes())
     return false;
-  is_stale_ = false;
+  answered_ = poses_->changes();
   matrix_ = nullptr;
   if (!evaluator_)
     return true;
@@ -65,7 +60,8 @@ bool Recommended::update() {
   return true;
 }
 
-std::optional<double> Recommended::mutual(std::size_t sensor, std::size_t object) const {
+std::optional<RecommendedCorrection::Mutual> RecommendedCorrection::mutual(std::size_t sensor,
+                                                                           std::size_t object) const {
   if (matrix_ == nullptr)
     return std::nullopt;
   const std::size_t conductor = matrix_->sensors + object;
@@ -74,7 +70,7 @@ std::optional<double> Recommended::mutual(std::size_t sensor, std::size_t object
       matrix_->errors(static_cast<Eigen::Index>(sensor), static_cast<Eigen::Index>(conductor));
   if (!(error <= most_stated_error * std::abs(value)))
     return std::nullopt;
-  return value;
+  return Mutual{value, error};
 }
 
 }  // namespace fringe::detail

@@ -11,24 +11,6 @@ namespace {
 
 constexpr std::array registry{
     CorrectionInfo{Correction::none, "none", "ε∫dA/d", "thesis 5.3", "", "one integral per triangle"},
-    CorrectionInfo{Correction::constant, "constant", "c·ε∫dA/d", "one number for all that is missing",
-                   "c: mean logarithm of truth over model", "one integral per triangle"},
-    CorrectionInfo{Correction::arc, "arc", "ε Σ (sin θ/θ)∫dA/d, θ between triangle and plate",
-                   "field between the plates of a wedge", "", "one integral per triangle"},
-    CorrectionInfo{Correction::kirchhoff, "kirchhoff",
-                   "ε Σ I·[1 + (δ/πa)·(ln(16πa/δ) − 1)], I = ∫dA/d, δ = A/I, πa² the plate's area",
-                   "G. Kirchhoff, Monatsber. Akad. Wiss. Berlin 1877, 144", "",
-                   "one integral and one logarithm per triangle"},
-    CorrectionInfo{
-        Correction::palmer, "palmer", "ε Σ I·Π [1 + (δ/πL)·(1 + ln(2πL/δ))] over the plate's two lengths L",
-        "H. B. Palmer, Trans. AIEE 56 (1937) 363", "", "one integral and two logarithms per triangle"},
-    CorrectionInfo{Correction::reciprocity, "reciprocity",
-                   "ε√(∫dA/d over the object · ∫dA/d over the sensor)", "Green: the true matrix is symmetric",
-                   "", "adaptive quadrature on both surfaces"},
-    CorrectionInfo{Correction::two_sided_arc, "two-sided-arc",
-                   "ε√(A B), A and B each ∫dA·(1/L_front + 1/L_back) over one surface",
-                   "model/CORRECTIONS.md: field lines as arcs, also around edges",
-                   "k: least squares of the logarithm", "adaptive quadrature on both surfaces"},
     CorrectionInfo{Correction::formula, "formula",
                    "coupling of the bodies' own charges, polarised, and the flux between surfaces that face",
                    "model/CORRECTIONS.md", "eight: fourth powers of the logarithm, set-ups not sealed",
@@ -52,10 +34,10 @@ Correction parse_correction(std::string_view text) {
   for (const CorrectionInfo& info : registry)
     if (info.name == text)
       return info.correction;
-  std::string names;
-  for (const CorrectionInfo& info : registry)
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", info.name);
-  throw InputError(fmt::format("correction '{}' is not known: it must be one of {}", text, names));
+  throw InputError(fmt::format(
+      "correction '{}' is not known: it must be none, formula or recommended; model/CORRECTIONS.md tells of "
+      "those that failed",
+      text));
 }
 
 std::string to_string(Correction correction) {

@@ -1,6 +1,7 @@
 #include "geometry/link_motion.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "fringe/pose.hpp"
 
@@ -17,9 +18,9 @@ std::size_t depth(const std::vector<Link>& links, std::size_t link) {
 
 }  // namespace
 
-LinkMotion::LinkMotion(const std::vector<Link>& links)
-    : links_(links), world_poses_(fringe::world_poses(links)), moved_(links.size()),
-      movers_(links.size(), nobody) {
+LinkPoses::LinkPoses(const std::vector<Link>& links)
+    : links_(links), world_poses_(fringe::world_poses(links)), outdated_(links.size()),
+      last_changes_(links.size()) {
   std::vector<std::pair<std::size_t, std::size_t>> by_depth;
   for (std::size_t link = 0; link < links.size(); ++link)
     by_depth.emplace_back(depth(links, link), link);
@@ -30,25 +31,40 @@ LinkMotion::LinkMotion(const std::vector<Link>& links)
     parents_first_.push_back(link);
 }
 
-void LinkMotion::set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
+void LinkPoses::set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
   const auto known = indices_.find(std::string(link));
   // For an unknown name, find_link throws the error.
   const std::size_t index = known == indices_.end() ? find_link(links_, link) : known->second;
   links_[index].pose = pose;
-  moved_[index] = true;
+  last_changes_[index] = ++changes_;
+  outdated_[index] = true;
+}
+
+void LinkPoses::update() {
+  if (updated_ == changes_)
+    return;
+  for (const std::size_t link : parents_first_) {
+    const std::optional<std::size_t> parent = links_[link].parent;
+    if (parent && outdated_[*parent])
+      outdated_[link] = true;
+    if (outdated_[link])
+      world_poses_[link] = world_pose(parent) * links_[link].pose;
+  }
+  std::fill(outdated_.begin(), outdated_.end(), false);
+  updated_ = changes_;
+}
+
+LinkMotion::LinkMotion(std::shared_ptr<LinkPoses> poses)
+    : poses_(std::move(poses)), movers_(poses_->links().size(), nobody), updated_(poses_->changes()),
+      settled_(poses_->changes()) {
+  poses_->update();
 }
 
 void LinkMotion::update() {
-  for (const std::size_t link : parents_first_) {
-    const std::optional<std::size_t> parent = links_[link].parent;
-    movers_[link] = moved_[link] ? link : mover(parent);
-    if (movers_[link] != nobody)
-      world_poses_[link] = world_pose(parent) * links_[link].pose;
-  }
-}
-
-void LinkMotion::settle() {
-  std::fill(moved_.begin(), moved_.end(), false);
+  poses_->update();
+  updated_ = poses_->changes();
+  for (const std::size_t link : poses_->parents_first())
+    movers_[link] = poses_->last_change(link) > settled_ ? link : mover(poses_->links()[link].parent);
 }
 
 }  // namespace fringe::detail

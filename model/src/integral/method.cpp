@@ -25,6 +25,11 @@ std::optional<int> parameter(std::string_view text, std::string_view name, int l
 
 }  // namespace
 
+bool is_integral(const Method& method) {
+  return std::holds_alternative<Exact>(method) || std::holds_alternative<Split>(method) ||
+         std::holds_alternative<Gauss>(method);
+}
+
 Method parse_method(std::string_view text) {
   if (text == "exact")
     return Exact{};
@@ -32,10 +37,16 @@ Method parse_method(std::string_view text) {
     return Split{*levels};
   if (const auto points = parameter(text, "gauss:", 1, most_gauss_points))
     return Gauss{*points};
+  if (text == "boundary-elements")
+    return BoundaryElements{};
+  if (const auto steps = parameter(text, "reduced:", 1, most_reduced_steps))
+    return Reduced{*steps};
+  if (text == "recommended")
+    return Recommended{};
   throw InputError(fmt::format(
-      "method '{}' is not known: it must be exact, split:N (N from 0 to {}) or gauss:K (K from 1 to {}); of "
-      "a whole scene also boundary-elements or reduced:K",
-      text, most_split_levels, most_gauss_points));
+      "method '{}' is not known: it must be exact, split:N (N from 0 to {}), gauss:K (K from 1 to {}), "
+      "boundary-elements, reduced:K (K from 1 to {}) or recommended",
+      text, most_split_levels, most_gauss_points, most_reduced_steps));
 }
 
 std::string to_string(const Method& method) {
@@ -43,7 +54,11 @@ std::string to_string(const Method& method) {
     return fmt::format("split:{}", split->levels);
   if (const auto* gauss = std::get_if<Gauss>(&method))
     return fmt::format("gauss:{}", gauss->points);
-  return "exact";
+  if (const auto* reduced = std::get_if<Reduced>(&method))
+    return fmt::format("reduced:{}", reduced->steps);
+  if (std::holds_alternative<BoundaryElements>(method))
+    return "boundary-elements";
+  return std::holds_alternative<Recommended>(method) ? "recommended" : "exact";
 }
 
 }  // namespace fringe

@@ -56,7 +56,10 @@ class Integrator {
 
 void validate(const Method& method) {
   // Parsing the text form applies the limits of the parameters.
-  parse_method(to_string(method));
+  if (!is_integral(parse_method(to_string(method))))
+    throw InputError(fmt::format(
+        "method {} is for whole scenes: triangles alone are integrated by exact, split:N or gauss:K",
+        to_string(method)));
 }
 
 void validate(const Triangle& triangle) {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -75,23 +75,10 @@ double rtol_of(const ReducedOptions& options) {
   return rtol_or_default(options);
 }
 
-std::optional<int> parse_reduced_steps(std::string_view text) {
-  constexpr std::string_view name = "reduced:";
-  if (!text.starts_with(name))
-    return std::nullopt;
-  text.remove_prefix(name.size());
-  int steps = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), steps);
-  if (error != std::errc{} || end != text.data() + text.size() || steps < 1 || steps > most_reduced_steps)
-    throw InputError(fmt::format("method 'reduced:{}' is not known: it must be reduced:K (K from 1 to {})",
-                                 text, most_reduced_steps));
-  return steps;
-}
-
 class ReducedEvaluator::Implementation {
  public:
-  Implementation(const Scene& scene, const ReducedOptions& options)
-      : options_(options), rtol_(rtol_of(options)), motion_(scene.links) {
+  Implementation(const Scene& scene, const ReducedOptions& options, std::shared_ptr<detail::LinkPoses> poses)
+      : options_(options), rtol_(rtol_of(options)), motion_(std::move(poses)) {
     if (scene.has_room)
       throw InputError("room: boundary elements know only free space");
     bodies_ = detail::bodies_on_links(scene);
@@ -386,7 +373,10 @@ class ReducedEvaluator::Implementation {
 };
 
 ReducedEvaluator::ReducedEvaluator(const Scene& scene, const ReducedOptions& options)
-    : implementation_(std::make_unique<Implementation>(scene, options)) {}
+    : ReducedEvaluator(scene, options, std::make_shared<detail::LinkPoses>(scene.links)) {}
+ReducedEvaluator::ReducedEvaluator(const Scene& scene, const ReducedOptions& options,
+                                   std::shared_ptr<detail::LinkPoses> poses)
+    : implementation_(std::make_unique<Implementation>(scene, options, std::move(poses))) {}
 ReducedEvaluator::~ReducedEvaluator() = default;
 ReducedEvaluator::ReducedEvaluator(ReducedEvaluator&&) noexcept = default;
 ReducedEvaluator& ReducedEvaluator::operator=(ReducedEvaluator&&) noexcept = default;

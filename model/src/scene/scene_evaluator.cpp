@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "correction/corrected_integral.hpp"
+#include "correction/formula.hpp"
 #include "correction/recommended.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
@@ -22,22 +22,6 @@ namespace {
 using detail::Enclosure;
 using detail::Surface;
 using detail::SurfaceIntegral;
-
-/// Throws InputError for options that are out of range or cannot be combined.
-void validate(const CapacitanceOptions& options) {
-  if (!std::isfinite(options.tolerance) || options.tolerance < 0)
-    throw InputError(fmt::format("tolerance {} must be finite and not negative", options.tolerance));
-  if (options.tolerance > 0 && !std::holds_alternative<Exact>(options.method))
-    throw InputError(fmt::format("a tolerance needs the method exact: {} does not know its own error",
-                                 to_string(options.method)));
-  if (options.correction == Correction::none)
-    return;
-  // Each correction determines itself which faces count and how they are integrated.
-  if (!std::holds_alternative<Exact>(options.method) || options.plates != PlateRule::sum ||
-      options.faces != FaceRule::all || options.tolerance > 0)
-    throw InputError(fmt::format("correction {}: method, plates, faces and tolerance must be their defaults",
-                                 to_string(options.correction)));
-}
 
 /// Prepares the surface of an object. Throws InputError for an object that the model does not support.
 Surface surface_of(const Object& object) {
@@ -53,6 +37,11 @@ Surface surface_of(const Object& object) {
   } catch (const InputError& error) {
     throw InputError(fmt::format("object \"{}\": {}", object.name, error.what()));
   }
+}
+
+/// Returns the name of what answers with the options, unless another is noted for a pair.
+std::string answering(const CapacitanceOptions& options) {
+  return options.correction == Correction::none ? to_string(options.method) : to_string(Correction::formula);
 }
 
 /// A sensor's plates in the world.
@@ -92,6 +81,7 @@ struct PlacedObject {
 struct Pair {
   Enclosure enclosure;
   SurfaceIntegral integral;
+  std::optional<double> error = std::nullopt;  ///< m, of the correction `recommended` where it states one
   bool known = false;
 };
 
@@ -99,9 +89,10 @@ struct Pair {
 
 class SceneEvaluator::Implementation {
  public:
-  Implementation(const Scene& scene, const CapacitanceOptions& options)
+  Implementation(const Scene& scene, const CapacitanceOptions& options,
+                 const std::shared_ptr<detail::LinkPoses>& poses)
       : options_(options), permittivity_(vacuum_permittivity * scene.medium.relative_permittivity),
-        motion_(scene.links), sensors_(scene.sensors), placed_sensors_(scene.sensors.size()) {
+        motion_(poses), sensors_(scene.sensors), placed_sensors_(scene.sensors.size()) {
     validate(options);
     for (const Object& object : scene.objects)
       objects_.push_back({object.link, object.pose, surface_of(object)});
@@ -109,7 +100,7 @@ class SceneEvaluator::Implementation {
     for (const Sensor& sensor : sensors_) {
       SensorCapacitance felt{sensor.name, 0, 0, 0, false, {}};
       for (const Object& object : scene.objects)
-        felt.objects.push_back({object.name, 0, 0, false});
+        felt.objects.push_back({object.name, 0, 0, false, answering(options), std::nullopt});
       answer_.sensors.push_back(std::move(felt));
     }
     if (options.correction == Correction::none)
@@ -127,14 +118,10 @@ class SceneEvaluator::Implementation {
       charged_objects_.push_back(detail::make_charged_surface(surface.triangles));
     }
     if (options.correction == Correction::recommended)
-      recommended_.emplace(scene);
+      recommended_.emplace(scene, poses);
   }
 
-  void set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
-    motion_.set_pose(link, pose);
-    if (recommended_)
-      recommended_->set_pose(link, pose);
-  }
+  void set_pose(std::string_view link, const Eigen::Isometry3d& pose) { motion_.set_pose(link, pose); }
 
   const SceneCapacitance& capacitance() {
     answer_.counts = {};
@@ -245,9 +232,10 @@ class SceneEvaluator::Implementation {
     ++answer_.counts.objects_evaluated;
     answer_.counts.triangles_evaluated += triangles;
     pair.integral = {};
-    if (const std::optional<double> mutual =
-            recommended_ ? recommended_->mutual(sensor, object) : std::nullopt) {
-      pair.integral.value = *mutual / permittivity_;
+    pair.error.reset();
+    if (const auto mutual = recommended_ ? recommended_->mutual(sensor, object) : std::nullopt) {
+      pair.integral.value = mutual->value / permittivity_;
+      pair.error = mutual->error / permittivity_;
       return;
     }
     in_object_frame_.clear();
@@ -258,9 +246,17 @@ class SceneEvaluator::Implementation {
     if (std::isinf(detail::enclosure(before.surface, before.centroid, placed_sensors_[sensor].frames).upper))
       pair.integral = detail::surface_integral(before.surface, in_object_frame_, {}, 0);
     if (!std::isinf(pair.integral.value))
-      pair.integral.value =
-          detail::corrected_integral(options_.correction, charged_objects_[object], before.surface.batch,
-                                     charged_sensors_[sensor], sensor_pose, in_object_frame_);
+      pair.integral.value = detail::formula(detail::formula_terms(
+          charged_objects_[object], charged_sensors_[sensor], sensor_pose, in_object_frame_));
+  }
+
+  /// Notes which of its two methods the correction `recommended` used, and the error stated.
+  void note_answer(ObjectCapacitance& share, const Pair& pair) const {
+    if (pair.error.has_value() != share.error.has_value())
+      share.answered_by = pair.error ? detail::RecommendedCorrection::name() : to_string(Correction::formula);
+    share.error = pair.error;
+    if (share.error)
+      *share.error *= permittivity_;
   }
 
   /// Writes the results of one sensor into the answer.
@@ -273,6 +269,8 @@ class SceneEvaluator::Implementation {
       share.capacitance = permittivity_ * integral.value;
       share.bound = permittivity_ * integral.bound;
       share.skipped = integral.skipped;
+      if (recommended_)
+        note_answer(share, pairs[object]);
       felt.total += share.capacitance;
     }
     felt.voltage = divider_voltage(sensors_[sensor], felt.total);
@@ -289,7 +287,7 @@ class SceneEvaluator::Implementation {
   std::vector<detail::ChargedSurface>
       charged_sensors_;  ///< in the frames of their links; empty without a correction
   std::vector<detail::ChargedSurface> charged_objects_;  ///< in their own frames; empty without a correction
-  std::optional<detail::Recommended> recommended_;
+  std::optional<detail::RecommendedCorrection> recommended_;
   bool all_moved_ = false;
   std::vector<Pair> pairs_;  ///< those of the first sensor with every object, then those of the second
   std::vector<Rectangle> in_object_frame_;
@@ -298,7 +296,10 @@ class SceneEvaluator::Implementation {
 };
 
 SceneEvaluator::SceneEvaluator(const Scene& scene, const CapacitanceOptions& options)
-    : implementation_(std::make_unique<Implementation>(scene, options)) {}
+    : SceneEvaluator(scene, options, std::make_shared<detail::LinkPoses>(scene.links)) {}
+SceneEvaluator::SceneEvaluator(const Scene& scene, const CapacitanceOptions& options,
+                               std::shared_ptr<detail::LinkPoses> poses)
+    : implementation_(std::make_unique<Implementation>(scene, options, std::move(poses))) {}
 SceneEvaluator::~SceneEvaluator() = default;
 SceneEvaluator::SceneEvaluator(SceneEvaluator&&) noexcept = default;
 SceneEvaluator& SceneEvaluator::operator=(SceneEvaluator&&) noexcept = default;

@@ -8,6 +8,7 @@
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
+#include "geometry/link_motion.hpp"
 #include "sensing/triangle_tree.hpp"
 
 namespace fringe {
@@ -33,8 +34,8 @@ struct SensedObject {
 
 class SceneSensing::Implementation {
  public:
-  Implementation(const Scene& scene, ConeMethod method)
-      : links_(scene.links), sensors_(scene.distance_sensors), method_(method) {
+  Implementation(const Scene& scene, ConeMethod method, std::shared_ptr<detail::LinkPoses> poses)
+      : poses_(std::move(poses)), sensors_(scene.distance_sensors), method_(method) {
     for (const Object& object : scene.objects) {
       try {
         objects_.push_back(
@@ -45,12 +46,10 @@ class SceneSensing::Implementation {
     }
   }
 
-  void set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
-    links_[find_link(links_, link)].pose = pose;
-  }
+  void set_pose(std::string_view link, const Eigen::Isometry3d& pose) { poses_->set_pose(link, pose); }
 
   std::vector<DistanceReading> sense() const {
-    const std::vector<Eigen::Isometry3d> link_poses = world_poses(links_);
+    const std::vector<Eigen::Isometry3d> link_poses = world_poses(poses_->links());
     std::vector<DistanceReading> readings;
     for (const DistanceSensor& sensor : sensors_) {
       try {
@@ -75,14 +74,16 @@ class SceneSensing::Implementation {
     return SensedPoint{seen.distance, seen.point, objects_[object].name, seen.triangle};
   }
 
-  std::vector<Link> links_;
+  std::shared_ptr<detail::LinkPoses> poses_;
   std::vector<DistanceSensor> sensors_;
   std::vector<SensedObject> objects_;
   ConeMethod method_;
 };
 
 SceneSensing::SceneSensing(const Scene& scene, ConeMethod method)
-    : implementation_(std::make_unique<Implementation>(scene, method)) {}
+    : SceneSensing(scene, method, std::make_shared<detail::LinkPoses>(scene.links)) {}
+SceneSensing::SceneSensing(const Scene& scene, ConeMethod method, std::shared_ptr<detail::LinkPoses> poses)
+    : implementation_(std::make_unique<Implementation>(scene, method, std::move(poses))) {}
 SceneSensing::~SceneSensing() = default;
 SceneSensing::SceneSensing(SceneSensing&&) noexcept = default;
 SceneSensing& SceneSensing::operator=(SceneSensing&&) noexcept = default;

@@ -14,10 +14,21 @@ TEST(Method, IsReadFromItsText) {
   EXPECT_TRUE(std::holds_alternative<Exact>(parse_method("exact")));
   EXPECT_EQ(std::get<Split>(parse_method("split:4")).levels, 4);
   EXPECT_EQ(std::get<Gauss>(parse_method("gauss:16")).points, 16);
+  EXPECT_TRUE(std::holds_alternative<BoundaryElements>(parse_method("boundary-elements")));
+  EXPECT_EQ(std::get<Reduced>(parse_method("reduced:3")).steps, 3);
+  EXPECT_TRUE(std::holds_alternative<Recommended>(parse_method("recommended")));
+}
+
+TEST(Method, IntegratesOverTrianglesOrIsForWholeScenes) {
+  for (const Method& method : {Method{Exact{}}, Method{Split{4}}, Method{Gauss{8}}})
+    EXPECT_TRUE(is_integral(method)) << to_string(method);
+  for (const Method& method : {Method{BoundaryElements{}}, Method{Reduced{1}}, Method{Recommended{}}})
+    EXPECT_FALSE(is_integral(method)) << to_string(method);
 }
 
 TEST(Method, TextReadsBackAsTheSameMethod) {
-  for (const std::string text : {"exact", "split:0", "split:10", "gauss:1", "gauss:64"})
+  for (const std::string text : {"exact", "split:0", "split:10", "gauss:1", "gauss:64", "boundary-elements",
+                                 "reduced:1", "reduced:3", "recommended"})
     EXPECT_EQ(to_string(parse_method(text)), text);
 }
 
@@ -35,7 +46,8 @@ TEST_P(RefusedMethod, NamesItselfInTheError) {
 INSTANTIATE_TEST_SUITE_P(Texts, RefusedMethod,
                          testing::Values("", "Exact", "exact ", "split", "split:", "split:-1", "split:11",
                                          "split:4.0", "split:4x", "gauss:0", "gauss:65", "gauss: 4",
-                                         "reduced:2", "boundary-elements", "split:99999999999999999999"));
+                                         "reduced:", "reduced:0", "reduced:4", "reduced:2x", "reduced:-1",
+                                         "boundary-elements:3", "split:99999999999999999999"));
 
 }  // namespace
 }  // namespace fringe

@@ -85,7 +85,8 @@ TEST(EveryMethod, IsFiniteForATriangleInThePlatesPlaneBesideIt) {
 
 TEST(EveryMethod, RefusesParametersOutOfRange) {
   const Triangle& triangle = triangles.front().triangle;
-  for (const Method& method : {Method{Split{-1}}, Method{Split{11}}, Method{Gauss{0}}, Method{Gauss{65}}})
+  for (const Method& method : {Method{Split{-1}}, Method{Split{11}}, Method{Gauss{0}}, Method{Gauss{65}},
+                               Method{BoundaryElements{}}, Method{Reduced{2}}, Method{Recommended{}}})
     EXPECT_THROW(plate_integral(triangle, plate, method), InputError);
 }
 

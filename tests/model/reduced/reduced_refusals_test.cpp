@@ -66,12 +66,5 @@ TEST(ReducedRefusals, OptionsOutOfRange) {
   EXPECT_THAT(refusal(same, {.steps = 2, .rtol = NAN}), HasSubstr("rtol nan must be from"));
 }
 
-TEST(ReducedRefusals, TextsThatAreNoSteps) {
-  EXPECT_EQ(parse_reduced_steps("reduced:2"), 2);
-  EXPECT_EQ(parse_reduced_steps("exact"), std::nullopt);
-  for (const char* text : {"reduced:", "reduced:0", "reduced:4", "reduced:2x", "reduced:-1"})
-    EXPECT_THROW(parse_reduced_steps(text), InputError) << text;
-}
-
 }  // namespace
 }  // namespace fringe

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "fringe/boundary_elements.hpp"
+#include "fringe/capacitance.hpp"
+#include "fringe/correction.hpp"
+#include "fringe/method.hpp"
+#include "fringe/scene.hpp"
+
+namespace fringe {
+
+/// What is asked of the sensors of a scene. An option that is left empty has the method's default; one that
+/// the method does not have must be left empty.
+struct EvaluationOptions {
+  Method method = Exact{};
+  std::optional<PlateRule> plates = {};       ///< of the triangle-integral methods; default sum
+  std::optional<FaceRule> faces = {};         ///< of the triangle-integral methods; default all
+  std::optional<double> tolerance = {};       ///< of the triangle-integral methods; default 0
+  std::optional<Correction> correction = {};  ///< of the triangle-integral methods; default none
+  /// Largest relative error asked for: of boundary elements (default 1e-3), of the reduced method (1e-2, 1e-3
+  /// and 3e-4 for 1, 2 and 3 steps) and of `recommended` (1e-2).
+  std::optional<double> rtol = {};
+};
+
+/// Throws InputError for options that are out of range, cannot be combined or belong to another method.
+void validate(const EvaluationOptions& options);
+
+/// Returns the options of a triangle-integral method, defaults filled in. Throws InputError for another
+/// method, and for options that are out of range or cannot be combined.
+CapacitanceOptions integral_options(const EvaluationOptions& options);
+
+/// Returns the relative error asked for. Throws InputError for a method that has none, for one out of range
+/// and for options that the method does not have.
+double rtol_of(const EvaluationOptions& options);
+
+/// What the sensors of a scene feel, by any method.
+struct Evaluation {
+  SceneCapacitance capacitance;
+  std::optional<MaxwellMatrix> matrix;  ///< of boundary elements and the reduced method
+  /// The method that answered; "formula" for the correction of that name (model/CORRECTIONS.md).
+  std::string answered_by;
+  /// Whether the error stated is within the one asked for: with `recommended` that of each sensor's own entry
+  /// and of each object's capacitance (so does `matrix` then), otherwise that of every entry of the matrix.
+  /// True for methods of which no error can be asked.
+  bool reached = true;
+};
+
+/// Evaluates every sensor of a scene by any method. `recommended` answers by the first of these that states
+/// errors within the one asked for:
+///
+/// - the reduced method, if all bodies that it has to divide into triangles have 4,000 of them at most;
+/// - boundary elements of at most 3,000 unknowns;
+///
+/// else by the one of the two that states the smaller error, if that is at most 10 %, else by the correction
+/// `formula`, which states none.
+///
+/// @throws InputError for scenes that the method refuses, `recommended` for those that all three refuse; and
+/// for options that are out of range, cannot be combined or belong to another method.
+Evaluation evaluate(const Scene& scene, const EvaluationOptions& options = {});
+
+}  // namespace fringe

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "fringe/evaluation.hpp"
+#include "fringe/scene.hpp"
+#include "fringe/scene_collision.hpp"
+#include "fringe/scene_sensing.hpp"
+
+namespace fringe {
+
+/// A scene whose links move, and everything that can be asked of it. It owns the poses; what answers a
+/// question is prepared when the question is first asked, and then computes only what has moved since it
+/// last answered. Of each kind of question, the preparations for the options asked last are kept.
+class LiveScene {
+ public:
+  explicit LiveScene(Scene scene);
+  ~LiveScene();
+  LiveScene(LiveScene&&) noexcept;
+  LiveScene& operator=(LiveScene&&) noexcept;
+  LiveScene(const LiveScene&) = delete;
+  LiveScene& operator=(const LiveScene&) = delete;
+
+  /// Returns the scene in its present poses.
+  const Scene& scene() const;
+
+  /// Replaces a link's pose relative to its parent.
+  /// @throws InputError when no link has the name.
+  void set_pose(std::string_view link, const Eigen::Isometry3d& pose);
+
+  /// Evaluates every sensor as fringe::evaluate() does; valid until the next call. The counts are the work of
+  /// this call. Boundary elements begin anew every time.
+  const Evaluation& evaluate(const EvaluationOptions& options = {});
+
+  /// Finds the objects that collide, as fringe::collide() does; valid until the next call.
+  const SceneCollision& collide();
+
+  /// Evaluates the distance sensors, as fringe::sense() does.
+  std::vector<DistanceReading> sense(ConeMethod method = ConeMethod::field_of_view);
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace fringe

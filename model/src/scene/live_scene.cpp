@@ -1,0 +1,140 @@
+#include "fringe/live_scene.hpp"
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "fringe/pose.hpp"
+#include "fringe/reduced_capacitance.hpp"
+#include "fringe/scene_evaluator.hpp"
+#include "geometry/link_motion.hpp"
+#include "scene/recommended_method.hpp"
+
+namespace fringe {
+namespace {
+
+bool same(const CapacitanceOptions& a, const CapacitanceOptions& b) {
+  return to_string(a.method) == to_string(b.method) && a.plates == b.plates && a.faces == b.faces &&
+         a.tolerance == b.tolerance && a.correction == b.correction;
+}
+
+}  // namespace
+
+class LiveScene::Implementation {
+ public:
+  explicit Implementation(Scene scene)
+      : scene_(std::move(scene)), poses_(std::make_shared<detail::LinkPoses>(scene_.links)) {}
+
+  const Scene& scene() const { return scene_; }
+
+  void set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
+    poses_->set_pose(link, pose);
+    fringe::set_pose(scene_, link, pose);
+  }
+
+  const Evaluation& evaluate(const EvaluationOptions& options) {
+    if (is_integral(options.method))
+      integrate(options);
+    else if (std::holds_alternative<Recommended>(options.method))
+      choose(options);
+    else
+      find_matrix(options);
+    return answer_;
+  }
+
+  const SceneCollision& collide() {
+    if (!detector_)
+      detector_.emplace(scene_, poses_);
+    return detector_->collide();
+  }
+
+  std::vector<DistanceReading> sense(ConeMethod method) {
+    if (!sensing_ || method != sensing_method_) {
+      sensing_.emplace(scene_, method, poses_);
+      sensing_method_ = method;
+    }
+    return sensing_->sense();
+  }
+
+ private:
+  /// Answers by a triangle-integral method or a correction.
+  void integrate(const EvaluationOptions& asked) {
+    const CapacitanceOptions options = integral_options(asked);
+    if (!evaluator_ || !same(options, evaluator_options_)) {
+      evaluator_.emplace(scene_, options, poses_);
+      evaluator_options_ = options;
+      evaluator_name_ =
+          options.correction == Correction::none ? to_string(options.method) : to_string(options.correction);
+    }
+    answer_.answered_by = evaluator_name_;
+    answer_.capacitance = evaluator_->capacitance();
+    answer_.matrix.reset();
+    answer_.reached = true;
+  }
+
+  /// Answers by boundary elements or the reduced method.
+  void find_matrix(const EvaluationOptions& asked) {
+    const double rtol = rtol_of(asked);
+    answer_.answered_by = to_string(asked.method);
+    if (const auto* method = std::get_if<Reduced>(&asked.method)) {
+      const ReducedOptions options{method->steps, asked.rtol};
+      if (!reduced_ || options.steps != reduced_options_.steps || options.rtol != reduced_options_.rtol) {
+        reduced_.emplace(scene_, options, poses_);
+        reduced_options_ = options;
+      }
+      answer_.matrix = reduced_->maxwell();
+    } else {
+      answer_.matrix = maxwell(scene_, {.rtol = rtol});
+    }
+    answer_.capacitance = capacitance(scene_, *answer_.matrix, answer_.answered_by);
+    answer_.reached = answer_.matrix->reached;
+  }
+
+  /// Answers by the method `recommended`.
+  void choose(const EvaluationOptions& asked) {
+    const double rtol = rtol_of(asked);
+    if (!recommended_ || recommended_->rtol() != rtol)
+      recommended_.emplace(rtol, poses_);
+    answer_ = recommended_->evaluate(scene_);
+  }
+
+  Scene scene_;
+  std::shared_ptr<detail::LinkPoses> poses_;
+  std::optional<SceneEvaluator> evaluator_;
+  CapacitanceOptions evaluator_options_;
+  std::string evaluator_name_;  ///< of its method or correction
+  std::optional<ReducedEvaluator> reduced_;
+  ReducedOptions reduced_options_;
+  std::optional<detail::RecommendedMethod> recommended_;
+  std::optional<CollisionDetector> detector_;
+  std::optional<SceneSensing> sensing_;
+  ConeMethod sensing_method_ = ConeMethod::field_of_view;
+  Evaluation answer_;
+};
+
+LiveScene::LiveScene(Scene scene) : implementation_(std::make_unique<Implementation>(std::move(scene))) {}
+LiveScene::~LiveScene() = default;
+LiveScene::LiveScene(LiveScene&&) noexcept = default;
+LiveScene& LiveScene::operator=(LiveScene&&) noexcept = default;
+
+const Scene& LiveScene::scene() const {
+  return implementation_->scene();
+}
+
+void LiveScene::set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
+  implementation_->set_pose(link, pose);
+}
+
+const Evaluation& LiveScene::evaluate(const EvaluationOptions& options) {
+  return implementation_->evaluate(options);
+}
+
+const SceneCollision& LiveScene::collide() {
+  return implementation_->collide();
+}
+
+std::vector<DistanceReading> LiveScene::sense(ConeMethod method) {
+  return implementation_->sense(method);
+}
+
+}  // namespace fringe

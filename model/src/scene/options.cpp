@@ -1,0 +1,95 @@
+#include <cmath>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "fringe/capacitance.hpp"
+#include "fringe/error.hpp"
+#include "fringe/evaluation.hpp"
+#include "fringe/reduced_capacitance.hpp"
+
+/// Which options go with which method: here and nowhere else.
+
+namespace fringe {
+
+PlateRule parse_plate_rule(std::string_view text) {
+  if (text == "sum")
+    return PlateRule::sum;
+  if (text == "nearest")
+    return PlateRule::nearest;
+  throw InputError(fmt::format("plates '{}' is not known: it must be sum or nearest", text));
+}
+
+FaceRule parse_face_rule(std::string_view text) {
+  if (text == "all")
+    return FaceRule::all;
+  if (text == "facing")
+    return FaceRule::facing;
+  throw InputError(fmt::format("faces '{}' is not known: it must be all or facing", text));
+}
+
+std::string to_string(PlateRule rule) {
+  return rule == PlateRule::sum ? "sum" : "nearest";
+}
+
+std::string to_string(FaceRule rule) {
+  return rule == FaceRule::all ? "all" : "facing";
+}
+
+void validate(const CapacitanceOptions& options) {
+  if (!is_integral(options.method))
+    throw InputError(fmt::format("{} is not a triangle-integral method", to_string(options.method)));
+  if (!std::isfinite(options.tolerance) || options.tolerance < 0)
+    throw InputError(fmt::format("tolerance {} must be finite and not negative", options.tolerance));
+  if (options.tolerance > 0 && !std::holds_alternative<Exact>(options.method))
+    throw InputError(fmt::format("a tolerance needs the method exact: {} does not know its own error",
+                                 to_string(options.method)));
+  if (options.correction == Correction::none)
+    return;
+  // Each correction determines itself which faces count and how they are integrated.
+  if (!std::holds_alternative<Exact>(options.method) || options.plates != PlateRule::sum ||
+      options.faces != FaceRule::all || options.tolerance > 0)
+    throw InputError(fmt::format("correction {}: method, plates, faces and tolerance must be their defaults",
+                                 to_string(options.correction)));
+}
+
+void validate(const EvaluationOptions& options) {
+  if (is_integral(options.method))
+    integral_options(options);
+  else
+    rtol_of(options);
+}
+
+CapacitanceOptions integral_options(const EvaluationOptions& options) {
+  if (options.rtol)
+    throw InputError("rtol is an option of the methods boundary-elements, reduced:K and recommended");
+  const CapacitanceOptions defaults;
+  const CapacitanceOptions asked{
+      options.method, options.plates.value_or(defaults.plates), options.faces.value_or(defaults.faces),
+      options.tolerance.value_or(defaults.tolerance), options.correction.value_or(defaults.correction)};
+  validate(asked);
+  return asked;
+}
+
+double rtol_of(const EvaluationOptions& options) {
+  const auto refuse = [&](bool is_given, std::string_view option) {
+    if (is_given)
+      throw InputError(fmt::format("{} is an option of the triangle-integral methods, not of {}", option,
+                                   to_string(options.method)));
+  };
+  refuse(options.plates.has_value(), "plates");
+  refuse(options.faces.has_value(), "faces");
+  refuse(options.tolerance.has_value(), "tolerance");
+  refuse(options.correction.has_value(), "correction");
+  if (const auto* reduced = std::get_if<Reduced>(&options.method))
+    return rtol_of(ReducedOptions{reduced->steps, options.rtol});
+  /// Default error of the method `recommended`, relative.
+  constexpr double recommended_rtol = 1e-2;
+  const double usual =
+      std::holds_alternative<Recommended>(options.method) ? recommended_rtol : BoundaryElementOptions{}.rtol;
+  const double rtol = options.rtol.value_or(usual);
+  validate(BoundaryElementOptions{.rtol = rtol});
+  return rtol;
+}
+
+}  // namespace fringe

@@ -1,0 +1,131 @@
+#include "scene/recommended_method.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "fringe/error.hpp"
+#include "fringe/triangulation.hpp"
+#include "numeric/infinity.hpp"
+
+namespace fringe::detail {
+namespace {
+
+/// Largest number of triangles that the reduced method may have to prepare, of all bodies that are neither
+/// plates nor boxes: some seconds, once for all poses.
+constexpr std::size_t most_prepared_triangles = 4'000;
+
+/// Largest number of unknowns of boundary elements: some seconds for each pose. The default of 20,000 would
+/// be minutes.
+constexpr std::size_t most_unknowns = 3'000;
+
+/// Largest stated error, relative, with which a matrix is used that is not as accurate as asked. The mean
+/// actual error is a quarter of what is stated, so that beyond this the 2 % (rms) of the formula are no
+/// worse.
+constexpr double most_stated_error = 0.1;
+
+/// Returns the number of steps with which the reduced method begins.
+int first_steps(double rtol) {
+  int steps = 1;
+  while (steps < most_reduced_steps && rtol < rtol_of(ReducedOptions{steps, std::nullopt}))
+    ++steps;
+  return steps;
+}
+
+std::size_t prepared_triangles(const Scene& scene) {
+  std::size_t triangles = 0;
+  for (const Object& object : scene.objects)
+    if (!std::holds_alternative<Plate>(object.shape) && !std::holds_alternative<Cuboid>(object.shape))
+      triangles += triangulate(object.shape).size();
+  return triangles;
+}
+
+/// Returns the largest relative error of the entries that tell what a sensor feels: its own, and those of the
+/// objects in its row. Infinity if one of them is not known.
+double largest_error(const MaxwellMatrix& matrix) {
+  double largest = 0;
+  const auto sensors = static_cast<Eigen::Index>(matrix.sensors);
+  for (Eigen::Index sensor = 0; sensor < sensors; ++sensor)
+    for (Eigen::Index other = 0; other < matrix.values.cols(); ++other) {
+      if (other < sensors && other != sensor)
+        continue;
+      const double error = matrix.errors(sensor, other) / std::abs(matrix.values(sensor, other));
+      largest = std::isnan(error) ? infinity : std::max(largest, error);
+    }
+  return largest;
+}
+
+}  // namespace
+
+RecommendedMethod::RecommendedMethod(double rtol, std::shared_ptr<LinkPoses> poses)
+    : rtol_(rtol), poses_(std::move(poses)) {}
+
+Evaluation RecommendedMethod::evaluate(const Scene& scene) {
+  std::optional<Candidate> best = by_reduced_method(scene);
+  if (!best || !(best->error <= rtol_))
+    if (std::optional<Candidate> other = by_boundary_elements(scene);
+        other && (!best || other->error < best->error))
+      best = std::move(other);
+  if (!best || !(best->error <= std::max(rtol_, most_stated_error))) {
+    try {
+      return by_formula(scene);
+    } catch (const InputError& error) {
+      if (!best)
+        throw InputError(
+            refusal_ == error.what() ? refusal_ : fmt::format("{}; the formula: {}", refusal_, error.what()));
+    }
+  }
+  const bool reached = best->matrix.reached = best->error <= rtol_;
+  SceneCapacitance felt = capacitance(scene, best->matrix, best->method);
+  return {std::move(felt), std::move(best->matrix), std::move(best->method), reached};
+}
+
+std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_reduced_method(const Scene& scene) {
+  const int steps = first_steps(rtol_);
+  try {
+    if (!reduced_ && !reduced_refuses_) {
+      reduced_refuses_ = true;
+      if (prepared_triangles(scene) > most_prepared_triangles)
+        return std::nullopt;
+      reduced_.emplace(scene, ReducedOptions{steps, rtol_}, poses_);
+      reduced_refuses_ = false;
+    }
+    if (reduced_refuses_)
+      return std::nullopt;
+    const MaxwellMatrix& matrix = reduced_->maxwell();
+    return Candidate{matrix, to_string(Method(Reduced{steps})), largest_error(matrix)};
+  } catch (const InputError& error) {
+    refusal_ = error.what();
+    return std::nullopt;
+  }
+}
+
+std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_boundary_elements(const Scene& scene) {
+  try {
+    MaxwellMatrix matrix = maxwell(scene, {.rtol = rtol_, .most_unknowns = most_unknowns});
+    const double error = largest_error(matrix);
+    return Candidate{std::move(matrix), to_string(Method(BoundaryElements{})), error};
+  } catch (const InputError& error) {
+    refusal_ = error.what();
+    return std::nullopt;
+  }
+}
+
+Evaluation RecommendedMethod::by_formula(const Scene& scene) {
+  if (!formula_)
+    formula_.emplace(scene, CapacitanceOptions{.correction = Correction::formula}, poses_);
+  SceneCapacitance felt = formula_->capacitance();
+  bool reached = true;
+  for (SensorCapacitance& sensor : felt.sensors)
+    for (ObjectCapacitance& object : sensor.objects) {
+      // That two conductors in contact have no finite capacitance is certain.
+      if (std::isinf(object.capacitance))
+        object.error = 0;
+      reached = reached && object.error.has_value();
+    }
+  return {std::move(felt), std::nullopt, to_string(Correction::formula), reached};
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "fringe/evaluation.hpp"
+#include "fringe/reduced_capacitance.hpp"
+#include "fringe/scene_evaluator.hpp"
+#include "geometry/link_motion.hpp"
+
+namespace fringe::detail {
+
+/// The method `recommended` for a scene whose links move (fringe/evaluation.hpp).
+class RecommendedMethod {
+ public:
+  /// Prepares nothing yet: each of the three methods is prepared when it is first needed.
+  RecommendedMethod(double rtol, std::shared_ptr<LinkPoses> poses);
+
+  double rtol() const { return rtol_; }
+
+  /// Evaluates every sensor of the scene, which must be the same in every call, except for its poses.
+  /// @throws InputError for scenes that all methods refuse.
+  Evaluation evaluate(const Scene& scene);
+
+ private:
+  /// The matrix of one method, and what it states of its errors.
+  struct Candidate {
+    MaxwellMatrix matrix;
+    std::string method;
+    double error;  ///< largest one that matters to a sensor, relative
+  };
+
+  std::optional<Candidate> by_reduced_method(const Scene& scene);
+  std::optional<Candidate> by_boundary_elements(const Scene& scene);
+  Evaluation by_formula(const Scene& scene);
+
+  double rtol_;
+  std::shared_ptr<LinkPoses> poses_;
+  std::optional<ReducedEvaluator> reduced_;
+  bool reduced_refuses_ = false;  ///< in every pose
+  std::string refusal_;           ///< why a method that finds a matrix last refused
+  std::optional<SceneEvaluator> formula_;
+};
+
+}  // namespace fringe::detail

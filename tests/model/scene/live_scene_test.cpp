@@ -1,0 +1,132 @@
+#include "fringe/live_scene.hpp"
+
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "fringe/error.hpp"
+#include "fringe/pose.hpp"
+
+namespace fringe {
+namespace {
+
+Eigen::Isometry3d shifted(double x, double y, double z) {
+  return pose_from_axis({0, 0, 1}, 0, {x, y, z});
+}
+
+/// Returns a sensor with two bodies: one fixed, the other on the link "arm", where a distance sensor sits
+/// too.
+Scene bench() {
+  Scene scene;
+  scene.links = {{"arm", std::nullopt, shifted(0, 0, 0.05)}};
+  Sensor sensor;
+  sensor.name = "sensor";
+  sensor.plates = {{{-0.05, -0.05, 0}, {0.1, 0, 0}, {0, 0.1, 0}}};
+  scene.sensors = {sensor};
+  scene.distance_sensors = {{"eye", 0, {0, 0, -0.02}, {0, 0, -1}, 40, 5}};
+  scene.objects = {{"hand", 0, Cuboid{0.05, 0.04, 0.03}, Eigen::Isometry3d::Identity(), Grounded{}, true},
+                   {"fixed", std::nullopt, Plate{0.1, 0.1}, shifted(0.3, 0, 0), Grounded{}, true}};
+  return scene;
+}
+
+const Eigen::Isometry3d moved = pose_from_axis({1, 2, 0}, 25, {0.01, 0.02, 0.08});
+
+std::vector<EvaluationOptions> questions() {
+  return {{},
+          {.method = Split{3}},
+          {.tolerance = 1e-3},
+          {.correction = Correction::formula},
+          {.correction = Correction::recommended},
+          {.method = Reduced{2}},
+          {.method = BoundaryElements{}, .rtol = 1e-2},
+          {.method = Recommended{}}};
+}
+
+TEST(LiveScene, MovedAnswersAsTheSceneAfresh) {
+  LiveScene live(bench());
+  for (const EvaluationOptions& options : questions())
+    live.evaluate(options);
+  live.set_pose("arm", moved);
+  Scene scene = bench();
+  set_pose(scene, "arm", moved);
+  for (const EvaluationOptions& options : questions()) {
+    const Evaluation &answer = live.evaluate(options), fresh = evaluate(scene, options);
+    EXPECT_EQ(answer.answered_by, fresh.answered_by);
+    for (std::size_t object = 0; object < 2; ++object) {
+      const ObjectCapacitance& felt = answer.capacitance.sensors[0].objects[object];
+      const ObjectCapacitance& expected = fresh.capacitance.sensors[0].objects[object];
+      EXPECT_NEAR(felt.capacitance / expected.capacitance, 1, 1e-9 + options.tolerance.value_or(0))
+          << fresh.answered_by << ' ' << object;
+      EXPECT_EQ(felt.answered_by, expected.answered_by);
+      EXPECT_EQ(felt.error.has_value(), expected.error.has_value());
+    }
+  }
+}
+
+TEST(LiveScene, IsOneOwnerOfPosesForEveryQuestion) {
+  LiveScene live(bench());
+  live.evaluate();
+  live.collide();
+  live.sense();
+  live.set_pose("arm", shifted(0.3, 0, 0));
+  EXPECT_EQ(live.scene().links[0].pose.translation().x(), 0.3);
+  ASSERT_EQ(live.collide().marked.size(), 1);
+  EXPECT_EQ(live.collide().marked[0].status, PairStatus::collision);
+  // The eye now looks down on the fixed plate.
+  live.set_pose("arm", shifted(0.3, 0, 0.22));
+  EXPECT_NEAR(live.sense()[0].closest.value().distance, 0.2, 1e-12);
+  EXPECT_TRUE(live.collide().marked.empty());
+}
+
+TEST(LiveScene, EvaluatesOnlyWhatMovedSinceTheSameQuestionWasAnswered) {
+  LiveScene live(bench());
+  EXPECT_EQ(live.evaluate().capacitance.counts.objects_evaluated, 2);
+  EXPECT_EQ(live.evaluate().capacitance.counts.objects_reused, 2);
+  live.set_pose("arm", moved);
+  // Another question, answered in between, does not make the first one forget the move.
+  live.collide();
+  live.evaluate({.method = Reduced{1}});
+  const EvaluationCounts& counts = live.evaluate().capacitance.counts;
+  EXPECT_EQ(counts.objects_evaluated, 1);
+  EXPECT_EQ(counts.objects_reused, 1);
+  EXPECT_EQ(counts.triangles_reused, 2);
+  EXPECT_EQ(live.evaluate().capacitance.counts.objects_reused, 2);
+}
+
+TEST(LiveScene, TestsOnlyWhatMovedForCollisions) {
+  LiveScene live(bench());
+  EXPECT_GT(live.collide().tests.broad, 0);
+  live.evaluate();
+  EXPECT_EQ(live.collide().tests.broad, 0);
+}
+
+TEST(LiveScene, AnswersAnotherMethodInBetweenAndTheFirstOneAgain) {
+  LiveScene live(bench());
+  const double exact = live.evaluate().capacitance.sensors[0].total;
+  EXPECT_EQ(live.evaluate({.method = Recommended{}}).answered_by, "reduced:1");
+  EXPECT_TRUE(live.evaluate({.method = Recommended{}}).matrix);
+  const Evaluation& again = live.evaluate();
+  EXPECT_EQ(again.answered_by, "exact");
+  EXPECT_FALSE(again.matrix);
+  EXPECT_EQ(again.capacitance.sensors[0].total, exact);
+}
+
+TEST(LiveScene, RecommendedFollowsThePosesFromOneMethodToAnother) {
+  LiveScene live(bench());
+  const EvaluationOptions recommended{.method = Recommended{}};
+  EXPECT_EQ(live.evaluate(recommended).answered_by, "reduced:1");
+  // In contact with the sensor.
+  live.set_pose("arm", shifted(0, 0, 0.015));
+  EXPECT_EQ(live.evaluate(recommended).answered_by, "formula");
+  live.set_pose("arm", shifted(0, 0, 0.05));
+  EXPECT_EQ(live.evaluate(recommended).answered_by, "reduced:1");
+}
+
+TEST(LiveScene, RefusesAnUnknownLinkAndAnswersOn) {
+  LiveScene live(bench());
+  EXPECT_THROW(live.set_pose("leg", moved), InputError);
+  EXPECT_EQ(live.evaluate().capacitance.sensors.size(), 1);
+}
+
+}  // namespace
+}  // namespace fringe
