@@ -1,7 +1,7 @@
 """Command line: python3 -m fem_reference SCENE [options].
 
-Options are --rtol R, --error KIND, --columns NAME,…, --max-seconds, --max-unknowns, --max-memory, --no-symmetry, --json,
---output F.vtu and --slice F.
+Options are --rtol R, --error KIND, --columns NAME,…, --max-seconds, --max-unknowns, --max-memory, --no-symmetry, --geometry KIND,
+--wrap-alpha M, --wrap-offset M, --json, --output F.vtu and --slice F.
 """
 
 from __future__ import annotations
@@ -100,6 +100,27 @@ def _parser(program: str) -> argparse.ArgumentParser:
         action="store_true",
         help="mesh the whole of space even if the scene is its own mirror image; slower, for checking the use of symmetry",
     )
+    parser.add_argument(
+        "--geometry",
+        choices=("exact", "wrapped", "auto"),
+        default="auto",
+        help="exact: mesh every body as it is, and refuse meshes that bound no solid; wrapped: replace the objects of every conductor by "
+        "a closed surface around them; auto: only where they cannot be meshed as they are (default)",
+    )
+    parser.add_argument(
+        "--wrap-alpha",
+        metavar="M",
+        type=_positive,
+        help="radius in metres of the narrowest hollow that such a surface follows (default: 0.8 of the distance to the nearest other "
+        "conductor, at most 0.05 of the extent)",
+    )
+    parser.add_argument(
+        "--wrap-offset",
+        metavar="M",
+        type=_positive,
+        help="distance in metres of such a surface from what it contains (default: --rtol, within 2e-3 and 2e-2, times the distance to "
+        "the nearest other conductor)",
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON document and nothing else")
     parser.add_argument(
         "--output",
@@ -132,6 +153,7 @@ def main(arguments: list[str] | None = None) -> int:
     _prepare_libraries()
     from mpi4py import MPI
 
+    from fem_reference.bodies.wrapping import Geometry
     from fem_reference.common.limits import Limits
     from fem_reference.output import documents
 
@@ -164,6 +186,7 @@ def main(arguments: list[str] | None = None) -> int:
             limits,
             options.columns,
             not options.no_symmetry,
+            Geometry(options.geometry, options.wrap_alpha, options.wrap_offset),
         )
     except InputError as wrong:
         print(f"fem_reference: {wrong}", file=error_stream)

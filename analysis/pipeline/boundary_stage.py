@@ -50,22 +50,10 @@ def _answer_or_refusal(scene: Path, described: Scene, wanted: float) -> Document
     if any(isinstance(body.shape, Arc | Cone | Cylinder | Sphere) for body in described.objects):
         return {"refused": _ROUND}
     try:
-        return _answer(model_stage.model_module().Scene.load(str(scene)).maxwell(rtol=wanted))
+        solved: Document = model_stage.model_module().Scene.load(str(scene)).maxwell(rtol=wanted)
     except ValueError as error:
         return {"refused": _without_place(str(error), scene)}
-
-
-def _answer(solved: Document) -> Document:
-    return {
-        "conductors": list(solved["conductors"]),
-        "maxwell": solved["maxwell"].tolist(),
-        "error": solved["error"].tolist(),
-        "lower_bounds": [bool(bound) for bound in solved["lower_bounds"]],
-        "delta_self": solved["delta_self"],
-        "reached": bool(solved["reached"]),
-        "unknowns": int(solved["unknowns"]),
-        "seconds": float(solved["seconds"]),
-    }
+    return solved
 
 
 def _without_place(reason: str, scene: Path) -> str:

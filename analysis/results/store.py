@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from geometries.common.files import whole_file
 
 Document = dict[str, Any]
@@ -24,8 +26,8 @@ def write_text(path: Path, text: str) -> None:
 
 
 def write_json(path: Path, document: Document) -> None:
-    """Writes a JSON document, whole or not at all."""
-    write_text(path, json.dumps(document, indent=1) + "\n")
+    """Writes a JSON document, whole or not at all; NumPy arrays in it are written as lists."""
+    write_text(path, json.dumps(document, indent=1, default=np.ndarray.tolist) + "\n")
 
 
 def read_json(path: Path) -> Document | None:

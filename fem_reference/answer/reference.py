@@ -16,6 +16,7 @@ from scipy.constants import epsilon_0
 from fem_reference.answer.best_value import best_value
 from fem_reference.answer.checks import checked
 from fem_reference.answer.convergence import Estimate, estimate, open_boundary_error, shared_error
+from fem_reference.answer.wrapped import GeometryError, geometry_error
 from fem_reference.bodies.distant import LeftOut, is_negligible, without_distant
 from fem_reference.solve.enclosure import Enclosure, intersection, with_left_out
 from fem_reference.solve.level import Bounds, Level, solve_level
@@ -24,6 +25,7 @@ from fem_reference.mesh.tagged_mesh import OUTER_RADIUS
 from fem_reference.bodies.conductors import Conductors, Dielectric, conductors
 from fem_reference.mesh.size_rules import Sizing, growth_for
 from fem_reference.bodies.symmetry import Plane, exchanges, mirror_planes
+from fem_reference.bodies.wrapping import Geometry, Wrap
 from geometries.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -70,6 +72,14 @@ class Reference:
     """Whether ground is the walls of a room rather than infinity."""
     left_out: tuple[LeftOut, ...] = ()
     """Distant bodies that were left out of the mesh; the errors and the interval account for them."""
+    members: tuple[tuple[str, ...], ...] = ()
+    """The bodies that each conductor in `names` consists of."""
+    wraps: tuple[Wrap, ...] = ()
+    """The surfaces that were solved in the place of bodies that could not be meshed as they are; lengths over the scene's unit."""
+    unit: float = 1.0
+    """Unit of length (m) of `wraps`."""
+    geometry: GeometryError | None = None
+    """What the wraps cost, if there are any; the errors and the interval account for it."""
     stopped_by: str | None = None
     """The limit that ended the refinement, if one did."""
     contradicted: str | None = None
@@ -107,6 +117,19 @@ class Reference:
         return float(max(np.max(pair.error / np.abs(pair.value)) for pair in pairs))
 
     @property
+    def charges(self) -> tuple[Array, ...]:
+        """For each conductor the charges (members, n) on its bodies per volt on each conductor; their sum is the row of `maxwell`.
+
+        The row is divided in the proportions of the finest mesh, up to what these miss of the row.
+        """
+        if not self.levels[-1].body_charges:
+            return tuple(row[None] for row in self.maxwell.value)
+        return tuple(
+            own + (row - own.sum(axis=0)) * np.abs(own) / np.abs(own).sum(axis=0)
+            for own, row in zip(self.levels[-1].body_charges, self.maxwell.value)
+        )
+
+    @property
     def lower(self) -> Array:
         if self.enclosure is not None:
             return self.enclosure.lower
@@ -133,6 +156,7 @@ def maxwell(
     error: ErrorKind = "enclosure",
     columns: Sequence[str] = (),
     symmetry: bool = True,
+    geometry: Geometry = Geometry(),
 ) -> Reference:
     """Solve the scene on finer and finer meshes until every entry's relative error is at most `rtol`.
 
@@ -141,18 +165,24 @@ def maxwell(
     reached) when the next level would end after `max_seconds`, have more than `max_unknowns` or take more than `max_memory` bytes.
     `progress` is called after each level with the level and the largest relative error so far; `source` names the scene in error
     messages. With `columns`, names of conductors, only their rows and columns are solved and returned, and the other conductors are
-    grounded. Without `symmetry` the whole of space is meshed even if the scene is its own mirror image. Raises InputError for
-    scenes that cannot be solved, RuntimeError when the mesher or the solver fails.
+    grounded. Without `symmetry` the whole of space is meshed even if the scene is its own mirror image. `geometry` says which bodies
+    are wrapped, and how closely. Raises InputError for scenes that cannot be solved, RuntimeError when the mesher or the solver fails.
     """
     limits = Limits(max_seconds, max_unknowns, max_memory)
+    geometry = replace(geometry, rtol=rtol)
+    problem = conductors(scene, source, columns, geometry)
+    coarser = None
+    if problem.wraps:
+        coarser = conductors(scene, source, columns, replace(geometry, coarseness=2 * geometry.coarseness))
     return solve_conductors(
-        conductors(scene, source, columns),
+        problem,
         scene.medium.relative_permittivity,
         rtol,
         limits,
         progress,
         error,
         symmetry,
+        coarser,
     )
 
 
@@ -164,14 +194,16 @@ def solve_conductors(
     progress: Progress | None = None,
     error: ErrorKind = "enclosure",
     symmetry: bool = True,
+    coarser: Conductors | None = None,
 ) -> Reference:
-    """Solve as `maxwell` does, for conductors given as bodies."""
+    """Solve as `maxwell` does, for conductors given as bodies; `coarser` are the same, with wraps of twice the offset."""
     start = time.monotonic()
     growth = growth_for(rtol)
     whole = problem
     problem, left_out = without_distant(whole, epsilon_0 * relative_permittivity, rtol)
     planes = _planes(problem, symmetry)
     levels: list[Level] = []
+    shape: GeometryError | None = None
     next_enclosed = 0
     while True:
         number = len(levels)
@@ -192,8 +224,19 @@ def solve_conductors(
             problem, left_out, planes = whole, (), _planes(whole, symmetry)
             continue
         levels.append(level)
+        if coarser is not None and shape is None:
+            other = solve_level(coarser, relative_permittivity, sizing, "none", _planes(coarser, symmetry))
+            shape = geometry_error(whole, level, other)
         answer = _combined(
-            problem, relative_permittivity, levels, rtol, growth, time.monotonic() - start, planes, bound
+            problem,
+            relative_permittivity,
+            levels,
+            rtol,
+            growth,
+            time.monotonic() - start,
+            planes,
+            bound,
+            shape,
         )
         answer = replace(answer, left_out=left_out)
         if progress is not None:
@@ -242,11 +285,12 @@ def _combined(
     seconds: float,
     planes: Sequence[Plane],
     left_out: Array,
+    shape: GeometryError | None,
 ) -> Reference:
     """Extrapolate the levels, and add the errors that all levels share.
 
-    These are the errors of the open boundary, of the elements away from the edges, and of the bodies left out: `left_out` (n,)
-    bounds what these bodies may add to the diagonal.
+    These are the errors of the open boundary, of the elements away from the edges, of the bodies left out, and of wraps: `left_out`
+    (n,) bounds what these bodies may add to the diagonal, and `shape` is what wraps cost.
     """
     farads = epsilon_0 * relative_permittivity * problem.unit
     finest = levels[-1].maxwell
@@ -265,22 +309,28 @@ def _combined(
     change_error = change.error + (relative_boundary + shared_error(growth)) * np.abs(change.value)
     change_error += left_out[: problem.sensors]
     value = matrix.value
+    delta_self = Estimate(change.value, change_error, change.extrapolated)
     proven = [level.enclosure for level in levels if level.enclosure is not None]
     interval = with_left_out(intersection(proven), left_out) if proven else None
     contradicted = None
+    if shape is not None:
+        interval = None if interval is None else shape.widened(interval)
+        value, matrix_error = shape.corrected(value, matrix_error)
+        delta_self = shape.corrected_change(delta_self)
     if interval is not None:
         value = np.clip(value, interval.lower, interval.upper)
         matrix_error = np.minimum(matrix_error, np.maximum(value - interval.lower, interval.upper - value))
         answer = Estimate(value, matrix_error, matrix.extrapolated)
     else:
         check = None if levels[0].check is None else with_left_out(levels[0].check, left_out)
+        check = check if check is None or shape is None else shape.widened(check)
         estimated = Estimate(value, matrix_error, matrix.extrapolated)
         answer, contradicted = checked(estimated, _exchanges(problem), check)
     return Reference(
         names=problem.names,
         sensors=problem.sensors,
         maxwell=answer,
-        delta_self=Estimate(change.value, change_error, change.extrapolated),
+        delta_self=delta_self,
         levels=tuple(levels),
         rtol=rtol,
         seconds=seconds,
@@ -293,6 +343,10 @@ def _combined(
         planes=tuple(problem.in_metres(plane) for plane in planes),
         enclosure=interval,
         contradicted=contradicted,
+        members=problem.members[: len(problem.names)],
+        wraps=problem.wraps,
+        unit=problem.unit,
+        geometry=shape,
     )
 
 

@@ -19,6 +19,8 @@ from scipy.spatial.distance import cdist
 from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle, separation
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
+from fem_reference.bodies.soup import Soup, Surface
+from fem_reference.bodies.triangle_distances import soup_distance
 
 Vector = NDArray[np.float64]
 
@@ -38,6 +40,8 @@ SHRINKING = 1e-6
 """Share of its size by which a body is shrunk to decide whether it overlaps another body or only touches it."""
 FLAT = 1e-7
 """Largest distance from a plane, over the bounding radius of a piece, at which points count as lying in the plane."""
+CUBOID_FACES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+"""The faces of a cuboid as numbers of its corners."""
 ARC_TOLERANCE = 1e-4
 """Largest distance by which the convex pieces that cover an arc may exceed it, over its size."""
 
@@ -85,17 +89,18 @@ class Piece:
         return len(face) >= 3
 
 
-def distance(first: Body, second: Body) -> float:
+def distance(first: Surface, second: Surface) -> float:
     """The shortest distance (m) between two bodies, too small by a factor of at most DISTANCE_TOLERANCE; 0 when they meet.
 
-    Distances from a polyhedron are those from its surface, for bodies inside of it too.
+    Distances from triangles are those from their surface, for bodies inside of it too.
     """
     if isinstance(first, Rectangle | Cuboid) and isinstance(second, Rectangle | Cuboid):
         return separation(first, second)
-    one, other = pieces(first), pieces(second)
-    centres = [np.array([piece.centre for piece in each]) for each in (one, other)]
-    reaches = [np.array([piece.reach for piece in each]) for each in (one, other)]
-    least = cdist(*centres) - reaches[0][:, None] - reaches[1][None]
+    triangles = triangles_of(first), triangles_of(second)
+    if triangles[0] is not None and triangles[1] is not None:
+        return soup_distance(triangles[0], triangles[1])
+    one, other = _Pieces(first), _Pieces(second)
+    least = cdist(one.centres, other.centres) - one.reaches[:, None] - other.reaches[None]
     i, j = np.unravel_index(least.argmin(), least.shape)
     best = _piece_distance(one[i], other[j])
     close = np.argwhere(least < best)
@@ -106,6 +111,38 @@ def distance(first: Body, second: Body) -> float:
     return best
 
 
+def triangles_of(body: Surface) -> Vector | None:
+    """The triangles (n, 3, 3) of the surface of a body without round surfaces; None for other bodies."""
+    if isinstance(body, Soup):
+        return body.triangles
+    if isinstance(body, Polyhedron):
+        return np.asarray(body.vertices[body.triangles])
+    if isinstance(body, Rectangle):
+        return np.asarray(body.corners[[[0, 1, 2], [0, 2, 3]]])
+    if isinstance(body, Cuboid):
+        quads = np.array(CUBOID_FACES)
+        return np.asarray(body.corners[np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])])
+    return None
+
+
+class _Pieces:
+    """The convex pieces of a body with the balls around them; those of triangles are made when they are asked for."""
+
+    def __init__(self, body: Surface) -> None:
+        triangles = triangles_of(body) if isinstance(body, Polyhedron | Soup) else None
+        self._pieces: Vector | list[Piece] = pieces(body) if triangles is None else triangles
+        if triangles is None:
+            self.centres = np.array([piece.centre for piece in self._pieces])
+            self.reaches = np.array([piece.reach for piece in self._pieces])
+        else:
+            self.centres = triangles.mean(axis=1)
+            self.reaches = np.linalg.norm(triangles - self.centres[:, None], axis=2).max(axis=1)
+
+    def __getitem__(self, k: int) -> Piece:
+        piece = self._pieces[k]
+        return piece if isinstance(piece, Piece) else Piece(piece)
+
+
 def in_contact(first: Body, second: Body) -> bool:
     """Whether two bodies touch; always False for shapes that may not."""
     if not (isinstance(first, MAY_TOUCH) and isinstance(second, MAY_TOUCH)):
@@ -113,7 +150,7 @@ def in_contact(first: Body, second: Body) -> bool:
     return distance(first, second) <= TOUCHING * min(first.size, second.size)
 
 
-def touch_with_faces(first: Body, second: Body) -> bool:
+def touch_with_faces(first: Surface, second: Surface) -> bool:
     """Whether two bodies that meet, the second of them a solid, touch with plane faces in one plane and do not overlap.
 
     The second body is shrunk about its centre. If the bodies only touched, they are then apart, and the direction of their distance
@@ -139,28 +176,37 @@ def touch_with_faces(first: Body, second: Body) -> bool:
     return one.ends_in_face(-direction) and shrunk.ends_in_face(direction)
 
 
-def holds(outer: Body, inner: Body) -> bool:
-    """Whether the solid `outer` contains `inner`; a polyhedron also if it contains one of the parts of `inner`.
+def holds(outer: Surface, inner: Surface) -> bool:
+    """Whether the solid `outer` contains `inner`; triangles also if they contain one of the parts of `inner`.
 
-    Bodies that meet the surface of a polyhedron do not count as contained.
+    Bodies that meet the surface of triangles do not count as contained.
     """
-    if isinstance(outer, Polyhedron):
+    if isinstance(outer, Polyhedron | Soup):
         if distance(outer, inner) <= TOUCHING * min(outer.size, inner.size):
             return False
-        firsts = [part[0] for part in inner.parts] if isinstance(inner, Polyhedron) else [0]
-        some = [pieces(inner)[k] for k in firsts]
-        return bool(
-            outer.holds(np.array([piece.extreme(AWAY) + piece.radius * AWAY for piece in some])).any()
-        )
+        return bool(outer.holds(_one_point_of_each_part(inner)).any())
     if not outer.is_solid:
         return False
     solid = pieces(outer)
-    points = [Piece(point[None]) for point in [*inner.corners, inner.corners.mean(axis=0)]]
+    points = (Piece(point[None]) for point in [*inner.corners, inner.corners.mean(axis=0)])
     return all(any(_piece_distance(piece, point) == 0 for piece in solid) for point in points)
 
 
-def gap_to_walls(body: Body, room: Cuboid) -> float:
+def _one_point_of_each_part(body: Surface) -> Vector:
+    """One point (n, 3) of each part of a body, the parts of a mesh in any state being unknown."""
+    if isinstance(body, Polyhedron):
+        return np.asarray(body.vertices[body.triangles[[part[0] for part in body.parts], 0]])
+    if isinstance(body, Soup):
+        return np.asarray(body.triangles[:1, 0])
+    piece = pieces(body)[0]
+    return np.asarray((piece.extreme(AWAY) + piece.radius * AWAY)[None])
+
+
+def gap_to_walls(body: Surface, room: Cuboid) -> float:
     """The shortest distance (m) between a body and the walls of the room around it; negative when the body is not inside."""
+    if isinstance(body, Polyhedron | Soup):
+        offsets = np.abs((body.corners - room.centre) @ room.axes.T)
+        return float((np.array(room.half_widths) - offsets).min())
     gaps = [
         half - (float((piece.extreme(side * axis) - room.centre) @ (side * axis)) + piece.radius)
         for piece in pieces(body)
@@ -170,7 +216,7 @@ def gap_to_walls(body: Body, room: Cuboid) -> float:
     return min(gaps)
 
 
-def pieces(body: Body) -> list[Piece]:
+def pieces(body: Surface) -> list[Piece]:
     """The convex pieces that a body consists of; those of a polyhedron are the triangles of its surface."""
     if isinstance(body, Rectangle | Cuboid):
         return [Piece(body.corners)]
@@ -178,6 +224,8 @@ def pieces(body: Body) -> list[Piece]:
         return [Piece(body.centre[None], radius=body.radius)]
     if isinstance(body, Polyhedron):
         return [Piece(triangle) for triangle in body.vertices[body.triangles]]
+    if isinstance(body, Soup):
+        return [Piece(triangle) for triangle in body.triangles]
     if isinstance(body, Arc):
         return _arc_pieces(body)
     u, v = body.radius * body.axes[:2]

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from scipy.spatial import ConvexHull, cKDTree
 
 Vector = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-MOST_TRIANGLES = 5000
-"""Largest number of triangles. Every triangle of a round surface becomes a face of the geometry; NUMERICS.md section 8 has the times
-that meshing these takes."""
+MOST_NORMALS = 5000
+"""Largest number of triangles whose normals are tried to find the smallest width of a solid."""
 SAME_POINT = 1e-6
 """Largest distance of vertices that are merged, over the surface's extent: mesh files keep single precision."""
 SHARP_DEGREES = 30.0
@@ -25,7 +24,7 @@ faceted round surfaces, the singularity is weaker than 0.15 in the power of the 
 
 FLAT_DEGREES = 0.05
 """Largest angle (degrees) between the normals of triangles in one plane face. Rounding to single precision turns small triangles by
-less, and no faceted round surface of MOST_TRIANGLES has angles as small."""
+less, and no faceted round surface that is meshed as it is has angles as small."""
 
 
 class NotASolid(ValueError):
@@ -95,22 +94,18 @@ def polyhedron(name: str, triangles: Vector) -> Polyhedron:
     """The solid that triangles (m, 3, 3) bound, each anticlockwise seen from outside.
 
     Vertices in the same place are merged, and triangles of which only two vertices remain are dropped. Raises NotASolid when the
-    surface is open or meets itself, when its triangles are not oriented consistently or are inside out, or when there are too many.
+    surface is open or meets itself, or when its triangles are not oriented consistently or are inside out.
     """
     extent = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
     vertices, corners = _merged(triangles, SAME_POINT * extent)
     corners = corners[
         (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
     ]
-    if len(corners) > MOST_TRIANGLES:
-        raise NotASolid(
-            f"has {len(corners)} triangles, more than the {MOST_TRIANGLES} that the field reference can mesh: simplify it"
-        )
     if len(corners) == 0:
         raise NotASolid("has no triangle with an area")
     _refuse_needles(vertices[corners], SAME_POINT * extent)
     _refuse_open(vertices, corners)
-    parts = _parts(corners)
+    parts = connected_parts(corners)
     for part in parts:
         if _volume(vertices[corners[part]]) <= 0:
             where = _place(vertices[corners[part]].mean(axis=(0, 1)))
@@ -118,8 +113,21 @@ def polyhedron(name: str, triangles: Vector) -> Polyhedron:
                 f"is inside out around {where}: its triangles must be anticlockwise seen from outside"
             )
     _refuse_crossing(vertices, corners, SAME_POINT * extent)
-    size = min(_least_extent(vertices[corners[part]]) for part in parts)
-    return Polyhedron(name, vertices, corners, tuple(parts), size)
+    return Polyhedron(name, vertices, corners, tuple(parts), smallest_width(vertices, corners, parts))
+
+
+def smallest_width(vertices: Vector, corners: Indices, parts: Sequence[Indices]) -> float:
+    """The smallest width of one of the parts at right angles to one of its faces."""
+    return min(_least_extent(vertices[corners[part]]) for part in parts)
+
+
+def connected_parts(corners: Indices) -> list[Indices]:
+    """The connected components of the surface: groups of triangles connected by common vertices."""
+    rows = np.repeat(np.arange(len(corners)), 3)
+    size = (len(corners), int(corners.max()) + 1)
+    touches = coo_array((np.ones(rows.size), (rows, corners.ravel())), shape=size).tocsr()
+    count, label = connected_components(touches @ touches.T, directed=False)
+    return [np.flatnonzero(label == part) for part in range(count)]
 
 
 def _merged(triangles: Vector, tolerance: float) -> tuple[Vector, Indices]:
@@ -156,15 +164,6 @@ def _refuse_open(vertices: Vector, corners: Indices) -> None:
     for start, end in directed.tolist():
         if (end, start) not in present:
             raise NotASolid(f"is open at the edge around {_place(vertices[[start, end]].mean(axis=0))}")
-
-
-def _parts(corners: Indices) -> list[Indices]:
-    """The connected components of the surface: groups of triangles connected by common vertices."""
-    rows = np.repeat(np.arange(len(corners)), 3)
-    size = (len(corners), int(corners.max()) + 1)
-    touches = coo_array((np.ones(rows.size), (rows, corners.ravel())), shape=size).tocsr()
-    count, label = connected_components(touches @ touches.T, directed=False)
-    return [np.flatnonzero(label == part) for part in range(count)]
 
 
 def _refuse_crossing(vertices: Vector, corners: Indices, tolerance: float) -> None:
@@ -253,8 +252,20 @@ def _volume(triangles: Vector) -> float:
 
 
 def _least_extent(triangles: Vector) -> float:
-    """The smallest distance between two planes parallel to one of the triangles with the whole surface between them."""
-    return float(np.ptp(triangles.reshape(-1, 3) @ _normals(triangles).T, axis=0).min())
+    """The smallest distance between two planes parallel to one of the triangles with the whole surface between them.
+
+    Of more than MOST_NORMALS triangles, that many of the largest ones are tried.
+    """
+    normals, points = _normals(triangles), triangles.reshape(-1, 3)
+    if len(normals) > MOST_NORMALS:
+        doubled = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        normals = normals[np.argsort(-np.linalg.norm(doubled, axis=1), kind="stable")[:MOST_NORMALS]]
+        points = points[ConvexHull(points).vertices]
+    widths = [
+        float(np.ptp(points @ some.T, axis=0).min())
+        for some in np.array_split(normals, 1 + len(normals) // 500)
+    ]
+    return min(widths)
 
 
 def _place(point: Vector) -> str:

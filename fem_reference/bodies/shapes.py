@@ -121,6 +121,14 @@ class Cuboid:
 Body = Rectangle | Disc | Cuboid | Sphere | Cylinder | Cone | Arc | Polyhedron
 
 
+def rectangle(name: str, corner: Vector, edge_u: Vector, edge_v: Vector) -> Rectangle:
+    """The rectangle corner + a·edge_u + b·edge_v with a and b in [0, 1]; the edges are at right angles, lengths in metres."""
+    widths = float(np.linalg.norm(edge_u)), float(np.linalg.norm(edge_v))
+    first, second = edge_u / widths[0], edge_v / widths[1]
+    axes = np.array([first, second, np.cross(first, second)])
+    return Rectangle(name, corner + (edge_u + edge_v) / 2, axes, (widths[0] / 2, widths[1] / 2))
+
+
 def bounding_sphere(bodies: Sequence[Body]) -> tuple[Vector, float]:
     """Centre (3,) and radius (m) of a sphere around all bodies; its centre is that of their bounding box."""
     corners = np.concatenate([body.corners for body in bodies])

@@ -83,6 +83,20 @@ def exchanges(
     return tuple(found)
 
 
+def orbits(
+    bodies: Sequence[Body], owner: Sequence[int], planes: Sequence[Plane]
+) -> tuple[frozenset[int], ...]:
+    """The sets of bodies, by number, that these planes of symmetry map to each other."""
+    sets = [frozenset([k]) for k in range(len(bodies))]
+    for plane in planes:
+        for k, body in enumerate(bodies):
+            for j in range(k):
+                if owner[j] == owner[k] and _is_image(body, bodies[j], plane):
+                    both = sets[j] | sets[k]
+                    sets = [both if own & both else own for own in sets]
+    return tuple(dict.fromkeys(sets))
+
+
 def _with_room(
     bodies: Sequence[Body], owner: Sequence[int], room: Cuboid | None
 ) -> tuple[list[Body], list[int]]:

@@ -10,6 +10,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from fem_reference.bodies.shapes import Cuboid, Disc, Rectangle
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
 
@@ -34,6 +37,13 @@ def surface_distance(body: TextBody) -> str:
         return _arc_surface_distance(body)
     widths = [*body.half_widths, 0.0][:3]
     return "sqrt(" + "+".join(f"{_beyond(c, w)}^2" for c, w in zip((x, y, z), widths)) + ")"
+
+
+def evaluated(expression: str, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The values (n,) of an expression at points (n, 3)."""
+    functions = {"sqrt": np.sqrt, "abs": np.abs, "max": np.maximum, "min": np.minimum}
+    values = eval(expression.replace("^", "**"), functions, dict(zip("xyz", points.T)))
+    return np.broadcast_to(np.asarray(values, dtype=np.float64), len(points))
 
 
 def wall_distance(room: Cuboid) -> str:

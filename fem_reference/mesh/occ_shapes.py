@@ -65,10 +65,17 @@ def cut_to(
     _place([box], _frame(planes), centre)
     kept = []
     for shape in shapes:
-        inside, _ = occ.intersect(list(shape), [box], removeObject=True, removeTool=False)
+        inside = occ.intersect(list(shape), [box], removeObject=True, removeTool=False)[0] if shape else []
         kept.append([(int(dimension), int(tag)) for dimension, tag in inside])
     occ.remove([box], recursive=True)
     return kept
+
+
+def united(first: Sequence[Entity], others: Sequence[Entity]) -> list[Entity]:
+    """Unite volumes that touch or overlap. The faces of each stay faces of their own; what was inside of another one is gone."""
+    gmsh.option.setNumber("Geometry.OCCUnionUnify", 0)
+    union, _ = gmsh.model.occ.fuse(list(first), list(others))
+    return [(int(dimension), int(tag)) for dimension, tag in union]
 
 
 def _frame(planes: Sequence[Plane]) -> Vector:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fem_reference.bodies.shapes import Body, Cuboid, bounding_sphere
 from fem_reference.mesh.curved_cells import curved_cells, shape_error, straighten_inverted
-from fem_reference.mesh.occ_shapes import add_ball, add_body, cut_to
+from fem_reference.mesh.occ_shapes import add_ball, add_body, cut_to, united
 from fem_reference.mesh.quarter_points import is_pulled, pull, straighten, vertices_on_edges
 from fem_reference.mesh.sizing import Sizing, set_size_field
 from fem_reference.common.stages import stage
@@ -140,7 +140,7 @@ def tagged_mesh(
 
     def build() -> None:
         with stage("building the geometry"):
-            volumes = _build_geometry(bodies, centre, radius, planes, room)
+            volumes = _build_geometry(bodies, owner, centre, radius, planes, room)
         with stage("meshing"):
             set_size_field(bodies, owner, sizing, volumes, dielectrics, room)
             _generate()
@@ -254,14 +254,26 @@ def _gmsh_model() -> Iterator[None]:
 
 def _build_geometry(
     bodies: Sequence[Body],
+    owner: Sequence[int],
     centre: NDArray[np.float64],
     radius: float,
     planes: Sequence[Plane],
     room: Cuboid | None,
 ) -> dict[int, list[int]]:
-    """Build the geometry in the current gmsh model and tag it; returns the volumes that each solid body consists of."""
+    """Build the geometry in the current gmsh model and tag it; returns the volumes that each solid body, or its conductor, consists of.
+
+    The solid bodies of one conductor are united: its cells have the tag of the first of them.
+    """
     occ = gmsh.model.occ
     shapes = [add_body(body) for body in bodies]
+    solids = [k for k, body in enumerate(bodies) if body.is_solid]
+    first = {k: next(j for j in solids if owner[j] == owner[k]) for k in solids}
+    for k in dict.fromkeys(first.values()):
+        others = [j for j in solids if first[j] == k and j != k]
+        if others:
+            shapes[k] = united(shapes[k], [entity for j in others for entity in shapes[j]])
+            for j in others:
+                shapes[j] = []
     if room is not None:
         shapes.append(add_body(room))
     if planes:
@@ -285,8 +297,7 @@ def _build_geometry(
     outer = [tag for _, tag in boundary if _is_outer(tag, radius, room)]
     _require_outer_area(outer, radius, room, 2 ** len(planes))
     gmsh.model.addPhysicalGroup(2, outer, OUTER_SURFACE)
-    solids = [k for k, body in enumerate(bodies) if body.is_solid]
-    return {k: [tag for _, tag in parts[k + 1]] for k in solids}
+    return {k: [tag for _, tag in parts[first[k] + 1]] for k in solids}
 
 
 def _require_outer_area(faces: Sequence[int], radius: float, room: Cuboid | None, copies: int) -> None:

@@ -19,7 +19,9 @@ from fem_reference.output.field_file import write_field_file
 from fem_reference.solve.level import Level
 from fem_reference.common.limits import Limits
 from fem_reference.output.potential_slice import potential_slice
+from fem_reference.answer.wrapped import GeometryError
 from fem_reference.answer.reference import ErrorKind, Reference, maxwell
+from fem_reference.bodies.wrapping import Geometry
 from geometries.common.files import whole_file
 from geometries.scene.reader import load
 
@@ -48,6 +50,7 @@ def answer(
     limits: Limits,
     columns: Sequence[str] = (),
     symmetry: bool = True,
+    geometry: Geometry = Geometry(),
 ) -> int:
     """Solve a scene file and print the answer; returns the exit status."""
     scene = load(path)
@@ -64,6 +67,7 @@ def answer(
         error=error,
         columns=columns,
         symmetry=symmetry,
+        geometry=geometry,
     )
     status = ANSWERED if reference.reached else NOT_REACHED
     if not is_first:
@@ -96,7 +100,11 @@ def document(reference: Reference) -> dict[str, Any]:
         "upper": reference.upper.tolist(),
         "error": reference.maxwell.error.tolist(),
         "extrapolated": reference.maxwell.extrapolated.tolist(),
+        "members": [list(members) for members in reference.members],
+        "charges": [charges.tolist() for charges in reference.charges],
     }
+    if reference.geometry is not None:
+        result |= _geometry_document(reference, reference.geometry)
     if reference.has_objects:
         result["delta_self"] = {
             name: {
@@ -136,6 +144,23 @@ def document(reference: Reference) -> dict[str, Any]:
     }
 
 
+def _geometry_document(reference: Reference, geometry: GeometryError) -> dict[str, Any]:
+    """What was wrapped, what that costs, and which bounds are proven nevertheless."""
+    return {
+        "geometry_error": geometry.error.tolist(),
+        "proven": {"lower": geometry.lower_proven.tolist(), "upper": geometry.upper_proven.tolist()},
+        "wrapped": [
+            {
+                "members": list(wrap.members),
+                "alpha": wrap.alpha,
+                "offset": wrap.offset,
+                "triangles": len(wrap.triangles),
+            }
+            for wrap in reference.wraps
+        ],
+    }
+
+
 def versions() -> dict[str, str]:
     """Versions of the libraries on which the numbers of an answer depend."""
     return {
@@ -156,12 +181,24 @@ def table(reference: Reference) -> str:
     for i, name in enumerate(reference.names):
         entries = (f"{value[i, j]:.6f} ± {error[i, j]:.6f}" for j in range(len(reference.names)))
         lines.append(f"{name:<{width}}" + "".join(f"{entry:>24}" for entry in entries))
+    for names in reference.members:
+        if len(names) > 1:
+            lines.append(f"one conductor: {', '.join(names)}")
     if reference.enclosure is not None:
-        lines.append("proven to lie in")
+        lines.append(
+            "proven to lie in" if reference.geometry is None else "estimated to lie in, because of the wraps"
+        )
         lower, upper = reference.lower / PICOFARAD, reference.upper / PICOFARAD
         for i, name in enumerate(reference.names):
             entries = (f"[{lower[i, j]:.6f}, {upper[i, j]:.6f}]" for j in range(len(reference.names)))
             lines.append(f"{name:<{width}}" + "".join(f"{entry:>24}" for entry in entries))
+    for wrap in reference.wraps:
+        lines.append(
+            f"wrapped: {', '.join(wrap.members)}, {len(wrap.triangles)} triangles, offset {wrap.offset * 1e3:.3g} mm"
+        )
+    if reference.geometry is not None:
+        worst = float(np.max(reference.geometry.error / np.abs(reference.maxwell.value)))
+        lines.append(f"largest relative error due to the wraps: {worst:.2e}, included in all errors")
     if reference.has_objects:
         lines.append("delta_self, pF: the sensor's own entry less what it is without the objects")
         for k, name in enumerate(reference.names[: reference.sensors]):

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
+from fem_reference.solve.body_charges import body_charges
 from fem_reference.solve.enclosure import Enclosure, enclosure, widened
 from fem_reference.solve.flux import flux_energies
 from fem_reference.common.limits import peak_memory
@@ -55,6 +56,8 @@ class Level:
     """Proven bounds of the Maxwell matrix, when asked for."""
     check: Enclosure | None = None
     """Wider proven bounds, by fluxes of lower degree, against which an estimated answer is checked."""
+    body_charges: tuple[Array, ...] = ()
+    """For each conductor with a row the charges (members, n) on its bodies; empty if each conductor is one body."""
 
 
 def solve_level(
@@ -78,7 +81,7 @@ def solve_level(
         room=problem.room,
     )
     farads = epsilon_0 * relative_permittivity * problem.unit * mesh.copies
-    found, done, interval = _charges_and_bounds(problem, mesh, farads, bounds)
+    found, on_bodies, done, interval = _charges_and_bounds(problem, mesh, farads, bounds, planes)
     release_unused(mesh.mesh.comm)
     smallest = min(body.size for body in problem.bodies)
     end = time.monotonic()
@@ -94,13 +97,14 @@ def solve_level(
         end - done,
         interval if bounds == "enclosure" else None,
         interval if bounds == "check" else None,
+        tuple(farads * own for own in on_bodies),
     )
 
 
 def _charges_and_bounds(
-    problem: Conductors, mesh: TaggedMesh, farads: float, bounds: Bounds
-) -> tuple[Charges, float, Enclosure | None]:
-    """Solve for the charges and, if asked for, their bounds; also returns the time at which the charges were known.
+    problem: Conductors, mesh: TaggedMesh, farads: float, bounds: Bounds, planes: Sequence[Plane]
+) -> tuple[Charges, tuple[Array, ...], float, Enclosure | None]:
+    """Solve for the charges and, if asked for, their bounds; also returns the charges on bodies and the time when all were known.
 
     The matrices are local to this function, so that `release_unused` can free them afterwards.
     """
@@ -108,12 +112,13 @@ def _charges_and_bounds(
     found = charges(
         system, problem.sensors, len(problem.floating), len(problem.grounded), problem.grounded_sensors
     )
+    on_bodies = body_charges(problem, system, found.potentials, planes)
     done = time.monotonic()
     if bounds == "none":
-        return found, done, None
+        return found, on_bodies, done, None
     degree = FLUX_DEGREE if bounds == "enclosure" else CHECK_DEGREE
     with stage("bounding the energies"):
-        return found, done, _enclosure(problem, system, found.potentials, farads, degree)
+        return found, on_bodies, done, _enclosure(problem, system, found.potentials, farads, degree)
 
 
 def _enclosure(

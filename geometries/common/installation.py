@@ -32,6 +32,12 @@ def model_command() -> str:
     return "fringe" if is_installed() else "build/bin/fringe"
 
 
+def wrap_program() -> Path:
+    """Returns where the program is that wraps meshes for the field reference."""
+    folder = ROOT.parents[1] / "libexec" / "fringe" if is_installed() else ROOT / "build" / "bin"
+    return folder / "fringe-wrap"
+
+
 def from_repository(path: Path) -> str:
     """Returns a path for a shell command: relative to the repository if it is within, and quoted."""
     absolute = path.resolve()

@@ -1,13 +1,14 @@
-"""Reads motion files: frames, each with the poses of a scene's links."""
+"""Reads motion files: frames, each with the poses of a scene's links or the positions of its joints."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from geometries.common.errors import InputError
 from geometries.common.tables import Table, parse, read_text
 from geometries.scene import reader
+from geometries.scene.joints import Joint, resolved
 from geometries.scene.poses import Pose
 from geometries.scene.scene import Scene
 
@@ -30,12 +31,21 @@ def loads(text: str, scene: Scene, source: str = "motion") -> tuple[Frame, ...]:
     root = parse(text, source)
     root.known_format()
     poses = at_rest(scene).poses
+    joints = {link.joint.name: link.joint for link in scene.links if link.joint}
+    link_of = {link.joint.name: link.name for link in scene.links if link.joint}
     frames = []
     for index, table in enumerate(root.tables("frame")):
         # A frame's name need not be unique, so errors give its index.
         table.label = f"frame[{index}]"
         name = table.text("name", f"frame {index + 1}")
-        poses = poses | _moved(table, poses)
+        moved = _moved(table, poses)
+        turned = _turned(table, joints)
+        joints = joints | turned
+        for joint in turned.values():
+            if link_of[joint.name] in moved:
+                raise table.error("joints", f"{link_of[joint.name]!r} has a pose in this frame already")
+            moved[link_of[joint.name]] = joint.pose_at(joint.position)
+        poses = poses | moved
         table.finish()
         frames.append(Frame(name, poses))
     root.finish()
@@ -64,3 +74,31 @@ def _moved(frame: Table, before: dict[str, Pose]) -> dict[str, Pose]:
         )
         table.finish()
     return moved
+
+
+def _turned(frame: Table, joints: dict[str, Joint]) -> dict[str, Joint]:
+    """Returns the joints that a frame moves, with those that follow them."""
+    asked: dict[str, Joint] = {}
+    for table in frame.tables("joints"):
+        name, position = table.text("joint"), table.number("position")
+        if name not in joints:
+            choices = ", ".join(joint.name for joint in joints.values() if joint.mimic is None)
+            raise table.error("joint", f"there is no joint {name!r}; there are: {choices or 'none'}")
+        mimic = joints[name].mimic
+        if mimic is not None:
+            raise table.error("joint", f"{name!r} follows {mimic.joint!r} and cannot be set")
+        if name in asked:
+            raise table.error("joint", f"{name!r} has a position in this frame already")
+        asked[name] = replace(joints[name], position=position)
+        table.finish()
+    try:
+        placed = resolved(joints | asked)
+    except ValueError as error:
+        raise frame.error("joints", str(error)) from error
+    return {name: placed[name] for name in joints if _leader(joints, name) in asked}
+
+
+def _leader(joints: dict[str, Joint], name: str) -> str:
+    """Returns the joint that a joint follows in the end; itself if none."""
+    mimic = joints[name].mimic
+    return name if mimic is None else _leader(joints, mimic.joint)

@@ -57,6 +57,22 @@ class QuaternionRotation:
 Rotation = AxisRotation | QuaternionRotation
 
 
+def quaternion(rotation: Rotation) -> Array:
+    """Returns a rotation as the quaternion (w, x, y, z) of length 1."""
+    if isinstance(rotation, QuaternionRotation):
+        return unit(rotation.quaternion)
+    half = math.radians(math.remainder(rotation.degrees, 360.0)) / 2
+    return np.array([math.cos(half), *(math.sin(half) * unit(rotation.axis))])
+
+
+def product(first: Rotation, second: Rotation) -> QuaternionRotation:
+    """Returns the rotation that turns by `second`, then by `first`."""
+    a, b = quaternion(first), quaternion(second)
+    w = a[0] * b[0] - a[1:] @ b[1:]
+    x, y, z = a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])
+    return QuaternionRotation((float(w), float(x), float(y), float(z)))
+
+
 @dataclass(frozen=True)
 class Pose:
     """Where a frame stands in its parent's: translation in metres, rotation as it was written in the file."""

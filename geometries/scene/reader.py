@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import cast
 
@@ -12,6 +13,7 @@ import numpy as np
 
 from geometries.common.errors import InputError
 from geometries.common.tables import LARGEST_NUMBER, Table, parse, read_text
+from geometries.scene.joints import Joint, Mimic, resolved
 from geometries.scene.meshes import SCENE_FORMATS, read_triangles
 from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Rotation, Vector3, unit
 from geometries.scene.scene import (
@@ -42,7 +44,8 @@ from geometries.scene.shapes import (
 _RIGHT_ANGLE_TOLERANCE = 1e-9
 # Largest number of triangles of a shape: a mesh of as many takes half a gigabyte.
 _MOST_TRIANGLES = 10_000_000
-_POTENTIALS = ("grounded", "floating")
+_POTENTIALS = ("grounded", "floating", "electrode")
+_JOINTS = ("revolute", "prismatic")
 
 
 def load(path: Path | str) -> Scene:
@@ -58,7 +61,7 @@ def loads(text: str, source: str = "scene") -> Scene:
     room = _room(root.table("room")) if root.has("room") else None
     scene = Scene(
         medium=Medium(medium.positive("relative_permittivity", 1.0)),
-        links=tuple(_link(table) for table in root.tables("link")),
+        links=_placed(tuple(_link(table) for table in root.tables("link")), root),
         sensors=tuple(_sensor(table) for table in root.tables("sensor")),
         distance_sensors=tuple(_distance_sensor(table) for table in root.tables("distance_sensor")),
         objects=tuple(_object(table) for table in root.tables("object")),
@@ -68,6 +71,7 @@ def loads(text: str, source: str = "scene") -> Scene:
     root.finish()
     _check_names(scene, source)
     _check_links(scene, source)
+    _check_conductors(scene, source)
     if not scene.sensors and not scene.objects:
         raise InputError(source, "", "a scene needs at least one sensor or one object")
     return scene
@@ -80,9 +84,52 @@ def _room(table: Table) -> Room:
 
 
 def _link(table: Table) -> Link:
-    link = Link(table.text("name"), table.text("parent") if table.has("parent") else None, _pose(table))
+    name, pose = table.text("name"), _pose(table)
+    joint = _joint(table.table("joint"), pose) if table.has("joint") else None
+    link = Link(name, table.text("parent") if table.has("parent") else None, pose, joint)
     table.finish()
     return link
+
+
+def _joint(table: Table, rest: Pose) -> Joint:
+    name, kind = table.text("name"), table.text("type")
+    if kind not in _JOINTS:
+        raise table.error("type", f"must be one of {', '.join(_JOINTS)}, not {kind!r}")
+    lower = table.number("lower") if table.has("lower") else None
+    upper = table.number("upper") if table.has("upper") else None
+    if lower is not None and upper is not None and upper < lower:
+        raise table.error("upper", "must not be less than lower")
+    mimic = None
+    if table.has("mimic"):
+        if table.has("position"):
+            raise table.error("position", "excludes mimic")
+        inner = table.table("mimic")
+        mimic = Mimic(inner.text("joint"), inner.number("multiplier", 1.0), inner.number("offset", 0.0))
+        inner.finish()
+    joint = Joint(
+        name, kind, _direction(table, "axis"), rest, table.number("position", 0.0), lower, upper, mimic
+    )
+    table.finish()
+    return joint
+
+
+def _placed(links: tuple[Link, ...], root: Table) -> tuple[Link, ...]:
+    """Returns the links in the poses of their joints' positions."""
+    joints: dict[str, Joint] = {}
+    for link in links:
+        if link.joint and link.joint.name in joints:
+            raise root.error(f'link "{link.name}": joint.name', f'"{link.joint.name}" is taken')
+        if link.joint:
+            joints[link.joint.name] = link.joint
+    try:
+        joints = resolved(joints)
+    except ValueError as error:
+        raise root.error("link", str(error)) from error
+    placed = []
+    for link in links:
+        joint = joints[link.joint.name] if link.joint else None
+        placed.append(replace(link, pose=joint.pose_at(joint.position), joint=joint) if joint else link)
+    return tuple(placed)
 
 
 def _sensor(table: Table) -> Sensor:
@@ -126,10 +173,12 @@ def _distance_sensor(table: Table) -> DistanceSensor:
 def _object(table: Table) -> Object:
     name = table.text("name")
     if table.has("material") and table.has("potential"):
-        raise table.error("material", "excludes potential: a dielectric body has no potential")
+        raise table.error("material", "cannot be combined with potential")
+    if table.has("material") and table.has("conductor"):
+        raise table.error("material", "cannot be combined with conductor")
     potential = table.text("potential", "grounded")
     if potential not in _POTENTIALS:
-        raise table.error("potential", f"must be one of {', '.join(_POTENTIALS)}, not {potential!r}")
+        raise table.error("potential", 'must be "grounded", "floating" or "electrode"')
     relative_permittivity = None
     if table.has("material"):
         material = table.table("material")
@@ -143,6 +192,7 @@ def _object(table: Table) -> Object:
         potential=potential,
         relative_permittivity=relative_permittivity,
         collides=table.boolean("collides", True),
+        conductor=table.text("conductor") if table.has("conductor") else None,
     )
     table.finish()
     return body
@@ -156,7 +206,7 @@ def rotation(table: Table) -> Rotation:
     """Reads the rotation of a link, an object or a frame's pose from `rotation` or `quaternion`; none if both are absent."""
     if table.has("quaternion"):
         if table.has("rotation"):
-            raise table.error("quaternion", "excludes rotation: give one of them")
+            raise table.error("quaternion", "cannot be combined with rotation")
         return _quaternion(table)
     if not table.has("rotation"):
         return AxisRotation()
@@ -295,6 +345,25 @@ def _check_names(scene: Scene, source: str) -> None:
             if name in seen:
                 raise InputError(source, f'{kind} "{name}": name', "is already used")
             seen.add(name)
+
+
+def _check_conductors(scene: Scene, source: str) -> None:
+    """Refuses conductors whose bodies differ in potential, and names of conductors that others have."""
+    sensors = {sensor.name for sensor in scene.sensors} | {sensor.name for sensor in scene.distance_sensors}
+    conductor_of = {body.name: body.conductor for body in scene.objects}
+    first: dict[str, Object] = {}
+    for body in scene.objects:
+        if body.conductor is None:
+            continue
+        key, name = f'object "{body.name}": conductor', body.conductor
+        if name in sensors:
+            raise InputError(source, key, f'"{name}" is the name of a sensor')
+        if conductor_of.get(name, name) != name:
+            raise InputError(source, key, f'"{name}" is the name of an object outside this conductor')
+        other = first.setdefault(name, body)
+        if other.potential != body.potential:
+            reason = f'"{other.name}" is {other.potential} and "{body.name}" is {body.potential}'
+            raise InputError(source, key, f"one conductor has one potential, but {reason}")
 
 
 def _check_links(scene: Scene, source: str) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from geometries.scene.joints import Joint
 from geometries.scene.poses import Pose, Transform, Vector3
 from geometries.scene.shapes import Shape
 
@@ -39,6 +40,8 @@ class Link:
     name: str
     parent: str | None = None
     pose: Pose = Pose()
+    joint: Joint | None = None
+    """What moves the link; `pose` is that at the joint's position."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,11 @@ class DistanceSensor:
 
 @dataclass(frozen=True)
 class Object:
-    """A body: a conductor that is grounded or floating, or a dielectric when `relative_permittivity` is given."""
+    """A body: a conductor that is grounded, floating or an electrode, or a dielectric when `relative_permittivity` is given.
+
+    Bodies with the same `conductor` are one conductor of that name; without it a body is a conductor of its own. An electrode may be
+    driven and sensed, as a sensor may.
+    """
 
     name: str
     shape: Shape
@@ -84,6 +91,7 @@ class Object:
     potential: str = "grounded"
     relative_permittivity: float | None = None
     collides: bool = True
+    conductor: str | None = None
 
 
 @dataclass(frozen=True)

@@ -66,6 +66,6 @@ def _of_text(content: bytes) -> Array:
             continue
         for facet, word in enumerate(words[place :: len(_WORDS)]):
             if word != expected:
-                raise Damaged(f"has {shown(word)} in the place of '{expected.decode()}' in facet {facet}")
+                raise Damaged(f"has {shown(word)} instead of '{expected.decode()}' in facet {facet}")
     columns = [decimals(words[place :: len(_WORDS)]) for place in _CORNERS]
     return np.stack(columns, axis=1).reshape(-1, 3, 3)

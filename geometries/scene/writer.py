@@ -5,10 +5,12 @@ from __future__ import annotations
 import functools
 import hashlib
 from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any
 
 import tomli_w
 
+from geometries.scene.joints import Joint
 from geometries.scene.poses import AxisRotation, Pose
 from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Room, Scene, Sensor
 from geometries.scene.shapes import Arc, Cone, Cuboid, Cylinder, MeshShape, PlateShape, Shape
@@ -85,7 +87,21 @@ def _pose(pose: Pose) -> dict[str, Any]:
 
 
 def _link(link: Link) -> dict[str, Any]:
-    return {"name": link.name, "parent": link.parent, **_pose(link.pose)}
+    pose = link.joint.rest if link.joint else link.pose
+    joint = _joint(link.joint) if link.joint else None
+    return {"name": link.name, "parent": link.parent, **_pose(pose), "joint": joint}
+
+
+def _joint(joint: Joint) -> dict[str, Any]:
+    return {
+        "name": joint.name,
+        "type": joint.kind,
+        "axis": joint.axis,
+        "position": None if joint.mimic else joint.position,
+        "lower": joint.lower,
+        "upper": joint.upper,
+        "mimic": asdict(joint.mimic) if joint.mimic else None,
+    }
 
 
 def _sensor(sensor: Sensor) -> dict[str, Any]:
@@ -117,6 +133,7 @@ def _object(body: Object, mesh_source: MeshSource) -> dict[str, Any]:
         "link": body.link,
         **_pose(body.pose),
         "potential": None if dielectric else body.potential,
+        "conductor": body.conductor,
         "collides": body.collides,
         "material": {"relative_permittivity": body.relative_permittivity} if dielectric else None,
         "shape": _shape(body.shape, mesh_source),

@@ -23,7 +23,7 @@ def scenes(sweep: Table) -> Iterator[tuple[dict[str, str], Scene]]:
     if not scene.sensors:
         raise InputError(sweep.source, sweep.key("file"), "the scene has no sensor")
     for number, frame in enumerate(frames, start=1):
-        links = tuple(replace(link, pose=frame.poses[link.name]) for link in scene.links)
+        links = tuple(replace(link, pose=frame.poses[link.name], joint=None) for link in scene.links)
         yield {"scene": stem, "frame": f"{number} {frame.name}"}, replace(scene, links=links)
 
 

@@ -9,13 +9,12 @@
 #include <cmath>
 #include <ctime>
 #include <fstream>
-#include <iterator>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
-#include <rapidjson/document.h>
+#include <nlohmann/json.hpp>
 
 #include "fringe/boundary_elements.hpp"
 #include "fringe/triangulation.hpp"
@@ -40,31 +39,30 @@ struct SetUp {
   double relative_error = 0;  ///< relative error of the truth
 };
 
-Eigen::Vector3d vector(const rapidjson::Value& value) {
-  return {value[0].GetDouble(), value[1].GetDouble(), value[2].GetDouble()};
+Eigen::Vector3d vector(const nlohmann::json& value) {
+  return Eigen::Vector3d(value.get<std::array<double, 3>>().data());
 }
 
 /// Reads the set-ups. Every conductor is read as a sensor, since a sensor may consist of several rectangles.
 std::vector<SetUp> known_set_ups() {
   std::ifstream file(FRINGE_SET_UPS);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  rapidjson::Document document;
-  document.Parse(text.c_str());
+  const nlohmann::json document = nlohmann::json::parse(file);
   std::vector<SetUp> set_ups;
-  for (const auto& known : document["cases"].GetArray()) {
+  for (const auto& known : document["cases"]) {
     SetUp& set_up = set_ups.emplace_back();
-    set_up.name = known["name"].GetString();
-    for (const auto& name : known["conductors"].GetArray())
-      set_up.scene.sensors.push_back({name.GetString(), {}, 2.5, 5e-12, {}});
-    for (const auto& plate : known["rectangles"].GetArray())
-      set_up.scene.sensors[plate["conductor"].GetUint()].plates.push_back(
+    set_up.name = known["name"];
+    for (const auto& name : known["conductors"])
+      set_up.scene.sensors.push_back({name, {}, 2.5, 5e-12, {}});
+    for (const auto& plate : known["rectangles"])
+      set_up.scene.sensors[plate["conductor"].get<std::size_t>()].plates.push_back(
           {vector(plate["corner"]), vector(plate["edge_u"]), vector(plate["edge_v"])});
-    const auto& rows = known["maxwell_pF"];
-    set_up.truth.resize(rows.Size(), rows.Size());
-    for (rapidjson::SizeType i = 0; i < rows.Size(); ++i)
-      for (rapidjson::SizeType j = 0; j < rows.Size(); ++j)
-        set_up.truth(i, j) = 1e-12 * rows[i][j].GetDouble();
-    set_up.relative_error = known["relative_error"].GetDouble();
+    const auto rows = known["maxwell_pF"].get<std::vector<std::vector<double>>>();
+    const auto size = static_cast<Eigen::Index>(rows.size());
+    set_up.truth.resize(size, size);
+    for (Eigen::Index i = 0; i < size; ++i)
+      set_up.truth.row(i) =
+          1e-12 * Eigen::Map<const Eigen::RowVectorXd>(rows[static_cast<std::size_t>(i)].data(), size);
+    set_up.relative_error = known["relative_error"];
   }
   return set_ups;
 }

@@ -4,11 +4,15 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "answers/answers.hpp"
+#include "answers/json_text.hpp"
 #include "fringe/error.hpp"
 #include "fringe/live_scene.hpp"
 #include "fringe/scene_collision.hpp"
@@ -16,15 +20,15 @@
 #include "fringe/scene_reader.hpp"
 #include "fringe/scene_sensing.hpp"
 #include "fringe/version.hpp"
-#include "import/import_command.hpp"
-#include "json_text.hpp"
-#include "maxwell_text.hpp"
+#include "import_program.hpp"
+#include "maxwell_table.hpp"
 #include "table_text.hpp"
 #include "vtu_file.hpp"
 
 namespace {
 
 using namespace fringe;
+using namespace fringe::answers;
 
 enum ExitCode { answered = 0, failed = 1, wrong_input = 2, not_reached = 3 };
 
@@ -48,25 +52,6 @@ CLI::App* add_command(CLI::App& program, Request& request, const std::string& na
   command->set_version_flag("--version", version());
   command->add_option("SCENE", request.scene, "The scene file (TOML)")->required();
   command->add_flag("--json", request.json, "Print one JSON document instead of a table");
-  return command;
-}
-
-CLI::App* add_import_command(CLI::App& program, cli::ImportRequest& request) {
-  CLI::App* command = program.add_subcommand(
-      "import", "Write a scene file with the links and bodies of a robot (URDF) or a model (glTF)");
-  command->set_version_flag("--version", version());
-  command->add_option("SOURCE", request.source, "A .urdf, .gltf or .glb file")->required();
-  command
-      ->add_option("SCENE", request.target, "The scene file to write (TOML); meshes go to a folder beside it")
-      ->required();
-  command
-      ->add_option("--geometry", request.geometry,
-                   "collision or visual: which geometry of a robot's links to take")
-      ->capture_default_str();
-  command
-      ->add_option("--package-path", request.package_paths,
-                   "A folder that holds packages which package:// names; may be given several times")
-      ->allow_extra_args(false);
   return command;
 }
 
@@ -103,26 +88,14 @@ EvaluationOptions options_of(const Request& request) {
   return options;
 }
 
-/// Writes an evaluation as a JSON document or as a table.
-std::string text_of(const Evaluation& answer, const Scene& scene, const Request& request,
-                    const EvaluationOptions& options, double seconds) {
-  if (is_integral(options.method)) {
-    const CapacitanceOptions asked = integral_options(options);
-    return request.json ? cli::capacitance_json(answer.capacitance, asked, seconds)
-                        : cli::capacitance_table(answer.capacitance, asked, seconds);
-  }
-  const std::string table_heading = std::holds_alternative<Recommended>(options.method)
-                                        ? fmt::format("recommended: answered by {}\n", answer.answered_by)
-                                        : std::string();
-  if (!answer.matrix) {
-    const CapacitanceOptions formula{.correction = Correction::formula};
-    return request.json ? cli::capacitance_json(answer.capacitance, formula, seconds)
-                        : table_heading + cli::capacitance_table(answer.capacitance, formula, seconds);
-  }
-  const double rtol = rtol_of(options);
-  return request.json
-             ? cli::maxwell_json(scene, *answer.matrix, {request.method, rtol}, seconds)
-             : table_heading + cli::maxwell_table(*answer.matrix, {answer.answered_by, rtol}, seconds);
+/// Formats an evaluation as a table.
+std::string table_of(const Evaluation& answer, const EvaluationOptions& options, double seconds) {
+  const std::string heading = std::holds_alternative<Recommended>(options.method)
+                                  ? fmt::format("recommended: answered by {}\n", answer.answered_by)
+                                  : std::string();
+  return heading + (answer.matrix
+                        ? cli::maxwell_table(*answer.matrix, {answer.answered_by, rtol_of(options)}, seconds)
+                        : cli::capacitance_table(answer.capacitance, used_options(options), seconds));
 }
 
 Answer answer_capacitance(const Request& request) {
@@ -136,24 +109,26 @@ Answer answer_capacitance(const Request& request) {
     cli::write_vtu(live.scene(), integral_options(options), *request.output);
   if (!answer.reached)
     fmt::print(stderr, "fringe: {}: an error of {} was not reached\n", request.scene, rtol_of(options));
-  return {text_of(answer, live.scene(), request, options, elapsed.count()), answer.reached};
+  return {request.json ? json_text(capacitance_answer(answer, options, elapsed.count()))
+                       : table_of(answer, options, elapsed.count()),
+          answer.reached};
 }
 
 std::string answer_collide(const Request& request) {
   const Scene scene = load_scene(request.scene);
   const SceneCollision answer = collide(scene);
-  return request.json ? cli::collision_json(answer, scene) : cli::collision_table(answer, scene);
+  return request.json ? json_text(collision_answer(answer, scene)) : cli::collision_table(answer, scene);
 }
 
 std::string answer_info(const Request& request) {
   const SceneInfo info = scene_info(load_scene(request.scene));
-  return request.json ? cli::info_json(info) : cli::info_table(info);
+  return request.json ? json_text(info_answer(info)) : cli::info_table(info);
 }
 
 std::string answer_sense(const Request& request) {
   const std::vector<DistanceReading> readings =
       sense(load_scene(request.scene), parse_cone_method(request.cone_method));
-  return request.json ? cli::readings_json(readings) : cli::readings_table(readings);
+  return request.json ? json_text(sensing_answer(readings)) : cli::readings_table(readings);
 }
 
 void print(std::string answer) {
@@ -165,6 +140,8 @@ void print(std::string answer) {
 }
 
 int run(int argument_count, char** arguments) {
+  if (argument_count > 1 && arguments[1] == std::string_view("import"))
+    return cli::run_import(argument_count, arguments);
   CLI::App program("fringe: what a capacitive proximity sensor feels of the objects around it");
   program.set_version_flag("--version", version());
   program.require_subcommand(1);
@@ -217,8 +194,10 @@ int run(int argument_count, char** arguments) {
       add_command(program, request, "collide",
                   "Which objects collide, and which have only their bounding boxes in common");
   add_command(program, request, "info", "Counts, areas, volumes and bounding boxes");
-  cli::ImportRequest import_request;
-  CLI::App* import_command = add_import_command(program, import_request);
+  // Listed for the help only: run_import runs it.
+  program.add_subcommand(
+      "import", "Write a scene file with the links and bodies of a robot (URDF) or a model (glTF, COLLADA, "
+                "OBJ, 3MF, STEP)");
   try {
     program.parse(argument_count, arguments);
   } catch (const CLI::ParseError& error) {
@@ -230,12 +209,6 @@ int run(int argument_count, char** arguments) {
     return program.exit(error, std::cout, std::cerr) == 0 ? answered : wrong_input;
   }
 
-  if (import_command->parsed()) {
-    import_request.about_urdf =
-        import_command->count("--geometry") > 0 || import_command->count("--package-path") > 0;
-    print(cli::import_scene(import_request));
-    return answered;
-  }
   if (capacitance_command->parsed()) {
     const auto [text, reached] = answer_capacitance(request);
     print(text);

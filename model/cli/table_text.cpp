@@ -21,6 +21,28 @@ std::string remark(const ObjectCapacitance& object) {
                      object.skipped ? ", left out" : "");
 }
 
+/// Returns a line for each kind of defect that a mesh has, with what the methods make of it.
+std::string defect_lines(const MeshDefects& defects) {
+  std::string text;
+  const auto line = [&](std::size_t count, const char* defect, const char* consequence) {
+    if (count > 0)
+      text += fmt::format("  {:<10} {} {}: {}\n", "defect", count, defect, consequence);
+  };
+  line(defects.duplicates, "duplicate triangles", "each triangle counts once");
+  line(defects.without_area, "triangles without area", "they do not count");
+  line(defects.open_edges, "open edges, of one triangle only",
+       "no volume; the surface counts as far as it reaches");
+  line(defects.branching_edges, "edges of more than two triangles", "every triangle counts");
+  line(defects.flipped_edges, "edges between triangles with opposite outward sides",
+       "no volume; only faces = \"facing\" depends on the side");
+  line(defects.t_junctions, "vertices inside another triangle's edge", "every triangle counts as it is");
+  line(defects.crossings, "pairs of triangles that cross or touch",
+       "every triangle counts, also what lies inside");
+  if (defects.shells > 1)
+    line(defects.shells, "separate parts", "they are one conductor");
+  return text;
+}
+
 }  // namespace
 
 std::string capacitance_table(const SceneCapacitance& answer, const CapacitanceOptions& options,
@@ -85,6 +107,8 @@ std::string info_table(const SceneInfo& info) {
                         object.volume ? fmt::format("{:.6g} m3", *object.volume) : "none: open surface");
     text += fmt::format("  {:<10} x {:.6g} to {:.6g}, y {:.6g} to {:.6g}, z {:.6g} to {:.6g} m\n", "box",
                         low.x(), high.x(), low.y(), high.y(), low.z(), high.z());
+    if (object.defects)
+      text += defect_lines(*object.defects);
   }
   return text;
 }

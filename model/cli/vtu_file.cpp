@@ -25,11 +25,12 @@ namespace fs = std::filesystem;
 constexpr std::size_t triangles_at_once = 4096;
 
 /// For each sensor the contributions of all triangles (F).
-using Shares = std::vector<std::vector<double>>;
+using Contributions = std::vector<std::vector<double>>;
 
 /// Appends the contributions of an object's triangles. Each triangle is evaluated as an object of its own, so
 /// that every option has the same meaning as for the whole scene.
-void add_shares(const Scene& scene, const Object& object, const CapacitanceOptions& options, Shares& shares) {
+void add_contributions(const Scene& scene, const Object& object, const CapacitanceOptions& options,
+                       Contributions& contributions) {
   const std::vector<Triangle> triangles = triangulate(object.shape);
   Scene part{scene.medium, scene.has_room, scene.links, scene.sensors, {}, {}};
   for (std::size_t first = 0; first < triangles.size(); first += triangles_at_once) {
@@ -38,9 +39,9 @@ void add_shares(const Scene& scene, const Object& object, const CapacitanceOptio
       part.objects.push_back(
           {object.name, object.link, Mesh{{}, 1, {triangles[i]}}, object.pose, object.role, false});
     const SceneCapacitance answer = capacitance(part, options);
-    for (std::size_t sensor = 0; sensor < shares.size(); ++sensor)
+    for (std::size_t sensor = 0; sensor < contributions.size(); ++sensor)
       for (const ObjectCapacitance& single : answer.sensors[sensor].objects)
-        shares[sensor].push_back(single.capacitance);
+        contributions[sensor].push_back(single.capacitance);
   }
 }
 
@@ -97,7 +98,8 @@ void write_whole(const fs::path& target, const std::string& head, const std::str
 
 void write_vtu(const Scene& scene, const CapacitanceOptions& options, const fs::path& target) {
   if (options.tolerance > 0 || options.correction != Correction::none)
-    throw InputError("--output: with a tolerance or a correction no triangle has a part of its own");
+    throw InputError("--output cannot be combined with a tolerance or a correction, which do not evaluate "
+                     "single triangles");
   std::vector<double> points;
   std::vector<std::int32_t> bodies;
   for (const Conductor& conductor : conductors(scene)) {
@@ -107,12 +109,12 @@ void write_vtu(const Scene& scene, const CapacitanceOptions& options, const fs::
       for (const Eigen::Vector3d& vertex : triangle)
         points.insert(points.end(), vertex.begin(), vertex.end());
   }
-  std::size_t own = 0;
+  std::size_t sensor_triangles = 0;
   for (const Sensor& sensor : scene.sensors)
-    own += 2 * sensor.plates.size();
-  Shares shares(scene.sensors.size(), std::vector<double>(own));
+    sensor_triangles += 2 * sensor.plates.size();
+  Contributions contributions(scene.sensors.size(), std::vector<double>(sensor_triangles));
   for (const Object& object : scene.objects)
-    add_shares(scene, object, options, shares);
+    add_contributions(scene, object, options, contributions);
 
   const std::size_t count = bodies.size();
   std::vector<std::int64_t> corners(3 * count), ends(count);
@@ -132,8 +134,9 @@ void write_vtu(const Scene& scene, const CapacitanceOptions& options, const fs::
   head += arrays.add(R"(type="Int64")", "offsets", ends);
   head += arrays.add(R"(type="UInt8")", "types", std::vector<std::uint8_t>(count, vtk_triangle));
   head += "</Cells>\n<CellData>\n" + arrays.add(R"(type="Int32")", "body", bodies);
-  for (std::size_t sensor = 0; sensor < shares.size(); ++sensor)
-    head += arrays.add(R"(type="Float64")", "capacitance " + scene.sensors[sensor].name, shares[sensor]);
+  for (std::size_t sensor = 0; sensor < contributions.size(); ++sensor)
+    head +=
+        arrays.add(R"(type="Float64")", "capacitance " + scene.sensors[sensor].name, contributions[sensor]);
   head += "</CellData>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
   write_whole(target, head, arrays.bytes(), "\n</AppendedData>\n</VTKFile>\n");
 }

@@ -11,12 +11,14 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include "answers/answers.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/conductors.hpp"
 #include "fringe/correction.hpp"
@@ -30,13 +32,15 @@
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
 #include "fringe/version.hpp"
-#include "maxwell_dictionary.hpp"
+#include "python_object.hpp"
 
 namespace py = pybind11;
 
 namespace {
 
 using namespace fringe;
+using namespace fringe::answers;
+using fringe::python::python_object;
 using namespace pybind11::literals;
 
 /// Any array of numbers. Its shape is checked here, so that a wrong one raises ValueError.
@@ -163,30 +167,6 @@ Array plate_integral_of(const Array& triangles, const Array& corner, const Array
   return Array(static_cast<py::ssize_t>(integrals.size()), integrals.data());
 }
 
-py::dict dictionary(const SensorCapacitance& sensor) {
-  py::list objects;
-  for (const ObjectCapacitance& object : sensor.objects)
-    objects.append(py::dict("name"_a = object.name, "capacitance"_a = object.capacitance,
-                            "bound"_a = object.bound, "skipped"_a = object.skipped));
-  return py::dict("name"_a = sensor.name, "total"_a = sensor.total, "voltage"_a = sensor.voltage,
-                  "delta_voltage"_a = sensor.delta_voltage, "contact"_a = sensor.contact,
-                  "objects"_a = objects);
-}
-
-py::dict dictionary(const CapacitanceOptions& options) {
-  return py::dict("method"_a = to_string(options.method), "plates"_a = to_string(options.plates),
-                  "faces"_a = to_string(options.faces), "tolerance"_a = options.tolerance,
-                  "correction"_a = to_string(options.correction));
-}
-
-py::dict dictionary(const EvaluationCounts& counts) {
-  return py::dict(
-      "triangles_evaluated"_a = counts.triangles_evaluated, "triangles_lumped"_a = counts.triangles_lumped,
-      "triangles_skipped"_a = counts.triangles_skipped, "triangles_reused"_a = counts.triangles_reused,
-      "nodes_lumped"_a = counts.nodes_lumped, "objects_evaluated"_a = counts.objects_evaluated,
-      "objects_skipped"_a = counts.objects_skipped, "objects_reused"_a = counts.objects_reused);
-}
-
 py::list corrections_list() {
   py::list list;
   for (const CorrectionInfo& info : corrections())
@@ -226,21 +206,18 @@ class SharedScene {
   std::mutex mutex_;
 };
 
-/// An evaluation, the scene as it was, and the time it took.
-struct TimedEvaluation {
-  Evaluation answer;
-  Scene scene;
-  double seconds;
-};
-
-TimedEvaluation timed_evaluation(SharedScene& shared, const EvaluationOptions& options) {
+/// Evaluates a scene and describes the answer by `describe`, a function of the evaluation and the seconds it
+/// took.
+template <typename Describe>
+py::dict described_evaluation(SharedScene& shared, const EvaluationOptions& options,
+                              const Describe& describe) {
   validate(options);
-  return shared.locked([&](LiveScene& live) {
+  return python_object(shared.locked([&](LiveScene& live) {
     const auto start = std::chrono::steady_clock::now();
     const Evaluation& answer = live.evaluate(options);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    return TimedEvaluation{answer, answer.matrix ? live.scene() : Scene(), elapsed.count()};
-  });
+    return describe(answer, elapsed.count());
+  }));
 }
 
 py::dict maxwell_of(SharedScene& scene, const std::string& method, std::optional<double> rtol) {
@@ -248,8 +225,9 @@ py::dict maxwell_of(SharedScene& scene, const std::string& method, std::optional
   if (is_integral(options.method) || std::holds_alternative<Recommended>(options.method))
     throw InputError(fmt::format(
         "method '{}' finds no Maxwell matrix: it must be boundary-elements or reduced:K", method));
-  const TimedEvaluation found = timed_evaluation(scene, options);
-  return python::maxwell_dictionary(found.answer.matrix.value(), rtol_of(options), found.seconds);
+  return described_evaluation(scene, options, [&](const Evaluation& answer, double seconds) {
+    return maxwell_answer(answer.matrix.value(), rtol_of(options), seconds);
+  });
 }
 
 py::dict capacitance_of(SharedScene& scene, const std::string& method,
@@ -263,47 +241,19 @@ py::dict capacitance_of(SharedScene& scene, const std::string& method,
     options.faces = parse_face_rule(*faces);
   if (correction)
     options.correction = parse_correction(*correction);
-  const TimedEvaluation found = timed_evaluation(scene, options);
-  if (found.answer.matrix)
-    return python::capacitance_dictionary(found.scene, *found.answer.matrix, method, rtol_of(options),
-                                          found.seconds);
-  const SceneCapacitance& answer = found.answer.capacitance;
-  py::list sensors;
-  for (const SensorCapacitance& sensor : answer.sensors)
-    sensors.append(dictionary(sensor));
-  const CapacitanceOptions used = is_integral(options.method)
-                                      ? integral_options(options)
-                                      : CapacitanceOptions{.correction = Correction::formula};
-  return py::dict("options"_a = dictionary(used), "seconds"_a = found.seconds,
-                  "counts"_a = dictionary(answer.counts), "sensors"_a = sensors);
-}
-
-py::dict dictionary(const DistanceReading& reading) {
-  if (!reading.closest)
-    return py::dict("name"_a = reading.name, "distance"_a = py::none(), "point"_a = py::none(),
-                    "object"_a = py::none(), "triangle"_a = py::none());
-  const auto& [distance, point, object, triangle] = *reading.closest;
-  return py::dict("name"_a = reading.name, "distance"_a = distance, "point"_a = point, "object"_a = object,
-                  "triangle"_a = triangle);
+  return described_evaluation(scene, options, [&](const Evaluation& answer, double seconds) {
+    return capacitance_answer(answer, options, seconds);
+  });
 }
 
 py::dict sense_of(SharedScene& scene, const std::string& method) {
   const ConeMethod how = parse_cone_method(method);
-  py::list sensors;
-  for (const DistanceReading& reading : scene.locked([&](LiveScene& live) { return live.sense(how); }))
-    sensors.append(dictionary(reading));
-  return py::dict("distance_sensors"_a = sensors);
+  return python_object(scene.locked([&](LiveScene& live) { return sensing_answer(live.sense(how)); }));
 }
 
 py::dict collide_of(SharedScene& scene) {
-  const SceneCollision answer = scene.locked([](LiveScene& live) { return SceneCollision(live.collide()); });
-  py::list result;
-  for (const ObjectPair& pair : all_pairs(answer, scene.scene()))
-    result.append(py::dict("a"_a = scene.scene().objects[pair.a].name,
-                           "b"_a = scene.scene().objects[pair.b].name,
-                           "status"_a = std::string(to_string(pair.status))));
-  return py::dict("tests"_a = py::dict("broad"_a = answer.tests.broad, "narrow"_a = answer.tests.narrow),
-                  "pairs"_a = result);
+  return python_object(
+      scene.locked([](LiveScene& live) { return collision_answer(live.collide(), live.scene()); }));
 }
 
 py::dict conductors_of(const SharedScene& scene) {
@@ -318,22 +268,8 @@ py::dict conductors_of(const SharedScene& scene) {
   return result;
 }
 
-py::dict info_of(const SharedScene& scene) {
-  SceneInfo info;
-  {
-    const py::gil_scoped_release unlocked;
-    info = scene_info(scene.scene());
-  }
-  py::list objects;
-  for (const ObjectInfo& object : info.objects)
-    objects.append(py::dict("name"_a = object.name, "triangles"_a = object.triangles, "area"_a = object.area,
-                            "volume"_a = object.volume,
-                            "aabb"_a = py::dict("minimum"_a = Eigen::Vector3d(object.bounding_box.min()),
-                                                "maximum"_a = Eigen::Vector3d(object.bounding_box.max()))));
-  return py::dict("counts"_a = py::dict("links"_a = info.links, "sensors"_a = info.sensors,
-                                        "distance_sensors"_a = info.distance_sensors,
-                                        "objects"_a = info.objects.size(), "triangles"_a = info.triangles),
-                  "objects"_a = objects);
+py::dict info_of(SharedScene& scene) {
+  return python_object(scene.locked([](LiveScene& live) { return info_answer(scene_info(live.scene())); }));
 }
 
 void set_link_pose(SharedScene& scene, const std::string& link, const Array& translation,
@@ -355,6 +291,10 @@ void set_link_pose(SharedScene& scene, const std::string& link, const Array& tra
     throw InputError("a quaternion must not be zero");
   const Eigen::Isometry3d pose = pose_from_quaternion(quaternion, t);
   scene.locked([&](LiveScene& live) { live.set_pose(link, pose); });
+}
+
+void set_joint_position(SharedScene& scene, const std::string& joint, double position) {
+  scene.locked([&](LiveScene& live) { live.set_joint(joint, position); });
 }
 
 }  // namespace
@@ -435,7 +375,7 @@ method.)");
            R"(What every sensor feels, as the dictionary that `fringe capacitance --json` prints; F and V.
 
 method: "exact", "split:N" or "gauss:K", as for plate_integral; or "boundary-elements", for every shape, or "reduced:K",
-the same in microseconds for moving scenes; or "recommended", the first of "reduced:K", "boundary-elements" (3,000 unknowns
+the same in microseconds for moving scenes; or "recommended", the first of "reduced:K", "boundary-elements" (1,000 unknowns
 at most) and the correction "formula" that states the error asked for.
 plates: "sum", every plate of a sensor counts every point of a surface; "nearest", only the plate nearest to it does.
 faces: "all", or "facing": only triangles whose outward side sees the plate, and those in contact with it.
@@ -499,6 +439,11 @@ looked at; "tests" says how many bounding boxes ("broad") and convex shapes ("na
            "Replaces a link's pose relative to its parent. rotation: a (3, 3) rotation matrix or a "
            "quaternion (w, x, y, z) "
            "of any length but zero. Raises InputError for an unknown link or a pose that is none.")
+      .def(
+          "set_joint", &set_joint_position, "joint"_a, "position"_a,
+          "Moves the link of a joint, and the links of all joints that follow it, to a position in rad or m. "
+          "Limits are not "
+          "checked. Raises InputError for a joint that does not exist or follows another one.")
       .def("info", &info_of,
            "Counts, areas (m2), volumes (m3, None for open surfaces) and bounding boxes (m).");
 }

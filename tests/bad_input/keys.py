@@ -61,8 +61,16 @@ WHOLE: dict[str, Any] = {
             "rotation": {"quaternion": [1.0, 0.0, 0.0, 0.5]},
             "material": {"relative_permittivity": 3.0},
         },
-        {"name": "post", "shape": {"type": "cylinder", "radius": 0.1, "height": 0.5, "segments": 8}},
-        {"name": "tip", "shape": {"type": "cone", "radius": 0.1, "height": 0.5, "segments": 8}},
+        {
+            "name": "post",
+            "shape": {"type": "cylinder", "radius": 0.1, "height": 0.5, "segments": 8},
+            "conductor": "mast",
+        },
+        {
+            "name": "tip",
+            "shape": {"type": "cone", "radius": 0.1, "height": 0.5, "segments": 8},
+            "conductor": "mast",
+        },
         {"name": "sheet", "shape": {"type": "plate", "size": [0.1, 0.2]}},
         {"name": "box", "shape": {"type": "cuboid", "size": [0.1, 0.2, 0.3]}},
         {"name": "die", "shape": {"type": "cube", "size": 0.1}},
@@ -72,7 +80,7 @@ Path = tuple[str | int, ...]
 
 OPTIONAL = {
     "medium", "relative_permittivity of medium", "room", "translation", "rotation", "quaternion", "parent", "link",
-    "input_voltage", "coupling_capacitance", "distance_sensor", "potential", "collides", "material", "segments",
+    "input_voltage", "coupling_capacitance", "distance_sensor", "potential", "conductor", "collides", "material", "segments",
 }  # fmt: skip
 # Those that have to be greater than 0; each number of a vector has.
 POSITIVE = {
@@ -175,7 +183,7 @@ def _wrong_values(key: str, value: Any) -> Iterator[tuple[str, Any]]:
     if key in ("link", "sensor", "distance_sensor", "object") and isinstance(value, list):
         del other_types["no list"]
     yield from ((name, wrong) for name, wrong in other_types.items() if name != own)
-    if isinstance(value, str) and key != "name":
+    if isinstance(value, str) and key not in ("name", "conductor"):
         yield "a name that nothing bears", "nobody"
     if isinstance(value, str):
         yield "no letters", ""
@@ -196,7 +204,7 @@ def _wrong_values(key: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 def _by_hand() -> list[Case]:
     """What is wrong of two keys together."""
-    two = {
+    two: dict[str, tuple[Path, Any, str | None]] = {
         "a link that is its own parent": (("link", 0, "parent"), "base", "parent"),
         "two links that are each other's parent": (("link", 0, "parent"), "arm", "parent"),
         "two links of one name": (("link", 1, "name"), "base", "name"),
@@ -205,6 +213,18 @@ def _by_hand() -> list[Case]:
         "rotation and quaternion": (("link", 0, "quaternion"), [1, 0, 0, 0], "quaternion"),
         "axis and quaternion": (("link", 0, "rotation", "quaternion"), [1, 0, 0, 0], "axis"),
         "material and potential": (("object", 1, "potential"), "grounded", "material"),
+        "material and conductor": (("object", 1, "conductor"), "mast", "material"),
+        "a conductor at two potentials": (("object", 3, "potential"), "floating", "conductor"),
+        "an empty name of a conductor": (("object", 2, "conductor"), "", "conductor"),
+        "a conductor with the name of a sensor": (("object", 2, "conductor"), "front", "conductor"),
+        "a conductor with the name of a distance sensor": (("object", 2, "conductor"), "eye", "conductor"),
+        "a conductor with the name of an object outside it": (
+            ("object", 2, "conductor"),
+            "ball",
+            "conductor",
+        ),
+        "a conductor with the name of one of its objects": (("object", 2, "conductor"), "post", None),
+        "an electrode": (("object", 4, "potential"), "electrode", None),
         "a plate that is no rectangle": (("sensor", 0, "plates", 0, "edge_v"), [0.01, 0.1, 0], "edge_v"),
         "no plates": (("sensor", 0, "plates"), [], "plates"),
         "a cone of 181 degrees": (("distance_sensor", 0, "full_angle_degrees"), 181, "full_angle_degrees"),

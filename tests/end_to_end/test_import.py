@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import json
 import math
-import os
 import struct
 import subprocess
 from pathlib import Path
@@ -14,16 +13,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.pipeline import model_stage
 from geometries.scene import reader
-from geometries.scene.scene import Scene
 from geometries.scene.shapes import Cuboid, Cylinder, MeshShape, Sphere
+from tests.end_to_end.importing import ROOT, SINGLE_PRECISION, assert_refused, fringe_import, imported
 
-ROOT = Path(__file__).resolve().parents[2]
 # A corner of a cube: three faces' triangles would do; two are enough to see order, scale and reflection.
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 2 3\nf 1 3 4\n"
 TRIANGLES = np.array([[[0, 0, 0], [1, 0, 0], [0, 2, 0]], [[0, 0, 0], [0, 2, 0], [0, 0, 3]]], dtype=float)
-SINGLE_PRECISION = 2e-7
 
 ROBOT = """<?xml version="1.0"?>
 <robot name="arm">
@@ -60,30 +56,6 @@ ROBOT = """<?xml version="1.0"?>
   </joint>
 </robot>
 """
-
-
-def fringe_import(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    # tests/clean/run lets valgrind watch.
-    command = [
-        *os.environ.get("FRINGE_WATCHED_BY", "").split(),
-        ROOT / "build/bin/fringe",
-        "import",
-        *arguments,
-    ]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
-
-
-def imported(source: Path, *options: str | Path) -> Scene:
-    """The scene made of a file; both readers have to see the same triangles in it."""
-    target = source.with_name("scene.toml")
-    done = fringe_import(source, target, *options)
-    assert (done.returncode, done.stderr) == (0, ""), done.stderr
-    scene = reader.load(target)
-    here, there = scene.conductors(), model_stage.model_module().Scene.load(str(target)).conductors()
-    assert list(here) == list(there)
-    for name, triangles in here.items():
-        assert triangles == pytest.approx(there[name], abs=SINGLE_PRECISION)
-    return scene
 
 
 @pytest.fixture
@@ -178,7 +150,6 @@ WRONG_ROBOTS = {
     "no scale": (ROBOT.replace("-0.002", "0"), 'link "hand": mesh: the scale must not be zero'),
     "collada": (ROBOT.replace("hand.obj", "hand.dae"), "hand.dae was not found"),
     "no such link": (ROBOT.replace('<child link="hand"/>', '<child link="foot"/>'), "foot"),
-    "mimics nothing": (ROBOT.replace('mimic joint="shoulder"', 'mimic joint="hip"'), 'joint "wrist": mimics "hip"'),
     "moved nowhere": (ROBOT.replace('axis xyz="0 2 0"', 'axis xyz="0 0 0"'), 'joint "wrist": its axis must not be zero'),
     "no such file": (ROBOT.replace("package://arm_description/meshes/", "../"), 'link "hand": mesh: there is no file'),
     "no geometry given": (ROBOT.replace('<sphere radius="0.07"/>', ""), "arm.urdf: "),
@@ -195,7 +166,7 @@ WRONG_ROBOTS = {
             '<link name="nail"/><joint name="elbow" type="revolute"><limit effort="1" velocity="1"/><parent link="finger"/>'
             '<child link="nail"/><mimic joint="shoulder" offset="1e308"/></joint></robot>',
         ),
-        'joint "wrist": its place must be finite',
+        'joint "wrist": its position must be finite',
     ),
     "farther than a scene reaches": (ROBOT.replace("0.5 0 0", "1e40 0 0"), 'arm.urdf makes no scene: link "hand": translation'),
     "mimics itself": (ROBOT.replace('mimic joint="shoulder"', 'mimic joint="wrist"'), "mimics itself"),
@@ -241,15 +212,6 @@ def test_a_new_import_takes_the_place_of_the_old_one(robot: Path) -> None:
     robot.write_text(ROBOT)
     assert imported(robot).conductors()["hand"] == pytest.approx(first["hand"], abs=0)
     assert {path.name for path in robot.parent.iterdir()} == {"arm.urdf", "scene.toml", "scene_meshes"}
-
-
-def assert_refused(source: Path, told: str) -> None:
-    before = set(source.parent.rglob("*"))
-    done = fringe_import(source, source.with_name("wrong.toml"))
-    assert (done.returncode, done.stdout) == (2, "")
-    assert told in done.stderr and source.name in done.stderr
-    assert len(done.stderr.splitlines()) == 1 and "unfinished" not in done.stderr
-    assert set(source.parent.rglob("*")) == before
 
 
 def test_links_in_a_circle_beside_the_root_are_refused(robot: Path) -> None:
@@ -381,9 +343,15 @@ def test_names_of_any_letters_come_through(tmp_path: Path) -> None:
     assert [link.name for link in scene.links] == [name] == list(scene.conductors())
 
 
-def test_a_folder_that_is_not_there_is_told(tmp_path: Path) -> None:
-    done = fringe_import(written(tmp_path, model([{"mesh": 0}])), tmp_path / "none" / "scene.toml")
-    assert done.returncode == 1 and "none" in done.stderr and not (tmp_path / "none").exists()
+def test_folders_that_are_not_there_are_made(tmp_path: Path) -> None:
+    done = fringe_import(written(tmp_path, model([{"mesh": 0}])), tmp_path / "new" / "deep" / "scene.toml")
+    assert done.returncode == 0 and reader.load(tmp_path / "new" / "deep" / "scene.toml").objects
+
+
+def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    done = fringe_import(written(tmp_path, model([{"mesh": 0}])), tmp_path / "file" / "scene.toml")
+    assert done.returncode == 1 and "cannot be made" in done.stderr
 
 
 def _accessor(number: int, **changes: Any) -> list[dict[str, Any]]:
@@ -472,7 +440,10 @@ def test_files_that_are_damaged_or_missing_are_refused(tmp_path: Path, name: str
 
 
 def test_a_file_of_another_kind_is_refused(robot: Path) -> None:
-    assert_refused(robot.rename(robot.with_suffix(".xml")), "must end in .urdf, .gltf or .glb")
+    assert_refused(
+        robot.rename(robot.with_suffix(".xml")),
+        "must end in .urdf, .gltf, .glb, .dae, .obj, .3mf, .step or .stp",
+    )
 
 
 def test_options_that_would_change_nothing_are_refused(tmp_path: Path, robot: Path) -> None:

@@ -154,7 +154,7 @@ def test_the_errors_in_the_table_of_methods_are_those_of_the_notes() -> None:
     assert rms["none"] is not None and rms["recommended"] is not None
     worst = rms["recommended"][0].split("|")[5].strip()
     (exact,) = re.findall(r"^\| `exact` \|.*", README, re.MULTILINE)
-    (recommended,) = re.findall(r"^\| `recommended` \|.*", README, re.MULTILINE)
+    (recommended,) = re.findall(r"^\| `--correction recommended` \|.*", README, re.MULTILINE)
     assert f"| {rms['none'][1]} % rms |" in exact
     assert f"| {rms['recommended'][1]} % rms, {worst} % at worst |" in recommended
 

@@ -30,10 +30,12 @@ rotation = { axis = [1, 2, -3], degrees = 77.7 }
 name = "hand"
 parent = "arm"
 quaternion = [0.3, -0.4, 0.5, 2]
+joint = { name = "wrist", type = "revolute", axis = [1, -2, 0.5], position = 1.1 }
 [[link]]
 name = "room"
 translation = [1, 2, 3]
 rotation = { quaternion = [1, 0, 0, 1] }
+joint = { name = "slide", type = "prismatic", axis = [1, 1, 0], mimic = { joint = "wrist", multiplier = -0.2, offset = 3 } }
 """
 SHAPES = {
     "plate": 'type = "plate", size = [0.073, 0.119]',
@@ -162,6 +164,22 @@ def test_the_canonical_text_of_poses_and_links(folder: Path) -> None:
         SENSOR + SENSOR,
         SENSOR + 'link = "nowhere"\n',
         SENSOR + '[[link]]\nname = "a"\nparent = "a"\n',
+        *(
+            SENSOR + f'[[link]]\nname = "a"\njoint = {{ name = "j", {joint} }}\n'
+            for joint in (
+                'type = "ball", axis = [0, 0, 1]',
+                'type = "revolute", axis = [0, 0, 0]',
+                'type = "revolute", axis = [0, 0, 1], lower = 1, upper = 0',
+                'type = "revolute", axis = [0, 0, 1], position = 0, mimic = { joint = "j" }',
+                'type = "revolute", axis = [0, 0, 1], mimic = { joint = "j" }',
+                'type = "revolute", axis = [0, 0, 1], mimic = { joint = "k" }',
+            )
+        ),
+        SENSOR
+        + 2
+        * '[[link]]\nname = "a"\njoint = { name = "j", type = "revolute", axis = [0, 0, 1] }\n'.replace(
+            '"a"', '"b"', 1
+        ),
         SENSOR + '[[object]]\nname = "o"\nshape = { type = "plate", size = [0.1, 0] }\n',
         SENSOR + '[[object]]\nname = "o"\nshape = { type = "plate", size = [0.1, nan] }\n',
         SENSOR + '[[object]]\nname = "o"\nshape = { type = "sphere", radius = 1, segments = 2 }\n',
@@ -184,6 +202,53 @@ def test_both_refuse_what_the_format_does_not_allow(folder: Path, wrong: str) ->
         reader.load(path)
     with pytest.raises(ValueError):
         model_module().Scene.load(str(path))
+
+
+def object_of(name: str, more: str) -> str:
+    return f'[[object]]\nname = "{name}"\nshape = {{ type = "cube", size = 1 }}\n{more}\n'
+
+
+@pytest.mark.parametrize(
+    ("objects", "message"),
+    [
+        (object_of("a", 'conductor = ""'), 'object "a": conductor: must not be empty'),
+        (
+            object_of("a", 'conductor = "arm"')
+            + object_of("b", 'conductor = "arm"\npotential = "electrode"'),
+            'object "b": conductor: one conductor has one potential, but "a" is grounded and "b" is electrode',
+        ),
+        (object_of("a", 'conductor = "front"'), 'object "a": conductor: "front" is the name of a sensor'),
+        (
+            object_of("a", 'conductor = "b"') + object_of("b", 'conductor = "arm"'),
+            'object "a": conductor: "b" is the name of an object outside this conductor',
+        ),
+        (
+            object_of("a", 'conductor = "arm"\nmaterial = { relative_permittivity = 2 }'),
+            'object "a": material: cannot be combined with conductor',
+        ),
+        (
+            object_of("a", 'potential = "high"'),
+            'object "a": potential: must be "grounded", "floating" or "electrode"',
+        ),
+    ],
+)
+def test_both_refuse_conductors_with_the_same_words(folder: Path, objects: str, message: str) -> None:
+    path = folder / "scene.toml"
+    path.write_text(SENSOR + objects)
+    for load in (reader.load, lambda path: model_module().Scene.load(str(path))):
+        with pytest.raises(ValueError) as refused:
+            load(path)
+        assert str(refused.value).endswith(f": {message}")
+
+
+def test_conductors_of_several_objects_and_electrodes_are_read_by_both(folder: Path) -> None:
+    arm = 'conductor = "arm"\npotential = "electrode"'
+    objects = object_of("a", arm) + object_of("arm", arm) + object_of("b", 'potential = "electrode"')
+    (folder / "scene.toml").write_text(SENSOR + objects)
+    assert_same_conductors(folder / "scene.toml")
+    (folder / "canonical.toml").write_text(canonical(reader.load(folder / "scene.toml")))
+    assert reader.load(folder / "canonical.toml") == reader.load(folder / "scene.toml")
+    assert_same_conductors(folder / "canonical.toml")
 
 
 def test_a_family_made_in_python_is_read_the_same_in_both(folder: Path) -> None:

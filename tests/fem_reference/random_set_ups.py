@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from fem_reference.bodies.shapes import separation
+from fem_reference.bodies.shapes import separation, rectangle
 from fem_reference.solve.level import solve_level
-from fem_reference.bodies.conductors import normalised, rectangle
+from fem_reference.bodies.conductors import normalised
 from fem_reference.mesh.size_rules import Sizing
 from tests.fem_reference import panel_method
 from tests.fem_reference.panel_method import Plate

@@ -23,9 +23,9 @@ from analysis.topics.verification.truths import (
     sphere_and_plane,
     strips,
 )
-from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
+from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle, rectangle
 from fem_reference.answer.reference import Reference, solve_conductors
-from fem_reference.bodies.conductors import normalised, rectangle
+from fem_reference.bodies.conductors import normalised
 
 Array = NDArray[np.float64]
 

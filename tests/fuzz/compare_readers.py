@@ -32,6 +32,7 @@ WORDS = [
     b"\xff", b"\xc3\xa9", b"\xe2\x80\xa8", b"/", b"//", b"solid", b"endsolid", b"vertex", b"comment x\n", b"element face 1\n",
     b"property list uchar int vertex_index\n", b"v 1 2 3\n", b"v 1 2\n", b"v 1 2 3 4\n", b"f 1 2 3\n", b"f 1 2\n", b"p 1\n", b"l 1 2\n",
     b"name", b"link", b"size", b"radius", b"translation", b"rotation", b"shape", b"type", b"2020-01-01",
+    b"potential", b'"floating"', b'"electrode"', b"conductor", b'conductor = "body"\n', b'potential = "electrode"\n',
 ]  # fmt: skip
 
 

@@ -26,7 +26,8 @@ void require_sound(const Scene& scene) {
   for (const Link& link : scene.links)
     require(link.pose.matrix().allFinite(), "a link has a pose");
   for (const Object& object : scene.objects)
-    require(object.pose.matrix().allFinite() && !object.name.empty(), "an object has a name and a pose");
+    require(object.pose.matrix().allFinite() && !object.name.empty() && object.conductor != "",
+            "an object has a name and a pose, and so has its conductor a name");
   for (const Sensor& sensor : scene.sensors)
     require(!sensor.plates.empty() && !sensor.name.empty(), "a sensor has a name and plates");
 }

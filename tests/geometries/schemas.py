@@ -36,12 +36,29 @@ SCENE: Document = {
     "medium": {"relative_permittivity": 2},
     "room": {"size": [4, 3, 2.5], "translation": [0, 0, 1], "rotation": {"axis": [0, 0, 1], "degrees": 3}},
     "link": [
-        {"name": "base", "quaternion": [1, 0, 0, 0]},
+        {
+            "name": "base",
+            "quaternion": [1, 0, 0, 0],
+            "joint": {
+                "name": "slide",
+                "type": "prismatic",
+                "axis": [0, 0, 1],
+                "lower": 0,
+                "upper": 0.5,
+                "position": 0.1,
+            },
+        },
         {
             "name": "arm",
             "parent": "base",
             "translation": [0, 0, 1],
             "rotation": {"quaternion": [0, 1, 0, 0]},
+            "joint": {
+                "name": "elbow",
+                "type": "revolute",
+                "axis": [1, 0, 0],
+                "mimic": {"joint": "slide", "multiplier": 2, "offset": 0.1},
+            },
         },
     ],
     "sensor": [
@@ -65,8 +82,16 @@ SCENE: Document = {
     ],
     "object": [
         {"name": "glass", "link": "arm", "shape": BALL, "material": {"relative_permittivity": 50}},
-        {"name": "ball", "shape": BALL, "translation": [1, 0, 0], "potential": "floating", "collides": False},
+        {
+            "name": "ball",
+            "shape": BALL,
+            "translation": [1, 0, 0],
+            "potential": "floating",
+            "conductor": "pendulum",
+            "collides": False,
+        },
         *({"name": f"shape {number}", "shape": shape} for number, shape in enumerate(SHAPES)),
+        {"name": "guard", "shape": BALL, "potential": "electrode"},
     ],
 }
 MOTION: Document = {
@@ -78,7 +103,8 @@ MOTION: Document = {
                 {"link": "arm", "translation": [0, 0, 0.4], "rotation": {"axis": [0, 1, 0], "degrees": 9}},
                 {"link": "base", "quaternion": [1, 0, 0, 0]},
             ],
-        }
+        },
+        {"joints": [{"joint": "slide", "position": 0.2}]},
     ],
 }
 
@@ -130,11 +156,20 @@ def with_unknown_keys(document: Document) -> Iterator[tuple[Place, Document]]:
         yield (*table, "unknown"), changed(document, (*table, "unknown"), 1)
 
 
+# What other tables name.
+NAMED: tuple[Place, ...] = (
+    ("link",),
+    ("link", 0, "name"),
+    ("link", 0, "joint"),
+    ("link", 0, "joint", "name"),
+)
+
+
 def without_keys(document: Document) -> Iterator[tuple[Place, Document]]:
     """The document again and again, each time without one of its keys, but never without what others name."""
     for table in tables(document):
         for key in at(document, table):
-            if (*table, key) not in (("link",), ("link", 0, "name")):
+            if (*table, key) not in NAMED:
                 yield (*table, key), changed(document, (*table, key), None)
 
 
@@ -148,6 +183,10 @@ OUT_OF_RANGE: list[tuple[Place, Any]] = [
     (("room", "rotation", "axis"), [0, 0, 0]),
     (("room", "quaternion"), [1, 0, 0, 0]),
     (("link", 0, "name"), ""),
+    (("link", 0, "joint", "name"), ""),
+    (("link", 0, "joint", "type"), "fixed"),
+    (("link", 0, "joint", "axis"), [0, 0, 0]),
+    (("link", 1, "joint", "position"), 1),
     (("link", 0, "quaternion"), [0, 0, 0, 0]),
     (("link", 0, "quaternion"), [1, 0, 0]),
     (("link", 1, "quaternion"), [1, 0, 0, 0]),
@@ -162,7 +201,9 @@ OUT_OF_RANGE: list[tuple[Place, Any]] = [
     (("distance_sensor", 0, "range"), 0),
     (("object", 0, "potential"), "grounded"),
     (("object", 0, "material", "relative_permittivity"), 0),
+    (("object", 0, "conductor"), "pendulum"),
     (("object", 1, "potential"), "high"),
+    (("object", 1, "conductor"), ""),
     (("object", 2, "shape", "size"), [0.1, 0]),
     (("object", 2, "shape", "type"), "disc"),
     (("object", 5, "shape", "size"), -1),

@@ -128,11 +128,8 @@ def test_more_triangles_than_are_evaluated_at_once_come_in_their_order(
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (
-            ["--tolerance", "1e-3"],
-            "--output: with a tolerance or a correction no triangle has a part of its own",
-        ),
-        (["--correction", "formula"], "--output: with a tolerance or a correction"),
+        (["--tolerance", "1e-3"], "--output cannot be combined with a tolerance or a correction"),
+        (["--correction", "formula"], "--output cannot be combined with a tolerance or a correction"),
         (["--method", "boundary-elements"], "--output is an option of the triangle-integral methods"),
         (["--output", "shares.txt"], "'shares.txt' does not end in .vtu"),
     ],

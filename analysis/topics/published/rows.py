@@ -81,7 +81,7 @@ def row(case: Case, boundary: Document, upper: Document, sensor_alone: Alone) ->
     best, error = np.array(boundary["maxwell"]), np.array(boundary["error"])
     interval = enclosure(lower_matrix(boundary), np.array(upper["upper"]))
     low, high = interval.lower, interval.upper
-    change = boundary["delta_self"]
+    change = boundary["delta_self"]["sensor"]
     farads = {
         MUTUAL: (-best[0, 1], error[0, 1], -high[0, 1], -low[0, 1]),
         SENSOR: (best[0, 0], error[0, 0], low[0, 0], high[0, 0]),

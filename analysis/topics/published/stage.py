@@ -74,18 +74,10 @@ def boundary(module: Any, scene: Path) -> Document:
     """Computes Maxwell matrix and delta_self by boundary elements, as accurately as four digits of every quantity need."""
     loaded = module.Scene.load(str(scene))
     for rtol in RTOLS:
-        solved = loaded.maxwell(rtol=rtol)
+        solved: Document = loaded.maxwell(rtol=rtol)
         if not solved["reached"] or worst_error(solved) <= FOUR_DIGITS:
             break
-    return {
-        "maxwell": solved["maxwell"].tolist(),
-        "error": solved["error"].tolist(),
-        "lower_bounds": list(solved["lower_bounds"]),
-        "delta_self": solved["delta_self"]["sensor"],
-        "rtol": rtol,
-        "reached": bool(solved["reached"]),
-        "seconds": float(solved["seconds"]),
-    }
+    return solved
 
 
 def worst_error(solved: Document) -> float:

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from analysis.topics.verification import truths, truths_of_revolution
-from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
+from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle, rectangle
 from fem_reference.answer.reference import ErrorKind
 from fem_reference.bodies.round_bodies import Cone, Cylinder, Sphere
-from fem_reference.bodies.conductors import Conductors, Dielectric, normalised, rectangle
+from fem_reference.bodies.conductors import Conductors, Dielectric, normalised
 from geometries.scene.poses import AxisRotation
 
 Array = NDArray[np.float64]

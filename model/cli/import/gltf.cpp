@@ -1,17 +1,17 @@
-#include "gltf.hpp"
+#include "import/gltf.hpp"
 
 #include <algorithm>
 #include <cctype>
+#include <optional>
 #include <set>
 #include <string>
-#include <utility>
 
 #include <fmt/format.h>
 
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
-#include "gltf_triangles.hpp"
-#include "unique_names.hpp"
+#include "import/gltf_triangles.hpp"
+#include "import/link_tree.hpp"
 
 namespace fringe::cli {
 namespace {
@@ -44,25 +44,15 @@ tinygltf::Model parse(const fs::path& path) {
   return model;
 }
 
-/// The pose p ↦ rotation·rest·p + translation, where `rest` is the scaling and shear that a rigid link cannot
-/// have.
-struct NodePose {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  Eigen::Matrix3d rest = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
-};
-
 /// Splits a node's transformation into rotation, rest and translation.
 NodePose pose_of(const tinygltf::Node& node) {
-  NodePose pose;
   if (node.matrix.size() == 16) {
     const Eigen::Map<const Eigen::Matrix4d> matrix(node.matrix.data());
     Eigen::Affine3d affine = Eigen::Affine3d::Identity();
     affine.matrix().topRows<3>() = matrix.topRows<3>();
-    affine.computeRotationScaling(&pose.rotation, &pose.rest);
-    pose.translation = affine.translation();
-    return pose;
+    return split(affine);
   }
+  NodePose pose;
   if (node.translation.size() == 3)
     pose.translation = Eigen::Vector3d(node.translation.data());
   if (node.scale.size() == 3)
@@ -87,17 +77,13 @@ class Reader {
     if (chosen >= model_.scenes.size())
       throw InputError(fmt::format("scene {}: does not exist", chosen));
     for (const int node : model_.scenes[chosen].nodes)
-      add_node(node, std::nullopt, Eigen::Matrix3d::Identity(), 0);
-    if (scene_.objects.empty())
-      throw InputError("holds no triangles");
-    return std::move(scene_);
+      add_node(node, std::nullopt, 0);
+    return tree_.take();
   }
 
  private:
-  /// Adds a node and its children. `rest` is the scaling and shear of the nodes above, which their links do
-  /// not have.
-  void add_node(int number, std::optional<std::size_t> parent, const Eigen::Matrix3d& rest,
-                std::size_t depth) {
+  /// Adds a node and its children.
+  void add_node(int number, std::optional<std::size_t> parent, std::size_t depth) {
     const std::string what = fmt::format("node {}", number);
     if (number < 0 || static_cast<std::size_t>(number) >= model_.nodes.size())
       throw InputError(what + ": does not exist");
@@ -106,51 +92,18 @@ class Reader {
     if (depth > deepest)
       throw InputError(fmt::format("{}: is below more than {} others", what, deepest));
     const tinygltf::Node& node = model_.nodes[static_cast<std::size_t>(number)];
+    std::size_t link = 0;
     try {
       if (node.skin != -1)
         throw InputError("has a skin, which is not read");
-      add_link(node, number, parent, rest);
+      link = tree_.add_link(node.name.empty() ? what : node.name, parent, pose_of(node));
+      if (node.mesh != -1)
+        tree_.add_object(tree_.name_of(link), link, gltf_triangles(model_, node.mesh));
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: {}", what, error.what()));
     }
-    const std::size_t index = scene_.links.size() - 1;
-    const Eigen::Matrix3d below = rests_.back();
     for (const int child : node.children)
-      add_node(child, index, below, depth + 1);
-  }
-
-  /// Adds the link of a node, and its mesh.
-  void add_link(const tinygltf::Node& node, int number, std::optional<std::size_t> parent,
-                const Eigen::Matrix3d& rest) {
-    const NodePose pose = pose_of(node);
-    Eigen::Isometry3d placed = Eigen::Isometry3d::Identity();
-    placed.linear() = pose.rotation;
-    placed.translation() = rest * pose.translation;
-    // rest·rotation·(rest of this node) = rotation·below, so the rest of the nodes above moves below the
-    // rotation.
-    const Eigen::Matrix3d below = pose.rotation.transpose() * rest * pose.rotation * pose.rest;
-    const std::string name = names_.take(node.name.empty() ? fmt::format("node {}", number) : node.name);
-    scene_.links.push_back({name, parent, placed});
-    rests_.push_back(rest.isIdentity(0) ? pose.rest : below);
-    if (node.mesh != -1)
-      add_object(name, node.mesh, rests_.back());
-  }
-
-  void add_object(const std::string& name, int number, const Eigen::Matrix3d& rest) {
-    Mesh mesh{{}, 1, gltf_triangles(model_, number)};
-    if (mesh.triangles.empty())
-      return;
-    if (!rest.isIdentity(0)) {
-      const bool reflected = rest.determinant() < 0;
-      for (Triangle& triangle : mesh.triangles) {
-        for (Eigen::Vector3d& vertex : triangle)
-          vertex = rest * vertex;
-        // A reflection reverses the orientation of the triangles.
-        if (reflected)
-          std::swap(triangle[1], triangle[2]);
-      }
-    }
-    scene_.objects.push_back({name, scene_.links.size() - 1, std::move(mesh)});
+      add_node(child, link, depth + 1);
   }
 
   /// Limit of nesting, far above that of any model; nodes are read recursively, which takes space on the
@@ -158,10 +111,8 @@ class Reader {
   static constexpr std::size_t deepest = 1000;
 
   const tinygltf::Model& model_;
-  Scene scene_;
-  std::vector<Eigen::Matrix3d> rests_;
+  LinkTree tree_;
   std::set<int> reached_;
-  UniqueNames names_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "gltf_triangles.hpp"
+#include "import/gltf_triangles.hpp"
 
 #include <cstdint>
 #include <cstring>

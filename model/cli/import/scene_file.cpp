@@ -1,4 +1,4 @@
-#include "scene_file.hpp"
+#include "import/scene_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,7 @@
 
 #include "fringe/error.hpp"
 #include "fringe/scene_reader.hpp"
-#include "unique_names.hpp"
+#include "import/unique_names.hpp"
 
 namespace fringe::cli {
 namespace {
@@ -39,6 +39,32 @@ class Unfinished {
 
  private:
   fs::path path_;
+};
+
+/// Makes a folder and those above it; on destruction it removes what it made, unless they are kept.
+class MissingFolders {
+ public:
+  explicit MissingFolders(const fs::path& folder) {
+    for (fs::path missing = folder; !missing.empty() && !fs::exists(missing); missing = missing.parent_path())
+      made_ = missing;
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error)
+      throw std::runtime_error(
+          fmt::format("{}: the folder cannot be made: {}", folder.string(), error.message()));
+  }
+  MissingFolders(const MissingFolders&) = delete;
+  MissingFolders& operator=(const MissingFolders&) = delete;
+  ~MissingFolders() {
+    std::error_code ignored;
+    if (!made_.empty())
+      fs::remove_all(made_, ignored);
+  }
+
+  void keep() { made_.clear(); }
+
+ private:
+  fs::path made_;  ///< the highest of them
 };
 
 /// Writes a text as a basic string of TOML.
@@ -72,11 +98,27 @@ std::string pose_text(const Eigen::Isometry3d& pose) {
   return text;
 }
 
+std::string joint_text(const Joint& joint) {
+  std::string text =
+      fmt::format("joint = {{ name = {}, type = \"{}\", axis = {}", quoted(joint.name),
+                  joint.kind == Joint::Kind::revolute ? "revolute" : "prismatic", listed(joint.axis));
+  if (joint.lower)
+    text += fmt::format(", lower = {}", *joint.lower);
+  if (joint.upper)
+    text += fmt::format(", upper = {}", *joint.upper);
+  if (joint.mimic)
+    text += fmt::format(", mimic = {{ joint = {}, multiplier = {}, offset = {} }}",
+                        quoted(joint.mimic->joint), joint.mimic->multiplier, joint.mimic->offset);
+  else
+    text += fmt::format(", position = {}", joint.position);
+  return text + " }\n";
+}
+
 std::string link_text(const Link& link, const Scene& scene) {
   std::string text = fmt::format("\n[[link]]\nname = {}\n", quoted(link.name));
   if (link.parent)
     text += fmt::format("parent = {}\n", quoted(scene.links[*link.parent].name));
-  return text + pose_text(link.pose);
+  return text + (link.joint ? pose_text(link.joint->rest) + joint_text(*link.joint) : pose_text(link.pose));
 }
 
 /// Writes the shapes that imports produce; plates, cones and arcs are not among them.
@@ -207,8 +249,7 @@ std::string without_paths(std::string message, const fs::path& scene_file, const
 
 void write_scene_file(const Scene& scene, const fs::path& target, const std::string& source) {
   const fs::path beside = fs::absolute(target).parent_path();
-  if (!fs::is_directory(beside))
-    throw std::runtime_error(fmt::format("{}: there is no folder {}", target.string(), beside.string()));
+  MissingFolders folders(beside);
   const std::string meshes = target.stem().string() + "_meshes";
   const Unfinished scene_file(beside / fmt::format(".{}.unfinished", target.filename().string()));
   const Unfinished mesh_folder(beside / fmt::format(".{}.unfinished", meshes));
@@ -227,6 +268,7 @@ void write_scene_file(const Scene& scene, const fs::path& target, const std::str
   for (const auto& [object, name] : names)
     fs::rename(mesh_folder.path() / name, beside / meshes / name);
   fs::rename(scene_file.path(), target);
+  folders.keep();
 }
 
 }  // namespace fringe::cli

@@ -1,5 +1,6 @@
-#include "urdf.hpp"
+#include "import/urdf.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -11,13 +12,18 @@
 
 #include <console_bridge/console.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tinyxml.h>
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include "fringe/error.hpp"
 #include "fringe/mesh_file.hpp"
 #include "fringe/pose.hpp"
-#include "unique_names.hpp"
+#include "import/gltf.hpp"
+#include "import/link_tree.hpp"
+#include "import/model_file.hpp"
+#include "import/unique_names.hpp"
 
 namespace fringe::cli {
 namespace {
@@ -50,11 +56,42 @@ std::string text_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-urdf::ModelInterfaceSharedPtr parse(const fs::path& path) {
+/// Removes all elements of a name below an element.
+void remove_all(TiXmlNode& element, const char* name) {
+  for (TiXmlElement* child = element.FirstChildElement(); child != nullptr;) {
+    TiXmlElement* const next = child->NextSiblingElement();
+    if (child->ValueStr() == name)
+      element.RemoveChild(child);
+    else
+      remove_all(*child, name);
+    child = next;
+  }
+}
+
+/// Returns a robot without what the parser refuses and no scene needs: materials are left out, and a robot
+/// without a name gets one.
+std::string simplified(const std::string& text, const fs::path& path, std::vector<std::string>& warnings) {
+  TiXmlDocument document;
+  document.Parse(text.c_str());
+  TiXmlElement* const robot = document.Error() ? nullptr : document.FirstChildElement("robot");
+  if (robot == nullptr)
+    return text;
+  const char* const name = robot->Attribute("name");
+  if (name == nullptr || *name == 0) {
+    robot->SetAttribute("name", "robot");
+    warnings.push_back(fmt::format("{}: robot: has no name", path.string()));
+  }
+  remove_all(*robot, "material");
+  TiXmlPrinter printer;
+  document.Accept(&printer);
+  return printer.Str();
+}
+
+urdf::ModelInterfaceSharedPtr parse(const fs::path& path, std::vector<std::string>& warnings) {
   const Told told;
   urdf::ModelInterfaceSharedPtr model;
   try {
-    model = urdf::parseURDF(text_of(path));
+    model = urdf::parseURDF(simplified(text_of(path), path, warnings));
   } catch (const InputError&) {
     throw;
   } catch (const std::exception& error) {
@@ -76,8 +113,8 @@ Eigen::Isometry3d pose_of(const urdf::Pose& pose) {
 /// Reads one robot. The parameter `what` is the element of the file that an error message names.
 class Reader {
  public:
-  Reader(const fs::path& path, UrdfGeometry geometry, const std::vector<fs::path>& package_paths)
-      : path_(path), geometry_(geometry), package_paths_(package_paths), model_(parse(path)) {}
+  Reader(const fs::path& path, const UrdfRequest& request, std::vector<std::string>& warnings)
+      : path_(path), request_(request), warnings_(warnings), model_(parse(path, warnings)) {}
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
   /// Breaks the parser's ownership of children by their parents: links in a circle would never be freed.
@@ -95,9 +132,10 @@ class Reader {
         if (!reached_.contains(name))
           fail(fmt::format("link \"{}\"", name), "the root does not lead to it");
     if (scene_.objects.empty())
-      fail("robot", geometry_ == UrdfGeometry::collision
+      fail("robot", request_.geometry == UrdfGeometry::collision
                         ? "no link has a collision geometry; --geometry visual takes what is to be seen"
                         : "no link has a visual geometry");
+    set_joints();
     return std::move(scene_);
   }
 
@@ -109,10 +147,12 @@ class Reader {
   void add_link(const urdf::Link& link, std::optional<std::size_t> parent) {
     const std::size_t index = scene_.links.size();
     reached_[link.name] = index;
-    scene_.links.push_back(
-        {link.name, parent,
-         link.parent_joint ? joint_pose(*link.parent_joint) : Eigen::Isometry3d::Identity()});
-    if (geometry_ == UrdfGeometry::collision)
+    scene_.links.push_back({link.name, parent});
+    if (link.parent_joint) {
+      scene_.links.back().pose = pose_of(link.parent_joint->parent_to_joint_origin_transform);
+      scene_.links.back().joint = joint_of(*link.parent_joint, scene_.links.back().pose);
+    }
+    if (request_.geometry == UrdfGeometry::collision)
       for (const auto& body : link.collision_array)
         add_object(link.name, index, body->geometry, body->origin);
     else
@@ -122,33 +162,94 @@ class Reader {
       add_link(*child, index);
   }
 
-  Eigen::Isometry3d joint_pose(const urdf::Joint& joint) const {
-    const std::string what = fmt::format("joint \"{}\"", joint.name);
-    Eigen::Isometry3d origin = pose_of(joint.parent_to_joint_origin_transform);
-    const double position = joint_position(joint, 0);
-    if (!origin.matrix().allFinite() || !std::isfinite(position))
-      fail(what, "its place must be finite");
-    if (position == 0)
-      return origin;
-    const Eigen::Vector3d axis(joint.axis.x, joint.axis.y, joint.axis.z);
-    if (!axis.allFinite() || axis.isZero(0))
-      fail(what, "its axis must not be zero");
-    if (joint.type == urdf::Joint::PRISMATIC)
-      return origin * Eigen::Translation3d(position * axis.stableNormalized());
-    return origin * Eigen::AngleAxisd(position, axis.stableNormalized());
+  void warn(const std::string& what, const std::string& reason) const {
+    warnings_.push_back(fmt::format("{}: {}: {}", path_.string(), what, reason));
   }
 
-  /// Returns the joint's position: 0, or the one that follows from the joint that it mimics.
-  double joint_position(const urdf::Joint& joint, std::size_t depth) const {
-    if (!joint.mimic)
-      return 0;
-    const auto mimicked = model_->joints_.find(joint.mimic->joint_name);
-    if (mimicked == model_->joints_.end())
-      fail(fmt::format("joint \"{}\"", joint.name),
-           fmt::format("mimics \"{}\", which does not exist", joint.mimic->joint_name));
-    if (depth > model_->joints_.size())
-      fail(fmt::format("joint \"{}\"", joint.name), "mimics itself");
-    return joint.mimic->offset + joint.mimic->multiplier * joint_position(*mimicked->second, depth + 1);
+  static bool moves(const urdf::Joint& joint) {
+    return joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS ||
+           joint.type == urdf::Joint::PRISMATIC;
+  }
+
+  /// Returns the joint of a link whose pose is `rest` at position 0; none if it cannot move.
+  std::optional<Joint> joint_of(const urdf::Joint& joint, const Eigen::Isometry3d& rest) const {
+    const std::string what = fmt::format("joint \"{}\"", joint.name);
+    if (!rest.matrix().allFinite())
+      fail(what, "its place must be finite");
+    if (!moves(joint)) {
+      if (joint.type != urdf::Joint::FIXED)
+        warn(what, "is floating or planar, and stays at its origin");
+      return std::nullopt;
+    }
+    Joint result;
+    result.name = joint.name;
+    result.kind = joint.type == urdf::Joint::PRISMATIC ? Joint::Kind::prismatic : Joint::Kind::revolute;
+    result.axis = {joint.axis.x, joint.axis.y, joint.axis.z};
+    result.rest = rest;
+    if (!result.axis.allFinite() || result.axis.isZero(0))
+      fail(what, "its axis must not be zero");
+    // The parser sets limits that are not given to zero.
+    if (joint.limits && joint.type != urdf::Joint::CONTINUOUS && joint.limits->lower < joint.limits->upper) {
+      result.lower = joint.limits->lower;
+      result.upper = joint.limits->upper;
+    }
+    if (joint.mimic)
+      follow(*joint.mimic, what, result);
+    return result;
+  }
+
+  /// Lets a joint follow another one; one that cannot move leaves it at the offset.
+  void follow(const urdf::JointMimic& mimic, const std::string& what, Joint& joint) const {
+    const auto leader = model_->joints_.find(mimic.joint_name);
+    if (leader != model_->joints_.end() && moves(*leader->second)) {
+      joint.mimic = Joint::Mimic{mimic.joint_name, mimic.multiplier, mimic.offset};
+      return;
+    }
+    if (leader == model_->joints_.end())
+      warn(what,
+           fmt::format("mimics \"{}\", which does not exist; it stays at its offset", mimic.joint_name));
+    joint.position = mimic.offset;
+  }
+
+  /// Moves the joints to the positions that are asked for.
+  void set_joints() {
+    for (const auto& [name, position] : request_.joints)
+      set_joint(name, position);
+    try {
+      place_joints(scene_.links);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", path_.string(), error.what()));
+    }
+    for (const Link& link : scene_.links)
+      if (link.joint && (link.joint->position != 0 || request_.joints.contains(link.joint->name)))
+        warn_beyond_limits(*link.joint);
+  }
+
+  void set_joint(const std::string& name, double position) {
+    const std::string what = fmt::format("joint \"{}\"", name);
+    std::vector<std::string> choices;
+    for (Link& link : scene_.links) {
+      if (!link.joint)
+        continue;
+      if (!link.joint->mimic)
+        choices.push_back(link.joint->name);
+      if (link.joint->name != name)
+        continue;
+      if (link.joint->mimic)
+        fail(what, fmt::format("follows \"{}\" and cannot be set", link.joint->mimic->joint));
+      link.joint->position = position;
+      return;
+    }
+    fail(what, choices.empty()
+                   ? "does not exist, nor does any other that moves"
+                   : fmt::format("does not exist or does not move; there are: {}", fmt::join(choices, ", ")));
+  }
+
+  void warn_beyond_limits(const Joint& joint) const {
+    if ((joint.lower && joint.position < *joint.lower) || (joint.upper && joint.position > *joint.upper))
+      warn(fmt::format("joint \"{}\"", joint.name),
+           fmt::format("the position {} is beyond its limits, {} to {}", joint.position, *joint.lower,
+                       *joint.upper));
   }
 
   void add_object(const std::string& link, std::size_t index, const urdf::GeometrySharedPtr& geometry,
@@ -194,19 +295,28 @@ class Reader {
       fail(what, "mesh: the scale must not be zero");
     const fs::path file = find(mesh.filename, what);
     Mesh result{file, 1, {}};
+    std::vector<std::string> remarks;
     try {
-      result.triangles = read_mesh_file(file);
+      result.triangles = triangles_of(file, remarks);
     } catch (const InputError& error) {
       fail(what, fmt::format("mesh: {}", error.what()));
     }
-    for (Triangle& triangle : result.triangles) {
-      for (Eigen::Vector3d& vertex : triangle)
-        vertex = vertex.cwiseProduct(scale);
-      // A reflection reverses the orientation of the triangles.
-      if (scale.prod() < 0)
-        std::swap(triangle[1], triangle[2]);
-    }
+    for (const std::string& remark : remarks)
+      warn(what, fmt::format("mesh: {}", remark));
+    transform(result.triangles, scale.asDiagonal().toDenseMatrix());
     return result;
+  }
+
+  static std::vector<Triangle> triangles_of(const fs::path& file, std::vector<std::string>& remarks) {
+    const std::string extension = extension_of(file);
+    if (extension == ".gltf" || extension == ".glb")
+      return triangles_in_world(read_gltf(file));
+    if (extension == ".stl" || extension == ".obj" || extension == ".ply")
+      return read_mesh_file(file);
+    if (!is_model_file(file))
+      throw InputError(
+          fmt::format("{}: must end in .stl, .obj, .ply, .dae, .3mf, .gltf or .glb", file.string()));
+    return read_model_triangles(file, remarks);
   }
 
   /// Finds the mesh file that a URDF names.
@@ -220,18 +330,37 @@ class Reader {
         fail(what, fmt::format("mesh: there is no file {}", found.string()));
       return found;
     }
-    const fs::path within = name.substr(package.size());
-    for (const fs::path& place : package_paths_)
+    const std::string rest = name.substr(package.size());
+    // Some robots write three slashes.
+    const fs::path within = rest.substr(std::min(rest.find_first_not_of('/'), rest.size()));
+    for (const fs::path& place : request_.package_paths)
       if (fs::is_regular_file(place / within))
         return place / within;
-    for (fs::path place = folder;; place = place.parent_path()) {
-      if (fs::is_regular_file(place / within))
-        return place / within;
-      if (place == place.parent_path())
-        break;
+    if (const std::optional<fs::path> found = above(within))
+      return *found;
+    if (rest.starts_with('/') && fs::is_regular_file(rest))
+      return rest;
+    // The folder of the package may have another name than the package.
+    fs::path without_package;
+    for (auto part = within.begin(); part != within.end(); ++part)
+      if (part != within.begin())
+        without_package /= *part;
+    if (const std::optional<fs::path> found = above(without_package)) {
+      warn(what, fmt::format("mesh: {} is taken from {}", name, found->string()));
+      return *found;
     }
     fail(what,
          fmt::format("mesh: {} was not found; --package-path names the folder that holds the package", name));
+  }
+
+  /// Finds a file in the folders that contain the URDF file.
+  std::optional<fs::path> above(const fs::path& within) const {
+    for (fs::path place = fs::absolute(path_).parent_path();; place = place.parent_path()) {
+      if (!within.empty() && fs::is_regular_file(place / within))
+        return place / within;
+      if (place == place.parent_path())
+        return std::nullopt;
+    }
   }
 
   static constexpr int default_segments = 48;
@@ -239,8 +368,8 @@ class Reader {
   static constexpr std::size_t most_links = 10000;
 
   const fs::path& path_;
-  UrdfGeometry geometry_;
-  const std::vector<fs::path>& package_paths_;
+  const UrdfRequest& request_;
+  std::vector<std::string>& warnings_;
   urdf::ModelInterfaceSharedPtr model_;
   Scene scene_;
   std::map<std::string, std::size_t> reached_;
@@ -257,8 +386,8 @@ UrdfGeometry parse_urdf_geometry(const std::string& name) {
   throw InputError(fmt::format("--geometry: must be collision or visual, not {}", name));
 }
 
-Scene read_urdf(const fs::path& path, UrdfGeometry geometry, const std::vector<fs::path>& package_paths) {
-  return Reader(path, geometry, package_paths).read();
+Scene read_urdf(const fs::path& path, const UrdfRequest& request, std::vector<std::string>& warnings) {
+  return Reader(path, request, warnings).read();
 }
 
 }  // namespace fringe::cli

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,11 +15,19 @@ enum class UrdfGeometry { collision, visual };
 /// Reads "collision" or "visual"; throws InputError for anything else.
 UrdfGeometry parse_urdf_geometry(const std::string& name);
 
-/// Reads the links and bodies of a robot with all joints at position 0 (joints that mimic others, at their
-/// offset). Meshes are in metres. A file in `package://NAME/…` is searched as NAME/… first in each folder of
-/// `package_paths`, then in the folders that contain the URDF file. Throws InputError with file, element and
-/// reason.
-Scene read_urdf(const std::filesystem::path& path, UrdfGeometry geometry,
-                const std::vector<std::filesystem::path>& package_paths);
+/// What is imported from a robot, and in which position.
+struct UrdfRequest {
+  UrdfGeometry geometry = UrdfGeometry::collision;
+  std::vector<std::filesystem::path> package_paths;  ///< searched first for packages
+  std::map<std::string, double> joints;              ///< positions by name, rad or m; 0 for all others
+};
+
+/// Reads the links, joints and bodies of a robot. Joints that mimic others follow them. Meshes are in metres.
+/// A file in `package://NAME/…` is searched as NAME/… first in each folder of `package_paths`, then in the
+/// folders that contain the URDF file, where the package's folder may also have another name. What is missing
+/// but not needed, and positions beyond the limits, are appended to `warnings` with file and element. Throws
+/// InputError with file, element and reason.
+Scene read_urdf(const std::filesystem::path& path, const UrdfRequest& request,
+                std::vector<std::string>& warnings);
 
 }  // namespace fringe::cli

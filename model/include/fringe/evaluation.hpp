@@ -50,8 +50,9 @@ struct Evaluation {
 /// Evaluates every sensor of a scene by any method. `recommended` answers by the first of these that states
 /// errors within the one asked for:
 ///
-/// - the reduced method, if all bodies that it has to divide into triangles have 4,000 of them at most;
-/// - boundary elements of at most 3,000 unknowns;
+/// - the reduced method, if there are at most 100 bodies, and 4,000 triangles on those of them that are
+///   neither plates nor boxes;
+/// - boundary elements of at most 1,000 unknowns;
 ///
 /// else by the one of the two that states the smaller error, if that is at most 10 %, else by the correction
 /// `formula`, which states none.

@@ -32,6 +32,12 @@ class LiveScene {
   /// @throws InputError when no link has the name.
   void set_pose(std::string_view link, const Eigen::Isometry3d& pose);
 
+  /// Moves the link of a joint, and the links of all joints that follow it, to a position in rad or m. Limits
+  /// are not checked.
+  /// @throws InputError when there is no such joint, when it follows another one, or when the position is not
+  /// finite.
+  void set_joint(std::string_view joint, double position);
+
   /// Evaluates every sensor as fringe::evaluate() does; valid until the next call. The counts are the work of
   /// this call. Boundary elements begin anew every time.
   const Evaluation& evaluate(const EvaluationOptions& options = {});

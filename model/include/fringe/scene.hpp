@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "fringe/joint.hpp"
 #include "fringe/rectangle.hpp"
 #include "fringe/shape.hpp"
 
@@ -23,6 +24,7 @@ struct Link {
   std::string name;
   std::optional<std::size_t> parent;                       ///< index among the links; none: a root
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< from this link's frame to its parent's
+  std::optional<Joint> joint = std::nullopt;  ///< what moves it; `pose` is that at the joint's position
 };
 
 /// A capacitive sensor: one conductor made of one or more rectangles, read through a voltage divider
@@ -51,12 +53,15 @@ struct Grounded {};
 /// An insulated conductor without net charge.
 struct Floating {};
 
+/// A conductor that may be driven and sensed, as a sensor may.
+struct Electrode {};
+
 /// A body that polarises instead of conducting.
 struct Dielectric {
   double relative_permittivity;
 };
 
-using ElectricalRole = std::variant<Grounded, Floating, Dielectric>;
+using ElectricalRole = std::variant<Grounded, Floating, Electrode, Dielectric>;
 
 /// A body that the sensors detect.
 struct Object {
@@ -66,6 +71,8 @@ struct Object {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< from the shape's frame to the link's
   ElectricalRole role = Grounded{};
   bool collides = true;
+  /// Name of the conductor whose bodies are all objects with this name; none: a conductor of its own.
+  std::optional<std::string> conductor = std::nullopt;
 };
 
 /// The contents of a scene file, in the file's order.

@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "fringe/mesh_defects.hpp"
 #include "fringe/scene.hpp"
 
 namespace fringe {
@@ -17,7 +18,8 @@ struct ObjectInfo {
   std::size_t triangles;
   double area;                   ///< m²
   std::optional<double> volume;  ///< m³, positive if the triangles face outward; none for an open surface
-  Eigen::AlignedBox3d bounding_box;  ///< m, sides along the world's axes
+  Eigen::AlignedBox3d bounding_box;    ///< m, sides along the world's axes
+  std::optional<MeshDefects> defects;  ///< of a mesh; none for the other shapes, which have no defects
 };
 
 struct SceneInfo {
@@ -28,7 +30,7 @@ struct SceneInfo {
   std::vector<ObjectInfo> objects;
 };
 
-/// Collects the counts and the objects' geometry of a scene.
+/// Collects the counts and the objects' geometry of a scene. Throws InputError for a mesh that is not finite.
 SceneInfo scene_info(const Scene& scene);
 
 }  // namespace fringe

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -28,5 +29,14 @@ bool is_closed(std::span<const Triangle> triangles);
 /// Returns the smallest box with sides along the axes that contains the triangles; empty (in Eigen's sense)
 /// if there are none.
 Eigen::AlignedBox3d axis_aligned_box(std::span<const Triangle> triangles);
+
+/// What makes two triangles with the same vertices the same.
+enum class Sides {
+  alike,    ///< a triangle has no outward side: the order of the vertices does not count
+  distinct  ///< the outward side counts
+};
+
+/// Returns the triangles without those that repeat an earlier one, in their order.
+std::vector<Triangle> without_duplicates(std::vector<Triangle> triangles, Sides sides = Sides::alike);
 
 }  // namespace fringe

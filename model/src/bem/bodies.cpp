@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <map>
-#include <tuple>
 
 #include <fmt/format.h>
 
-#include "bem/surface_contact.hpp"
+#include "bem/contact.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
-#include "geometry/winding_number.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -37,12 +36,6 @@ ChargedFace moved_face(const ChargedFace& face, const Eigen::Isometry3d& pose) {
       face.edge};
 }
 
-void validate_sizes(const Object& object, std::initializer_list<double> sizes) {
-  for (const double size : sizes)
-    if (!std::isfinite(size) || size <= 0)
-      throw InputError(fmt::format("object \"{}\": a size of {} is not positive", object.name, size));
-}
-
 void validate_triangles(const std::string& name, const std::vector<Triangle>& triangles) {
   /// Least height of a triangle, relative to its longest side. Below it, rounding in the integrals makes the
   /// matrix lose positive definiteness.
@@ -63,8 +56,9 @@ void validate_triangles(const std::string& name, const std::vector<Triangle>& tr
     if (!(doubled > 0))
       throw InputError(fmt::format("{}: triangle {} has no area", name, k));
     if (doubled < least_height * longest)
-      throw InputError(fmt::format("{}: triangle {} is too thin: less high than {} of its longest side", name,
-                                   k, least_height));
+      throw InputError(
+          fmt::format("{}: triangle {} is too thin: its height is less than {} of its longest side", name, k,
+                      least_height));
     std::sort(corners.begin(), corners.end());
     const auto [other, is_new] = known.emplace(corners, k);
     if (!is_new)
@@ -72,55 +66,114 @@ void validate_triangles(const std::string& name, const std::vector<Triangle>& tr
   }
 }
 
-ChargedBody body_of(const Object& object, std::size_t conductor) {
-  const Eigen::Isometry3d& pose = object.pose;
-  ChargedBody body{conductor, {}, Vector3d::Zero(), fmt::format("object \"{}\"", object.name), object.link};
-  if (const auto* plate = std::get_if<Plate>(&object.shape)) {
-    validate_sizes(object, {plate->size_x, plate->size_y});
-    body.faces.push_back(moved_face({Vector3d::Zero(), Vector3d::UnitX(), Vector3d::UnitY(),
-                                     plate->size_x / 2, plate->size_y / 2, EdgeKind::thin},
-                                    pose));
-  } else if (const auto* cuboid = std::get_if<Cuboid>(&object.shape)) {
-    validate_sizes(object, {cuboid->size_x, cuboid->size_y, cuboid->size_z});
-    body.half_sides = Vector3d(cuboid->size_x, cuboid->size_y, cuboid->size_z) / 2;
-    for (const ChargedFace& face : faces_of_box(body.half_sides))
-      body.faces.push_back(moved_face(face, pose));
-  } else {
-    if (!pose.matrix().allFinite())
-      throw InputError(fmt::format("{}: its pose is not finite", body.name));
-    body.triangles = triangulate(object.shape);
-    validate_triangles(body.name, body.triangles);
-    for (Triangle& triangle : body.triangles)
-      triangle = transformed(triangle, pose);
+/// Moves surfaces of every kind.
+struct Motion {
+  const Eigen::Isometry3d& pose;
+
+  BodySurface operator()(const FlatPlate& plate) const { return FlatPlate{moved_face(plate.face, pose)}; }
+  BodySurface operator()(const BoxSurface& box) const {
+    BoxSurface result = box;
+    for (ChargedFace& face : result.faces)
+      face = moved_face(face, pose);
+    return result;
   }
-  return body;
+  BodySurface operator()(const TriangleSurface& surface) const {
+    TriangleSurface result = surface;
+    for (Triangle& triangle : result.triangles)
+      triangle = transformed(triangle, pose);
+    return result;
+  }
+};
+
+/// Returns the surface of an object in its own frame.
+struct SurfaceOfObject {
+  const Object& object;
+  const std::string& name;
+
+  BodySurface operator()(const Plate& plate) const {
+    validate_sizes({plate.size_x, plate.size_y});
+    return plate_at_origin(plate.size_x / 2, plate.size_y / 2);
+  }
+  BodySurface operator()(const Cuboid& cuboid) const {
+    validate_sizes({cuboid.size_x, cuboid.size_y, cuboid.size_z});
+    return box_at_origin(Vector3d(cuboid.size_x, cuboid.size_y, cuboid.size_z) / 2);
+  }
+  template <typename Other>
+  BodySurface operator()(const Other&) const {
+    if (!object.pose.matrix().allFinite())
+      throw InputError(fmt::format("{}: its pose is not finite", name));
+    TriangleSurface surface{triangulate(object.shape)};
+    validate_triangles(name, surface.triangles);
+    return surface;
+  }
+
+ private:
+  void validate_sizes(std::initializer_list<double> sizes) const {
+    for (const double size : sizes)
+      if (!std::isfinite(size) || size <= 0)
+        throw InputError(fmt::format("{}: a size of {} is not positive", name, size));
+  }
+};
+
+ChargedBody body_of(const Object& object, std::size_t conductor) {
+  const std::string name = fmt::format("object \"{}\"", object.name);
+  const BodySurface surface = std::visit(SurfaceOfObject{object, name}, object.shape);
+  return {conductor, std::visit(Motion{object.pose}, surface), name, object.link};
 }
 
-/// Returns the vertices of all faces; the body is their convex hull.
-std::vector<Vector3d> vertices(const ChargedBody& body) {
-  std::vector<Vector3d> result;
-  for (const ChargedFace& face : body.faces)
-    for (const double u : {-face.half_u, face.half_u})
-      for (const double v : {-face.half_v, face.half_v})
-        result.emplace_back(face.centre + u * face.axis_u + v * face.axis_v);
-  return result;
-}
-
-/// Returns the convex parts of a body: the hull of all faces, or the triangles.
-std::vector<ConvexHull> hulls_of(const ChargedBody& body) {
-  if (!body.faces.empty())
-    return {vertices(body)};
-  std::vector<ConvexHull> hulls;
-  for (const Triangle& triangle : body.triangles)
-    hulls.emplace_back(triangle.begin(), triangle.end());
-  return hulls;
+Role role_of(const Object& object) {
+  if (std::holds_alternative<Dielectric>(object.role))
+    throw InputError(
+        fmt::format("object \"{}\" is dielectric: boundary elements compute only conductors", object.name));
+  if (std::holds_alternative<Electrode>(object.role))
+    throw InputError(fmt::format(
+        "object \"{}\" is an electrode: boundary elements know only grounded and floating objects",
+        object.name));
+  if (object.conductor)
+    throw InputError(fmt::format("object \"{}\" belongs to conductor \"{}\": boundary elements know only "
+                                 "conductors of one object each",
+                                 object.name, *object.conductor));
+  return std::holds_alternative<Floating>(object.role) ? Role::floating : Role::grounded;
 }
 
 }  // namespace
 
-bool sensors_have_panels(const ChargedBodies& bodies) {
+FlatPlate plate_at_origin(double half_u, double half_v) {
+  return {{Vector3d::Zero(), Vector3d::UnitX(), Vector3d::UnitY(), half_u, half_v, EdgeKind::thin}};
+}
+
+BoxSurface box_at_origin(const Vector3d& half_sides) {
+  return {faces_of_box(half_sides), half_sides};
+}
+
+std::span<const ChargedFace> faces_of(const BodySurface& surface) {
+  if (const auto* plate = std::get_if<FlatPlate>(&surface))
+    return {&plate->face, 1};
+  if (const auto* box = std::get_if<BoxSurface>(&surface))
+    return box->faces;
+  return {};
+}
+
+std::span<const Triangle> triangles_of(const BodySurface& surface) {
+  const auto* triangles = std::get_if<TriangleSurface>(&surface);
+  return triangles == nullptr ? std::span<const Triangle>() : triangles->triangles;
+}
+
+std::vector<std::string> names_of(const ChargedBodies& bodies, Role role) {
+  std::vector<std::string> names;
+  for (const ChargedConductor& conductor : bodies.conductors)
+    if (conductor.role == role)
+      names.push_back(conductor.name);
+  return names;
+}
+
+std::size_t count_of(const ChargedBodies& bodies, Role role) {
+  return names_of(bodies, role).size();
+}
+
+bool electrodes_have_panels(const ChargedBodies& bodies) {
   return std::any_of(bodies.bodies.begin(), bodies.bodies.end(), [&](const ChargedBody& body) {
-    return body.conductor < bodies.sensors && body.faces.empty();
+    return bodies.role(body) == Role::electrode && std::holds_alternative<TriangleSurface>(body.surface);
   });
 }
 
@@ -135,49 +188,31 @@ ChargedBodies bodies_on_links(const Scene& scene) {
       } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", name, error.what()));
       }
-      result.bodies.push_back({result.names.size(), {face_of(plate)}, Vector3d::Zero(), name, sensor.link});
+      result.bodies.push_back({result.conductors.size(), FlatPlate{face_of(plate)}, name, sensor.link});
     }
-    result.names.push_back(sensor.name);
+    result.conductors.push_back({sensor.name, Role::electrode});
   }
-  result.sensors = result.names.size();
-  for (const bool floating : {false, true})
+  for (const Role role : {Role::grounded, Role::floating})
     for (const Object& object : scene.objects) {
-      if (std::holds_alternative<Dielectric>(object.role))
-        throw InputError(
-            fmt::format("object \"{}\" is dielectric: boundary elements know only conductors", object.name));
-      if (std::holds_alternative<Floating>(object.role) != floating)
+      if (role_of(object) != role)
         continue;
-      result.bodies.push_back(body_of(object, result.names.size()));
-      result.names.push_back(object.name);
-      result.floating += floating;
+      result.bodies.push_back(body_of(object, result.conductors.size()));
+      result.conductors.push_back({object.name, role});
     }
+  if (count_of(result, Role::floating) == result.conductors.size())
+    throw InputError("the scene has neither a sensor nor a grounded object");
   return result;
 }
 
 ChargedBody moved(const ChargedBody& body, const Eigen::Isometry3d& pose) {
-  ChargedBody result = body;
-  for (ChargedFace& face : result.faces) {
-    face = moved_face(face, pose);
+  ChargedBody result{body.conductor, std::visit(Motion{pose}, body.surface), body.name, body.link};
+  for (const ChargedFace& face : faces_of(result.surface))
     if (!face.centre.allFinite() || !face.axis_u.allFinite() || !face.axis_v.allFinite())
       throw InputError(fmt::format("{}: its pose is not finite", body.name));
-  }
-  for (Triangle& triangle : result.triangles) {
-    triangle = transformed(triangle, pose);
+  for (const Triangle& triangle : triangles_of(result.surface))
     if (!triangle[0].allFinite())
       throw InputError(fmt::format("{}: its pose is not finite", body.name));
-  }
   return result;
-}
-
-void refuse_contact(const ChargedBody& a, const ChargedBody& b) {
-  const std::vector<ConvexHull> hulls_a = hulls_of(a), hulls_b = hulls_of(b);
-  if (hulls_meet(hulls_a, hulls_b))
-    throw InputError(
-        fmt::format("{} and {} touch or cross: boundary elements need conductors apart", a.name, b.name));
-  for (const auto& [outside, inside, points] : {std::tuple(&a, &b, &hulls_b), std::tuple(&b, &a, &hulls_a)})
-    if (is_closed(outside->triangles) && surrounds(outside->triangles, points->front().front()))
-      throw InputError(fmt::format("{} is inside {}: boundary elements need conductors apart", inside->name,
-                                   outside->name));
 }
 
 ChargedBodies charged_bodies(const Scene& scene) {

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -11,40 +14,82 @@
 #include "bem/face.hpp"
 #include "fringe/scene.hpp"
 
+/// The bodies of a scene as boundary elements see them, and the conductors that they belong to.
 namespace fringe::detail {
 
-/// A conductor made of flat rectangular faces (one for a plate, six for a box), or of arbitrary triangles.
-/// Faces of one body interact through self_table or box_matrix.
+/// A thin rectangular plate.
+struct FlatPlate {
+  ChargedFace face;
+};
+
+/// A rectangular box; its faces are in the order of faces_of_box().
+struct BoxSurface {
+  std::array<ChargedFace, box_faces> faces;
+  Eigen::Vector3d half_sides;
+};
+
+/// A surface of triangles, closed or open.
+struct TriangleSurface {
+  std::vector<Triangle> triangles;
+};
+
+using BodySurface = std::variant<FlatPlate, BoxSurface, TriangleSurface>;
+
+/// Returns a plate in z = 0 with its centre at the origin.
+FlatPlate plate_at_origin(double half_u, double half_v);
+
+/// Returns a box with its centre at the origin and its sides along the axes.
+BoxSurface box_at_origin(const Eigen::Vector3d& half_sides);
+
+/// A body of a conductor.
 struct ChargedBody {
   std::size_t conductor;
-  std::vector<ChargedFace> faces;  ///< in world coordinates, or in the link's frame
-  Eigen::Vector3d half_sides;      ///< half the sides of a box; zero for other shapes
-  std::string name;                ///< for messages
+  BodySurface surface;  ///< in world coordinates, or in the link's frame
+  std::string name;     ///< for messages
   std::optional<std::size_t> link;
-  std::vector<Triangle> triangles = {};  ///< the surface of a body without faces
 };
 
-/// The conductors of a scene as faces and triangles.
+/// Returns the faces of a plate or a box; none of a surface of triangles.
+std::span<const ChargedFace> faces_of(const BodySurface& surface);
+
+/// Returns the triangles of a surface of triangles; none of a plate or a box.
+std::span<const Triangle> triangles_of(const BodySurface& surface);
+
+/// What sets a conductor's potential.
+enum class Role {
+  electrode,  ///< driven and measured: a sensor
+  grounded,
+  floating,  ///< whatever makes its net charge vanish
+};
+
+struct ChargedConductor {
+  std::string name;
+  Role role;
+};
+
+/// The conductors of a scene, electrodes first and floating ones last, with their bodies in the same order.
 struct ChargedBodies {
-  std::vector<std::string> names;  ///< sensors, then grounded, then floating conductors
-  std::size_t sensors = 0;
-  std::size_t floating = 0;
+  std::vector<ChargedConductor> conductors;
   std::vector<ChargedBody> bodies;
+
+  Role role(const ChargedBody& body) const { return conductors[body.conductor].role; }
 };
 
-/// Returns true if a sensor is made of triangles.
-bool sensors_have_panels(const ChargedBodies& bodies);
+/// Returns the names of all conductors that have a role.
+std::vector<std::string> names_of(const ChargedBodies& bodies, Role role);
+
+/// Returns the number of conductors that have a role.
+std::size_t count_of(const ChargedBodies& bodies, Role role);
+
+/// Returns true if an electrode is made of triangles.
+bool electrodes_have_panels(const ChargedBodies& bodies);
 
 /// Returns the bodies in the frames of their links. Throws InputError for a dielectric object, for an invalid
-/// rectangle or size, and for triangles without area or given twice.
+/// rectangle or size, for triangles without area or given twice, and if all conductors are floating.
 ChargedBodies bodies_on_links(const Scene& scene);
 
 /// Returns the body moved by a pose. Throws InputError if the pose is not finite.
 ChargedBody moved(const ChargedBody& body, const Eigen::Isometry3d& pose);
-
-/// Throws InputError if two bodies in world coordinates have a point in common, or if one is inside the other
-/// and that is closed.
-void refuse_contact(const ChargedBody& a, const ChargedBody& b);
 
 /// Returns the bodies in world coordinates. Throws InputError as bodies_on_links and refuse_contact do.
 ChargedBodies charged_bodies(const Scene& scene);

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "bem/bodies.hpp"
+#include "bem/error_indicators.hpp"
 #include "bem/group_densities.hpp"
-#include "bem/marking.hpp"
 #include "bem/maxwell_matrix.hpp"
 #include "bem/mesh_size.hpp"
 #include "bem/panel_system.hpp"
@@ -77,15 +77,15 @@ MatrixXd quadrature_errors(const PanelSolution& solution, double tolerance, Inde
 }
 
 /// Writes the matrix and its estimated errors to the answer, in metres (to be multiplied by 4πε).
-void tell(const PanelSolution& solution, const ChargedBodies& bodies, double per_change, double tolerance,
-          MaxwellMatrix& answer) {
-  const MatrixXd fine = without_floating(solution.all.fine, bodies.floating);
-  const MatrixXd coarse = without_floating(solution.all.coarse, bodies.floating);
+void write_solution(const PanelSolution& solution, const ChargedBodies& bodies, double per_change,
+                    double tolerance, MaxwellMatrix& answer) {
+  const MatrixXd fine = without_floating(solution.all.fine, bodies);
+  const MatrixXd coarse = without_floating(solution.all.coarse, bodies);
   const Index conductors = fine.rows();
   const MatrixXd quadrature = quadrature_errors(solution, tolerance, conductors);
   answer.values = fine;
   answer.errors = per_change * changes(fine, coarse) + quadrature +
-                  solution.unfinished.topLeftCorner(conductors, conductors);
+                  solution.iteration_error.topLeftCorner(conductors, conductors);
   answer.lower_bounds.resize(static_cast<std::size_t>(conductors));
   for (Index i = 0; i < conductors; ++i)
     answer.lower_bounds[static_cast<std::size_t>(i)] =
@@ -94,20 +94,20 @@ void tell(const PanelSolution& solution, const ChargedBodies& bodies, double per
 
 /// Writes what the objects add to the sensors' own entries, in metres. The errors at a sensor's edges, which
 /// are the same without the objects, cancel in this difference.
-void tell_delta(const PanelSystem& system, const PanelSolution& solution, const ChargedBodies& bodies,
-                double per_change, double tolerance, double accuracy, MaxwellMatrix& answer) {
-  const auto sensors = static_cast<Index>(bodies.sensors);
-  NestedMatrix alone = solution.sensors;
+void write_delta_self(const PanelSystem& system, const PanelSolution& solution, const ChargedBodies& bodies,
+                      double per_change, double tolerance, double accuracy, MaxwellMatrix& answer) {
+  const auto sensors = static_cast<Index>(answer.sensors);
+  NestedMatrix alone = solution.electrodes;
   VectorXd others = quadrature_errors(solution, tolerance, sensors).diagonal() +
-                    solution.unfinished.diagonal().head(sensors);
-  if (detail::sensors_have_panels(bodies)) {
-    const PanelSolution again = system.solve_sensors(accuracy);
+                    solution.iteration_error.diagonal().head(sensors);
+  if (detail::electrodes_have_panels(bodies)) {
+    const PanelSolution again = system.solve_electrodes(accuracy);
     require_positive_definite(again);
     alone = again.all;
-    others += quadrature_errors(again, tolerance, sensors).diagonal() + again.unfinished.diagonal();
+    others += quadrature_errors(again, tolerance, sensors).diagonal() + again.iteration_error.diagonal();
   }
   const VectorXd fine = answer.values.diagonal().head(sensors);
-  const VectorXd coarse = without_floating(solution.all.coarse, bodies.floating).diagonal().head(sensors);
+  const VectorXd coarse = without_floating(solution.all.coarse, bodies).diagonal().head(sensors);
   answer.delta_self = fine - alone.fine.diagonal();
   const VectorXd change = answer.delta_self - (coarse - alone.coarse.diagonal());
   const VectorXd relative = 1 - coarse.array() / fine.array();
@@ -128,7 +128,7 @@ constexpr double excess_margin = 1.25;
 /// Returns the missing energy that is allowed after a refinement. The energy that is missing now is estimated
 /// by that of the highest functions and of the groups of panels.
 double allowed_energy(const PanelSolution& solution, double excess) {
-  double total = solution.group_energies.sum();
+  double total = solution.error_indicators.sum();
   for (const Eigen::Vector2d& highest : solution.highest)
     total += highest.sum();
   return total / (excess_margin * excess);
@@ -175,19 +175,19 @@ struct Beginning {
   double error_per_change;
 };
 
-/// Returns the parameter `features` of detail::resolving_functions for the requested accuracy.
+/// Returns the parameter `features` of detail::a_priori_functions for the requested accuracy.
 double features(const BoundaryElementOptions& options) {
   return options.rtol > 3e-3 ? 1 : 2;
 }
 
 Beginning beginning(const ChargedBodies& bodies, std::size_t panels, const BoundaryElementOptions& options) {
   const int least = options.rtol >= 0.01 ? 5 : 7;
-  Beginning result{detail::resolving_functions(bodies, features(options), least),
+  Beginning result{detail::a_priori_functions(bodies, features(options), least),
                    panels > 0 ? detail::error_per_panel_change : error_per_change};
   if (count_unknowns(result.functions) + panels > options.most_unknowns)
-    result = {detail::resolving_functions(bodies, 0, least), error_per_unresolved_change};
+    result = {detail::a_priori_functions(bodies, 0, least), error_per_unresolved_change};
   if (count_unknowns(result.functions) + panels > options.most_unknowns)
-    throw InputError(fmt::format("the scene takes {} unknowns or more: boundary elements end at {}",
+    throw InputError(fmt::format("the scene needs at least {} unknowns: boundary elements take at most {}",
                                  count_unknowns(result.functions) + panels, options.most_unknowns));
   return result;
 }
@@ -212,7 +212,7 @@ bool refine(PanelSystem& system, const PanelSolution& solution, double excess, s
     return false;
   /// A step at most doubles the number of panels. The next solution then takes several times as long, which
   /// the present error indicators justify.
-  const std::vector<bool> marked = detail::groups_to_refine(system.mesh().groups(), solution.group_energies,
+  const std::vector<bool> marked = detail::doerfler_marking(system.mesh().groups(), solution.error_indicators,
                                                             allowed, std::min(panels, most_unknowns - used));
   if (!marked.empty()) {
     system.refine_groups(marked, solution.charges);
@@ -226,11 +226,7 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const BoundaryElementOptions& o
   PanelSystem system(bodies, {grading_part * options.rtol, options.most_unknowns / most_graded_part});
   auto [functions, per_change] = beginning(bodies, system.mesh().panels().size(), options);
 
-  MaxwellMatrix answer;
-  const auto rows = static_cast<std::ptrdiff_t>(bodies.names.size() - bodies.floating);
-  answer.conductors.assign(bodies.names.begin(), bodies.names.begin() + rows);
-  answer.floating.assign(bodies.names.begin() + rows, bodies.names.end());
-  answer.sensors = bodies.sensors;
+  MaxwellMatrix answer = detail::named_answer(bodies);
   double tolerance = options.rtol / first_tolerance_part;
   const double accuracy = iteration_share * options.rtol;
   PanelSolution solution;
@@ -243,7 +239,7 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const BoundaryElementOptions& o
       tolerance /= 100;
       continue;
     }
-    tell(solution, bodies, per_change, tolerance, answer);
+    write_solution(solution, bodies, per_change, tolerance, answer);
     answer.unknowns = count_unknowns(functions) + system.mesh().panels().size();
     const double excess = largest_error(answer) / options.rtol;
     answer.reached = excess <= 1;
@@ -261,7 +257,7 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const BoundaryElementOptions& o
     if (!refine(system, solution, excess, options.most_unknowns, functions) && !tightened)
       break;
   }
-  tell_delta(system, solution, bodies, per_change, tolerance, accuracy, answer);
+  write_delta_self(system, solution, bodies, per_change, tolerance, accuracy, answer);
   return answer;
 }
 
@@ -277,7 +273,7 @@ MaxwellMatrix solve_in_triangles(const ChargedBodies& bodies, BoundaryElementOpt
 /// body close by: two spaces that both miss a feature agree. Retries with triangles if the error of the
 /// faces' functions stays large.
 MaxwellMatrix solve_as_needed(const ChargedBodies& bodies, const BoundaryElementOptions& options) {
-  if (const auto others = detail::with_triangles_under_narrow_shadows(bodies))
+  if (const auto others = detail::with_triangles_by_proximity(bodies))
     return solve_in_triangles(*others, options);
   MaxwellMatrix answer = solve(bodies, options);
   /// Relative error above which a second solution with triangles is worth its seconds.
@@ -302,10 +298,8 @@ void validate(const BoundaryElementOptions& options) {
 MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options) {
   validate(options);
   if (scene.has_room)
-    throw InputError("room: boundary elements know only free space");
+    throw InputError("room: boundary elements compute only conductors in free space");
   const ChargedBodies bodies = detail::charged_bodies(scene);
-  if (bodies.names.size() == bodies.floating)
-    throw InputError("the scene has neither a sensor nor a grounded object");
   MaxwellMatrix answer = solve_as_needed(bodies, options);
   answer.reached = largest_error(answer) <= options.rtol;
   const double factor = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;

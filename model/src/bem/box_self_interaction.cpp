@@ -181,8 +181,8 @@ class AdjacentFaces {
 
 }  // namespace
 
-Eigen::MatrixXd box_matrix(const Eigen::Vector3d& half_sides,
-                           const std::array<FaceFunctions, box_faces>& functions) {
+Eigen::MatrixXd box_self_interaction(const Eigen::Vector3d& half_sides,
+                                     const std::array<FaceFunctions, box_faces>& functions) {
   std::array<Eigen::Index, box_faces + 1> starts{};
   for (std::size_t k = 0; k < box_faces; ++k)
     starts[k + 1] = starts[k] + functions[k].count();
@@ -195,7 +195,7 @@ Eigen::MatrixXd box_matrix(const Eigen::Vector3d& half_sides,
   for (std::size_t face = 0; face < box_faces; ++face) {
     const auto [u, v] = functions[face];
     place(face, face,
-          self_table(EdgeKind::right_angle, std::max(u, v))
+          face_self_interaction(EdgeKind::right_angle, std::max(u, v))
               .matrix(u, v, faces[face].half_u, faces[face].half_v));
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {

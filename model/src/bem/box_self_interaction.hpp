@@ -17,7 +17,7 @@ constexpr std::size_t box_faces = 6;
 std::array<ChargedFace, box_faces> faces_of_box(const Eigen::Vector3d& half_sides);
 
 /// Computes the single-layer block of two opposite faces with half sides a and b, `distance` apart; rows and
-/// columns as in SelfTable::matrix.
+/// columns as in FaceSelfInteraction::matrix.
 Eigen::MatrixXd opposite_faces(FaceFunctions first, FaceFunctions second, double a, double b,
                                double distance);
 
@@ -28,7 +28,7 @@ Eigen::MatrixXd adjacent_faces(FaceFunctions first, FaceFunctions second, double
                                double second_width);
 
 /// Computes the single-layer matrix of a box, with the faces in the order of faces_of_box.
-Eigen::MatrixXd box_matrix(const Eigen::Vector3d& half_sides,
-                           const std::array<FaceFunctions, box_faces>& functions);
+Eigen::MatrixXd box_self_interaction(const Eigen::Vector3d& half_sides,
+                                     const std::array<FaceFunctions, box_faces>& functions);
 
 }  // namespace fringe::detail

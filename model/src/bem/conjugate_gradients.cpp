@@ -1,26 +1,33 @@
 #include "bem/conjugate_gradients.hpp"
 
+#include <algorithm>
+
+#include "bem/group_densities.hpp"
+
 namespace fringe::detail {
 namespace {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// Limit of the number of steps. More are never needed: with the two-level preconditioner, every step reduces
 /// the error by a factor of about three.
 constexpr int most_iterations = 200;
 
+/// One right-hand side.
 struct Column {
   VectorXd charge;
   VectorXd residual;
-  double gain = 0;
+  double decrement = 0;  ///< of the energy, by the last step
 };
 
-/// Runs conjugate gradients from the column's charge and residual. Returns false if the matrix is not
-/// positive definite.
-bool descend(const PanelEquations& equations, const NestedSpace& nested, const VectorXd& net, double accuracy,
-             Column& column) {
-  VectorXd step = nested.preconditioned(column.residual);
+/// Runs preconditioned conjugate gradients from the column's charge and residual. Stops when a step lowers
+/// the energy by less than `accuracy` times the charge's own. Returns false if the matrix is not positive
+/// definite: the quadratures are too coarse.
+bool conjugate_gradients(const PanelEquations& equations, const TwoLevelPreconditioner& preconditioner,
+                         const VectorXd& net, double accuracy, Column& column) {
+  VectorXd step = preconditioner.apply(column.residual);
   double product = column.residual.dot(step);
   for (int iteration = 0; iteration < most_iterations && product > 0; ++iteration) {
     const VectorXd potential = equations.apply(step);
@@ -29,10 +36,10 @@ bool descend(const PanelEquations& equations, const NestedSpace& nested, const V
       return false;
     column.charge += product / energy * step;
     column.residual -= product / energy * potential;
-    column.gain = product / energy * product;
-    if (column.gain <= accuracy * column.charge.dot(net))
+    column.decrement = product / energy * product;
+    if (column.decrement <= accuracy * column.charge.dot(net))
       break;
-    const VectorXd next = nested.preconditioned(column.residual);
+    const VectorXd next = preconditioner.apply(column.residual);
     const double next_product = column.residual.dot(next);
     step = next + next_product / product * step;
     product = next_product;
@@ -42,26 +49,112 @@ bool descend(const PanelEquations& equations, const NestedSpace& nested, const V
 
 }  // namespace
 
-IteratedCharges iterate(const PanelEquations& equations, const NestedSpace& nested, double accuracy) {
+TwoLevelPreconditioner::TwoLevelPreconditioner(const PanelEquations& equations)
+    : equations_(equations), group_count_(index_of(equations.mesh.groups().size())),
+      coarse_(index_of(equations.unknowns.coarse.size())), shares_(area_shares(equations.mesh)) {
+  factor_.compute(matrix());
+  is_positive_definite_ = factor_.info() == Eigen::Success;
+  for (const auto& group : groups_)
+    is_positive_definite_ &= group.info() == Eigen::Success;
+}
+
+/// Returns the row of a face's function: the groups come after the functions of the coarse space.
+Index TwoLevelPreconditioner::place(std::size_t function) const {
+  return index_of(function) < coarse_ ? index_of(function) : index_of(function) + group_count_;
+}
+
+/// Assembles the matrix of this space, only its lower triangle, and factorises the groups' diagonal blocks.
+MatrixXd TwoLevelPreconditioner::matrix() {
+  const PanelUnknowns& unknowns = equations_.unknowns;
+  const std::vector<PanelGroup>& groups = equations_.mesh.groups();
+  MatrixXd matrix(unknowns.functions + group_count_, unknowns.functions + group_count_);
+  std::vector<Index> functions = unknowns.coarse;
+  functions.insert(functions.end(), unknowns.highest.begin(), unknowns.highest.end());
+  for (std::size_t column = 0; column < functions.size(); ++column)
+    for (std::size_t row = column; row < functions.size(); ++row)
+      matrix(place(row), place(column)) = equations_.faces(functions[row], functions[column]);
+  matrix.block(coarse_, coarse_, group_count_, group_count_).triangularView<Eigen::Lower>() =
+      group_matrix(equations_.mesh, shares_, equations_.panels);
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const auto first = index_of(groups[g].first), count = index_of(groups[g].count);
+    const VectorXd with_faces = equations_.coupling.middleCols(first, count) * shares_.segment(first, count);
+    const Index at = coarse_ + index_of(g);
+    for (std::size_t k = 0; k < functions.size(); ++k)
+      matrix(std::max(place(k), at), std::min(place(k), at)) = with_faces[functions[k]];
+    groups_.emplace_back(matrix_of_group(groups[g], equations_.panels));
+  }
+  return matrix;
+}
+
+/// Restricts a vector of all unknowns to this space: one density on each group is the test function.
+VectorXd TwoLevelPreconditioner::restricted(const VectorXd& full) const {
+  const PanelUnknowns& unknowns = equations_.unknowns;
+  VectorXd result(unknowns.functions + group_count_);
+  for (Index k = 0; k < coarse_; ++k)
+    result[k] = full[unknowns.coarse[static_cast<std::size_t>(k)]];
+  result.segment(coarse_, group_count_) = group_means(equations_.mesh, shares_, full.tail(shares_.size()));
+  for (std::size_t k = 0; k < unknowns.highest.size(); ++k)
+    result[coarse_ + group_count_ + index_of(k)] = full[unknowns.highest[k]];
+  return result;
+}
+
+/// Prolongates a vector of this space to all unknowns: the transpose of restricted().
+VectorXd TwoLevelPreconditioner::prolonged(const VectorXd& coarse) const {
+  const PanelUnknowns& unknowns = equations_.unknowns;
+  VectorXd result(unknowns.functions + shares_.size());
+  for (Index k = 0; k < coarse_; ++k)
+    result[unknowns.coarse[static_cast<std::size_t>(k)]] = coarse[k];
+  for (Index g = 0; g < group_count_; ++g) {
+    const PanelGroup& group = equations_.mesh.groups()[static_cast<std::size_t>(g)];
+    const auto first = index_of(group.first), count = index_of(group.count);
+    result.segment(unknowns.functions + first, count) = coarse[coarse_ + g] * shares_.segment(first, count);
+  }
+  for (std::size_t k = 0; k < unknowns.highest.size(); ++k)
+    result[unknowns.highest[k]] = coarse[coarse_ + group_count_ + index_of(k)];
+  return result;
+}
+
+VectorXd TwoLevelPreconditioner::solve(const VectorXd& right_side, VectorXd& energy_roots) const {
+  VectorXd charge = restricted(right_side);
+  factor_.matrixL().solveInPlace(charge);
+  energy_roots = charge.head(coarse_ + group_count_);
+  factor_.matrixU().solveInPlace(charge);
+  return prolonged(charge);
+}
+
+VectorXd TwoLevelPreconditioner::apply(const VectorXd& residual) const {
+  VectorXd result = prolonged(factor_.solve(restricted(residual)));
+  const std::vector<PanelGroup>& groups = equations_.mesh.groups();
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const Index first = equations_.unknowns.functions + index_of(groups[g].first);
+    const auto count = index_of(groups[g].count);
+    result.segment(first, count) += groups_[g].solve(residual.segment(first, count));
+  }
+  return result;
+}
+
+ConjugateGradientSolution solve_by_conjugate_gradients(const PanelEquations& equations,
+                                                       const TwoLevelPreconditioner& preconditioner,
+                                                       double accuracy) {
   const Eigen::MatrixXd& net = equations.unknowns.net;
-  IteratedCharges result;
+  ConjugateGradientSolution result;
   result.charges.resize(net.rows(), net.cols());
   result.residuals.resize(net.rows(), net.cols());
-  result.gains.resize(net.cols());
+  result.decrements.resize(net.cols());
   for (Index c = 0; c < net.cols(); ++c) {
     Column column;
-    VectorXd smaller;
-    column.charge = nested.solve(net.col(c), smaller);
+    VectorXd energy_roots;
+    column.charge = preconditioner.solve(net.col(c), energy_roots);
     column.residual = net.col(c) - equations.apply(column.charge);
-    if (!descend(equations, nested, net.col(c), accuracy, column)) {
+    if (!conjugate_gradients(equations, preconditioner, net.col(c), accuracy, column)) {
       result.positive_definite = false;
       return result;
     }
-    result.smaller.conservativeResize(smaller.size(), net.cols());
-    result.smaller.col(c) = smaller;
+    result.energy_roots.conservativeResize(energy_roots.size(), net.cols());
+    result.energy_roots.col(c) = energy_roots;
     result.charges.col(c) = column.charge;
     result.residuals.col(c) = column.residual;
-    result.gains[c] = column.gain;
+    result.decrements[c] = column.decrement;
   }
   return result;
 }

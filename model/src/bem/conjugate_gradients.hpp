@@ -1,23 +1,62 @@
 #pragma once
 
+#include <vector>
+
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "bem/coarse_space.hpp"
 #include "bem/panel_equations.hpp"
 
 namespace fringe::detail {
 
+/// The space of the two-level preconditioner's coarse solve: all functions of the faces and one density on
+/// each group of panels, solved for by Cholesky factorisation. Its unknowns are those of the coarse space,
+/// functions of faces before groups, and then the faces' other functions. Together with the inverses of the
+/// groups' diagonal blocks it nearly inverts the whole matrix.
+class TwoLevelPreconditioner {
+ public:
+  explicit TwoLevelPreconditioner(const PanelEquations& equations);
+
+  bool is_positive_definite() const { return is_positive_definite_; }
+
+  /// Returns the fraction of its group's area that each panel has.
+  const Eigen::VectorXd& shares() const { return shares_; }
+
+  /// Returns the charges for a right-hand side. `energy_roots` receives a column whose scalar products with
+  /// those of other right-hand sides are the energies in the coarse space.
+  Eigen::VectorXd solve(const Eigen::VectorXd& right_side, Eigen::VectorXd& energy_roots) const;
+
+  /// Applies the two-level preconditioner: adds the solution in this space and those of each group's panels.
+  Eigen::VectorXd apply(const Eigen::VectorXd& residual) const;
+
+ private:
+  Eigen::MatrixXd matrix();
+  Eigen::Index place(std::size_t function) const;
+  Eigen::VectorXd restricted(const Eigen::VectorXd& full) const;
+  Eigen::VectorXd prolonged(const Eigen::VectorXd& coarse) const;
+
+  const PanelEquations& equations_;
+  Eigen::Index group_count_;
+  Eigen::Index coarse_;
+  Eigen::VectorXd shares_;
+  std::vector<Eigen::LLT<Eigen::MatrixXd>> groups_;  ///< the diagonal block of each group's panels
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+  bool is_positive_definite_ = true;
+};
+
 /// The charges of all unknowns, with one column for every conductor at unit potential.
-struct IteratedCharges {
+struct ConjugateGradientSolution {
   bool positive_definite = true;  ///< false if a step shows otherwise; then nothing else is set
   Eigen::MatrixXd charges;
   Eigen::MatrixXd residuals;
-  Eigen::VectorXd gains;    ///< the energy-norm decrement of the last step, for each column
-  Eigen::MatrixXd smaller;  ///< columns whose scalar products are the energies in the coarse space
+  Eigen::VectorXd decrements;    ///< the energy-norm decrement of the last step, for each column
+  Eigen::MatrixXd energy_roots;  ///< columns whose scalar products are the energies in the coarse space
 };
 
 /// Solves for the charges by preconditioned conjugate gradients. Starts from the coarse solve and stops when
 /// a step changes a capacitance by less than `accuracy` times its value.
-IteratedCharges iterate(const PanelEquations& equations, const NestedSpace& nested, double accuracy);
+ConjugateGradientSolution solve_by_conjugate_gradients(const PanelEquations& equations,
+                                                       const TwoLevelPreconditioner& preconditioner,
+                                                       double accuracy);
 
 }  // namespace fringe::detail

@@ -1,12 +1,14 @@
 #include "bem/error_indicators.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <vector>
 
+#include <Eigen/Cholesky>
+
 #include "bem/group_densities.hpp"
-#include "bem/single_layer_face_panel.hpp"
+#include "bem/panel_equations.hpp"
 #include "bem/single_layer_panels.hpp"
-#include "bem/unrefined_elements.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -24,15 +26,49 @@ MatrixXd potentials_on(const std::vector<Panel>& targets, const PanelEquations& 
       panel_potentials(targets, equations.mesh.panels(),
                        charges.bottomRows(index_of(equations.mesh.panels().size())), tolerance);
   for (std::size_t face = 0; face < faces.faces(); ++face)
-    potentials += panel_coupling(faces.face(face), faces.functions(face), targets, tolerance).transpose() *
-                  charges.middleRows(unknowns.first[face], faces.functions(face).count());
+    potentials +=
+        single_layer_block(faces.face(face), faces.functions(face), targets, tolerance).transpose() *
+        charges.middleRows(unknowns.first[face], faces.functions(face).count());
   return potentials;
 }
 
 }  // namespace
 
-VectorXd group_energies(const PanelMesh& mesh, const MatrixXd& panels, const VectorXd& shares,
-                        const MatrixXd& charges, const VectorXd& own) {
+SampledQuarters sampled_quarters(const PanelMesh& mesh) {
+  /// Largest sample; it is enough to estimate the mean energy.
+  constexpr std::size_t most_samples = 96;
+  std::vector<std::size_t> unrefined;
+  for (const PanelGroup& group : mesh.groups())
+    for (std::size_t k = 0; k < group.count && !group.is_quartered; ++k)
+      unrefined.push_back(group.first + k);
+  SampledQuarters sampled;
+  if (unrefined.empty())
+    return sampled;
+  const std::size_t samples = std::min(most_samples, unrefined.size());
+  for (std::size_t k = 0; k < samples; ++k)
+    for (const Triangle& quarter : quarters(mesh.panels()[unrefined[k * unrefined.size() / samples]].corners))
+      sampled.panels.push_back(make_panel(quarter));
+  sampled.weight = static_cast<double>(unrefined.size()) / static_cast<double>(samples);
+  return sampled;
+}
+
+MatrixXd energy_of_quarters(const SampledQuarters& quarters, const MatrixXd& missing_potentials,
+                            double tolerance) {
+  MatrixXd gained = MatrixXd::Zero(missing_potentials.cols(), missing_potentials.cols());
+  const std::span<const Panel> panels = quarters.panels;
+  for (std::size_t k = 0; k < panels.size(); k += 4) {
+    const MatrixXd own = single_layer_matrix(panels.subspan(k, 4), tolerance).selfadjointView<Eigen::Upper>();
+    const MatrixXd here = missing_potentials.middleRows(index_of(k), 4);
+    const Eigen::LLT<MatrixXd> factor(own);
+    const MatrixXd answer = factor.solve(here);
+    const VectorXd net = factor.solve(VectorXd::Ones(4));
+    gained += here.transpose() * (answer - net * (answer.colwise().sum() / net.sum()));
+  }
+  return gained * quarters.weight;
+}
+
+VectorXd error_indicators(const PanelMesh& mesh, const MatrixXd& panels, const VectorXd& shares,
+                          const MatrixXd& charges, const VectorXd& own) {
   const std::vector<PanelGroup>& groups = mesh.groups();
   VectorXd energies = VectorXd::Zero(index_of(groups.size()));
   for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -47,28 +83,58 @@ VectorXd group_energies(const PanelMesh& mesh, const MatrixXd& panels, const Vec
   return energies;
 }
 
-UnseenEnergy unseen_energy(const PanelEquations& equations, const MatrixXd& charges, const VectorXd& own,
-                           double tolerance) {
+UnrefinedEnergy unrefined_energy(const PanelEquations& equations, const MatrixXd& charges,
+                                 const VectorXd& own, double tolerance) {
   const PanelMesh& mesh = equations.mesh;
   const SampledQuarters sampled = sampled_quarters(mesh);
   if (sampled.panels.empty())
     return {};
   // The conductors' own potentials are constant: charges whose sum vanishes do not see them.
-  UnseenEnergy unseen{
+  UnrefinedEnergy unrefined{
       energy_of_quarters(sampled, potentials_on(sampled.panels, equations, charges, tolerance), tolerance),
       VectorXd::Zero(index_of(mesh.groups().size()))};
-  const double part = (unseen.gained.diagonal().array() / own.array()).maxCoeff();
+  const double part = (unrefined.gained.diagonal().array() / own.array()).maxCoeff();
   // Groups with more charge get a larger part of the gained energy.
   for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
     const PanelGroup& group = mesh.groups()[g];
     for (std::size_t k = group.first; k < group.first + group.count && !group.is_quartered; ++k) {
       const auto row = charges.row(equations.unknowns.functions + index_of(k));
-      unseen.groups[index_of(g)] += (row.cwiseAbs2().array() / own.transpose().array()).maxCoeff() *
-                                    equations.panels(index_of(k), index_of(k));
+      unrefined.groups[index_of(g)] += (row.cwiseAbs2().array() / own.transpose().array()).maxCoeff() *
+                                       equations.panels(index_of(k), index_of(k));
     }
   }
-  unseen.groups *= part / unseen.groups.sum();
-  return unseen;
+  unrefined.groups *= part / unrefined.groups.sum();
+  return unrefined;
+}
+
+std::vector<bool> doerfler_marking(const std::vector<PanelGroup>& groups, const Eigen::VectorXd& energies,
+                                   double allowed, std::size_t most) {
+  /// Fraction of its missing energy that a group keeps after refinement; less where the charge is smooth.
+  constexpr double left = 0.4;
+  /// Fraction of the missing energy at which marking may stop: the rest is too little to be surely worth
+  /// refining.
+  constexpr double greater_part = 0.75;
+  /// Ratio of indicators above which two are equal up to the quadratures' errors.
+  constexpr double alike = 0.99;
+  std::vector<std::size_t> order(groups.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto energy = [&](std::size_t group) { return energies[static_cast<Eigen::Index>(group)]; };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return energy(a) > energy(b); });
+  const double total = energies.sum();
+  double taken = 0, last = 0;
+  std::size_t added = 0;
+  std::vector<bool> marked(groups.size(), false);
+  for (const std::size_t group : order) {
+    const bool enough = total - (1 - left) * taken <= allowed || taken >= greater_part * total;
+    if ((enough && energy(group) < alike * last) || added + PanelMesh::growth(groups[group]) > most)
+      break;
+    marked[group] = true;
+    last = energy(group);
+    added += PanelMesh::growth(groups[group]);
+    taken += last;
+  }
+  return added > 0 ? marked : std::vector<bool>{};
 }
 
 }  // namespace fringe::detail

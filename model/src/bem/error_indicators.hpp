@@ -1,28 +1,52 @@
 #pragma once
 
+#include <cstddef>
+#include <span>
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "bem/panel_equations.hpp"
+#include "bem/panel_mesh.hpp"
 
 /// Error indicators: the energy that the charges of faces and panels miss. `charges` have one column for
 /// every right-hand side, such as a conductor at unit potential; `own` are the energies of these solutions.
 namespace fringe::detail {
 
+/// The quarters of a sample of the unrefined elements, four for each.
+struct SampledQuarters {
+  std::vector<Panel> panels;  ///< empty if every panel was divided
+  double weight = 0;          ///< number of unrefined elements for each one sampled
+};
+SampledQuarters sampled_quarters(const PanelMesh& mesh);
+
+/// Returns the energy that the charges of all unrefined elements' quarters would gain, estimated from the
+/// sample: a symmetric matrix of all pairs of columns. The charges make up for `missing_potentials`, the
+/// potentials that lack on the sampled quarters (rows), and add up to zero on each element.
+Eigen::MatrixXd energy_of_quarters(const SampledQuarters& quarters, const Eigen::MatrixXd& missing_potentials,
+                                   double tolerance);
+
 /// Returns for every group of panels the energy that its panels' own densities add to that of one density. It
-/// is relative to the energy of each solution, and the largest of these. `panels` is panel_matrix, `shares`
-/// is area_shares, and `charges` are the panels'.
-Eigen::VectorXd group_energies(const PanelMesh& mesh, const Eigen::MatrixXd& panels,
-                               const Eigen::VectorXd& shares, const Eigen::MatrixXd& charges,
-                               const Eigen::VectorXd& own);
+/// is relative to the energy of each solution, and the largest of these. `panels` is single_layer_matrix,
+/// `shares` is area_shares, and `charges` are the panels'.
+Eigen::VectorXd error_indicators(const PanelMesh& mesh, const Eigen::MatrixXd& panels,
+                                 const Eigen::VectorXd& shares, const Eigen::MatrixXd& charges,
+                                 const Eigen::VectorXd& own);
 
 /// The energy that unrefined elements, panels that were never divided, would gain from division. `charges`
 /// are those of all unknowns.
-struct UnseenEnergy {
+struct UnrefinedEnergy {
   Eigen::MatrixXd gained;  ///< by every pair of conductors, summed over all panels; empty if there are no
                            ///< unrefined elements
-  Eigen::VectorXd groups;  ///< by every group, as in group_energies()
+  Eigen::VectorXd groups;  ///< by every group, as in error_indicators()
 };
-UnseenEnergy unseen_energy(const PanelEquations& equations, const Eigen::MatrixXd& charges,
-                           const Eigen::VectorXd& own, double tolerance);
+UnrefinedEnergy unrefined_energy(const PanelEquations& equations, const Eigen::MatrixXd& charges,
+                                 const Eigen::VectorXd& own, double tolerance);
+
+/// Marks the groups of panels with the largest error indicators (Dörfler marking): as many as it takes to
+/// bring the missing energy below `allowed`, or to have the greater part of it, and no more than add `most`
+/// panels. Marks groups with equal indicators together. Returns an empty vector if none is to be refined.
+std::vector<bool> doerfler_marking(const std::vector<PanelGroup>& groups, const Eigen::VectorXd& energies,
+                                   double allowed, std::size_t most);
 
 }  // namespace fringe::detail

@@ -25,16 +25,16 @@ constexpr double overlap_reach = 4.0;
 constexpr std::array<int, 3> table_sizes{9, 17, most_functions};
 
 template <EdgeKind edge>
-const SelfTable& self_table_of(int functions) {
+const FaceSelfInteraction& self_table_of(int functions) {
   if (functions <= table_sizes[0]) {
-    static const SelfTable table(edge, table_sizes[0]);
+    static const FaceSelfInteraction table(edge, table_sizes[0]);
     return table;
   }
   if (functions <= table_sizes[1]) {
-    static const SelfTable table(edge, table_sizes[1]);
+    static const FaceSelfInteraction table(edge, table_sizes[1]);
     return table;
   }
-  static const SelfTable table(edge, table_sizes[2]);
+  static const FaceSelfInteraction table(edge, table_sizes[2]);
   return table;
 }
 
@@ -78,7 +78,7 @@ TanhSinhRule overlap_rule(int functions) {
   return tanh_sinh_rule(difference_points(functions), overlap_reach);
 }
 
-SelfTable::SelfTable(EdgeKind edge, int functions, double more_points) {
+FaceSelfInteraction::FaceSelfInteraction(EdgeKind edge, int functions, double more_points) {
   const auto scaled = [&](int points) { return static_cast<int>(more_points * points); };
   const EvenPairs pairs(functions);
   const TanhSinhRule slopes = tanh_sinh_rule(scaled(slope_points(functions)), slope_reach);
@@ -105,7 +105,7 @@ SelfTable::SelfTable(EdgeKind edge, int functions, double more_points) {
   }
 }
 
-Eigen::MatrixXd SelfTable::matrix(int functions_u, int functions_v, double a, double b) const {
+Eigen::MatrixXd FaceSelfInteraction::matrix(int functions_u, int functions_v, double a, double b) const {
   const Eigen::Index count_u = EvenPairs(functions_u).size(), count_v = EvenPairs(functions_v).size();
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(count_u, count_v);
   for (std::size_t t = 0; t < slopes_.size(); ++t) {
@@ -123,7 +123,7 @@ Eigen::MatrixXd SelfTable::matrix(int functions_u, int functions_v, double a, do
   return result;
 }
 
-const SelfTable& self_table(EdgeKind edge, int functions) {
+const FaceSelfInteraction& face_self_interaction(EdgeKind edge, int functions) {
   return edge == EdgeKind::thin ? self_table_of<EdgeKind::thin>(functions)
                                 : self_table_of<EdgeKind::right_angle>(functions);
 }

@@ -33,11 +33,11 @@ Eigen::VectorXd correlations(EdgeKind edge, const EvenPairs& pairs, int function
 TanhSinhRule overlap_rule(int functions);
 
 /// The cached self-interaction of faces of any size with one kind of edge.
-class SelfTable {
+class FaceSelfInteraction {
  public:
   /// Evaluates the table. `more_points` scales the numbers of points of all quadratures, to measure their
   /// errors.
-  SelfTable(EdgeKind edge, int functions, double more_points = 1);
+  FaceSelfInteraction(EdgeKind edge, int functions, double more_points = 1);
 
   /// Returns ∫∫∫∫ f_i(x)f_j(y)·f_k(x')f_l(y')/√(a²(x − x')² + b²(y − y')²), rows (i, j) and columns (k, l)
   /// with j and l running fastest; `a` and `b` are half the face's sides.
@@ -49,6 +49,6 @@ class SelfTable {
 };
 
 /// Returns the table for at least so many functions. It is made by the first call that asks for it.
-const SelfTable& self_table(EdgeKind edge, int functions);
+const FaceSelfInteraction& face_self_interaction(EdgeKind edge, int functions);
 
 }  // namespace fringe::detail

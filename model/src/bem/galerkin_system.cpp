@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <span>
 
 #include <Eigen/Cholesky>
 
@@ -13,7 +15,7 @@ namespace fringe::detail {
 
 /// The rows of the faces' functions in a system. Over all faces, those of the coarse space come first.
 struct FaceNumbering {
-  std::vector<std::vector<Eigen::Index>> places;  ///< for each face's functions
+  std::vector<std::vector<Eigen::Index>> places;  ///< for each face's functions; empty for other faces
   Eigen::Index coarse = 0;
   Eigen::Index total = 0;
 };
@@ -23,13 +25,13 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-FaceNumbering number(const std::vector<FaceFunctions>& functions, std::size_t faces) {
+FaceNumbering number(const std::vector<FaceFunctions>& functions, std::span<const std::size_t> faces) {
   FaceNumbering numbering;
-  numbering.places.resize(faces);
-  for (std::size_t face = 0; face < faces; ++face)
+  numbering.places.resize(functions.size());
+  for (const std::size_t face : faces)
     numbering.places[face].resize(static_cast<std::size_t>(functions[face].count()));
   for (const bool coarse : {true, false}) {
-    for (std::size_t face = 0; face < faces; ++face)
+    for (const std::size_t face : faces)
       for (int k = 0; k < functions[face].count(); ++k)
         if (is_coarse(functions[face], k) == coarse)
           numbering.places[face][static_cast<std::size_t>(k)] = numbering.total++;
@@ -62,7 +64,7 @@ int coarse_functions(int functions) {
 GalerkinSystem::GalerkinSystem(const ChargedBodies& bodies) : bodies_(bodies) {
   for (std::size_t body = 0; body < bodies.bodies.size(); ++body) {
     first_face_.push_back(faces_.size());
-    for (const ChargedFace& face : bodies.bodies[body].faces) {
+    for (const ChargedFace& face : faces_of(bodies.bodies[body].surface)) {
       faces_.push_back(face);
       body_of_.push_back(body);
     }
@@ -82,7 +84,8 @@ void GalerkinSystem::refine(const std::vector<FaceFunctions>& functions, double 
 }
 
 void GalerkinSystem::refine_body(std::size_t body) {
-  const std::size_t first = first_face_[body], count = bodies_.bodies[body].faces.size();
+  const BodySurface& surface = bodies_.bodies[body].surface;
+  const std::size_t first = first_face_[body], count = faces_of(surface).size();
   const auto unchanged = [&](std::size_t face) {
     return blocks_[pair(face, face)].first == functions_[face];
   };
@@ -91,17 +94,18 @@ void GalerkinSystem::refine_body(std::size_t body) {
     known = known && unchanged(face);
   if (known)
     return;
-  if (count == 1) {
+  const auto* box = std::get_if<BoxSurface>(&surface);
+  if (box == nullptr) {
     const auto [u, v] = functions_[first];
     const ChargedFace& face = faces_[first];
     blocks_[pair(first, first)] = {
         functions_[first], functions_[first], 0,
-        self_table(face.edge, std::max(u, v)).matrix(u, v, face.half_u, face.half_v)};
+        face_self_interaction(face.edge, std::max(u, v)).matrix(u, v, face.half_u, face.half_v)};
     return;
   }
   std::array<FaceFunctions, box_faces> functions{};
   std::copy_n(functions_.begin() + static_cast<std::ptrdiff_t>(first), box_faces, functions.begin());
-  const MatrixXd matrix = box_matrix(bodies_.bodies[body].half_sides, functions);
+  const MatrixXd matrix = box_self_interaction(box->half_sides, functions);
   Index row = 0;
   for (std::size_t a = first; a < first + count; ++a) {
     Index column = row;
@@ -119,7 +123,7 @@ void GalerkinSystem::refine_pair(std::size_t a, std::size_t b, double tolerance)
   if (block.first == functions_[a] && block.second == functions_[b] && block.tolerance <= tolerance)
     return;
   block = {functions_[a], functions_[b], tolerance,
-           mutual_matrix(faces_[a], functions_[a], faces_[b], functions_[b], tolerance)};
+           single_layer_block(faces_[a], functions_[a], faces_[b], functions_[b], tolerance)};
 }
 
 double GalerkinSystem::net_charge(std::size_t face) const {
@@ -127,23 +131,25 @@ double GalerkinSystem::net_charge(std::size_t face) const {
   return net * net;
 }
 
-std::size_t GalerkinSystem::sensor_faces() const {
-  std::size_t faces = 0;
-  while (faces < faces_.size() && conductor(faces) < bodies_.sensors)
-    ++faces;
+std::vector<std::size_t> GalerkinSystem::electrode_faces() const {
+  std::vector<std::size_t> faces;
+  for (std::size_t face = 0; face < faces_.size(); ++face)
+    if (bodies_.role(bodies_.bodies[body_of_[face]]) == Role::electrode)
+      faces.push_back(face);
   return faces;
 }
 
-GalerkinSystem::Solved GalerkinSystem::solve(std::size_t faces, Index columns) const {
+GalerkinSystem::Solved GalerkinSystem::solve(std::span<const std::size_t> faces, Index conductors) const {
   Solved solved;
   solved.numbering = number(functions_, faces);
   const auto& [places, coarse_size, total] = solved.numbering;
   MatrixXd matrix(total, total);
   MatrixXd& charges = solved.charges;
-  charges = MatrixXd::Zero(total, columns);
-  for (std::size_t a = 0; a < faces; ++a) {
+  charges = MatrixXd::Zero(total, conductors);
+  for (std::size_t first = 0; first < faces.size(); ++first) {
+    const std::size_t a = faces[first];
     charges(places[a][0], static_cast<Index>(conductor(a))) = net_charge(a);
-    for (std::size_t b = a; b < faces; ++b) {
+    for (const std::size_t b : faces.subspan(first)) {
       const MatrixXd& values = block(a, b);
       for (Index k = 0; k < values.cols(); ++k)
         for (Index i = 0; i < values.rows(); ++i) {
@@ -166,8 +172,8 @@ GalerkinSystem::Solved GalerkinSystem::solve(std::size_t faces, Index columns) c
   return solved;
 }
 
-NestedMatrix GalerkinSystem::solve_sensors() const {
-  return solve(sensor_faces(), static_cast<Index>(bodies_.sensors)).matrix;
+NestedMatrix GalerkinSystem::solve_electrodes() const {
+  return solve(electrode_faces(), static_cast<Index>(count_of(bodies_, Role::electrode))).matrix;
 }
 
 MatrixXd GalerkinSystem::quadrature_effect(const MatrixXd& norms) const {
@@ -206,24 +212,26 @@ FaceEnergies GalerkinSystem::energies(const std::vector<MatrixXd>& charges,
 
 GalerkinSolution GalerkinSystem::solve() const {
   GalerkinSolution solution;
-  const auto conductors = static_cast<Index>(bodies_.names.size());
-  const Solved all = solve(faces_.size(), conductors);
+  const auto conductors = static_cast<Index>(bodies_.conductors.size());
+  std::vector<std::size_t> faces(faces_.size());
+  std::iota(faces.begin(), faces.end(), std::size_t{0});
+  const Solved all = solve(faces, conductors);
   solution.positive_definite = all.positive_definite;
   solution.all = all.matrix;
-  solution.sensors = all.matrix;
-  if (sensor_faces() < faces_.size()) {
-    const Solved sensors = solve(sensor_faces(), static_cast<Index>(bodies_.sensors));
-    solution.positive_definite &= sensors.positive_definite;
-    solution.sensors = sensors.matrix;
+  solution.electrodes = all.matrix;
+  if (const auto electrodes = electrode_faces(); electrodes.size() < faces.size()) {
+    const Solved alone = solve(electrodes, static_cast<Index>(count_of(bodies_, Role::electrode)));
+    solution.positive_definite &= alone.positive_definite;
+    solution.electrodes = alone.matrix;
   }
   if (!solution.positive_definite)
     return solution;
   std::vector<MatrixXd> charges;
   for (std::size_t face = 0; face < faces_.size(); ++face)
     charges.emplace_back(all.charges(all.numbering.places[face], Eigen::all));
-  const FaceEnergies found = energies(charges, solution.all.fine.diagonal());
-  solution.highest = found.highest;
-  solution.quadrature_effect = quadrature_effect(found.norms);
+  const FaceEnergies of_faces = energies(charges, solution.all.fine.diagonal());
+  solution.highest = of_faces.highest;
+  solution.quadrature_effect = quadrature_effect(of_faces.norms);
   return solution;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -22,7 +23,7 @@ struct NestedMatrix {
 struct GalerkinSolution {
   bool positive_definite = true;  ///< false if the quadratures are too coarse; then nothing else is set
   NestedMatrix all;               ///< of all conductors
-  NestedMatrix sensors;           ///< of the sensors without the objects
+  NestedMatrix electrodes;        ///< of the electrodes without the other conductors
   /// Possible change of `all` for a unit error of the single-layer blocks of different bodies, relative to
   /// their largest elements.
   Eigen::MatrixXd quadrature_effect;
@@ -55,8 +56,9 @@ class GalerkinSystem {
 
   GalerkinSolution solve() const;
 
-  /// Returns the matrix of the sensors without the objects. It is empty if the quadratures are too coarse.
-  NestedMatrix solve_sensors() const;
+  /// Returns the matrix of the electrodes without the other conductors. It is empty if the quadratures are
+  /// too coarse.
+  NestedMatrix solve_electrodes() const;
 
   const ChargedFace& face(std::size_t face) const { return faces_[face]; }
   FaceFunctions functions(std::size_t face) const { return functions_[face]; }
@@ -83,11 +85,10 @@ class GalerkinSystem {
     Eigen::MatrixXd values;
   };
 
-  /// The solution for the first faces: the numbering of their functions, and the charges for the first
-  /// conductors.
+  /// The solution for some conductors: the numbering of their faces' functions, and their charges.
   struct Solved;
-  Solved solve(std::size_t faces, Eigen::Index columns) const;
-  std::size_t sensor_faces() const;
+  Solved solve(std::span<const std::size_t> faces, Eigen::Index conductors) const;
+  std::vector<std::size_t> electrode_faces() const;
   std::size_t pair(std::size_t a, std::size_t b) const { return a * faces_.size() + b; }
   void refine_body(std::size_t body);
   void refine_pair(std::size_t a, std::size_t b, double tolerance);

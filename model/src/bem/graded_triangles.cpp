@@ -3,17 +3,68 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <utility>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
-#include "bem/edge_density.hpp"
 #include "bem/panel.hpp"
 #include "bem/single_layer_panels.hpp"
+#include "geometry/surface_mesh.hpp"
 
 namespace fringe::detail {
 namespace {
 
+using Eigen::Vector3d;
 using Eigen::Vector4d;
+
+/// Least exponent of a sharp edge. Faces that meet at 160° or more have a smaller one, and so do the facets
+/// of a round body.
+constexpr double least_exponent = 0.1;
+
+Vector3d opposite_corner(const Triangle& triangle, const Vector3d& from, const Vector3d& to) {
+  for (const Vector3d& corner : triangle)
+    if (corner != from && corner != to)
+      return corner;
+  return from;
+}
+
+/// Returns the widest angle between neighbouring faces around an edge, on the side where the charge is.
+double widest_angle(std::span<const Triangle> triangles, std::span<const std::uint32_t> faces,
+                    const Vector3d& from, const Vector3d& to) {
+  const Vector3d axis = (to - from).normalized();
+  const auto away = [&](std::uint32_t face) -> Vector3d {
+    const Vector3d offset = opposite_corner(triangles[face], from, to) - from;
+    return offset - offset.dot(axis) * axis;
+  };
+  const Vector3d first = away(faces.front()), second = axis.cross(first);
+  std::vector<double> angles;
+  for (const std::uint32_t face : faces) {
+    const Vector3d direction = away(face);
+    const double angle = std::atan2(direction.dot(second), direction.dot(first));
+    angles.push_back(angle < 0 ? angle + 2 * std::numbers::pi : angle);
+  }
+  std::sort(angles.begin(), angles.end());
+  double widest = angles.front() + 2 * std::numbers::pi - angles.back();
+  for (std::size_t k = 0; k + 1 < angles.size(); ++k)
+    widest = std::max(widest, angles[k + 1] - angles[k]);
+  return widest;
+}
+
+/// Returns true if the faces of a closed surface form a concave edge, as in a corner of a room.
+bool is_hollow(std::span<const Triangle> triangles, std::span<const std::uint32_t> faces,
+               const Vector3d& from, const Vector3d& to) {
+  if (faces.size() != 2)
+    return false;
+  const Triangle& one = triangles[faces[0]];
+  const Vector3d normal = (one[1] - one[0]).cross(one[2] - one[0]);
+  return normal.dot(opposite_corner(triangles[faces[1]], from, to) - from) > 0;
+}
+
+double charge_exponent(double angle) {
+  return 1 - std::numbers::pi / angle;
+}
 
 /// A part of one of the surface's triangles, with the estimated charges of its quarters.
 struct GradedPiece {
@@ -39,7 +90,7 @@ class Grading {
       ++k;
     }
     const Vector4d details = result.charges.array() - result.charges.mean();
-    const Eigen::Matrix4d own = panel_matrix(panels, tolerance).selfadjointView<Eigen::Upper>();
+    const Eigen::Matrix4d own = single_layer_matrix(panels, tolerance).selfadjointView<Eigen::Upper>();
     result.energy = std::max(details.dot(own * details), 0.0);
     return result;
   }
@@ -57,6 +108,60 @@ class Grading {
 };
 
 }  // namespace
+
+EdgeDensity::EdgeDensity(std::span<const Triangle> triangles)
+    : size_(std::sqrt(area(triangles))), part_of_(triangles.size()) {
+  const SurfaceMesh mesh(triangles);
+  const bool closed = mesh.is_closed(), inside_out = signed_volume(triangles) < 0;
+  std::iota(part_of_.begin(), part_of_.end(), std::size_t{0});
+  const auto part = [&](std::size_t triangle) {
+    while (part_of_[triangle] != triangle)
+      triangle = part_of_[triangle];
+    return triangle;
+  };
+  std::vector<std::pair<std::size_t, SharpEdge>> sharp;
+  for (const SurfaceMesh::Edge& edge : mesh.edges()) {
+    const Vector3d &from = mesh.vertices()[edge.from], &to = mesh.vertices()[edge.to];
+    const double exponent = charge_exponent(widest_angle(triangles, edge.faces, from, to));
+    const bool is_smooth = exponent < least_exponent;
+    const bool grows = !is_smooth && !(closed && !inside_out && is_hollow(triangles, edge.faces, from, to));
+    for (const std::uint32_t face : edge.faces) {
+      if (grows)
+        sharp.push_back({face, {from, to, exponent}});
+      else if (is_smooth)
+        part_of_[part(face)] = part(edge.faces.front());
+    }
+  }
+  for (std::size_t triangle = 0; triangle < part_of_.size(); ++triangle)
+    part_of_[triangle] = part(triangle);
+  edges_.resize(triangles.size());
+  for (const auto& [triangle, edge] : sharp)
+    edges_[part_of_[triangle]].push_back(edge);
+}
+
+double EdgeDensity::at(std::size_t triangle, const Vector3d& point) const {
+  const std::vector<SharpEdge>& edges = edges_[part_of_[triangle]];
+  const auto distance = [&](const SharpEdge& edge) {
+    return std::min(segment_distance(point, edge.from, edge.to) / size_, 1.0);
+  };
+  const SharpEdge* nearest = nullptr;
+  double away = 1;
+  for (const SharpEdge& edge : edges)
+    if (const double here = distance(edge); nearest == nullptr || here < away) {
+      nearest = &edge;
+      away = here;
+    }
+  if (nearest == nullptr)
+    return 1;
+  // Near a corner the second edge counts, too; an edge that continues in the same direction is the same edge.
+  const Vector3d along = (nearest->to - nearest->from).normalized();
+  double other = 1;
+  for (const SharpEdge& edge : edges) {
+    const double squared_sine = along.cross((edge.to - edge.from).normalized()).squaredNorm();
+    other = std::max(other, std::pow(distance(edge), -edge.exponent * squared_sine));
+  }
+  return std::pow(away, -nearest->exponent) * other;
+}
 
 std::vector<Triangle> graded_triangles(std::span<const Triangle> triangles, double missing,
                                        std::size_t most) {

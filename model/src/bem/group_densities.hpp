@@ -21,7 +21,7 @@ Eigen::MatrixXd group_means(const PanelMesh& mesh, const Eigen::VectorXd& shares
                             const Eigen::Ref<const Eigen::MatrixXd>& values);
 
 /// Computes the single-layer matrix of the groups, with one density and unit charge on each: the lower
-/// triangle, nothing above it. `panels` is the panels' own, panel_matrix.
+/// triangle, nothing above it. `panels` is the panels' own, single_layer_matrix.
 Eigen::MatrixXd group_matrix(const PanelMesh& mesh, const Eigen::VectorXd& shares,
                              const Eigen::MatrixXd& panels);
 

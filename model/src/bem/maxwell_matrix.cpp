@@ -1,5 +1,8 @@
 #include "bem/maxwell_matrix.hpp"
 
+#include <string>
+#include <utility>
+
 #include <Eigen/Cholesky>
 
 namespace fringe::detail {
@@ -7,8 +10,8 @@ namespace fringe::detail {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-MatrixXd without_floating(const MatrixXd& matrix, std::size_t floating) {
-  const auto insulated = static_cast<Index>(floating);
+MatrixXd without_floating(const MatrixXd& matrix, const ChargedBodies& bodies) {
+  const auto insulated = static_cast<Index>(count_of(bodies, Role::floating));
   const Index kept = matrix.rows() - insulated;
   if (insulated == 0)
     return matrix;
@@ -16,6 +19,17 @@ MatrixXd without_floating(const MatrixXd& matrix, std::size_t floating) {
          matrix.topRightCorner(kept, insulated) * matrix.bottomRightCorner(insulated, insulated)
                                                       .llt()
                                                       .solve(matrix.bottomLeftCorner(insulated, kept));
+}
+
+MaxwellMatrix named_answer(const ChargedBodies& bodies) {
+  MaxwellMatrix answer;
+  answer.conductors = names_of(bodies, Role::electrode);
+  answer.sensors = answer.conductors.size();
+  for (std::string& name : names_of(bodies, Role::grounded))
+    answer.conductors.push_back(std::move(name));
+  answer.floating = names_of(bodies, Role::floating);
+  answer.lower_bounds.assign(answer.conductors.size(), false);
+  return answer;
 }
 
 MatrixXd changes(const MatrixXd& fine, const MatrixXd& coarse) {

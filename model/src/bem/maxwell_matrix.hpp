@@ -1,15 +1,19 @@
 #pragma once
 
-#include <cstddef>
-
 #include <Eigen/Core>
+
+#include "bem/bodies.hpp"
+#include "fringe/boundary_elements.hpp"
 
 /// Operations on capacitance matrices that several solvers share.
 namespace fringe::detail {
 
-/// Returns the matrix of the other conductors if the last `floating` ones carry no charge, by the Schur
-/// complement.
-Eigen::MatrixXd without_floating(const Eigen::MatrixXd& matrix, std::size_t floating);
+/// Returns the matrix of the other conductors if the floating ones carry no charge, by the Schur complement.
+/// The floating conductors are the last ones.
+Eigen::MatrixXd without_floating(const Eigen::MatrixXd& matrix, const ChargedBodies& bodies);
+
+/// Returns an answer with the names of the conductors, and no matrix.
+MaxwellMatrix named_answer(const ChargedBodies& bodies);
 
 /// Returns the absolute change of every entry from the coarse to the whole space. Relative to the entry, it
 /// is at least the geometric mean of the relative changes of its row's and column's diagonal entries: two

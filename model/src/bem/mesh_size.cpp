@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <span>
+#include <utility>
 
 #include <boost/math/tools/minima.hpp>
 
@@ -33,10 +35,10 @@ std::array<Segment, 4> edges_of(const ChargedFace& face) {
 /// triangles.
 std::vector<Segment> edges_of(const ChargedBody& body) {
   std::vector<Segment> edges;
-  for (const ChargedFace& face : body.faces)
+  for (const ChargedFace& face : faces_of(body.surface))
     for (const Segment& edge : edges_of(face))
       edges.push_back(edge);
-  for (const Triangle& triangle : body.triangles)
+  for (const Triangle& triangle : triangles_of(body.surface))
     for (std::size_t corner = 0; corner < 3; ++corner)
       edges.push_back({triangle[corner], triangle[(corner + 1) % 3]});
   return edges;
@@ -98,7 +100,7 @@ Eigen::Vector2d least_parameters(const ChargedFace& face, const ChargedBody& bod
 }
 
 /// Divides faces into triangles. Corners that differ only by rounding become one.
-std::vector<Triangle> triangles_of(const std::vector<ChargedFace>& faces) {
+TriangleSurface triangulated(std::span<const ChargedFace> faces) {
   std::vector<Vector3d> corners;
   std::vector<Triangle> triangles;
   for (const ChargedFace& face : faces) {
@@ -114,7 +116,7 @@ std::vector<Triangle> triangles_of(const std::vector<ChargedFace>& faces) {
     triangles.push_back({own[0], own[1], own[2]});
     triangles.push_back({own[0], own[2], own[3]});
   }
-  return triangles;
+  return {std::move(triangles)};
 }
 
 /// Returns the bodies with triangles in place of the faces of each body that has a face for which `needed` is
@@ -125,11 +127,11 @@ std::optional<ChargedBodies> with_triangles_where(const ChargedBodies& bodies, c
   bool changed = false;
   for (ChargedBody& body : result.bodies) {
     const ChargedBody& before = bodies.bodies[static_cast<std::size_t>(&body - result.bodies.data())];
-    if (std::none_of(before.faces.begin(), before.faces.end(),
+    const auto faces = faces_of(before.surface);
+    if (std::none_of(faces.begin(), faces.end(),
                      [&](const ChargedFace& face) { return needed(face, before); }))
       continue;
-    body.triangles = triangles_of(before.faces);
-    body.faces.clear();
+    body.surface = triangulated(faces);
     changed = true;
   }
   return changed ? std::optional(std::move(result)) : std::nullopt;
@@ -137,10 +139,10 @@ std::optional<ChargedBodies> with_triangles_where(const ChargedBodies& bodies, c
 
 }  // namespace
 
-std::vector<FaceFunctions> resolving_functions(const ChargedBodies& bodies, double features, int least) {
+std::vector<FaceFunctions> a_priori_functions(const ChargedBodies& bodies, double features, int least) {
   std::vector<FaceFunctions> functions;
   for (const ChargedBody& body : bodies.bodies)
-    for (const ChargedFace& face : body.faces) {
+    for (const ChargedFace& face : faces_of(body.surface)) {
       const Eigen::Vector2d parameters = least_parameters(face, body, bodies);
       functions.push_back(
           {functions_for(parameters[0], features, least), functions_for(parameters[1], features, least)});
@@ -155,12 +157,12 @@ std::optional<ChargedBodies> with_triangles_beyond(const ChargedBodies& bodies, 
   });
 }
 
-std::optional<ChargedBodies> with_triangles_under_narrow_shadows(const ChargedBodies& bodies) {
-  const std::vector<Shadow> shadows = shadows_of(bodies);
+std::optional<ChargedBodies> with_triangles_by_proximity(const ChargedBodies& bodies) {
+  const std::vector<InducedCharge> charges = induced_charges(bodies);
   return with_triangles_where(bodies, [&](const ChargedFace& face, const ChargedBody& body) {
     const auto own = static_cast<std::size_t>(&body - bodies.bodies.data());
-    for (std::size_t k = 0; k < shadows.size(); ++k)
-      if (k != own && shadows[k].is_narrow_on(face))
+    for (std::size_t k = 0; k < charges.size(); ++k)
+      if (k != own && charges[k].is_narrow_on(face))
         return true;
     return false;
   });

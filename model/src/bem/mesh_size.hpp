@@ -12,7 +12,7 @@ namespace fringe::detail {
 /// are odd, `least` or more.
 ///
 /// @param features least number of functions for each length over which the charge changes
-std::vector<FaceFunctions> resolving_functions(const ChargedBodies& bodies, double features, int least);
+std::vector<FaceFunctions> a_priori_functions(const ChargedBodies& bodies, double features, int least);
 
 /// Returns the bodies with triangles in place of the faces of each body that would need more than `most`
 /// functions along a direction of a face. Returns nothing if there is no such body.
@@ -20,6 +20,6 @@ std::optional<ChargedBodies> with_triangles_beyond(const ChargedBodies& bodies, 
 
 /// Does the same for each body with a face to which another, far smaller body is close: its effect on the
 /// charge there is narrower than any function.
-std::optional<ChargedBodies> with_triangles_under_narrow_shadows(const ChargedBodies& bodies);
+std::optional<ChargedBodies> with_triangles_by_proximity(const ChargedBodies& bodies);
 
 }  // namespace fringe::detail

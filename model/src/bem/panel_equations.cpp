@@ -16,7 +16,7 @@ PanelUnknowns number_unknowns(const ChargedBodies& bodies, const GalerkinSystem&
     unknowns.functions += functions.count();
   }
   unknowns.net = Eigen::MatrixXd::Zero(unknowns.functions + index_of(mesh.panels().size()),
-                                       index_of(bodies.names.size()));
+                                       index_of(bodies.conductors.size()));
   for (std::size_t face = 0; face < faces.faces(); ++face)
     unknowns.net(unknowns.first[face], index_of(faces.conductor(face))) = faces.net_charge(face);
   for (const PanelGroup& group : mesh.groups())

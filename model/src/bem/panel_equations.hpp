@@ -32,7 +32,7 @@ struct PanelEquations {
   const PanelMesh& mesh;
   const PanelUnknowns& unknowns;
   const Eigen::MatrixXd& faces;     ///< single-layer matrix of the faces' functions
-  const Eigen::MatrixXd& panels;    ///< panel_matrix, the upper triangle
+  const Eigen::MatrixXd& panels;    ///< single_layer_matrix, the upper triangle
   const Eigen::MatrixXd& coupling;  ///< single-layer blocks of the faces' functions (rows) with the panels
 
   /// Applies the matrix: returns the potentials of charges, tested with every unknown's function.

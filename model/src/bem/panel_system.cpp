@@ -10,7 +10,6 @@
 #include "bem/error_indicators.hpp"
 #include "bem/panel_equations.hpp"
 #include "bem/proximity_refinement.hpp"
-#include "bem/single_layer_face_panel.hpp"
 #include "bem/single_layer_panels.hpp"
 
 namespace fringe::detail {
@@ -30,18 +29,20 @@ constexpr double unknown_tolerance = std::numeric_limits<double>::infinity();
 
 ChargedBodies with_faces(const ChargedBodies& bodies) {
   ChargedBodies result = bodies;
-  std::erase_if(result.bodies, [](const ChargedBody& body) { return body.faces.empty(); });
+  std::erase_if(result.bodies, [](const ChargedBody& body) {
+    return std::holds_alternative<TriangleSurface>(body.surface);
+  });
   return result;
 }
 
-/// Returns the sensors' bodies in the role of objects, for there are none beside them.
-ChargedBodies sensors_of(const ChargedBodies& bodies) {
-  ChargedBodies sensors;
-  sensors.names.assign(bodies.names.begin(),
-                       bodies.names.begin() + static_cast<std::ptrdiff_t>(bodies.sensors));
-  std::copy_if(bodies.bodies.begin(), bodies.bodies.end(), std::back_inserter(sensors.bodies),
-               [&](const ChargedBody& body) { return body.conductor < bodies.sensors; });
-  return sensors;
+/// Returns the electrodes alone, as grounded conductors: there is nothing else to measure beside them.
+ChargedBodies electrodes_of(const ChargedBodies& bodies) {
+  ChargedBodies electrodes;
+  for (const std::string& name : names_of(bodies, Role::electrode))
+    electrodes.conductors.push_back({name, Role::grounded});
+  std::copy_if(bodies.bodies.begin(), bodies.bodies.end(), std::back_inserter(electrodes.bodies),
+               [&](const ChargedBody& body) { return bodies.role(body) == Role::electrode; });
+  return electrodes;
 }
 
 }  // namespace
@@ -50,25 +51,25 @@ PanelSystem::PanelSystem(const ChargedBodies& bodies, const PanelGrading& gradin
     : bodies_(bodies), bodies_of_faces_(with_faces(bodies)), faces_(bodies_of_faces_),
       panel_tolerance_(unknown_tolerance), coupling_tolerance_(unknown_tolerance) {
   for (std::size_t body = 0; body < bodies.bodies.size(); ++body)
-    if (bodies.bodies[body].faces.empty())
-      mesh_.add(body, bodies.bodies[body].triangles, grading);
-  divide_under_shadows(grading.most_panels);
+    if (const auto* surface = std::get_if<TriangleSurface>(&bodies.bodies[body].surface))
+      mesh_.add(body, surface->triangles, grading);
+  refine_by_proximity(grading.most_panels);
 }
 
 PanelSystem::PanelSystem(const ChargedBodies& bodies, PanelMesh mesh)
     : bodies_(bodies), bodies_of_faces_(with_faces(bodies)), faces_(bodies_of_faces_), mesh_(std::move(mesh)),
       panel_tolerance_(unknown_tolerance), coupling_tolerance_(unknown_tolerance) {}
 
-void PanelSystem::divide_under_shadows(std::size_t most_panels) {
+void PanelSystem::refine_by_proximity(std::size_t most_panels) {
   if (mesh_.panels().empty())
     return;
-  const std::vector<Shadow> shadows = shadows_of(bodies_);
+  const std::vector<InducedCharge> charges = induced_charges(bodies_);
   const auto is_too_large = [&](const PanelGroup& group) {
     const std::vector<Triangle> triangles = mesh_.triangles(group);
-    for (std::size_t body = 0; body < shadows.size(); ++body)
+    for (std::size_t body = 0; body < charges.size(); ++body)
       if (body != group.body)
         for (const Triangle& triangle : triangles)
-          if (shadows[body].is_narrow_on(triangle))
+          if (charges[body].is_narrow_on(triangle))
             return true;
     return false;
   };
@@ -98,10 +99,10 @@ void PanelSystem::refine(const std::vector<FaceFunctions>& functions, double tol
     return;
   if (panel_tolerance_ > panel_tolerances * tolerance) {
     panel_tolerance_ = panel_tolerances * tolerance;
-    panels_ = panel_matrix(mesh_.panels(), panel_tolerance_);
+    panels_ = single_layer_matrix(mesh_.panels(), panel_tolerance_);
   } else if (is_refined_) {
     const MatrixXd before = std::move(panels_);
-    panels_ = panel_matrix(mesh_.panels(), panel_tolerance_, {before, mesh_.places_before()});
+    panels_ = single_layer_matrix(mesh_.panels(), panel_tolerance_, {before, mesh_.places_before()});
   }
   is_refined_ = false;
   if (coupling_tolerance_ > tolerance || coupled_functions_ != functions)
@@ -116,7 +117,7 @@ void PanelSystem::refine_coupling(const std::vector<FaceFunctions>& functions, d
   Index row = 0;
   for (std::size_t face = 0; face < functions.size(); ++face) {
     coupling_.middleRows(row, functions[face].count()) =
-        panel_coupling(faces_.face(face), functions[face], mesh_.panels(), tolerance);
+        single_layer_block(faces_.face(face), functions[face], mesh_.panels(), tolerance);
     row += functions[face].count();
   }
   coupled_functions_ = functions;
@@ -160,52 +161,53 @@ PanelSolution PanelSystem::solve(double accuracy) const {
   if (mesh_.panels().empty()) {
     static_cast<GalerkinSolution&>(solution) = faces_.solve();
     const Index conductors = solution.all.fine.rows();
-    solution.unfinished = MatrixXd::Zero(conductors, conductors);
+    solution.iteration_error = MatrixXd::Zero(conductors, conductors);
     return solution;
   }
   const PanelUnknowns unknowns = number_unknowns(bodies_, faces_, mesh_);
   const MatrixXd matrix = face_matrix(unknowns);
   const PanelEquations equations{faces_, mesh_, unknowns, matrix, panels_, coupling_};
-  const NestedSpace nested(equations);
-  solution.positive_definite = nested.is_positive_definite();
-  if (bodies_.sensors > 0 && !sensors_have_panels(bodies_)) {
-    solution.sensors = faces_.solve_sensors();
-    solution.positive_definite &= solution.sensors.fine.size() > 0;
+  const TwoLevelPreconditioner preconditioner(equations);
+  solution.positive_definite = preconditioner.is_positive_definite();
+  if (count_of(bodies_, Role::electrode) > 0 && !electrodes_have_panels(bodies_)) {
+    solution.electrodes = faces_.solve_electrodes();
+    solution.positive_definite &= solution.electrodes.fine.size() > 0;
   }
   if (!solution.positive_definite)
     return solution;
-  const IteratedCharges found = iterate(equations, nested, accuracy);
-  solution.positive_definite = found.positive_definite;
+  const ConjugateGradientSolution solved = solve_by_conjugate_gradients(equations, preconditioner, accuracy);
+  solution.positive_definite = solved.positive_definite;
   if (!solution.positive_definite)
     return solution;
 
-  solution.all.coarse = found.smaller.transpose() * found.smaller;
+  solution.all.coarse = solved.energy_roots.transpose() * solved.energy_roots;
   // The error is of second order in the residual of the conjugate gradients.
   const MatrixXd energies =
-      unknowns.net.transpose() * found.charges + found.charges.transpose() * found.residuals;
+      unknowns.net.transpose() * solved.charges + solved.charges.transpose() * solved.residuals;
   solution.all.fine = (energies + energies.transpose()) / 2;
-  solution.unfinished = (found.gains * found.gains.transpose()).cwiseSqrt();
-  solution.charges = found.charges.bottomRows(index_of(mesh_.panels().size()));
+  solution.iteration_error = (solved.decrements * solved.decrements.transpose()).cwiseSqrt();
+  solution.charges = solved.charges.bottomRows(index_of(mesh_.panels().size()));
 
   const VectorXd own = solution.all.fine.diagonal();
   std::vector<MatrixXd> of_faces;
   for (std::size_t face = 0; face < faces(); ++face)
-    of_faces.emplace_back(found.charges.middleRows(unknowns.first[face], faces_.functions(face).count()));
+    of_faces.emplace_back(solved.charges.middleRows(unknowns.first[face], faces_.functions(face).count()));
   const FaceEnergies of_highest = faces_.energies(of_faces, own);
   solution.highest = of_highest.highest;
-  solution.group_energies = group_energies(mesh_, panels_, nested.shares(), solution.charges, own);
-  const UnseenEnergy unseen = unseen_energy(equations, found.charges, own, panel_tolerance_);
-  if (unseen.gained.size() > 0) {
-    solution.all.coarse -= unseen.gained;
-    solution.group_energies += unseen.groups;
+  solution.error_indicators =
+      error_indicators(mesh_, panels_, preconditioner.shares(), solution.charges, own);
+  const UnrefinedEnergy unrefined = unrefined_energy(equations, solved.charges, own, panel_tolerance_);
+  if (unrefined.gained.size() > 0) {
+    solution.all.coarse -= unrefined.gained;
+    solution.error_indicators += unrefined.groups;
   }
-  solution.quadrature_effect = quadrature_effect(unknowns, found.charges, of_highest.norms);
+  solution.quadrature_effect = quadrature_effect(unknowns, solved.charges, of_highest.norms);
   return solution;
 }
 
-PanelSolution PanelSystem::solve_sensors(double accuracy) const {
-  const ChargedBodies sensors = sensors_of(bodies_);
-  PanelSystem alone(sensors, mesh_.of_first(sensors.bodies.size()));
+PanelSolution PanelSystem::solve_electrodes(double accuracy) const {
+  const ChargedBodies electrodes = electrodes_of(bodies_);
+  PanelSystem alone(electrodes, mesh_.of_first(electrodes.bodies.size()));
   std::vector<FaceFunctions> functions;
   for (std::size_t face = 0; face < alone.faces(); ++face)
     functions.push_back(faces_.functions(face));

@@ -14,11 +14,12 @@
 /// section 9).
 namespace fringe::detail {
 
-/// The capacitances with the panels' charges and error indicators. `sensors` is empty if a sensor has panels.
+/// The capacitances with the panels' charges and error indicators. `electrodes` is empty if an electrode has
+/// panels.
 struct PanelSolution : GalerkinSolution {
-  Eigen::MatrixXd charges;         ///< of every panel (rows) for every conductor at unit potential
-  Eigen::VectorXd group_energies;  ///< error indicators of the groups of panels
-  Eigen::MatrixXd unfinished;      ///< error of `all` that the conjugate gradients may have left
+  Eigen::MatrixXd charges;           ///< of every panel (rows) for every conductor at unit potential
+  Eigen::VectorXd error_indicators;  ///< error indicators of the groups of panels
+  Eigen::MatrixXd iteration_error;   ///< error of `all` that the conjugate gradients may have left
 };
 
 /// The Galerkin equations of faces and panels. They are solved by conjugate gradients, or by Cholesky
@@ -40,8 +41,8 @@ class PanelSystem {
   /// times its value.
   PanelSolution solve(double accuracy) const;
 
-  /// Solves for the sensors without the objects, with the same functions and panels as with them.
-  PanelSolution solve_sensors(double accuracy) const;
+  /// Solves for the electrodes without the other conductors, with the same functions and panels as with them.
+  PanelSolution solve_electrodes(double accuracy) const;
 
  private:
   PanelSystem(const ChargedBodies& bodies, PanelMesh mesh);
@@ -49,14 +50,14 @@ class PanelSystem {
   Eigen::MatrixXd quadrature_effect(const PanelUnknowns& unknowns, const Eigen::MatrixXd& charges,
                                     const Eigen::MatrixXd& norms) const;
   /// Divides groups of panels that are too large to resolve another body close by.
-  void divide_under_shadows(std::size_t most_panels);
+  void refine_by_proximity(std::size_t most_panels);
   void refine_coupling(const std::vector<FaceFunctions>& functions, double tolerance);
 
   const ChargedBodies& bodies_;
   ChargedBodies bodies_of_faces_;
   GalerkinSystem faces_;
   PanelMesh mesh_;
-  Eigen::MatrixXd panels_;    ///< panel_matrix of all panels
+  Eigen::MatrixXd panels_;    ///< single_layer_matrix of all panels
   Eigen::MatrixXd coupling_;  ///< of the faces' functions (rows), face after face, with the panels
   std::vector<FaceFunctions> coupled_functions_;
   bool is_refined_ = false;  ///< true if panels_ belongs to the mesh before its last refinement

@@ -14,12 +14,12 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-std::vector<Vector3d> corners_of(const ChargedBody& body) {
+std::vector<Vector3d> corners_of(const BodySurface& surface) {
   std::vector<Vector3d> corners;
-  for (const ChargedFace& face : body.faces)
+  for (const ChargedFace& face : faces_of(surface))
     for (const Vector3d& corner : corners_of(face))
       corners.push_back(corner);
-  for (const Triangle& triangle : body.triangles)
+  for (const Triangle& triangle : triangles_of(surface))
     corners.insert(corners.end(), triangle.begin(), triangle.end());
   return corners;
 }
@@ -52,15 +52,15 @@ double half_chord(const Matrix3d& half_edges, const Vector3d& along, const Vecto
 
 }  // namespace
 
-Shadow::Shadow(const ChargedBody& body) : corners_(corners_of(body)) {
+InducedCharge::InducedCharge(const ChargedBody& body) : corners_(corners_of(body.surface)) {
   const Eigen::Map<const Eigen::Matrix3Xd> points(corners_.front().data(), 3,
                                                   static_cast<Index>(corners_.size()));
   centre_ = points.rowwise().mean();
   radius_ = (points.colwise() - centre_).colwise().norm().maxCoeff();
-  if (body.faces.empty()) {
+  if (std::holds_alternative<TriangleSurface>(body.surface)) {
     half_edges_ = half_edges_of_hull(corners_);
   } else {
-    const ChargedFace& face = body.faces.front();
+    const ChargedFace& face = faces_of(body.surface).front();
     half_edges_ << face.half_u * face.axis_u, face.half_v * face.axis_v, face.centre - centre_;
   }
   Vector3d lengths = half_edges_.colwise().norm();
@@ -68,7 +68,7 @@ Shadow::Shadow(const ChargedBody& body) : corners_(corners_of(body)) {
   half_width_ = lengths[1];
 }
 
-bool Shadow::is_narrow_on(const ChargedFace& face) const {
+bool InducedCharge::is_narrow_on(const ChargedFace& face) const {
   const Vector3d normal = face.axis_u.cross(face.axis_v);
   // A body that stands upright has an effect up to about its height away.
   const double height = (normal.transpose() * half_edges_).cwiseAbs().sum();
@@ -81,9 +81,9 @@ bool Shadow::is_narrow_on(const ChargedFace& face) const {
   return is_narrow(0) && is_narrow(gjk_distance(corners_, corners_of(face)).distance);
 }
 
-bool Shadow::is_narrow_on(const Triangle& triangle) const {
-  /// Fraction of the triangle's radius below which a shadow is narrow. The quarters of triangles sixteen
-  /// times as large as a shadow with edges a tenth of that still missed a part of it.
+bool InducedCharge::is_narrow_on(const Triangle& triangle) const {
+  /// Fraction of the triangle's radius below which an induced charge is narrow. The quarters of triangles
+  /// sixteen times as large as an induced charge with edges a tenth of that still missed a part of it.
   constexpr double narrow = 1.0 / 2;
   const Panel whole = make_panel(triangle);
   const double least = std::max((whole.centre - centre_).norm() - whole.radius - radius_, 0.0);
@@ -91,11 +91,11 @@ bool Shadow::is_narrow_on(const Triangle& triangle) const {
   return is_narrow(least) && is_narrow(gjk_distance(corners_, triangle).distance);
 }
 
-std::vector<Shadow> shadows_of(const ChargedBodies& bodies) {
-  std::vector<Shadow> shadows;
+std::vector<InducedCharge> induced_charges(const ChargedBodies& bodies) {
+  std::vector<InducedCharge> charges;
   for (const ChargedBody& body : bodies.bodies)
-    shadows.emplace_back(body);
-  return shadows;
+    charges.emplace_back(body);
+  return charges;
 }
 
 }  // namespace fringe::detail

@@ -8,19 +8,19 @@
 
 namespace fringe::detail {
 
-/// The effect of a body on the charge of another, its shadow: about as wide as the body and their distance
+/// The charge that a body induces on another one close by: about as wide as the body and their distance
 /// together. Where it is narrower than the elements of the charge, solutions that all miss it agree
 /// (model/BOUNDARY_ELEMENTS.md, section 6).
-class Shadow {
+class InducedCharge {
  public:
-  explicit Shadow(const ChargedBody& body);
+  explicit InducedCharge(const ChargedBody& body);
 
-  /// Returns true if the shadow is narrower than the largest number of functions can resolve along a
+  /// Returns true if the induced charge is narrower than the largest number of functions can resolve along a
   /// direction of a face.
   bool is_narrow_on(const ChargedFace& face) const;
 
-  /// Returns true if the shadow is so much smaller than a triangle that the triangle's parts would not
-  /// resolve it.
+  /// Returns true if the induced charge is so much smaller than a triangle that the triangle's parts would
+  /// not resolve it.
   bool is_narrow_on(const Triangle& triangle) const;
 
  private:
@@ -31,7 +31,7 @@ class Shadow {
   double half_width_;           ///< the middle one of their lengths: half the width of a strip
 };
 
-/// Returns the shadow of each body.
-std::vector<Shadow> shadows_of(const ChargedBodies& bodies);
+/// Returns the charge that each body induces on others.
+std::vector<InducedCharge> induced_charges(const ChargedBodies& bodies);
 
 }  // namespace fringe::detail

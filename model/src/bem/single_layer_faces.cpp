@@ -318,8 +318,9 @@ double digits_for(double tolerance) {
 
 }  // namespace
 
-Eigen::MatrixXd mutual_matrix(const ChargedFace& first, FaceFunctions first_functions,
-                              const ChargedFace& second, FaceFunctions second_functions, double tolerance) {
+Eigen::MatrixXd single_layer_block(const ChargedFace& first, FaceFunctions first_functions,
+                                   const ChargedFace& second, FaceFunctions second_functions,
+                                   double tolerance) {
   const double digits = digits_for(tolerance);
   const OuterRule over_first = outer_rule(first, first_functions, second, second_functions, digits);
   const OuterRule over_second = outer_rule(second, second_functions, first, first_functions, digits);

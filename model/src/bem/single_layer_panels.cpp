@@ -10,6 +10,7 @@
 #include "bem/charge_kernels.hpp"
 #include "bem/panel_quadrature.hpp"
 #include "bem/patch_distance.hpp"
+#include "bem/single_layer_faces.hpp"
 #include "integral/batch/kernels.hpp"
 #include "numeric/triangle_rules.hpp"
 #include "simd/dispatch.hpp"
@@ -225,7 +226,7 @@ double panel_self(const Panel& panel) {
   return 4 * sum / 3;
 }
 
-MatrixXd panel_matrix(std::span<const Panel> panels, double tolerance, const KnownElements& known) {
+MatrixXd single_layer_matrix(std::span<const Panel> panels, double tolerance, const KnownElements& known) {
   const auto size = static_cast<Index>(panels.size());
   MatrixXd matrix(size, size);
   MatrixRows rows(panels, tolerance);
@@ -246,8 +247,8 @@ MatrixXd panel_matrix(std::span<const Panel> panels, double tolerance, const Kno
   return matrix;
 }
 
-MatrixXd panel_matrix(std::span<const Panel> panels, double tolerance) {
-  return panel_matrix(panels, tolerance, {MatrixXd(), {}});
+MatrixXd single_layer_matrix(std::span<const Panel> panels, double tolerance) {
+  return single_layer_matrix(panels, tolerance, {MatrixXd(), {}});
 }
 
 MatrixXd panel_potentials(std::span<const Panel> targets, std::span<const Panel> panels,
@@ -260,6 +261,35 @@ MatrixXd panel_potentials(std::span<const Panel> targets, std::span<const Panel>
     rows.flush();
     result.row(static_cast<Index>(k)) = row.transpose() * charges;
   }
+  return result;
+}
+
+MatrixXd single_layer_block(const ChargedFace& face, FaceFunctions functions, std::span<const Panel> panels,
+                            double tolerance) {
+  const std::array<Vector3d, 4> corners = corners_of(face);
+  // The potential of a smooth charge is smooth beside it, except near its edges.
+  const auto distance = [&](const Vector3d& point) {
+    double least = segment_distance(point, corners[3], corners[0]);
+    for (std::size_t k = 0; k < 3; ++k)
+      least = std::min(least, segment_distance(point, corners[k], corners[k + 1]));
+    return least;
+  };
+  std::vector<Vector3d> points;
+  std::vector<double> weights;
+  std::vector<std::size_t> ends;
+  for (const Panel& panel : panels) {
+    for_each_point(panel.corners, tolerance, distance, [&](const Vector3d& point, double weight) {
+      points.push_back(point);
+      weights.push_back(weight);
+    });
+    ends.push_back(points.size());
+  }
+  const MatrixXd potentials = face_potentials(face, functions, points, tolerance);
+  MatrixXd result = MatrixXd::Zero(functions.count(), static_cast<Index>(panels.size()));
+  std::size_t at = 0;
+  for (std::size_t panel = 0; panel < panels.size(); ++panel)
+    for (; at < ends[panel]; ++at)
+      result.col(static_cast<Index>(panel)) += weights[at] * potentials.col(static_cast<Index>(at));
   return result;
 }
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "bem/face.hpp"
 #include "bem/panel.hpp"
 
 namespace fringe::detail {
@@ -18,8 +19,9 @@ struct KnownElements {
 /// Computes the single-layer matrix ∫∫1/r of all pairs of panels with unit charges: its upper triangle,
 /// nothing below it. `tolerance` is the error aimed at for each element (model/BOUNDARY_ELEMENTS.md, section
 /// 9).
-Eigen::MatrixXd panel_matrix(std::span<const Panel> panels, double tolerance, const KnownElements& known);
-Eigen::MatrixXd panel_matrix(std::span<const Panel> panels, double tolerance);
+Eigen::MatrixXd single_layer_matrix(std::span<const Panel> panels, double tolerance,
+                                    const KnownElements& known);
+Eigen::MatrixXd single_layer_matrix(std::span<const Panel> panels, double tolerance);
 
 /// Computes the mean potentials on targets, which may be parts of panels, of charges on the panels; one
 /// column for each column of charges.
@@ -28,5 +30,10 @@ Eigen::MatrixXd panel_potentials(std::span<const Panel> targets, std::span<const
 
 /// Returns the interaction of a panel with itself, in closed form.
 double panel_self(const Panel& panel);
+
+/// Computes the single-layer block of a face's functions (rows) with panels of unit charge (columns) that do
+/// not touch it. `tolerance` is the error aimed at, relative to the largest elements of a column.
+Eigen::MatrixXd single_layer_block(const ChargedFace& face, FaceFunctions functions,
+                                   std::span<const Panel> panels, double tolerance);
 
 }  // namespace fringe::detail

@@ -34,7 +34,7 @@ std::string_view take_word(std::string_view& text) {
   return word;
 }
 
-std::string shown(std::string_view word) {
+std::string quoted(std::string_view word) {
   constexpr std::size_t longest = 40;
   std::string text = "'";
   for (const char letter : word.substr(0, longest)) {
@@ -46,23 +46,23 @@ std::string shown(std::string_view word) {
   return text + (word.size() > longest ? "…'" : "'");
 }
 
-double decimal(std::string_view word) {
+double parse_number(std::string_view word) {
   const std::string_view number = without_plus(word);
   double value = 0;
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
   if (error == std::errc::result_out_of_range)
-    throw InputError(fmt::format("holds {}, which is beyond the range of numbers", shown(word)));
+    throw InputError(fmt::format("holds {}, which is beyond the range of numbers", quoted(word)));
   if (error != std::errc{} || end != number.data() + number.size() || !std::isfinite(value))
-    throw InputError(fmt::format("holds {} in the place of a finite number", shown(word)));
+    throw InputError(fmt::format("holds {} instead of a finite number", quoted(word)));
   return value;
 }
 
-std::int64_t whole(std::string_view word) {
+std::int64_t parse_integer(std::string_view word) {
   const std::string_view number = without_plus(word);
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
   if (error != std::errc{} || end != number.data() + number.size())
-    throw InputError(fmt::format("holds {} in the place of a whole number", shown(word)));
+    throw InputError(fmt::format("holds {} instead of an integer", quoted(word)));
   return value;
 }
 

@@ -14,12 +14,12 @@ std::string_view take_line(std::string_view& text);
 std::string_view take_word(std::string_view& text);
 
 /// Quotes a word for a message: shortened, and with everything but printable ASCII escaped.
-std::string shown(std::string_view word);
+std::string quoted(std::string_view word);
 
 /// Parses a word as a finite number. Throws InputError unless the whole word is one.
-double decimal(std::string_view word);
+double parse_number(std::string_view word);
 
 /// Parses a word as an integer. Throws InputError unless the whole word is one.
-std::int64_t whole(std::string_view word);
+std::int64_t parse_integer(std::string_view word);
 
 }  // namespace fringe::detail

@@ -57,14 +57,14 @@ struct FaceCorner {
 };
 
 [[noreturn]] void fail_vertex(const FaceCorner& corner, std::string_view word, std::size_t vertices) {
-  throw InputError(
-      fmt::format("face {} (line {}) names vertex {} of {}", corner.face, corner.line, word, vertices));
+  throw InputError(fmt::format("face {} (line {}) refers to vertex {}; there are {} vertices", corner.face,
+                               corner.line, word, vertices));
 }
 
 /// Parses a corner of a face, such as 3, 3/1, 3//2 or -1/1/2. A positive number is a vertex number counted
 /// from 1; a negative one counts backwards from the last vertex before the face.
 FaceCorner read_corner(std::string_view word, std::size_t vertices, std::size_t line, std::size_t face) {
-  const std::int64_t number = whole(word.substr(0, word.find('/')));
+  const std::int64_t number = parse_integer(word.substr(0, word.find('/')));
   FaceCorner corner{static_cast<std::size_t>(number - 1), line, face};
   if (number == 0 || (number < 0 && -(number + 1) >= static_cast<std::int64_t>(vertices)))
     fail_vertex(corner, word, vertices);
@@ -76,8 +76,8 @@ FaceCorner read_corner(std::string_view word, std::size_t vertices, std::size_t 
 Eigen::Vector3d read_vertex(const std::vector<std::string_view>& words, std::size_t line) {
   // Three coordinates, to which some programs append a colour.
   if (words.size() != 4 && words.size() != 7)
-    throw InputError(fmt::format("has a vertex of {} numbers in line {}", words.size() - 1, line));
-  return {decimal(words[1]), decimal(words[2]), decimal(words[3])};
+    throw InputError(fmt::format("has a vertex of {} coordinates in line {}", words.size() - 1, line));
+  return {parse_number(words[1]), parse_number(words[2]), parse_number(words[3])};
 }
 
 }  // namespace

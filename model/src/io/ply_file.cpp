@@ -64,7 +64,7 @@ Type type_named(std::string_view name) {
     return known.short_name == name || known.long_name == name;
   });
   if (found == types.end())
-    fail_header(fmt::format("{} is no type", shown(name)));
+    fail_header(fmt::format("unknown type {}", quoted(name)));
   return found->type;
 }
 
@@ -74,7 +74,7 @@ Property read_property(std::string_view words) {
   if (type == "list") {
     property.length = type_named(take_word(words));
     if (property.length->kind == Kind::floating_point)
-      fail_header("the length of a list is no whole number");
+      fail_header("the length of a list must be an integer");
     type = take_word(words);
   }
   property.type = type_named(type);
@@ -94,12 +94,12 @@ Format read_format(std::string_view words) {
     return Format::little_endian;
   if (name == "binary_big_endian")
     return Format::big_endian;
-  fail_header(fmt::format("{} is no format", shown(name)));
+  fail_header(fmt::format("unknown format {}", quoted(name)));
 }
 
 Element read_element(std::string_view words) {
   const std::string_view name = take_word(words);
-  const std::int64_t count = whole(take_word(words));
+  const std::int64_t count = parse_integer(take_word(words));
   if (count < 0 || !take_word(words).empty())
     fail_header("an element needs a name and a count");
   return {std::string(name), static_cast<std::uint64_t>(count), {}};
@@ -115,7 +115,7 @@ Header read_header(std::string_view& content) {
     const std::string_view all = line, keyword = take_word(line);
     if (keyword == "end_header" && take_word(line).empty()) {
       if (!header.format)
-        fail_header("there is no format");
+        fail_header("the format is missing");
       return header;
     }
     if (keyword.empty() || keyword == "comment" || keyword == "obj_info")
@@ -127,9 +127,9 @@ Header read_header(std::string_view& content) {
     else if (keyword == "property" && !header.elements.empty())
       header.elements.back().properties.push_back(read_property(line));
     else
-      fail_header(fmt::format("unknown line {}", shown(all)));
+      fail_header(fmt::format("unknown line {}", quoted(all)));
   }
-  fail_header("it has no end");
+  fail_header("end_header is missing");
 }
 
 /// Reads the values after the header one by one.
@@ -139,25 +139,25 @@ class Values {
 
   double number(const Type& type) {
     if (format_ == Format::ascii)
-      return decimal(word());
+      return parse_number(word());
     if (type.kind != Kind::floating_point)
-      return static_cast<double>(whole_number(type));
+      return static_cast<double>(integer(type));
     const std::uint64_t bits = take(type.size);
     if (type.size == sizeof(double))
       return std::bit_cast<double>(bits);
     return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
   }
 
-  std::int64_t whole_number(const Type& type) {
+  std::int64_t integer(const Type& type) {
     if (format_ == Format::ascii)
-      return whole(word());
+      return parse_integer(word());
     const auto bits = static_cast<std::int64_t>(take(type.size));
     const std::int64_t sign = std::int64_t{1} << (8 * type.size - 1);
     return type.kind == Kind::signed_number && (bits & sign) != 0 ? bits - 2 * sign : bits;
   }
 
   std::int64_t length(const Property& property) {
-    const std::int64_t length = whole_number(*property.length);
+    const std::int64_t length = integer(*property.length);
     if (length < 0)
       throw InputError("the PLY file has a list of negative length");
     return length;
@@ -198,13 +198,15 @@ class Values {
   Format format_;
 };
 
-bool lists_vertices(const Property& property) {
+bool is_vertex_list(const Property& property) {
   return property.length && (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
-/// Finds the only element of a name. It must have exactly one property of each kind asked for.
-template <class... Asked>
-const Element& only_element(const Header& header, std::string_view name, const Asked&... asked) {
+/// Finds the only element of a name. Each predicate must hold for exactly one of its properties; `needed`
+/// names these properties in the message.
+template <class... Predicates>
+const Element& only_element(const Header& header, std::string_view name, std::string_view needed,
+                            const Predicates&... predicates) {
   const Element* found = nullptr;
   for (const Element& element : header.elements)
     if (element.name == name) {
@@ -214,11 +216,11 @@ const Element& only_element(const Header& header, std::string_view name, const A
     }
   if (found == nullptr)
     fail_header(fmt::format("there is no element {}", name));
-  const auto has_one = [&](const auto& kind) {
-    return std::count_if(found->properties.begin(), found->properties.end(), kind) == 1;
+  const auto holds_once = [&](const auto& predicate) {
+    return std::count_if(found->properties.begin(), found->properties.end(), predicate) == 1;
   };
-  if (!(has_one(asked) && ...))
-    fail_header(fmt::format("the properties of {} are not those of a surface", name));
+  if (!(holds_once(predicates) && ...))
+    fail_header(fmt::format("the element {} needs {} exactly once", name, needed));
   return *found;
 }
 
@@ -254,10 +256,10 @@ void append_fan(FanCorners& corners, std::uint64_t face, std::int64_t length, co
                 Values& values) {
   if (length < 3)
     throw InputError(fmt::format("face {} has fewer than three vertices", face));
-  const std::int64_t first = values.whole_number(type);
-  std::int64_t before = values.whole_number(type);
+  const std::int64_t first = values.integer(type);
+  std::int64_t before = values.integer(type);
   for (std::int64_t i = 2; i < length; ++i) {
-    const std::int64_t here = values.whole_number(type);
+    const std::int64_t here = values.integer(type);
     corners.vertices.insert(corners.vertices.end(), {first, before, here});
     corners.faces.push_back(face);
     before = here;
@@ -268,7 +270,7 @@ FanCorners read_faces(const Element& element, Values& values) {
   FanCorners corners;
   for (std::uint64_t face = 0; face < element.count; ++face)
     for (const Property& property : element.properties) {
-      if (lists_vertices(property))
+      if (is_vertex_list(property))
         append_fan(corners, face, values.length(property), property.type, values);
       else
         values.skip(property);
@@ -289,8 +291,8 @@ std::vector<Triangle> assemble(const std::vector<Eigen::Vector3d>& vertices, con
   for (std::size_t i = 0; i < corners.vertices.size(); ++i) {
     const std::int64_t vertex = corners.vertices[i];
     if (vertex < 0 || static_cast<std::size_t>(vertex) >= vertices.size())
-      throw InputError(
-          fmt::format("face {} names vertex {} of {}", corners.faces[i / 3], vertex, vertices.size()));
+      throw InputError(fmt::format("face {} refers to vertex {}; there are {} vertices", corners.faces[i / 3],
+                                   vertex, vertices.size()));
     triangles[i / 3][i % 3] = vertices[static_cast<std::size_t>(vertex)];
   }
   return triangles;
@@ -300,11 +302,11 @@ std::vector<Triangle> assemble(const std::vector<Eigen::Vector3d>& vertices, con
 
 std::vector<Triangle> read_ply(std::string_view content) {
   const Header header = read_header(content);
-  const Element& vertex_element =
-      only_element(header, "vertex", coordinate("x"), coordinate("y"), coordinate("z"));
-  const Element& face_element = only_element(header, "face", lists_vertices);
+  const Element& vertex_element = only_element(header, "vertex", "the numbers x, y and z", coordinate("x"),
+                                               coordinate("y"), coordinate("z"));
+  const Element& face_element = only_element(header, "face", "the list vertex_indices", is_vertex_list);
   for (const Property& property : face_element.properties)
-    if (lists_vertices(property) && property.type.kind == Kind::floating_point)
+    if (is_vertex_list(property) && property.type.kind == Kind::floating_point)
       fail_header("vertex indices must be integers");
   Values values(content, *header.format);
   std::vector<Eigen::Vector3d> vertices;

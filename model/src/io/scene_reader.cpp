@@ -42,7 +42,7 @@ Eigen::Isometry3d read_pose(TableReader& table) {
   const Vector3d translation = table.vector_or_zero("translation");
   if (table.has("quaternion")) {
     if (table.has("rotation"))
-      table.fail("quaternion", "cannot stand beside rotation");
+      table.fail("quaternion", "cannot be combined with rotation");
     return read_quaternion(table, translation);
   }
   if (!table.has("rotation"))
@@ -60,10 +60,10 @@ Eigen::Isometry3d read_pose(TableReader& table) {
 }
 
 /// Reads the name of a table, by which messages then refer to it.
-std::string read_name(TableReader& table, std::string_view kind, Names& taken) {
+std::string read_name(TableReader& table, std::string_view kind, Names& used_names) {
   std::string name = table.name("name");
-  if (!taken.insert(name).second)
-    table.fail("name", fmt::format("\"{}\" is taken", name));
+  if (!used_names.insert(name).second)
+    table.fail("name", fmt::format("\"{}\" is already used", name));
   table.rename(fmt::format("{} \"{}\": ", kind, name));
   return name;
 }
@@ -89,15 +89,52 @@ void require_tree(const std::vector<Link>& links, const std::vector<TableReader>
   }
 }
 
+/// Reads the joint of a link, whose pose is that at position 0.
+Joint read_joint(TableReader table, const Eigen::Isometry3d& rest, Names& taken) {
+  Joint joint;
+  joint.name = table.name("name");
+  if (!taken.insert(joint.name).second)
+    table.fail("name", fmt::format("\"{}\" is taken", joint.name));
+  const std::string type = table.text("type");
+  if (type != "revolute" && type != "prismatic")
+    table.fail("type", R"(must be "revolute" or "prismatic")");
+  joint.kind = type == "revolute" ? Joint::Kind::revolute : Joint::Kind::prismatic;
+  joint.axis = table.nonzero_vector("axis");
+  joint.rest = rest;
+  if (table.has("lower"))
+    joint.lower = table.number("lower");
+  if (table.has("upper"))
+    joint.upper = table.number("upper");
+  if (joint.lower && joint.upper && *joint.upper < *joint.lower)
+    table.fail("upper", "must not be less than lower");
+  if (table.has("mimic")) {
+    if (table.has("position"))
+      table.fail("position", "cannot stand beside mimic");
+    TableReader mimic = table.table("mimic");
+    joint.mimic = Joint::Mimic{mimic.name("joint")};
+    if (mimic.has("multiplier"))
+      joint.mimic->multiplier = mimic.number("multiplier");
+    if (mimic.has("offset"))
+      joint.mimic->offset = mimic.number("offset");
+    mimic.finish();
+  } else if (table.has("position")) {
+    joint.position = table.number("position");
+  }
+  table.finish();
+  return joint;
+}
+
 std::vector<Link> read_links(TableReader& root, LinkIndices& indices) {
   std::vector<TableReader> tables = root.tables("link");
   std::vector<Link> links;
-  Names taken;
+  Names used_names, joints;
   for (TableReader& table : tables) {
     Link link;
-    link.name = read_name(table, "link", taken);
+    link.name = read_name(table, "link", used_names);
     indices[link.name] = links.size();
     link.pose = read_pose(table);
+    if (table.has("joint"))
+      link.joint = read_joint(table.table("joint"), link.pose, joints);
     links.push_back(std::move(link));
   }
   // Parents are resolved last, because a link may refer to a parent that is described later.
@@ -106,6 +143,11 @@ std::vector<Link> read_links(TableReader& root, LinkIndices& indices) {
     tables[i].finish();
   }
   require_tree(links, tables);
+  try {
+    place_joints(links);
+  } catch (const InputError& error) {
+    root.fail("link", error.what());
+  }
   return links;
 }
 
@@ -151,9 +193,9 @@ Rectangle read_rectangle(TableReader& table) {
   return rectangle;
 }
 
-Sensor read_sensor(TableReader& table, const LinkIndices& links, Names& taken) {
+Sensor read_sensor(TableReader& table, const LinkIndices& links, Names& used_names) {
   Sensor sensor;
-  sensor.name = read_name(table, "sensor", taken);
+  sensor.name = read_name(table, "sensor", used_names);
   sensor.link = read_link_reference(table, "link", links);
   sensor.input_voltage = table.positive_number_or("input_voltage", sensor.input_voltage);
   sensor.coupling_capacitance = table.positive_number_or("coupling_capacitance", sensor.coupling_capacitance);
@@ -165,9 +207,9 @@ Sensor read_sensor(TableReader& table, const LinkIndices& links, Names& taken) {
   return sensor;
 }
 
-DistanceSensor read_distance_sensor(TableReader& table, const LinkIndices& links, Names& taken) {
+DistanceSensor read_distance_sensor(TableReader& table, const LinkIndices& links, Names& used_names) {
   DistanceSensor sensor;
-  sensor.name = read_name(table, "distance_sensor", taken);
+  sensor.name = read_name(table, "distance_sensor", used_names);
   sensor.link = read_link_reference(table, "link", links);
   sensor.apex = table.vector("apex");
   sensor.direction = table.nonzero_vector("direction");
@@ -217,7 +259,7 @@ Mesh read_mesh(TableReader& table, const std::filesystem::path& folder) {
   return mesh;
 }
 
-Shape read_form(TableReader& table, const std::filesystem::path& folder) {
+Shape read_shape(TableReader& table, const std::filesystem::path& folder) {
   const std::string type = table.text("type");
   if (type == "plate" || type == "plane") {
     const std::vector<double> size = table.positive_numbers("size", 2);
@@ -247,8 +289,9 @@ Shape read_form(TableReader& table, const std::filesystem::path& folder) {
 
 ElectricalRole read_role(TableReader& table) {
   if (table.has("material")) {
-    if (table.has("potential"))
-      table.fail("material", "cannot stand beside potential");
+    for (const char* key : {"potential", "conductor"})
+      if (table.has(key))
+        table.fail("material", fmt::format("cannot be combined with {}", key));
     TableReader material = table.table("material");
     const Dielectric dielectric{material.positive_number("relative_permittivity")};
     material.finish();
@@ -261,21 +304,61 @@ ElectricalRole read_role(TableReader& table) {
     return Grounded{};
   if (potential == "floating")
     return Floating{};
-  table.fail("potential", R"(must be "grounded" or "floating")");
+  if (potential == "electrode")
+    return Electrode{};
+  table.fail("potential", R"(must be "grounded", "floating" or "electrode")");
 }
 
-Object read_object(TableReader& table, const LinkIndices& links, Names& taken,
+Object read_object(TableReader& table, const LinkIndices& links, Names& used_names,
                    const std::filesystem::path& folder) {
-  std::string name = read_name(table, "object", taken);
+  std::string name = read_name(table, "object", used_names);
   const std::optional<std::size_t> link = read_link_reference(table, "link", links);
   TableReader shape_table = table.table("shape");
-  Shape shape = read_form(shape_table, folder);
+  Shape shape = read_shape(shape_table, folder);
   shape_table.finish();
   Object object{std::move(name),  link,
                 std::move(shape), read_pose(table),
                 read_role(table), table.boolean_or("collides", true)};
+  if (table.has("conductor"))
+    object.conductor = table.name("conductor");
   table.finish();
   return object;
+}
+
+/// Returns the `potential` of a conductor as a scene file names it.
+std::string_view potential_name(const Object& object) {
+  if (std::holds_alternative<Floating>(object.role))
+    return "floating";
+  return std::holds_alternative<Electrode>(object.role) ? "electrode" : "grounded";
+}
+
+/// Rejects conductors whose objects differ in potential, and conductors with the name of a sensor or of an
+/// object outside them.
+void require_conductors(const Scene& scene, const std::vector<TableReader>& tables) {
+  Names sensors;
+  for (const Sensor& sensor : scene.sensors)
+    sensors.insert(sensor.name);
+  for (const DistanceSensor& sensor : scene.distance_sensors)
+    sensors.insert(sensor.name);
+  std::map<std::string, const Object*, std::less<>> objects, first;
+  for (const Object& object : scene.objects)
+    objects[object.name] = &object;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const Object& object = scene.objects[i];
+    if (!object.conductor)
+      continue;
+    const std::string& name = *object.conductor;
+    if (sensors.contains(name))
+      tables[i].fail("conductor", fmt::format("\"{}\" is the name of a sensor", name));
+    if (const auto named = objects.find(name); named != objects.end() && named->second->conductor != name)
+      tables[i].fail("conductor",
+                     fmt::format("\"{}\" is the name of an object outside this conductor", name));
+    const Object& other = *first.try_emplace(name, &object).first->second;
+    if (potential_name(other) != potential_name(object))
+      tables[i].fail("conductor",
+                     fmt::format(R"(one conductor has one potential, but "{}" is {} and "{}" is {})",
+                                 other.name, potential_name(other), object.name, potential_name(object)));
+  }
 }
 
 toml::table parse(const std::filesystem::path& path) {
@@ -303,14 +386,16 @@ Scene load_scene(const std::filesystem::path& path) {
   scene.has_room = read_room(root);
   LinkIndices links;
   scene.links = read_links(root, links);
-  Names taken;
+  Names used_names;
   for (TableReader& table : root.tables("sensor"))
-    scene.sensors.push_back(read_sensor(table, links, taken));
+    scene.sensors.push_back(read_sensor(table, links, used_names));
   for (TableReader& table : root.tables("distance_sensor"))
-    scene.distance_sensors.push_back(read_distance_sensor(table, links, taken));
-  for (TableReader& table : root.tables("object"))
-    scene.objects.push_back(read_object(table, links, taken, folder));
+    scene.distance_sensors.push_back(read_distance_sensor(table, links, used_names));
+  std::vector<TableReader> objects = root.tables("object");
+  for (TableReader& table : objects)
+    scene.objects.push_back(read_object(table, links, used_names, folder));
   root.finish();
+  require_conductors(scene, objects);
   if (scene.sensors.empty() && scene.objects.empty())
     root.fail("", "a scene needs at least one sensor or object");
   return scene;

@@ -28,7 +28,7 @@ void TableReader::fail(std::string_view key, std::string_view reason) const {
 }
 
 const toml::node* TableReader::find(std::string_view key) {
-  asked_.emplace(key);
+  requested_.emplace(key);
   return table_->get(key);
 }
 
@@ -164,7 +164,7 @@ std::vector<TableReader> TableReader::tables(std::string_view key) {
 
 void TableReader::finish() const {
   for (const auto& [key, node] : *table_)
-    if (!asked_.contains(key.str()))
+    if (!requested_.contains(key.str()))
       fail(key.str(), "is not a known key");
 }
 

@@ -61,7 +61,7 @@ class TableReader {
   const toml::table* table_;
   std::string file_;
   std::string prefix_;
-  std::set<std::string, std::less<>> asked_;
+  std::set<std::string, std::less<>> requested_;
 };
 
 /// Composes "FILE:LINE: KEY: REASON"; omits the line when it is 0 and the key when it is empty.

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "bem/panel.hpp"
+#include "reduced/node_rules.hpp"
 #include "simd/dispatch.hpp"
 
 namespace fringe::detail {
@@ -151,7 +152,8 @@ void MeshPair::place_beside_faces(const PlacedBody& faces, int functions, Quadra
       points.push_back(part.points(mesh.panels()));
     Band& band = next_band();
     band.outer.swap(here);
-    choose_grids(band.faces, faces, functions, points, Vector3d::Zero(), digits.inner, missing);
+    band.faces.choose_grids(faces, functions, smoothness_at(faces, points, Vector3d::Zero()), digits.inner,
+                            most_node_points, missing);
     band.faces.lay(faces, Vector3d::Zero());
     fill(band, band.faces.points());
   }

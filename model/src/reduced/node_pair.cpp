@@ -151,16 +151,30 @@ double error_left(double inner_digits) {
   return share * std::exp(-inner_digits) + rounding;
 }
 
-void choose_grids(NodeSide& side, const PlacedBody& body, int functions, std::span<const NodePoints> points,
-                  const Vector3d& origin, double digits, double& missing) {
-  side.functions = functions;
-  side.grids.clear();
-  for (const ChargedFace& face : body.shape->faces()) {
-    FaceSmoothness smooth = face_smoothness(body, face, points[0], origin, Eigen::Matrix3d::Identity(), 1);
+BodySmoothness smoothness_at(const PlacedBody& body, std::span<const NodePoints> points,
+                             const Vector3d& origin) {
+  BodySmoothness result{};
+  for (std::size_t k = 0; k < body.shape->faces().size(); ++k) {
+    const ChargedFace& face = body.shape->faces()[k];
+    result[k] = face_smoothness(body, face, points[0], origin, Eigen::Matrix3d::Identity(), 1);
     for (const NodePoints& more : points.subspan(1))
-      narrow(smooth, face_smoothness(body, face, more, origin, Eigen::Matrix3d::Identity(), 1));
-    side.grids.push_back(grid_of(face, smooth, functions, digits, most_node_points, missing));
+      narrow(result[k], face_smoothness(body, face, more, origin, Eigen::Matrix3d::Identity(), 1));
   }
+  return result;
+}
+
+std::ptrdiff_t NodeSide::choose_grids(const PlacedBody& body, int functions_along,
+                                      const BodySmoothness& smooth, double digits, int most,
+                                      double& missing) {
+  functions = functions_along;
+  grids.clear();
+  std::ptrdiff_t nodes = 0;
+  for (std::size_t k = 0; k < body.shape->faces().size(); ++k) {
+    const NodeGrid& grid = grids.emplace_back(
+        grid_of(body.shape->faces()[k], smooth[k], functions_along, digits, most, missing));
+    nodes += grid.u.points * grid.v.points;
+  }
+  return nodes;
 }
 
 void NodeSide::lay(const PlacedBody& body, const Vector3d& origin) {
@@ -202,23 +216,11 @@ void NodePair::place(const PlacedBody& a, const BodySmoothness& a_smoothness, in
     is_cut_short_ = mesh_->is_cut_short();
     return;
   }
-  const auto grids_of = [&](NodeSide& side, const PlacedBody& body, int functions,
-                            const BodySmoothness& smooth, double wanted, int most, double& missing) {
-    side.functions = functions;
-    side.grids.clear();
-    std::ptrdiff_t count = 0;
-    for (std::size_t k = 0; k < body.shape->faces().size(); ++k) {
-      const NodeGrid& grid = side.grids.emplace_back(
-          grid_of(body.shape->faces()[k], smooth[k], functions, wanted, most, missing));
-      count += grid.u.points * grid.v.points;
-    }
-    return count;
-  };
   double missing_a = 0, missing_b = 0;
   const std::ptrdiff_t outer_a =
-      grids_of(sides_[0], a, functions_a, a_smoothness, digits.outer, most_outer_points, missing_a);
+      sides_[0].choose_grids(a, functions_a, a_smoothness, digits.outer, most_outer_points, missing_a);
   const std::ptrdiff_t outer_b =
-      grids_of(sides_[1], b, functions_b, b_smoothness, digits.outer, most_outer_points, missing_b);
+      sides_[1].choose_grids(b, functions_b, b_smoothness, digits.outer, most_outer_points, missing_b);
   a_is_outer_ = missing_a != missing_b ? missing_a < missing_b : outer_a <= outer_b;
   if (!a_is_outer_)
     std::swap(sides_[0], sides_[1]);
@@ -227,8 +229,9 @@ void NodePair::place(const PlacedBody& a, const BodySmoothness& a_smoothness, in
 
   double missing_inner = 0;
   const NodePoints outer_points = sides_[0].points();
-  choose_grids(sides_[1], inner, a_is_outer_ ? functions_b : functions_a, {&outer_points, 1}, inner.centre,
-               digits.inner, missing_inner);
+  sides_[1].choose_grids(inner, a_is_outer_ ? functions_b : functions_a,
+                         smoothness_at(inner, {&outer_points, 1}, inner.centre), digits.inner,
+                         most_node_points, missing_inner);
   const double missing_outer = std::min(missing_a, missing_b);
   relative_error_ = error_left(std::min(2 * (digits.outer - missing_outer), digits.inner - missing_inner));
   is_cut_short_ = missing_outer > 0 || missing_inner > 0;

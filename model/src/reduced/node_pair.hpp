@@ -53,6 +53,11 @@ PairSmoothness smoothness(const PlacedBody& a, const PlacedBody& b, double gap);
 /// Returns the least value of all faces and directions.
 double least(const BodySmoothness& smoothness, std::size_t faces);
 
+/// Computes the smoothness on a body's faces for singularities at points, whose coordinates are relative to
+/// an origin.
+BodySmoothness smoothness_at(const PlacedBody& body, std::span<const NodePoints> points,
+                             const Eigen::Vector3d& origin);
+
 /// The nodes of a body's faces, with the charges and potentials there.
 struct NodeSide {
   std::vector<NodeGrid> grids;  ///< for each face
@@ -62,6 +67,11 @@ struct NodeSide {
 
   NodePoints points() const { return {x.data(), y.data(), z.data(), count}; }
 
+  /// Chooses the rules of all faces for so many functions along each direction, and returns the number of
+  /// nodes. `digits` is the logarithm of the error reduction to reach; where a rule would need more than
+  /// `most` points, `missing` grows to the part that is not reached.
+  std::ptrdiff_t choose_grids(const PlacedBody& body, int functions_along, const BodySmoothness& smooth,
+                              double digits, int most, double& missing);
   /// Computes the nodes of the grids, relative to an origin.
   void lay(const PlacedBody& body, const Eigen::Vector3d& origin);
   /// Computes the charges at the nodes from the coefficients of the functions.
@@ -69,12 +79,6 @@ struct NodeSide {
   /// Computes the moments of the potentials at the nodes, in whole blocks.
   void gather(float* moments) const;
 };
-
-/// Chooses the rules of all faces of a body for singularities at points, whose coordinates are relative to an
-/// origin. `digits` is the logarithm of the error reduction to reach; where a rule would need more points
-/// than it may have, `missing` grows to the part that is not reached.
-void choose_grids(NodeSide& side, const PlacedBody& body, int functions, std::span<const NodePoints> points,
-                  const Eigen::Vector3d& origin, double digits, double& missing);
 
 /// Returns the error of the potentials, relative to the largest, for so many digits.
 double error_left(double inner_digits);

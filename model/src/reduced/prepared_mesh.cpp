@@ -8,7 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "reduced/outside_charges.hpp"
-#include "reduced/single_element_solve.hpp"
+#include "reduced/single_body_system.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -46,7 +46,7 @@ struct Loads {
 
 /// Computes the loads to which the body's responses are orthonormal: first the constant, then the principal
 /// ones of the outside charges, by a principal component analysis in the energy.
-Loads principal_loads(const LonePanels& panels, const MatrixXd& potentials, Index most) {
+Loads principal_loads(const SingleBodySystem& panels, const MatrixXd& potentials, Index most) {
   const VectorXd alone = panels.factor.matrixL().solve(VectorXd::Ones(potentials.rows()));
   const MatrixXd all = panels.factor.matrixL().solve(potentials);
   const RowVectorXd common = alone.transpose() * all / alone.squaredNorm();
@@ -82,7 +82,7 @@ std::vector<Vector3d> corners_of(const std::vector<Triangle>& triangles) {
 PreparedMesh::PreparedMesh(std::vector<Triangle> triangles, double accuracy)
     : triangles_(std::move(triangles)), is_closed_(fringe::is_closed(triangles_)),
       box_(box_around(corners_of(triangles_))) {
-  const LonePanels panels = lone_panels(triangles_, accuracy, most_mesh_panels);
+  const SingleBodySystem panels = solve_single_body(triangles_, accuracy, most_mesh_panels);
   const std::vector<Panel>& all = panels.mesh.panels();
   const std::vector<OutsideCharge> charges = outside_charges(triangles_, all);
   const MatrixXd outside = potentials_on(all, charges);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -30,48 +31,53 @@ constexpr int edge_parts = 8;
 constexpr std::ptrdiff_t surface_step = 4;
 
 void add_outline(const ChargedFace& face, std::vector<std::array<Vector3d, 2>>& edges) {
-  const auto at = [&](double x, double y) {
-    return Vector3d(face.centre + x * face.half_u * face.axis_u + y * face.half_v * face.axis_v);
-  };
-  edges.push_back({at(-1, -1), at(1, -1)});
-  edges.push_back({at(1, -1), at(1, 1)});
-  edges.push_back({at(1, 1), at(-1, 1)});
-  edges.push_back({at(-1, 1), at(-1, -1)});
+  const std::array<Vector3d, 4> corners = corners_of(face);
+  for (std::size_t k = 0; k < 4; ++k)
+    edges.push_back({corners[k], corners[(k + 1) % 4]});
 }
 
-std::vector<std::array<Vector3d, 2>> edges_of(const std::vector<ChargedFace>& faces,
-                                              const Vector3d& half_sides) {
+std::vector<std::array<Vector3d, 2>> edges_of(const FlatPlate& plate) {
   std::vector<std::array<Vector3d, 2>> edges;
-  if (faces.size() == 1) {
-    add_outline(faces[0], edges);
-    return edges;
-  }
-  // The outlines of the faces −z and +z, and the edges between them.
-  add_outline(faces[4], edges);
-  add_outline(faces[5], edges);
-  for (const double x : {-1.0, 1.0})
-    for (const double y : {-1.0, 1.0})
-      edges.push_back(
-          {half_sides.cwiseProduct(Vector3d(x, y, -1)), half_sides.cwiseProduct(Vector3d(x, y, 1))});
+  add_outline(plate.face, edges);
   return edges;
 }
 
-MatrixXd self_matrix(const std::vector<ChargedFace>& faces, const Vector3d& half_sides, int functions) {
-  if (faces.size() == 1)
-    return self_table(faces[0].edge, functions)
-        .matrix(functions, functions, faces[0].half_u, faces[0].half_v);
-  std::array<FaceFunctions, box_faces> all{};
-  all.fill({functions, functions});
-  return box_matrix(half_sides, all);
+std::vector<std::array<Vector3d, 2>> edges_of(const BoxSurface& box) {
+  std::vector<std::array<Vector3d, 2>> edges;
+  // The outlines of the faces −z and +z, and the edges between them.
+  add_outline(box.faces[4], edges);
+  add_outline(box.faces[5], edges);
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0})
+      edges.push_back(
+          {box.half_sides.cwiseProduct(Vector3d(x, y, -1)), box.half_sides.cwiseProduct(Vector3d(x, y, 1))});
+  return edges;
 }
 
-std::unique_ptr<PreparedLevel> prepare(const std::vector<ChargedFace>& faces, const Vector3d& half_sides,
-                                       int functions) {
-  const MatrixXd self = self_matrix(faces, half_sides, functions);
+Vector3d half_sides_of(const FlatPlate& plate) {
+  return {plate.face.half_u, plate.face.half_v, 0};
+}
+
+Vector3d half_sides_of(const BoxSurface& box) {
+  return box.half_sides;
+}
+
+MatrixXd self_interaction(const FlatPlate& plate, int functions) {
+  const ChargedFace& face = plate.face;
+  return face_self_interaction(face.edge, functions).matrix(functions, functions, face.half_u, face.half_v);
+}
+
+MatrixXd self_interaction(const BoxSurface& box, int functions) {
+  std::array<FaceFunctions, box_faces> all{};
+  all.fill({functions, functions});
+  return box_self_interaction(box.half_sides, all);
+}
+
+PreparedLevel prepare(const MatrixXd& self, EdgeKind edge, int functions) {
   const Index count = self.rows();
   const MatrixXd inverse = self.llt().solve(MatrixXd::Identity(count, count));
   VectorXd net = VectorXd::Zero(count);
-  const double net_charge = weighted_polynomials(faces[0].edge).net_charge();
+  const double net_charge = weighted_polynomials(edge).net_charge();
   std::vector<int> highest;
   const int kept = coarse_functions(functions);
   for (Index k = 0; k < count; ++k) {
@@ -89,18 +95,17 @@ std::unique_ptr<PreparedLevel> prepare(const std::vector<ChargedFace>& faces, co
     for (Index column = 0; column < high; ++column)
       block(row, column) =
           inverse(highest[static_cast<std::size_t>(row)], highest[static_cast<std::size_t>(column)]);
-  return std::make_unique<PreparedLevel>(
-      PreparedLevel{functions,
-                    count,
-                    whole_blocks(count),
-                    stored(inverse),
-                    stored(net),
-                    stored(charge / root),
-                    stored(net / root),
-                    root,
-                    highest,
-                    stored(block.llt().solve(MatrixXd::Identity(high, high))),
-                    {}});
+  return PreparedLevel{functions,
+                       count,
+                       whole_blocks(count),
+                       stored(inverse),
+                       stored(net),
+                       stored(charge / root),
+                       stored(net / root),
+                       root,
+                       highest,
+                       stored(block.llt().solve(MatrixXd::Identity(high, high))),
+                       {}};
 }
 
 }  // namespace
@@ -120,9 +125,16 @@ int functions_of_level(int level) {
   return level_functions[static_cast<std::size_t>(level)];
 }
 
-PreparedShape::PreparedShape(std::vector<ChargedFace> faces, Vector3d half_sides)
-    : faces_(std::move(faces)), half_sides_(std::move(half_sides)), levels_(levels) {
-  edges_ = edges_of(faces_, half_sides_);
+PreparedShape::PreparedShape(const FacedSurface& surface) : levels_(levels) {
+  std::visit(
+      [&](const auto& faced) {
+        surface_ = faced;
+        half_sides_ = half_sides_of(faced);
+        edges_ = edges_of(faced);
+      },
+      surface);
+  const auto faces = faces_of(surface_);
+  faces_.assign(faces.begin(), faces.end());
   std::vector<Vector3d> points;
   for (const auto& [from, to] : edges_)
     for (int k = 0; k < edge_parts; ++k)
@@ -131,7 +143,7 @@ PreparedShape::PreparedShape(std::vector<ChargedFace> faces, Vector3d half_sides
 }
 
 PreparedShape::PreparedShape(std::vector<Triangle> triangles, double accuracy)
-    : half_sides_(Vector3d::Zero()), levels_(levels),
+    : surface_(TriangleSurface{}), half_sides_(Vector3d::Zero()), levels_(levels),
       mesh_(std::make_unique<PreparedMesh>(std::move(triangles), accuracy)) {
   std::vector<Vector3d> points;
   for (const Triangle& triangle : mesh_->triangles())
@@ -144,6 +156,14 @@ PreparedShape::PreparedShape(std::vector<Triangle> triangles, double accuracy)
 }
 
 PreparedShape::~PreparedShape() = default;
+
+bool PreparedShape::has_faces_of(const FacedSurface& surface) const {
+  return std::visit(
+      [&]<typename Surface>(const Surface& faced) {
+        return std::holds_alternative<Surface>(surface_) && half_sides_of(faced) == half_sides_;
+      },
+      surface);
+}
 
 void PreparedShape::set_edge_points(std::vector<Vector3d> points) {
   edge_point_count_ = static_cast<std::ptrdiff_t>(points.size());
@@ -158,12 +178,18 @@ NodePoints PreparedShape::edge_points() const {
 }
 
 const PreparedLevel& PreparedShape::level(int index) {
-  std::unique_ptr<PreparedLevel>& wanted = levels_[static_cast<std::size_t>(index)];
-  if (!wanted && mesh_)
-    wanted = std::make_unique<PreparedLevel>(mesh_->level(index));
-  if (!wanted)
-    wanted = prepare(faces_, half_sides_, functions_of_level(index));
-  return *wanted;
+  std::optional<PreparedLevel>& level = levels_[static_cast<std::size_t>(index)];
+  const int functions = functions_of_level(index);
+  if (!level)
+    level = std::visit(
+        [&]<typename Surface>(const Surface& surface) {
+          if constexpr (std::is_same_v<Surface, TriangleSurface>)
+            return mesh_->level(index);
+          else
+            return prepare(self_interaction(surface, functions), faces_.front().edge, functions);
+        },
+        surface_);
+  return *level;
 }
 
 }  // namespace fringe::detail

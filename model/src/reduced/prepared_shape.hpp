@@ -2,11 +2,13 @@
 
 #include <array>
 #include <memory>
+#include <optional>
+#include <variant>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "bem/face.hpp"
+#include "bem/bodies.hpp"
 #include "fringe/triangle.hpp"
 #include "reduced/node_kernels.hpp"
 
@@ -29,19 +31,26 @@ struct PreparedLevel {
   std::vector<float> missing;      ///< for triangles, the energies that coarser ones miss; else empty
 };
 
+/// A body with functions on faces.
+using FacedSurface = std::variant<FlatPlate, BoxSurface>;
+
 class PreparedMesh;
 
 /// A plate or a box whose largest half side is 1, or a body of triangles about as large.
 class PreparedShape {
  public:
-  /// Prepares a plate or box from its faces at the origin, as in ChargedBody.
-  PreparedShape(std::vector<ChargedFace> faces, Eigen::Vector3d half_sides);
+  /// Prepares a plate or box at the origin.
+  explicit PreparedShape(const FacedSurface& surface);
   /// Prepares a body of triangles, as PreparedMesh does.
   PreparedShape(std::vector<Triangle> triangles, double accuracy);
   ~PreparedShape();
 
   /// Returns the faces; none for a body of triangles.
   const std::vector<ChargedFace>& faces() const { return faces_; }
+  bool is_plate() const { return std::holds_alternative<FlatPlate>(surface_); }
+  bool is_box() const { return std::holds_alternative<BoxSurface>(surface_); }
+  /// Returns true if this is the same plate or box.
+  bool has_faces_of(const FacedSurface& surface) const;
   /// Returns the mesh of a body of triangles; nullptr for a plate or box.
   const PreparedMesh* mesh() const { return mesh_.get(); }
   const Eigen::Vector3d& half_sides() const { return half_sides_; }
@@ -60,12 +69,13 @@ class PreparedShape {
  private:
   void set_edge_points(std::vector<Eigen::Vector3d> points);
 
+  BodySurface surface_;  ///< without triangles, which mesh_ has
   std::vector<ChargedFace> faces_;
   Eigen::Vector3d half_sides_;
   std::array<std::vector<float>, 3> edge_points_;  ///< in whole blocks, the last point repeated
   std::ptrdiff_t edge_point_count_;
   std::vector<std::array<Eigen::Vector3d, 2>> edges_;
-  std::vector<std::unique_ptr<PreparedLevel>> levels_;
+  std::vector<std::optional<PreparedLevel>> levels_;
   std::unique_ptr<PreparedMesh> mesh_;
 };
 

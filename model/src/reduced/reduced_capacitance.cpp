@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "bem/bodies.hpp"
+#include "bem/contact.hpp"
 #include "bem/maxwell_matrix.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
@@ -18,7 +19,6 @@
 #include "reduced/body_gap.hpp"
 #include "reduced/reduced_system.hpp"
 #include "reduced/rigid_bodies.hpp"
-#include "reduced/shared_shapes.hpp"
 
 namespace fringe {
 namespace {
@@ -43,7 +43,7 @@ constexpr std::array<double, most_reduced_steps> rtols{1e-2, 1e-3, 3e-4};
 /// Estimated error per contribution of the highest functions. This contribution is estimated from each body
 /// alone, and somewhat too large; in random poses the error was mostly a quarter of it, and once 1.13 times
 /// it.
-constexpr double error_per_resolution = 1.25;
+constexpr double error_per_discretisation = 1.25;
 
 /// Fractions of rtol that truncation and quadratures may take.
 constexpr double truncation_share = 0.3;
@@ -80,16 +80,9 @@ class ReducedEvaluator::Implementation {
   Implementation(const Scene& scene, const ReducedOptions& options, std::shared_ptr<detail::LinkPoses> poses)
       : options_(options), rtol_(rtol_of(options)), motion_(std::move(poses)) {
     if (scene.has_room)
-      throw InputError("room: boundary elements know only free space");
+      throw InputError("room: the reduced method computes only conductors in free space");
     bodies_ = detail::bodies_on_links(scene);
-    const std::size_t rows = bodies_.names.size() - bodies_.floating;
-    if (rows == 0)
-      throw InputError("the scene has neither a sensor nor a grounded object");
-    answer_.conductors.assign(bodies_.names.begin(),
-                              bodies_.names.begin() + static_cast<std::ptrdiff_t>(rows));
-    answer_.floating.assign(bodies_.names.begin() + static_cast<std::ptrdiff_t>(rows), bodies_.names.end());
-    answer_.sensors = bodies_.sensors;
-    answer_.lower_bounds.assign(rows, false);
+    answer_ = detail::named_answer(bodies_);
     factor_ = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
 
     rigid_ = detail::rigid_bodies(scene, bodies_, triangle_share * rtol_, shapes_);
@@ -108,7 +101,7 @@ class ReducedEvaluator::Implementation {
     smoothness_.resize(count * count);
     gaps_.resize(count * count);
     functions_.resize(count * count, {0, 0});
-    system_.emplace(std::move(reduced), bodies_.sensors, bodies_.names.size());
+    system_.emplace(std::move(reduced), answer_.sensors, bodies_.conductors.size());
   }
 
   void set_pose(std::string_view link, const Eigen::Isometry3d& pose) { motion_.set_pose(link, pose); }
@@ -117,7 +110,7 @@ class ReducedEvaluator::Implementation {
     motion_.update();
     place();
     if (is_too_narrow_for_functions())
-      tell_nothing();
+      write_no_result();
     else
       refine_until_reached();
     motion_.settle();
@@ -136,7 +129,7 @@ class ReducedEvaluator::Implementation {
     return !known_ || !motion_.rigid(bodies_.bodies[a].link, bodies_.bodies[b].link);
   }
 
-  /// Returns true if a body casts a shadow on another that is narrower than any function there. Solutions
+  /// Returns true if a body induces a charge on another that is narrower than any function there. Solutions
   /// with fewer and with more functions then miss it alike, and their difference says nothing about the
   /// error.
   bool is_too_narrow_for_functions() const {
@@ -158,13 +151,13 @@ class ReducedEvaluator::Implementation {
       const ReducedSolution& solution = system_->solve(limits);
       if (!solution.positive_definite) {
         if (digits >= most_digits) {
-          tell_nothing();
+          write_no_result();
           break;
         }
         digits = most_digits;
         continue;
       }
-      tell(solution);
+      write_solution(solution);
       if (answer_.reached || triangles_are_too_coarse(solution))
         break;
       const double more_digits = missing_digits(solution);
@@ -221,7 +214,7 @@ class ReducedEvaluator::Implementation {
       if (rigid_[a].shape->mesh() != nullptr)
         level = mesh_level(a);
       // A box gets more functions on its six faces only when the error requires them.
-      const bool is_plate = rigid_[a].shape->faces().size() == 1;
+      const bool is_plate = rigid_[a].shape->is_plate();
       for (std::size_t b = 0; b < rigid_.size(); ++b)
         if (a != b && is_plate) {
           const double wanted =
@@ -245,18 +238,17 @@ class ReducedEvaluator::Implementation {
 
   /// Returns the number of levels of a body. The last one of a box takes too long to prepare.
   int most_levels(std::size_t body) const {
-    return rigid_[body].shape->faces().size() != detail::box_faces ? PreparedShape::levels
-                                                                   : PreparedShape::levels - 1;
+    return rigid_[body].shape->is_box() ? PreparedShape::levels - 1 : PreparedShape::levels;
   }
 
   /// Raises the levels of bodies whose highest functions contribute too much. Returns false if there are
   /// none.
   bool raise_levels(const ReducedSolution& solution) {
     bool raised = false;
-    const double share = rtol_ / (2 * error_per_resolution * static_cast<double>(rigid_.size()));
+    const double share = rtol_ / (2 * error_per_discretisation * static_cast<double>(rigid_.size()));
     for (std::size_t k = 0; k < rigid_.size(); ++k) {
       int& level = system_->bodies()[k].level;
-      if (solution.body_resolution[static_cast<Index>(k)] <= share || level + 1 >= most_levels(k))
+      if (solution.body_discretisation[static_cast<Index>(k)] <= share || level + 1 >= most_levels(k))
         continue;
       ++level;
       raised = true;
@@ -267,7 +259,7 @@ class ReducedEvaluator::Implementation {
   /// Returns true if the triangles limit the accuracy, so that more functions and nodes are in vain.
   bool triangles_are_too_coarse(const ReducedSolution& solution) const {
     const Index rows = answer_.values.rows();
-    return ((error_per_resolution * solution.coarser).topLeftCorner(rows, rows).array().abs() >
+    return ((error_per_discretisation * solution.coarser).topLeftCorner(rows, rows).array().abs() >
             rtol_ * solution.values.topLeftCorner(rows, rows).array().abs())
         .any();
   }
@@ -309,17 +301,15 @@ class ReducedEvaluator::Implementation {
   }
 
   /// Writes the solution and its estimated errors to the answer.
-  void tell(const ReducedSolution& solution) {
-    const MatrixXd fine = detail::without_floating(solution.values, bodies_.floating);
-    const MatrixXd stepped =
-        detail::without_floating(solution.values - solution.truncation, bodies_.floating);
-    const MatrixXd resolved =
-        detail::without_floating(solution.values - solution.resolution, bodies_.floating);
+  void write_solution(const ReducedSolution& solution) {
+    const MatrixXd fine = detail::without_floating(solution.values, bodies_);
+    const MatrixXd stepped = detail::without_floating(solution.values - solution.truncation, bodies_);
+    const MatrixXd resolved = detail::without_floating(solution.values - solution.discretisation, bodies_);
     const Index rows = fine.rows(), sensors = static_cast<Index>(answer_.sensors);
     const auto quadrature = solution.quadrature.topLeftCorner(rows, rows);
     answer_.values = fine;
     answer_.errors = solution.truncation_left * detail::changes(fine, stepped) +
-                     error_per_resolution * detail::changes(fine, resolved) + quadrature;
+                     error_per_discretisation * detail::changes(fine, resolved) + quadrature;
     answer_.reached = (answer_.errors.array() <= rtol_ * fine.array().abs()).all();
     answer_.delta_self.resize(sensors);
     answer_.delta_self_errors.resize(sensors);
@@ -327,11 +317,11 @@ class ReducedEvaluator::Implementation {
       // The difference that is known without cancellation does not contain the effect of floating conductors.
       const double floating = solution.values(s, s) - fine(s, s);
       answer_.delta_self[s] = solution.delta_self[s] - floating;
-      const double relative = solution.resolution(s, s) / solution.values(s, s);
+      const double relative = solution.discretisation(s, s) / solution.values(s, s);
       answer_.delta_self_errors[s] =
           solution.truncation_left * solution.delta_truncation[s] +
-          error_per_resolution *
-              (solution.delta_resolution[s] + relative * (solution.delta_self[s] + floating)) +
+          error_per_discretisation *
+              (solution.delta_discretisation[s] + relative * (solution.delta_self[s] + floating)) +
           quadrature(s, s) + std::numeric_limits<float>::epsilon() * std::abs(floating);
     }
     answer_.unknowns = solution.vectors;
@@ -342,7 +332,7 @@ class ReducedEvaluator::Implementation {
   }
 
   /// Fills the answer with zeros and infinite errors: no result.
-  void tell_nothing() {
+  void write_no_result() {
     const auto rows = static_cast<Index>(answer_.conductors.size());
     const auto sensors = static_cast<Index>(answer_.sensors);
     constexpr double infinite = std::numeric_limits<double>::infinity();

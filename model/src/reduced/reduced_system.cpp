@@ -97,7 +97,7 @@ ReducedSystem::Vector& ReducedSystem::new_vector(std::size_t body) {
 }
 
 /// Orthogonalises a charge and its moments against the body's basis.
-void ReducedSystem::take_out(std::size_t body, float* charge, float* moments) {
+void ReducedSystem::orthogonalise(std::size_t body, float* charge, float* moments) {
   const auto& kernels = best_kernels<NodeKernels>();
   const std::ptrdiff_t padded = level(body).padded;
   for (std::size_t k = 0; k < used_; ++k) {
@@ -124,7 +124,7 @@ void ReducedSystem::add_equilibrium(std::size_t body) {
 
 /// Applies the off-diagonal blocks: evaluates the potentials of all vectors on the first `active` bodies, as
 /// far as they are not known.
-void ReducedSystem::exchange(std::size_t active) {
+void ReducedSystem::apply_off_diagonal_blocks(std::size_t active) {
   float* const zero = slot();
   std::fill(zero, zero + slot_size_, 0.0F);
   std::vector<std::size_t> of_a, of_b;
@@ -151,7 +151,7 @@ void ReducedSystem::exchange(std::size_t active) {
 }
 
 /// Appends rows to the Cholesky factor for the vectors that it does not contain yet.
-void ReducedSystem::extend() {
+void ReducedSystem::append_factor_rows() {
   const auto& kernels = best_kernels<NodeKernels>();
   if (net_.rows() < signed_of(used_))
     net_.conservativeResize(2 * signed_of(used_), signed_of(conductors_));
@@ -188,7 +188,7 @@ void ReducedSystem::extend() {
 }
 
 /// Computes the coefficients of the vectors by back substitution.
-void ReducedSystem::find_charges(std::size_t conductors) {
+void ReducedSystem::substitute_back(std::size_t conductors) {
   if (charges_.rows() < signed_of(used_))
     charges_.resize(2 * signed_of(used_), signed_of(conductors_));
   for (std::size_t c = 0; c < conductors; ++c)
@@ -202,7 +202,7 @@ void ReducedSystem::find_charges(std::size_t conductors) {
 
 /// Computes the residuals on each body, the charges with which the body alone responds to them, and what
 /// these charges add to the capacitances (`truncation`).
-void ReducedSystem::find_residuals(std::size_t active, std::size_t conductors) {
+void ReducedSystem::compute_residuals(std::size_t active, std::size_t conductors) {
   const auto& kernels = best_kernels<NodeKernels>();
   solution_.truncation.setZero(signed_of(conductors_), signed_of(conductors_));
   for (std::size_t body = 0; body < active; ++body) {
@@ -241,7 +241,7 @@ void ReducedSystem::find_residuals(std::size_t active, std::size_t conductors) {
 }
 
 /// Orthonormalises the corrections and adds them to the basis. Returns false if none of them is new.
-bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
+bool ReducedSystem::append_residuals(std::size_t active, std::size_t conductors) {
   const auto& kernels = best_kernels<NodeKernels>();
   bool added = false;
   for (std::size_t body = 0; body < active; ++body) {
@@ -253,7 +253,7 @@ bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
       const double self = net_.col(signed_of(c)).head(signed_of(extended_)).squaredNorm();
       if (!(before > nothing * self))
         continue;
-      take_out(body, charge, moments);
+      orthogonalise(body, charge, moments);
       const double left = kernels.dot(charge, moments, padded);
       if (!(left > dependent * before))
         continue;
@@ -263,7 +263,7 @@ bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
         moments[k] *= factor;
       }
       // The second pass removes the rounding errors that the first one leaves in a small vector.
-      take_out(body, charge, moments);
+      orthogonalise(body, charge, moments);
       Vector& vector = new_vector(body);
       std::copy_n(charge, padded, vector.charge);
       std::copy_n(moments, padded, vector.moments);
@@ -276,26 +276,26 @@ bool ReducedSystem::add_residuals(std::size_t active, std::size_t conductors) {
 
 /// Extends the reduced basis by the residuals until the truncation is small enough, no residual is new, or
 /// `most_steps` steps are taken.
-void ReducedSystem::iterate(const ReductionLimits& limits, std::size_t active, std::size_t conductors) {
+void ReducedSystem::extend_basis(const ReductionLimits& limits, std::size_t active, std::size_t conductors) {
   for (int steps = 0;; ++steps) {
-    exchange(active);
-    extend();
+    apply_off_diagonal_blocks(active);
+    append_factor_rows();
     if (!positive_definite_)
       return;
     if (steps == 0)
-      judge_truncation();
-    find_charges(conductors);
-    find_residuals(active, conductors);
+      estimate_truncation_left();
+    substitute_back(conductors);
+    compute_residuals(active, conductors);
     if (steps >= limits.most_steps)
       return;
     const auto size = signed_of(conductors);
-    const auto found = net_.topLeftCorner(signed_of(extended_), size);
+    const auto reached = net_.topLeftCorner(signed_of(extended_), size);
     const bool enough =
         steps >= limits.least_steps &&
         (solution_.truncation_left * solution_.truncation.topLeftCorner(size, size).array().abs() <=
-         limits.accuracy * (found.transpose() * found).array().abs())
+         limits.accuracy * (reached.transpose() * reached).array().abs())
             .all();
-    if (enough || !add_residuals(active, conductors))
+    if (enough || !append_residuals(active, conductors))
       return;
   }
 }
@@ -312,7 +312,7 @@ double ReducedSystem::coupling(std::size_t first, std::size_t second) const {
 /// body alone cause new residuals through the bodies' coupling r: the fraction r/(1 − r). As the charges
 /// oscillate, r is far below the coupling of the charges at equilibrium. Between squares at a fiftieth to a
 /// twenty-fifth of their side, half of `per_coupling` was measured.
-void ReducedSystem::judge_truncation() {
+void ReducedSystem::estimate_truncation_left() {
   constexpr double least = 0.3;
   constexpr double per_coupling = 0.04;
   double strongest = 0;
@@ -325,12 +325,12 @@ void ReducedSystem::judge_truncation() {
 
 /// Returns the contribution of the highest functions of the first bodies to the capacitances, and stores that
 /// of each body.
-MatrixXd ReducedSystem::resolution(std::size_t active, std::size_t conductors) {
+MatrixXd ReducedSystem::discretisation(std::size_t active, std::size_t conductors) {
   const auto& kernels = best_kernels<NodeKernels>();
   const auto size = signed_of(conductors);
   MatrixXd result = MatrixXd::Zero(size, size);
   const Eigen::VectorXd own = net_.topLeftCorner(signed_of(extended_), size).colwise().squaredNorm();
-  solution_.body_resolution.setZero(signed_of(bodies_.size()));
+  solution_.body_discretisation.setZero(signed_of(bodies_.size()));
   for (std::size_t body = 0; body < active; ++body) {
     const PreparedLevel& prepared = level(body);
     const auto count = signed_of(prepared.highest.size());
@@ -352,8 +352,8 @@ MatrixXd ReducedSystem::resolution(std::size_t active, std::size_t conductors) {
             kernels.dot(highest_.data() + d * padded, stiff_.data(), signed_of(padded)) / bodies_[body].scale;
         add(result, c, d, change);
         if (d == c)
-          solution_.body_resolution[signed_of(body)] =
-              std::max(solution_.body_resolution[signed_of(body)], change / own[signed_of(c)]);
+          solution_.body_discretisation[signed_of(body)] =
+              std::max(solution_.body_discretisation[signed_of(body)], change / own[signed_of(c)]);
       }
     }
   }
@@ -416,38 +416,38 @@ const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
   for (std::size_t body = 0; body < sensor_bodies_; ++body)
     add_equilibrium(body);
   if (sensor_bodies_ > 0)
-    iterate(limits, sensor_bodies_, sensors_);
+    extend_basis(limits, sensor_bodies_, sensors_);
   const auto alone = signed_of(extended_);
-  Eigen::VectorXd truncation_alone, resolution_alone;
+  Eigen::VectorXd truncation_alone, discretisation_alone;
   if (positive_definite_ && sensor_bodies_ > 0) {
     truncation_alone = solution_.truncation.diagonal().head(sensors);
-    resolution_alone = resolution(sensor_bodies_, sensors_).diagonal();
+    discretisation_alone = discretisation(sensor_bodies_, sensors_).diagonal();
   }
   if (positive_definite_) {
     for (std::size_t body = sensor_bodies_; body < bodies_.size(); ++body)
       add_equilibrium(body);
-    iterate(limits, bodies_.size(), conductors_);
+    extend_basis(limits, bodies_.size(), conductors_);
   }
   solution_.positive_definite = positive_definite_;
   if (!positive_definite_)
     return solution_;
-  const auto found = net_.topRows(signed_of(extended_));
-  solution_.values.noalias() = found.transpose() * found;
+  const auto reached = net_.topRows(signed_of(extended_));
+  solution_.values.noalias() = reached.transpose() * reached;
   solution_.values += solution_.truncation;
-  solution_.resolution = resolution(bodies_.size(), conductors_);
+  solution_.discretisation = discretisation(bodies_.size(), conductors_);
   solution_.coarser = missing();
   solution_.values += likely_missing * solution_.coarser;
-  solution_.resolution += solution_.coarser;
+  solution_.discretisation += solution_.coarser;
   if (sensor_bodies_ > 0) {
     const Eigen::VectorXd truncation = solution_.truncation.diagonal().head(sensors);
     solution_.delta_self =
-        found.bottomRows(signed_of(extended_) - alone).leftCols(sensors).colwise().squaredNorm();
+        reached.bottomRows(signed_of(extended_) - alone).leftCols(sensors).colwise().squaredNorm();
     solution_.delta_self += truncation - truncation_alone;
     // Sensors are plates: without the objects there are no triangles.
     solution_.delta_self += likely_missing * solution_.coarser.diagonal().head(sensors);
     solution_.delta_truncation = truncation + truncation_alone;
-    solution_.delta_resolution =
-        (solution_.resolution.diagonal().head(sensors) - resolution_alone).cwiseAbs();
+    solution_.delta_discretisation =
+        (solution_.discretisation.diagonal().head(sensors) - discretisation_alone).cwiseAbs();
   }
   estimate_quadrature();
   solution_.vectors = extended_;

@@ -33,16 +33,16 @@ struct ReductionLimits {
 struct ReducedSolution {
   bool positive_definite = true;  ///< false if the quadratures are too coarse; then nothing else is set
   Eigen::MatrixXd values;
-  Eigen::MatrixXd truncation;  ///< contribution of the last residuals to `values`
-  double truncation_left = 0;  ///< fraction of it that may still be missing
-  Eigen::MatrixXd resolution;  ///< contribution of the highest functions, or somewhat more
-  Eigen::MatrixXd coarser;     ///< contribution that coarser triangles would miss, a part of `resolution`
+  Eigen::MatrixXd truncation;      ///< contribution of the last residuals to `values`
+  double truncation_left = 0;      ///< fraction of it that may still be missing
+  Eigen::MatrixXd discretisation;  ///< contribution of the highest functions, or somewhat more
+  Eigen::MatrixXd coarser;     ///< contribution that coarser triangles would miss, a part of `discretisation`
   Eigen::MatrixXd quadrature;  ///< possible effect of the quadrature errors
-  /// For each body the largest part it has in `resolution`, relative to the conductor's own capacitance.
-  Eigen::VectorXd body_resolution;
+  /// For each body the largest part it has in `discretisation`, relative to the conductor's own capacitance.
+  Eigen::VectorXd body_discretisation;
   Eigen::VectorXd delta_self;  ///< of the sensors
   Eigen::VectorXd delta_truncation;
-  Eigen::VectorXd delta_resolution;
+  Eigen::VectorXd delta_discretisation;
   std::size_t vectors = 0;
 };
 
@@ -72,18 +72,18 @@ class ReducedSystem {
   const PreparedLevel& level(std::size_t body) { return bodies_[body].shape->level(bodies_[body].level); }
   void begin();
   Vector& new_vector(std::size_t body);
-  void take_out(std::size_t body, float* charge, float* moments);
+  void orthogonalise(std::size_t body, float* charge, float* moments);
   void add_equilibrium(std::size_t body);
-  void exchange(std::size_t active);
-  void extend();
-  void find_charges(std::size_t conductors);
-  void find_residuals(std::size_t active, std::size_t conductors);
-  bool add_residuals(std::size_t active, std::size_t conductors);
-  void iterate(const ReductionLimits& limits, std::size_t active, std::size_t conductors);
-  Eigen::MatrixXd resolution(std::size_t active, std::size_t conductors);
+  void apply_off_diagonal_blocks(std::size_t active);
+  void append_factor_rows();
+  void substitute_back(std::size_t conductors);
+  void compute_residuals(std::size_t active, std::size_t conductors);
+  bool append_residuals(std::size_t active, std::size_t conductors);
+  void extend_basis(const ReductionLimits& limits, std::size_t active, std::size_t conductors);
+  Eigen::MatrixXd discretisation(std::size_t active, std::size_t conductors);
   Eigen::MatrixXd missing();
   double coupling(std::size_t first, std::size_t second) const;
-  void judge_truncation();
+  void estimate_truncation_left();
   void estimate_quadrature();
 
   std::vector<ReducedBody> bodies_;

@@ -125,6 +125,11 @@ void LiveScene::set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
   implementation_->set_pose(link, pose);
 }
 
+void LiveScene::set_joint(std::string_view joint, double position) {
+  for (const auto& [link, pose] : joint_poses(scene().links, joint, position))
+    set_pose(scene().links[link].name, pose);
+}
+
 const Evaluation& LiveScene::evaluate(const EvaluationOptions& options) {
   return implementation_->evaluate(options);
 }

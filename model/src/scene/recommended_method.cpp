@@ -17,14 +17,18 @@ namespace {
 /// plates nor boxes: some seconds, once for all poses.
 constexpr std::size_t most_prepared_triangles = 4'000;
 
-/// Largest number of unknowns of boundary elements: some seconds for each pose. The default of 20,000 would
-/// be minutes.
-constexpr std::size_t most_unknowns = 3'000;
+/// Largest number of bodies with which the reduced method is tried: it takes a fraction of a millisecond for
+/// each pair of them.
+constexpr std::size_t most_bodies = 100;
+
+/// Largest number of unknowns of boundary elements: a third of a second of processor time for each pose, and
+/// 5 s where two bodies almost touch. With 3,000 those took more than 90 s.
+constexpr std::size_t most_unknowns = 1'000;
 
 /// Largest stated error, relative, with which a matrix is used that is not as accurate as asked. The mean
 /// actual error is a quarter of what is stated, so that beyond this the 2 % (rms) of the formula are no
 /// worse.
-constexpr double most_stated_error = 0.1;
+constexpr double most_unreached_error = 0.1;
 
 /// Returns the number of steps with which the reduced method begins.
 int first_steps(double rtol) {
@@ -34,12 +38,15 @@ int first_steps(double rtol) {
   return steps;
 }
 
-std::size_t prepared_triangles(const Scene& scene) {
-  std::size_t triangles = 0;
+/// Tests whether the reduced method takes no more than some seconds.
+bool reduction_is_bounded(const Scene& scene) {
+  std::size_t triangles = 0, bodies = scene.objects.size();
+  for (const Sensor& sensor : scene.sensors)
+    bodies += sensor.plates.size();
   for (const Object& object : scene.objects)
     if (!std::holds_alternative<Plate>(object.shape) && !std::holds_alternative<Cuboid>(object.shape))
       triangles += triangulate(object.shape).size();
-  return triangles;
+  return triangles <= most_prepared_triangles && bodies <= most_bodies;
 }
 
 /// Returns the largest relative error of the entries that tell what a sensor feels: its own, and those of the
@@ -68,7 +75,7 @@ Evaluation RecommendedMethod::evaluate(const Scene& scene) {
     if (std::optional<Candidate> other = by_boundary_elements(scene);
         other && (!best || other->error < best->error))
       best = std::move(other);
-  if (!best || !(best->error <= std::max(rtol_, most_stated_error))) {
+  if (!best || !(best->error <= std::max(rtol_, most_unreached_error))) {
     try {
       return by_formula(scene);
     } catch (const InputError& error) {
@@ -87,7 +94,7 @@ std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_reduced_method
   try {
     if (!reduced_ && !reduced_refuses_) {
       reduced_refuses_ = true;
-      if (prepared_triangles(scene) > most_prepared_triangles)
+      if (!reduction_is_bounded(scene))
         return std::nullopt;
       reduced_.emplace(scene, ReducedOptions{steps, rtol_}, poses_);
       reduced_refuses_ = false;

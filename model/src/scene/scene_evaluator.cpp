@@ -23,15 +23,29 @@ using detail::Enclosure;
 using detail::Surface;
 using detail::SurfaceIntegral;
 
+/// Returns what an object is that is not grounded, for a message.
+std::string_view kind_of(const ElectricalRole& role) {
+  if (std::holds_alternative<Floating>(role))
+    return "floating";
+  return std::holds_alternative<Electrode>(role) ? "an electrode" : "dielectric";
+}
+
 /// Prepares the surface of an object. Throws InputError for an object that the model does not support.
-Surface surface_of(const Object& object) {
+Surface surface_of(const Object& object, const CapacitanceOptions& options) {
   if (!std::holds_alternative<Grounded>(object.role))
     throw InputError(
         fmt::format("object \"{}\" is {}: the triangle-integral model knows only grounded conductors",
-                    object.name, std::holds_alternative<Floating>(object.role) ? "floating" : "dielectric"));
+                    object.name, kind_of(object.role)));
   std::vector<Triangle> triangles = triangulate(object.shape);
   if (triangles.empty())
     throw InputError(fmt::format("object \"{}\" has no triangles", object.name));
+  // A mesh may have triangles twice. Where outward sides count, one that faces the other way is another
+  // triangle. A mesh that is not finite is refused below, by the number that the triangle has in its file.
+  if (std::holds_alternative<Mesh>(object.shape) && axis_aligned_box(triangles).sizes().allFinite())
+    triangles = without_duplicates(std::move(triangles),
+                                   options.faces == FaceRule::all && options.correction == Correction::none
+                                       ? Sides::alike
+                                       : Sides::distinct);
   try {
     return detail::make_surface(std::move(triangles));
   } catch (const InputError& error) {
@@ -95,7 +109,7 @@ class SceneEvaluator::Implementation {
         motion_(poses), sensors_(scene.sensors), placed_sensors_(scene.sensors.size()) {
     validate(options);
     for (const Object& object : scene.objects)
-      objects_.push_back({object.link, object.pose, surface_of(object)});
+      objects_.push_back({object.link, object.pose, surface_of(object, options)});
     pairs_.resize(sensors_.size() * objects_.size());
     for (const Sensor& sensor : sensors_) {
       SensorCapacitance felt{sensor.name, 0, 0, 0, false, {}};

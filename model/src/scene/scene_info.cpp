@@ -1,6 +1,8 @@
 #include "fringe/scene_info.hpp"
 
-#include <span>
+#include <cstddef>
+#include <optional>
+#include <variant>
 
 #include "fringe/conductors.hpp"
 
@@ -9,11 +11,14 @@ namespace fringe {
 SceneInfo scene_info(const Scene& scene) {
   SceneInfo info{scene.links.size(), scene.sensors.size(), scene.distance_sensors.size(), 0, {}};
   const std::vector<Conductor> surfaces = conductors(scene);
-  for (const auto& [name, triangles] : std::span(surfaces).subspan(scene.sensors.size())) {
+  for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+    const auto& [name, triangles] = surfaces[scene.sensors.size() + k];
+    const auto* mesh = std::get_if<Mesh>(&scene.objects[k].shape);
     info.triangles += triangles.size();
     info.objects.push_back({name, triangles.size(), area(triangles),
                             is_closed(triangles) ? std::optional(signed_volume(triangles)) : std::nullopt,
-                            axis_aligned_box(triangles)});
+                            axis_aligned_box(triangles),
+                            mesh ? std::optional(mesh_defects(mesh->triangles)) : std::nullopt});
   }
   return info;
 }

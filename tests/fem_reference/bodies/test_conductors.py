@@ -13,6 +13,7 @@ from fem_reference.bodies.shapes import Cuboid
 from fem_reference.bodies.distances import distance
 from fem_reference.bodies.round_bodies import Sphere
 from fem_reference.bodies.conductors import conductors
+from fem_reference.bodies.wrapping import Geometry
 from geometries.common.errors import InputError
 from geometries.scene import shapes
 from geometries.scene.reader import loads
@@ -132,13 +133,15 @@ def test_a_mesh_file_becomes_a_solid(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.unique(corners.round(9), axis=0), np.unique(triangles.round(9), axis=0))
 
 
-def test_a_mesh_that_bounds_no_solid_is_refused_with_file_and_place(tmp_path: Path) -> None:
+def test_a_mesh_that_bounds_no_solid_is_refused_with_file_and_place_where_it_must_not_be_wrapped(
+    tmp_path: Path,
+) -> None:
     for triangles, words in (
         (CUBE[:-1], "is open at the edge around"),
         (CUBE[:, ::-1], "is inside out around"),
     ):
         with pytest.raises(InputError, match=words) as refused:
-            conductors(loads(mesh_scene(tmp_path, triangles)), "scene.toml")
+            conductors(loads(mesh_scene(tmp_path, triangles)), "scene.toml", geometry=Geometry("exact"))
         assert 'object "target": shape.file' in str(refused.value) and "solid.stl" in str(refused.value)
 
 
@@ -170,6 +173,7 @@ def test_plates_of_one_plane_that_do_not_touch_are_solved() -> None:
         (target('{ type = "cuboid", size = [0.1, 0.1, 0.05] }', DIELECTRIC), "inside"),
         (target('{ type = "sphere", radius = 0.02 }', DIELECTRIC), "touch elsewhere than with plane faces"),
         (target()[len(SENSOR) :], "nothing to solve"),
+        (target(rest='translation = [0, 0, 0]\npotential = "electrode"'), "touch or cross"),
     ],
 )
 def test_what_cannot_be_solved_is_refused_with_its_name(text: str, words: str) -> None:

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from analysis.topics.verification.truths import UNIT_CUBE, UNIT_SQUARE_PLATE, boundary_elements
-from fem_reference.bodies.shapes import Body, Cuboid, Rectangle
+from fem_reference.bodies.shapes import Body, Cuboid, Rectangle, rectangle
 from fem_reference.solve.enclosure import Enclosure, enclosure, intersection
 from fem_reference.solve.level import Level, solve_level
 from fem_reference.answer.reference import solve_conductors
-from fem_reference.bodies.conductors import Conductors, normalised, rectangle
+from fem_reference.bodies.conductors import Conductors, normalised
 from fem_reference.mesh.size_rules import Sizing
 from fem_reference.bodies.symmetry import mirror_planes
 from tests.fem_reference.panel_method import Plate

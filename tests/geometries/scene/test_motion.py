@@ -55,6 +55,77 @@ def test_a_frame_moves_the_links_it_names_and_what_it_leaves_out_stays() -> None
     ]
 
 
+JOINTED = reader.loads(
+    """
+    [[link]]
+    name = "arm"
+    translation = [0, 0, 1]
+    joint = { name = "lift", type = "prismatic", axis = [0, 0, 2], position = 0.25 }
+    [[link]]
+    name = "hand"
+    joint = { name = "wrist", type = "prismatic", axis = [1, 0, 0], mimic = { joint = "lift", multiplier = -2, offset = 1 } }
+    [[link]]
+    name = "finger"
+    joint = { name = "knuckle", type = "prismatic", axis = [0, 1, 0] }
+    [[object]]
+    name = "ball"
+    shape = { type = "sphere", radius = 0.1 }
+    """
+)
+
+
+def test_a_frame_moves_joints_by_their_names_and_those_that_follow() -> None:
+    frames = motion.loads(
+        """
+        [[frame]]
+        [[frame]]
+        joints = [ { joint = "lift", position = 0.5 } ]
+        [[frame]]
+        joints = [ { joint = "knuckle", position = 2 } ]
+        [[frame]]
+        poses = [ { link = "arm", translation = [7, 7, 7] } ]
+        [[frame]]
+        joints = [ { joint = "lift", position = 0 } ]
+        """,
+        JOINTED,
+    )
+    places = [[frame.poses[link].translation for link in ("arm", "hand", "finger")] for frame in frames]
+    assert places == [
+        [(0, 0, 1.25), (0.5, 0, 0), (0, 0, 0)],
+        [(0, 0, 1.5), (0, 0, 0), (0, 0, 0)],
+        [(0, 0, 1.5), (0, 0, 0), (0, 2, 0)],
+        [(7, 7, 7), (0, 0, 0), (0, 2, 0)],
+        [(0, 0, 1), (1, 0, 0), (0, 2, 0)],
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            'joints = [ { joint = "hip", position = 1 } ]',
+            "motion: frame[0].joints[0].joint: there is no joint 'hip'; there are: lift, knuckle",
+        ),
+        (
+            'joints = [ { joint = "wrist", position = 1 } ]',
+            "motion: frame[0].joints[0].joint: 'wrist' follows 'lift' and cannot be set",
+        ),
+        (
+            'joints = [ { joint = "lift", position = 1 }, { joint = "lift", position = 2 } ]',
+            "motion: frame[0].joints[1].joint: 'lift' has a position in this frame already",
+        ),
+        (
+            'poses = [ { link = "hand" } ]\njoints = [ { joint = "lift", position = 1 } ]',
+            "motion: frame[0].joints: 'hand' has a pose in this frame already",
+        ),
+    ],
+)
+def test_a_wrong_joint_is_refused_by_key_and_reason(text: str, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        motion.loads("[[frame]]\n" + text, JOINTED)
+    assert str(caught.value) == message
+
+
 def test_at_rest_is_the_scene() -> None:
     assert motion.at_rest(SCENE).poses == {"base": Pose(), "arm": REST}
 

@@ -52,6 +52,7 @@ def test_everything_that_a_scene_may_hold_is_read() -> None:
         shape = {{ type = "plate", size = [0.1, 0.2] }}
         quaternion = [1, 0, 0, 0]
         potential = "floating"
+        conductor = "hand"
         collides = false
         [[object]]
         name = "glass"
@@ -70,7 +71,7 @@ def test_everything_that_a_scene_may_hold_is_read() -> None:
     target, glass = scene.objects
     unturned, flipped = QuaternionRotation((1, 0, 0, 0)), QuaternionRotation((0, 1, 0, 0))
     assert target == Object(
-        "target", PlateShape((0.1, 0.2)), None, Pose(rotation=unturned), "floating", None, False
+        "target", PlateShape((0.1, 0.2)), None, Pose(rotation=unturned), "floating", None, False, "hand"
     )
     assert glass == Object(
         "glass", Cuboid((0.1, 0.1, 0.1)), pose=Pose(rotation=flipped), relative_permittivity=50.0
@@ -172,12 +173,50 @@ EYE = "apex = [0, 0, 0]\ndirection = [0, 0, 1]\n"
         ),
         (shape('type = "mesh", file = "x.vtk"'), 'object "o": shape.file', "must end in one of .stl"),
         (shape('type = "mesh", file = "x.stl"'), 'object "o": shape.file', "no such mesh file"),
-        (object_with(BODY + 'potential = "live"'), 'object "o": potential', "grounded, floating"),
+        (
+            object_with(BODY + 'potential = "live"'),
+            'object "o": potential',
+            'must be "grounded", "floating" or "electrode"',
+        ),
         (object_with(BODY + "collides = 1"), 'object "o": collides', "true or false"),
         (
             object_with(BODY + 'potential = "floating"\nmaterial = { relative_permittivity = 5 }'),
             'object "o": material',
-            "excludes potential",
+            "cannot be combined with potential",
+        ),
+        (
+            object_with(BODY + 'conductor = "hand"\nmaterial = { relative_permittivity = 5 }'),
+            'object "o": material',
+            "cannot be combined with conductor",
+        ),
+        (object_with(BODY + 'conductor = ""'), 'object "o": conductor', "must not be empty"),
+        (
+            SENSOR + object_with(BODY + 'conductor = "s"'),
+            'object "o": conductor',
+            '"s" is the name of a sensor',
+        ),
+        (
+            '[[distance_sensor]]\nname = "e"\nfull_angle_degrees = 9\nrange = 1\n'
+            + EYE
+            + object_with(BODY + 'conductor = "e"'),
+            'object "o": conductor',
+            '"e" is the name of a sensor',
+        ),
+        (
+            object_with(BODY + 'conductor = "p"') + object_with(BODY, name="p"),
+            'object "o": conductor',
+            '"p" is the name of an object outside this conductor',
+        ),
+        (
+            object_with(BODY + 'conductor = "p"') + object_with(BODY + 'conductor = "c"', name="p"),
+            'object "o": conductor',
+            '"p" is the name of an object outside this conductor',
+        ),
+        (
+            object_with(BODY + 'conductor = "c"')
+            + object_with(BODY + 'conductor = "c"\npotential = "floating"', name="p"),
+            'object "p": conductor',
+            'one conductor has one potential, but "o" is grounded and "p" is floating',
         ),
         (object_with(BODY + "translation = [0, 0]"), 'object "o": translation', "list of 3 numbers"),
         (
@@ -187,10 +226,30 @@ EYE = "apex = [0, 0, 0]\ndirection = [0, 0, 1]\n"
         ),
         (object_with(BODY + "rotation = { axis = [0, 0, 1] }"), 'object "o": rotation.degrees', "is missing"),
         (object_with(BODY + "quaternion = [0, 0, 0, 0]"), 'object "o": quaternion', "must not be zero"),
+        *(
+            (
+                f'[[link]]\nname = "a"\njoint = {{ name = "j", type = "revolute", axis = [0, 0, 1]{keys} }}\n{more}'
+                + object_with(BODY),
+                key,
+                reason,
+            )
+            for keys, more, key, reason in (
+                (", lower = 1, upper = 0", "", 'link "a": joint.upper', "less than lower"),
+                (', position = 1, mimic = { joint = "j" }', "", 'link "a": joint.position', "excludes mimic"),
+                (', mimic = { joint = "j" }', "", "link", "mimics itself"),
+                (', mimic = { joint = "k" }', "", "link", 'mimics "k", which does not exist'),
+                (
+                    "",
+                    '[[link]]\nname = "b"\njoint = { name = "j", type = "revolute", axis = [0, 0, 1] }\n',
+                    'link "b": joint.name',
+                    "is taken",
+                ),
+            )
+        ),
         (
             object_with(BODY + "quaternion = [1, 0, 0, 0]\nrotation = { axis = [0, 0, 1], degrees = 3 }"),
             'object "o": quaternion',
-            "give one of them",
+            "cannot be combined with rotation",
         ),
     ],
 )
@@ -201,6 +260,19 @@ def test_what_the_format_does_not_allow_is_refused_by_key_and_reason(
         reader.loads(text, source="scene.toml")
     assert (caught.value.file, caught.value.key) == ("scene.toml", key)
     assert reason in caught.value.reason
+
+
+def test_objects_with_the_same_conductor_are_one_even_by_the_name_of_one_of_them() -> None:
+    scene = reader.loads(
+        object_with(BODY + 'conductor = "o"\npotential = "electrode"')
+        + object_with(BODY + 'conductor = "o"\npotential = "electrode"', name="p")
+        + object_with(BODY, name="q")
+    )
+    assert [(body.conductor, body.potential) for body in scene.objects] == [
+        ("o", "electrode"),
+        ("o", "electrode"),
+        (None, "grounded"),
+    ]
 
 
 def test_text_that_is_not_toml_is_refused_with_its_line() -> None:

@@ -27,6 +27,8 @@ quaternion = [1, 2, 3, 4]
 [[object]]
 name = "ball"
 shape = {{ type = "sphere", radius = 0.1 }}
+conductor = "head"
+potential = "electrode"
 [[object]]
 name = "can"
 shape = {{ type = "cylinder", radius = 0.1, height = 0.1 }}
@@ -45,6 +47,11 @@ plates = [{PLATE}, {PLATE}]
 name = "s"
 [[link]]
 name = "arm"
+quaternion = [1, 0, 1, 0]
+joint = {{ name = "elbow", type = "revolute", axis = [0, 0, 2], position = 0.3, lower = -1, upper = 1 }}
+[[link]]
+name = "hand"
+joint = {{ name = "wrist", type = "prismatic", axis = [1, 0, 0], mimic = {{ joint = "elbow", offset = 0.5 }} }}
 """
 
 

@@ -115,7 +115,7 @@ TEST(BoundaryElements, ALargeSensorIsFeltByASmallPlateAsAWallIs) {
   EXPECT_LT(answer.delta_self_errors[0], 0.02 * felt);
 }
 
-TEST(BoundaryElements, APlateFourThousandTimesSmallerIsSeen) {
+TEST(BoundaryElements, SeeAPlateFourThousandTimesSmaller) {
   // The plate is smaller than any element of the large one before refinement. The truth is known from the
   // mirror image.
   constexpr double side = 1e-3;
@@ -133,7 +133,7 @@ TEST(BoundaryElements, APlateFourThousandTimesSmallerIsSeen) {
     }
 }
 
-TEST(BoundaryElements, SquarePlate) {
+TEST(BoundaryElements, AgreeWithTheKnownCapacitanceOfASquarePlate) {
   Scene scene;
   scene.sensors = {sensor("plate", {square(0.1, 0)})};
   for (const double rtol : {1e-2, 1e-3, 1e-4}) {
@@ -146,7 +146,7 @@ TEST(BoundaryElements, SquarePlate) {
   }
 }
 
-TEST(BoundaryElements, Cube) {
+TEST(BoundaryElements, AgreeWithTheKnownCapacitanceOfACube) {
   Scene scene;
   scene.objects = {object("cube", Cuboid{2, 2, 2}, at(0.3, 0, 0))};
   for (const double rtol : {1e-2, 1e-4}) {
@@ -159,7 +159,7 @@ TEST(BoundaryElements, Cube) {
 }
 
 /// Two-terminal C/(εA/gap), from boundary elements to 1e-4.
-TEST(BoundaryElements, ParallelSquares) {
+TEST(BoundaryElements, AgreeWithKnownCapacitancesOfParallelSquares) {
   constexpr std::array<std::pair<double, double>, 5> known{
       {{0.1, 1.3057}, {0.2, 1.5528}, {0.5, 2.2364}, {1, 3.3430}, {2, 5.581}}};
   for (const auto& [gap, truth] : known) {

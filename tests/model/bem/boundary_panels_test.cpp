@@ -98,7 +98,7 @@ Scene box_beside_plates(bool as_meshes) {
 }
 
 /// C/4πεa of the unit cube (Helsing and Perfekt 2013) and of the square plate.
-TEST(BoundaryPanels, CubeAndSquare) {
+TEST(BoundaryPanels, BoundTheCubeAndTheSquareFromBelow) {
   for (const auto& [shape, truth] :
        {std::pair(mesh_of(Cuboid{1, 1, 1}), 0.66067815409957), std::pair(mesh_of(Plate{1, 1}), 0.366788)})
     for (const double rtol : {3e-2, 5e-3}) {
@@ -113,7 +113,7 @@ TEST(BoundaryPanels, CubeAndSquare) {
 
 /// Among plates of equal area the disc has the least capacitance (Pólya and Szegő); 8εR is more than the
 /// capacitance of any plate within the disc.
-TEST(BoundaryPanels, Disc) {
+TEST(BoundaryPanels, PutADiscWithinTheBoundsOfPolyaAndSzegoe) {
   constexpr int sides = 24;
   Mesh disc{"", 1, {}};
   const auto corner = [](int k) {
@@ -130,7 +130,7 @@ TEST(BoundaryPanels, Disc) {
 }
 
 /// The answer is that of the polyhedron: above the ball of equal volume, below the ball around it.
-TEST(BoundaryPanels, Spheres) {
+TEST(BoundaryPanels, PutAPolyhedronBetweenTheBallsOfEqualVolumeAndAroundIt) {
   double before = 0;
   for (const int segments : {6, 12, 24}) {
     const Sphere sphere{1, segments};
@@ -146,7 +146,7 @@ TEST(BoundaryPanels, Spheres) {
 
 /// Spheres of 1 and 2 cm with centres 5 cm apart (Lekner 2011); a sphere above a plane, as a sphere and its
 /// image.
-TEST(BoundaryPanels, PairsOfSpheres) {
+TEST(BoundaryPanels, AgreeWithClosedFormsForPairsOfSpheres) {
   Scene scene;
   scene.objects = {object("small", icosphere(0.01, 2), at(0, 0, 0)),
                    object("large", icosphere(0.02, 2), at(0.05, 0, 0))};
@@ -263,7 +263,7 @@ TEST(BoundaryPanelRefusals, BodiesThatTouchCrossOrHoldEachOther) {
               HasSubstr("sensor \"front\" plates[0] is inside object \"target\""));
 }
 
-TEST(BoundaryPanelRefusals, TrianglesThatAreNone) {
+TEST(BoundaryPanelRefusals, TrianglesWithoutAreaAndDuplicates) {
   const Triangle triangle{Vector3d(0, 0, 0), Vector3d(0.01, 0, 0), Vector3d(0, 0.01, 0)};
   const Triangle turned{triangle[1], triangle[2], triangle[0]};
   const Triangle flat{Vector3d(0, 0, 0), Vector3d(0.01, 0, 0), Vector3d(0.02, 0, 0)};
@@ -288,7 +288,7 @@ TEST(BoundaryPanelRefusals, MoreTrianglesThanUnknowns) {
                     scene.objects[0].shape = Sphere{0.01, 48};
                   },
                   {.most_unknowns = 2000}),
-              HasSubstr("the scene takes 2257 unknowns or more: boundary elements end at 2000"));
+              HasSubstr("the scene needs at least 2257 unknowns: boundary elements take at most 2000"));
 }
 
 TEST(BoundaryPanels, SayWhenTheErrorWasNotReached) {

@@ -29,6 +29,13 @@ TEST(BoundaryElementRefusals, Dielectrics) {
               HasSubstr("object \"target\" is dielectric"));
 }
 
+TEST(BoundaryElementRefusals, ElectrodesAndConductorsOfSeveralObjects) {
+  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].role = Electrode{}; }),
+              HasSubstr("object \"target\" is an electrode"));
+  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].conductor = "arm"; }),
+              HasSubstr("object \"target\" belongs to conductor \"arm\""));
+}
+
 TEST(BoundaryElementRefusals, Rooms) {
   EXPECT_THAT(refusal([](Scene& scene) { scene.has_room = true; }), HasSubstr("room"));
 }
@@ -50,7 +57,7 @@ TEST(BoundaryElementRefusals, PlatesOfOneSensorThatTouch) {
               HasSubstr("sensor \"front\" plates[0] and sensor \"front\" plates[1] touch"));
 }
 
-TEST(BoundaryElementRefusals, RectanglesThatAreNone) {
+TEST(BoundaryElementRefusals, InvalidRectanglesSizesAndPoses) {
   EXPECT_THAT(refusal([](Scene& scene) {
                 scene.sensors[0].plates[0].edge_v = {0.05, 0.1, 0};
               }),
@@ -69,7 +76,7 @@ TEST(BoundaryElementRefusals, OptionsOutOfRange) {
   const auto nothing = [](Scene&) {};
   for (const double rtol : {0.0, -1e-3, 1e-7, 0.6, std::numeric_limits<double>::quiet_NaN()})
     EXPECT_THAT(refusal(nothing, {.rtol = rtol}), HasSubstr("must be from 1e-06 to 0.5"));
-  EXPECT_THAT(refusal(nothing, {.most_unknowns = 90}), HasSubstr("takes 98 unknowns or more"));
+  EXPECT_THAT(refusal(nothing, {.most_unknowns = 90}), HasSubstr("needs at least 98 unknowns"));
 }
 
 TEST(BoundaryElementRefusals, AnEmptyScene) {

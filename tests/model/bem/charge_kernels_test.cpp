@@ -54,7 +54,7 @@ TEST_P(ChargeKernelsTest, SumTheInverseDistancesOverAFace) {
 }
 
 /// Points in front of the triangle, in its plane, on a side, and at a corner; also for a sliver.
-TEST_P(ChargeKernelsTest, KnowThePotentialOfATriangleAnywhere) {
+TEST_P(ChargeKernelsTest, ComputeThePotentialOfATriangleAnywhere) {
   test::Random random(3);
   for (const double height : {1.0, 0.02}) {
     const std::array<Vector3d, 3> corners{Vector3d(0, 0, 0), Vector3d(1, 0.1, 0), Vector3d(0.3, height, 0)};

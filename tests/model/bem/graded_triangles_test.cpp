@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "bem/edge_density.hpp"
 #include "fringe/boundary_elements.hpp"
 #include "fringe/triangulation.hpp"
 #include "scenes.hpp"

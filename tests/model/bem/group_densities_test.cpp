@@ -7,14 +7,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bem/marking.hpp"
+#include "bem/error_indicators.hpp"
 #include "bem/single_layer_panels.hpp"
 #include "fringe/triangulation.hpp"
 
 namespace fringe {
 namespace {
 
-using detail::groups_to_refine;
+using detail::doerfler_marking;
 using detail::PanelGroup;
 using detail::PanelMesh;
 using Eigen::Index;
@@ -61,7 +61,7 @@ TEST(GroupDensities, SpreadAChargeEvenlyOverTheGroup) {
 
 TEST(GroupDensities, InteractAsTheirPanelsDoTogether) {
   const PanelMesh mesh = ball_and_box();
-  const MatrixXd panels = detail::panel_matrix(mesh.panels(), 1e-3);
+  const MatrixXd panels = detail::single_layer_matrix(mesh.panels(), 1e-3);
   const MatrixXd charges = charges_of_groups(mesh);
   const MatrixXd wanted = charges.transpose() * (panels.selfadjointView<Eigen::Upper>() * charges);
   const MatrixXd found = detail::group_matrix(mesh, detail::area_shares(mesh), panels);
@@ -78,26 +78,26 @@ std::vector<PanelGroup> quartered_groups(std::size_t count) {
 
 constexpr std::size_t plenty = 1000;
 
-TEST(GroupsToRefine, AreThoseWithTheGreaterPartOfTheEnergy) {
-  EXPECT_THAT(groups_to_refine(quartered_groups(4), Eigen::Vector4d(1, 8, 2, 1), 0, plenty),
+TEST(DoerflerMarking, TakesTheGroupsWithTheGreaterPartOfTheEnergy) {
+  EXPECT_THAT(doerfler_marking(quartered_groups(4), Eigen::Vector4d(1, 8, 2, 1), 0, plenty),
               ElementsAre(false, true, true, false));
 }
 
-TEST(GroupsToRefine, AreNoMoreThanTheErrorAsksFor) {
+TEST(DoerflerMarking, TakesNoMoreGroupsThanTheErrorRequires) {
   // Refinement leaves 3.2 of the 8, hence 7.2 of 12 in all.
-  EXPECT_THAT(groups_to_refine(quartered_groups(4), Eigen::Vector4d(1, 8, 2, 1), 7.3, plenty),
+  EXPECT_THAT(doerfler_marking(quartered_groups(4), Eigen::Vector4d(1, 8, 2, 1), 7.3, plenty),
               ElementsAre(false, true, false, false));
 }
 
-TEST(GroupsToRefine, WhatHoldsTheSameButForRoundingIsRefinedTogether) {
-  EXPECT_THAT(groups_to_refine(quartered_groups(4), Eigen::Vector4d(3, 1, 2.999, 3), 8, plenty),
+TEST(DoerflerMarking, MarksGroupsOfEqualEnergyTogether) {
+  EXPECT_THAT(doerfler_marking(quartered_groups(4), Eigen::Vector4d(3, 1, 2.999, 3), 8, plenty),
               ElementsAre(true, false, true, true));
 }
 
-TEST(GroupsToRefine, AreAsManyAsThereIsRoomFor) {
+TEST(DoerflerMarking, AddsNoMorePanelsThanAllowed) {
   const Eigen::Vector4d energies(1, 8, 2, 1);
-  EXPECT_THAT(groups_to_refine(quartered_groups(4), energies, 0, 7), ElementsAre(false, true, false, false));
-  EXPECT_THAT(groups_to_refine(quartered_groups(4), energies, 0, 3), IsEmpty());
+  EXPECT_THAT(doerfler_marking(quartered_groups(4), energies, 0, 7), ElementsAre(false, true, false, false));
+  EXPECT_THAT(doerfler_marking(quartered_groups(4), energies, 0, 3), IsEmpty());
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "bem/panel_mesh.hpp"
-#include "bem/single_layer_face_panel.hpp"
 #include "bem/single_layer_faces.hpp"
 #include "bem/single_layer_panels.hpp"
 
@@ -22,7 +21,7 @@ const Triangle base{Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0.2, 0.8, 0)}
 
 double element(const Triangle& a, const Triangle& b, double tolerance) {
   const std::array<Panel, 2> panels{make_panel(a), make_panel(b)};
-  return panel_matrix(panels, tolerance)(0, 1);
+  return single_layer_matrix(panels, tolerance)(0, 1);
 }
 
 /// Computes the same element from the 4^levels parts of the first triangle: most of them do not touch the
@@ -66,7 +65,7 @@ TEST(PanelElements, WithItselfAsWell) {
     std::vector<Panel> parts;
     for (const Triangle& part : quarters(triangle))
       parts.push_back(make_panel(part));
-    const MatrixXd upper = panel_matrix(parts, 1e-8);
+    const MatrixXd upper = single_layer_matrix(parts, 1e-8);
     const MatrixXd all = upper.selfadjointView<Eigen::Upper>();
     const double self = panel_self(make_panel(triangle));
     EXPECT_NEAR(all.sum() / 16, self, 1e-7 * self);
@@ -89,10 +88,10 @@ TEST(PanelElements, WithAFaceAreThePotentialsMeans) {
   for (const Panel& part : parts)
     centres.push_back(part.centre);
   const Eigen::VectorXd potentials = face_potentials(face, {5, 5}, centres, 1e-8).rowwise().mean();
-  const MatrixXd coupling = panel_coupling(face, {5, 5}, panel, 1e-6);
+  const MatrixXd coupling = single_layer_block(face, {5, 5}, panel, 1e-6);
   // The centres miss the potential's curvature: a 64th of an eighth of it is left.
   EXPECT_LT((coupling.col(0) - potentials).cwiseAbs().maxCoeff(), 2e-3 * potentials.cwiseAbs().maxCoeff());
-  const MatrixXd of_parts = panel_coupling(face, {5, 5}, parts, 1e-8).rowwise().mean();
+  const MatrixXd of_parts = single_layer_block(face, {5, 5}, parts, 1e-8).rowwise().mean();
   EXPECT_LT((coupling - of_parts).cwiseAbs().maxCoeff(), 1e-5 * of_parts.cwiseAbs().maxCoeff());
 }
 

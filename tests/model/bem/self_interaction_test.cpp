@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::array<EdgeKind, 2> edge_kinds{EdgeKind::thin, EdgeKind::right_angle};
 
-TEST(WeightedBasis, IsOrthonormalUnderItsWeight) {
+TEST(JacobiBasis, IsOrthonormalUnderItsWeight) {
   for (const EdgeKind edge : edge_kinds) {
     const DirectionRule& rule = whole_rule(edge, 40);
     const WeightedPolynomials& polynomials = weighted_polynomials(edge);
@@ -30,7 +30,7 @@ TEST(WeightedBasis, IsOrthonormalUnderItsWeight) {
   }
 }
 
-TEST(WeightedBasis, OnlyTheFirstFunctionHasANetCharge) {
+TEST(JacobiBasis, HasANetChargeOnlyInItsFirstFunction) {
   for (const EdgeKind edge : edge_kinds) {
     const Eigen::VectorXd net = whole_rule(edge, 20).weights.rowwise().sum();
     EXPECT_NEAR(net[0], weighted_polynomials(edge).net_charge(), 1e-13);
@@ -38,7 +38,7 @@ TEST(WeightedBasis, OnlyTheFirstFunctionHasANetCharge) {
   }
 }
 
-TEST(WeightedBasis, PanelsTogetherAreTheWhole) {
+TEST(JacobiBasis, IsIntegratedByPanelsAsByTheWholeRule) {
   constexpr int functions = 6, points = 30;
   for (const EdgeKind edge : edge_kinds) {
     DirectionRule panels{Eigen::VectorXd(3 * points), Eigen::MatrixXd(functions, 3 * points)};
@@ -53,18 +53,20 @@ TEST(WeightedBasis, PanelsTogetherAreTheWhole) {
   }
 }
 
-TEST(SelfTable, MorePointsChangeNothing) {
+TEST(FaceSelfInteraction, DoesNotChangeWithMoreQuadraturePoints) {
   constexpr int functions = 9;
   for (const EdgeKind edge : edge_kinds)
     for (const double aspect : {1.0, 0.05, 40.0}) {
-      const Eigen::MatrixXd usual = SelfTable(edge, functions).matrix(functions, functions, 1, aspect);
-      const Eigen::MatrixXd finer = SelfTable(edge, functions, 1.5).matrix(functions, functions, 1, aspect);
+      const Eigen::MatrixXd usual =
+          FaceSelfInteraction(edge, functions).matrix(functions, functions, 1, aspect);
+      const Eigen::MatrixXd finer =
+          FaceSelfInteraction(edge, functions, 1.5).matrix(functions, functions, 1, aspect);
       EXPECT_LT((usual - finer).cwiseAbs().maxCoeff(), 1e-9 * finer.cwiseAbs().maxCoeff()) << aspect;
     }
 }
 
-TEST(SelfTable, TurnsWithTheFace) {
-  const SelfTable& table = self_table(EdgeKind::thin, 5);
+TEST(FaceSelfInteraction, TurnsWithTheFace) {
+  const FaceSelfInteraction& table = face_self_interaction(EdgeKind::thin, 5);
   const Eigen::MatrixXd upright = table.matrix(4, 5, 1, 3), lying = table.matrix(5, 4, 3, 1);
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 5; ++j)
@@ -73,17 +75,17 @@ TEST(SelfTable, TurnsWithTheFace) {
           EXPECT_NEAR(upright(i * 5 + j, k * 5 + l), lying(j * 4 + i, l * 4 + k), 1e-12);
 }
 
-TEST(BoxTable, OppositeFacesFarApartAreTwoPointCharges) {
+TEST(BoxSelfInteraction, OfOppositeFacesFarApartIsThatOfTwoPointCharges) {
   const double net = weighted_polynomials(EdgeKind::right_angle).net_charge();
   const Eigen::MatrixXd far = opposite_faces({1, 1}, {1, 1}, 1, 1, 1e6);
   EXPECT_NEAR(far(0, 0), std::pow(net, 4) / 1e6, 1e-15);
 }
 
-TEST(BoxTable, IsPositiveDefiniteForFlatAndLongBoxes) {
+TEST(BoxSelfInteraction, IsPositiveDefiniteForFlatAndLongBoxes) {
   const std::array<FaceFunctions, box_faces> functions{{{5, 3}, {5, 3}, {3, 7}, {5, 5}, {7, 5}, {3, 3}}};
   for (const Eigen::Vector3d& half_sides :
        {Eigen::Vector3d(1, 1, 1), Eigen::Vector3d(1, 0.5, 0.01), Eigen::Vector3d(0.02, 0.03, 1)}) {
-    const Eigen::MatrixXd matrix = box_matrix(half_sides, functions);
+    const Eigen::MatrixXd matrix = box_self_interaction(half_sides, functions);
     EXPECT_EQ((matrix - matrix.transpose()).norm(), 0);
     EXPECT_EQ(Eigen::LLT<Eigen::MatrixXd>(matrix).info(), Eigen::Success);
   }

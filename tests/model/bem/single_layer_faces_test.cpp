@@ -52,29 +52,29 @@ double difference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff();
 }
 
-TEST(MutualMatrix, IsThatOfAProductRuleWithManyPoints) {
+TEST(SingleLayerBlock, EqualsAProductRuleWithManyPoints) {
   const ChargedFace below = face({0, 0, 0}, turn(0, {0, 0, 1}), 1, 0.7);
   for (const EdgeKind edge : {EdgeKind::thin, EdgeKind::right_angle})
     for (const double height : {0.6, 1.5, 6.0}) {
       const ChargedFace above = face({0.3, 0.4, height}, turn(20, {1, 2, 3}), 0.5, 0.9, edge);
       const Eigen::MatrixXd truth = by_product_rule(below, {4, 3}, above, {3, 5}, 44);
       for (const double tolerance : {1e-4, 1e-8})
-        EXPECT_LT(difference(mutual_matrix(below, {4, 3}, above, {3, 5}, tolerance), truth), tolerance)
+        EXPECT_LT(difference(single_layer_block(below, {4, 3}, above, {3, 5}, tolerance), truth), tolerance)
             << height;
     }
 }
 
-TEST(MutualMatrix, IsTransposedWhenTheFacesAreExchanged) {
+TEST(SingleLayerBlock, IsTransposedWhenTheFacesAreExchanged) {
   const ChargedFace a = face({0, 0, 0}, turn(0, {0, 0, 1}), 1, 0.7);
   const ChargedFace b = face({0.1, 0.2, 0.05}, turn(2, {1, 0.3, 0}), 0.3, 1.4);
-  EXPECT_LT(difference(mutual_matrix(a, {4, 5}, b, {3, 4}, 1e-9),
-                       mutual_matrix(b, {3, 4}, a, {4, 5}, 1e-9).transpose()),
+  EXPECT_LT(difference(single_layer_block(a, {4, 5}, b, {3, 4}, 1e-9),
+                       single_layer_block(b, {3, 4}, a, {4, 5}, 1e-9).transpose()),
             1e-9);
 }
 
 /// Faces close to each other in places that a sampling of the face misses: flat, on edge, corner to the
 /// middle.
-TEST(MutualMatrix, KeepsItsToleranceCloseTogether) {
+TEST(SingleLayerBlock, KeepsItsToleranceCloseTogether) {
   const ChargedFace below = face({0, 0, 0}, turn(0, {0, 0, 1}), 1, 1);
   for (const double gap : {0.1, 0.02}) {
     const std::array<ChargedFace, 4> others{
@@ -83,8 +83,8 @@ TEST(MutualMatrix, KeepsItsToleranceCloseTogether) {
         face({1 + gap + 0.4, 0, 0}, turn(0, {0, 0, 1}), 0.4, 2, EdgeKind::right_angle),
         face({-0.43, 0.2, 0.5 * std::sqrt(2.0) + gap}, turn(90, {1, 0, 0}) * turn(45, {0, 0, 1}), 0.5, 0.5)};
     for (std::size_t k = 0; k < others.size(); ++k) {
-      const Eigen::MatrixXd fine = mutual_matrix(below, {3, 3}, others[k], {3, 3}, 1e-8);
-      EXPECT_LT(difference(mutual_matrix(below, {3, 3}, others[k], {3, 3}, 1e-4), fine), 1e-4)
+      const Eigen::MatrixXd fine = single_layer_block(below, {3, 3}, others[k], {3, 3}, 1e-8);
+      EXPECT_LT(difference(single_layer_block(below, {3, 3}, others[k], {3, 3}, 1e-4), fine), 1e-4)
           << "face " << k << ", gap " << gap;
     }
   }

@@ -46,6 +46,13 @@ TEST(Triangle, ASurfaceIsClosedWhenEveryEdgeIsUsedInBothDirections) {
   EXPECT_FALSE(is_closed({}));
 }
 
+TEST(Triangle, WithoutDuplicatesKeepsTheFirstOfTrianglesWithTheSameVertices) {
+  const Eigen::Vector3d a(0, 0, 0), b(1, 0, 0), c(0, 1, 0), d(0, 0, 1);
+  const std::vector<Triangle> triangles{{a, b, c}, {a, b, d}, {c, a, b}, {Eigen::Vector3d(-0.0, 0, 0), c, b}};
+  EXPECT_EQ(without_duplicates(triangles), (std::vector<Triangle>{{a, b, c}, {a, b, d}}));
+  EXPECT_EQ(without_duplicates(triangles, Sides::distinct).size(), 3U) << "the last one faces the other way";
+}
+
 TEST(Triangle, AxisAlignedBoxHoldsEveryVertex) {
   const std::vector<Triangle> triangles{{Eigen::Vector3d{1, 2, 3}, {-1, 5, 0}, {0, 0, 7}}};
   const Eigen::AlignedBox3d box = axis_aligned_box(triangles);

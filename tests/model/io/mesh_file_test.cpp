@@ -119,7 +119,7 @@ TEST_F(MeshFile, BinaryStlIsReadWhateverTheCaseOfItsExtension) {
   EXPECT_THAT(triangles, testing::ElementsAre(Triangle{Vector3d{0, 0, 0}, {2, 0, 0}, {0, 3, 0}}));
 }
 
-TEST_F(MeshFile, ObjPolygonsAreFansFromTheirFirstVertexAndLinesAreLeftOut) {
+TEST_F(MeshFile, ObjPolygonsBecomeFansFromTheirFirstVertexAndLinesAreSkipped) {
   const std::vector<Triangle> triangles = read_mesh_file(write("five.obj", obj));
   const Vector3d a(0, 0, 0), b(1, 0, 0), c(1, 1, 0), d(0, 1, 0), e(0.5, 2, 0);
   EXPECT_THAT(triangles, testing::ElementsAre(Triangle{a, b, c}, Triangle{a, c, e}, Triangle{a, e, d},
@@ -153,16 +153,20 @@ TEST_F(MeshFile, MustNotBeTruncated) {
   expect_refused("header.ply", ascii_ply.substr(0, 60), "header");
 }
 
-TEST_F(MeshFile, MustNotNameVerticesThatDoNotExist) {
-  expect_refused("index.obj", obj + "f 1 2 99\n", "face 2 (line 9) names vertex 99 of 5");
-  expect_refused("index.obj", obj + "f 1/1 2/1 \\\n0/1\n", "face 2 (line 9) names vertex 0/1 of 5");
-  expect_refused("index.obj", obj + "f -1 -2 -6\nv 0 0 0\n", "face 2 (line 9) names vertex -6 of 5");
-  expect_refused("index.obj", obj + "f 1 2 three\n", "holds 'three' in the place of a whole number");
+TEST_F(MeshFile, FacesMustReferToVerticesThatExist) {
+  expect_refused("index.obj", obj + "f 1 2 99\n",
+                 "face 2 (line 9) refers to vertex 99; there are 5 vertices");
+  expect_refused("index.obj", obj + "f 1/1 2/1 \\\n0/1\n",
+                 "face 2 (line 9) refers to vertex 0/1; there are 5 vertices");
+  expect_refused("index.obj", obj + "f -1 -2 -6\nv 0 0 0\n",
+                 "face 2 (line 9) refers to vertex -6; there are 5 vertices");
+  expect_refused("index.obj", obj + "f 1 2 three\n", "holds 'three' instead of an integer");
   std::string ply = ascii_ply;
-  expect_refused("index.ply", ply.replace(ply.find("3 2 1 0"), 7, "3 2 1 9"), "face 1 names vertex 9 of 4");
+  expect_refused("index.ply", ply.replace(ply.find("3 2 1 0"), 7, "3 2 1 9"),
+                 "face 1 refers to vertex 9; there are 4 vertices");
 }
 
-TEST_F(MeshFile, ObjNamesVerticesForwardsBackwardsAndBeforeTheyComeUp) {
+TEST_F(MeshFile, ObjFacesMayCountVerticesBackwardsAndReferToLaterOnes) {
   const std::string statements = "f 1 \\\n2//1 3\nv 0 0 0\nv 1 0 0\r\nv 1 1 0\nf -3 -2 -1\r\n";
   const Triangle triangle{Vector3d{0, 0, 0}, {1, 0, 0}, {1, 1, 0}};
   EXPECT_THAT(read_mesh_file(write("index.obj", statements)), testing::ElementsAre(triangle, triangle));
@@ -173,10 +177,10 @@ TEST_F(MeshFile, MustBeFinite) {
   expect_refused("nan.ply", ply.replace(ply.find("1 1 0"), 5, "nan 1 0"), "");
   std::string stl = ascii_stl;
   expect_refused("nan.stl", stl.replace(stl.find("vertex 1 0 0"), 12, "vertex nan 0 1"),
-                 "holds 'nan' in the place of a finite number");
+                 "holds 'nan' instead of a finite number");
 }
 
-TEST_F(MeshFile, MayRepeatTrianglesAndHoldSomeWithoutArea) {
+TEST_F(MeshFile, MayContainRepeatedAndDegenerateTriangles) {
   const Vector3d a(0, 0, 0), b(1, 0, 0), c(1, 1, 0);
   const std::string faces = "f 1 2 3\nf 1 2 3\nf 1 1 3\nf 2 2 2\n";
   EXPECT_THAT(
@@ -184,7 +188,7 @@ TEST_F(MeshFile, MayRepeatTrianglesAndHoldSomeWithoutArea) {
       testing::ElementsAre(Triangle{a, b, c}, Triangle{a, b, c}, Triangle{a, a, c}, Triangle{b, b, b}));
 }
 
-TEST_F(MeshFile, OfGarbageIsRefused) {
+TEST_F(MeshFile, OfRandomBytesIsRefused) {
   std::string garbage = "ply\n";
   for (unsigned i = 0; i < 4000; ++i)
     garbage += static_cast<char>(i * 2654435761U >> 13U);

@@ -83,9 +83,21 @@ collides = false
 name = "foil"
 shape = { type = "plane", size = [1, 1] }
 potential = "floating"
+conductor = "shield"
+
+[[object]]
+name = "shield"
+shape = { type = "cube", size = 1 }
+potential = "floating"
+conductor = "shield"
+
+[[object]]
+name = "guard"
+shape = { type = "cube", size = 1 }
+potential = "electrode"
 )";
 
-TEST_F(SceneReader, ReadsEverythingTheFormatKnows) {
+TEST_F(SceneReader, ReadsEveryKey) {
   const Scene scene = read(complete);
   EXPECT_EQ(scene.medium.relative_permittivity, 3);
   EXPECT_TRUE(scene.has_room);
@@ -111,7 +123,7 @@ TEST_F(SceneReader, ReadsEverythingTheFormatKnows) {
   EXPECT_EQ(scene.distance_sensors[0].full_angle_degrees, 40);
   EXPECT_EQ(scene.distance_sensors[0].range, 0.8);
 
-  ASSERT_EQ(scene.objects.size(), 3U);
+  ASSERT_EQ(scene.objects.size(), 5U);
   EXPECT_EQ(std::get<Plate>(scene.objects[0].shape).size_y, 0.2);
   EXPECT_EQ(scene.objects[0].pose.translation(), Vector3d(0, 0, 0.02));
   EXPECT_TRUE(std::holds_alternative<Grounded>(scene.objects[0].role));
@@ -120,9 +132,13 @@ TEST_F(SceneReader, ReadsEverythingTheFormatKnows) {
   EXPECT_EQ(std::get<Dielectric>(scene.objects[1].role).relative_permittivity, 50);
   EXPECT_FALSE(scene.objects[1].collides);
   EXPECT_TRUE(std::holds_alternative<Floating>(scene.objects[2].role));
+  EXPECT_EQ(scene.objects[2].conductor, "shield");
+  EXPECT_EQ(scene.objects[3].conductor, "shield");
+  EXPECT_TRUE(std::holds_alternative<Electrode>(scene.objects[4].role));
+  EXPECT_FALSE(scene.objects[4].conductor.has_value());
 }
 
-TEST_F(SceneReader, FillsInTheDefaults) {
+TEST_F(SceneReader, FillsInDefaults) {
   const Scene scene = read(R"(
     [[sensor]]
     name = "s"
@@ -218,14 +234,15 @@ const std::vector<BadScene> bad_scenes{
     {"room on a link", "[room]\nsize = [1, 2, 3]\nlink = \"hand\"\n", "room.link", "not a known key"},
     {"permittivity of zero", "[medium]\nrelative_permittivity = 0\n", "medium.relative_permittivity",
      "greater than zero"},
-    {"medium that is no table", "medium = 1\n", "medium", "must be a table"},
-    {"sensor that is no array", "[sensor]\nname = \"s\"\n", "sensor", "array of tables"},
+    {"medium that is not a table", "medium = 1\n", "medium", "must be a table"},
+    {"sensor that is not an array", "[sensor]\nname = \"s\"\n", "sensor", "array of tables"},
     {"array of something else", "sensor = [1]\n", "sensor", "array of tables"},
 
     {"link without name", "[[link]]\n", "link[0].name", "is missing"},
     {"empty name", "[[link]]\nname = \"\"\n", "link[0].name", "must not be empty"},
     {"name of a wrong type", "[[link]]\nname = 3\n", "link[0].name", "must be a string"},
-    {"link name twice", "[[link]]\nname = \"l\"\n[[link]]\nname = \"l\"\n", "link[1].name", "\"l\" is taken"},
+    {"link name twice", "[[link]]\nname = \"l\"\n[[link]]\nname = \"l\"\n", "link[1].name",
+     "\"l\" is already used"},
     {"unknown parent", "[[link]]\nname = \"l\"\nparent = \"p\"\n", "link \"l\": parent", "no link \"p\""},
     {"own parent", "[[link]]\nname = \"l\"\nparent = \"l\"\n", "link \"l\": parent", "cycle"},
     {"cycle of two", "[[link]]\nname = \"a\"\nparent = \"b\"\n[[link]]\nname = \"b\"\nparent = \"a\"\n",
@@ -253,7 +270,20 @@ const std::vector<BadScene> bad_scenes{
     {"quaternion of three", "[[link]]\nname = \"l\"\nquaternion = [1, 0, 0]\n", "quaternion", "4 numbers"},
     {"rotation and quaternion",
      "[[link]]\nname = \"l\"\nquaternion = [1, 0, 0, 0]\nrotation = { axis = [0, 0, 1], degrees = 1 }\n",
-     "quaternion", "beside rotation"},
+     "quaternion", "cannot be combined with rotation"},
+    {"joint of an unknown type",
+     "[[link]]\nname = \"l\"\njoint = { name = \"j\", type = \"ball\", axis = [0, 0, 1] }\n",
+     "link \"l\": joint.type", R"("revolute" or "prismatic")"},
+    {"joint with limits the wrong way round",
+     "[[link]]\nname = \"l\"\njoint = { name = \"j\", type = \"revolute\", axis = [0, 0, 1], lower = 1, "
+     "upper "
+     "= 0 }\n",
+     "joint.upper", "less than lower"},
+    {"joint that mimics nothing",
+     "[[link]]\nname = \"l\"\njoint = { name = \"j\", type = \"revolute\", axis = [0, 0, 1], mimic = { joint "
+     "= "
+     "\"k\" } }\n",
+     "joint \"j\"", "mimics \"k\", which does not exist"},
 
     {"sensor without plates", "[[sensor]]\nname = \"s\"\n", "sensor \"s\": plates", "at least one plate"},
     {"sensor with no plates", "[[sensor]]\nname = \"s\"\nplates = []\n", "sensor \"s\": plates",
@@ -263,7 +293,7 @@ const std::vector<BadScene> bad_scenes{
     {"plate with an edge of zero",
      FRINGE_SENSOR("{ corner = [0, 0, 0], edge_u = [0, 0, 0], edge_v = [0, 1, 0] }"),
      "sensor \"s\": plates[0].edge_u", "zero"},
-    {"plate that is no rectangle",
+    {"plate that is not a rectangle",
      FRINGE_SENSOR("{ corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0.1, 1, 0] }"), "plates[0].edge_v",
      "right angles"},
     {"plate that is nan", FRINGE_SENSOR("{ corner = [nan, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }"),
@@ -313,7 +343,7 @@ const std::vector<BadScene> bad_scenes{
     {"half a segment", FRINGE_OBJECT("type = \"sphere\", radius = 1, segments = 4.5"), "shape.segments",
      "whole number"},
     {"cone without height", FRINGE_OBJECT("type = \"cone\", radius = 1"), "shape.height", "is missing"},
-    {"arc inside out",
+    {"arc whose inner radius is the larger one",
      FRINGE_OBJECT("type = \"arc\", inner_radius = 2, outer_radius = 1, height = 1, degrees = 9"),
      "shape.outer_radius", "greater than inner_radius"},
     {"arc of 361 degrees",
@@ -326,12 +356,38 @@ const std::vector<BadScene> bad_scenes{
      "greater than zero"},
     {"unknown potential",
      "[[object]]\nname = \"o\"\nshape = { type = \"cube\", size = 1 }\npotential = \"high\"\n",
-     "object \"o\": potential", R"("grounded" or "floating")"},
+     "object \"o\": potential", R"(must be "grounded", "floating" or "electrode")"},
     {"potential and material",
      "[[object]]\nname = \"o\"\nshape = { type = \"cube\", size = 1 }\npotential = \"grounded\"\nmaterial = "
      "{ "
      "relative_permittivity = 2 }\n",
-     "material", "beside potential"},
+     "material", "cannot be combined with potential"},
+    {"conductor and material",
+     FRINGE_OBJECT(
+         "type = \"cube\", size = 1") "conductor = \"c\"\nmaterial = { relative_permittivity = 2 }\n",
+     "object \"o\": material", "cannot be combined with conductor"},
+    {"empty name of a conductor", FRINGE_OBJECT("type = \"cube\", size = 1") "conductor = \"\"\n",
+     "object \"o\": conductor", "must not be empty"},
+    {"conductor with the name of a sensor",
+     FRINGE_SENSOR("{ corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }")
+         FRINGE_OBJECT("type = \"cube\", size = 1") "conductor = \"s\"\n",
+     "object \"o\": conductor", "\"s\" is the name of a sensor"},
+    {"conductor with the name of a distance sensor",
+     "[[distance_sensor]]\nname = \"d\"\napex = [0, 0, 0]\ndirection = [0, 0, 1]\nfull_angle_degrees = "
+     "18\nrange = 1\n" FRINGE_OBJECT("type = \"cube\", size = 1") "conductor = \"d\"\n",
+     "object \"o\": conductor", "\"d\" is the name of a sensor"},
+    {"conductor with the name of an object outside it",
+     FRINGE_OBJECT(
+         "type = \"cube\", size = 1") "conductor = \"p\"\n[[object]]\nname = \"p\"\nshape = { type = "
+                                      "\"cube\", size = 1 }\nconductor = \"c\"\n",
+     "object \"o\": conductor", "\"p\" is the name of an object outside this conductor"},
+    {"conductor at two potentials",
+     FRINGE_OBJECT(
+         "type = \"cube\", size = 1") "conductor = \"c\"\n[[object]]\nname = \"p\"\nshape = { type = "
+                                      "\"cube\", size = 1 }\nconductor = \"c\"\npotential = "
+                                      "\"electrode\"\n",
+     "object \"p\": conductor",
+     "one conductor has one potential, but \"o\" is grounded and \"p\" is electrode"},
     {"material without permittivity",
      "[[object]]\nname = \"o\"\nshape = { type = \"cube\", size = 1 }\nmaterial = {}\n",
      "material.relative_permittivity", "is missing"},
@@ -341,7 +397,7 @@ const std::vector<BadScene> bad_scenes{
     {"object name that a sensor has",
      FRINGE_SENSOR(
          "{ corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }") "[[object]]\nname = \"s\"\n",
-     "object[0].name", "\"s\" is taken"},
+     "object[0].name", "\"s\" is already used"},
 };
 
 #undef FRINGE_SENSOR

@@ -73,7 +73,7 @@ TEST(Reduced, AgreesWithBoundaryElements) {
 }
 
 /// C/4πεa of the square plate and of the cube (BOUNDARY_ELEMENTS.md, section 7).
-TEST(Reduced, BodiesOnTheirOwn) {
+TEST(Reduced, GivesTheCapacitanceOfABodyAlone) {
   Scene plate, cube;
   plate.sensors = {sensor("plate", {square(0.1, 0)})};
   cube.objects = {object("cube", Cuboid{2, 2, 2}, at(0.3, 0, 0))};
@@ -183,7 +183,7 @@ TEST(Reduced, DeltaSelfOfAFarObject) {
   }
 }
 
-TEST(Reduced, NearContactIsRightOrNotReached) {
+TEST(Reduced, IsAccurateNearContactOrSaysThatItIsNot) {
   for (const double gap : {1e-2, 4e-3, 2e-3})
     for (const int steps : {1, 2}) {
       const MaxwellMatrix answer = reduced_capacitance(plate_above_sensor(gap), {.steps = steps, .rtol = {}});
@@ -195,7 +195,7 @@ TEST(Reduced, NearContactIsRightOrNotReached) {
     EXPECT_FALSE(reduced_capacitance(plate_above_sensor(gap)).reached) << gap;
 }
 
-TEST(Reduced, KnowsNothingOfAShadowNarrowerThanItsFunctions) {
+TEST(Reduced, StatesNoFiniteErrorForAChargeNarrowerThanItsFunctions) {
   Scene scene = plate_above_sensor(0.01);
   const Shape wall = Plate{4, 4};
   for (const Shape& shape : {Shape(Plate{2, 2}), wall, Shape(Mesh{"", 1, triangulate(wall)})}) {

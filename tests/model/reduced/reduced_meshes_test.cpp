@@ -182,9 +182,7 @@ TEST(ReducedMeshes, ContactsAreRefusedAndForgotten) {
 TEST(ReducedMeshes, TheGapIsNoMoreThanTheDistance) {
   using detail::PlacedBody;
   const detail::PreparedShape ball(mesh_of(Sphere{1, 10}).triangles, 0.02);
-  const detail::ChargedFace face{Vector3d::Zero(),      Vector3d::UnitX(), Vector3d::UnitY(), 1, 1,
-                                 detail::EdgeKind::thin};
-  const detail::PreparedShape plate(std::vector<detail::ChargedFace>{face}, Vector3d(1, 1, 0));
+  const detail::PreparedShape plate(detail::plate_at_origin(1, 1));
   Random random(3);
   int known = 0;
   for (int k = 0; k < 200; ++k) {

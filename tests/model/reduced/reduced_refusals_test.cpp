@@ -28,7 +28,9 @@ TEST(ReducedRefusals, TooManyTrianglesByName) {
               HasSubstr("object \"target\" has 5040 triangles"));
 }
 
-TEST(ReducedRefusals, DielectricsAndRooms) {
+TEST(ReducedRefusals, DielectricsElectrodesAndRooms) {
+  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].role = Electrode{}; }),
+              HasSubstr("object \"target\" is an electrode"));
   EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].role = Dielectric{3}; }),
               HasSubstr("object \"target\" is dielectric"));
   EXPECT_THAT(refusal([](Scene& scene) { scene.has_room = true; }), HasSubstr("room"));

@@ -7,13 +7,12 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <rapidjson/prettywriter.h>
-#include <rapidjson/stringbuffer.h>
+#include <nlohmann/json.hpp>
 
 namespace fringe::stress {
 namespace {
 
-using Writer = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
+using Json = nlohmann::ordered_json;
 
 /// Returns the quantile: the smallest member that at least this share of all members do not exceed.
 std::optional<double> quantile(std::vector<double>& numbers, double share) {
@@ -53,71 +52,46 @@ MethodSummary summarize(const Assessment& assessment, Judged method) {
   return summary;
 }
 
-void write(Writer& writer, const char* key, std::size_t number) {
-  writer.Key(key);
-  writer.Uint64(number);
+Json description(std::optional<double> number) {
+  return number ? Json(*number) : Json();
 }
 
-void write(Writer& writer, const char* key, std::optional<double> number) {
-  writer.Key(key);
-  if (number)
-    writer.Double(*number);
-  else
-    writer.Null();
+Json description(const MethodSummary& method) {
+  return {{"triangles", method.triangles},
+          {"not_finite", method.not_finite},
+          {"largest_error", description(method.largest_error)},
+          {"median_error", description(method.median_error)},
+          {"largest_over_conditioning", description(method.largest_over_conditioning)},
+          {"median_over_conditioning", description(method.median_over_conditioning)},
+          {"percentile_99_over_conditioning", description(method.percentile_99_over_conditioning)},
+          {"wrong_by_1_percent", method.wrong_by_1_percent}};
 }
 
-void write(Writer& writer, const MethodSummary& method) {
-  writer.StartObject();
-  write(writer, "triangles", method.triangles);
-  write(writer, "not_finite", method.not_finite);
-  write(writer, "largest_error", method.largest_error);
-  write(writer, "median_error", method.median_error);
-  write(writer, "largest_over_conditioning", method.largest_over_conditioning);
-  write(writer, "median_over_conditioning", method.median_over_conditioning);
-  write(writer, "percentile_99_over_conditioning", method.percentile_99_over_conditioning);
-  write(writer, "wrong_by_1_percent", method.wrong_by_1_percent);
-  writer.EndObject();
-}
-
-void write(Writer& writer, const ClassSummary& summary) {
-  writer.StartObject();
-  writer.Key("name");
-  writer.String(summary.of_class.name.c_str());
-  write(writer, "triangles", summary.triangles);
-  writer.Key("well_behaved");
-  writer.Bool(summary.of_class.well_behaved);
-  write(writer, "truth_failed", summary.truth_failed);
-  writer.Key("methods");
-  writer.StartObject();
-  for (const auto& [name, method] : summary.methods) {
-    writer.Key(name.c_str());
-    write(writer, method);
-  }
-  writer.EndObject();
-  writer.Key("error_over_allowed");
-  writer.StartObject();
+Json description(const ClassSummary& summary) {
+  Json methods = Json::object();
+  for (const auto& [name, method] : summary.methods)
+    methods[name] = description(method);
+  Json over_allowed = Json::object();
   for (std::size_t k = 0; k < tolerances.size(); ++k)
-    write(writer, fmt::format("{}", tolerances[k]).c_str(), std::optional(summary.largest_over_allowed[k]));
-  writer.EndObject();
-  writer.EndObject();
+    over_allowed[fmt::format("{}", tolerances[k])] = summary.largest_over_allowed[k];
+  return {{"name", summary.of_class.name},
+          {"triangles", summary.triangles},
+          {"well_behaved", summary.of_class.well_behaved},
+          {"truth_failed", summary.truth_failed},
+          {"methods", methods},
+          {"error_over_allowed", over_allowed}};
 }
 
 std::string to_json(const Summary& summary) {
-  rapidjson::StringBuffer buffer;
-  Writer writer(buffer);
-  writer.StartObject();
-  write(writer, "count", summary.count);
-  writer.Key("seed");
-  writer.Uint64(summary.seed);
-  write(writer, "seconds", std::optional<double>(summary.seconds));
-  write(writer, "limit", std::optional<double>(limit));
-  writer.Key("classes");
-  writer.StartArray();
+  Json classes = Json::array();
   for (const ClassSummary& of_class : summary.classes)
-    write(writer, of_class);
-  writer.EndArray();
-  writer.EndObject();
-  return buffer.GetString();
+    classes.push_back(description(of_class));
+  const Json document{{"count", summary.count},
+                      {"seed", summary.seed},
+                      {"seconds", summary.seconds},
+                      {"limit", limit},
+                      {"classes", classes}};
+  return document.dump(4);
 }
 
 }  // namespace

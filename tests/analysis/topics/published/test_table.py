@@ -72,7 +72,11 @@ def test_rows_drawn_by_chance_are_found_again(
         scene = tmp_path / row.case / SCENE
         store.write_text(scene, cases[row.case].text)
         solved = stage.boundary(model_module(), scene)
-        matrix, error, change = np.array(solved["maxwell"]), np.array(solved["error"]), solved["delta_self"]
+        matrix, error, change = (
+            np.array(solved["maxwell"]),
+            np.array(solved["error"]),
+            solved["delta_self"]["sensor"],
+        )
         found = {
             MUTUAL: (-matrix[0, 1], error[0, 1]),
             rows.SENSOR: (matrix[0, 0], error[0, 0]),
@@ -122,7 +126,7 @@ def made_up(case: Case) -> Row:
         "maxwell": [[4 * PICO, -PICO], [-PICO, 2 * PICO]],
         "error": [[1e-5 * PICO] * 2] * 2,
         "lower_bounds": [True, True],
-        "delta_self": {"value": 0.6 * PICO, "error": 1e-5 * PICO},
+        "delta_self": {"sensor": {"value": 0.6 * PICO, "error": 1e-5 * PICO}},
     }
     upper = {"upper": [[4.04 * PICO, -1.01 * PICO], [-1.01 * PICO, 2.02 * PICO]]}
     return rows.row(case, boundary, upper, rows.Alone(3.39 * PICO, 3.41 * PICO))
@@ -147,7 +151,7 @@ def test_a_best_value_outside_its_bounds_is_refused(cases: dict[str, Case]) -> N
         "maxwell": [[4 * PICO, -PICO], [-PICO, 2 * PICO]],
         "error": [[0.0] * 2] * 2,
         "lower_bounds": [True, True],
-        "delta_self": {"value": 0.9 * PICO, "error": 1e-5 * PICO},
+        "delta_self": {"sensor": {"value": 0.9 * PICO, "error": 1e-5 * PICO}},
     }
     upper = {"upper": [[4.04 * PICO, -1.01 * PICO], [-1.01 * PICO, 2.02 * PICO]]}
     with pytest.raises(ValueError, match="delta_self .* is outside"):

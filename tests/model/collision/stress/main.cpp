@@ -10,8 +10,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <rapidjson/prettywriter.h>
-#include <rapidjson/stringbuffer.h>
+#include <nlohmann/json.hpp>
 
 #include "collision/convex_shape_data.hpp"
 #include "collision/gjk_filter.hpp"
@@ -99,32 +98,19 @@ Tally run(const PairClass& pair_class, std::size_t pairs, std::uint64_t seed) {
   return tally;
 }
 
-using Writer = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
-
-void write(Writer& writer, std::string_view name, const Tally& tally) {
-  writer.StartObject();
-  writer.Key("name");
-  writer.String(name.data(), static_cast<rapidjson::SizeType>(name.size()));
-  const std::array<std::pair<const char*, std::size_t>, 7> counts{{{"pairs", tally.pairs},
-                                                                   {"intersecting", tally.intersecting},
-                                                                   {"wrong", tally.wrong},
-                                                                   {"unproven", tally.unproven},
-                                                                   {"exact", tally.close},
-                                                                   {"thesis_wrong", tally.thesis_wrong},
-                                                                   {"thesis_endless", tally.thesis_endless}}};
-  for (const auto& [key, value] : counts) {
-    writer.Key(key);
-    writer.Uint64(value);
-  }
-  writer.EndObject();
+nlohmann::ordered_json description(std::string_view name, const Tally& tally) {
+  return {{"name", name},
+          {"pairs", tally.pairs},
+          {"intersecting", tally.intersecting},
+          {"wrong", tally.wrong},
+          {"unproven", tally.unproven},
+          {"exact", tally.close},
+          {"thesis_wrong", tally.thesis_wrong},
+          {"thesis_endless", tally.thesis_endless}};
 }
 
 int run_all(std::size_t count, std::uint64_t seed, const std::string& json) {
-  rapidjson::StringBuffer buffer;
-  Writer writer(buffer);
-  writer.StartObject();
-  writer.Key("classes");
-  writer.StartArray();
+  nlohmann::ordered_json classes = nlohmann::ordered_json::array();
   fmt::print("{:<20} {:>9} {:>12} {:>6} {:>9} {:>9} {:>12} {:>14}\n", "class", "pairs", "intersecting",
              "wrong", "unproven", "close", "thesis wrong", "thesis endless");
   std::size_t failures = 0;
@@ -134,13 +120,11 @@ int run_all(std::size_t count, std::uint64_t seed, const std::string& json) {
                tally.intersecting, tally.wrong, tally.unproven, tally.close, tally.thesis_wrong,
                tally.thesis_endless);
     std::fflush(stdout);
-    write(writer, pair_class.name, tally);
+    classes.push_back(description(pair_class.name, tally));
     failures += tally.wrong + tally.unproven;
   }
-  writer.EndArray();
-  writer.EndObject();
   if (!json.empty())
-    std::ofstream(json) << buffer.GetString() << '\n';
+    std::ofstream(json) << nlohmann::ordered_json{{"classes", classes}}.dump(4) << '\n';
   return failures == 0 ? 0 : 1;
 }
 

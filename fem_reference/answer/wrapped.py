@@ -1,0 +1,76 @@
+"""What it costs that bodies were wrapped: measured with wraps of two offsets, and what is proven nevertheless (NUMERICS.md section 13)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_reference.answer.convergence import Estimate
+from fem_reference.bodies.conductors import Conductors
+from fem_reference.bodies.wrapping import Wrap
+from fem_reference.solve.enclosure import Enclosure
+from fem_reference.solve.level import Level
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class GeometryError:
+    """By how much twice the offset of all wraps changes each entry (farads), and which bounds hold without wraps as well."""
+
+    growth: Array
+    """(n, n): the Maxwell matrix with twice the offset, less that with the offset used, on the coarsest mesh."""
+    growth_of_change: Array
+    """(m,): the same of the sensors' `delta_self`."""
+    upper_proven: Flags
+    """(n, n): which entries are with wraps at least as large as without."""
+    lower_proven: Flags
+    """(n, n): which entries are with wraps at most as large as without."""
+
+    @property
+    def error(self) -> Array:
+        """The error (n, n) of each entry that is stated for the wraps."""
+        return np.asarray(np.abs(self.growth))
+
+    def corrected(self, value: Array, error: Array) -> tuple[Array, Array]:
+        """The values extrapolated linearly to no offset, with their errors; the whole correction counts as error."""
+        return value - self.growth, error + self.error
+
+    def corrected_change(self, change: Estimate) -> Estimate:
+        """The same for the sensors' `delta_self`."""
+        error = change.error + np.abs(self.growth_of_change)
+        return Estimate(change.value - self.growth_of_change, error, change.extrapolated)
+
+    def widened(self, interval: Enclosure) -> Enclosure:
+        """The interval of the bodies as they are, from that of the wraps: by twice the growth, except where a bound stays proven."""
+        twice = 2 * self.growth
+        lower = interval.lower - np.where(self.lower_proven, 0.0, np.maximum(twice, self.error))
+        upper = interval.upper + np.where(self.upper_proven, 0.0, np.maximum(-twice, self.error))
+        off_diagonal = ~np.eye(len(upper), dtype=bool)
+        return Enclosure(lower, np.where(off_diagonal, np.minimum(upper, 0.0), upper))
+
+
+def geometry_error(problem: Conductors, level: Level, coarser: Level) -> GeometryError:
+    """Compare the coarsest levels with wraps of one offset and of twice that offset.
+
+    A larger conductor raises the matrix as a quadratic form, so that its diagonal is proven from above. A larger conductor that is
+    grounded lowers all potentials, so that it raises the entries between other conductors. A larger conductor that is driven raises all
+    potentials, so that it lowers its entries with other conductors. If several conductors, or a floating one, are wrapped, these two
+    statements about an entry may contradict each other, and the entry is not proven.
+    """
+    count = len(problem.names)
+    wrapped = {number for body, number in zip(problem.bodies, problem.owner) if isinstance(body, Wrap)}
+    rows = np.array([number in wrapped for number in range(count)])
+    only_grounded = all(number < count or number >= problem.driven for number in wrapped)
+    diagonal = np.eye(count, dtype=bool)
+    neither = ~rows[:, None] & ~rows[None]
+    either = rows[:, None] ^ rows[None]
+    return GeometryError(
+        coarser.maxwell - level.maxwell,
+        coarser.delta_self - level.delta_self,
+        diagonal | (neither & only_grounded),
+        ~diagonal & either & (len(wrapped) == 1),
+    )

@@ -1,0 +1,89 @@
+"""Which bodies touch: those of one conductor may, and make it one; between others contact is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from fem_reference.bodies.distances import TOUCHING, distance, gap_to_walls, holds, touch_with_faces
+from fem_reference.bodies.shapes import Cuboid
+from fem_reference.bodies.soup import Surface
+from geometries.common.errors import InputError
+
+SMALLEST_GAP = 1e-3
+"""Smallest gap that is meshed, over the smaller of the two bodies' sizes. The mesh resolves every gap, and the number of its cells is
+proportional to the square of size over gap: with a smaller gap it would not fit into memory."""
+
+
+def groups(count: int, pairs: Sequence[tuple[int, int]]) -> list[int]:
+    """The number (count,) of the group of each body, where the bodies of each pair are in one group; groups follow their first bodies."""
+    ends = np.array(pairs, dtype=np.int64).reshape(-1, 2)
+    graph = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(count, count))
+    label = connected_components(graph, directed=False)[1].tolist()
+    order = {group: k for k, group in enumerate(dict.fromkeys(label))}
+    return [order[group] for group in label]
+
+
+def meet(first: Surface, second: Surface) -> bool:
+    """Whether two bodies touch, overlap, or contain one another."""
+    if _boxes_apart(first, second):
+        return False
+    close = distance(first, second) <= TOUCHING * min(first.size, second.size)
+    return close or holds(first, second) or holds(second, first)
+
+
+def _boxes_apart(first: Surface, second: Surface, margin: float = 0.0) -> bool:
+    """Whether the bounding boxes of two bodies are farther apart than `margin` times the smaller of their sizes."""
+    one, other = (np.array([body.corners.min(axis=0), body.corners.max(axis=0)]) for body in (first, second))
+    gap = np.maximum(one[0] - other[1], other[0] - one[1]).max()
+    return bool(gap > max(margin, TOUCHING) * min(first.size, second.size))
+
+
+def refuse_contact(first: Surface, second: Surface, dielectric: bool, source: str, remedy: str = "") -> None:
+    """Raise InputError when two bodies meet, or are too close to mesh; a `dielectric` second body may touch the first with a face.
+
+    `remedy` ends the messages: words on what to do about it.
+    """
+    if _boxes_apart(first, second, SMALLEST_GAP):
+        return
+    key = f'"{first.name}" and "{second.name}"'
+    gap = distance(first, second)
+    size = min(first.size, second.size)
+    least = SMALLEST_GAP * size
+    if dielectric and gap <= TOUCHING * size and touch_with_faces(first, second):
+        return
+    for outer, inner in ((first, second), (second, first)):
+        if holds(outer, inner):
+            raise InputError(source, key, f'"{inner.name}" is inside "{outer.name}"{remedy}')
+    if gap <= TOUCHING * size and dielectric:
+        raise InputError(
+            source,
+            key,
+            "overlap, or touch elsewhere than with plane faces; a dielectric body may touch with plane faces of "
+            "plates, cuboids, cylinders and cones only",
+        )
+    if gap <= TOUCHING * size:
+        raise InputError(
+            source,
+            key,
+            "the conductors touch or cross: with different potentials their capacitance is infinite or meaningless; "
+            f"they have to be at least {least:.3g} m apart{remedy}",
+        )
+    if gap < least:
+        raise InputError(
+            source,
+            key,
+            f"the gap of {gap:.3g} m is below {SMALLEST_GAP:g} of the smaller size, too narrow to mesh: "
+            f"at least {least:.3g} m are needed{remedy}",
+        )
+
+
+def refuse_outside(body: Surface, room: Cuboid, source: str) -> None:
+    """Raise InputError when a body is outside of a room or too close to its walls."""
+    if gap_to_walls(body, room) < SMALLEST_GAP * body.size:
+        raise InputError(
+            source, "room", f'"{body.name}" is not inside, {SMALLEST_GAP:g} of its size off the walls'
+        )

@@ -1,0 +1,196 @@
+"""From the objects of a scene to bodies that can be meshed: grounded bodies that touch are merged, and what is not clean is wrapped."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_reference.bodies.boxes import cuboid_of
+from fem_reference.bodies.contacts import groups, meet, refuse_contact
+from fem_reference.bodies.distances import triangles_of
+from fem_reference.bodies.polyhedron import NotASolid, Polyhedron, polyhedron
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
+from fem_reference.bodies.shapes import Body, Cuboid, Rectangle
+from fem_reference.bodies.soup import Soup, Surface
+from fem_reference.bodies.wrapping import Geometry, containing_triangles, wrap
+from geometries.common.errors import InputError
+from geometries.scene import shapes
+from geometries.scene.scene import Object, Scene
+from geometries.scene.shapes import MeshShape, PlateShape
+
+Array = NDArray[np.float64]
+ClosedFormShape = PlateShape | shapes.Cuboid | shapes.Sphere | shapes.Cylinder | shapes.Cone | shapes.Arc
+
+MOST_TRIANGLES = 5000
+"""Largest number of triangles of a clean mesh that is meshed as it is unless `exact` is asked for. Every triangle of a round surface
+becomes a face of the geometry; NUMERICS.md section 8 has the times that meshing these takes."""
+MOST_TRIANGLES_UNITED = 300
+"""Largest number of triangles of clean meshes whose union OpenCASCADE is asked for unless `exact` is asked for."""
+ROUNDNESS = 1e-3
+"""Largest distance of the triangles of a round body that is wrapped from its surface, over the size of the body."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A body and the conductor it is a part of, by name; the name of a dielectric body itself."""
+
+    conductor: str
+    surface: Surface
+    cluster: str
+    """The name of the first of the bodies of one conductor that touch each other, among which this one is."""
+    dielectric: bool = False
+
+    @property
+    def body(self) -> Body:
+        """The surface of a part that can be meshed."""
+        assert not isinstance(self.surface, Soup)
+        return self.surface
+
+
+def object_part(scene: Scene, body: Object, geometry: Geometry, source: str) -> Part:
+    """The part that an object is by itself, in the world frame.
+
+    Raises InputError for a dielectric plate, and for a dielectric mesh that bounds no solid.
+    """
+    key = f'object "{body.name}"'
+    dielectric = body.relative_permittivity is not None
+    if dielectric and isinstance(body.shape, PlateShape):
+        raise InputError(source, f"{key}: shape.type", "a plate has no volume that could be dielectric")
+    rotation, translation = scene.pose_of_object(body.name)
+    surface: Surface
+    if isinstance(body.shape, MeshShape):
+        triangles = body.shape.triangles() @ rotation.T + translation
+        most = None if dielectric or geometry.kind == "exact" else MOST_TRIANGLES
+        surface = _surface_of_mesh(body.name, triangles, body.shape.file, most)
+        if isinstance(surface, Soup) and dielectric:
+            raise InputError(source, f"{key}: shape.file", surface.defect)
+    else:
+        surface = _body_of_shape(body.name, body.shape, rotation.T, translation)
+    return Part(body.name, surface, body.name, dielectric)
+
+
+def _surface_of_mesh(name: str, triangles: Array, file: str, most: int | None) -> Surface:
+    """The solid that triangles bound, a cuboid where it is one; the triangles themselves if they bound none or are more than `most`."""
+    if most is not None and len(triangles) > most:
+        return Soup(name, triangles, f"{file} has {len(triangles)} triangles, more than {most}")
+    try:
+        solid = polyhedron(name, triangles)
+    except NotASolid as reason:
+        return Soup(name, triangles, f"{file} {reason}")
+    return cuboid_of(solid) or solid
+
+
+def merged(parts: Sequence[Part], objects: Sequence[Object]) -> list[Part]:
+    """The parts that these objects are, with those made one conductor that have the same `conductor`, or are grounded and touch.
+
+    Such a conductor has the first name that an object in it gives it, else that of its first object. Bodies touch as well if they overlap
+    or contain one another.
+    """
+    pairs = list(combinations(range(len(parts)), 2))
+    told = [(i, j) for i, j in pairs if objects[i].conductor is not None]
+    told = [(i, j) for i, j in told if objects[i].conductor == objects[j].conductor]
+    grounded = [k for k, body in enumerate(objects) if body.potential == "grounded"]
+    candidates = sorted({*told, *combinations(grounded, 2)})
+    touching = [(i, j) for i, j in candidates if meet(parts[i].surface, parts[j].surface)]
+    conductor, cluster = groups(len(parts), told + touching), groups(len(parts), touching)
+    result = []
+    for k, part in enumerate(parts):
+        own = [body for body, number in zip(objects, conductor) if number == conductor[k]]
+        name = next((body.conductor for body in own if body.conductor is not None), own[0].name)
+        result.append(replace(part, conductor=name, cluster=parts[cluster.index(cluster[k])].surface.name))
+    return result
+
+
+def meshable(
+    scene: Scene, parts: Sequence[Part], room: Cuboid | None, geometry: Geometry, source: str
+) -> list[Part]:
+    """The parts with those that cannot be meshed as they are wrapped, those that touch together.
+
+    Raises InputError where that is needed and `exact` was asked for, or where a wrap reaches another conductor.
+    """
+    sensors = {sensor.name for sensor in scene.sensors}
+    found: list[Part] = []
+    for cluster in dict.fromkeys(part.cluster for part in parts):
+        own = [part for part in parts if part.cluster == cluster]
+        if own[0].dielectric or own[0].conductor in sensors or not _needs_wrap(own, geometry, source):
+            found += own
+        else:
+            rest = [part for part in parts if part.cluster != cluster]
+            found.append(_wrapped(scene, own, rest, room, geometry, source))
+    return found
+
+
+def _needs_wrap(own: Sequence[Part], geometry: Geometry, source: str) -> bool:
+    """Whether bodies that touch have to be wrapped. Raises InputError if they have to, but must not be."""
+    if geometry.kind == "wrapped":
+        return any(not isinstance(part.surface, Rectangle) for part in own)
+    for part in own:
+        if isinstance(part.surface, Soup) and geometry.kind == "exact":
+            raise InputError(
+                source,
+                f'object "{part.surface.name}": shape.file',
+                f"{part.surface.defect}; without --geometry exact it would be wrapped",
+            )
+    counts = [len(part.surface.triangles) for part in own if isinstance(part.surface, Polyhedron | Soup)]
+    if geometry.kind == "exact" or not counts:
+        return False
+    most = MOST_TRIANGLES if len(own) == 1 else MOST_TRIANGLES_UNITED
+    return sum(counts) > most or any(isinstance(part.surface, Soup) for part in own)
+
+
+def _wrapped(
+    scene: Scene,
+    own: Sequence[Part],
+    rest: Sequence[Part],
+    room: Cuboid | None,
+    geometry: Geometry,
+    source: str,
+) -> Part:
+    """The wrap of bodies that touch. Raises InputError when it meets another conductor or the walls."""
+    members = [(part.surface.name, _triangles(scene, part.surface)) for part in own]
+    others = [_triangles(scene, part.surface) for part in rest]
+    if room is not None:
+        walls = triangles_of(room)
+        assert walls is not None
+        others.append(walls)
+    around = wrap(members, np.concatenate(others), geometry)
+    result = replace(own[0], surface=around)
+    remedy = f'; "{around.name}" is wrapped, which closes hollows narrower than {2 * around.alpha:.3g} m'
+    for part in rest:
+        if part.conductor != result.conductor:
+            refuse_contact(around, part.surface, part.dielectric, source, remedy)
+    return result
+
+
+def _triangles(scene: Scene, surface: Surface) -> Array:
+    """Triangles that bound a body; those of a round one contain it."""
+    found = triangles_of(surface)
+    if found is not None:
+        return found
+    body = next(body for body in scene.objects if body.name == surface.name)
+    rotation, translation = scene.pose_of_object(body.name)
+    return np.asarray(containing_triangles(body.shape, ROUNDNESS * surface.size) @ rotation.T + translation)
+
+
+def _body_of_shape(name: str, shape: ClosedFormShape, axes: Array, centre: Array) -> Body:
+    """The body of a shape whose own frame has these axes (rows) and this origin in the world."""
+    match shape:
+        case PlateShape():
+            x, y = shape.size
+            return Rectangle(name, centre, axes, (x / 2, y / 2))
+        case shapes.Cuboid():
+            x, y, z = shape.size
+            return Cuboid(name, centre, axes, (x / 2, y / 2, z / 2))
+        case shapes.Sphere():
+            return Sphere(name, centre, shape.radius)
+        case shapes.Cylinder():
+            return Cylinder(name, centre, axes, shape.radius, shape.height)
+        case shapes.Cone():
+            return Cone(name, centre, axes, shape.radius, shape.height)
+        case shapes.Arc():
+            half_angle = np.radians(shape.degrees) / 2
+            return Arc(name, centre, axes, shape.inner_radius, shape.outer_radius, shape.height, half_angle)

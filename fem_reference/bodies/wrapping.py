@@ -1,0 +1,195 @@
+"""Wraps triangles in any state into a closed surface that strictly contains them: NUMERICS.md section 13.
+
+The wrap itself is made by CGAL's alpha wrap, in the program fringe-wrap. How closely it follows the triangles is chosen here, from the
+distance to whatever is nearest: there the wrap has to be exact.
+"""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_reference.bodies.shapes import Body
+from fem_reference.bodies.polyhedron import Polyhedron, connected_parts, smallest_width
+from fem_reference.bodies.triangle_distances import soup_distance
+from geometries.common import installation
+from geometries.scene import shapes
+from geometries.scene.shapes import Shape
+
+Vector = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+ALPHA_OF_GAP = 0.8
+"""Largest alpha, the radius of the narrowest hollow that the wrap follows, over the distance to the nearest other conductor. A ball of
+that distance around the other conductor's nearest point is empty, so that the wrap cannot bridge to it unless it lies in a cavity."""
+ALPHA_OF_EXTENT = 0.05
+"""Largest alpha over the extent of the wrapped bodies."""
+LEAST_SHARE, LARGEST_SHARE = 2e-3, 2e-2
+"""Least and largest distance of the wrap from what it contains, over the distance to the nearest other conductor. Between them it is the
+relative accuracy that was asked for: to first order, a displacement of a surface changes capacitances by this share of themselves."""
+ALLOWED_OVER_OFFSET = 2.0
+"""Distance up to which the wrap is simplified, over its offset; far from other conductors, over what the offset would be there."""
+MOST_OF_EXTENT = 0.01
+"""Largest distance of the simplified wrap from what it contains, over the extent of the wrapped bodies; it is reached far away only."""
+SAMPLES = 100_000
+"""Number of points on the wrapped bodies by which the body nearest to a place on the wrap is found."""
+MOST_SEGMENTS = 400
+"""Largest number of flat sides of a round body that is wrapped."""
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """How bodies are meshed; lengths in metres."""
+
+    kind: Literal["exact", "wrapped", "auto"] = "auto"
+    """`exact`: no body is wrapped. `wrapped`: every conductor made of objects is. `auto`: those that cannot be meshed as they are."""
+    alpha: float | None = None
+    """Radius of the narrowest hollow that a wrap follows; None: chosen for each conductor."""
+    offset: float | None = None
+    """Distance of a wrap from what it contains; None: chosen for each conductor."""
+    rtol: float = 1e-3
+    """Relative accuracy that was asked for, from which offsets are chosen."""
+    coarseness: float = 1.0
+    """Factor on all lengths of a wrap; the comparison of two of them shows what the wrap costs."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wrap(Polyhedron):
+    """A solid that strictly contains one or more bodies of one conductor."""
+
+    members: tuple[str, ...]
+    """The names of these bodies."""
+    samples: Vector
+    """Points (n, 3) on their surfaces."""
+    labels: Indices
+    """(n,): the position in `members` of the body that each point is on."""
+    alpha: float
+    """Radius (m) of the narrowest hollow that the wrap follows."""
+    offset: float
+    """Distance (m) of the wrap from what it contains, before it was simplified."""
+
+
+def member_names(body: Body) -> tuple[str, ...]:
+    """The names of the bodies that a body stands for: its own, unless it is a wrap."""
+    return body.members if isinstance(body, Wrap) else (body.name,)
+
+
+def wrap(members: Sequence[tuple[str, Vector]], others: Vector, geometry: Geometry) -> Wrap:
+    """Wrap the triangles (n, 3, 3) of bodies, named, of one conductor; `others` (m, 3, 3) are those of everything else, in metres.
+
+    Raises RuntimeError when the program fails or is missing.
+    """
+    triangles = np.concatenate([own for _, own in members])
+    alpha, offset, allowed, share, most = _lengths(triangles, others, geometry)
+    vertices, corners = _run(triangles, others, (alpha, offset, allowed, share, most))
+    parts = connected_parts(corners)
+    samples, labels = spread_points([own for _, own in members])
+    return Wrap(
+        members[0][0],
+        vertices,
+        corners,
+        tuple(parts),
+        smallest_width(vertices, corners, parts),
+        members=tuple(name for name, _ in members),
+        samples=samples,
+        labels=labels,
+        alpha=alpha,
+        offset=offset,
+    )
+
+
+def _lengths(
+    triangles: Vector, others: Vector, geometry: Geometry
+) -> tuple[float, float, float, float, float]:
+    """Alpha, offset, and the distances up to which the wrap may be simplified: everywhere, as a share of the distance to others, at most."""
+    extent = float(np.linalg.norm(np.ptp(triangles.reshape(-1, 3), axis=0)))
+    gap = soup_distance(triangles, others) if len(others) else math.inf
+    if gap == 0:
+        gap = extent
+    share = min(max(geometry.rtol, LEAST_SHARE), LARGEST_SHARE)
+    alpha = geometry.alpha or min(ALPHA_OF_GAP * gap, ALPHA_OF_EXTENT * extent)
+    offset = geometry.offset or share * min(gap, ALPHA_OF_EXTENT * extent)
+    offset *= geometry.coarseness
+    alpha = max(alpha * geometry.coarseness, 2 * offset)
+    allowed = ALLOWED_OVER_OFFSET * offset
+    share *= ALLOWED_OVER_OFFSET * geometry.coarseness
+    return alpha, offset, allowed, share, max(allowed, MOST_OF_EXTENT * extent)
+
+
+def _run(triangles: Vector, others: Vector, lengths: Sequence[float]) -> tuple[Vector, Indices]:
+    """Run fringe-wrap; returns the vertices and triangles of its surface."""
+    program = installation.wrap_program()
+    with tempfile.TemporaryDirectory() as folder:
+        names = [Path(folder) / name for name in ("in.off", "others.off", "out.off")]
+        _write_off(names[0], triangles)
+        _write_off(names[1], others)
+        words = [str(program), *map(str, names), *(repr(float(length)) for length in lengths)]
+        try:
+            done = subprocess.run(words, capture_output=True, text=True, check=False)
+        except FileNotFoundError as missing:
+            raise RuntimeError(f"wrapping failed: {program} is missing: ./run builds it") from missing
+        if done.returncode != 0:
+            raise RuntimeError(f"wrapping failed: {done.stderr.strip() or done.returncode}")
+        return _read_off(names[2])
+
+
+def _write_off(path: Path, triangles: Vector) -> None:
+    points, numbers = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    faces = np.column_stack([np.full(len(triangles), 3), numbers.reshape(-1, 3)])
+    with open(path, "w", encoding="ascii") as file:
+        file.write(f"OFF\n{len(points)} {len(faces)} 0\n")
+        np.savetxt(file, points, fmt="%.17g")
+        np.savetxt(file, faces, fmt="%d")
+
+
+def _read_off(path: Path) -> tuple[Vector, Indices]:
+    numbers = path.read_text(encoding="ascii").split()[1:]
+    points, faces = int(numbers[0]), int(numbers[1])
+    vertices = np.array(numbers[3 : 3 + 3 * points], dtype=np.float64).reshape(-1, 3)
+    corners = np.array(numbers[3 + 3 * points :], dtype=np.int64).reshape(faces, 4)[:, 1:]
+    return vertices, corners
+
+
+def spread_points(bodies: Sequence[Vector]) -> tuple[Vector, Indices]:
+    """Points spread over the triangles of each body, in proportion to their areas, with the number of the body."""
+    random = np.random.default_rng(1)
+    areas = [np.linalg.norm(np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]), axis=1) / 2 for t in bodies]
+    whole = sum(float(area.sum()) for area in areas)
+    points, labels = [], []
+    for k, (triangles, area) in enumerate(zip(bodies, areas)):
+        count = 1 + int(SAMPLES * area.sum() / whole)
+        chosen = random.choice(len(triangles), count, p=area / area.sum())
+        u, v = np.sqrt(random.random(count)), random.random(count)
+        weights = np.column_stack([1 - u, u * (1 - v), u * v])
+        points.append(np.einsum("nk,nki->ni", weights, triangles[chosen]))
+        labels.append(np.full(count, k))
+    return np.concatenate(points), np.concatenate(labels)
+
+
+def containing_triangles(shape: Shape, tolerance: float) -> Vector:
+    """Triangles (n, 3, 3) of a shape, in its frame; those of a round one contain it, and exceed it by at most about `tolerance`."""
+
+    def sides(radius: float, degrees: float = 360.0) -> int:
+        whole = math.pi / math.sqrt(2 * min(tolerance / radius, 0.1))
+        return max(3, math.ceil(min(max(whole, 24), MOST_SEGMENTS) * degrees / 360))
+
+    match shape:
+        case shapes.Cylinder() | shapes.Cone():
+            n = sides(shape.radius)
+            return replace(shape, radius=shape.radius / math.cos(math.pi / n), segments=n).triangles()
+        case shapes.Sphere():
+            n = 2 * math.ceil(sides(shape.radius) / 2)
+            return replace(shape, radius=shape.radius / math.cos(math.pi / n) ** 2, segments=n).triangles()
+        case shapes.Arc():
+            n = sides(shape.outer_radius, shape.degrees)
+            outer = shape.outer_radius / math.cos(math.radians(shape.degrees) / (2 * n))
+            return replace(shape, outer_radius=outer, segments=n).triangles()
+    return np.asarray(shape.triangles())

@@ -1,0 +1,205 @@
+#include "answers/answers.hpp"
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+namespace fringe::answers {
+namespace {
+
+Json numbers(const Eigen::Vector3d& vector) {
+  return {vector.x(), vector.y(), vector.z()};
+}
+
+Json rows(const Eigen::MatrixXd& matrix) {
+  Json result = Json::array();
+  for (const auto& row : matrix.rowwise())
+    result.push_back(std::vector<double>(row.begin(), row.end()));
+  return result;
+}
+
+Json description(const ObjectCapacitance& object) {
+  return {{"name", object.name},
+          {"capacitance", object.capacitance},
+          {"bound", object.bound},
+          {"skipped", object.skipped}};
+}
+
+/// Describes a sensor; `objects` and `more` keys about the sensor, which precede them, are described already.
+Json description(const SensorCapacitance& sensor, const Json& more, Json objects) {
+  Json result{{"name", sensor.name},
+              {"total", sensor.total},
+              {"voltage", sensor.voltage},
+              {"delta_voltage", sensor.delta_voltage},
+              {"contact", sensor.contact}};
+  result.update(more);
+  result["objects"] = std::move(objects);
+  return result;
+}
+
+Json description(const SensorCapacitance& sensor) {
+  Json objects = Json::array();
+  for (const ObjectCapacitance& object : sensor.objects)
+    objects.push_back(description(object));
+  return description(sensor, Json::object(), std::move(objects));
+}
+
+Json description(const CapacitanceOptions& options) {
+  return {{"method", to_string(options.method)},
+          {"plates", to_string(options.plates)},
+          {"faces", to_string(options.faces)},
+          {"tolerance", options.tolerance},
+          {"correction", to_string(options.correction)}};
+}
+
+Json description(const EvaluationCounts& counts) {
+  return {{"triangles_evaluated", counts.triangles_evaluated},
+          {"triangles_lumped", counts.triangles_lumped},
+          {"triangles_skipped", counts.triangles_skipped},
+          {"triangles_reused", counts.triangles_reused},
+          {"nodes_lumped", counts.nodes_lumped},
+          {"objects_evaluated", counts.objects_evaluated},
+          {"objects_skipped", counts.objects_skipped},
+          {"objects_reused", counts.objects_reused}};
+}
+
+/// Describes a Maxwell matrix, as every answer that contains one does.
+Json description(const MaxwellMatrix& matrix) {
+  return {{"reached", matrix.reached},          {"unknowns", matrix.unknowns},
+          {"conductors", matrix.conductors},    {"floating", matrix.floating},
+          {"maxwell", rows(matrix.values)},     {"error", rows(matrix.errors)},
+          {"lower_bounds", matrix.lower_bounds}};
+}
+
+/// Describes a sensor with its entries in the row of the Maxwell matrix, and their errors.
+Json description(const SensorCapacitance& sensor, const MaxwellMatrix& matrix, Eigen::Index row) {
+  Json objects = Json::array();
+  auto column = static_cast<Eigen::Index>(matrix.sensors);
+  for (const ObjectCapacitance& object : sensor.objects)
+    objects.push_back({{"name", object.name},
+                       {"capacitance", object.capacitance},
+                       {"error", matrix.errors(row, column++)},
+                       {"bound", object.bound},
+                       {"skipped", object.skipped}});
+  return description(sensor,
+                     {{"self", matrix.values(row, row)},
+                      {"self_error", matrix.errors(row, row)},
+                      {"delta_self", matrix.delta_self[row]},
+                      {"delta_self_error", matrix.delta_self_errors[row]}},
+                     std::move(objects));
+}
+
+/// Describes what the triangle-integral model computed.
+Json integral_answer(const SceneCapacitance& answer, const CapacitanceOptions& options, double seconds) {
+  Json sensors = Json::array();
+  for (const SensorCapacitance& sensor : answer.sensors)
+    sensors.push_back(description(sensor));
+  return {{"options", description(options)},
+          {"seconds", seconds},
+          {"counts", description(answer.counts)},
+          {"sensors", std::move(sensors)}};
+}
+
+/// Describes the sensors as integral_answer() does, and the Maxwell matrix by which they were evaluated.
+Json matrix_answer(const SceneCapacitance& answer, const MaxwellMatrix& matrix, const MaxwellRequest& request,
+                   double seconds) {
+  Json result{{"options", {{"method", request.method}, {"rtol", request.rtol}}}, {"seconds", seconds}};
+  result.update(description(matrix));
+  Json& sensors = result["sensors"] = Json::array();
+  Eigen::Index row = 0;
+  for (const SensorCapacitance& sensor : answer.sensors)
+    sensors.push_back(description(sensor, matrix, row++));
+  return result;
+}
+
+Json description(const DistanceReading& reading) {
+  Json result{{"name", reading.name},
+              {"distance", nullptr},
+              {"point", nullptr},
+              {"object", nullptr},
+              {"triangle", nullptr}};
+  if (const std::optional<SensedPoint>& closest = reading.closest) {
+    result["distance"] = closest->distance;
+    result["point"] = numbers(closest->point);
+    result["object"] = closest->object;
+    result["triangle"] = closest->triangle;
+  }
+  return result;
+}
+
+Json description(const MeshDefects& defects) {
+  return {{"without_area", defects.without_area},   {"duplicates", defects.duplicates},
+          {"open_edges", defects.open_edges},       {"branching_edges", defects.branching_edges},
+          {"flipped_edges", defects.flipped_edges}, {"t_junctions", defects.t_junctions},
+          {"crossings", defects.crossings},         {"shells", defects.shells}};
+}
+
+Json description(const ObjectInfo& object) {
+  return {
+      {"name", object.name},
+      {"triangles", object.triangles},
+      {"area", object.area},
+      {"volume", object.volume ? Json(*object.volume) : Json()},
+      {"aabb",
+       {{"minimum", numbers(object.bounding_box.min())}, {"maximum", numbers(object.bounding_box.max())}}},
+      {"defects", object.defects ? description(*object.defects) : Json()}};
+}
+
+}  // namespace
+
+CapacitanceOptions used_options(const EvaluationOptions& options) {
+  if (is_integral(options.method))
+    return integral_options(options);
+  return {.correction = Correction::formula};
+}
+
+Json capacitance_answer(const Evaluation& answer, const EvaluationOptions& options, double seconds) {
+  if (!answer.matrix)
+    return integral_answer(answer.capacitance, used_options(options), seconds);
+  return matrix_answer(answer.capacitance, *answer.matrix, {to_string(options.method), rtol_of(options)},
+                       seconds);
+}
+
+Json maxwell_answer(const MaxwellMatrix& matrix, double rtol, double seconds) {
+  Json changes = Json::object();
+  for (std::size_t s = 0; s < matrix.sensors; ++s) {
+    const auto row = static_cast<Eigen::Index>(s);
+    changes[matrix.conductors[s]] = {{"value", matrix.delta_self[row]},
+                                     {"error", matrix.delta_self_errors[row]}};
+  }
+  Json result{{"rtol", rtol}, {"seconds", seconds}};
+  result.update(description(matrix));
+  result["delta_self"] = std::move(changes);
+  return result;
+}
+
+Json collision_answer(const SceneCollision& answer, const Scene& scene) {
+  Json pairs = Json::array();
+  for (const ObjectPair& pair : all_pairs(answer, scene))
+    pairs.push_back({{"a", scene.objects[pair.a].name},
+                     {"b", scene.objects[pair.b].name},
+                     {"status", to_string(pair.status)}});
+  return {{"tests", {{"broad", answer.tests.broad}, {"narrow", answer.tests.narrow}}},
+          {"pairs", std::move(pairs)}};
+}
+
+Json sensing_answer(const std::vector<DistanceReading>& readings) {
+  Json sensors = Json::array();
+  for (const DistanceReading& reading : readings)
+    sensors.push_back(description(reading));
+  return {{"distance_sensors", std::move(sensors)}};
+}
+
+Json info_answer(const SceneInfo& info) {
+  Json objects = Json::array();
+  for (const ObjectInfo& object : info.objects)
+    objects.push_back(description(object));
+  return {{"counts",
+           {{"links", info.links},
+            {"sensors", info.sensors},
+            {"distance_sensors", info.distance_sensors},
+            {"objects", info.objects.size()},
+            {"triangles", info.triangles}}},
+          {"objects", std::move(objects)}};
+}
+
+}  // namespace fringe::answers

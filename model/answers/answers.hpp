@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "fringe/boundary_elements.hpp"
+#include "fringe/capacitance.hpp"
+#include "fringe/evaluation.hpp"
+#include "fringe/scene_collision.hpp"
+#include "fringe/scene_info.hpp"
+#include "fringe/scene_sensing.hpp"
+
+/// Describes every answer once: the command prints the description, and the Python module returns it.
+/// geometries/schemas contains a schema of each. Units are SI; a capacitance at contact is infinite.
+namespace fringe::answers {
+
+/// A JSON value whose keys keep their order.
+using Json = nlohmann::ordered_json;
+
+/// The method and the accuracy that were requested for a Maxwell matrix.
+struct MaxwellRequest {
+  std::string method;  ///< "boundary-elements", "reduced:K" or "recommended"
+  double rtol;
+};
+
+/// Returns the options of the triangle-integral model with which an evaluation without a Maxwell matrix was
+/// computed. The method `recommended` computes the correction `formula` then.
+CapacitanceOptions used_options(const EvaluationOptions& options);
+
+/// Describes an evaluation: the sensors with their objects, and either the Maxwell matrix or the work done.
+Json capacitance_answer(const Evaluation& answer, const EvaluationOptions& options, double seconds);
+
+/// Describes a Maxwell matrix and, by sensor, `delta_self`.
+Json maxwell_answer(const MaxwellMatrix& matrix, double rtol, double seconds);
+
+/// Describes all pairs of objects that can collide, and the work done.
+Json collision_answer(const SceneCollision& answer, const Scene& scene);
+
+/// Describes the readings of the distance sensors; all values are null where nothing is in a cone.
+Json sensing_answer(const std::vector<DistanceReading>& readings);
+
+/// Describes the counts and the geometry of a scene.
+Json info_answer(const SceneInfo& info);
+
+}  // namespace fringe::answers

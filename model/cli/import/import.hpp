@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fringe::cli {
+
+/// The arguments of `fringe import`. Those that are given must apply to the source's format.
+struct ImportRequest {
+  std::filesystem::path source;
+  std::filesystem::path target;
+  std::optional<std::string> geometry;               ///< of URDF: collision (default) or visual
+  std::vector<std::filesystem::path> package_paths;  ///< of URDF
+  std::vector<std::string> joints;                   ///< of URDF: lists NAME=POSITION,…; rad or m
+  std::optional<double> deflection;                  ///< of STEP: m
+};
+
+/// What was written, and what the user should know of it: one line each.
+struct ImportReport {
+  std::string written;
+  std::vector<std::string> warnings;
+};
+
+/// Imports a robot or a model: writes a scene file, and mesh files beside it. Throws InputError, with nothing
+/// written, when the source cannot be used.
+ImportReport import_scene(const ImportRequest& request);
+
+}  // namespace fringe::cli

@@ -1,0 +1,79 @@
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "fringe/error.hpp"
+#include "fringe/version.hpp"
+#include "import/import.hpp"
+
+// The program that `fringe import` starts. It is one of its own because the libraries that read models take a
+// tenth of a second to load, and because a damaged file may end them.
+namespace {
+
+using namespace fringe;
+
+enum ExitCode { answered = 0, failed = 1, wrong_input = 2 };
+
+void add_options(CLI::App& program, cli::ImportRequest& request) {
+  program.set_version_flag("--version", version());
+  program.add_option("SOURCE", request.source, "A .urdf, .gltf, .glb, .dae, .obj, .3mf, .step or .stp file")
+      ->required();
+  program
+      .add_option("SCENE", request.target,
+                  "The scene file to write (TOML); meshes go to a folder beside it, missing folders are made")
+      ->required();
+  program.add_option(
+      "--geometry", request.geometry,
+      "collision or visual: which geometry of a robot's links to take; if not given collision");
+  program
+      .add_option("--package-path", request.package_paths,
+                  "A folder that holds packages which package:// names; may be given several times")
+      ->allow_extra_args(false);
+  program
+      .add_option("--joints", request.joints,
+                  "Positions of a robot's joints, NAME=POSITION,… in rad or m; 0 for all others")
+      ->allow_extra_args(false);
+  program.add_option(
+      "--deflection", request.deflection,
+      "How far (m) the triangles of STEP may be from its surfaces; if not given 0.001 of the diagonal of "
+      "the bounding box");
+}
+
+int run(int argument_count, char** arguments) {
+  CLI::App program("Write a scene file with the links and bodies of a robot (URDF) or a model (glTF, "
+                   "COLLADA, OBJ, 3MF, STEP)",
+                   "fringe import");
+  cli::ImportRequest request;
+  add_options(program, request);
+  try {
+    program.parse(argument_count, arguments);
+  } catch (const CLI::ParseError& error) {
+    // Help and version also end in an "error", one with exit code 0.
+    return program.exit(error, std::cout, std::cerr) == 0 ? answered : wrong_input;
+  }
+  const cli::ImportReport report = cli::import_scene(request);
+  for (const std::string& warning : report.warnings)
+    fmt::print(stderr, "fringe: warning: {}\n", warning);
+  std::cout << report.written << '\n' << std::flush;
+  if (!std::cout)
+    throw std::runtime_error("the answer could not be written");
+  return answered;
+}
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+  try {
+    return run(argument_count, arguments);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "fringe: {}\n", error.what());
+    return wrong_input;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "fringe: {}\n", error.what());
+    return failed;
+  }
+}

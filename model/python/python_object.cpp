@@ -1,0 +1,62 @@
+#include "python_object.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+#include <nlohmann/json.hpp>
+#include <pybind11/numpy.h>
+
+namespace py = pybind11;
+
+namespace fringe::python {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+bool is_vector(const Json& value) {
+  return value.is_array() && !value.empty() &&
+         std::all_of(value.begin(), value.end(), [](const Json& part) { return part.is_number_float(); });
+}
+
+bool is_matrix(const Json& value) {
+  return value.is_array() && !value.empty() && std::all_of(value.begin(), value.end(), [&](const Json& row) {
+           return is_vector(row) && row.size() == value.front().size();
+         });
+}
+
+py::object list(const Json& array) {
+  py::list result;
+  for (const Json& part : array)
+    result.append(python_object(part));
+  return result;
+}
+
+py::object dictionary(const Json& object) {
+  py::dict result;
+  for (const auto& [key, part] : object.items())
+    result[py::str(key)] = python_object(part);
+  return result;
+}
+
+}  // namespace
+
+py::object python_object(const Json& value) {
+  if (is_vector(value) || is_matrix(value))
+    return py::array_t<double>(list(value));
+  if (value.is_array())
+    return list(value);
+  if (value.is_object())
+    return dictionary(value);
+  if (value.is_string())
+    return py::str(value.get<std::string>());
+  if (value.is_boolean())
+    return py::bool_(value.get<bool>());
+  if (value.is_number_integer())
+    return py::int_(value.get<std::int64_t>());
+  if (value.is_number_float())
+    return py::float_(value.get<double>());
+  return py::none();
+}
+
+}  // namespace fringe::python

@@ -1,0 +1,107 @@
+#include "reduced/single_body_system.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "bem/error_indicators.hpp"
+#include "bem/group_densities.hpp"
+#include "bem/single_layer_panels.hpp"
+#include "fringe/error.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::RowVectorXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+/// Ratio of the matrix elements' quadrature tolerance to the accuracy of the energies: the elements are much
+/// more accurate.
+constexpr double tolerance_per_accuracy = 0.2;
+
+/// Returns the energies of the charges in the coarse space, which has one density on each group.
+MatrixXd coarse_energies(const SingleBodySystem& panels, const VectorXd& shares, const MatrixXd& potentials) {
+  const MatrixXd reached = group_matrix(panels.mesh, shares, panels.matrix)
+                               .llt()
+                               .matrixL()
+                               .solve(group_means(panels.mesh, shares, potentials));
+  return reached.transpose() * reached;
+}
+
+/// Evaluates the potentials of degree 0 and 1 on the panels.
+MatrixXd plain_potentials(const PanelMesh& mesh) {
+  MatrixXd potentials(index_of(mesh.panels().size()), 4);
+  for (std::size_t k = 0; k < mesh.panels().size(); ++k)
+    potentials.row(index_of(k)) << 1, mesh.panels()[k].centre.transpose();
+  return potentials;
+}
+
+/// Factorises the matrix; refines the quadrature if it is not positive definite.
+void factorise(SingleBodySystem& panels) {
+  /// Finest relative tolerance of the quadratures. Below it, rounding errors dominate the matrix elements.
+  constexpr double finest_tolerance = 1e-13;
+  panels.factor.compute(panels.matrix.transpose());
+  while (panels.factor.info() != Eigen::Success) {
+    if (panels.tolerance < finest_tolerance)
+      throw InputError("its triangles overlap");
+    panels.tolerance /= 100;
+    panels.matrix = single_layer_matrix(panels.mesh.panels(), panels.tolerance);
+    panels.factor.compute(panels.matrix.transpose());
+  }
+}
+
+}  // namespace
+
+SingleBodySystem solve_single_body(std::span<const Triangle> triangles, double accuracy,
+                                   std::size_t most_panels) {
+  SingleBodySystem panels;
+  panels.tolerance = tolerance_per_accuracy * accuracy;
+  panels.mesh.add(0, triangles);
+  panels.matrix = single_layer_matrix(panels.mesh.panels(), panels.tolerance);
+  while (true) {
+    factorise(panels);
+    const MatrixXd potentials = plain_potentials(panels.mesh);
+    const MatrixXd responses = panels.factor.solve(potentials);
+    VectorXd own = potentials.cwiseProduct(responses).colwise().sum();
+    const VectorXd shares = area_shares(panels.mesh);
+    const VectorXd change = own - coarse_energies(panels, shares, potentials).diagonal();
+    // Least response that counts, relative to the largest one to a linear potential. A flat body has almost
+    // no response across it, and what is missing of it does not matter.
+    constexpr double least_response = 0.1;
+    own.tail(3) = own.tail(3).cwiseMax(least_response * own.tail(3).maxCoeff());
+    const double error = error_per_panel_change * (change.array() / own.array()).maxCoeff();
+    if (error <= accuracy)
+      return panels;
+    const VectorXd energies = error_indicators(panels.mesh, panels.matrix, shares, responses, own);
+    const std::size_t count = panels.mesh.panels().size();
+    const std::vector<bool> marked =
+        doerfler_marking(panels.mesh.groups(), energies, energies.sum() * accuracy / error,
+                         most_panels - std::min(most_panels, count));
+    if (marked.empty())
+      return panels;
+    const MatrixXd before = std::move(panels.matrix);
+    panels.mesh.refine(marked, responses);
+    panels.matrix =
+        single_layer_matrix(panels.mesh.panels(), panels.tolerance, {before, panels.mesh.places_before()});
+  }
+}
+
+MatrixXd missing_energies(const SingleBodySystem& panels, const MatrixXd& potentials,
+                          const MatrixXd& responses, const std::function<RowVectorXd(const Vector3d&)>& at) {
+  const MatrixXd reached = potentials.transpose() * responses;
+  MatrixXd missing = reached - coarse_energies(panels, area_shares(panels.mesh), potentials);
+  const SampledQuarters sampled = sampled_quarters(panels.mesh);
+  if (!sampled.panels.empty()) {
+    MatrixXd missing_potentials =
+        panel_potentials(sampled.panels, panels.mesh.panels(), -responses, panels.tolerance);
+    for (std::size_t k = 0; k < sampled.panels.size(); ++k)
+      missing_potentials.row(index_of(k)) += at(sampled.panels[k].centre);
+    missing += energy_of_quarters(sampled, missing_potentials, panels.tolerance);
+  }
+  return (missing + missing.transpose()) / 2;
+}
+
+}  // namespace fringe::detail

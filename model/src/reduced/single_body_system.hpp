@@ -1,0 +1,36 @@
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include "bem/panel_mesh.hpp"
+
+/// The solution for a single body of triangles (model/BOUNDARY_ELEMENTS.md, sections 8 and 9).
+namespace fringe::detail {
+
+/// The body's panels, their single-layer matrix (the upper triangle) and its Cholesky factor.
+struct SingleBodySystem {
+  PanelMesh mesh;
+  Eigen::MatrixXd matrix;
+  Eigen::LLT<Eigen::MatrixXd> factor;
+  double tolerance;  ///< of the quadratures for the matrix elements
+};
+
+/// Refines panels until the energies of the charges that potentials of degree 0 and 1 induce have an error
+/// below `accuracy`, as far as `most_panels` panels allow.
+/// @throws InputError for triangles that lie upon each other.
+SingleBodySystem solve_single_body(std::span<const Triangle> triangles, double accuracy,
+                                   std::size_t most_panels);
+
+/// Returns the energies that charges of one density on each group miss, plus those that unrefined elements
+/// miss for lack of their quarters: a symmetric matrix. `responses` are the panels' charges (rows) for so
+/// many potentials (columns), `potentials` their means on the panels, and `at` returns the potentials at a
+/// point.
+Eigen::MatrixXd missing_energies(const SingleBodySystem& panels, const Eigen::MatrixXd& potentials,
+                                 const Eigen::MatrixXd& responses,
+                                 const std::function<Eigen::RowVectorXd(const Eigen::Vector3d&)>& at);
+
+}  // namespace fringe::detail

@@ -1,0 +1,146 @@
+"""`fringe import` of STEP: parts are links, solids and named faces are bodies; how far triangles are from the surface is told."""
+
+from __future__ import annotations
+
+import math
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.end_to_end.importing import assert_refused, fringe_import, imported
+
+# A box of 10 x 20 x 30 mm, and a cylinder of radius 5 mm and height 40 mm at x = 50 mm.
+MAKE = """
+import gmsh, sys
+gmsh.initialize()
+gmsh.model.occ.addBox(0, 0, 0, 10, 20, 30)
+gmsh.model.occ.addCylinder(50, 0, 0, 0, 0, 40, 5)
+gmsh.model.occ.synchronize()
+gmsh.write(sys.argv[1])
+"""
+BOX, CYLINDER = 10 * 20 * 30e-9, math.pi * 25 * 40e-9
+
+
+@pytest.fixture(scope="module")
+def text(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A STEP file with two parts, "housing" and "pin", of one solid each, without names of solids and faces."""
+    path = tmp_path_factory.mktemp("step") / "parts.step"
+    subprocess.run([sys.executable, "-c", MAKE, path], check=True, capture_output=True, timeout=60)
+    made = path.read_text()
+    for number, name in (("1.1", "housing"), ("1.2", "pin"), ("1", "machine")):
+        product = f"Open CASCADE STEP translator 7.6 {number}"
+        made = made.replace(f"PRODUCT('{product}','{product}'", f"PRODUCT('{name}','{name}'").replace(
+            f"PRODUCT('{product}',\n  '{product}'", f"PRODUCT('{name}','{name}'"
+        )
+    assert "'pin'" in made
+    return made
+
+
+def written(tmp_path: Path, text: str) -> Path:
+    path = tmp_path / "model.step"
+    path.write_text(text)
+    return path
+
+
+def volume(triangles: np.ndarray) -> float:
+    return float(np.linalg.det(triangles).sum() / 6)
+
+
+def open_edges(triangles: np.ndarray) -> int:
+    """How many edges are without their opposite, as the single precision of the file has them."""
+    corners = [tuple(map(tuple, triangle)) for triangle in triangles.astype(np.float32).tolist()]
+    edges = {(t[i], t[(i + 1) % 3]) for t in corners for i in range(3)}
+    return sum((b, a) not in edges for a, b in edges)
+
+
+def test_parts_are_links_and_solids_closed_bodies_in_metres(tmp_path: Path, text: str) -> None:
+    scene = imported(written(tmp_path, text))
+    assert {link.name: link.parent for link in scene.links} == {
+        "machine": None,
+        "housing": "machine",
+        "pin": "machine",
+    }
+    found = scene.conductors()
+    assert list(found) == ["housing", "pin"]
+    assert {body.name: body.link for body in scene.objects} == {"housing": "housing", "pin": "pin"}
+    assert volume(found["housing"]) == pytest.approx(BOX, rel=1e-6)
+    assert len(found["housing"]) == 12
+    assert found["pin"].min(axis=(0, 1)) == pytest.approx([0.045, -0.005, 0], abs=1e-4)
+    assert CYLINDER * 0.97 < volume(found["pin"]) < CYLINDER
+    assert open_edges(found["housing"]) == open_edges(found["pin"]) == 0
+
+
+def test_the_unit_of_the_file_counts(tmp_path: Path, text: str) -> None:
+    scene = imported(written(tmp_path, text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)")))
+    assert volume(scene.conductors()["housing"]) == pytest.approx(BOX * 1e9, rel=1e-6)
+
+
+def test_named_faces_and_solids_are_bodies_with_their_names(tmp_path: Path, text: str) -> None:
+    named = re.sub(r"ADVANCED_FACE\(''", "ADVANCED_FACE('pad'", text, count=2)
+    named = re.sub(r"MANIFOLD_SOLID_BREP\(''", "MANIFOLD_SOLID_BREP('shell'", named, count=1)
+    found = imported(written(tmp_path, named)).conductors()
+    assert {name: len(triangles) for name, triangles in found.items()}.items() >= {
+        "shell": 8,
+        "pad": 4,
+    }.items()
+    both = np.concatenate([found["shell"], found["pad"]])
+    assert volume(both) == pytest.approx(BOX, rel=1e-6) and open_edges(both) == 0
+
+
+@pytest.mark.parametrize("asked", [1e-4, 1e-5, 1e-6])
+def test_triangles_are_as_near_to_the_surface_as_is_asked_and_told(
+    tmp_path: Path, text: str, asked: float
+) -> None:
+    path = written(tmp_path, text)
+    done = fringe_import(path, tmp_path / "scene.toml", "--deflection", str(asked))
+    told = re.search(r"triangles up to (\S+) m off the surface, (\S+) m asked for$", done.stdout.strip())
+    assert told and float(told[2]) == asked and float(told[1]) <= asked
+    pin = imported(path, "--deflection", str(asked)).conductors()["pin"]
+    side = pin[np.ptp(pin[:, :, 2], axis=1) > 1e-3]
+    middles = np.concatenate([(side[:, i] + side[:, i - 1]) / 2 for i in range(3)] + [side.mean(axis=1)])
+    depth = 0.005 - np.hypot(middles[:, 0] - 0.05, middles[:, 1])
+    # Two digits are told, and the file has single precision.
+    assert depth.max() <= float(told[1]) * 1.05 + 1e-8
+    assert depth.max() >= 0.5 * float(told[1])
+
+
+def test_the_default_is_told(tmp_path: Path, text: str) -> None:
+    done = fringe_import(written(tmp_path, text), tmp_path / "scene.toml")
+    # The diagonal of a box of 55 x 25 x 40 mm.
+    assert "7.2e-05 m asked for (0.001 of the diagonal)" in done.stdout
+
+
+def test_files_that_are_cut_off_are_refused(tmp_path: Path, text: str) -> None:
+    assert_refused(written(tmp_path, text[:9000]), "ends early")
+    assert_refused(written(tmp_path, text[:9000] + "\nENDSEC;\nEND-ISO-10303-21;\n"), "model.step: ")
+    assert_refused(written(tmp_path, "ISO-10303-21;\nEND-ISO-10303-21;\n"), "model.step: ")
+    assert_refused(written(tmp_path, "solid"), "is not a STEP file")
+    assert_refused(tmp_path / "missing.stp", "does not exist")
+
+
+def test_surfaces_that_cannot_be_read_are_refused(tmp_path: Path, text: str) -> None:
+    assert_refused(written(tmp_path, text.replace("CYLINDRICAL_SURFACE", "WOBBLY_SURFACE")), "model.step: ")
+    assert_refused(
+        written(
+            tmp_path,
+            re.sub(r"CARTESIAN_POINT\('',\(0\.,0\.,30\.\)\)", "CARTESIAN_POINT('',(0.,0.,1.E400))", text),
+        ),
+        "model.step: ",
+    )
+
+
+def test_deflection_is_for_step_and_greater_than_zero(tmp_path: Path, text: str) -> None:
+    path = written(tmp_path, text)
+    for wrong in ("0", "-1", "nan"):
+        assert_refused_option(path, wrong, "--deflection")
+    (tmp_path / "model.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    assert_refused_option(tmp_path / "model.obj", "1", "is an option for STEP")
+
+
+def assert_refused_option(path: Path, value: str, told: str) -> None:
+    done = fringe_import(path, path.with_name("wrong.toml"), "--deflection", value)
+    assert done.returncode == 2 and told in done.stderr and not path.with_name("wrong.toml").exists()

@@ -1,0 +1,134 @@
+"""Conductors of several bodies: however an L is put together, its matrix is the same within the stated errors."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+
+from fem_reference import maxwell
+from fem_reference.answer.reference import Reference
+from fem_reference.bodies.polyhedron import polyhedron
+from fem_reference.bodies.wrapping import Geometry
+from fem_reference.output.documents import document, table
+from geometries.scene.reader import loads
+
+SENSOR = """
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+"""
+
+
+def box(name: str, size: tuple[float, ...], at: tuple[float, ...]) -> str:
+    shape = f'{{ type = "cuboid", size = {list(size)} }}'
+    return f'[[object]]\nname = "{name}"\nshape = {shape}\ntranslation = {list(at)}\n'
+
+
+def mesh(folder: Path, triangles: np.ndarray) -> str:
+    points = triangles.reshape(-1, 3)
+    cells = [("triangle", np.arange(len(points), dtype=np.int32).reshape(-1, 3))]
+    meshio.write(folder / "foot.ply", meshio.Mesh(points, cells))
+    return f'[[object]]\nname = "foot"\nshape = {{ type = "mesh", file = "{folder / "foot.ply"}" }}\n'
+
+
+def outline() -> np.ndarray:
+    """The triangles of the L as one clean mesh."""
+    x, z = [-0.05, 0.05, 0.05, 0.01, 0.01, -0.05], [0.04, 0.04, 0.14, 0.14, 0.08, 0.08]
+    near, far = (np.column_stack([x, np.full(6, y), z]) for y in (-0.02, 0.02))
+    caps = [[0, 1, 4], [1, 2, 3], [1, 3, 4], [0, 4, 5]]
+    faces = [near[cap] for cap in caps] + [far[cap[::-1]] for cap in caps]
+    for i, j in zip(range(6), [1, 2, 3, 4, 5, 0]):
+        faces += [far[[i, j]].tolist() + [near[j]], [far[i], near[j], near[i]]]
+    return np.array([np.asarray(face) for face in faces])
+
+
+@cache
+def touching() -> Reference:
+    """One level is enclosed; the limit of time ends it there."""
+    scene = (
+        SENSOR
+        + box("foot", (0.1, 0.04, 0.04), (0, 0, 0.06))
+        + box("post", (0.04, 0.04, 0.06), (0.03, 0, 0.11))
+    )
+    return maxwell(loads(scene), rtol=1e-2, max_seconds=1e-3)
+
+
+def checked(scene: str) -> Reference:
+    """One level with estimated errors, whose bounds are wider and cost a tenth of those of `touching`."""
+    return maxwell(loads(scene), rtol=1e-2, max_seconds=1e-3, error="estimate")
+
+
+def agree(found: Reference) -> None:
+    """Both intervals contain the truth, and so overlap; the values differ by no more than the errors."""
+    other = touching()
+    assert found.names == other.names
+    bounds = found.enclosure or found.levels[0].check
+    assert bounds is not None
+    assert np.all(bounds.lower <= other.upper) and np.all(other.lower <= bounds.upper)
+    difference = np.abs(found.maxwell.value - other.maxwell.value)
+    assert np.all(difference <= found.maxwell.error + other.maxwell.error)
+    print(f"\ndifference {np.max(difference / np.abs(other.maxwell.value)):.1e}, stated {found.worst:.1e}")
+
+
+def test_touching_boxes_are_one_conductor_with_a_charge_on_each() -> None:
+    found = touching()
+    told = document(found)
+    assert told["conductors"] == ["front", "foot"] and told["members"] == [["front"], ["foot", "post"]]
+    assert found.worst <= 1e-2 and "one conductor: foot, post" in table(found)
+    for charges, row in zip(told["charges"], told["maxwell"]):
+        np.testing.assert_allclose(np.sum(charges, axis=0), row, rtol=1e-12)
+    foot, post = told["charges"][1]
+    assert foot[0] < post[0] < 0, "the foot is nearer to the sensor, and shields the post"
+    assert foot[1] > post[1] > 0
+
+
+def test_overlapping_boxes_have_the_same_matrix() -> None:
+    scene = (
+        SENSOR
+        + box("foot", (0.1, 0.04, 0.04), (0, 0, 0.06))
+        + box("post", (0.04, 0.04, 0.09), (0.03, 0, 0.095))
+    )
+    found = checked(scene)
+    agree(found)
+    np.testing.assert_allclose(found.maxwell.value, touching().levels[0].maxwell, rtol=1e-3)
+
+
+def test_a_clean_mesh_has_the_same_matrix(tmp_path: Path) -> None:
+    found = checked(SENSOR + mesh(tmp_path, outline()))
+    agree(found)
+    np.testing.assert_allclose(found.maxwell.value, touching().levels[0].maxwell, rtol=1e-3)
+    assert found.wraps == () and found.geometry is None
+
+
+def test_a_mesh_with_every_third_triangle_flipped_and_some_twice_has_the_same_matrix(tmp_path: Path) -> None:
+    """It is wrapped. What the wrap costs is stated, and the bounds that remain proven are not widened by it."""
+    clean = outline()
+    dirty = np.where((np.arange(len(clean)) % 3 == 0)[:, None, None], clean[:, ::-1], clean)
+    scene = loads(SENSOR + mesh(tmp_path, np.concatenate([dirty, clean[:2]])))
+    found = maxwell(scene, rtol=1e-2, max_seconds=1e-3, geometry=Geometry(alpha=0.03))
+    agree(found)
+    told = document(found)
+    assert told["members"] == [["front"], ["foot"]] and told["wrapped"][0]["members"] == ["foot"]
+    cost = np.array(told["geometry_error"])
+    assert np.all(cost > 0) and np.all(cost < 2e-2 * np.abs(found.maxwell.value))
+    proven = told["proven"]
+    assert proven["upper"] == [[True, False], [False, True]] and proven["lower"] == [
+        [False, True],
+        [True, False],
+    ]
+    assert found.levels[0].enclosure is not None
+    np.testing.assert_array_equal(np.diag(found.upper), np.diag(found.levels[0].enclosure.upper))
+    assert found.lower[0, 1] == found.levels[0].enclosure.lower[0, 1]
+    assert np.all(np.diag(found.upper) >= np.diag(touching().lower))
+    assert "wrapped: foot" in table(found) and "largest relative error due to the wraps" in table(found)
+
+
+def test_the_outline_is_clean() -> None:
+    triangles = outline()
+    polyhedron("L", triangles)
+    volume = np.einsum("ij,ij->", triangles[:, 0], np.cross(triangles[:, 1], triangles[:, 2])) / 6
+    assert volume == pytest.approx(0.1 * 0.04 * 0.04 + 0.04 * 0.04 * 0.06)

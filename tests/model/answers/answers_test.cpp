@@ -1,0 +1,102 @@
+#include "answers/answers.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace fringe::answers {
+namespace {
+
+const Plate square{0.1, 0.1};
+
+/// Returns a sensor of 10 cm at the origin and a plate of the same size in front of it.
+Scene plate_at(double height) {
+  Scene scene;
+  scene.sensors.push_back({"front", {}, 2.5, 5e-12, {{{-0.05, -0.05, 0}, {0.1, 0, 0}, {0, 0.1, 0}}}});
+  const Eigen::Isometry3d pose(Eigen::Translation3d(0, 0, height));
+  scene.objects.push_back({"target", {}, square, pose, Grounded{}, true});
+  return scene;
+}
+
+TEST(CapacitanceAnswer, HasEverySensorWithItsObjects) {
+  const Evaluation evaluation = evaluate(plate_at(0.02));
+  const SceneCapacitance& answer = evaluation.capacitance;
+  const Json described = capacitance_answer(evaluation, {}, 0.5);
+  EXPECT_EQ(described["seconds"], 0.5);
+  EXPECT_EQ(described["options"]["method"], "exact");
+  EXPECT_EQ(described["counts"]["triangles_evaluated"], 2);
+  ASSERT_EQ(described["sensors"].size(), 1U);
+  EXPECT_EQ(described["sensors"][0]["total"], answer.sensors[0].total);
+  EXPECT_EQ(described["sensors"][0]["objects"], Json::array({{{"name", "target"},
+                                                              {"capacitance", answer.sensors[0].total},
+                                                              {"bound", 0.0},
+                                                              {"skipped", false}}}));
+}
+
+TEST(CapacitanceAnswer, IsInfiniteOnContact) {
+  const Json sensor = capacitance_answer(evaluate(plate_at(0)), {}, 0)["sensors"][0];
+  EXPECT_EQ(sensor["contact"], true);
+  EXPECT_TRUE(std::isinf(sensor["total"].get<double>()));
+}
+
+TEST(CapacitanceAnswer, DescribesAMaxwellMatrixAsMaxwellAnswerDoes) {
+  const EvaluationOptions options{.method = BoundaryElements{}, .rtol = 0.1};
+  const Evaluation evaluation = evaluate(plate_at(0.02), options);
+  const MaxwellMatrix& matrix = evaluation.matrix.value();
+  const Json answer = capacitance_answer(evaluation, options, 0.5);
+  const Json alone = maxwell_answer(matrix, 0.1, 0.5);
+  for (const char* key :
+       {"seconds", "reached", "unknowns", "conductors", "floating", "maxwell", "error", "lower_bounds"})
+    EXPECT_EQ(answer[key], alone[key]) << key;
+  EXPECT_EQ(answer["options"]["method"], "boundary-elements");
+  EXPECT_EQ(answer["options"]["rtol"], alone["rtol"]);
+  EXPECT_EQ(answer["maxwell"][0][1], matrix.values(0, 1));
+  const Json& sensor = answer["sensors"][0];
+  EXPECT_EQ(sensor["self"], matrix.values(0, 0));
+  EXPECT_EQ(sensor["delta_self"], alone["delta_self"]["front"]["value"]);
+  EXPECT_EQ(sensor["delta_self_error"], alone["delta_self"]["front"]["error"]);
+  EXPECT_EQ(sensor["objects"][0]["capacitance"], matrix.mutual(0, 1));
+  EXPECT_EQ(sensor["objects"][0]["error"], matrix.errors(0, 1));
+}
+
+TEST(CapacitanceAnswer, NamesTheCorrectionThatRecommendedFallsBackTo) {
+  const EvaluationOptions options{.method = Recommended{}};
+  Scene in_a_room = plate_at(0.02);
+  in_a_room.has_room = true;
+  const Json answer = capacitance_answer(evaluate(in_a_room, options), options, 0.5);
+  EXPECT_EQ(answer["options"]["method"], "exact");
+  EXPECT_EQ(answer["options"]["correction"], "formula");
+}
+
+TEST(CollisionAnswer, NamesTheObjectsOfEveryPair) {
+  Scene scene = plate_at(0);
+  scene.objects.push_back({"other", {}, square, Eigen::Isometry3d::Identity(), Grounded{}, true});
+  EXPECT_EQ(collision_answer(collide(scene), scene)["pairs"],
+            Json::array({{{"a", "target"}, {"b", "other"}, {"status", "collision"}}}));
+}
+
+TEST(SensingAnswer, IsNullWhereNothingIsInTheCone) {
+  const std::vector<DistanceReading> readings{{"eye", SensedPoint{0.1, {1, 2, 3}, "target", 4}},
+                                              {"blind", {}}};
+  EXPECT_EQ(sensing_answer(readings)["distance_sensors"], Json::array({{{"name", "eye"},
+                                                                        {"distance", 0.1},
+                                                                        {"point", {1.0, 2.0, 3.0}},
+                                                                        {"object", "target"},
+                                                                        {"triangle", 4}},
+                                                                       {{"name", "blind"},
+                                                                        {"distance", nullptr},
+                                                                        {"point", nullptr},
+                                                                        {"object", nullptr},
+                                                                        {"triangle", nullptr}}}));
+}
+
+TEST(InfoAnswer, HasNoVolumeOfAnOpenSurface) {
+  const Json object = info_answer(scene_info(plate_at(0)))["objects"][0];
+  EXPECT_EQ(object["volume"], nullptr);
+  EXPECT_EQ(object["aabb"]["minimum"], Json({-0.05, -0.05, 0.0}));
+}
+
+}  // namespace
+}  // namespace fringe::answers
