@@ -51,7 +51,7 @@ def test_there_are_hundreds_of_all_families_and_in_random_poses() -> None:
     assert families["random"] >= 100 and all_set_ups() is everything
 
 
-def test_maps_are_full() -> None:
+def test_every_map_has_a_set_up_at_each_of_its_points() -> None:
     for group in MAPS:
         places = {each.place for each in all_set_ups() if each.group == group}
         gaps, across = ({place[axis] for place in places if place} for axis in (0, 1))
