@@ -13,9 +13,11 @@ import math
 import os
 import shlex
 import sys
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from geometries.common import installation
+from geometries.common.errors import InputError
 from geometries.common.interpreter import continue_with
 
 ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
@@ -138,8 +140,6 @@ def _parser(program: str) -> argparse.ArgumentParser:
 
 
 def _version() -> str:
-    from importlib.metadata import PackageNotFoundError, version
-
     try:
         return f"fem_reference with dolfinx {version('fenics-dolfinx')}"
     except PackageNotFoundError:
@@ -154,9 +154,8 @@ def main(arguments: list[str] | None = None) -> int:
     from mpi4py import MPI
 
     from fem_reference.bodies.wrapping import Geometry
-    from fem_reference.output import documents
     from fem_reference.common.limits import Limits
-    from geometries.common.errors import InputError
+    from fem_reference.output import documents
 
     # Every process runs all of this and ends with the same status; only the first one prints messages.
     is_first = MPI.COMM_WORLD.rank == 0

@@ -16,7 +16,7 @@ import matplotlib
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.pipeline.keys import REPOSITORY
+from geometries.common.installation import ROOT
 
 matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
@@ -334,6 +334,6 @@ def draw(folder: Path) -> list[Path]:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="Draw the figures of the notes.")
-    parser.add_argument("folder", type=Path, nargs="?", default=REPOSITORY)
+    parser.add_argument("folder", type=Path, nargs="?", default=ROOT)
     for path in draw(parser.parse_args().folder):
         print(path)

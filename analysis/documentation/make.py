@@ -9,8 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from analysis.pipeline.keys import REPOSITORY
-from geometries.common.installation import is_installed
+from geometries.common.installation import ROOT, is_installed
 
 HERE = Path(__file__).parent
 _MADE_BY_SPHINX = ".buildinfo"
@@ -32,7 +31,7 @@ def build(folder: Path) -> Path:
         site = Path(name) / "site"
         _run(
             [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html"]
-            + ["-d", str(Path(name) / "doctrees"), "-c", str(HERE), str(REPOSITORY), str(site)]
+            + ["-d", str(Path(name) / "doctrees"), "-c", str(HERE), str(ROOT), str(site)]
         )
         _run(
             ["doxygen", str(HERE / "Doxyfile")], FRINGE_DOCUMENTATION=str(site / "analysis" / "documentation")
@@ -43,8 +42,6 @@ def build(folder: Path) -> Path:
 
 
 def _run(command: list[str], **variables: str) -> None:
-    done = subprocess.run(
-        command, cwd=REPOSITORY, capture_output=True, text=True, env={**os.environ, **variables}
-    )
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env={**os.environ, **variables})
     if done.returncode != 0:
         raise DocumentationError(f"{Path(command[0]).name}: {done.stderr.strip() or done.stdout.strip()}")

@@ -14,10 +14,10 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
-from analysis.pipeline.keys import REPOSITORY
+from geometries.common.installation import ROOT
 from geometries.studies import study
 
-PAGE = REPOSITORY / "model" / "MEASUREMENTS.md"
+PAGE = ROOT / "model" / "MEASUREMENTS.md"
 _TABLE = re.compile(r"(<!-- table (\d+) of (\S+) -->\n).*?(<!-- end -->)", re.DOTALL)
 _REDUCED = "build/bin/reduced_benchmark"
 _GROUP = re.compile(
@@ -46,9 +46,7 @@ def output_of(program: str) -> str:
 
 
 def _printed(program: str, *arguments: Path) -> str:
-    return subprocess.run(
-        [REPOSITORY / program, *arguments], capture_output=True, text=True, check=True
-    ).stdout
+    return subprocess.run([ROOT / program, *arguments], capture_output=True, text=True, check=True).stdout
 
 
 def reduced_tables(printed: str) -> str:

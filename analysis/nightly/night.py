@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.nightly import chunks, cluster
-from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.processes import ENDS_WITH_US, Processes, forget_unfinished_forms
 from analysis.pipeline.scheduler import Progress, parallel_jobs
 from analysis.results.store import write_text
@@ -26,6 +25,7 @@ from analysis.study.plan import Work
 from analysis.topics.history.nights import Night
 from analysis.topics.trade_off import stage as trade_off
 from geometries.common.errors import InputError
+from geometries.common.installation import ROOT
 from geometries.studies.study import Study
 
 LOG = "snakemake.log"
@@ -121,7 +121,7 @@ def _carry(jobs: list[chunks.Chunk], folder: Path, command: list[str], workers: 
 
     def snakemake() -> None:
         try:
-            finished = processes.run(command, REPOSITORY, _environment(folder))
+            finished = processes.run(command, ROOT, _environment(folder))
             printed.extend([finished.output, finished.errors])
         finally:
             ended.set()
@@ -139,7 +139,7 @@ def _carry(jobs: list[chunks.Chunk], folder: Path, command: list[str], workers: 
 
 
 def _environment(folder: Path) -> dict[str, str]:
-    path = os.pathsep.join(filter(None, [str(REPOSITORY), os.environ.get("PYTHONPATH", "")]))
+    path = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH", "")]))
     return os.environ | {"PYTHONPATH": path, cluster.NAME_VARIABLE: cluster.name(folder)}
 
 

@@ -18,11 +18,11 @@ from pathlib import Path
 
 from analysis.nightly import night
 from analysis.nightly.chunks import Chunk
-from analysis.pipeline.keys import REPOSITORY
 from analysis.results import study_results as results
 from analysis.results.store import write_json, write_text
 from analysis.results.units import PICOFARAD
 from analysis.study import plan
+from geometries.common.installation import ROOT
 from geometries.studies import study
 
 _STUDY = """
@@ -77,7 +77,7 @@ def _planning(folder: Path, count: int) -> Iterator[tuple[str, str]]:
 def _plan_of_snakemake(place: Path, jobs: list[Chunk]) -> None:
     """Lets Snakemake go through its whole plan without starting a job."""
     command = [*night.command(place, None, _WORKERS), "--dry-run", "--quiet"]
-    done = subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, check=True)
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     assert any(line.split()[:2] == ["solve", str(len(jobs))] for line in done.stdout.splitlines())
 
 
@@ -96,7 +96,7 @@ def _idle(folder: Path, count: int) -> str:
     ]
 
     def run() -> None:
-        subprocess.run(command, cwd=REPOSITORY, check=True, capture_output=True)
+        subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
 
     # The first run makes the report.
     run()

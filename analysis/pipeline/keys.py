@@ -18,7 +18,6 @@ from pathlib import Path
 from geometries.common.installation import ROOT, is_installed, module_folders
 from geometries.studies.study import Study
 
-REPOSITORY = ROOT
 
 _SOURCE_SUFFIXES = {".cpp", ".hpp", ".h", ".txt", ".cmake", ".in"}
 # The files of geometries that read scenes. A new family or a new motion must not invalidate answers.
@@ -55,12 +54,12 @@ def measurement_key(command: str, code: str, machine: dict[str, str]) -> str:
     return _hash({"command": command, "code": code, "machine": machine})
 
 
-def model_code(repository: Path = REPOSITORY) -> str:
+def model_code(repository: Path = ROOT) -> str:
     """Returns the version of the model: a hash of its sources."""
     return code_of(["model"], repository)
 
 
-def code_of(places: Iterable[str], repository: Path = REPOSITORY) -> str:
+def code_of(places: Iterable[str], repository: Path = ROOT) -> str:
     """Returns a hash of the files named, and of the C++ and CMake sources in the folders named."""
     found: list[Path] = []
     for place in (repository / name for name in places):
@@ -74,7 +73,7 @@ def code_of(places: Iterable[str], repository: Path = REPOSITORY) -> str:
     return _hash([code, *(hashlib.sha256(path.read_bytes()).hexdigest() for path in modules)])
 
 
-def reference_code(repository: Path = REPOSITORY) -> str:
+def reference_code(repository: Path = ROOT) -> str:
     """Returns the version of the reference: a hash of its sources, of the scene reader's, and of the packages' versions."""
     sources = list((repository / "fem_reference").rglob("*.py"))
     for pattern in _SCENE_SOURCES:
@@ -84,7 +83,7 @@ def reference_code(repository: Path = REPOSITORY) -> str:
     return _hash({"sources": hash_of_files(sources, repository), "packages": packages})
 
 
-def report_code(repository: Path = REPOSITORY) -> str:
+def report_code(repository: Path = ROOT) -> str:
     """Returns the version of the report: a hash of this package, with its templates, styles and scripts."""
     found = (repository / "analysis").rglob("*")
     return hash_of_files((path for path in found if path.suffix in _REPORT_SUFFIXES), repository)

@@ -9,13 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.pipeline import keys
-from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.processes import Processes
 from analysis.pipeline.stage import NoAnswer, Stage, parsed, unfinished_file
 from analysis.results import machine
 from analysis.results.store import Document
 from analysis.results.study_results import COLLISION, RUN_TIMES, STABILITY
-from geometries.common.installation import no_benchmark
+from geometries.common.installation import ROOT, no_benchmark
 
 _BIN = Path("build", "bin")
 # Exit statuses with an answer: everything is correct, and some values are wrong.
@@ -100,7 +99,7 @@ def stages(folder: Path) -> list[Stage]:
 
 def stage(measurement: Measurement, folder: Path) -> Stage:
     """Returns the stage of one measurement. Its key depends on the machine, as do run times and the instructions that the code chooses."""
-    code = keys.code_of(measurement.sources, REPOSITORY)
+    code = keys.code_of(measurement.sources, ROOT)
     key = keys.measurement_key(measurement.command, code, machine.identity())
     target = folder / measurement.file
     answer = functools.partial(_answer, measurement, target)
@@ -109,12 +108,12 @@ def stage(measurement: Measurement, folder: Path) -> Stage:
 
 def _answer(measurement: Measurement, target: Path, processes: Processes) -> Document:
     """Runs the program; the document says where its answer was measured and whether the program found it right."""
-    program = REPOSITORY / _BIN / measurement.program
+    program = ROOT / _BIN / measurement.program
     if not program.is_file():
         raise NoAnswer(no_benchmark(_BIN / measurement.program))
     with unfinished_file(target) as unfinished:
         arguments = [argument.replace(_ANSWER, str(unfinished)) for argument in measurement.arguments]
-        finished = processes.run([str(program), *arguments], REPOSITORY, dict(os.environ))
+        finished = processes.run([str(program), *arguments], ROOT, dict(os.environ))
         if finished.exit_code not in _ANSWERED or not unfinished.is_file():
             raise NoAnswer(finished.reason)
         answer = parsed(unfinished.read_text(encoding="utf-8"))

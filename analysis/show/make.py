@@ -6,16 +6,15 @@ import hashlib
 import json
 from pathlib import Path
 
-from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.model_stage import model_module
 from analysis.results.store import write_text
 from analysis.show import data as show_data, page as show_page
 from geometries.common.errors import InputError
-from geometries.common.installation import results_folder
+from geometries.common.installation import ROOT, results_folder
 from geometries.common.tables import is_file
 from geometries.scene import motion, reader
 
-SCENES = REPOSITORY / "geometries" / "scenes"
+SCENES = ROOT / "geometries" / "scenes"
 MOTION_SUFFIX = ".motion.toml"
 
 

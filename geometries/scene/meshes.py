@@ -1,6 +1,6 @@
 """Triangle meshes from files, and their conversion between formats.
 
-The formats of scenes have readers of their own, as strict as the C++ ones; meshio reads all others and writes.
+The formats of scenes have readers of their own, as strict as the C++ ones (CONTRIBUTING.md says why); meshio reads all others and writes.
 """
 
 from __future__ import annotations

@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.model_stage import model_module
 from analysis.results.units import percent
 from analysis.topics.corrections import estimates, evaluation, large_targets, shapes
 from analysis.topics.corrections.estimates import Errors
 from analysis.topics.corrections.evaluation import Evaluation
 from analysis.topics.corrections.set_ups import set_ups
+from geometries.common.installation import ROOT
 
-PAGE = REPOSITORY / "model" / "CORRECTIONS.md"
+PAGE = ROOT / "model" / "CORRECTIONS.md"
 _HEADER = (
     "| | rms | median | 95 % | worst | sealed rms / worst | left out rms / worst |",
     "|---|---|---|---|---|---|---|",

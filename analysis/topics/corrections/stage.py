@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from analysis.pipeline import keys, model_stage
-from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import run_all
 from analysis.pipeline.stage import NoAnswer, Stage, outdated
@@ -20,7 +19,7 @@ from analysis.results.study_results import Failure
 from analysis.topics.corrections import candidates, cases, evaluation
 from analysis.topics.corrections.set_ups import set_ups
 from analysis.topics.corrections.truths import FILE
-from geometries.common.installation import no_benchmark
+from geometries.common.installation import ROOT, no_benchmark
 
 FOLDER = "corrections"
 DOCUMENT = "corrections.json"
@@ -38,18 +37,18 @@ def run(folder: Path) -> list[Failure]:
 def stage(folder: Path) -> Stage:
     """Returns the stage of the one document."""
     python = [
-        path.relative_to(REPOSITORY).as_posix()
+        path.relative_to(ROOT).as_posix()
         for name in ("analysis/topics/corrections", "geometries")
-        for path in sorted((REPOSITORY / name).rglob("*.py"))
+        for path in sorted((ROOT / name).rglob("*.py"))
     ]
-    truths = FILE.relative_to(REPOSITORY).as_posix()
-    code = keys.code_of((*_SOURCES, *python, truths), REPOSITORY)
+    truths = FILE.relative_to(ROOT).as_posix()
+    code = keys.code_of((*_SOURCES, *python, truths), ROOT)
     key = keys.measurement_key(COMMAND, code, machine.identity())
     return Stage("corrections", "", folder / DOCUMENT, key, _SECONDS, _answer)
 
 
 def _answer(_: Processes) -> Document:
-    program = REPOSITORY / _BENCHMARK
+    program = ROOT / _BENCHMARK
     if not program.is_file():
         raise NoAnswer(no_benchmark(_BENCHMARK))
     try:
@@ -76,7 +75,7 @@ def evaluated(module: Any) -> Document:
     known = {str(entry["name"]): entry for entry in module.corrections()}
     known |= {each.name: each.description() for each in candidates.CANDIDATES}
     return {
-        "truths": FILE.relative_to(REPOSITORY).as_posix(),
+        "truths": FILE.relative_to(ROOT).as_posix(),
         "set_ups": len(found.estimates.names),
         "sealed": int(found.estimates.sealed.sum()),
         "corrections": [

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from analysis.pipeline import keys, model_stage
-from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import parallel_jobs, run_all
 from analysis.pipeline.stage import Stage, outdated
@@ -18,6 +17,7 @@ from analysis.results.store import Document, read_current, write_text
 from analysis.results.study_results import SCENE, Failure, case_folder
 from analysis.topics.errors import parts, set_ups
 from analysis.topics.errors.set_ups import SetUp
+from geometries.common.installation import ROOT
 
 FOLDER = "errors"
 """The folder of the answers, beside the folders of the studies' results."""
@@ -62,7 +62,7 @@ def load(folder: Path) -> dict[str, Document]:
     return found
 
 
-def code(repository: Path = REPOSITORY) -> str:
+def code(repository: Path = ROOT) -> str:
     """Returns the version of the code that makes the answers: the model with its boundary elements, and this package's definitions."""
     own = keys.hash_of_files(
         [repository / "analysis" / "topics" / "errors" / name for name in _SOURCES]

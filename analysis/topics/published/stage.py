@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from analysis.pipeline import keys, model_stage, reference_stage
-from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import Job, parallel_jobs, run_all
 from analysis.pipeline.stage import Stage, outdated
 from analysis.results.store import Document, is_current, read_current, write_text
 from analysis.results.study_results import REFERENCE, SCENE, Failure, case_folder
+from geometries.common.installation import ROOT
 from geometries.studies import study
 from geometries.studies.study import EMPTY, Case, Study
 
@@ -190,5 +190,5 @@ def _code(file: str) -> str:
     """Returns the version of the code that makes an answer; cached, because it is needed for hundreds of cases."""
     if file == BOUNDARY:
         return keys.model_code()
-    own = [] if file == REFERENCE else [REPOSITORY / "analysis" / "topics" / "published" / "upper_bound.py"]
-    return keys.reference_code() + (keys.hash_of_files(own, REPOSITORY) if own else "")
+    own = [] if file == REFERENCE else [ROOT / "analysis" / "topics" / "published" / "upper_bound.py"]
+    return keys.reference_code() + (keys.hash_of_files(own, ROOT) if own else "")

@@ -6,14 +6,13 @@ import functools
 from pathlib import Path
 
 from analysis.pipeline import keys
-from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import run_all
 from analysis.pipeline.stage import NoAnswer, Stage, outdated, unfinished_file
 from analysis.results import machine
 from analysis.results.store import Document, read_json
 from analysis.results.study_results import Failure
-from geometries.common import installation
+from geometries.common.installation import ROOT, from_repository
 
 ANSWER = "trade_off.json"
 NAME = "run time against error of all methods"
@@ -38,13 +37,13 @@ def load(folder: Path) -> Document | None:
 
 def command(folder: Path) -> str:
     """Returns the command, from the project's folder, that repeats the measurement."""
-    return f"python3 -m {_MODULE} {installation.from_repository(folder)} again.json"
+    return f"python3 -m {_MODULE} {from_repository(folder)} again.json"
 
 
 def key(cases: list[str]) -> str:
     """Returns the key, which depends on the machine because times do; `cases` are the identities of the set-ups."""
     return keys.measurement_key(
-        f"{_MODULE} {' '.join(cases)}", keys.code_of(_SOURCES, REPOSITORY), machine.identity()
+        f"{_MODULE} {' '.join(cases)}", keys.code_of(_SOURCES, ROOT), machine.identity()
     )
 
 

@@ -6,13 +6,13 @@ import functools
 from pathlib import Path
 
 from analysis.pipeline import keys
-from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import parallel_jobs, run_all
 from analysis.pipeline.stage import NoAnswer, Stage, outdated, parsed
 from analysis.results import machine
 from analysis.results.store import Document, read_json
 from analysis.results.study_results import Failure
+from geometries.common.installation import ROOT
 
 FOLDER = "verification"
 """The folder of the rows, beside the folders of the studies' results."""
@@ -48,7 +48,7 @@ def row_names() -> list[str]:
     return rows.row_names()
 
 
-def code(repository: Path = REPOSITORY) -> str:
+def code(repository: Path = ROOT) -> str:
     """Returns the version of the code that computes rows: the reference, and the set-ups and comparisons of this package."""
     own = keys.hash_of_files(
         [repository / "analysis" / "topics" / "verification" / name for name in _SOURCES], repository

@@ -30,10 +30,9 @@ ConeShape::ConeShape(const SensingCone& cone, double reach) : coordinates_(cone.
   shape_.size[0] = radius;
   shape_.size[1] = length / 2;
   shape_.bounding_radius = std::hypot(radius, length / 2) * widened;
-  // The apex is the upper end of the cone shape. This rotation is rounded more than a scene's poses are, but
-  // no more than the sizes.
-  const Vector3d axis = cone.direction.stableNormalized();
-  pose_.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), -axis).toRotationMatrix();
+  // The apex is the upper end of the cone shape; how the shape is turned about its axis does not matter.
+  const Vector3d axis = cone.direction.stableNormalized(), across = axis.unitOrthogonal();
+  pose_.linear() << across, across.cross(axis), -axis;
   pose_.translation() = cone.apex + length / 2 * axis;
 }
 

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from analysis.documentation import measurements
-from analysis.pipeline.keys import REPOSITORY
+from geometries.common.installation import ROOT
 
 PAGE = measurements.PAGE.read_text(encoding="utf-8")
 
@@ -32,7 +32,7 @@ def test_tables_are_replaced_and_nothing_else() -> None:
 
 
 def test_the_tables_have_the_columns_that_the_program_prints() -> None:
-    source = (REPOSITORY / "model/benchmarks/boundary_elements_benchmark.cpp").read_text(encoding="utf-8")
+    source = (ROOT / "model/benchmarks/boundary_elements_benchmark.cpp").read_text(encoding="utf-8")
     marked = re.findall(r"<!-- table \d of build/bin/boundary_elements_benchmark -->\n(\|.*)\n(\|.*)\n", PAGE)
     assert len(marked) == 2
     for header, line in marked:

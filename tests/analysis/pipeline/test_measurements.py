@@ -231,7 +231,7 @@ class Workshop:
 @pytest.fixture
 def workshop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Workshop:
     made = Workshop(tmp_path)
-    monkeypatch.setattr(measurement_stage, "REPOSITORY", made.repository)
+    monkeypatch.setattr(measurement_stage, "ROOT", made.repository)
     monkeypatch.setattr(measurement_stage, "MEASUREMENTS", made.measurements)
     return made
 

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis.pipeline.keys import REPOSITORY
 from analysis.pipeline.model_stage import model_module
 from analysis.results.store import Document
 from analysis.results.units import percent
@@ -27,6 +26,7 @@ from analysis.topics.corrections import (
 )
 from analysis.topics.corrections.estimates import Array, Errors
 from analysis.topics.corrections.evaluation import Evaluation
+from geometries.common.installation import ROOT
 from geometries.scene import reader
 from geometries.scene.writer import canonical
 
@@ -37,7 +37,7 @@ RECOMMENDED_RMS, RECOMMENDED_WORST = 0.005, 0.01
 # Where the reduced method itself says that it has not reached its accuracy, bodies nearer than a thirtieth of their size.
 RECOMMENDED_WORST_NEAR = 0.025
 SET_UPS = "set_ups/corrections.html"
-FORMULA_CODE = REPOSITORY / "model" / "src" / "correction" / "formula.cpp"
+FORMULA_CODE = ROOT / "model" / "src" / "correction" / "formula.cpp"
 # The fit's own tolerance: its last digits depend on where it starts.
 FITTED_TO = 1e-3
 

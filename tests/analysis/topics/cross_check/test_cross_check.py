@@ -154,7 +154,7 @@ def test_round_bodies_are_not_compared_since_their_polyhedra_are_other_bodies(tm
     assert "polyhedron" in stored(ball, tmp_path)["refused"]
 
 
-def test_of_meshes_no_more_is_asked_than_of_the_field_solver(tmp_path: Path) -> None:
+def test_boundary_elements_of_a_mesh_are_asked_for_the_field_solvers_tolerance(tmp_path: Path) -> None:
     plates = families.parallel((0.1, 0.1), (0.1, 0.1), 0.04)
     (tmp_path / "wall.obj").write_text("v 0 0 0\nv .05 0 0\nv .05 .05 0\nv 0 .05 0\nf 1 2 3 4\n")
     scene = canonical(plates).split("[object.shape]")[0]

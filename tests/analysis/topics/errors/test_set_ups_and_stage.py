@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from analysis import __main__ as command_line
-from analysis.pipeline.keys import REPOSITORY
 from analysis.results import store
 from analysis.results.set_up import describe, rectangles
 from analysis.results.study_results import SCENE, case_folder
@@ -19,6 +18,7 @@ from analysis.results.table import MUTUAL, QUANTITIES
 from analysis.study import report
 from analysis.topics.errors import page, records, section, set_ups, stage
 from analysis.topics.errors.set_ups import MAPS, SetUp, all_set_ups
+from geometries.common.installation import ROOT
 from tests.analysis.synthetic import make_results, report_text
 
 
@@ -45,13 +45,13 @@ def test_there_are_hundreds_of_all_families_and_in_random_poses() -> None:
     count = len({each.id for each in everything})
     assert count >= 300
     for document in ("analysis/GUIDE.md", "analysis/topics/errors/ERRORS.md"):
-        assert f"{count} set-ups" in (REPOSITORY / document).read_text()
+        assert f"{count} set-ups" in (ROOT / document).read_text()
     families = Counter(each.family for each in everything)
     assert set(families) == {"parallel", "inclined", "edge", "corner", "straddle", "random"}
     assert families["random"] >= 100 and all_set_ups() is everything
 
 
-def test_maps_are_full() -> None:
+def test_every_map_has_a_set_up_at_each_of_its_points() -> None:
     for group in MAPS:
         places = {each.place for each in all_set_ups() if each.group == group}
         gaps, across = ({place[axis] for place in places if place} for axis in (0, 1))

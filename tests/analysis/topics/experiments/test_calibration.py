@@ -106,7 +106,7 @@ def test_too_few_points_are_refused(form: Form) -> None:
         calibrate(replace(curve, points=curve.points[:free]), form)
 
 
-def test_not_tuned_it_is_the_model_with_the_constants_of_the_scene() -> None:
+def test_an_untuned_curve_is_the_model_with_the_constants_of_the_scene() -> None:
     assert untuned(made(CAPACITANCES)) == pytest.approx(truth(5, 0, 1))
 
 
@@ -116,7 +116,7 @@ def test_deviations_carry_the_error_bars_over() -> None:
     assert (found.value[0], found.low[0], found.high[0]) == pytest.approx((0.2, 0.0, 0.5))
 
 
-def test_from_where_on_a_limit_is_kept() -> None:
+def test_the_distance_beyond_which_the_deviation_stays_below_a_limit() -> None:
     curve = made(np.ones(9))
     found = deviation(curve, 1 + np.array([0.3, -0.01, 0.2, -0.06, 0.04, 0, 0, 0.01, 0.02]))
     assert found.within(0.05) == pytest.approx(DISTANCES[4])

@@ -66,7 +66,7 @@ def test_every_method_of_the_module_answers_and_is_timed(measured: dict[str, Any
         assert 0 < seconds < 60 and 0 < value < 1e-10
 
 
-def test_what_knows_the_truth_comes_near_it_and_what_does_not_does_not(measured: dict[str, Any]) -> None:
+def test_solvers_meet_the_error_asked_for_and_the_plain_model_is_off(measured: dict[str, Any]) -> None:
     (truth,) = measured["truths"].values()
     off = {
         e["name"]: abs(next(iter(e["values"].values())) / truth["mutual"] - 1) for e in measured["methods"]
@@ -117,7 +117,7 @@ def test_the_finding_is_computed(found: Results) -> None:
     assert "spans 6.7 decades" in sentence
 
 
-def test_it_is_the_first_plot_of_the_report_where_it_was_measured(found: Results) -> None:
+def test_run_time_against_error_is_the_first_plot_of_a_report_once_measured(found: Results) -> None:
     assert PLOT not in report.make(found.folder).path.read_text()
     assert "Run time against error (mutual)" in report_text(found.folder)
     store.write_json(found.folder / stage.ANSWER, {"key": "", **document(found, **ERRORS)})
