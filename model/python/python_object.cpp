@@ -1,8 +1,10 @@
 #include "python_object.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 #include <pybind11/numpy.h>
@@ -25,6 +27,23 @@ bool is_matrix(const Json& value) {
          });
 }
 
+/// Copies the numbers of a value to a place in memory, from which it returns the end.
+double* copy_numbers(const Json& value, double* target) {
+  if (!value.is_array()) {
+    *target = value.get<double>();
+    return target + 1;
+  }
+  for (const Json& part : value)
+    target = copy_numbers(part, target);
+  return target;
+}
+
+py::object array(const Json& value, const std::vector<std::size_t>& shape) {
+  py::array_t<double> result(shape);
+  copy_numbers(value, result.mutable_data());
+  return result;
+}
+
 py::object list(const Json& array) {
   py::list result;
   for (const Json& part : array)
@@ -42,8 +61,10 @@ py::object dictionary(const Json& object) {
 }  // namespace
 
 py::object python_object(const Json& value) {
-  if (is_vector(value) || is_matrix(value))
-    return py::array_t<double>(list(value));
+  if (is_vector(value))
+    return array(value, {value.size()});
+  if (is_matrix(value))
+    return array(value, {value.size(), value.front().size()});
   if (value.is_array())
     return list(value);
   if (value.is_object())
