@@ -75,7 +75,9 @@ def code_of(places: Iterable[str], repository: Path = ROOT) -> str:
 
 def reference_code(repository: Path = ROOT) -> str:
     """Returns the version of the reference: a hash of its sources, of the scene reader's, and of the packages' versions."""
-    sources = list((repository / "fem_reference").rglob("*.py"))
+    sources = [
+        path for kind in ("*.py", "*.cpp", "*.hpp") for path in (repository / "fem_reference").rglob(kind)
+    ]
     for pattern in _SCENE_SOURCES:
         found = (repository / "geometries").glob(pattern)
         sources += [path for path in found if path.name not in _NOT_SOLVING]

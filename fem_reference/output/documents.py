@@ -41,6 +41,8 @@ INTERVAL: dict[ErrorKind, str] = {
     "listed as curved are those of second-order cells, whose deviation widens the interval by an estimate",
 }
 
+WRAPPED_INTERVAL = "; bodies were wrapped, and what that costs widens the bounds by an estimate, except for those that `proven` names"
+
 
 def answer(
     path: Path,
@@ -129,7 +131,7 @@ def document(reference: Reference) -> dict[str, Any]:
         "contradicted": reference.contradicted,
         "worst_relative_error": reference.worst,
         "error_kind": reference.error_kind,
-        "interval": INTERVAL[reference.error_kind],
+        "interval": INTERVAL[reference.error_kind] + (WRAPPED_INTERVAL if reference.wraps else ""),
         "curved": list(reference.curved),
         "symmetry_planes": [
             {"normal": plane.normal.tolist(), "offset": plane.offset} for plane in reference.planes

@@ -114,7 +114,7 @@ def test_a_mesh_with_every_third_triangle_flipped_and_some_twice_has_the_same_ma
     told = document(found)
     assert told["members"] == [["front"], ["foot"]] and told["wrapped"][0]["members"] == ["foot"]
     cost = np.array(told["geometry_error"])
-    assert np.all(cost > 0) and np.all(cost < 2e-2 * np.abs(found.maxwell.value))
+    assert np.all(cost > 0) and np.all(cost < 3e-2 * np.abs(found.maxwell.value))
     proven = told["proven"]
     assert proven["upper"] == [[True, False], [False, True]] and proven["lower"] == [
         [False, True],
