@@ -50,7 +50,7 @@ struct Evaluation {
 /// Evaluates every sensor of a scene by any method. `recommended` answers by the first of these that states
 /// errors within the one asked for:
 ///
-/// - the reduced method, if there are at most 100 bodies, and 4,000 triangles on those of them that are
+/// - the reduced method, if there are at most 30 bodies, and 4,000 triangles on those of them that are
 ///   neither plates nor boxes;
 /// - boundary elements of at most 1,000 unknowns;
 ///

@@ -17,9 +17,9 @@ namespace {
 /// plates nor boxes: some seconds, once for all poses.
 constexpr std::size_t most_prepared_triangles = 4'000;
 
-/// Largest number of bodies with which the reduced method is tried: it takes a fraction of a millisecond for
-/// each pair of them.
-constexpr std::size_t most_bodies = 100;
+/// Largest number of bodies with which the reduced method is tried: 100 boxes took more than 11 s of
+/// processor time, which grows like the number of pairs.
+constexpr std::size_t most_bodies = 30;
 
 /// Largest number of unknowns of boundary elements: a third of a second of processor time for each pose, and
 /// 5 s where two bodies almost touch. With 3,000 those took more than 90 s.
