@@ -46,13 +46,13 @@ void write_sensor(Writer& writer, const SensorCapacitance& felt, const MaxwellMa
   write_number(writer, "delta_self_error", matrix.delta_self_errors[sensor]);
   writer.Key("objects");
   writer.StartArray();
-  auto column = static_cast<Eigen::Index>(matrix.sensors);
-  for (const ObjectCapacitance& object : felt.objects) {
+  for (std::size_t k = 0; k < felt.objects.size(); ++k) {
+    const ObjectCapacitance& object = felt.objects[k];
     writer.StartObject();
     writer.Key("name");
     write_text(writer, object.name);
     write_number(writer, "capacitance", object.capacitance);
-    write_number(writer, "error", matrix.errors(sensor, column++));
+    write_number(writer, "error", matrix.errors(sensor, static_cast<Eigen::Index>(matrix.conductor_of(k))));
     write_number(writer, "bound", object.bound);
     writer.Key("skipped");
     writer.Bool(object.skipped);

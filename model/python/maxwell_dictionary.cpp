@@ -27,11 +27,13 @@ py::dict capacitance_dictionary(const Scene& scene, const MaxwellMatrix& matrix,
   Eigen::Index row = 0;
   for (const SensorCapacitance& felt : capacitance(scene, matrix).sensors) {
     py::list objects;
-    auto column = static_cast<Eigen::Index>(matrix.sensors);
-    for (const ObjectCapacitance& object : felt.objects)
+    for (std::size_t k = 0; k < felt.objects.size(); ++k) {
+      const ObjectCapacitance& object = felt.objects[k];
+      const auto column = static_cast<Eigen::Index>(matrix.conductor_of(k));
       objects.append(py::dict("name"_a = object.name, "capacitance"_a = object.capacitance,
-                              "error"_a = matrix.errors(row, column++), "bound"_a = object.bound,
+                              "error"_a = matrix.errors(row, column), "bound"_a = object.bound,
                               "skipped"_a = object.skipped));
+    }
     sensors.append(py::dict("name"_a = felt.name, "total"_a = felt.total, "voltage"_a = felt.voltage,
                             "delta_voltage"_a = felt.delta_voltage, "contact"_a = felt.contact,
                             "self"_a = matrix.values(row, row), "self_error"_a = matrix.errors(row, row),
