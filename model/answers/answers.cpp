@@ -20,27 +20,24 @@ Json rows(const Eigen::MatrixXd& matrix) {
 Json description(const ObjectCapacitance& object) {
   return {{"name", object.name},
           {"capacitance", object.capacitance},
+          {"error", object.error ? Json(*object.error) : Json()},
+          {"answered_by", object.answered_by},
           {"bound", object.bound},
           {"skipped", object.skipped}};
 }
 
-/// Describes a sensor; `objects` and `more` keys about the sensor, which precede them, are described already.
-Json description(const SensorCapacitance& sensor, const Json& more, Json objects) {
+/// Describes a sensor; `more` keys about it, which precede its objects, are described already.
+Json description(const SensorCapacitance& sensor, const Json& more = Json::object()) {
   Json result{{"name", sensor.name},
               {"total", sensor.total},
               {"voltage", sensor.voltage},
               {"delta_voltage", sensor.delta_voltage},
               {"contact", sensor.contact}};
   result.update(more);
-  result["objects"] = std::move(objects);
-  return result;
-}
-
-Json description(const SensorCapacitance& sensor) {
-  Json objects = Json::array();
+  Json& objects = result["objects"] = Json::array();
   for (const ObjectCapacitance& object : sensor.objects)
     objects.push_back(description(object));
-  return description(sensor, Json::object(), std::move(objects));
+  return result;
 }
 
 Json description(const CapacitanceOptions& options) {
@@ -62,30 +59,32 @@ Json description(const EvaluationCounts& counts) {
           {"objects_reused", counts.objects_reused}};
 }
 
+/// Describes the charge on each member of each conductor, per volt on each conductor.
+Json charges(const MaxwellMatrix& matrix) {
+  Json result = Json::array();
+  Eigen::Index row = 0;
+  for (const std::vector<std::string>& members : matrix.members) {
+    const auto count = static_cast<Eigen::Index>(members.size());
+    result.push_back(rows(matrix.charges.middleRows(row, count)));
+    row += count;
+  }
+  return result;
+}
+
 /// Describes a Maxwell matrix, as every answer that contains one does.
 Json description(const MaxwellMatrix& matrix) {
-  return {{"reached", matrix.reached},          {"unknowns", matrix.unknowns},
-          {"conductors", matrix.conductors},    {"floating", matrix.floating},
-          {"maxwell", rows(matrix.values)},     {"error", rows(matrix.errors)},
-          {"lower_bounds", matrix.lower_bounds}};
+  return {
+      {"reached", matrix.reached},  {"unknowns", matrix.unknowns},  {"conductors", matrix.conductors},
+      {"members", matrix.members},  {"floating", matrix.floating},  {"maxwell", rows(matrix.values)},
+      {"charges", charges(matrix)}, {"error", rows(matrix.errors)}, {"lower_bounds", matrix.lower_bounds}};
 }
 
 /// Describes a sensor with its entries in the row of the Maxwell matrix, and their errors.
 Json description(const SensorCapacitance& sensor, const MaxwellMatrix& matrix, Eigen::Index row) {
-  Json objects = Json::array();
-  auto column = static_cast<Eigen::Index>(matrix.sensors);
-  for (const ObjectCapacitance& object : sensor.objects)
-    objects.push_back({{"name", object.name},
-                       {"capacitance", object.capacitance},
-                       {"error", matrix.errors(row, column++)},
-                       {"bound", object.bound},
-                       {"skipped", object.skipped}});
-  return description(sensor,
-                     {{"self", matrix.values(row, row)},
-                      {"self_error", matrix.errors(row, row)},
-                      {"delta_self", matrix.delta_self[row]},
-                      {"delta_self_error", matrix.delta_self_errors[row]}},
-                     std::move(objects));
+  return description(sensor, {{"self", matrix.values(row, row)},
+                              {"self_error", matrix.errors(row, row)},
+                              {"delta_self", matrix.delta_self[row]},
+                              {"delta_self_error", matrix.delta_self_errors[row]}});
 }
 
 /// Describes what the triangle-integral model computed.

@@ -72,7 +72,14 @@ def test_capacitance_as_json(fringe_command: Command, scene: Path) -> None:
     assert sensor["delta_voltage"] == pytest.approx(2.5 - voltage, rel=1e-15)
     assert sensor["contact"] is False
     assert sensor["objects"] == [
-        {"name": "target", "capacitance": sensor["total"], "bound": 0, "skipped": False}
+        {
+            "name": "target",
+            "capacitance": sensor["total"],
+            "error": None,
+            "answered_by": "exact",
+            "bound": 0,
+            "skipped": False,
+        }
     ]
 
 

@@ -114,7 +114,14 @@ def test_capacitance_has_the_form_of_the_command_lines_json(scene: fringe.Scene)
     (sensor,) = scene.capacitance(method="split:2")["sensors"]
     assert sensor["total"] == pytest.approx(8.8541878128e-12 * 0.5, rel=1e-14)
     assert sensor["objects"] == [
-        {"name": "target", "capacitance": sensor["total"], "bound": 0, "skipped": False}
+        {
+            "name": "target",
+            "capacitance": sensor["total"],
+            "error": None,
+            "answered_by": "split:2",
+            "bound": 0,
+            "skipped": False,
+        }
     ]
 
 

@@ -25,10 +25,16 @@ void validate(const BoundaryElementOptions& options);
 /// The Maxwell capacitance matrix of a scene's conductors in free space: the charge on the row's conductor
 /// per volt on the column's, all others grounded or, if floating, without net charge.
 struct MaxwellMatrix {
-  std::vector<std::string> conductors;  ///< the sensors, then the grounded objects
-  std::vector<std::string> floating;    ///< floating objects, which have no row
+  /// The sensors, then the grounded conductors. Grounded objects that touch or overlap are one conductor,
+  /// which has the name of the first of them in the scene.
+  std::vector<std::string> conductors;
+  std::vector<std::vector<std::string>> members;  ///< of each conductor: the sensor, or its objects
+  std::vector<std::string> floating;              ///< floating objects, which have no row
   std::size_t sensors = 0;
   Eigen::MatrixXd values;  ///< F
+  /// F, the charge on each member (rows: those of the first conductor, then of the second …) per volt on each
+  /// conductor. The rows of a conductor's members add up to its row of `values`, within its error.
+  Eigen::MatrixXd charges;
   Eigen::MatrixXd errors;  ///< F, an estimate of the error of each value
   /// F, every sensor's diagonal entry minus its value without the objects, and an estimate of its error.
   Eigen::VectorXd delta_self;
@@ -38,6 +44,14 @@ struct MaxwellMatrix {
   std::vector<bool> lower_bounds;
   bool reached = false;  ///< whether all estimated errors are within rtol
   std::size_t unknowns = 0;
+
+  /// Returns the conductor of an object, given by its place among the members of all grounded conductors.
+  std::size_t conductor_of(std::size_t object) const {
+    std::size_t conductor = sensors;
+    for (; object >= members[conductor].size(); ++conductor)
+      object -= members[conductor].size();
+    return conductor;
+  }
 
   /// Returns the positive charge on the grounded conductor per volt on the sensor, −values(sensor,
   /// conductor).
@@ -49,13 +63,15 @@ struct MaxwellMatrix {
 /// Computes the Maxwell matrix by the Galerkin boundary element method (model/BOUNDARY_ELEMENTS.md), refined
 /// until the estimated errors are within rtol. Supports every shape in any pose, sensors of several plates,
 /// grounded and floating objects. A cylinder, cone, arc or sphere is represented by its triangles
-/// (triangulate()), which lie within it; meshes need not be closed. Throws InputError for dielectric objects,
-/// plates that are not rectangles, triangles that have no area, are thinner than 1e-8 or occur twice, rooms,
-/// conductors that touch, cross or are inside each other, more triangles than unknowns, a scene without
-/// sensors and objects, and options out of range.
+/// (triangulate()), which lie within it. Meshes need not be closed or oriented; their triangles may cross,
+/// overlap and be given twice. Grounded objects that touch, overlap or contain each other are one conductor.
+/// Throws InputError for dielectric objects, plates that are not rectangles, meshes without area, rooms,
+/// conductors that may have different potentials and touch, cross or are inside each other, more triangles
+/// than unknowns, a scene without sensors and objects, and options out of range.
 MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options = {});
 
-/// Evaluates every sensor of the scene by its Maxwell matrix: an object's capacitance is `mutual`; a floating
+/// Evaluates every sensor of the scene by its Maxwell matrix: an object's capacitance is the charge that it
+/// takes, `mutual` if it is a conductor of its own; a floating
 /// object, which takes no charge, is omitted; and the voltage is that of the sum, as in the triangle-integral
 /// model.
 ///

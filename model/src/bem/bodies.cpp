@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <map>
+#include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -34,36 +37,6 @@ ChargedFace moved_face(const ChargedFace& face, const Eigen::Isometry3d& pose) {
   return {
       pose * face.centre, pose.linear() * face.axis_u, pose.linear() * face.axis_v, face.half_u, face.half_v,
       face.edge};
-}
-
-void validate_triangles(const std::string& name, const std::vector<Triangle>& triangles) {
-  /// Least height of a triangle, relative to its longest side. Below it, rounding in the integrals makes the
-  /// matrix lose positive definiteness.
-  constexpr double least_height = 1e-8;
-  using Corner = std::array<double, 3>;
-  std::map<std::array<Corner, 3>, std::size_t> known;
-  for (std::size_t k = 0; k < triangles.size(); ++k) {
-    double longest = 0;
-    std::array<Corner, 3> corners;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vector3d& corner = triangles[k][i];
-      if (!corner.allFinite())
-        throw InputError(fmt::format("{}: triangle {} is not finite", name, k));
-      corners[i] = {corner.x(), corner.y(), corner.z()};
-      longest = std::max(longest, (triangles[k][(i + 1) % 3] - corner).squaredNorm());
-    }
-    const double doubled = twice_area(triangles[k]);
-    if (!(doubled > 0))
-      throw InputError(fmt::format("{}: triangle {} has no area", name, k));
-    if (doubled < least_height * longest)
-      throw InputError(
-          fmt::format("{}: triangle {} is too thin: its height is less than {} of its longest side", name, k,
-                      least_height));
-    std::sort(corners.begin(), corners.end());
-    const auto [other, is_new] = known.emplace(corners, k);
-    if (!is_new)
-      throw InputError(fmt::format("{}: the triangles {} and {} are the same", name, other->second, k));
-  }
 }
 
 /// Moves surfaces of every kind.
@@ -102,9 +75,7 @@ struct SurfaceOfObject {
   BodySurface operator()(const Other&) const {
     if (!object.pose.matrix().allFinite())
       throw InputError(fmt::format("{}: its pose is not finite", name));
-    TriangleSurface surface{triangulate(object.shape)};
-    validate_triangles(name, surface.triangles);
-    return surface;
+    return TriangleSurface{surface_triangles(object)};
   }
 
  private:
@@ -118,8 +89,44 @@ struct SurfaceOfObject {
 ChargedBody body_of(const Object& object, std::size_t conductor) {
   const std::string name = fmt::format("object \"{}\"", object.name);
   const BodySurface surface = std::visit(SurfaceOfObject{object, name}, object.shape);
-  return {conductor, std::visit(Motion{object.pose}, surface), name, object.link};
+  return {conductor, 0, std::visit(Motion{object.pose}, surface), name, object.link};
 }
+
+/// Merges corners that are nearer to each other than a distance. Each becomes the first of them; corners that
+/// have no others near stay as they are.
+class CornerWeld {
+ public:
+  explicit CornerWeld(double distance) : distance_(distance) {}
+
+  Vector3d operator()(const Vector3d& corner) {
+    const Cell cell = cell_of(corner);
+    for (long x = -1; x <= 1; ++x)
+      for (long y = -1; y <= 1; ++y)
+        for (long z = -1; z <= 1; ++z) {
+          const auto here = corners_.find({cell[0] + x, cell[1] + y, cell[2] + z});
+          if (here == corners_.end())
+            continue;
+          for (const Vector3d& known : here->second)
+            if ((known - corner).norm() <= distance_)
+              return known;
+        }
+    corners_[cell].push_back(corner);
+    return corner;
+  }
+
+ private:
+  using Cell = std::array<long, 3>;
+
+  Cell cell_of(const Vector3d& corner) const {
+    Cell cell;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      cell[axis] = std::lround(corner[static_cast<Eigen::Index>(axis)] / (2 * distance_));
+    return cell;
+  }
+
+  double distance_;
+  std::map<Cell, std::vector<Vector3d>> corners_;
+};
 
 Role role_of(const Object& object) {
   if (std::holds_alternative<Dielectric>(object.role))
@@ -159,6 +166,67 @@ std::span<const Triangle> triangles_of(const BodySurface& surface) {
   return triangles == nullptr ? std::span<const Triangle>() : triangles->triangles;
 }
 
+std::vector<Triangle> cleaned(const std::string& name, std::span<const Triangle> triangles) {
+  /// Distance of corners that become one, relative to the size of the mesh: rounding of a file's numbers.
+  constexpr double same_corner = 1e-10;
+  /// Least height of a triangle, relative to its longest side. Below it, rounding in the integrals makes the
+  /// matrix lose positive definiteness.
+  constexpr double least_height = 1e-8;
+  for (std::size_t k = 0; k < triangles.size(); ++k)
+    for (const Vector3d& corner : triangles[k])
+      if (!corner.allFinite())
+        throw InputError(fmt::format("{}: triangle {} is not finite", name, k));
+  CornerWeld weld(std::max(same_corner * axis_aligned_box(triangles).diagonal().norm(),
+                           std::numeric_limits<double>::min()));
+  std::set<std::array<std::array<double, 3>, 3>> known;
+  std::vector<Triangle> result;
+  for (const Triangle& triangle : triangles) {
+    Triangle welded;
+    std::array<std::array<double, 3>, 3> corners;
+    double longest = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      welded[i] = weld(triangle[i]);
+      corners[i] = {welded[i].x(), welded[i].y(), welded[i].z()};
+    }
+    for (std::size_t i = 0; i < 3; ++i)
+      longest = std::max(longest, (welded[(i + 1) % 3] - welded[i]).squaredNorm());
+    const double doubled = twice_area(welded);
+    std::sort(corners.begin(), corners.end());
+    if (doubled > 0 && doubled >= least_height * longest && known.insert(corners).second)
+      result.push_back(welded);
+  }
+  if (result.empty())
+    throw InputError(fmt::format("{}: no triangle has an area", name));
+  return result;
+}
+
+std::vector<Triangle> surface_triangles(const Object& object) {
+  const std::vector<Triangle> triangles = triangulate(object.shape);
+  return std::holds_alternative<Mesh>(object.shape)
+             ? cleaned(fmt::format("object \"{}\"", object.name), triangles)
+             : triangles;
+}
+
+TriangleSurface triangulated(const BodySurface& surface) {
+  if (const auto* triangles = std::get_if<TriangleSurface>(&surface))
+    return *triangles;
+  TriangleSurface result;
+  std::vector<Vector3d> corners;
+  for (const ChargedFace& face : faces_of(surface)) {
+    /// Distance below which two corners are the same: far above rounding, far below the length of an edge.
+    const double same = 1e-9 * std::min(face.half_u, face.half_v);
+    std::array<Vector3d, 4> own = corners_of(face);
+    for (Vector3d& corner : own) {
+      const auto known = std::find_if(corners.begin(), corners.end(),
+                                      [&](const Vector3d& other) { return (other - corner).norm() < same; });
+      corner = known == corners.end() ? corners.emplace_back(corner) : *known;
+    }
+    result.triangles.push_back({own[0], own[1], own[2]});
+    result.triangles.push_back({own[0], own[2], own[3]});
+  }
+  return result;
+}
+
 std::vector<std::string> names_of(const ChargedBodies& bodies, Role role) {
   std::vector<std::string> names;
   for (const ChargedConductor& conductor : bodies.conductors)
@@ -188,16 +256,16 @@ ChargedBodies bodies_on_links(const Scene& scene) {
       } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", name, error.what()));
       }
-      result.bodies.push_back({result.conductors.size(), FlatPlate{face_of(plate)}, name, sensor.link});
+      result.bodies.push_back({result.conductors.size(), 0, FlatPlate{face_of(plate)}, name, sensor.link});
     }
-    result.conductors.push_back({sensor.name, Role::electrode});
+    result.conductors.push_back({sensor.name, Role::electrode, {sensor.name}});
   }
   for (const Role role : {Role::grounded, Role::floating})
     for (const Object& object : scene.objects) {
       if (role_of(object) != role)
         continue;
       result.bodies.push_back(body_of(object, result.conductors.size()));
-      result.conductors.push_back({object.name, role});
+      result.conductors.push_back({object.name, role, {object.name}});
     }
   if (count_of(result, Role::floating) == result.conductors.size())
     throw InputError("the scene has neither a sensor nor a grounded object");
@@ -205,7 +273,8 @@ ChargedBodies bodies_on_links(const Scene& scene) {
 }
 
 ChargedBody moved(const ChargedBody& body, const Eigen::Isometry3d& pose) {
-  ChargedBody result{body.conductor, std::visit(Motion{pose}, body.surface), body.name, body.link};
+  ChargedBody result{body.conductor, body.member, std::visit(Motion{pose}, body.surface), body.name,
+                     body.link};
   for (const ChargedFace& face : faces_of(result.surface))
     if (!face.centre.allFinite() || !face.axis_u.allFinite() || !face.axis_v.allFinite())
       throw InputError(fmt::format("{}: its pose is not finite", body.name));
@@ -220,10 +289,7 @@ ChargedBodies charged_bodies(const Scene& scene) {
   ChargedBodies result = bodies_on_links(scene);
   for (ChargedBody& body : result.bodies)
     body = moved(body, attachment_pose(link_poses, body.link));
-  for (std::size_t a = 0; a < result.bodies.size(); ++a)
-    for (std::size_t b = a + 1; b < result.bodies.size(); ++b)
-      refuse_contact(result.bodies[a], result.bodies[b]);
-  return result;
+  return joined(std::move(result));
 }
 
 }  // namespace fringe::detail

@@ -44,6 +44,7 @@ BoxSurface box_at_origin(const Eigen::Vector3d& half_sides);
 /// A body of a conductor.
 struct ChargedBody {
   std::size_t conductor;
+  std::size_t member;   ///< which of the conductor's members it belongs to
   BodySurface surface;  ///< in world coordinates, or in the link's frame
   std::string name;     ///< for messages
   std::optional<std::size_t> link;
@@ -65,6 +66,7 @@ enum class Role {
 struct ChargedConductor {
   std::string name;
   Role role;
+  std::vector<std::string> members;  ///< the sensor or the objects that it consists of, by name
 };
 
 /// The conductors of a scene, electrodes first and floating ones last, with their bodies in the same order.
@@ -75,23 +77,35 @@ struct ChargedBodies {
   Role role(const ChargedBody& body) const { return conductors[body.conductor].role; }
 };
 
+/// Divides the faces of a plate or a box into triangles. Corners that differ only by rounding become one.
+TriangleSurface triangulated(const BodySurface& surface);
+
 /// Returns the names of all conductors that have a role.
 std::vector<std::string> names_of(const ChargedBodies& bodies, Role role);
 
 /// Returns the number of conductors that have a role.
 std::size_t count_of(const ChargedBodies& bodies, Role role);
 
+/// Returns a mesh as boundary elements take it: corners that differ only by rounding become one, triangles
+/// without area, slivers and duplicates are left out. Throws InputError with the name if nothing is left.
+std::vector<Triangle> cleaned(const std::string& name, std::span<const Triangle> triangles);
+
+/// Returns the triangles of an object in its own frame; those of a mesh are cleaned.
+std::vector<Triangle> surface_triangles(const Object& object);
+
 /// Returns true if an electrode is made of triangles.
 bool electrodes_have_panels(const ChargedBodies& bodies);
 
 /// Returns the bodies in the frames of their links. Throws InputError for a dielectric object, for an invalid
-/// rectangle or size, for triangles without area or given twice, and if all conductors are floating.
+/// rectangle or size, for meshes without area, and if all conductors are floating. Triangles without area,
+/// slivers and duplicates are left out.
 ChargedBodies bodies_on_links(const Scene& scene);
 
 /// Returns the body moved by a pose. Throws InputError if the pose is not finite.
 ChargedBody moved(const ChargedBody& body, const Eigen::Isometry3d& pose);
 
-/// Returns the bodies in world coordinates. Throws InputError as bodies_on_links and refuse_contact do.
+/// Returns the bodies in world coordinates, joined where they touch. Throws InputError as bodies_on_links and
+/// joined do.
 ChargedBodies charged_bodies(const Scene& scene);
 
 }  // namespace fringe::detail

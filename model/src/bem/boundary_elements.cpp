@@ -84,6 +84,7 @@ void write_solution(const PanelSolution& solution, const ChargedBodies& bodies, 
   const Index conductors = fine.rows();
   const MatrixXd quadrature = quadrature_errors(solution, tolerance, conductors);
   answer.values = fine;
+  answer.charges = detail::member_charges(solution.all.fine, solution.body_charges, bodies);
   answer.errors = per_change * changes(fine, coarse) + quadrature +
                   solution.iteration_error.topLeftCorner(conductors, conductors);
   answer.lower_bounds.resize(static_cast<std::size_t>(conductors));
@@ -304,6 +305,7 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   answer.reached = largest_error(answer) <= options.rtol;
   const double factor = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
   answer.values *= factor;
+  answer.charges *= factor;
   answer.errors *= factor;
   answer.delta_self *= factor;
   answer.delta_self_errors *= factor;
@@ -314,11 +316,17 @@ SceneCapacitance capacitance(const Scene& scene, const MaxwellMatrix& matrix, st
   SceneCapacitance answer;
   for (std::size_t s = 0; s < matrix.sensors; ++s) {
     SensorCapacitance felt{matrix.conductors[s], 0, 0, 0, false, {}};
-    for (std::size_t k = matrix.sensors; k < matrix.conductors.size(); ++k) {
-      felt.objects.push_back({matrix.conductors[k], matrix.mutual(s, k), 0, false, std::string(answered_by),
-                              matrix.errors(static_cast<Index>(s), static_cast<Index>(k))});
-      felt.total += felt.objects.back().capacitance;
-    }
+    Index row = 0;
+    for (std::size_t k = 0; k < matrix.conductors.size(); ++k)
+      for (const std::string& name : matrix.members[k]) {
+        const double charge = matrix.charges(row++, static_cast<Index>(s));
+        if (k < matrix.sensors)
+          continue;
+        felt.objects.push_back({name, matrix.members[k].size() == 1 ? matrix.mutual(s, k) : -charge, 0, false,
+                                std::string(answered_by),
+                                matrix.errors(static_cast<Index>(s), static_cast<Index>(k))});
+        felt.total += felt.objects.back().capacitance;
+      }
     felt.voltage = divider_voltage(scene.sensors[s], felt.total);
     felt.delta_voltage = scene.sensors[s].input_voltage - felt.voltage;
     answer.sensors.push_back(std::move(felt));

@@ -1,6 +1,7 @@
 #include "bem/conjugate_gradients.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "bem/group_densities.hpp"
 
@@ -14,6 +15,30 @@ using Eigen::VectorXd;
 /// Limit of the number of steps. More are never needed: with the two-level preconditioner, every step reduces
 /// the error by a factor of about three.
 constexpr int most_iterations = 200;
+
+/// Multiple of the accuracy below which a remaining decrement is small.
+constexpr double almost_done = 30;
+
+/// Leaves out the functions that depend on earlier ones: of which less than the fraction `dependence` of the
+/// energy is left after orthogonalisation. `matrix` is the lower triangle; rows and columns of these
+/// functions get zeros and a diagonal element that makes their coefficients vanish.
+void leave_out_dependent(MatrixXd& matrix, double dependence) {
+  constexpr double infinite = 1e30;
+  MatrixXd factor = MatrixXd::Zero(matrix.rows(), matrix.cols());
+  for (Index k = 0; k < matrix.rows(); ++k) {
+    const Index rest = matrix.rows() - k;
+    VectorXd column = matrix.col(k).tail(rest);
+    column -= factor.bottomLeftCorner(rest, k) * factor.row(k).head(k).transpose();
+    if (column[0] > dependence * matrix(k, k)) {
+      factor.col(k).tail(rest) = column / std::sqrt(column[0]);
+      continue;
+    }
+    matrix.row(k).head(k).setZero();
+    matrix.col(k).tail(rest - 1).setZero();
+    factor.row(k).head(k).setZero();
+    matrix(k, k) *= infinite;
+  }
+}
 
 /// One right-hand side.
 struct Column {
@@ -32,8 +57,12 @@ bool conjugate_gradients(const PanelEquations& equations, const TwoLevelPrecondi
   for (int iteration = 0; iteration < most_iterations && product > 0; ++iteration) {
     const VectorXd potential = equations.apply(step);
     const double energy = step.dot(potential);
-    if (!(energy > 0))
-      return false;
+    if (!(energy > 0)) {
+      // Coincident panels make the matrix singular, and rounding and quadrature errors decide about the sign
+      // of what is left. The charges are known if little was left to gain.
+      column.decrement = product;
+      return product <= almost_done * accuracy * column.charge.dot(net);
+    }
     column.charge += product / energy * step;
     column.residual -= product / energy * potential;
     column.decrement = product / energy * product;
@@ -49,10 +78,24 @@ bool conjugate_gradients(const PanelEquations& equations, const TwoLevelPrecondi
 
 }  // namespace
 
-TwoLevelPreconditioner::TwoLevelPreconditioner(const PanelEquations& equations)
+TwoLevelPreconditioner::TwoLevelPreconditioner(const PanelEquations& equations, double tolerance)
     : equations_(equations), group_count_(index_of(equations.mesh.groups().size())),
       coarse_(index_of(equations.unknowns.coarse.size())), shares_(area_shares(equations.mesh)) {
-  factor_.compute(matrix());
+  /// Tolerance of the quadratures above which a matrix that is not positive definite calls for better ones.
+  constexpr double sufficient = 1e-5;
+  /// Least energy that a function adds to earlier ones, relative to its own: of a panel between others it is
+  /// about the ratio of the gap to the panel.
+  constexpr double least_energy = 1e-6;
+  MatrixXd coarse = matrix();
+  factor_.compute(coarse);
+  const auto is_regular = [&] {
+    return factor_.info() == Eigen::Success &&
+           (factor_.matrixLLT().diagonal().array().square() > least_energy * coarse.diagonal().array()).all();
+  };
+  if (!is_regular() && tolerance <= sufficient) {
+    leave_out_dependent(coarse, std::max(least_energy, 10 * tolerance));
+    factor_.compute(coarse);
+  }
   is_positive_definite_ = factor_.info() == Eigen::Success;
   for (const auto& group : groups_)
     is_positive_definite_ &= group.info() == Eigen::Success;

@@ -15,7 +15,9 @@ namespace fringe::detail {
 /// groups' diagonal blocks it nearly inverts the whole matrix.
 class TwoLevelPreconditioner {
  public:
-  explicit TwoLevelPreconditioner(const PanelEquations& equations);
+  /// `tolerance` is that of the panels' quadratures. If it is fine and the matrix is not positive definite,
+  /// functions that depend on others are left out: those of coincident panels.
+  TwoLevelPreconditioner(const PanelEquations& equations, double tolerance);
 
   bool is_positive_definite() const { return is_positive_definite_; }
 

@@ -1,7 +1,11 @@
 #include "bem/contact.hpp"
 
+#include <algorithm>
+#include <numeric>
 #include <span>
+#include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -45,32 +49,138 @@ std::vector<AlignedBox3d> boxes_of(std::span<const ConvexHull> hulls, AlignedBox
   return boxes;
 }
 
-/// Returns true if any part of one body has a point in common with any part of the other; the test is exact.
-bool hulls_meet(std::span<const ConvexHull> a, std::span<const ConvexHull> b) {
+/// Distance, relative to the size of two grounded bodies, below which they touch: rounding of their poses.
+constexpr double touching_distance = 1e-9;
+
+/// Returns true if any part of one body is no farther than `tolerance` from any part of the other. Without a
+/// tolerance the test is exact.
+bool hulls_meet(std::span<const ConvexHull> a, std::span<const ConvexHull> b, double tolerance) {
   AlignedBox3d all_a, all_b;
   const std::vector<AlignedBox3d> boxes_a = boxes_of(a, all_a), boxes_b = boxes_of(b, all_b);
+  const auto are_near = [&](const AlignedBox3d& one, const AlignedBox3d& other) {
+    return one.squaredExteriorDistance(other) <= tolerance * tolerance;
+  };
   for (std::size_t k = 0; k < a.size(); ++k) {
-    if (!boxes_a[k].intersects(all_b))
+    if (!are_near(boxes_a[k], all_b))
       continue;
     for (std::size_t l = 0; l < b.size(); ++l)
-      if (boxes_a[k].intersects(boxes_b[l]) && gjk_intersects(a[k], b[l]).intersects)
+      if (are_near(boxes_a[k], boxes_b[l]) &&
+          (gjk_intersects(a[k], b[l]).intersects ||
+           (tolerance > 0 && gjk_distance(a[k], b[l]).distance <= tolerance)))
         return true;
   }
   return false;
 }
 
+/// Returns true if a closed surface of triangles contains a body that does not cross it.
+bool contains(const ChargedBody& outside, std::span<const ConvexHull> inside) {
+  const auto surface = triangles_of(outside.surface);
+  return is_closed(surface) && is_in_polyhedron(surface, inside.front().front());
+}
+
+double size_of(std::span<const ConvexHull> hulls) {
+  AlignedBox3d all;
+  boxes_of(hulls, all);
+  return all.diagonal().norm();
+}
+
+/// Tells how far a plate would have to be moved along its normal to leave a body; empty for another surface.
+std::string way_off(const ChargedBody& plate, std::span<const ConvexHull> body) {
+  const auto* surface = std::get_if<FlatPlate>(&plate.surface);
+  if (surface == nullptr)
+    return "";
+  const ChargedFace& face = surface->face;
+  const Vector3d normal = face.axis_u.cross(face.axis_v);
+  double above = 0, below = 0;
+  for (const ConvexHull& hull : body)
+    for (const Vector3d& point : hull) {
+      const double height = normal.dot(point - face.centre);
+      above = std::max(above, height);
+      below = std::max(below, -height);
+    }
+  const Vector3d direction = above <= below ? normal : -normal;
+  return fmt::format("; {} is clear of it when moved by more than {:.3g} m along ({:.3g}, {:.3g}, {:.3g})",
+                     plate.name, std::min(above, below), direction.x() + 0.0, direction.y() + 0.0,
+                     direction.z() + 0.0);
+}
+
+/// Divides faces into triangles, those of a box anticlockwise seen from outside.
+TriangleSurface oriented_triangles(const BodySurface& surface) {
+  TriangleSurface result = triangulated(surface);
+  const auto* box = std::get_if<BoxSurface>(&surface);
+  if (box == nullptr)
+    return result;
+  const Vector3d centre = (box->faces[0].centre + box->faces[1].centre) / 2;
+  for (Triangle& triangle : result.triangles)
+    if ((triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).dot(triangle[0] - centre) < 0)
+      std::swap(triangle[1], triangle[2]);
+  return result;
+}
+
 }  // namespace
 
-void refuse_contact(const ChargedBody& a, const ChargedBody& b) {
+void refuse_contact(const ChargedBody& a, const ChargedBody& b, std::string_view reason) {
   const std::vector<ConvexHull> hulls_a = hulls_of(a.surface), hulls_b = hulls_of(b.surface);
-  if (hulls_meet(hulls_a, hulls_b))
+  if (hulls_meet(hulls_a, hulls_b, 0))
     throw InputError(
-        fmt::format("{} and {} touch or cross: boundary elements need conductors apart", a.name, b.name));
+        fmt::format("{} and {} touch or cross: {}{}", a.name, b.name, reason, way_off(a, hulls_b)));
   for (const auto& [outside, inside, points] : {std::tuple(&a, &b, &hulls_b), std::tuple(&b, &a, &hulls_a)})
-    if (const auto surface = triangles_of(outside->surface);
-        is_closed(surface) && is_in_polyhedron(surface, points->front().front()))
-      throw InputError(fmt::format("{} is inside {}: boundary elements need conductors apart", inside->name,
-                                   outside->name));
+    if (contains(*outside, *points))
+      throw InputError(fmt::format("{} is inside {}: {}", inside->name, outside->name, reason));
+}
+
+ChargedBodies joined(ChargedBodies bodies) {
+  const std::size_t count = bodies.bodies.size();
+  std::vector<std::vector<ConvexHull>> hulls;
+  for (const ChargedBody& body : bodies.bodies)
+    hulls.push_back(hulls_of(body.surface));
+  // The conductor that each conductor becomes a part of: the first one.
+  std::vector<std::size_t> joined_to(bodies.conductors.size());
+  std::iota(joined_to.begin(), joined_to.end(), std::size_t{0});
+  const auto root = [&](std::size_t conductor) {
+    while (joined_to[conductor] != conductor)
+      conductor = joined_to[conductor];
+    return conductor;
+  };
+  std::vector<bool> touches(count, false);
+  for (std::size_t a = 0; a < count; ++a)
+    for (std::size_t b = a + 1; b < count; ++b) {
+      const ChargedBody &one = bodies.bodies[a], &other = bodies.bodies[b];
+      const bool are_grounded = bodies.role(one) == Role::grounded && bodies.role(other) == Role::grounded;
+      if (!are_grounded && one.conductor != other.conductor) {
+        refuse_contact(one, other, "they may have different potentials");
+        continue;
+      }
+      const double tolerance = touching_distance * std::max(size_of(hulls[a]), size_of(hulls[b]));
+      if (!hulls_meet(hulls[a], hulls[b], tolerance) && !contains(one, hulls[b]) &&
+          !contains(other, hulls[a]))
+        continue;
+      touches[a] = touches[b] = true;
+      const std::size_t root_a = root(one.conductor), root_b = root(other.conductor);
+      joined_to[std::max(root_a, root_b)] = std::min(root_a, root_b);
+    }
+  ChargedBodies result;
+  std::vector<std::size_t> place(bodies.conductors.size());
+  for (std::size_t k = 0; k < bodies.conductors.size(); ++k) {
+    const std::size_t first = root(k);
+    place[k] = first == k ? result.conductors.size() : place[first];
+    if (first == k)
+      result.conductors.push_back({bodies.conductors[k].name, bodies.conductors[k].role, {}});
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    ChargedBody& body = bodies.bodies[k];
+    std::vector<std::string>& members = result.conductors[place[body.conductor]].members;
+    const std::string& name = bodies.conductors[body.conductor].members[body.member];
+    const auto known = std::find(members.begin(), members.end(), name);
+    body.member = static_cast<std::size_t>(known - members.begin());
+    if (known == members.end())
+      members.push_back(name);
+    body.conductor = place[body.conductor];
+    if (touches[k])
+      body.surface = oriented_triangles(body.surface);
+    result.bodies.push_back(std::move(body));
+  }
+  return result;
 }
 
 }  // namespace fringe::detail

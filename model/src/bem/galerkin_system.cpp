@@ -227,8 +227,11 @@ GalerkinSolution GalerkinSystem::solve() const {
   if (!solution.positive_definite)
     return solution;
   std::vector<MatrixXd> charges;
-  for (std::size_t face = 0; face < faces_.size(); ++face)
+  solution.body_charges = MatrixXd::Zero(static_cast<Index>(bodies_.bodies.size()), conductors);
+  for (std::size_t face = 0; face < faces_.size(); ++face) {
     charges.emplace_back(all.charges(all.numbering.places[face], Eigen::all));
+    solution.body_charges.row(static_cast<Index>(body_of_[face])) += net_charge(face) * charges.back().row(0);
+  }
   const FaceEnergies of_faces = energies(charges, solution.all.fine.diagonal());
   solution.highest = of_faces.highest;
   solution.quadrature_effect = quadrature_effect(of_faces.norms);

@@ -24,6 +24,8 @@ struct GalerkinSolution {
   bool positive_definite = true;  ///< false if the quadratures are too coarse; then nothing else is set
   NestedMatrix all;               ///< of all conductors
   NestedMatrix electrodes;        ///< of the electrodes without the other conductors
+  /// The charge on each body (rows) for every conductor at unit potential.
+  Eigen::MatrixXd body_charges;
   /// Possible change of `all` for a unit error of the single-layer blocks of different bodies, relative to
   /// their largest elements.
   Eigen::MatrixXd quadrature_effect;

@@ -2,6 +2,7 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Cholesky>
 
@@ -21,6 +22,29 @@ MatrixXd without_floating(const MatrixXd& matrix, const ChargedBodies& bodies) {
                                                       .solve(matrix.bottomLeftCorner(insulated, kept));
 }
 
+MatrixXd member_charges(const MatrixXd& matrix, const MatrixXd& body_charges, const ChargedBodies& bodies) {
+  const auto insulated = static_cast<Index>(count_of(bodies, Role::floating));
+  const Index kept = matrix.rows() - insulated;
+  MatrixXd charges = body_charges.leftCols(kept);
+  if (insulated > 0)
+    charges -=
+        body_charges.rightCols(insulated) *
+        matrix.bottomRightCorner(insulated, insulated).llt().solve(matrix.bottomLeftCorner(insulated, kept));
+  std::vector<Index> first;
+  Index members = 0;
+  for (const ChargedConductor& conductor : bodies.conductors) {
+    first.push_back(members);
+    if (conductor.role != Role::floating)
+      members += static_cast<Index>(conductor.members.size());
+  }
+  MatrixXd result = MatrixXd::Zero(members, kept);
+  for (std::size_t k = 0; k < bodies.bodies.size(); ++k)
+    if (const ChargedBody& body = bodies.bodies[k]; bodies.role(body) != Role::floating)
+      result.row(first[body.conductor] + static_cast<Index>(body.member)) +=
+          charges.row(static_cast<Index>(k));
+  return result;
+}
+
 MaxwellMatrix named_answer(const ChargedBodies& bodies) {
   MaxwellMatrix answer;
   answer.conductors = names_of(bodies, Role::electrode);
@@ -28,6 +52,9 @@ MaxwellMatrix named_answer(const ChargedBodies& bodies) {
   for (std::string& name : names_of(bodies, Role::grounded))
     answer.conductors.push_back(std::move(name));
   answer.floating = names_of(bodies, Role::floating);
+  for (const ChargedConductor& conductor : bodies.conductors)
+    if (conductor.role != Role::floating)
+      answer.members.push_back(conductor.members);
   answer.lower_bounds.assign(answer.conductors.size(), false);
   return answer;
 }

@@ -12,6 +12,12 @@ namespace fringe::detail {
 /// The floating conductors are the last ones.
 Eigen::MatrixXd without_floating(const Eigen::MatrixXd& matrix, const ChargedBodies& bodies);
 
+/// Returns the charge on each member of the conductors (rows, those of the first conductor first) for every
+/// conductor at unit potential that is not floating; floating ones carry no charge. `matrix` is that of all
+/// conductors, `body_charges` has a row for every body.
+Eigen::MatrixXd member_charges(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& body_charges,
+                               const ChargedBodies& bodies);
+
 /// Returns an answer with the names of the conductors, and no matrix.
 MaxwellMatrix named_answer(const ChargedBodies& bodies);
 

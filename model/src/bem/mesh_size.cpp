@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <span>
 #include <utility>
 
 #include <boost/math/tools/minima.hpp>
@@ -99,26 +98,6 @@ Eigen::Vector2d least_parameters(const ChargedFace& face, const ChargedBody& bod
   return least;
 }
 
-/// Divides faces into triangles. Corners that differ only by rounding become one.
-TriangleSurface triangulated(std::span<const ChargedFace> faces) {
-  std::vector<Vector3d> corners;
-  std::vector<Triangle> triangles;
-  for (const ChargedFace& face : faces) {
-    /// Distance below which two corners are the same: far above rounding, far below the length of an edge.
-    const double same = 1e-9 * std::min(face.half_u, face.half_v);
-    std::array<Vector3d, 4> own;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const Vector3d corner = edges_of(face)[k].from;
-      const auto known = std::find_if(corners.begin(), corners.end(),
-                                      [&](const Vector3d& other) { return (other - corner).norm() < same; });
-      own[k] = known == corners.end() ? corners.emplace_back(corner) : *known;
-    }
-    triangles.push_back({own[0], own[1], own[2]});
-    triangles.push_back({own[0], own[2], own[3]});
-  }
-  return {std::move(triangles)};
-}
-
 /// Returns the bodies with triangles in place of the faces of each body that has a face for which `needed` is
 /// true. Returns nothing if there is no such body.
 template <typename Needed>
@@ -131,7 +110,7 @@ std::optional<ChargedBodies> with_triangles_where(const ChargedBodies& bodies, c
     if (std::none_of(faces.begin(), faces.end(),
                      [&](const ChargedFace& face) { return needed(face, before); }))
       continue;
-    body.surface = triangulated(faces);
+    body.surface = triangulated(before.surface);
     changed = true;
   }
   return changed ? std::optional(std::move(result)) : std::nullopt;

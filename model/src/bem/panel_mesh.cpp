@@ -95,13 +95,17 @@ Triangle quartered_triangle(const std::vector<Panel>& panels, const PanelGroup& 
 }  // namespace
 
 void PanelMesh::add_quartered(const Triangle& triangle, std::size_t body) {
+  if (is_hidden(triangle, body))
+    return;
   groups_.push_back({panels_.size(), 4, body, true});
   for (const Triangle& quarter : quarters(triangle))
     panels_.push_back(make_panel(quarter));
   places_before_.resize(panels_.size(), no_place);
 }
 
-void PanelMesh::add(std::size_t body, std::span<const Triangle> triangles, const PanelGrading& grading) {
+void PanelMesh::add(std::size_t body, std::span<const Triangle> surface, const PanelGrading& grading) {
+  std::vector<Triangle> triangles(surface.begin(), surface.end());
+  std::erase_if(triangles, [&](const Triangle& triangle) { return is_hidden(triangle, body); });
   if (triangles.size() <= few_triangles) {
     for (const Triangle& triangle :
          graded_triangles(triangles, grading.missing, grading.most_panels / group_size))

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "bem/hidden_surface.hpp"
 #include "bem/panel.hpp"
 
 /// Surfaces of triangles as panels in groups (model/BOUNDARY_ELEMENTS.md, section 9).
@@ -29,9 +32,12 @@ struct PanelGrading {
 /// The panels of bodies of triangles, in groups that can be refined.
 class PanelMesh {
  public:
+  /// Parts of the surfaces that `hidden` contains get no panels.
+  explicit PanelMesh(std::shared_ptr<const HiddenSurface> hidden = nullptr) : hidden_(std::move(hidden)) {}
+
   /// Adds a body's surface. A surface of many triangles begins with these as panels; one of few begins with
   /// their quarters or, if graded towards sharp edges, with the quarters of their parts.
-  void add(std::size_t body, std::span<const Triangle> triangles, const PanelGrading& grading = {});
+  void add(std::size_t body, std::span<const Triangle> surface, const PanelGrading& grading = {});
 
   const std::vector<Panel>& panels() const { return panels_; }
   const std::vector<PanelGroup>& groups() const { return groups_; }
@@ -56,6 +62,11 @@ class PanelMesh {
 
  private:
   void add_quartered(const Triangle& triangle, std::size_t body);
+  bool is_hidden(const Triangle& triangle, std::size_t body) const {
+    return hidden_ != nullptr && hidden_->contains(triangle, body);
+  }
+
+  std::shared_ptr<const HiddenSurface> hidden_;
 
   std::vector<Panel> panels_;
   std::vector<PanelGroup> groups_;

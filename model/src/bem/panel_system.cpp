@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "bem/conjugate_gradients.hpp"
@@ -39,7 +40,7 @@ ChargedBodies with_faces(const ChargedBodies& bodies) {
 ChargedBodies electrodes_of(const ChargedBodies& bodies) {
   ChargedBodies electrodes;
   for (const std::string& name : names_of(bodies, Role::electrode))
-    electrodes.conductors.push_back({name, Role::grounded});
+    electrodes.conductors.push_back({name, Role::grounded, {name}});
   std::copy_if(bodies.bodies.begin(), bodies.bodies.end(), std::back_inserter(electrodes.bodies),
                [&](const ChargedBody& body) { return bodies.role(body) == Role::electrode; });
   return electrodes;
@@ -49,7 +50,8 @@ ChargedBodies electrodes_of(const ChargedBodies& bodies) {
 
 PanelSystem::PanelSystem(const ChargedBodies& bodies, const PanelGrading& grading)
     : bodies_(bodies), bodies_of_faces_(with_faces(bodies)), faces_(bodies_of_faces_),
-      panel_tolerance_(unknown_tolerance), coupling_tolerance_(unknown_tolerance) {
+      mesh_(std::make_shared<const HiddenSurface>(bodies)), panel_tolerance_(unknown_tolerance),
+      coupling_tolerance_(unknown_tolerance) {
   for (std::size_t body = 0; body < bodies.bodies.size(); ++body)
     if (const auto* surface = std::get_if<TriangleSurface>(&bodies.bodies[body].surface))
       mesh_.add(body, surface->triangles, grading);
@@ -135,6 +137,19 @@ MatrixXd PanelSystem::face_matrix(const PanelUnknowns& unknowns) const {
   return matrix;
 }
 
+/// Returns the charge on each body (rows) from the charges of all unknowns.
+MatrixXd PanelSystem::body_charges(const PanelUnknowns& unknowns, const MatrixXd& charges) const {
+  MatrixXd result = MatrixXd::Zero(index_of(bodies_.bodies.size()), charges.cols());
+  std::size_t face = 0;
+  for (std::size_t body = 0; body < bodies_.bodies.size(); ++body)
+    for (std::size_t k = 0; k < faces_of(bodies_.bodies[body].surface).size(); ++k, ++face)
+      result.row(index_of(body)) += faces_.net_charge(face) * charges.row(unknowns.first[face]);
+  for (const PanelGroup& group : mesh_.groups())
+    result.row(index_of(group.body)) +=
+        charges.middleRows(unknowns.functions + index_of(group.first), index_of(group.count)).colwise().sum();
+  return result;
+}
+
 /// Returns the possible change of the capacitances for quadrature errors of all blocks, relative to their
 /// tolerances.
 MatrixXd PanelSystem::quadrature_effect(const PanelUnknowns& unknowns, const MatrixXd& charges,
@@ -167,7 +182,7 @@ PanelSolution PanelSystem::solve(double accuracy) const {
   const PanelUnknowns unknowns = number_unknowns(bodies_, faces_, mesh_);
   const MatrixXd matrix = face_matrix(unknowns);
   const PanelEquations equations{faces_, mesh_, unknowns, matrix, panels_, coupling_};
-  const TwoLevelPreconditioner preconditioner(equations);
+  const TwoLevelPreconditioner preconditioner(equations, panel_tolerance_);
   solution.positive_definite = preconditioner.is_positive_definite();
   if (count_of(bodies_, Role::electrode) > 0 && !electrodes_have_panels(bodies_)) {
     solution.electrodes = faces_.solve_electrodes();
@@ -187,6 +202,8 @@ PanelSolution PanelSystem::solve(double accuracy) const {
   solution.all.fine = (energies + energies.transpose()) / 2;
   solution.iteration_error = (solved.decrements * solved.decrements.transpose()).cwiseSqrt();
   solution.charges = solved.charges.bottomRows(index_of(mesh_.panels().size()));
+
+  solution.body_charges = body_charges(unknowns, solved.charges);
 
   const VectorXd own = solution.all.fine.diagonal();
   std::vector<MatrixXd> of_faces;

@@ -47,6 +47,7 @@ class PanelSystem {
  private:
   PanelSystem(const ChargedBodies& bodies, PanelMesh mesh);
   Eigen::MatrixXd face_matrix(const PanelUnknowns& unknowns) const;
+  Eigen::MatrixXd body_charges(const PanelUnknowns& unknowns, const Eigen::MatrixXd& charges) const;
   Eigen::MatrixXd quadrature_effect(const PanelUnknowns& unknowns, const Eigen::MatrixXd& charges,
                                     const Eigen::MatrixXd& norms) const;
   /// Divides groups of panels that are too large to resolve another body close by.

@@ -122,27 +122,124 @@ class FarPairs {
   std::vector<double> columns_;  ///< x, y, z of the panels' first points, then of their second …
 };
 
-/// Returns a corner of one of two triangles that lies on the other's outline; nothing if there is none.
+/// Distance, relative to the smaller radius, below which a point lies on a triangle, its sides or its
+/// corners. It is above rounding, and an error of this size in a common point has no visible effect.
+constexpr double same_point = 1e-9;
+
+/// A triangle's plane, and which of its points are within the triangle.
+class PanelPlane {
+ public:
+  explicit PanelPlane(const Panel& panel)
+      : corners_(panel.corners),
+        normal_((corners_[1] - corners_[0]).cross(corners_[2] - corners_[0]).normalized()) {}
+
+  double height(const Vector3d& point) const { return normal_.dot(point - corners_[0]); }
+
+  /// Tests whether a point of the plane is in the triangle, or no farther than `near` outside it.
+  bool holds(const Vector3d& point, double near) const {
+    for (std::size_t side = 0; side < 3; ++side) {
+      const Vector3d along = corners_[(side + 1) % 3] - corners_[side];
+      if (normal_.dot(along.cross(point - corners_[side])) < -near * along.norm())
+        return false;
+    }
+    return true;
+  }
+
+  /// Returns the fraction of the way along a segment at which it passes through the inside of the triangle;
+  /// nothing if it does not.
+  std::optional<double> crossing(const Vector3d& from, const Vector3d& to, double near) const {
+    const double first = height(from), last = height(to);
+    if (!((first > near && last < -near) || (first < -near && last > near)))
+      return std::nullopt;
+    const double part = first / (first - last);
+    return holds(from + part * (to - from), near) ? std::optional(part) : std::nullopt;
+  }
+
+ private:
+  const Triangle& corners_;
+  Vector3d normal_;
+};
+
+/// Returns a point where two triangles cross, or overlap in one plane, if no corner of one lies on the
+/// other's outline; nothing if they are apart.
+std::optional<Vector3d> crossing_point(const Panel& a, const Panel& b, double near) {
+  for (const auto& [one, other] : {std::pair(&a, &b), std::pair(&b, &a)}) {
+    const PanelPlane plane(*other);
+    const std::array<double, 3> heights{plane.height(one->corners[0]), plane.height(one->corners[1]),
+                                        plane.height(one->corners[2])};
+    const auto [low, high] = std::minmax({heights[0], heights[1], heights[2]});
+    if (low > near || high < -near)
+      return std::nullopt;
+    for (std::size_t side = 0; side < 3; ++side) {
+      const Vector3d &from = one->corners[side], &to = one->corners[(side + 1) % 3];
+      if (std::abs(heights[side]) <= near && plane.holds(from, near))
+        return from;
+      if (const auto part = plane.crossing(from, to, near))
+        return from + *part * (to - from);
+    }
+    if (std::max(high, -low) > near)
+      continue;
+    for (std::size_t side = 0; side < 3; ++side)
+      for (std::size_t across = 0; across < 3; ++across) {
+        const Vector3d &from = one->corners[side], &to = one->corners[(side + 1) % 3];
+        const Vector3d &low_end = other->corners[across], &high_end = other->corners[(across + 1) % 3];
+        const NearestParts nearest = nearest_parts(from, to, low_end, high_end);
+        const Vector3d point = from + nearest.a * (to - from);
+        if ((point - low_end - nearest.b * (high_end - low_end)).norm() <= near)
+          return point;
+      }
+  }
+  return std::nullopt;
+}
+
+/// Returns a point that two triangles have in common, if possible a corner; nothing if there is none.
 std::optional<Vector3d> common_point(const Panel& a, const Panel& b) {
-  /// Distance, relative to the smaller radius, below which a corner lies on a corner or side of the other
-  /// triangle. It is above rounding, and an error of this size in the point has no visible effect.
-  constexpr double same = 1e-9;
-  const double near = same * std::min(a.radius, b.radius);
+  const double near = same_point * std::min(a.radius, b.radius);
   for (const auto& [one, other] : {std::pair(&a, &b), std::pair(&b, &a)})
     for (const Vector3d& corner : one->corners)
       if (outline_distance(other->corners, corner) <= near)
         return corner;
-  return std::nullopt;
+  return crossing_point(a, b, near);
 }
 
-/// Adds the interaction of two panels that touch. When both triangles grow by a factor λ about a common
-/// point, the integral over both grows by λ³. It is therefore a third of what their moving sides contribute:
-/// the potential of each triangle along the other's sides, times the speed of the sides.
+/// The singularities of a panel's potential along a segment: its sides, but only the ends of a side that lies
+/// on the same line as the segment.
+class SingularSides {
+ public:
+  SingularSides(const Triangle& source, const Vector3d& from, const Vector3d& to, double near)
+      : source_(source) {
+    const Vector3d along = (to - from).normalized();
+    for (std::size_t side = 0; side < 3; ++side)
+      is_collinear_[side] = along.cross(source[side] - from).norm() <= near &&
+                            along.cross(source[(side + 1) % 3] - from).norm() <= near;
+  }
+
+  double distance(const Vector3d& p, const Vector3d& q) const {
+    return std::min({distance(p, q, 0), distance(p, q, 1), distance(p, q, 2)});
+  }
+
+ private:
+  double distance(const Vector3d& p, const Vector3d& q, std::size_t side) const {
+    const Vector3d &from = source_[side], &to = source_[(side + 1) % 3];
+    return is_collinear_[side] ? std::min(segment_distance(from, p, q), segment_distance(to, p, q))
+                               : segment_distance(p, q, from, to);
+  }
+
+  const Triangle& source_;
+  std::array<bool, 3> is_collinear_{};
+};
+
+/// Adds the interaction of two panels that touch, cross or overlap. When both triangles grow by a factor λ
+/// about a common point, the integral over both grows by λ³. It is therefore a third of what their moving
+/// sides contribute: the potential of each triangle along the other's sides, times the speed of the sides.
+/// Where a side passes through the other triangle, the potential has a kink.
 void add_touching(const Panel& a, const Panel& b, const Vector3d& common, double tolerance,
                   PotentialSums& sums, double& sum) {
-  for (const auto& pair : {std::pair(&a, &b), std::pair(&b, &a)})
+  const double near = same_point * std::min(a.radius, b.radius);
+  for (const auto& pair : {std::pair(&a, &b), std::pair(&b, &a)}) {
+    const Panel &moving = *pair.first, &source = *pair.second;
+    const PanelPlane plane(source);
     for (std::size_t side = 0; side < 3; ++side) {
-      const Panel &moving = *pair.first, &source = *pair.second;
       const Vector3d &from = moving.corners[side], &to = moving.corners[(side + 1) % 3];
       const double swept = (from - common).cross(to - common).norm() / moving.area;
       // Speed below which a side rests. No side moves inwards: the common point lies in the triangle or on
@@ -150,17 +247,24 @@ void add_touching(const Panel& a, const Panel& b, const Vector3d& common, double
       constexpr double none = 1e-8;
       if (swept <= none)
         continue;
-      for_each_point(
-          from, to, tolerance,
-          [&](const Vector3d& p, const Vector3d& q) {
-            const Triangle& c = source.corners;
-            return std::min({segment_distance(p, q, c[0], c[1]), segment_distance(p, q, c[1], c[2]),
-                             segment_distance(p, q, c[2], c[0])});
-          },
-          [&](const Vector3d& point, double weight) {
-            sums.add(source.corners, point, weight * swept / 3, sum);
-          });
+      const SingularSides singular(source.corners, from, to, near);
+      const auto integrate = [&](const Vector3d& begin, const Vector3d& end, double share) {
+        for_each_point(
+            begin, end, tolerance,
+            [&](const Vector3d& p, const Vector3d& q) { return singular.distance(p, q); },
+            [&](const Vector3d& point, double weight) {
+              sums.add(source.corners, point, share * weight * swept / 3, sum);
+            });
+      };
+      if (const auto part = plane.crossing(from, to, near)) {
+        const Vector3d middle = from + *part * (to - from);
+        integrate(from, middle, *part);
+        integrate(middle, to, 1 - *part);
+      } else {
+        integrate(from, to, 1);
+      }
     }
+  }
 }
 
 void add_near(const Panel& a, const Panel& b, double tolerance, PotentialSums& sums, double& sum) {

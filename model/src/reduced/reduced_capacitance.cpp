@@ -198,7 +198,8 @@ class ReducedEvaluator::Implementation {
     const double gap = detail::body_gap(placed_[a], placed_[b]);
     if (!(gap > surely_apart))
       detail::refuse_contact(detail::moved(bodies_.bodies[a], motion_.world_pose(bodies_.bodies[a].link)),
-                             detail::moved(bodies_.bodies[b], motion_.world_pose(bodies_.bodies[b].link)));
+                             detail::moved(bodies_.bodies[b], motion_.world_pose(bodies_.bodies[b].link)),
+                             "the reduced method needs bodies apart");
     return std::max(gap, 0.0);
   }
 
@@ -308,6 +309,7 @@ class ReducedEvaluator::Implementation {
     const Index rows = fine.rows(), sensors = static_cast<Index>(answer_.sensors);
     const auto quadrature = solution.quadrature.topLeftCorner(rows, rows);
     answer_.values = fine;
+    answer_.charges = fine;  // Every conductor has one member.
     answer_.errors = solution.truncation_left * detail::changes(fine, stepped) +
                      error_per_discretisation * detail::changes(fine, resolved) + quadrature;
     answer_.reached = (answer_.errors.array() <= rtol_ * fine.array().abs()).all();
@@ -326,6 +328,7 @@ class ReducedEvaluator::Implementation {
     }
     answer_.unknowns = solution.vectors;
     answer_.values *= factor_ * unit_;
+    answer_.charges *= factor_ * unit_;
     answer_.errors *= factor_ * unit_;
     answer_.delta_self *= factor_ * unit_;
     answer_.delta_self_errors *= factor_ * unit_;
@@ -337,6 +340,7 @@ class ReducedEvaluator::Implementation {
     const auto sensors = static_cast<Index>(answer_.sensors);
     constexpr double infinite = std::numeric_limits<double>::infinity();
     answer_.values = MatrixXd::Zero(rows, rows);
+    answer_.charges = MatrixXd::Zero(rows, rows);
     answer_.errors = MatrixXd::Constant(rows, rows, infinite);
     answer_.delta_self = VectorXd::Zero(sensors);
     answer_.delta_self_errors = VectorXd::Constant(sensors, infinite);

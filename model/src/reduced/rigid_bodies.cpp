@@ -90,7 +90,7 @@ struct ShapeFinder {
     return {shapes.find(box_at_origin(box.half_sides / scale)), scale, frame_of(box)};
   }
   RigidBody operator()(const TriangleSurface&) const {
-    const UnitTriangles unit = in_unit(triangulate(object->shape));
+    const UnitTriangles unit = in_unit(surface_triangles(*object));
     try {
       return {shapes.find(unit.triangles, accuracy), unit.scale,
               object->pose * Eigen::Translation3d(unit.centre)};

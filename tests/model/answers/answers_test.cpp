@@ -31,6 +31,8 @@ TEST(CapacitanceAnswer, HasEverySensorWithItsObjects) {
   EXPECT_EQ(described["sensors"][0]["total"], answer.sensors[0].total);
   EXPECT_EQ(described["sensors"][0]["objects"], Json::array({{{"name", "target"},
                                                               {"capacitance", answer.sensors[0].total},
+                                                              {"error", nullptr},
+                                                              {"answered_by", "exact"},
                                                               {"bound", 0.0},
                                                               {"skipped", false}}}));
 }
@@ -47,8 +49,8 @@ TEST(CapacitanceAnswer, DescribesAMaxwellMatrixAsMaxwellAnswerDoes) {
   const MaxwellMatrix& matrix = evaluation.matrix.value();
   const Json answer = capacitance_answer(evaluation, options, 0.5);
   const Json alone = maxwell_answer(matrix, 0.1, 0.5);
-  for (const char* key :
-       {"seconds", "reached", "unknowns", "conductors", "floating", "maxwell", "error", "lower_bounds"})
+  for (const char* key : {"seconds", "reached", "unknowns", "conductors", "members", "floating", "maxwell",
+                          "charges", "error", "lower_bounds"})
     EXPECT_EQ(answer[key], alone[key]) << key;
   EXPECT_EQ(answer["options"]["method"], "boundary-elements");
   EXPECT_EQ(answer["options"]["rtol"], alone["rtol"]);

@@ -50,11 +50,21 @@ TEST(BoundaryElementRefusals, ConductorsThatTouchOrCrossByName) {
   EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].shape = Cuboid{0.3, 0.3, 0.1}; }), named);
 }
 
-TEST(BoundaryElementRefusals, PlatesOfOneSensorThatTouch) {
-  EXPECT_THAT(refusal([](Scene& scene) {
-                scene.sensors[0].plates.push_back({{0.05, -0.05, 0}, {0.1, 0, 0}, {0, 0.1, 0}});
-              }),
-              HasSubstr("sensor \"front\" plates[0] and sensor \"front\" plates[1] touch"));
+TEST(BoundaryElementRefusals, SayHowFarASensorWouldHaveToBeMoved) {
+  // The cube reaches from 3 cm below the plate to 7 cm above it.
+  EXPECT_THAT(
+      refusal([](Scene& scene) {
+        scene.objects[0].shape = Cuboid{0.1, 0.1, 0.1};
+      }),
+      HasSubstr("sensor \"front\" plates[0] is clear of it when moved by more than 0.03 m along (0, 0, -1)"));
+}
+
+TEST(BoundaryElementRefusals, FloatingBodiesThatTouchGroundedOnes) {
+  EXPECT_THAT(
+      refusal([](Scene& scene) {
+        scene.objects.push_back(test::object("other", Cuboid{0.02, 0.02, 0.02}, at(0, 0, 0.03), Floating{}));
+      }),
+      HasSubstr("object \"target\" and object \"other\" touch or cross: they may have different potentials"));
 }
 
 TEST(BoundaryElementRefusals, InvalidRectanglesSizesAndPoses) {

@@ -40,12 +40,17 @@ struct Pair {
   Triangle other;
 };
 
-const std::array<Pair, 8> pairs{
+const std::array<Pair, 13> pairs{
     {{"a common side", {Vector3d(1, 0, 0), Vector3d(0, 0, 0), Vector3d(0.5, -0.3, 0.7)}},
      {"a common side in one plane", {Vector3d(1, 0, 0), Vector3d(0, 0, 0), Vector3d(0.5, -0.7, 0)}},
      {"a common corner", {Vector3d(0, 0, 0), Vector3d(-1, 0, 0.2), Vector3d(-0.5, -0.7, 0)}},
      {"a part of a side", {Vector3d(0.5, 0, 0), Vector3d(0.25, 0, 0), Vector3d(0.3, -0.2, 0)}},
      {"a sliver", {Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0.5, -0.02, 0)}},
+     {"crossing", {Vector3d(0.3, 0.2, -0.4), Vector3d(0.5, 0.25, 0.5), Vector3d(0.1, 0.6, 0.6)}},
+     {"standing on the inside", {Vector3d(0.3, 0.2, 0), Vector3d(0.5, 0.25, 0), Vector3d(0.4, 0.2, 0.6)}},
+     {"overlapping in one plane", {Vector3d(0.3, 0.2, 0), Vector3d(1.3, 0.3, 0), Vector3d(0.4, 1.1, 0)}},
+     {"overlapping with common lines", {Vector3d(0.5, 0, 0), Vector3d(1.5, 0, 0), Vector3d(0.7, 0.8, 0)}},
+     {"inside the other", {Vector3d(0.3, 0.1, 0), Vector3d(0.5, 0.1, 0), Vector3d(0.3, 0.4, 0)}},
      {"close by", {Vector3d(0, 0, 0.01), Vector3d(1, 0, 0.1), Vector3d(0.5, 0.7, 0.2)}},
      {"a size away", {Vector3d(0, 0, 1.5), Vector3d(1, 0, 1.5), Vector3d(0.5, 0.7, 1.8)}},
      {"far away", {Vector3d(0, 0, 8), Vector3d(1, 0, 8), Vector3d(0.5, 0.7, 8.3)}}}};

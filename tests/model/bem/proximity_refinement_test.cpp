@@ -33,13 +33,13 @@ ChargedFace face(double half_u, double half_v, double height, double turn = 0) {
 }
 
 InducedCharge charge_induced_by(const ChargedFace& plate) {
-  return InducedCharge(ChargedBody{0, detail::FlatPlate{plate}, "plate", {}});
+  return InducedCharge(ChargedBody{0, 0, detail::FlatPlate{plate}, "plate", {}});
 }
 
 /// Returns the charge induced by the same plate as a body of two triangles.
 InducedCharge charge_induced_by_triangles(const ChargedFace& plate) {
   const auto [a, b, c, d] = detail::corners_of(plate);
-  return InducedCharge(ChargedBody{0, detail::TriangleSurface{{{a, b, c}, {a, c, d}}}, "mesh", {}});
+  return InducedCharge(ChargedBody{0, 0, detail::TriangleSurface{{{a, b, c}, {a, c, d}}}, "mesh", {}});
 }
 
 TEST(InducedCharge, OfASmallPlateIsNarrowOnAFaceUntilTheGapIsWide) {

@@ -1,0 +1,143 @@
+#include "bem/hidden_surface.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <utility>
+
+#include "fringe/gjk.hpp"
+#include "geometry/surface_mesh.hpp"
+#include "geometry/winding_number.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Vector3d;
+
+/// Returns the number of connected shells of a surface, and each triangle's.
+std::pair<std::size_t, std::vector<std::size_t>> shells_of(const std::vector<Triangle>& triangles) {
+  const auto neighbours = SurfaceMesh(triangles).neighbours();
+  const std::size_t none = triangles.size();
+  std::vector<std::size_t> shell_of(triangles.size(), none);
+  std::size_t shells = 0;
+  std::vector<std::size_t> open;
+  for (std::size_t seed = 0; seed < triangles.size(); ++seed) {
+    if (shell_of[seed] != none)
+      continue;
+    shell_of[seed] = shells;
+    open.assign(1, seed);
+    while (!open.empty()) {
+      const std::size_t triangle = open.back();
+      open.pop_back();
+      for (const std::size_t next : neighbours[triangle])
+        if (shell_of[next] == none) {
+          shell_of[next] = shells;
+          open.push_back(next);
+        }
+    }
+    ++shells;
+  }
+  return {shells, std::move(shell_of)};
+}
+
+/// Tests whether two boxes touch or overlap, up to rounding.
+bool touch(const AlignedBox3d& a, const AlignedBox3d& b) {
+  /// Distance, relative to the size of the boxes, that is rounding of their bodies' poses.
+  constexpr double touching = 1e-9;
+  const double tolerance = touching * std::max(a.diagonal().norm(), b.diagonal().norm());
+  return a.squaredExteriorDistance(b) <= tolerance * tolerance;
+}
+
+/// Returns a triangle shrunk a little about its centre and moved a little off its plane, on one side.
+Triangle beside(const Triangle& triangle, double side) {
+  /// Part of the way from the corners to the centre: it keeps adjacent triangles off.
+  constexpr double shrinking = 1e-3;
+  /// Distance from the plane, relative to the triangle's size; above rounding, below any feature.
+  constexpr double shift = 1e-5;
+  const Vector3d centre = (triangle[0] + triangle[1] + triangle[2]) / 3;
+  const Vector3d normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
+  const double size = std::sqrt(twice_area(triangle));
+  Triangle result;
+  for (std::size_t k = 0; k < 3; ++k)
+    result[k] = triangle[k] + shrinking * (centre - triangle[k]) + side * shift * size * normal;
+  return result;
+}
+
+}  // namespace
+
+HiddenSurface::HiddenSurface(const ChargedBodies& bodies)
+    : bodies_(bodies.bodies.size()), around_(bodies.bodies.size()) {
+  std::vector<std::size_t> shell_counts(bodies_.size(), 0);
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const auto triangles = triangles_of(bodies.bodies[k].surface);
+    if (triangles.empty())
+      continue;
+    Body& body = bodies_[k];
+    body.triangles.assign(triangles.begin(), triangles.end());
+    const auto [shells, shell_of] = shells_of(body.triangles);
+    shell_counts[k] = shells;
+    std::vector<std::vector<Triangle>> parts(shells);
+    for (std::size_t triangle = 0; triangle < triangles.size(); ++triangle)
+      parts[shell_of[triangle]].push_back(triangles[triangle]);
+    for (const std::vector<Triangle>& part : parts)
+      if (fringe::is_closed(part))
+        body.closed.insert(body.closed.end(), part.begin(), part.end());
+    body.is_closed = body.closed.size() == body.triangles.size();
+    body.box = axis_aligned_box(body.closed);
+  }
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    bool is_alone = true;
+    for (std::size_t other = 0; other < bodies_.size(); ++other) {
+      const bool is_one_conductor = bodies.bodies[k].conductor == bodies.bodies[other].conductor;
+      if (k == other || !is_one_conductor || bodies_[k].triangles.empty() || bodies_[other].closed.empty() ||
+          !touch(axis_aligned_box(bodies_[k].triangles), bodies_[other].box))
+        continue;
+      around_[k].push_back(other);
+      is_alone = false;
+    }
+    if (!bodies_[k].closed.empty() && (!is_alone || shell_counts[k] > 1))
+      around_[k].push_back(k);
+  }
+}
+
+/// Returns where a triangle is that does not cross the body's surface.
+HiddenSurface::Place HiddenSurface::place(const Triangle& shifted, const Body& body) {
+  AlignedBox3d box;
+  for (const Vector3d& corner : shifted)
+    box.extend(corner);
+  if (!body.box.intersects(box))
+    return Place::outside;
+  const Vector3d centre = (shifted[0] + shifted[1] + shifted[2]) / 3;
+  const bool is_inside = is_in_polyhedron(body.closed, centre);
+  for (const Triangle& triangle : body.closed) {
+    AlignedBox3d other;
+    for (const Vector3d& corner : triangle)
+      other.extend(corner);
+    if (other.intersects(box) && gjk_intersects(shifted, triangle).intersects)
+      return Place::unknown;
+  }
+  return is_inside ? Place::inside : Place::outside;
+}
+
+bool HiddenSurface::contains(const Triangle& part, std::size_t body) const {
+  if (around_[body].empty())
+    return false;
+  const std::array<Triangle, 2> sides{beside(part, 1), beside(part, -1)};
+  std::array<bool, 2> is_inside{false, false};
+  for (const std::size_t k : around_[body]) {
+    const Place one = place(sides[0], bodies_[k]), other = place(sides[1], bodies_[k]);
+    is_inside[0] = is_inside[0] || one == Place::inside;
+    is_inside[1] = is_inside[1] || other == Place::inside;
+    if (is_inside[0] && is_inside[1])
+      return true;
+    const bool lies_on = (one == Place::inside && other == Place::outside) ||
+                         (one == Place::outside && other == Place::inside);
+    // Of two surfaces that lie on each other, the later one is left out; an open one lies on a closed one.
+    if (lies_on && k != body && (k < body || !bodies_[body].is_closed))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace fringe::detail
