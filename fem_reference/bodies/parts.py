@@ -33,6 +33,9 @@ MOST_TRIANGLES_UNITED = 300
 ROUNDNESS = 1e-3
 """Largest distance of the triangles of a round body that is wrapped from its surface, over the size of the body."""
 
+MOST_SIZE_RATIO = 1e6
+"""Largest ratio between the extents of a mesh and of the largest plate: OpenCASCADE resolves 1e-7, and no mesh of cells could span more."""
+
 
 @dataclass(frozen=True)
 class Part:
@@ -54,7 +57,8 @@ class Part:
 def object_part(scene: Scene, body: Object, geometry: Geometry, source: str) -> Part:
     """The part that an object is by itself, in the world frame.
 
-    Raises InputError for a dielectric plate, and for a dielectric mesh that bounds no solid.
+    Raises InputError for a dielectric plate, for a dielectric mesh that bounds no solid, and for a mesh without area or of a size that
+    cannot be meshed beside the sensors.
     """
     key = f'object "{body.name}"'
     dielectric = body.relative_permittivity is not None
@@ -63,7 +67,9 @@ def object_part(scene: Scene, body: Object, geometry: Geometry, source: str) -> 
     rotation, translation = scene.pose_of_object(body.name)
     surface: Surface
     if isinstance(body.shape, MeshShape):
-        triangles = body.shape.triangles() @ rotation.T + translation
+        own = body.shape.triangles()
+        _refuse_size(scene, own, f"{key}: shape.file", f"{body.shape.file}", source)
+        triangles = own @ rotation.T + translation
         most = None if dielectric or geometry.kind == "exact" else MOST_TRIANGLES
         surface = _surface_of_mesh(body.name, triangles, body.shape.file, most)
         if isinstance(surface, Soup) and dielectric:
@@ -71,6 +77,22 @@ def object_part(scene: Scene, body: Object, geometry: Geometry, source: str) -> 
     else:
         surface = _body_of_shape(body.name, body.shape, rotation.T, translation)
     return Part(body.name, surface, body.name, dielectric)
+
+
+def _refuse_size(scene: Scene, triangles: Array, key: str, file: str, source: str) -> None:
+    """Raise InputError for a mesh without area, or one that is too large or too small to be meshed beside the plates of the sensors."""
+    extent = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
+    unit = triangles / extent if extent > 0 else triangles
+    cross = np.cross(unit[:, 1] - unit[:, 0], unit[:, 2] - unit[:, 0])
+    if not np.any(cross):
+        raise InputError(source, key, f"{file} has no triangle with an area")
+    edges = [
+        edge for sensor in scene.sensors for plate in sensor.plates for edge in (plate.edge_u, plate.edge_v)
+    ]
+    largest = max((float(np.linalg.norm(edge)) for edge in edges), default=extent)
+    if not 1 / MOST_SIZE_RATIO <= extent / largest <= MOST_SIZE_RATIO:
+        reason = f"{file} extends over {extent:.3g} m beside plates of {largest:.3g} m: the largest ratio is {MOST_SIZE_RATIO:.0e}"
+        raise InputError(source, key, reason)
 
 
 def _surface_of_mesh(name: str, triangles: Array, file: str, most: int | None) -> Surface:
