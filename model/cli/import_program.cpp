@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 fs::path find_program() {
   const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
   for (const fs::path place : {"", FRINGE_LIBEXEC_FROM_BIN})
-    if (const fs::path program = folder / place / "fringe-import"; fs::is_regular_file(program))
+    if (fs::path program = folder / place / "fringe-import"; fs::is_regular_file(program))
       return program;
   throw std::runtime_error(fmt::format("there is no program fringe-import in {} or {}", folder.string(),
                                        (folder / FRINGE_LIBEXEC_FROM_BIN).lexically_normal().string()));

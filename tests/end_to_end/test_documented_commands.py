@@ -66,6 +66,7 @@ ELSEWHERE = {
     "fringe capacitance SCENE": ("model/test_command_line.py", "test_capacitance_as_json", "capacitance"),
     "fringe import SOURCE SCENE": (IMPORT, "test_links_and_joints_at_zero_are_links_and_poses", "import"),
     "fringe import": (IMPORT, "test_links_and_joints_at_zero_are_links_and_poses", "import"),
+    "fringe info": ("model/test_command_line.py", "test_info_counts_the_defects_of_a_mesh", "info"),
     "fringe sense SCENE": ("model/test_sense_command.py", "test_sense_as_json", "sense"),
     "fringe capacitance … --output FILE.vtu": ("model/test_output_file.py", "test_the_triangles_of_an_object_add_up_to_its_capacitance", "--output"),
     "fringe … --json": (OPTIONS, "test_json_in_the_place_of_a_table", "--json"),

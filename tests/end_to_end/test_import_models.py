@@ -154,9 +154,9 @@ def test_a_missing_file_of_materials_does_not_matter(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        (OBJ.replace("f 2 3 4", "f 2 3 44"), "names vertex 44"),
+        (OBJ.replace("f 2 3 4", "f 2 3 44"), "refers to vertex 44"),
         (OBJ.replace("v 0 0 3", "v 0 0 nan"), "model.obj"),
-        (OBJ.replace("v 0 0 3", "v 0 0"), "has a vertex of 2 numbers"),
+        (OBJ.replace("v 0 0 3", "v 0 0"), "has a vertex of 2 coordinates"),
         ("# nothing\n", "model.obj"),
     ],
 )

@@ -45,6 +45,8 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
         "--version": SAID,
         "--geometry": (IMPORT, "test_visual_geometries_are_taken_when_asked_for"),
         "--package-path": (IMPORT, "test_packages_are_found_by_a_path"),
+        "--joints": ("end_to_end/test_import_joints.py", "test_joints_are_set_and_those_that_mimic_follow"),
+        "--deflection": ("end_to_end/test_import_step.py", "test_deflection_is_for_step_and_greater_than_zero"),
     },
     ("fringe", "sense"): {
         "--help": SAID,
@@ -62,6 +64,9 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
         "--max-unknowns": (REFERENCE, "test_one_level_under_a_limit_still_encloses_the_truth"),
         "--max-memory": (REFERENCE, "test_one_level_under_a_limit_still_encloses_the_truth"),
         "--no-symmetry": (REFERENCE, "test_the_whole_of_space_is_meshed_when_symmetry_is_not_to_be_used"),
+        "--geometry": ("bad_input/test_reference.py", "test_a_mesh_that_bounds_no_solid_unless_it_may_be_wrapped"),
+        "--wrap-alpha": (REFERENCE, "test_lengths_of_a_wrap_are_positive"),
+        "--wrap-offset": (REFERENCE, "test_lengths_of_a_wrap_are_positive"),
         "--columns": (REFERENCE, "test_columns_left_out_are_named_and_unknown_ones_refused"),
         "--output": (REFERENCE, "test_the_field_is_written_for_paraview"),
         "--slice": (REFERENCE, "test_a_slice_of_the_potential_runs_from_the_sensor_to_the_ground"),

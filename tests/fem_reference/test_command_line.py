@@ -215,3 +215,10 @@ def test_a_field_that_cannot_be_written_is_refused_before_the_work(
 def test_help_names_every_exit_status() -> None:
     done = command("--help")
     assert done.returncode == 0 and "Exit status: 0 answered; 2 wrong input; 3" in done.stdout
+
+
+@pytest.mark.parametrize("option", ["--wrap-alpha", "--wrap-offset"])
+@pytest.mark.parametrize("length", ["0", "-0.01", "nan"])
+def test_lengths_of_a_wrap_are_positive(scene: Path, option: str, length: str) -> None:
+    wrong = command(scene, f"{option}={length}")
+    assert wrong.returncode == 2 and wrong.stdout == "" and option in wrong.stderr

@@ -221,8 +221,19 @@ def test_info(fringe_command: Command, tmp_path: Path) -> None:
         "area": pytest.approx(22, rel=1e-14),
         "volume": pytest.approx(6, rel=1e-14),
         "aabb": {"minimum": [0.5, -1, -1.5], "maximum": [1.5, 1, 1.5]},
+        "defects": None,
     }
     assert "22 m2" in fringe_command("info", path).stdout
+
+
+def test_info_counts_the_defects_of_a_mesh(fringe_command: Command, tmp_path: Path) -> None:
+    (tmp_path / "sheet.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 2 1\nf 1 1 2\n")
+    path = tmp_path / "scene.toml"
+    path.write_text('object = [ { name = "sheet", shape = { type = "mesh", file = "sheet.obj" } } ]')
+    (sheet,) = json.loads(fringe_command("info", path, "--json").stdout)["objects"]
+    found = {defect: count for defect, count in sheet["defects"].items() if count > 0}
+    assert found == {"without_area": 1, "duplicates": 1, "open_edges": 3, "shells": 1}
+    assert "1 duplicate triangles: each triangle counts once" in fringe_command("info", path).stdout
 
 
 def test_info_knows_no_volume_of_an_open_surface(fringe_command: Command, scene: Path) -> None:

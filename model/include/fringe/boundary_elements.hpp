@@ -71,11 +71,9 @@ struct MaxwellMatrix {
 MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options = {});
 
 /// Evaluates every sensor of the scene by its Maxwell matrix: an object's capacitance is the charge that it
-/// takes, `mutual` if it is a conductor of its own; a floating
-/// object, which takes no charge, is omitted; and the voltage is that of the sum, as in the triangle-integral
-/// model.
-///
-/// @param answered_by the method that found the matrix
+/// takes, `mutual` if it is a conductor of its own; a floating object, which takes no charge, is omitted; and
+/// the voltage is that of the sum, as in the triangle-integral model. `answered_by` is the method that found
+/// the matrix.
 SceneCapacitance capacitance(const Scene& scene, const MaxwellMatrix& matrix,
                              std::string_view answered_by = "boundary-elements");
 

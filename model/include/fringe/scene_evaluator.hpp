@@ -28,7 +28,7 @@ class SceneEvaluator {
   explicit SceneEvaluator(const Scene& scene, const CapacitanceOptions& options = {});
   /// Prepares the scene for a LiveScene, which owns the poses.
   SceneEvaluator(const Scene& scene, const CapacitanceOptions& options,
-                 std::shared_ptr<detail::LinkPoses> poses);
+                 const std::shared_ptr<detail::LinkPoses>& poses);
   ~SceneEvaluator();
   SceneEvaluator(SceneEvaluator&&) noexcept;
   SceneEvaluator& operator=(SceneEvaluator&&) noexcept;

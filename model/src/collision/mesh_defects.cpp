@@ -79,6 +79,7 @@ std::size_t t_junctions(const SurfaceMesh& mesh) {
   if (ends.empty())
     return 0;
   std::vector<AlignedBox3d> boxes;
+  boxes.reserve(ends.size());
   for (const std::uint32_t vertex : ends)
     boxes.emplace_back(mesh.vertices()[vertex]);
   const BoxTree tree(boxes);

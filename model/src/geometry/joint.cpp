@@ -40,7 +40,7 @@ double position_of(const std::vector<Link>& links, const Joint& joint) {
     const std::string& name = leader->mimic->joint;
     leader = find_joint(links, name);
     if (leader == nullptr)
-      throw InputError(fmt::format("joint \"{}\": mimics \"{}\", which does not exist", joint.name, name));
+      throw InputError(fmt::format(R"(joint "{}": mimics "{}", which does not exist)", joint.name, name));
   }
   const double position = offset + multiplier * leader->position;
   if (!std::isfinite(position))
@@ -77,7 +77,7 @@ std::vector<LinkPose> joint_poses(const std::vector<Link>& links, std::string_vi
                                                : fmt::format("there are: {}", fmt::join(names, ", "))));
   }
   if (moved->mimic)
-    throw InputError(fmt::format("joint \"{}\" follows \"{}\"", joint, moved->mimic->joint));
+    throw InputError(fmt::format(R"(joint "{}" follows "{}")", joint, moved->mimic->joint));
   std::vector<Link> links_then = links;
   for (Link& link : links_then)
     if (link.joint && link.joint->name == joint)

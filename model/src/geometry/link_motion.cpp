@@ -28,7 +28,7 @@ LinkPoses::LinkPoses(const std::vector<Link>& links)
     indices_.emplace(links[link].name, link);
   std::sort(by_depth.begin(), by_depth.end());
   for (const auto& [above, link] : by_depth)
-    parents_first_.push_back(link);
+    parents_first_.push_back({link, links[link].parent.value_or(nobody)});
 }
 
 void LinkPoses::set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
@@ -37,20 +37,19 @@ void LinkPoses::set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
   const std::size_t index = known == indices_.end() ? find_link(links_, link) : known->second;
   links_[index].pose = pose;
   last_changes_[index] = ++changes_;
-  outdated_[index] = true;
+  outdated_[index] = 1;
 }
 
 void LinkPoses::update() {
   if (updated_ == changes_)
     return;
-  for (const std::size_t link : parents_first_) {
-    const std::optional<std::size_t> parent = links_[link].parent;
-    if (parent && outdated_[*parent])
-      outdated_[link] = true;
-    if (outdated_[link])
-      world_poses_[link] = world_pose(parent) * links_[link].pose;
+  for (const auto& [link, parent] : parents_first_) {
+    if (parent != nobody && outdated_[parent] != 0)
+      outdated_[link] = 1;
+    if (outdated_[link] != 0)
+      world_poses_[link] = world_pose(links_[link].parent) * links_[link].pose;
   }
-  std::fill(outdated_.begin(), outdated_.end(), false);
+  std::fill(outdated_.begin(), outdated_.end(), 0);
   updated_ = changes_;
 }
 
@@ -63,8 +62,9 @@ LinkMotion::LinkMotion(std::shared_ptr<LinkPoses> poses)
 void LinkMotion::update() {
   poses_->update();
   updated_ = poses_->changes();
-  for (const std::size_t link : poses_->parents_first())
-    movers_[link] = poses_->last_change(link) > settled_ ? link : mover(poses_->links()[link].parent);
+  for (const auto& [link, parent] : poses_->parents_first())
+    movers_[link] =
+        poses_->last_change(link) > settled_ ? link : (parent == nobody ? nobody : movers_[parent]);
 }
 
 }  // namespace fringe::detail

@@ -35,8 +35,15 @@ class LinkPoses {
 
   const std::vector<Link>& links() const { return links_; }
 
-  /// Returns the indices of all links, each after its parent.
-  const std::vector<std::size_t>& parents_first() const { return parents_first_; }
+  /// A link's index and that of its parent; `nobody` for a root.
+  struct Node {
+    std::size_t link;
+    std::size_t parent;
+  };
+  static constexpr std::size_t nobody = static_cast<std::size_t>(-1);
+
+  /// Returns all links, each after its parent.
+  const std::vector<Node>& parents_first() const { return parents_first_; }
 
   /// Returns the world pose, as of the last update(), of a body that is attached to a link or to the world.
   Eigen::Isometry3d world_pose(std::optional<std::size_t> link) const {
@@ -46,9 +53,9 @@ class LinkPoses {
  private:
   std::vector<Link> links_;
   std::unordered_map<std::string, std::size_t> indices_;  ///< index of each link by its name
-  std::vector<std::size_t> parents_first_;
+  std::vector<Node> parents_first_;
   std::vector<Eigen::Isometry3d> world_poses_;
-  std::vector<bool> outdated_;  ///< whether a link's world pose awaits update()
+  std::vector<char> outdated_;  ///< whether a link's world pose awaits update()
   std::vector<std::uint64_t> last_changes_;
   std::uint64_t changes_ = 0;
   std::uint64_t updated_ = 0;  ///< value of changes() at the last update()
@@ -79,7 +86,7 @@ class LinkMotion {
   Eigen::Isometry3d world_pose(std::optional<std::size_t> link) const { return poses_->world_pose(link); }
 
  private:
-  static constexpr std::size_t nobody = static_cast<std::size_t>(-1);
+  static constexpr std::size_t nobody = LinkPoses::nobody;
 
   std::size_t mover(std::optional<std::size_t> link) const { return link ? movers_[*link] : nobody; }
 

@@ -59,7 +59,8 @@ double largest_error(const MaxwellMatrix& matrix) {
       if (other < sensors && other != sensor)
         continue;
       const double error = matrix.errors(sensor, other) / std::abs(matrix.values(sensor, other));
-      largest = std::isnan(error) ? infinity : std::max(largest, error);
+      if (!(error <= largest))
+        largest = std::isnan(error) ? infinity : error;
     }
   return largest;
 }

@@ -312,8 +312,8 @@ class SceneEvaluator::Implementation {
 SceneEvaluator::SceneEvaluator(const Scene& scene, const CapacitanceOptions& options)
     : SceneEvaluator(scene, options, std::make_shared<detail::LinkPoses>(scene.links)) {}
 SceneEvaluator::SceneEvaluator(const Scene& scene, const CapacitanceOptions& options,
-                               std::shared_ptr<detail::LinkPoses> poses)
-    : implementation_(std::make_unique<Implementation>(scene, options, std::move(poses))) {}
+                               const std::shared_ptr<detail::LinkPoses>& poses)
+    : implementation_(std::make_unique<Implementation>(scene, options, poses)) {}
 SceneEvaluator::~SceneEvaluator() = default;
 SceneEvaluator::SceneEvaluator(SceneEvaluator&&) noexcept = default;
 SceneEvaluator& SceneEvaluator::operator=(SceneEvaluator&&) noexcept = default;
