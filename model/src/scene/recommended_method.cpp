@@ -59,8 +59,9 @@ double largest_error(const MaxwellMatrix& matrix) {
       if (other < sensors && other != sensor)
         continue;
       const double error = matrix.errors(sensor, other) / std::abs(matrix.values(sensor, other));
-      if (!(error <= largest))
-        largest = std::isnan(error) ? infinity : error;
+      if (std::isnan(error))
+        return infinity;
+      largest = std::max(largest, error);
     }
   return largest;
 }
