@@ -14,6 +14,8 @@
 
 #include <fmt/format.h>
 
+#include "program.hpp"
+
 namespace fringe::cli {
 namespace {
 
@@ -35,12 +37,7 @@ int run_import(int argument_count, char** arguments) {
   const fs::path program = find_program();
   std::string name = program.string();
   std::vector<char*> forwarded{name.data()};
-  std::string source;
-  for (int i = 2; i < argument_count; ++i) {
-    forwarded.push_back(arguments[i]);
-    if (source.empty() && arguments[i][0] != '-')
-      source = arguments[i];
-  }
+  forwarded.insert(forwarded.end(), arguments + 2, arguments + argument_count);
   forwarded.push_back(nullptr);
   pid_t child = 0;
   if (const int error = posix_spawn(&child, program.c_str(), nullptr, nullptr, forwarded.data(), environ);
@@ -52,12 +49,14 @@ int run_import(int argument_count, char** arguments) {
       throw std::runtime_error(fmt::format("{}: cannot be waited for", program.string()));
   if (WIFEXITED(status))
     return WEXITSTATUS(status);
-  constexpr int wrong_input = 2, by_signal = 128;
+  /// The shell's status of a program that a signal ended is larger than the signal's number by this.
+  constexpr int by_signal = 128;
   const int ending = WTERMSIG(status);
   if (ending == SIGINT || ending == SIGTERM || ending == SIGKILL || ending == SIGPIPE || ending == SIGHUP)
     return by_signal + ending;
-  fmt::print(stderr, "fringe: {}: the file cannot be read: the library that reads it ended by signal {}\n",
-             source, ending);
+  fmt::print(stderr,
+             "fringe: import {}: the file cannot be read: the library that reads it ended by signal {}\n",
+             fmt::join(arguments + 2, arguments + argument_count, " "), ending);
   return wrong_input;
 }
 

@@ -1,6 +1,5 @@
 #include <chrono>
 #include <cstdio>
-#include <exception>
 #include <iostream>
 #include <optional>
 #include <string>
@@ -22,6 +21,7 @@
 #include "fringe/version.hpp"
 #include "import_program.hpp"
 #include "maxwell_table.hpp"
+#include "program.hpp"
 #include "table_text.hpp"
 #include "vtu_file.hpp"
 
@@ -30,7 +30,7 @@ namespace {
 using namespace fringe;
 using namespace fringe::answers;
 
-enum ExitCode { answered = 0, failed = 1, wrong_input = 2, not_reached = 3 };
+using cli::answered, cli::not_reached, cli::print, cli::wrong_input;
 
 /// The arguments of the command line.
 struct Request {
@@ -131,14 +131,6 @@ std::string answer_sense(const Request& request) {
   return request.json ? json_text(sensing_answer(readings)) : cli::readings_table(readings);
 }
 
-void print(std::string answer) {
-  if (answer.back() != '\n')
-    answer += '\n';
-  std::cout << answer << std::flush;
-  if (!std::cout)
-    throw std::runtime_error("the answer could not be written");
-}
-
 int run(int argument_count, char** arguments) {
   if (argument_count > 1 && arguments[1] == std::string_view("import"))
     return cli::run_import(argument_count, arguments);
@@ -223,13 +215,5 @@ int run(int argument_count, char** arguments) {
 }  // namespace
 
 int main(int argument_count, char** arguments) {
-  try {
-    return run(argument_count, arguments);
-  } catch (const InputError& error) {
-    fmt::print(stderr, "fringe: {}\n", error.what());
-    return wrong_input;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "fringe: {}\n", error.what());
-    return failed;
-  }
+  return fringe::cli::run_program(run, argument_count, arguments);
 }

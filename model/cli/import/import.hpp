@@ -17,7 +17,7 @@ struct ImportRequest {
   std::optional<double> deflection;                  ///< of STEP: m
 };
 
-/// What was written, and what the user should know of it: one line each.
+/// The result of an import: a sentence about the files written, and the warnings, a line each.
 struct ImportReport {
   std::string written;
   std::vector<std::string> warnings;

@@ -1,5 +1,4 @@
 #include <cstdio>
-#include <exception>
 #include <iostream>
 #include <string>
 
@@ -9,6 +8,7 @@
 #include "fringe/error.hpp"
 #include "fringe/version.hpp"
 #include "import/import.hpp"
+#include "program.hpp"
 
 // The program that `fringe import` starts. It is one of its own because the libraries that read models take a
 // tenth of a second to load, and because a damaged file may end them.
@@ -16,7 +16,7 @@ namespace {
 
 using namespace fringe;
 
-enum ExitCode { answered = 0, failed = 1, wrong_input = 2 };
+using cli::answered, cli::wrong_input;
 
 void add_options(CLI::App& program, cli::ImportRequest& request) {
   program.set_version_flag("--version", version());
@@ -58,22 +58,12 @@ int run(int argument_count, char** arguments) {
   const cli::ImportReport report = cli::import_scene(request);
   for (const std::string& warning : report.warnings)
     fmt::print(stderr, "fringe: warning: {}\n", warning);
-  std::cout << report.written << '\n' << std::flush;
-  if (!std::cout)
-    throw std::runtime_error("the answer could not be written");
+  cli::print(report.written);
   return answered;
 }
 
 }  // namespace
 
 int main(int argument_count, char** arguments) {
-  try {
-    return run(argument_count, arguments);
-  } catch (const InputError& error) {
-    fmt::print(stderr, "fringe: {}\n", error.what());
-    return wrong_input;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "fringe: {}\n", error.what());
-    return failed;
-  }
+  return fringe::cli::run_program(run, argument_count, arguments);
 }

@@ -165,7 +165,7 @@ class Reader {
     if ((scene_->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0 || scene_->mRootNode == nullptr)
       throw InputError("was read in part only");
     for (const std::string& line : lines) {
-      // What a file refers to and does not hold would be missing in the scene.
+      // Geometry that the file refers to but does not contain would be missing in the scene.
       if (line.find("Unable to find geometry") != std::string::npos ||
           line.find("Unable to resolve reference") != std::string::npos)
         throw InputError(line);

@@ -15,7 +15,7 @@ std::string extension_of(const std::filesystem::path& path);
 bool is_model_file(const std::filesystem::path& path);
 
 /// Reads the nodes of a COLLADA, OBJ or 3MF file as links and their triangles as meshes in metres, by Assimp.
-/// What is up in COLLADA is z in the scene. What the library remarks is appended to `warnings`. Throws
+/// The upward axis of COLLADA becomes z. Appends the library's remarks to `warnings`. Throws
 /// InputError with file, element and reason.
 Scene read_model(const std::filesystem::path& path, std::vector<std::string>& warnings);
 

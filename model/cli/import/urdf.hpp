@@ -15,7 +15,7 @@ enum class UrdfGeometry { collision, visual };
 /// Reads "collision" or "visual"; throws InputError for anything else.
 UrdfGeometry parse_urdf_geometry(const std::string& name);
 
-/// What is imported from a robot, and in which position.
+/// The part of a robot to import, and the positions of its joints.
 struct UrdfRequest {
   UrdfGeometry geometry = UrdfGeometry::collision;
   std::vector<std::filesystem::path> package_paths;  ///< searched first for packages
