@@ -222,7 +222,7 @@ py::dict described_evaluation(SharedScene& shared, const EvaluationOptions& opti
 }
 
 py::dict maxwell_of(SharedScene& scene, const std::string& method, std::optional<double> rtol) {
-  const EvaluationOptions options{.method = parse_method(method), .rtol = rtol};
+  const EvaluationOptions options{.method = parse_method(method), .rtol = rtol, .entries = Entries::all};
   if (is_integral(options.method) || std::holds_alternative<Recommended>(options.method))
     throw InputError(fmt::format(
         "method '{}' finds no Maxwell matrix: it must be boundary-elements or reduced:K", method));
@@ -382,7 +382,7 @@ plates: "sum", every plate of a sensor counts every point of a surface; "nearest
 faces: "all", or "facing": only triangles whose outward side sees the plate, and those in contact with it.
 tolerance: what may be left out of a sensor's total, relative to it; each object's "bound" says how much of it was left
 out at most. 0: nothing is left out but by "nearest", 1e-12. Only with the method "exact".
-rtol: the error of every entry of the Maxwell matrix to be reached. Only with "boundary-elements" (if not given 1e-3),
+rtol: the error of every entry in the sensors' rows of the Maxwell matrix to be reached. Only with "boundary-elements" (if not given 1e-3),
 "reduced:1", 2, 3 (1e-2, 1e-3, 3e-4) and "recommended" (1e-2, of the sensors' own entries and the objects' capacitances).
 correction: "none", or what takes the place of the integral, "formula" or "recommended" (fringe.corrections()).
 
@@ -396,16 +396,22 @@ Raises InputError (a ValueError) for unknown or inconsistent options and for obj
 method: "boundary-elements"; or "reduced:K", K from 1 to 3, which seeks every body's charge among few distributions that
 follow its pose. What it prepares of a body, in milliseconds, of triangles in seconds, is kept while set_pose moves
 links; a pose takes microseconds.
-rtol: the error to be reached in every entry, relative to it; from 1e-6 to 0.5, if not given 1e-3. With "reduced:K" from
+rtol: the error to be reached in every entry, relative to it (to 1e-3 of the geometric mean of its diagonal entries
+where that is larger); from 1e-6 to 0.5, if not given 1e-3. With "reduced:K" from
 1e-4, if not given 1e-2, 1e-3 and 3e-4 for K = 1, 2 and 3.
 
 Returns "conductors" (names, the sensors first), "maxwell" and "error" (n, n): charge on the row's conductor per volt on
 the column's, and an estimate of its error; "delta_self" by sensor, its own entry less what it is without the objects;
 "lower_bounds", which entries of the diagonal are not above the truth; "floating", objects without charge and so without
-a row; "reached", whether the errors are within rtol; "unknowns", "seconds".
+a row; "reached", whether the errors are within rtol; "unknowns", "seconds"; "members", the sensor or the objects of each
+conductor, and "charges", for each conductor the charges on its members (rows) per volt on each conductor.
+
+Grounded objects that touch, overlap or contain each other are one conductor. "reduced:K" prepares them together, again
+for every pose in which they have moved relative to each other, which takes seconds.
 
 Round shapes are the polyhedra of their triangles here. Raises InputError (a ValueError) for dielectric objects and
-conductors that touch, cross or are inside each other, with "reduced:K" for bodies of more than 2,000 triangles.)")
+conductors that may have different potentials and touch, cross or are inside each other, with "reduced:K" for bodies of
+more than 2,000 triangles, those that touch them included.)")
       .def(
           "formula_terms",
           [](SharedScene& shared) {

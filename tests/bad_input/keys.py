@@ -18,7 +18,29 @@ WHOLE: dict[str, Any] = {
     "room": {"size": [4.0, 3.0, 2.5], "translation": [0.0, 0.0, 1.25]},
     "link": [
         {"name": "base", "translation": _VECTOR, "rotation": {"axis": [0, 0, 1], "degrees": 30.0}},
-        {"name": "arm", "parent": "base", "quaternion": [1.0, 0.0, 0.0, 0.5]},
+        {
+            "name": "arm",
+            "parent": "base",
+            "quaternion": [1.0, 0.0, 0.0, 0.5],
+            "joint": {
+                "name": "elbow",
+                "type": "revolute",
+                "axis": [0.0, 0.0, 1.0],
+                "position": 0.5,
+                "lower": -2.0,
+                "upper": 2.0,
+            },
+        },
+        {
+            "name": "finger",
+            "parent": "arm",
+            "joint": {
+                "name": "knuckle",
+                "type": "prismatic",
+                "axis": [0.0, 1.0, 0.0],
+                "mimic": {"joint": "elbow", "multiplier": 0.1, "offset": 0.01},
+            },
+        },
     ],
     "sensor": [
         {
@@ -80,6 +102,7 @@ Path = tuple[str | int, ...]
 
 OPTIONAL = {
     "medium", "relative_permittivity of medium", "room", "translation", "rotation", "quaternion", "parent", "link",
+    "joint", "position", "lower", "upper", "mimic", "multiplier", "offset",
     "input_voltage", "coupling_capacitance", "distance_sensor", "potential", "conductor", "collides", "material", "segments",
 }  # fmt: skip
 # Those that have to be greater than 0; each number of a vector has.
@@ -140,6 +163,8 @@ def _missing() -> list[Case]:
         ("object",): None,
     }
     needed[("object", 1, "rotation", "quaternion")] = "axis"
+    # The joint that another one follows, and what names it there.
+    needed[("link", 1, "joint")] = needed[("link", 2, "joint", "mimic", "joint")] = "joint"
     made = []
     for path, _ in _places(WHOLE):
         key = str(path[-1])
@@ -208,6 +233,11 @@ def _by_hand() -> list[Case]:
         "a link that is its own parent": (("link", 0, "parent"), "base", "parent"),
         "two links that are each other's parent": (("link", 0, "parent"), "arm", "parent"),
         "two links of one name": (("link", 1, "name"), "base", "name"),
+        "two joints of one name": (("link", 2, "joint", "name"), "elbow", "name"),
+        "a joint that mimics itself": (("link", 2, "joint", "mimic", "joint"), "knuckle", "joint"),
+        "a joint's position and what it mimics": (("link", 2, "joint", "position"), 1.0, "position"),
+        "a joint's limits the wrong way round": (("link", 1, "joint", "upper"), -3.0, "upper"),
+        "a joint beyond its limits": (("link", 1, "joint", "position"), 3.0, None),
         "a sensor and an object of one name": (("object", 0, "name"), "front", "name"),
         "a distance sensor and an object of one name": (("object", 0, "name"), "eye", "name"),
         "rotation and quaternion": (("link", 0, "quaternion"), [1, 0, 0, 0], "quaternion"),

@@ -33,6 +33,8 @@ WORDS = [
     b"property list uchar int vertex_index\n", b"v 1 2 3\n", b"v 1 2\n", b"v 1 2 3 4\n", b"f 1 2 3\n", b"f 1 2\n", b"p 1\n", b"l 1 2\n",
     b"name", b"link", b"size", b"radius", b"translation", b"rotation", b"shape", b"type", b"2020-01-01",
     b"potential", b'"floating"', b'"electrode"', b"conductor", b'conductor = "body"\n', b'potential = "electrode"\n',
+    b"joint", b"mimic", b'"revolute"', b'"prismatic"', b"axis", b"position", b"multiplier", b"upper",
+    b'mimic = { joint = "elbow" }', b"position = 1e30,",
 ]  # fmt: skip
 
 

@@ -135,3 +135,35 @@ def test_near_contact_is_not_reached_status_3_and_answered(fringe_command: Comma
     assert done.returncode == 3 and "was not reached" in done.stderr
     answer = json.loads(done.stdout)
     assert not answer["reached"] and answer["error"][0][0] > 1e-3 * answer["maxwell"][0][0]
+
+
+def test_members_of_conductors_have_their_charges(fringe_command: Command, tmp_path: Path) -> None:
+    path = tmp_path / "members.toml"
+    box = '[[object]]\nname = "{}"\nshape = {{ type = "cube", size = 0.02 }}\ntranslation = {}\n'
+    sensor = "plates = [ { corner = [-0.02, -0.02, 0], edge_u = [0.04, 0, 0], edge_v = [0, 0.04, 0] } ]"
+    path.write_text(
+        f'[[sensor]]\nname = "front"\n{sensor}\n'
+        + box.format("low", [0, 0, 0.03])
+        + box.format("high", [0, 0, 0.05])
+        + box.format("left", [-0.1, 0, 0.03])
+        + 'conductor = "pair"\n'
+        + box.format("right", [0.1, 0, 0.03])
+        + 'conductor = "pair"\n'
+    )
+    done = fringe_command("capacitance", path, "--method", "reduced:1", "--rtol", "0.05", "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    answer = json.loads(done.stdout)
+    assert answer["conductors"] == ["front", "low", "pair"]
+    assert answer["members"] == [["front"], ["low", "high"], ["left", "right"]]
+    for row, charges in zip(answer["maxwell"], answer["charges"], strict=True):
+        assert np.allclose(np.sum(charges, axis=0), row, rtol=1e-12, atol=0)
+    low, high = np.array(answer["charges"][1])[:, 0]
+    assert low < high < 0, "the lower cube is nearer to the sensor"
+    left, right = np.array(answer["charges"][2])[:, 0]
+    assert left == pytest.approx(right, rel=1e-3)
+
+    matrix = fringe.Scene.load(path).maxwell(method="reduced:1", rtol=0.05)
+    truth = fringe.Scene.load(path).maxwell(rtol=1e-2)
+    assert matrix["members"] == truth["members"] == answer["members"]
+    for charges, true_charges in zip(matrix["charges"], truth["charges"], strict=True):
+        assert np.allclose(charges, true_charges, rtol=0.05, atol=0)

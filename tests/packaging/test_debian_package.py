@@ -35,7 +35,15 @@ def files(package: Path) -> dict[str, str]:
 
 
 def test_it_depends_on_the_libraries_and_the_python_it_was_built_with(fields: dict[str, str]) -> None:
-    for needed in ("libfmt9", "libsleef3", "libtbb12", "libtomlplusplus3", "libc6", "libassimp5"):
+    for needed in (
+        "libfmt9",
+        "libmeshoptimizer2d",
+        "libsleef3",
+        "libtbb12",
+        "libtomlplusplus3",
+        "libc6",
+        "libassimp5",
+    ):
         assert needed in fields["Depends"]
     for needed in ("libocct-data-exchange-7.6", "libtinyxml2.6.2v5", "liburdfdom-model3.0", "libminizip1"):
         assert needed in fields["Depends"]

@@ -12,9 +12,17 @@
 
 namespace fringe {
 
+/// The entries of a Maxwell matrix that are refined until their errors are as small as asked.
+enum class Entries {
+  all,
+  of_sensors  ///< in rows of sensors and electrodes; all where there are none
+};
+
 struct BoundaryElementOptions {
-  /// Largest error of every entry, relative to the entry; from 1e-6 to 0.5.
+  /// Largest error of the entries asked for, relative to the entry or to 1e-3 of the geometric mean of its
+  /// row's and its column's diagonal entries, whichever is larger; from 1e-6 to 0.5.
   double rtol = 1e-3;
+  Entries entries = Entries::all;
   /// Refinement stops at this number of unknowns: a dense matrix of this size takes 3 GiB.
   std::size_t most_unknowns = 20'000;
 };
@@ -25,8 +33,9 @@ void validate(const BoundaryElementOptions& options);
 /// The Maxwell capacitance matrix of a scene's conductors in free space: the charge on the row's conductor
 /// per volt on the column's, all others grounded or, if floating, without net charge.
 struct MaxwellMatrix {
-  /// The sensors, then the grounded conductors. Grounded objects that touch or overlap are one conductor,
-  /// which has the name of the first of them in the scene.
+  /// The sensors, then grounded conductors and electrodes in the order of the scene. Objects of one
+  /// `conductor` are one, and so are grounded objects that touch or overlap: it has the first name that an
+  /// object gives it, else that of its first object.
   std::vector<std::string> conductors;
   std::vector<std::vector<std::string>> members;  ///< of each conductor: the sensor, or its objects
   std::vector<std::string> floating;              ///< floating objects, which have no row
@@ -42,7 +51,7 @@ struct MaxwellMatrix {
   /// Whether a diagonal entry is a lower bound of the true one. It is, by the variational principle of the
   /// Galerkin method, if the integrals are evaluated much more accurately than the charges are known.
   std::vector<bool> lower_bounds;
-  bool reached = false;  ///< whether all estimated errors are within rtol
+  bool reached = false;  ///< whether the estimated errors of the entries asked for are within rtol
   std::size_t unknowns = 0;
 
   /// Returns the conductor of an object, given by its place among the members of all grounded conductors.
@@ -62,12 +71,13 @@ struct MaxwellMatrix {
 
 /// Computes the Maxwell matrix by the Galerkin boundary element method (model/BOUNDARY_ELEMENTS.md), refined
 /// until the estimated errors are within rtol. Supports every shape in any pose, sensors of several plates,
-/// grounded and floating objects. A cylinder, cone, arc or sphere is represented by its triangles
-/// (triangulate()), which lie within it. Meshes need not be closed or oriented; their triangles may cross,
-/// overlap and be given twice. Grounded objects that touch, overlap or contain each other are one conductor.
-/// Throws InputError for dielectric objects, plates that are not rectangles, meshes without area, rooms,
-/// conductors that may have different potentials and touch, cross or are inside each other, more triangles
-/// than unknowns, a scene without sensors and objects, and options out of range.
+/// grounded and floating objects, electrodes, and conductors of several objects. A cylinder, cone, arc or
+/// sphere is represented by its triangles (triangulate()), which lie within it. Meshes need not be closed or
+/// oriented; their triangles may cross, overlap and be given twice. Grounded objects that touch, overlap or
+/// contain each other are one conductor. Throws InputError for dielectric objects, plates that are not
+/// rectangles, meshes without area, rooms, conductors that may have different potentials and touch, cross or
+/// are inside each other, more surfaces than unknowns allow, a scene without sensors and objects, and options
+/// out of range.
 MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options = {});
 
 /// Evaluates every sensor of the scene by its Maxwell matrix: an object's capacitance is the charge that it

@@ -11,8 +11,8 @@
 
 namespace fringe {
 
-/// What is asked of the sensors of a scene. An option that is left empty has the method's default; one that
-/// the method does not have must be left empty.
+/// The method that evaluates the sensors of a scene, and its options. An option that is left empty has the
+/// method's default; one that the method does not have must be left empty.
 struct EvaluationOptions {
   Method method = Exact{};
   std::optional<PlateRule> plates = {};       ///< of the triangle-integral methods; default sum
@@ -22,6 +22,7 @@ struct EvaluationOptions {
   /// Largest relative error asked for: of boundary elements (default 1e-3), of the reduced method (1e-2, 1e-3
   /// and 3e-4 for 1, 2 and 3 steps) and of `recommended` (1e-2).
   std::optional<double> rtol = {};
+  Entries entries = Entries::of_sensors;  ///< that boundary elements refine
 };
 
 /// Throws InputError for options that are out of range, cannot be combined or belong to another method.
@@ -35,15 +36,15 @@ CapacitanceOptions integral_options(const EvaluationOptions& options);
 /// and for options that the method does not have.
 double rtol_of(const EvaluationOptions& options);
 
-/// What the sensors of a scene feel, by any method.
+/// The capacitances of a scene's sensors, by any method.
 struct Evaluation {
   SceneCapacitance capacitance;
   std::optional<MaxwellMatrix> matrix;  ///< of boundary elements and the reduced method
   /// The method that answered; "formula" for the correction of that name (model/CORRECTIONS.md).
   std::string answered_by;
-  /// Whether the error stated is within the one asked for: with `recommended` that of each sensor's own entry
-  /// and of each object's capacitance (so does `matrix` then), otherwise that of every entry of the matrix.
-  /// True for methods of which no error can be asked.
+  /// Tells whether the stated errors are within the error asked for. With `recommended` these are the errors
+  /// of each sensor's own entry and of each object's capacitance, and `matrix->reached` means the same;
+  /// otherwise those of the entries that were refined. True for methods of which no error can be asked.
   bool reached = true;
 };
 

@@ -11,7 +11,8 @@ namespace fringe {
 
 struct Link;
 
-/// What turns or shifts a link against its parent. Positions are in rad (revolute) or m (prismatic).
+/// A joint, which turns or shifts a link relative to its parent. Positions are in rad (revolute) or m
+/// (prismatic).
 struct Joint {
   enum class Kind { revolute, prismatic };
 

@@ -16,6 +16,13 @@ namespace detail {
 class LinkPoses;
 }
 
+/// Which grounded bodies, and bodies of one conductor, may touch, overlap or contain each other.
+enum class ReducedContacts {
+  refused,
+  of_one_link,  ///< bodies on the same link, or in the world
+  all,          ///< also bodies on different links, which are prepared again when these move to each other
+};
+
 struct ReducedOptions {
   /// Least number of times that each body responds to the charges of the others. More steps are taken if the
   /// error requires it.
@@ -23,6 +30,7 @@ struct ReducedOptions {
   /// Largest error of every entry, relative to the entry; from 1e-4 to 0.5. None: the error that goes with
   /// `steps`.
   std::optional<double> rtol;
+  ReducedContacts contacts = ReducedContacts::all;
 };
 
 /// Returns the error that goes with the number of steps: 1e-2, 1e-3, 3e-4.
@@ -30,13 +38,17 @@ double rtol_of(const ReducedOptions& options);
 
 /// Computes the Maxwell matrix of rigid bodies repeatedly while links move, by a reduced boundary element
 /// method: every body's charge is a combination of very few distributions, which are found anew for every
-/// pose (model/BOUNDARY_ELEMENTS.md, section 8). What does not depend on poses is prepared once.
+/// pose (model/BOUNDARY_ELEMENTS.md, section 8). What does not depend on poses is prepared once. Bodies in
+/// contact at one potential are prepared as one body, as soon as they touch and again whenever they move
+/// relative to each other.
 class ReducedEvaluator {
  public:
-  /// Prepares the scene; each body of triangles, including round ones, takes a second or two.
+  /// Prepares the scene; each body of triangles, including round ones and bodies in contact, takes a second
+  /// or two.
   ///
   /// @throws InputError for the scenes that maxwell() refuses, except those whose conductors touch, for
-  /// bodies of more than 2,000 triangles, and for options out of range.
+  /// bodies of more than 2,000 triangles, alone or together with those they touch, and for options out of
+  /// range.
   explicit ReducedEvaluator(const Scene& scene, const ReducedOptions& options = {});
   /// Prepares the scene for a LiveScene, which owns the poses.
   ReducedEvaluator(const Scene& scene, const ReducedOptions& options,
@@ -52,10 +64,13 @@ class ReducedEvaluator {
   void set_pose(std::string_view link, const Eigen::Isometry3d& pose);
 
   /// Computes the matrix for the current poses; valid until the next call. `unknowns` is the number of
-  /// distributions, and no entry is marked as a lower bound. An error is infinite where nothing is known: for
-  /// conductors so close that the quadratures do not resolve the gap.
+  /// distributions, and no entry is marked as a lower bound. `charges` of a conductor's members add up to its
+  /// row of `values`; where surfaces of two members lie on each other, the charge belongs to the earlier one,
+  /// or to both. An error is infinite where nothing is known: for conductors so close that the quadratures do
+  /// not resolve the gap.
   ///
-  /// @throws InputError for conductors that touch or cross.
+  /// @throws InputError for conductors that touch or cross though they may have different potentials, or
+  /// though the options do not allow it, and for bodies of more than 2,000 triangles together that touch.
   const MaxwellMatrix& maxwell();
 
  private:

@@ -5,7 +5,6 @@
 #include <initializer_list>
 #include <limits>
 #include <map>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -133,14 +132,25 @@ Role role_of(const Object& object) {
     throw InputError(
         fmt::format("object \"{}\" is dielectric: boundary elements compute only conductors", object.name));
   if (std::holds_alternative<Electrode>(object.role))
-    throw InputError(fmt::format(
-        "object \"{}\" is an electrode: boundary elements know only grounded and floating objects",
-        object.name));
-  if (object.conductor)
-    throw InputError(fmt::format("object \"{}\" belongs to conductor \"{}\": boundary elements know only "
-                                 "conductors of one object each",
-                                 object.name, *object.conductor));
+    return Role::electrode;
   return std::holds_alternative<Floating>(object.role) ? Role::floating : Role::grounded;
+}
+
+/// Returns the conductor that an object belongs to, which is added if no object before has named it. Throws
+/// InputError if the conductor has another potential than the object.
+std::size_t conductor_of(const Object& object, Role role, std::vector<ChargedConductor>& conductors) {
+  const auto is_same = [&](const ChargedConductor& other) {
+    return other.is_named && other.name == object.conductor;
+  };
+  const auto known = std::find_if(conductors.begin(), conductors.end(), is_same);
+  if (known == conductors.end()) {
+    conductors.push_back({object.conductor.value_or(object.name), role, {}, object.conductor.has_value()});
+    return conductors.size() - 1;
+  }
+  if (known->role != role)
+    throw InputError(fmt::format(R"(object "{}": conductor "{}" has one potential, but its objects differ)",
+                                 object.name, known->name));
+  return static_cast<std::size_t>(known - conductors.begin());
 }
 
 }  // namespace
@@ -178,26 +188,19 @@ std::vector<Triangle> cleaned(const std::string& name, std::span<const Triangle>
         throw InputError(fmt::format("{}: triangle {} is not finite", name, k));
   CornerWeld weld(std::max(same_corner * axis_aligned_box(triangles).diagonal().norm(),
                            std::numeric_limits<double>::min()));
-  std::set<std::array<std::array<double, 3>, 3>> known;
   std::vector<Triangle> result;
   for (const Triangle& triangle : triangles) {
-    Triangle welded;
-    std::array<std::array<double, 3>, 3> corners;
+    const Triangle welded{weld(triangle[0]), weld(triangle[1]), weld(triangle[2])};
     double longest = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      welded[i] = weld(triangle[i]);
-      corners[i] = {welded[i].x(), welded[i].y(), welded[i].z()};
-    }
     for (std::size_t i = 0; i < 3; ++i)
       longest = std::max(longest, (welded[(i + 1) % 3] - welded[i]).squaredNorm());
     const double doubled = twice_area(welded);
-    std::sort(corners.begin(), corners.end());
-    if (doubled > 0 && doubled >= least_height * longest && known.insert(corners).second)
+    if (doubled > 0 && doubled >= least_height * longest)
       result.push_back(welded);
   }
   if (result.empty())
     throw InputError(fmt::format("{}: no triangle has an area", name));
-  return result;
+  return without_duplicates(std::move(result));
 }
 
 std::vector<Triangle> surface_triangles(const Object& object) {
@@ -227,21 +230,15 @@ TriangleSurface triangulated(const BodySurface& surface) {
   return result;
 }
 
-std::vector<std::string> names_of(const ChargedBodies& bodies, Role role) {
-  std::vector<std::string> names;
-  for (const ChargedConductor& conductor : bodies.conductors)
-    if (conductor.role == role)
-      names.push_back(conductor.name);
-  return names;
-}
-
 std::size_t count_of(const ChargedBodies& bodies, Role role) {
-  return names_of(bodies, role).size();
+  const auto has_role = [&](const ChargedConductor& conductor) { return conductor.role == role; };
+  return static_cast<std::size_t>(
+      std::count_if(bodies.conductors.begin(), bodies.conductors.end(), has_role));
 }
 
-bool electrodes_have_panels(const ChargedBodies& bodies) {
+bool sensors_have_panels(const ChargedBodies& bodies) {
   return std::any_of(bodies.bodies.begin(), bodies.bodies.end(), [&](const ChargedBody& body) {
-    return bodies.role(body) == Role::electrode && std::holds_alternative<TriangleSurface>(body.surface);
+    return bodies.role(body) == Role::sensor && std::holds_alternative<TriangleSurface>(body.surface);
   });
 }
 
@@ -258,15 +255,16 @@ ChargedBodies bodies_on_links(const Scene& scene) {
       }
       result.bodies.push_back({result.conductors.size(), 0, FlatPlate{face_of(plate)}, name, sensor.link});
     }
-    result.conductors.push_back({sensor.name, Role::electrode, {sensor.name}});
+    result.conductors.push_back({sensor.name, Role::sensor, {sensor.name}});
   }
-  for (const Role role : {Role::grounded, Role::floating})
-    for (const Object& object : scene.objects) {
-      if (role_of(object) != role)
-        continue;
-      result.bodies.push_back(body_of(object, result.conductors.size()));
-      result.conductors.push_back({object.name, role, {object.name}});
-    }
+  for (const bool are_floating : {false, true})
+    for (const Object& object : scene.objects)
+      if (const Role role = role_of(object); (role == Role::floating) == are_floating) {
+        const std::size_t conductor = conductor_of(object, role, result.conductors);
+        result.bodies.push_back(body_of(object, conductor));
+        result.bodies.back().member = result.conductors[conductor].members.size();
+        result.conductors[conductor].members.push_back(object.name);
+      }
   if (count_of(result, Role::floating) == result.conductors.size())
     throw InputError("the scene has neither a sensor nor a grounded object");
   return result;

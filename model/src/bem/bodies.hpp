@@ -56,9 +56,10 @@ std::span<const ChargedFace> faces_of(const BodySurface& surface);
 /// Returns the triangles of a surface of triangles; none of a plate or a box.
 std::span<const Triangle> triangles_of(const BodySurface& surface);
 
-/// What sets a conductor's potential.
+/// What sets a conductor's potential. All but floating ones have a row in the Maxwell matrix.
 enum class Role {
-  electrode,  ///< driven and measured: a sensor
+  sensor,     ///< driven and measured, and compared with itself without the objects
+  electrode,  ///< an object that may be driven and measured
   grounded,
   floating,  ///< whatever makes its net charge vanish
 };
@@ -67,9 +68,12 @@ struct ChargedConductor {
   std::string name;
   Role role;
   std::vector<std::string> members;  ///< the sensor or the objects that it consists of, by name
+  bool is_named = false;             ///< whether its objects name it by their key `conductor`
+  bool is_asked = true;              ///< whether the charges for its unit potential have to be accurate
 };
 
-/// The conductors of a scene, electrodes first and floating ones last, with their bodies in the same order.
+/// The conductors of a scene: sensors first, then other ones in the order of their first objects, floating
+/// ones last.
 struct ChargedBodies {
   std::vector<ChargedConductor> conductors;
   std::vector<ChargedBody> bodies;
@@ -79,9 +83,6 @@ struct ChargedBodies {
 
 /// Divides the faces of a plate or a box into triangles. Corners that differ only by rounding become one.
 TriangleSurface triangulated(const BodySurface& surface);
-
-/// Returns the names of all conductors that have a role.
-std::vector<std::string> names_of(const ChargedBodies& bodies, Role role);
 
 /// Returns the number of conductors that have a role.
 std::size_t count_of(const ChargedBodies& bodies, Role role);
@@ -93,12 +94,13 @@ std::vector<Triangle> cleaned(const std::string& name, std::span<const Triangle>
 /// Returns the triangles of an object in its own frame; those of a mesh are cleaned.
 std::vector<Triangle> surface_triangles(const Object& object);
 
-/// Returns true if an electrode is made of triangles.
-bool electrodes_have_panels(const ChargedBodies& bodies);
+/// Returns true if a sensor's plate is divided into triangles.
+bool sensors_have_panels(const ChargedBodies& bodies);
 
-/// Returns the bodies in the frames of their links. Throws InputError for a dielectric object, for an invalid
-/// rectangle or size, for meshes without area, and if all conductors are floating. Triangles without area,
-/// slivers and duplicates are left out.
+/// Returns the bodies in the frames of their links. Objects with the same key `conductor` are members of one
+/// conductor. Throws InputError for a dielectric object, for an invalid rectangle or size, for meshes without
+/// area, for a conductor whose objects differ in potential, and if all conductors are floating. Triangles
+/// without area, slivers and duplicates are left out.
 ChargedBodies bodies_on_links(const Scene& scene);
 
 /// Returns the body moved by a pose. Throws InputError if the pose is not finite.

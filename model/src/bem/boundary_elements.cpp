@@ -4,15 +4,18 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "bem/asked_error.hpp"
 #include "bem/bodies.hpp"
 #include "bem/error_indicators.hpp"
 #include "bem/group_densities.hpp"
 #include "bem/maxwell_matrix.hpp"
 #include "bem/mesh_size.hpp"
 #include "bem/panel_system.hpp"
+#include "bem/simplification.hpp"
 #include "fringe/error.hpp"
 
 namespace fringe {
@@ -21,9 +24,12 @@ namespace {
 using detail::changes;
 using detail::ChargedBodies;
 using detail::FaceFunctions;
+using detail::largest_error;
 using detail::NestedMatrix;
 using detail::PanelSolution;
 using detail::PanelSystem;
+using detail::Role;
+using detail::Simplification;
 using detail::without_floating;
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -52,6 +58,10 @@ constexpr double finest_tolerance = 1e-13;
 /// Fraction of rtol that the quadrature errors may take.
 constexpr double quadrature_part = 0.05;
 
+/// Factor by which one refinement reduces the error at most. While the error exceeds what is allowed by more,
+/// quadratures as fine as those of the last step would be in vain.
+constexpr double most_excess_in_a_step = 10;
+
 /// Ratio of rtol to the first tolerance of the quadratures. Functions that resolve everything leave errors
 /// far below rtol, and the quadrature errors must be well below those to give a lower bound.
 constexpr double first_tolerance_part = 50;
@@ -62,6 +72,14 @@ constexpr double iteration_share = 0.003;
 /// Fraction of rtol that panels graded towards sharp edges may miss with one density on each group. It is
 /// about the change from the coarse to the whole space.
 constexpr double grading_part = 1.0 / 3;
+
+/// Ratio of the tolerance of simplified surfaces to rtol. The surfaces move by a fraction of the tolerance on
+/// average, and only a part of the charge is where it counts.
+constexpr double simplification_part = 3;
+
+/// The triangles of all bodies are at most one in so many of the allowed unknowns: the others are for
+/// refinement.
+constexpr std::size_t most_triangles_part = 2;
 
 /// A-priori grading takes at most one in so many of the allowed unknowns.
 constexpr std::size_t most_graded_part = 4;
@@ -77,8 +95,9 @@ MatrixXd quadrature_errors(const PanelSolution& solution, double tolerance, Inde
 }
 
 /// Writes the matrix and its estimated errors to the answer, in metres (to be multiplied by 4πε).
+/// `geometry` are the errors by simplified surfaces.
 void write_solution(const PanelSolution& solution, const ChargedBodies& bodies, double per_change,
-                    double tolerance, MaxwellMatrix& answer) {
+                    double tolerance, const MatrixXd& geometry, MaxwellMatrix& answer) {
   const MatrixXd fine = without_floating(solution.all.fine, bodies);
   const MatrixXd coarse = without_floating(solution.all.coarse, bodies);
   const Index conductors = fine.rows();
@@ -86,23 +105,24 @@ void write_solution(const PanelSolution& solution, const ChargedBodies& bodies, 
   answer.values = fine;
   answer.charges = detail::member_charges(solution.all.fine, solution.body_charges, bodies);
   answer.errors = per_change * changes(fine, coarse) + quadrature +
-                  solution.iteration_error.topLeftCorner(conductors, conductors);
+                  solution.iteration_error.topLeftCorner(conductors, conductors) + geometry;
   answer.lower_bounds.resize(static_cast<std::size_t>(conductors));
   for (Index i = 0; i < conductors; ++i)
     answer.lower_bounds[static_cast<std::size_t>(i)] =
-        quadrature(i, i) <= quadrature_part * answer.errors(i, i);
+        geometry(i, i) == 0 && quadrature(i, i) <= quadrature_part * answer.errors(i, i);
 }
 
 /// Writes what the objects add to the sensors' own entries, in metres. The errors at a sensor's edges, which
 /// are the same without the objects, cancel in this difference.
 void write_delta_self(const PanelSystem& system, const PanelSolution& solution, const ChargedBodies& bodies,
-                      double per_change, double tolerance, double accuracy, MaxwellMatrix& answer) {
+                      double per_change, double tolerance, double accuracy, const MatrixXd& geometry,
+                      MaxwellMatrix& answer) {
   const auto sensors = static_cast<Index>(answer.sensors);
-  NestedMatrix alone = solution.electrodes;
+  NestedMatrix alone = solution.sensors;
   VectorXd others = quadrature_errors(solution, tolerance, sensors).diagonal() +
-                    solution.iteration_error.diagonal().head(sensors);
-  if (detail::electrodes_have_panels(bodies)) {
-    const PanelSolution again = system.solve_electrodes(accuracy);
+                    solution.iteration_error.diagonal().head(sensors) + geometry.diagonal().head(sensors);
+  if (detail::sensors_have_panels(bodies)) {
+    const PanelSolution again = system.solve_sensors(accuracy);
     require_positive_definite(again);
     alone = again.all;
     others += quadrature_errors(again, tolerance, sensors).diagonal() + again.iteration_error.diagonal();
@@ -114,12 +134,6 @@ void write_delta_self(const PanelSystem& system, const PanelSolution& solution, 
   const VectorXd relative = 1 - coarse.array() / fine.array();
   answer.delta_self_errors =
       per_change * change.cwiseAbs().cwiseMax(relative.cwiseProduct(answer.delta_self).cwiseAbs()) + others;
-}
-
-/// Returns the largest error of an entry, relative to that entry. Errors of delta_self are left out:
-/// delta_self of a distant object vanishes, so that its relative error has no limit.
-double largest_error(const MaxwellMatrix& answer) {
-  return (answer.errors.array() / answer.values.array().abs()).maxCoeff();
 }
 
 /// Factor by which a refinement aims below the allowed error, to save a further refinement for a small
@@ -223,7 +237,8 @@ bool refine(PanelSystem& system, const PanelSolution& solution, double excess, s
 }
 
 /// Solves with adaptive refinement. The answer is in metres, to be multiplied by 4πε.
-MaxwellMatrix solve(const ChargedBodies& bodies, const BoundaryElementOptions& options) {
+MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplification,
+                    const BoundaryElementOptions& options) {
   PanelSystem system(bodies, {grading_part * options.rtol, options.most_unknowns / most_graded_part});
   auto [functions, per_change] = beginning(bodies, system.mesh().panels().size(), options);
 
@@ -231,6 +246,9 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const BoundaryElementOptions& o
   double tolerance = options.rtol / first_tolerance_part;
   const double accuracy = iteration_share * options.rtol;
   PanelSolution solution;
+  const auto conductors = static_cast<Index>(answer.conductors.size());
+  detail::Progress progress;
+  MatrixXd geometry = MatrixXd::Zero(conductors, conductors);
   while (true) {
     system.refine(functions, tolerance);
     solution = system.solve(accuracy);
@@ -240,50 +258,55 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const BoundaryElementOptions& o
       tolerance /= 100;
       continue;
     }
-    write_solution(solution, bodies, per_change, tolerance, answer);
+    if (simplification.is_changed())
+      geometry = effect_on_capacitances(simplification, system.mesh(), solution.charges)
+                     .topLeftCorner(conductors, conductors);
+    write_solution(solution, bodies, per_change, tolerance, geometry, answer);
     answer.unknowns = count_unknowns(functions) + system.mesh().panels().size();
-    const double excess = largest_error(answer) / options.rtol;
-    answer.reached = excess <= 1;
-    if (answer.reached)
+    const double excess = detail::excess_error(answer, bodies, geometry, options.rtol);
+    if (excess <= 1 || progress.is_in_vain(excess, answer.unknowns))
       break;
     // The possible effect of the quadrature errors grows with the charges, without limit near contact.
     const double quadrature =
         quadrature_caution * tolerance *
         (solution.quadrature_effect.topLeftCorner(answer.values.rows(), answer.values.cols()).array() /
-         answer.values.array().abs())
+         detail::error_scales(answer, bodies))
             .maxCoeff();
-    const bool tightened = quadrature > quadrature_part * options.rtol;
+    const double allowed = quadrature_part * options.rtol * std::max(excess / most_excess_in_a_step, 1.0);
+    const bool tightened = quadrature > allowed;
     if (tightened)
-      tolerance *= quadrature_part * options.rtol / quadrature / 2;
+      tolerance *= allowed / quadrature / 2;
     if (!refine(system, solution, excess, options.most_unknowns, functions) && !tightened)
       break;
   }
-  write_delta_self(system, solution, bodies, per_change, tolerance, accuracy, answer);
+  write_delta_self(system, solution, bodies, per_change, tolerance, accuracy, geometry, answer);
   return answer;
 }
 
 /// Solves as solve() does, for bodies some of which have triangles in place of their faces.
-MaxwellMatrix solve_in_triangles(const ChargedBodies& bodies, BoundaryElementOptions options) {
+MaxwellMatrix solve_in_triangles(const ChargedBodies& bodies, const Simplification& simplification,
+                                 BoundaryElementOptions options) {
   /// Relative accuracy that triangles reach in seconds; a smaller value would take minutes.
   constexpr double reached_by_triangles = 1e-3;
   options.rtol = std::max(options.rtol, reached_by_triangles);
-  return solve(bodies, options);
+  return solve(bodies, simplification, options);
 }
 
 /// Solves with functions on faces, or with triangles in place of faces whose functions would miss another
 /// body close by: two spaces that both miss a feature agree. Retries with triangles if the error of the
 /// faces' functions stays large.
-MaxwellMatrix solve_as_needed(const ChargedBodies& bodies, const BoundaryElementOptions& options) {
+MaxwellMatrix solve_as_needed(const Simplification& simplification, const BoundaryElementOptions& options) {
+  const ChargedBodies& bodies = simplification.bodies();
   if (const auto others = detail::with_triangles_by_proximity(bodies))
-    return solve_in_triangles(*others, options);
-  MaxwellMatrix answer = solve(bodies, options);
+    return solve_in_triangles(*others, simplification, options);
+  MaxwellMatrix answer = solve(bodies, simplification, options);
   /// Relative error above which a second solution with triangles is worth its seconds.
   constexpr double useless = 1e-2;
-  if (largest_error(answer) <= std::max(useless, options.rtol))
+  if (largest_error(answer, bodies) <= std::max(useless, options.rtol))
     return answer;
   if (const auto others = detail::with_triangles_beyond(bodies, features(options), detail::most_functions))
-    if (MaxwellMatrix other = solve_in_triangles(*others, options);
-        largest_error(other) < largest_error(answer))
+    if (MaxwellMatrix other = solve_in_triangles(*others, simplification, options);
+        largest_error(other, bodies) < largest_error(answer, bodies))
       return other;
   return answer;
 }
@@ -300,9 +323,15 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   validate(options);
   if (scene.has_room)
     throw InputError("room: boundary elements compute only conductors in free space");
-  const ChargedBodies bodies = detail::charged_bodies(scene);
-  MaxwellMatrix answer = solve_as_needed(bodies, options);
-  answer.reached = largest_error(answer) <= options.rtol;
+  ChargedBodies bodies = detail::charged_bodies(scene);
+  const std::size_t grounded = count_of(bodies, Role::grounded) + count_of(bodies, Role::floating);
+  if (options.entries == Entries::of_sensors && grounded < bodies.conductors.size())
+    for (detail::ChargedConductor& conductor : bodies.conductors)
+      conductor.is_asked = conductor.role != Role::grounded;
+  const Simplification simplification(std::move(bodies), simplification_part * options.rtol,
+                                      options.most_unknowns / most_triangles_part);
+  MaxwellMatrix answer = solve_as_needed(simplification, options);
+  answer.reached = largest_error(answer, simplification.bodies()) <= options.rtol;
   const double factor = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
   answer.values *= factor;
   answer.charges *= factor;

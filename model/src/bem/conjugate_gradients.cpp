@@ -40,6 +40,26 @@ void leave_out_dependent(MatrixXd& matrix, double dependence) {
   }
 }
 
+/// Factorises a matrix, of which the lower triangle is read. Functions that depend on earlier ones are left
+/// out if the tolerance of the quadratures is so fine that these are not the reason.
+Eigen::LLT<MatrixXd> factorised(MatrixXd matrix, double tolerance) {
+  /// Tolerance of the quadratures above which a matrix that is not positive definite calls for better ones.
+  constexpr double sufficient = 1e-5;
+  /// Least energy that a function adds to earlier ones, relative to its own: of a panel between others it is
+  /// about the ratio of the gap to the panel.
+  constexpr double least_energy = 1e-6;
+  Eigen::LLT<MatrixXd> factor(matrix);
+  const auto is_regular = [&] {
+    return factor.info() == Eigen::Success &&
+           (factor.matrixLLT().diagonal().array().square() > least_energy * matrix.diagonal().array()).all();
+  };
+  if (!is_regular() && tolerance <= sufficient) {
+    leave_out_dependent(matrix, std::max(least_energy, 10 * tolerance));
+    factor.compute(matrix);
+  }
+  return factor;
+}
+
 /// One right-hand side.
 struct Column {
   VectorXd charge;
@@ -81,24 +101,12 @@ bool conjugate_gradients(const PanelEquations& equations, const TwoLevelPrecondi
 TwoLevelPreconditioner::TwoLevelPreconditioner(const PanelEquations& equations, double tolerance)
     : equations_(equations), group_count_(index_of(equations.mesh.groups().size())),
       coarse_(index_of(equations.unknowns.coarse.size())), shares_(area_shares(equations.mesh)) {
-  /// Tolerance of the quadratures above which a matrix that is not positive definite calls for better ones.
-  constexpr double sufficient = 1e-5;
-  /// Least energy that a function adds to earlier ones, relative to its own: of a panel between others it is
-  /// about the ratio of the gap to the panel.
-  constexpr double least_energy = 1e-6;
-  MatrixXd coarse = matrix();
-  factor_.compute(coarse);
-  const auto is_regular = [&] {
-    return factor_.info() == Eigen::Success &&
-           (factor_.matrixLLT().diagonal().array().square() > least_energy * coarse.diagonal().array()).all();
-  };
-  if (!is_regular() && tolerance <= sufficient) {
-    leave_out_dependent(coarse, std::max(least_energy, 10 * tolerance));
-    factor_.compute(coarse);
-  }
+  factor_ = factorised(matrix(), tolerance);
   is_positive_definite_ = factor_.info() == Eigen::Success;
-  for (const auto& group : groups_)
-    is_positive_definite_ &= group.info() == Eigen::Success;
+  for (const PanelGroup& group : equations.mesh.groups()) {
+    groups_.push_back(factorised(matrix_of_group(group, equations.panels), tolerance));
+    is_positive_definite_ &= groups_.back().info() == Eigen::Success;
+  }
 }
 
 /// Returns the row of a face's function: the groups come after the functions of the coarse space.
@@ -106,8 +114,8 @@ Index TwoLevelPreconditioner::place(std::size_t function) const {
   return index_of(function) < coarse_ ? index_of(function) : index_of(function) + group_count_;
 }
 
-/// Assembles the matrix of this space, only its lower triangle, and factorises the groups' diagonal blocks.
-MatrixXd TwoLevelPreconditioner::matrix() {
+/// Assembles the matrix of this space, only its lower triangle.
+MatrixXd TwoLevelPreconditioner::matrix() const {
   const PanelUnknowns& unknowns = equations_.unknowns;
   const std::vector<PanelGroup>& groups = equations_.mesh.groups();
   MatrixXd matrix(unknowns.functions + group_count_, unknowns.functions + group_count_);
@@ -124,7 +132,6 @@ MatrixXd TwoLevelPreconditioner::matrix() {
     const Index at = coarse_ + index_of(g);
     for (std::size_t k = 0; k < functions.size(); ++k)
       matrix(std::max(place(k), at), std::min(place(k), at)) = with_faces[functions[k]];
-    groups_.emplace_back(matrix_of_group(groups[g], equations_.panels));
   }
   return matrix;
 }

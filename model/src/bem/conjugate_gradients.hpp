@@ -15,7 +15,7 @@ namespace fringe::detail {
 /// groups' diagonal blocks it nearly inverts the whole matrix.
 class TwoLevelPreconditioner {
  public:
-  /// `tolerance` is that of the panels' quadratures. If it is fine and the matrix is not positive definite,
+  /// `tolerance` is that of the panels' quadratures. If it is fine and a matrix is not positive definite,
   /// functions that depend on others are left out: those of coincident panels.
   TwoLevelPreconditioner(const PanelEquations& equations, double tolerance);
 
@@ -32,7 +32,7 @@ class TwoLevelPreconditioner {
   Eigen::VectorXd apply(const Eigen::VectorXd& residual) const;
 
  private:
-  Eigen::MatrixXd matrix();
+  Eigen::MatrixXd matrix() const;
   Eigen::Index place(std::size_t function) const;
   Eigen::VectorXd restricted(const Eigen::VectorXd& full) const;
   Eigen::VectorXd prolonged(const Eigen::VectorXd& coarse) const;

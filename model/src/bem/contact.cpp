@@ -84,6 +84,12 @@ double size_of(std::span<const ConvexHull> hulls) {
   return all.diagonal().norm();
 }
 
+bool are_in_contact(const ChargedBody& a, std::span<const ConvexHull> hulls_a, const ChargedBody& b,
+                    std::span<const ConvexHull> hulls_b) {
+  const double tolerance = touching_distance * std::max(size_of(hulls_a), size_of(hulls_b));
+  return hulls_meet(hulls_a, hulls_b, tolerance) || contains(a, hulls_b) || contains(b, hulls_a);
+}
+
 /// Tells how far a plate would have to be moved along its normal to leave a body; empty for another surface.
 std::string way_off(const ChargedBody& plate, std::span<const ConvexHull> body) {
   const auto* surface = std::get_if<FlatPlate>(&plate.surface);
@@ -129,11 +135,30 @@ void refuse_contact(const ChargedBody& a, const ChargedBody& b, std::string_view
       throw InputError(fmt::format("{} is inside {}: {}", inside->name, outside->name, reason));
 }
 
-ChargedBodies joined(ChargedBodies bodies) {
-  const std::size_t count = bodies.bodies.size();
+bool have_one_potential(const ChargedBodies& bodies, std::size_t a, std::size_t b) {
+  const ChargedBody &one = bodies.bodies[a], &other = bodies.bodies[b];
+  return one.conductor == other.conductor ||
+         (bodies.role(one) == Role::grounded && bodies.role(other) == Role::grounded);
+}
+
+bool are_in_contact(const ChargedBody& a, const ChargedBody& b) {
+  return are_in_contact(a, hulls_of(a.surface), b, hulls_of(b.surface));
+}
+
+std::vector<Contact> contacts_at_one_potential(const ChargedBodies& bodies) {
   std::vector<std::vector<ConvexHull>> hulls;
   for (const ChargedBody& body : bodies.bodies)
     hulls.push_back(hulls_of(body.surface));
+  std::vector<Contact> contacts;
+  for (std::size_t a = 0; a < hulls.size(); ++a)
+    for (std::size_t b = a + 1; b < hulls.size(); ++b)
+      if (have_one_potential(bodies, a, b) &&
+          are_in_contact(bodies.bodies[a], hulls[a], bodies.bodies[b], hulls[b]))
+        contacts.push_back({a, b});
+  return contacts;
+}
+
+ChargedBodies joined(ChargedBodies bodies, const std::vector<Contact>& contacts) {
   // The conductor that each conductor becomes a part of: the first one.
   std::vector<std::size_t> joined_to(bodies.conductors.size());
   std::iota(joined_to.begin(), joined_to.end(), std::size_t{0});
@@ -142,32 +167,26 @@ ChargedBodies joined(ChargedBodies bodies) {
       conductor = joined_to[conductor];
     return conductor;
   };
-  std::vector<bool> touches(count, false);
-  for (std::size_t a = 0; a < count; ++a)
-    for (std::size_t b = a + 1; b < count; ++b) {
-      const ChargedBody &one = bodies.bodies[a], &other = bodies.bodies[b];
-      const bool are_grounded = bodies.role(one) == Role::grounded && bodies.role(other) == Role::grounded;
-      if (!are_grounded && one.conductor != other.conductor) {
-        refuse_contact(one, other, "they may have different potentials");
-        continue;
-      }
-      const double tolerance = touching_distance * std::max(size_of(hulls[a]), size_of(hulls[b]));
-      if (!hulls_meet(hulls[a], hulls[b], tolerance) && !contains(one, hulls[b]) &&
-          !contains(other, hulls[a]))
-        continue;
-      touches[a] = touches[b] = true;
-      const std::size_t root_a = root(one.conductor), root_b = root(other.conductor);
-      joined_to[std::max(root_a, root_b)] = std::min(root_a, root_b);
-    }
+  std::vector<bool> touches(bodies.bodies.size(), false);
+  for (const auto& [a, b] : contacts) {
+    touches[a] = touches[b] = true;
+    const std::size_t root_a = root(bodies.bodies[a].conductor), root_b = root(bodies.bodies[b].conductor);
+    joined_to[std::max(root_a, root_b)] = std::min(root_a, root_b);
+  }
   ChargedBodies result;
   std::vector<std::size_t> place(bodies.conductors.size());
   for (std::size_t k = 0; k < bodies.conductors.size(); ++k) {
+    const ChargedConductor& conductor = bodies.conductors[k];
     const std::size_t first = root(k);
     place[k] = first == k ? result.conductors.size() : place[first];
     if (first == k)
-      result.conductors.push_back({bodies.conductors[k].name, bodies.conductors[k].role, {}});
+      result.conductors.push_back({conductor.name, conductor.role, {}, conductor.is_named});
+    else if (ChargedConductor& whole = result.conductors[place[k]]; conductor.is_named && !whole.is_named) {
+      whole.name = conductor.name;
+      whole.is_named = true;
+    }
   }
-  for (std::size_t k = 0; k < count; ++k) {
+  for (std::size_t k = 0; k < bodies.bodies.size(); ++k) {
     ChargedBody& body = bodies.bodies[k];
     std::vector<std::string>& members = result.conductors[place[body.conductor]].members;
     const std::string& name = bodies.conductors[body.conductor].members[body.member];
@@ -181,6 +200,15 @@ ChargedBodies joined(ChargedBodies bodies) {
     result.bodies.push_back(std::move(body));
   }
   return result;
+}
+
+ChargedBodies joined(ChargedBodies bodies) {
+  for (std::size_t a = 0; a < bodies.bodies.size(); ++a)
+    for (std::size_t b = a + 1; b < bodies.bodies.size(); ++b)
+      if (!have_one_potential(bodies, a, b))
+        refuse_contact(bodies.bodies[a], bodies.bodies[b], "they may have different potentials");
+  const std::vector<Contact> contacts = contacts_at_one_potential(bodies);
+  return joined(std::move(bodies), contacts);
 }
 
 }  // namespace fringe::detail

@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 
 #include "bem/face_self_interaction.hpp"
+#include "bem/maxwell_matrix.hpp"
 #include "bem/single_layer_faces.hpp"
 
 namespace fringe::detail {
@@ -131,10 +132,10 @@ double GalerkinSystem::net_charge(std::size_t face) const {
   return net * net;
 }
 
-std::vector<std::size_t> GalerkinSystem::electrode_faces() const {
+std::vector<std::size_t> GalerkinSystem::sensor_faces() const {
   std::vector<std::size_t> faces;
   for (std::size_t face = 0; face < faces_.size(); ++face)
-    if (bodies_.role(bodies_.bodies[body_of_[face]]) == Role::electrode)
+    if (bodies_.role(bodies_.bodies[body_of_[face]]) == Role::sensor)
       faces.push_back(face);
   return faces;
 }
@@ -172,8 +173,8 @@ GalerkinSystem::Solved GalerkinSystem::solve(std::span<const std::size_t> faces,
   return solved;
 }
 
-NestedMatrix GalerkinSystem::solve_electrodes() const {
-  return solve(electrode_faces(), static_cast<Index>(count_of(bodies_, Role::electrode))).matrix;
+NestedMatrix GalerkinSystem::solve_sensors() const {
+  return solve(sensor_faces(), static_cast<Index>(count_of(bodies_, Role::sensor))).matrix;
 }
 
 MatrixXd GalerkinSystem::quadrature_effect(const MatrixXd& norms) const {
@@ -218,11 +219,11 @@ GalerkinSolution GalerkinSystem::solve() const {
   const Solved all = solve(faces, conductors);
   solution.positive_definite = all.positive_definite;
   solution.all = all.matrix;
-  solution.electrodes = all.matrix;
-  if (const auto electrodes = electrode_faces(); electrodes.size() < faces.size()) {
-    const Solved alone = solve(electrodes, static_cast<Index>(count_of(bodies_, Role::electrode)));
+  solution.sensors = all.matrix;
+  if (const auto sensors = sensor_faces(); sensors.size() < faces.size()) {
+    const Solved alone = solve(sensors, static_cast<Index>(count_of(bodies_, Role::sensor)));
     solution.positive_definite &= alone.positive_definite;
-    solution.electrodes = alone.matrix;
+    solution.sensors = alone.matrix;
   }
   if (!solution.positive_definite)
     return solution;
@@ -232,7 +233,7 @@ GalerkinSolution GalerkinSystem::solve() const {
     charges.emplace_back(all.charges(all.numbering.places[face], Eigen::all));
     solution.body_charges.row(static_cast<Index>(body_of_[face])) += net_charge(face) * charges.back().row(0);
   }
-  const FaceEnergies of_faces = energies(charges, solution.all.fine.diagonal());
+  const FaceEnergies of_faces = energies(charges, asked_energies(solution.all.fine, bodies_));
   solution.highest = of_faces.highest;
   solution.quadrature_effect = quadrature_effect(of_faces.norms);
   return solution;

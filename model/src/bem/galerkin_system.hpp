@@ -23,7 +23,7 @@ struct NestedMatrix {
 struct GalerkinSolution {
   bool positive_definite = true;  ///< false if the quadratures are too coarse; then nothing else is set
   NestedMatrix all;               ///< of all conductors
-  NestedMatrix electrodes;        ///< of the electrodes without the other conductors
+  NestedMatrix sensors;           ///< of the sensors without the other conductors
   /// The charge on each body (rows) for every conductor at unit potential.
   Eigen::MatrixXd body_charges;
   /// Possible change of `all` for a unit error of the single-layer blocks of different bodies, relative to
@@ -58,9 +58,9 @@ class GalerkinSystem {
 
   GalerkinSolution solve() const;
 
-  /// Returns the matrix of the electrodes without the other conductors. It is empty if the quadratures are
+  /// Returns the matrix of the sensors without the other conductors. It is empty if the quadratures are
   /// too coarse.
-  NestedMatrix solve_electrodes() const;
+  NestedMatrix solve_sensors() const;
 
   const ChargedFace& face(std::size_t face) const { return faces_[face]; }
   FaceFunctions functions(std::size_t face) const { return functions_[face]; }
@@ -90,7 +90,7 @@ class GalerkinSystem {
   /// The solution for some conductors: the numbering of their faces' functions, and their charges.
   struct Solved;
   Solved solve(std::span<const std::size_t> faces, Eigen::Index conductors) const;
-  std::vector<std::size_t> electrode_faces() const;
+  std::vector<std::size_t> sensor_faces() const;
   std::size_t pair(std::size_t a, std::size_t b) const { return a * faces_.size() + b; }
   void refine_body(std::size_t body);
   void refine_pair(std::size_t a, std::size_t b, double tolerance);

@@ -15,32 +15,6 @@ namespace {
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
-/// Returns the number of connected shells of a surface, and each triangle's.
-std::pair<std::size_t, std::vector<std::size_t>> shells_of(const std::vector<Triangle>& triangles) {
-  const auto neighbours = SurfaceMesh(triangles).neighbours();
-  const std::size_t none = triangles.size();
-  std::vector<std::size_t> shell_of(triangles.size(), none);
-  std::size_t shells = 0;
-  std::vector<std::size_t> open;
-  for (std::size_t seed = 0; seed < triangles.size(); ++seed) {
-    if (shell_of[seed] != none)
-      continue;
-    shell_of[seed] = shells;
-    open.assign(1, seed);
-    while (!open.empty()) {
-      const std::size_t triangle = open.back();
-      open.pop_back();
-      for (const std::size_t next : neighbours[triangle])
-        if (shell_of[next] == none) {
-          shell_of[next] = shells;
-          open.push_back(next);
-        }
-    }
-    ++shells;
-  }
-  return {shells, std::move(shell_of)};
-}
-
 /// Tests whether two boxes touch or overlap, up to rounding.
 bool touch(const AlignedBox3d& a, const AlignedBox3d& b) {
   /// Distance, relative to the size of the boxes, that is rounding of their bodies' poses.
@@ -75,15 +49,14 @@ HiddenSurface::HiddenSurface(const ChargedBodies& bodies)
       continue;
     Body& body = bodies_[k];
     body.triangles.assign(triangles.begin(), triangles.end());
-    const auto [shells, shell_of] = shells_of(body.triangles);
-    shell_counts[k] = shells;
-    std::vector<std::vector<Triangle>> parts(shells);
+    const std::vector<std::uint32_t> shells = SurfaceMesh(body.triangles).shells();
+    shell_counts[k] = 1 + *std::max_element(shells.begin(), shells.end());
+    std::vector<std::vector<Triangle>> parts(shell_counts[k]);
     for (std::size_t triangle = 0; triangle < triangles.size(); ++triangle)
-      parts[shell_of[triangle]].push_back(triangles[triangle]);
+      parts[shells[triangle]].push_back(triangles[triangle]);
     for (const std::vector<Triangle>& part : parts)
       if (fringe::is_closed(part))
         body.closed.insert(body.closed.end(), part.begin(), part.end());
-    body.is_closed = body.closed.size() == body.triangles.size();
     body.box = axis_aligned_box(body.closed);
   }
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
@@ -133,8 +106,9 @@ bool HiddenSurface::contains(const Triangle& part, std::size_t body) const {
       return true;
     const bool lies_on = (one == Place::inside && other == Place::outside) ||
                          (one == Place::outside && other == Place::inside);
-    // Of two surfaces that lie on each other, the later one is left out; an open one lies on a closed one.
-    if (lies_on && k != body && (k < body || !bodies_[body].is_closed))
+    // Of two bodies whose surfaces lie on each other, the later one leaves out its part; a body without
+    // closed shells, on which nothing lies, always does.
+    if (lies_on && k != body && (k < body || bodies_[body].closed.empty()))
       return true;
   }
   return false;

@@ -27,7 +27,6 @@ class HiddenSurface {
     std::vector<Triangle> triangles;
     std::vector<Triangle> closed;
     Eigen::AlignedBox3d box;  ///< around `closed`
-    bool is_closed = false;   ///< true if nothing else belongs to the body
   };
   enum class Place { inside, outside, unknown };
 

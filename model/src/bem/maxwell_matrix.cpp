@@ -1,5 +1,6 @@
 #include "bem/maxwell_matrix.hpp"
 
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -47,16 +48,25 @@ MatrixXd member_charges(const MatrixXd& matrix, const MatrixXd& body_charges, co
 
 MaxwellMatrix named_answer(const ChargedBodies& bodies) {
   MaxwellMatrix answer;
-  answer.conductors = names_of(bodies, Role::electrode);
-  answer.sensors = answer.conductors.size();
-  for (std::string& name : names_of(bodies, Role::grounded))
-    answer.conductors.push_back(std::move(name));
-  answer.floating = names_of(bodies, Role::floating);
-  for (const ChargedConductor& conductor : bodies.conductors)
-    if (conductor.role != Role::floating)
-      answer.members.push_back(conductor.members);
+  answer.sensors = count_of(bodies, Role::sensor);
+  for (const ChargedConductor& conductor : bodies.conductors) {
+    if (conductor.role == Role::floating) {
+      answer.floating.push_back(conductor.name);
+      continue;
+    }
+    answer.conductors.push_back(conductor.name);
+    answer.members.push_back(conductor.members);
+  }
   answer.lower_bounds.assign(answer.conductors.size(), false);
   return answer;
+}
+
+Eigen::VectorXd asked_energies(const MatrixXd& matrix, const ChargedBodies& bodies) {
+  Eigen::VectorXd energies = matrix.diagonal();
+  for (std::size_t k = 0; k < bodies.conductors.size(); ++k)
+    if (!bodies.conductors[k].is_asked)
+      energies[static_cast<Index>(k)] = std::numeric_limits<double>::infinity();
+  return energies;
 }
 
 MatrixXd changes(const MatrixXd& fine, const MatrixXd& coarse) {

@@ -21,6 +21,10 @@ Eigen::MatrixXd member_charges(const Eigen::MatrixXd& matrix, const Eigen::Matri
 /// Returns an answer with the names of the conductors, and no matrix.
 MaxwellMatrix named_answer(const ChargedBodies& bodies);
 
+/// Returns the energies to which missing energies are compared: the diagonal of the matrix of all conductors,
+/// but infinity for those whose charges need not be accurate.
+Eigen::VectorXd asked_energies(const Eigen::MatrixXd& matrix, const ChargedBodies& bodies);
+
 /// Returns the absolute change of every entry from the coarse to the whole space. Relative to the entry, it
 /// is at least the geometric mean of the relative changes of its row's and column's diagonal entries: two
 /// errors of an entry off the diagonal may cancel by chance.

@@ -9,6 +9,7 @@
 
 #include "bem/conjugate_gradients.hpp"
 #include "bem/error_indicators.hpp"
+#include "bem/maxwell_matrix.hpp"
 #include "bem/panel_equations.hpp"
 #include "bem/proximity_refinement.hpp"
 #include "bem/single_layer_panels.hpp"
@@ -36,14 +37,15 @@ ChargedBodies with_faces(const ChargedBodies& bodies) {
   return result;
 }
 
-/// Returns the electrodes alone, as grounded conductors: there is nothing else to measure beside them.
-ChargedBodies electrodes_of(const ChargedBodies& bodies) {
-  ChargedBodies electrodes;
-  for (const std::string& name : names_of(bodies, Role::electrode))
-    electrodes.conductors.push_back({name, Role::grounded, {name}});
-  std::copy_if(bodies.bodies.begin(), bodies.bodies.end(), std::back_inserter(electrodes.bodies),
-               [&](const ChargedBody& body) { return bodies.role(body) == Role::electrode; });
-  return electrodes;
+/// Returns the sensors alone, as grounded conductors: there is nothing else to measure beside them.
+ChargedBodies sensors_of(const ChargedBodies& bodies) {
+  ChargedBodies sensors;
+  for (const ChargedConductor& conductor : bodies.conductors)
+    if (conductor.role == Role::sensor)
+      sensors.conductors.push_back({conductor.name, Role::grounded, conductor.members});
+  std::copy_if(bodies.bodies.begin(), bodies.bodies.end(), std::back_inserter(sensors.bodies),
+               [&](const ChargedBody& body) { return bodies.role(body) == Role::sensor; });
+  return sensors;
 }
 
 }  // namespace
@@ -184,9 +186,9 @@ PanelSolution PanelSystem::solve(double accuracy) const {
   const PanelEquations equations{faces_, mesh_, unknowns, matrix, panels_, coupling_};
   const TwoLevelPreconditioner preconditioner(equations, panel_tolerance_);
   solution.positive_definite = preconditioner.is_positive_definite();
-  if (count_of(bodies_, Role::electrode) > 0 && !electrodes_have_panels(bodies_)) {
-    solution.electrodes = faces_.solve_electrodes();
-    solution.positive_definite &= solution.electrodes.fine.size() > 0;
+  if (count_of(bodies_, Role::sensor) > 0 && !sensors_have_panels(bodies_)) {
+    solution.sensors = faces_.solve_sensors();
+    solution.positive_definite &= solution.sensors.fine.size() > 0;
   }
   if (!solution.positive_definite)
     return solution;
@@ -205,7 +207,7 @@ PanelSolution PanelSystem::solve(double accuracy) const {
 
   solution.body_charges = body_charges(unknowns, solved.charges);
 
-  const VectorXd own = solution.all.fine.diagonal();
+  const VectorXd own = asked_energies(solution.all.fine, bodies_);
   std::vector<MatrixXd> of_faces;
   for (std::size_t face = 0; face < faces(); ++face)
     of_faces.emplace_back(solved.charges.middleRows(unknowns.first[face], faces_.functions(face).count()));
@@ -222,9 +224,9 @@ PanelSolution PanelSystem::solve(double accuracy) const {
   return solution;
 }
 
-PanelSolution PanelSystem::solve_electrodes(double accuracy) const {
-  const ChargedBodies electrodes = electrodes_of(bodies_);
-  PanelSystem alone(electrodes, mesh_.of_first(electrodes.bodies.size()));
+PanelSolution PanelSystem::solve_sensors(double accuracy) const {
+  const ChargedBodies sensors = sensors_of(bodies_);
+  PanelSystem alone(sensors, mesh_.of_first(sensors.bodies.size()));
   std::vector<FaceFunctions> functions;
   for (std::size_t face = 0; face < alone.faces(); ++face)
     functions.push_back(faces_.functions(face));

@@ -14,7 +14,7 @@
 /// section 9).
 namespace fringe::detail {
 
-/// The capacitances with the panels' charges and error indicators. `electrodes` is empty if an electrode has
+/// The capacitances with the panels' charges and error indicators. `sensors` is empty if a sensor has
 /// panels.
 struct PanelSolution : GalerkinSolution {
   Eigen::MatrixXd charges;           ///< of every panel (rows) for every conductor at unit potential
@@ -41,8 +41,8 @@ class PanelSystem {
   /// times its value.
   PanelSolution solve(double accuracy) const;
 
-  /// Solves for the electrodes without the other conductors, with the same functions and panels as with them.
-  PanelSolution solve_electrodes(double accuracy) const;
+  /// Solves for the sensors without the other conductors, with the same functions and panels as with them.
+  PanelSolution solve_sensors(double accuracy) const;
 
  private:
   PanelSystem(const ChargedBodies& bodies, PanelMesh mesh);

@@ -21,43 +21,6 @@ using detail::SurfaceMesh;
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
-/// Calls a function with every item of the tree whose box meets another box.
-template <typename Action>
-void for_each_item(const BoxTree& tree, const BoxTree::Node& node, const AlignedBox3d& box,
-                   const Action& action) {
-  if (!node.box.intersects(box))
-    return;
-  if (node.is_leaf())
-    return action(tree.item(node));
-  for_each_item(tree, tree.left(node), box, action);
-  for_each_item(tree, tree.right(node), box, action);
-}
-
-/// Returns the number of parts of the mesh that are connected through edges.
-std::size_t shells(const SurfaceMesh& mesh) {
-  const auto neighbours = mesh.neighbours();
-  std::vector<bool> reached(neighbours.size(), false);
-  std::vector<std::uint32_t> waiting;
-  std::size_t count = 0;
-  for (std::uint32_t first = 0; first < neighbours.size(); ++first) {
-    if (reached[first])
-      continue;
-    ++count;
-    reached[first] = true;
-    waiting.push_back(first);
-    while (!waiting.empty()) {
-      const std::uint32_t face = waiting.back();
-      waiting.pop_back();
-      for (const std::uint32_t neighbour : neighbours[face])
-        if (!reached[neighbour]) {
-          reached[neighbour] = true;
-          waiting.push_back(neighbour);
-        }
-    }
-  }
-  return count;
-}
-
 bool is_inside(const Vector3d& point, const Vector3d& from, const Vector3d& to) {
   /// Largest distance from an edge at which a vertex lies on it, relative to the edge's length: some thousand
   /// times the rounding of coordinates that were computed in double precision.
@@ -91,10 +54,9 @@ std::size_t t_junctions(const SurfaceMesh& mesh) {
     AlignedBox3d box(from);
     box.extend(to);
     const Vector3d margin = Vector3d::Constant(1e-9 * (to - from).norm());
-    for_each_item(tree, tree.root(), AlignedBox3d(box.min() - margin, box.max() + margin),
-                  [&](std::uint32_t item) {
-                    inside[item] = inside[item] || is_inside(mesh.vertices()[ends[item]], from, to);
-                  });
+    tree.for_each(AlignedBox3d(box.min() - margin, box.max() + margin), [&](std::uint32_t item) {
+      inside[item] = inside[item] || is_inside(mesh.vertices()[ends[item]], from, to);
+    });
   }
   return static_cast<std::size_t>(std::count(inside.begin(), inside.end(), true));
 }
@@ -111,7 +73,7 @@ std::size_t crossings(std::span<const Triangle> triangles, const SurfaceMesh& me
   const BoxTree tree(boxes);
   std::size_t count = 0;
   for (std::uint32_t a = 0; a < triangles.size(); ++a)
-    for_each_item(tree, tree.root(), boxes[a], [&](std::uint32_t b) {
+    tree.for_each(boxes[a], [&](std::uint32_t b) {
       if (a < b && !have_common_vertex(mesh.faces()[a], mesh.faces()[b]) &&
           gjk_intersects(triangles[a], triangles[b]).intersects)
         ++count;
@@ -144,7 +106,8 @@ MeshDefects mesh_defects(std::span<const Triangle> triangles) {
   }
   found.t_junctions = t_junctions(mesh);
   found.crossings = crossings(sound, mesh);
-  found.shells = shells(mesh);
+  for (const std::uint32_t shell : mesh.shells())
+    found.shells = std::max<std::size_t>(found.shells, shell + 1);
   return found;
 }
 

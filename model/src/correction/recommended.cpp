@@ -1,6 +1,9 @@
 #include "correction/recommended.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 #include <variant>
 
 #include "fringe/error.hpp"
@@ -30,13 +33,21 @@ bool is_cheap(const Scene& scene) {
   return true;
 }
 
+/// Tests whether each conductor is one object, as the formula takes them.
+bool conductors_are_single(const Scene& scene) {
+  std::set<std::string> names;
+  return std::all_of(scene.objects.begin(), scene.objects.end(), [&](const Object& object) {
+    return !object.conductor || names.insert(*object.conductor).second;
+  });
+}
+
 }  // namespace
 
 RecommendedCorrection::RecommendedCorrection(const Scene& scene, std::shared_ptr<LinkPoses> poses)
     : poses_(std::move(poses)) {
   try {
-    if (is_cheap(scene))
-      evaluator_.emplace(scene, ReducedOptions{steps, std::nullopt}, poses_);
+    if (is_cheap(scene) && conductors_are_single(scene))
+      evaluator_.emplace(scene, ReducedOptions{steps, std::nullopt, ReducedContacts::refused}, poses_);
   } catch (const InputError&) {
     // Shapes, rooms and sensors that the reduced method does not support are left to the formula, which also
     // refuses invalid input.

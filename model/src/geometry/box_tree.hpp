@@ -45,6 +45,13 @@ class BoxTree {
   /// Returns the leaf that contains an item.
   const Node& leaf_of(std::size_t item) const { return nodes_[leaves_[item]]; }
 
+  /// Calls `action` with the number of every item whose leaf meets a box.
+  template <class Action>
+  void for_each(const Eigen::AlignedBox3d& box, const Action& action) const {
+    if (!empty())
+      for_each_below(root(), box, action);
+  }
+
   /// Replaces the box of an item that is alone in its leaf, and refits the boxes above it. The tree's
   /// topology stays.
   void move(std::size_t item, const Eigen::AlignedBox3d& box);
@@ -59,6 +66,19 @@ class BoxTree {
     std::span<const Eigen::Vector3d> points;
     std::size_t leaf_size;
   };
+
+  template <class Action>
+  void for_each_below(const Node& node, const Eigen::AlignedBox3d& box, const Action& action) const {
+    if (!node.box.intersects(box))
+      return;
+    if (node.is_leaf()) {
+      for (const std::uint32_t item : items().subspan(node.first, node.count))
+        action(item);
+      return;
+    }
+    for_each_below(left(node), box, action);
+    for_each_below(right(node), box, action);
+  }
 
   void split(std::uint32_t node, std::size_t first, std::size_t count, const Source& source);
 

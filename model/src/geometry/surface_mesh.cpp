@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -81,6 +82,31 @@ std::vector<std::vector<std::uint32_t>> SurfaceMesh::neighbours() const {
         if (one != other)
           neighbours[one].push_back(other);
   return neighbours;
+}
+
+std::vector<std::uint32_t> SurfaceMesh::shells() const {
+  constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+  const auto neighbours = this->neighbours();
+  std::vector<std::uint32_t> shells(faces_.size(), none);
+  std::vector<std::uint32_t> waiting;
+  std::uint32_t count = 0;
+  for (std::uint32_t first = 0; first < faces_.size(); ++first) {
+    if (shells[first] != none)
+      continue;
+    shells[first] = count;
+    waiting.push_back(first);
+    while (!waiting.empty()) {
+      const std::uint32_t face = waiting.back();
+      waiting.pop_back();
+      for (const std::uint32_t neighbour : neighbours[face])
+        if (shells[neighbour] == none) {
+          shells[neighbour] = count;
+          waiting.push_back(neighbour);
+        }
+    }
+    ++count;
+  }
+  return shells;
 }
 
 bool SurfaceMesh::is_closed() const {

@@ -39,6 +39,10 @@ class SurfaceMesh {
   /// Returns for each face those that share an edge with it, one entry for each edge that they share.
   std::vector<std::vector<std::uint32_t>> neighbours() const;
 
+  /// Returns for each face the number of its shell, which is a part of the mesh that is connected through
+  /// edges. Shells are numbered in the order of their first faces.
+  std::vector<std::uint32_t> shells() const;
+
   /// Tells whether every edge is used as often in one direction as in the other.
   bool is_closed() const;
 

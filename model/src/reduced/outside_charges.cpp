@@ -55,12 +55,11 @@ std::vector<Vector3d> spread_out(const std::vector<Vector3d>& candidates, double
 
 }  // namespace
 
-std::vector<OutsideCharge> outside_charges(std::span<const Triangle> triangles,
+std::vector<OutsideCharge> outside_charges(std::span<const TriangleSurface> surfaces,
                                            std::span<const Panel> panels) {
   /// Least distance from the surface, relative to the shell's. A charge may come nearer to other parts of the
   /// surface than to its own triangle.
   constexpr double least_distance = 0.8;
-  const bool is_closed_surface = is_closed(triangles);
   std::vector<OutsideCharge> charges;
   for (const Shell& shell : shells) {
     std::vector<Vector3d> candidates;
@@ -74,8 +73,10 @@ std::vector<OutsideCharge> outside_charges(std::span<const Triangle> triangles,
       return surface_distance(panels, point) < least_distance * shell.distance;
     });
     std::vector<Vector3d> points = spread_out(candidates, shell.distance, 2 * shell.most);
-    if (is_closed_surface)
-      std::erase_if(points, [&](const Vector3d& point) { return is_in_polyhedron(triangles, point); });
+    for (const auto& surface : surfaces)
+      if (is_closed(surface.triangles))
+        std::erase_if(points,
+                      [&](const Vector3d& point) { return is_in_polyhedron(surface.triangles, point); });
     // The first points are spread out, too.
     points.resize(std::min(points.size(), shell.most));
     for (const Vector3d& point : points)

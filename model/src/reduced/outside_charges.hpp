@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "bem/bodies.hpp"
 #include "bem/panel.hpp"
 
 namespace fringe::detail {
@@ -17,8 +18,8 @@ struct OutsideCharge {
 
 /// Places charges all around a body, at distances from a tenth of its size to several times it, such that the
 /// charges at each distance together have as much effect on it (model/BOUNDARY_ELEMENTS.md, section 8). The
-/// body's half size is about 1; a closed body gets none inside.
-std::vector<OutsideCharge> outside_charges(std::span<const Triangle> triangles,
+/// body's half size is about 1; closed surfaces have none inside.
+std::vector<OutsideCharge> outside_charges(std::span<const TriangleSurface> surfaces,
                                            std::span<const Panel> panels);
 
 }  // namespace fringe::detail

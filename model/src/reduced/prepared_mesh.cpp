@@ -70,21 +70,36 @@ Loads principal_loads(const SingleBodySystem& panels, const MatrixXd& potentials
   return loads;
 }
 
-std::vector<Vector3d> corners_of(const std::vector<Triangle>& triangles) {
+std::vector<Vector3d> corners_of(const std::vector<TriangleSurface>& surfaces) {
   std::vector<Vector3d> corners;
-  for (const Triangle& triangle : triangles)
-    corners.insert(corners.end(), triangle.begin(), triangle.end());
+  for (const auto& [triangles] : surfaces)
+    for (const Triangle& triangle : triangles)
+      corners.insert(corners.end(), triangle.begin(), triangle.end());
   return corners;
+}
+
+bool is_any_closed(const std::vector<TriangleSurface>& surfaces) {
+  return std::any_of(surfaces.begin(), surfaces.end(),
+                     [](const TriangleSurface& surface) { return is_closed(surface.triangles); });
+}
+
+/// Returns the net charges on each surface (rows) of the panels' charges in all columns.
+MatrixXd net_charges(const PanelMesh& mesh, const MatrixXd& charges, std::size_t surfaces) {
+  MatrixXd net = MatrixXd::Zero(static_cast<Index>(surfaces), charges.cols());
+  for (const PanelGroup& group : mesh.groups())
+    net.row(static_cast<Index>(group.body)) +=
+        charges.middleRows(static_cast<Index>(group.first), static_cast<Index>(group.count)).colwise().sum();
+  return net;
 }
 
 }  // namespace
 
-PreparedMesh::PreparedMesh(std::vector<Triangle> triangles, double accuracy)
-    : triangles_(std::move(triangles)), is_closed_(fringe::is_closed(triangles_)),
-      box_(box_around(corners_of(triangles_))) {
-  const SingleBodySystem panels = solve_single_body(triangles_, accuracy, most_mesh_panels);
+PreparedMesh::PreparedMesh(std::vector<TriangleSurface> surfaces, double accuracy)
+    : surfaces_(std::move(surfaces)), is_closed_(is_any_closed(surfaces_)),
+      box_(box_around(corners_of(surfaces_))) {
+  const SingleBodySystem panels = solve_single_body(surfaces_, accuracy, most_mesh_panels);
   const std::vector<Panel>& all = panels.mesh.panels();
-  const std::vector<OutsideCharge> charges = outside_charges(triangles_, all);
+  const std::vector<OutsideCharge> charges = outside_charges(surfaces_, all);
   const MatrixXd outside = potentials_on(all, charges);
   const Loads loads = principal_loads(panels, outside, mesh_functions.back());
   MatrixXd potentials = outside * loads.charges;
@@ -94,6 +109,8 @@ PreparedMesh::PreparedMesh(std::vector<Triangle> triangles, double accuracy)
     return potentials_at(point, charges) * loads.charges + loads.constants;
   });
   root_ = responses.col(0).sum();
+  if (surfaces_.size() > 1)
+    net_ = net_charges(panels.mesh, responses, surfaces_.size());
 
   panels_ = cluster_panels(all);
   const auto count = static_cast<std::size_t>(responses.cols());
@@ -129,6 +146,8 @@ PreparedLevel PreparedMesh::level(int index) const {
     level.highest.push_back(static_cast<int>(k));
   level.stiffness = stored(MatrixXd::Identity(count - kept, count - kept));
   level.missing = stored(missing_.topLeftCorner(count, count));
+  for (Index surface = 0; surface < net_.rows(); ++surface)
+    level.surface_nets.push_back(stored(net_.row(surface).head(count).transpose()));
   return level;
 }
 

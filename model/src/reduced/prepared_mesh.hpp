@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "bem/bodies.hpp"
 #include "reduced/node_kernels.hpp"
 #include "reduced/panel_clusters.hpp"
 #include "reduced/prepared_shape.hpp"
@@ -20,11 +21,12 @@ constexpr std::size_t most_mesh_panels = 2000;
 /// first, each given on every panel. They are orthonormal in the energy.
 class PreparedMesh {
  public:
-  /// Prepares the body. `triangles` are about the origin, with a largest coordinate of about 1. Panels are
-  /// refined until energies are within `accuracy`.
-  PreparedMesh(std::vector<Triangle> triangles, double accuracy);
+  /// Prepares a body of one or more surfaces that touch or overlap. They are about the origin, with a largest
+  /// coordinate of about 1. Panels are refined until energies are within `accuracy`.
+  PreparedMesh(std::vector<TriangleSurface> surfaces, double accuracy);
 
-  const std::vector<Triangle>& triangles() const { return triangles_; }
+  const std::vector<TriangleSurface>& surfaces() const { return surfaces_; }
+  /// Returns true if one of the surfaces is closed.
   bool is_closed() const { return is_closed_; }
   /// Returns a box around all triangles.
   const BoxNumbers& box() const { return box_; }
@@ -43,13 +45,14 @@ class PreparedMesh {
   PreparedLevel level(int index) const;
 
  private:
-  std::vector<Triangle> triangles_;
+  std::vector<TriangleSurface> surfaces_;
   bool is_closed_;
   BoxNumbers box_;
   PanelClusters panels_;
   std::vector<float> functions_;
   double root_ = 0;          ///< square root of the capacitance
   Eigen::MatrixXd missing_;  ///< energies that coarser panels miss
+  Eigen::MatrixXd net_;      ///< net charges of the functions (columns) on each surface, if there are several
 };
 
 }  // namespace fringe::detail

@@ -105,6 +105,7 @@ PreparedLevel prepare(const MatrixXd& self, EdgeKind edge, int functions) {
                        root,
                        highest,
                        stored(block.llt().solve(MatrixXd::Identity(high, high))),
+                       {},
                        {}};
 }
 
@@ -142,13 +143,14 @@ PreparedShape::PreparedShape(const FacedSurface& surface) : levels_(levels) {
   set_edge_points(std::move(points));
 }
 
-PreparedShape::PreparedShape(std::vector<Triangle> triangles, double accuracy)
+PreparedShape::PreparedShape(std::vector<TriangleSurface> surfaces, double accuracy)
     : surface_(TriangleSurface{}), half_sides_(Vector3d::Zero()), levels_(levels),
-      mesh_(std::make_unique<PreparedMesh>(std::move(triangles), accuracy)) {
+      mesh_(std::make_unique<PreparedMesh>(std::move(surfaces), accuracy)) {
   std::vector<Vector3d> points;
-  for (const Triangle& triangle : mesh_->triangles())
-    for (const Vector3d& corner : triangle)
-      half_sides_ = half_sides_.cwiseMax(corner.cwiseAbs());
+  for (const auto& [triangles] : mesh_->surfaces())
+    for (const Triangle& triangle : triangles)
+      for (const Vector3d& corner : triangle)
+        half_sides_ = half_sides_.cwiseMax(corner.cwiseAbs());
   for (const PanelCluster& cluster : mesh_->panels().clusters)
     for (std::ptrdiff_t place = 0; place < cluster.count; place += surface_step)
       points.push_back(mesh_->point(cluster.first + place));

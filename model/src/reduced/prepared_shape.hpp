@@ -29,6 +29,8 @@ struct PreparedLevel {
   std::vector<int> highest;        ///< the functions outside the coarse space
   std::vector<float> stiffness;    ///< Schur complement of `highest`: the inverse of that block of `inverse`
   std::vector<float> missing;      ///< for triangles, the energies that coarser ones miss; else empty
+  /// The functions' net charges on each surface, if the body has several.
+  std::vector<std::vector<float>> surface_nets;
 };
 
 /// A body with functions on faces.
@@ -42,7 +44,7 @@ class PreparedShape {
   /// Prepares a plate or box at the origin.
   explicit PreparedShape(const FacedSurface& surface);
   /// Prepares a body of triangles, as PreparedMesh does.
-  PreparedShape(std::vector<Triangle> triangles, double accuracy);
+  PreparedShape(std::vector<TriangleSurface> surfaces, double accuracy);
   ~PreparedShape();
 
   /// Returns the faces; none for a body of triangles.

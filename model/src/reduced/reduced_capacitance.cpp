@@ -5,33 +5,26 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "bem/bodies.hpp"
-#include "bem/contact.hpp"
 #include "bem/maxwell_matrix.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
-#include "geometry/link_motion.hpp"
-#include "reduced/body_gap.hpp"
+#include "reduced/arrangement.hpp"
 #include "reduced/reduced_system.hpp"
-#include "reduced/rigid_bodies.hpp"
 
 namespace fringe {
 namespace {
 
-using detail::BodySmoothness;
-using detail::ChargedBodies;
-using detail::PlacedBody;
 using detail::PreparedShape;
 using detail::ReducedSolution;
 using detail::RigidBody;
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr double strictest_reduced_rtol = 1e-4;
@@ -51,6 +44,13 @@ constexpr double quadrature_share = 0.3;
 
 /// Fraction of rtol that the triangles' size may take of a body's energies.
 constexpr double triangle_share = 0.25;
+
+/// Returns the scene; throws InputError if it has a room.
+const Scene& in_free_space(const Scene& scene) {
+  if (scene.has_room)
+    throw InputError("room: the reduced method computes only conductors in free space");
+  return scene;
+}
 
 /// Largest number of steps. Near contact, more steps are needed than are asked for.
 constexpr int most_steps = 12;
@@ -78,43 +78,26 @@ double rtol_of(const ReducedOptions& options) {
 class ReducedEvaluator::Implementation {
  public:
   Implementation(const Scene& scene, const ReducedOptions& options, std::shared_ptr<detail::LinkPoses> poses)
-      : options_(options), rtol_(rtol_of(options)), motion_(std::move(poses)) {
-    if (scene.has_room)
-      throw InputError("room: the reduced method computes only conductors in free space");
-    bodies_ = detail::bodies_on_links(scene);
-    answer_ = detail::named_answer(bodies_);
+      : options_(options), rtol_(rtol_of(options)),
+        bodies_(in_free_space(scene), options.contacts, triangle_share * rtol_, std::move(poses)) {
     factor_ = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
-
-    rigid_ = detail::rigid_bodies(scene, bodies_, triangle_share * rtol_, shapes_);
-    double largest = 0;
-    for (const RigidBody& body : rigid_)
-      largest = std::max(largest, body.scale);
-    // A power of two: scaling by it does not round.
-    unit_ = std::exp2(std::ilogb(largest));
-    std::vector<detail::ReducedBody> reduced;
-    for (std::size_t k = 0; k < rigid_.size(); ++k) {
-      rigid_[k].scale /= unit_;
-      reduced.push_back({rigid_[k].shape, rigid_[k].scale, bodies_.bodies[k].conductor, 0});
-    }
-    const std::size_t count = rigid_.size();
-    placed_.resize(count);
-    smoothness_.resize(count * count);
-    gaps_.resize(count * count);
-    functions_.resize(count * count, {0, 0});
-    system_.emplace(std::move(reduced), answer_.sensors, bodies_.conductors.size());
   }
 
-  void set_pose(std::string_view link, const Eigen::Isometry3d& pose) { motion_.set_pose(link, pose); }
+  void set_pose(std::string_view link, const Eigen::Isometry3d& pose) { bodies_.set_pose(link, pose); }
 
   const MaxwellMatrix& maxwell() {
-    motion_.update();
-    place();
+    bodies_.update();
+    if (known_joinings_ != bodies_.joinings())
+      begin_system();
+    for (std::size_t a = 0; a < count(); ++a)
+      for (std::size_t b = a + 1; b < count(); ++b)
+        if (bodies_.has_moved(a, b))
+          functions_[a * count() + b] = {0, 0};
     if (is_too_narrow_for_functions())
       write_no_result();
     else
       refine_until_reached();
-    motion_.settle();
-    known_ = true;
+    bodies_.settle();
     return answer_;
   }
 
@@ -125,8 +108,20 @@ class ReducedEvaluator::Implementation {
   /// Returns the first digits of the inner quadrature; the outer one gets half of them.
   double first_digits() const { return std::max(6 - 2 * std::log10(rtol_ / 1e-3), 3.0); }
 
-  bool moved(std::size_t a, std::size_t b) const {
-    return !known_ || !motion_.rigid(bodies_.bodies[a].link, bodies_.bodies[b].link);
+  std::size_t count() const { return bodies_.rigid().size(); }
+
+  /// Begins the equations of the bodies as they are joined now.
+  void begin_system() {
+    answer_ = detail::named_answer(bodies_.bodies());
+    has_several_members_ =
+        std::any_of(answer_.members.begin(), answer_.members.end(),
+                    [](const std::vector<std::string>& members) { return members.size() > 1; });
+    std::vector<detail::ReducedBody> reduced;
+    for (const RigidBody& body : bodies_.rigid())
+      reduced.push_back({body.shape, body.scale, bodies_.bodies().bodies[body.parts.front()].conductor, 0});
+    functions_.assign(count() * count(), {0, 0});
+    system_.emplace(std::move(reduced), answer_.sensors, bodies_.bodies().conductors.size());
+    known_joinings_ = bodies_.joinings();
   }
 
   /// Returns true if a body induces a charge on another that is narrower than any function there. Solutions
@@ -134,10 +129,10 @@ class ReducedEvaluator::Implementation {
   /// error.
   bool is_too_narrow_for_functions() const {
     const double functions = detail::functions_of_level(PreparedShape::levels - 1);
-    for (std::size_t large = 0; large < rigid_.size(); ++large)
-      for (std::size_t small = 0; small < rigid_.size(); ++small)
-        if (large != small &&
-            functions * (rigid_[small].scale + gaps_[pair(small, large)]) < rigid_[large].scale)
+    for (std::size_t large = 0; large < count(); ++large)
+      for (std::size_t small = 0; small < count(); ++small)
+        if (large != small && functions * (bodies_.rigid()[small].scale + bodies_.gap(small, large)) <
+                                  bodies_.rigid()[large].scale)
           return true;
     return false;
   }
@@ -169,57 +164,21 @@ class ReducedEvaluator::Implementation {
     }
   }
 
-  /// Moves the bodies to their poses; throws InputError for two that touch.
-  void place() {
-    for (std::size_t k = 0; k < rigid_.size(); ++k) {
-      const Eigen::Isometry3d pose = motion_.world_pose(bodies_.bodies[k].link) * rigid_[k].on_link;
-      if (!pose.matrix().allFinite())
-        throw InputError(fmt::format("{}: its pose is not finite", bodies_.bodies[k].name));
-      placed_[k] = {rigid_[k].shape, rigid_[k].scale, pose.translation() / unit_, pose.linear()};
-    }
-    for (std::size_t a = 0; a < rigid_.size(); ++a)
-      for (std::size_t b = a + 1; b < rigid_.size(); ++b) {
-        if (!moved(a, b))
-          continue;
-        const double gap = gap_or_refusal(a, b);
-        gaps_[pair(a, b)] = gaps_[pair(b, a)] = gap;
-        const detail::PairSmoothness smoothness = detail::smoothness(placed_[a], placed_[b], gap);
-        smoothness_[pair(a, b)] = smoothness.a;
-        smoothness_[pair(b, a)] = smoothness.b;
-        functions_[pair(a, b)] = {0, 0};
-      }
-  }
-
-  /// Returns a lower bound of the distance between two bodies; throws InputError if they touch.
-  double gap_or_refusal(std::size_t a, std::size_t b) {
-    /// Gap in units of unit_ above which bodies are apart in spite of rounding; below it the exact test
-    /// decides.
-    constexpr double surely_apart = 1e-9;
-    const double gap = detail::body_gap(placed_[a], placed_[b]);
-    if (!(gap > surely_apart))
-      detail::refuse_contact(detail::moved(bodies_.bodies[a], motion_.world_pose(bodies_.bodies[a].link)),
-                             detail::moved(bodies_.bodies[b], motion_.world_pose(bodies_.bodies[b].link)),
-                             "the reduced method needs bodies apart");
-    return std::max(gap, 0.0);
-  }
-
-  std::size_t pair(std::size_t a, std::size_t b) const { return a * rigid_.size() + b; }
-
   /// Chooses the numbers of functions that the nearness of the other bodies will require. The rule need not
   /// be exact, because the estimated error decides in the end.
   void choose_levels() {
     const double asked = rtol_ > 3e-3 ? 1 : 2;
     const int first = rtol_ > 3e-3 ? 0 : 1;
-    for (std::size_t a = 0; a < rigid_.size(); ++a) {
+    for (std::size_t a = 0; a < count(); ++a) {
       int level = first;
-      if (rigid_[a].shape->mesh() != nullptr)
+      if (bodies_.rigid()[a].shape->mesh() != nullptr)
         level = mesh_level(a);
       // A box gets more functions on its six faces only when the error requires them.
-      const bool is_plate = rigid_[a].shape->is_plate();
-      for (std::size_t b = 0; b < rigid_.size(); ++b)
+      const bool is_plate = bodies_.rigid()[a].shape->is_plate();
+      for (std::size_t b = 0; b < count(); ++b)
         if (a != b && is_plate) {
           const double wanted =
-              1 + asked / detail::least(smoothness_[pair(a, b)], rigid_[a].shape->faces().size());
+              1 + asked / detail::least(bodies_.smoothness(a, b), bodies_.rigid()[a].shape->faces().size());
           while (level + 1 < most_levels(a) && detail::functions_of_level(level) < wanted)
             ++level;
         }
@@ -231,23 +190,23 @@ class ReducedEvaluator::Implementation {
   int mesh_level(std::size_t body) const {
     constexpr std::array<double, PreparedShape::levels - 1> gaps{0.6, 0.25, 0.1};
     double gap = std::numeric_limits<double>::infinity();
-    for (std::size_t other = 0; other < rigid_.size(); ++other)
+    for (std::size_t other = 0; other < count(); ++other)
       if (other != body)
-        gap = std::min(gap, gaps_[pair(body, other)] / rigid_[body].scale);
+        gap = std::min(gap, bodies_.gap(body, other) / bodies_.rigid()[body].scale);
     return static_cast<int>(std::count_if(gaps.begin(), gaps.end(), [&](double end) { return gap <= end; }));
   }
 
   /// Returns the number of levels of a body. The last one of a box takes too long to prepare.
   int most_levels(std::size_t body) const {
-    return rigid_[body].shape->is_box() ? PreparedShape::levels - 1 : PreparedShape::levels;
+    return bodies_.rigid()[body].shape->is_box() ? PreparedShape::levels - 1 : PreparedShape::levels;
   }
 
   /// Raises the levels of bodies whose highest functions contribute too much. Returns false if there are
   /// none.
   bool raise_levels(const ReducedSolution& solution) {
     bool raised = false;
-    const double share = rtol_ / (2 * error_per_discretisation * static_cast<double>(rigid_.size()));
-    for (std::size_t k = 0; k < rigid_.size(); ++k) {
+    const double share = rtol_ / (2 * error_per_discretisation * static_cast<double>(count()));
+    for (std::size_t k = 0; k < count(); ++k) {
       int& level = system_->bodies()[k].level;
       if (solution.body_discretisation[static_cast<Index>(k)] <= share || level + 1 >= most_levels(k))
         continue;
@@ -267,12 +226,12 @@ class ReducedEvaluator::Implementation {
 
   /// Returns the digits that the quadratures lack to take no more than their share of the error.
   double missing_digits(const ReducedSolution& solution) {
-    for (std::size_t a = 0; a < rigid_.size(); ++a)
-      for (std::size_t b = a + 1; b < rigid_.size(); ++b)
+    for (std::size_t a = 0; a < count(); ++a)
+      for (std::size_t b = a + 1; b < count(); ++b)
         if (system_->pair(a, b).is_cut_short())
           return 0;
     const Index rows = answer_.values.rows();
-    const double excess = (solution.quadrature.topLeftCorner(rows, rows).array() * factor_ * unit_ /
+    const double excess = (solution.quadrature.topLeftCorner(rows, rows).array() * factor_ * bodies_.unit() /
                            answer_.values.array().abs())
                               .maxCoeff() /
                           (quadrature_share * rtol_);
@@ -283,33 +242,36 @@ class ReducedEvaluator::Implementation {
   /// triangles.
   int functions_of(std::size_t body) {
     const int level = system_->bodies()[body].level;
-    return rigid_[body].shape->mesh() != nullptr ? static_cast<int>(rigid_[body].shape->level(level).count)
-                                                 : detail::functions_of_level(level);
+    return bodies_.rigid()[body].shape->mesh() != nullptr
+               ? static_cast<int>(bodies_.rigid()[body].shape->level(level).count)
+               : detail::functions_of_level(level);
   }
 
   void lay_nodes(double digits) {
-    for (std::size_t a = 0; a < rigid_.size(); ++a)
-      for (std::size_t b = a + 1; b < rigid_.size(); ++b) {
+    for (std::size_t a = 0; a < count(); ++a)
+      for (std::size_t b = a + 1; b < count(); ++b) {
         const int of_a = functions_of(a), of_b = functions_of(b);
         const std::array<int, 2> functions{of_a, of_b};
-        if (functions_[pair(a, b)] == functions && digits == digits_)
+        if (functions_[a * count() + b] == functions && digits == digits_)
           continue;
-        functions_[pair(a, b)] = functions;
-        system_->pair(a, b).place(placed_[a], smoothness_[pair(a, b)], of_a, placed_[b],
-                                  smoothness_[pair(b, a)], of_b, {digits / 2, digits});
+        functions_[a * count() + b] = functions;
+        system_->pair(a, b).place(bodies_.placed(a), bodies_.smoothness(a, b), of_a, bodies_.placed(b),
+                                  bodies_.smoothness(b, a), of_b, {digits / 2, digits});
       }
     digits_ = digits;
   }
 
   /// Writes the solution and its estimated errors to the answer.
   void write_solution(const ReducedSolution& solution) {
-    const MatrixXd fine = detail::without_floating(solution.values, bodies_);
-    const MatrixXd stepped = detail::without_floating(solution.values - solution.truncation, bodies_);
-    const MatrixXd resolved = detail::without_floating(solution.values - solution.discretisation, bodies_);
+    const MatrixXd fine = detail::without_floating(solution.values, bodies_.bodies());
+    const MatrixXd stepped =
+        detail::without_floating(solution.values - solution.truncation, bodies_.bodies());
+    const MatrixXd resolved =
+        detail::without_floating(solution.values - solution.discretisation, bodies_.bodies());
     const Index rows = fine.rows(), sensors = static_cast<Index>(answer_.sensors);
     const auto quadrature = solution.quadrature.topLeftCorner(rows, rows);
     answer_.values = fine;
-    answer_.charges = fine;  // Every conductor has one member.
+    answer_.charges = has_several_members_ ? member_charges(solution, fine) : fine;
     answer_.errors = solution.truncation_left * detail::changes(fine, stepped) +
                      error_per_discretisation * detail::changes(fine, resolved) + quadrature;
     answer_.reached = (answer_.errors.array() <= rtol_ * fine.array().abs()).all();
@@ -327,11 +289,38 @@ class ReducedEvaluator::Implementation {
           quadrature(s, s) + std::numeric_limits<float>::epsilon() * std::abs(floating);
     }
     answer_.unknowns = solution.vectors;
-    answer_.values *= factor_ * unit_;
-    answer_.charges *= factor_ * unit_;
-    answer_.errors *= factor_ * unit_;
-    answer_.delta_self *= factor_ * unit_;
-    answer_.delta_self_errors *= factor_ * unit_;
+    answer_.values *= factor_ * bodies_.unit();
+    answer_.charges *= factor_ * bodies_.unit();
+    answer_.errors *= factor_ * bodies_.unit();
+    answer_.delta_self *= factor_ * bodies_.unit();
+    answer_.delta_self_errors *= factor_ * bodies_.unit();
+  }
+
+  /// Returns the charges of the conductors' members. What they lack of their conductor's entry in `fine` is
+  /// distributed over them in proportion to their magnitudes.
+  MatrixXd member_charges(const ReducedSolution& solution, const MatrixXd& fine) {
+    const MatrixXd of_surfaces = system_->surface_charges();
+    MatrixXd of_bodies(of_surfaces.rows(), of_surfaces.cols());
+    Index row = 0;
+    for (const RigidBody& body : bodies_.rigid())
+      for (const std::size_t part : body.parts)
+        of_bodies.row(static_cast<Index>(part)) = of_surfaces.row(row++);
+    MatrixXd charges = detail::member_charges(solution.values, of_bodies, bodies_.bodies());
+    Index first = 0;
+    for (Index conductor = 0; conductor < fine.rows(); ++conductor) {
+      const auto members = static_cast<Index>(answer_.members[static_cast<std::size_t>(conductor)].size());
+      auto own = charges.middleRows(first, members);
+      first += members;
+      if (members == 1) {
+        own = fine.row(conductor);
+        continue;
+      }
+      const Eigen::RowVectorXd missing = fine.row(conductor) - own.colwise().sum();
+      const Eigen::RowVectorXd total = own.cwiseAbs().colwise().sum();
+      const MatrixXd shares = own.cwiseAbs() * total.cwiseInverse().asDiagonal();
+      own += shares * missing.asDiagonal();
+    }
+    return charges;
   }
 
   /// Fills the answer with zeros and infinite errors: no result.
@@ -340,7 +329,10 @@ class ReducedEvaluator::Implementation {
     const auto sensors = static_cast<Index>(answer_.sensors);
     constexpr double infinite = std::numeric_limits<double>::infinity();
     answer_.values = MatrixXd::Zero(rows, rows);
-    answer_.charges = MatrixXd::Zero(rows, rows);
+    Index members = 0;
+    for (const std::vector<std::string>& names : answer_.members)
+      members += static_cast<Index>(names.size());
+    answer_.charges = MatrixXd::Zero(members, rows);
     answer_.errors = MatrixXd::Constant(rows, rows, infinite);
     answer_.delta_self = VectorXd::Zero(sensors);
     answer_.delta_self_errors = VectorXd::Constant(sensors, infinite);
@@ -350,18 +342,12 @@ class ReducedEvaluator::Implementation {
 
   ReducedOptions options_;
   double rtol_;
-  detail::LinkMotion motion_;
-  ChargedBodies bodies_;
-  double unit_ = 1;  ///< of length, in metres
   double factor_ = 1;
-  detail::SharedShapes shapes_;
-  std::vector<RigidBody> rigid_;
-  std::vector<PlacedBody> placed_;
-  std::vector<BodySmoothness> smoothness_;     ///< on every body, limited by every other
-  std::vector<double> gaps_;                   ///< lower bounds of the distances between any two
+  detail::Arrangement bodies_;
+  std::size_t known_joinings_ = 0;  ///< that system_ belongs to
+  bool has_several_members_ = false;
   std::vector<std::array<int, 2>> functions_;  ///< for which the pairs have nodes; 0: none
   double digits_ = 0;
-  bool known_ = false;  ///< true if there was an answer before
   std::optional<detail::ReducedSystem> system_;
   MaxwellMatrix answer_;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "simd/dispatch.hpp"
 
@@ -360,19 +361,19 @@ MatrixXd ReducedSystem::discretisation(std::size_t active, std::size_t conductor
   return result;
 }
 
-/// Returns the change of the capacitances from coarser triangles to the present ones.
-MatrixXd ReducedSystem::missing() {
+/// Returns the change of the first bodies' capacitances from coarser triangles to the present ones.
+MatrixXd ReducedSystem::missing(std::size_t active, std::size_t conductors) {
   const auto& kernels = best_kernels<NodeKernels>();
-  const auto size = signed_of(conductors_);
+  const auto size = signed_of(conductors);
   MatrixXd result = MatrixXd::Zero(size, size);
-  for (std::size_t body = 0; body < bodies_.size(); ++body) {
+  for (std::size_t body = 0; body < active; ++body) {
     const PreparedLevel& prepared = level(body);
     if (prepared.missing.empty())
       continue;
     const auto padded = static_cast<std::size_t>(prepared.padded);
-    highest_.assign(conductors_ * padded, 0.0F);
+    highest_.assign(conductors * padded, 0.0F);
     stiff_.resize(padded);
-    for (std::size_t c = 0; c < conductors_; ++c) {
+    for (std::size_t c = 0; c < conductors; ++c) {
       float* const charge = highest_.data() + c * padded;
       for (std::size_t k = 0; k < extended_; ++k)
         if (vectors_[k].body == body)
@@ -410,6 +411,29 @@ void ReducedSystem::estimate_quadrature() {
     }
 }
 
+MatrixXd ReducedSystem::surface_charges() {
+  const auto& kernels = best_kernels<NodeKernels>();
+  std::vector<Eigen::RowVectorXd> rows;
+  for (std::size_t body = 0; body < bodies_.size(); ++body) {
+    const PreparedLevel& prepared = level(body);
+    const std::span<const std::vector<float>> nets =
+        prepared.surface_nets.empty() ? std::span(&prepared.net, 1) : std::span(prepared.surface_nets);
+    for (const std::vector<float>& net : nets) {
+      Eigen::RowVectorXd& row = rows.emplace_back(signed_of(conductors_));
+      for (std::size_t c = 0; c < conductors_; ++c)
+        row[signed_of(c)] = kernels.dot(corrections_[body * conductors_ + c], net.data(), prepared.padded);
+      for (std::size_t k = 0; k < extended_; ++k)
+        if (vectors_[k].body == body)
+          row += kernels.dot(vectors_[k].charge, net.data(), prepared.padded) *
+                 charges_.row(signed_of(k)).head(signed_of(conductors_));
+    }
+  }
+  MatrixXd result(signed_of(rows.size()), signed_of(conductors_));
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    result.row(signed_of(k)) = rows[k];
+  return result;
+}
+
 const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
   const auto sensors = signed_of(sensors_);
   begin();
@@ -418,10 +442,11 @@ const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
   if (sensor_bodies_ > 0)
     extend_basis(limits, sensor_bodies_, sensors_);
   const auto alone = signed_of(extended_);
-  Eigen::VectorXd truncation_alone, discretisation_alone;
+  Eigen::VectorXd truncation_alone, discretisation_alone, coarser_alone;
   if (positive_definite_ && sensor_bodies_ > 0) {
     truncation_alone = solution_.truncation.diagonal().head(sensors);
-    discretisation_alone = discretisation(sensor_bodies_, sensors_).diagonal();
+    coarser_alone = missing(sensor_bodies_, sensors_).diagonal();
+    discretisation_alone = discretisation(sensor_bodies_, sensors_).diagonal() + coarser_alone;
   }
   if (positive_definite_) {
     for (std::size_t body = sensor_bodies_; body < bodies_.size(); ++body)
@@ -435,7 +460,7 @@ const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
   solution_.values.noalias() = reached.transpose() * reached;
   solution_.values += solution_.truncation;
   solution_.discretisation = discretisation(bodies_.size(), conductors_);
-  solution_.coarser = missing();
+  solution_.coarser = missing(bodies_.size(), conductors_);
   solution_.values += likely_missing * solution_.coarser;
   solution_.discretisation += solution_.coarser;
   if (sensor_bodies_ > 0) {
@@ -443,8 +468,7 @@ const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
     solution_.delta_self =
         reached.bottomRows(signed_of(extended_) - alone).leftCols(sensors).colwise().squaredNorm();
     solution_.delta_self += truncation - truncation_alone;
-    // Sensors are plates: without the objects there are no triangles.
-    solution_.delta_self += likely_missing * solution_.coarser.diagonal().head(sensors);
+    solution_.delta_self += likely_missing * (solution_.coarser.diagonal().head(sensors) - coarser_alone);
     solution_.delta_truncation = truncation + truncation_alone;
     solution_.delta_discretisation =
         (solution_.discretisation.diagonal().head(sensors) - discretisation_alone).cwiseAbs();

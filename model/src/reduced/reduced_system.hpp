@@ -59,6 +59,10 @@ class ReducedSystem {
   /// Solves with the pairs' present quadratures.
   const ReducedSolution& solve(const ReductionLimits& limits);
 
+  /// Returns the charges on the bodies' surfaces (rows: those of the first body, then of the second …) of the
+  /// last solution, with the corrections of its last residuals, for every conductor at unit potential.
+  Eigen::MatrixXd surface_charges();
+
  private:
   struct Vector {
     std::size_t body;
@@ -81,7 +85,7 @@ class ReducedSystem {
   bool append_residuals(std::size_t active, std::size_t conductors);
   void extend_basis(const ReductionLimits& limits, std::size_t active, std::size_t conductors);
   Eigen::MatrixXd discretisation(std::size_t active, std::size_t conductors);
-  Eigen::MatrixXd missing();
+  Eigen::MatrixXd missing(std::size_t active, std::size_t conductors);
   double coupling(std::size_t first, std::size_t second) const;
   void estimate_truncation_left();
   void estimate_quadrature();

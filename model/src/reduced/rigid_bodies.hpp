@@ -11,6 +11,14 @@
 
 namespace fringe::detail {
 
+/// A body in the frame of its link, with the shape that it shares with others of the same proportions.
+struct RigidBody {
+  PreparedShape* shape;
+  double scale;
+  Eigen::Isometry3d on_link;       ///< in the frame of its first part's link
+  std::vector<std::size_t> parts;  ///< the charged bodies that it consists of; several are in contact
+};
+
 /// Shapes by their proportions: bodies of the same proportions share one, which is prepared once.
 class SharedShapes {
  public:
@@ -18,23 +26,23 @@ class SharedShapes {
   PreparedShape* find(const FacedSurface& surface);
 
   /// Returns the shape of a body of triangles, which are as in PreparedMesh.
-  PreparedShape* find(const std::vector<Triangle>& triangles, double accuracy);
+  PreparedShape* find(const std::vector<TriangleSurface>& surfaces, double accuracy);
+
+  /// Forgets the shapes of several surfaces that none of these bodies has.
+  void forget_others(const std::vector<RigidBody>& bodies);
 
  private:
   std::vector<std::unique_ptr<PreparedShape>> shapes_;
 };
 
-/// A body in the frame of its link, with the shape that it shares with others of the same proportions.
-struct RigidBody {
-  PreparedShape* shape;
-  double scale;
-  Eigen::Isometry3d on_link;
-};
+/// Returns the objects in the order of bodies_on_links.
+std::vector<Object> ordered_objects(const Scene& scene);
 
-/// Returns the bodies of bodies_on_links(scene), one by one; energies of bodies of triangles are within
-/// `accuracy`. Throws InputError for more triangles than can be prepared, and for triangles that lie upon
-/// each other.
-std::vector<RigidBody> rigid_bodies(const Scene& scene, const ChargedBodies& bodies, double accuracy,
+/// Returns one body for each group of charged bodies. The surfaces of a group of several are triangles in the
+/// frame of its first body's link. `objects` are the last ones of `bodies`; energies of bodies of triangles
+/// are within `accuracy`. Throws InputError for more triangles than can be prepared.
+std::vector<RigidBody> rigid_bodies(const std::vector<Object>& objects, const ChargedBodies& bodies,
+                                    const std::vector<std::vector<std::size_t>>& groups, double accuracy,
                                     SharedShapes& shapes);
 
 }  // namespace fringe::detail

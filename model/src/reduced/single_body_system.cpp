@@ -1,6 +1,7 @@
 #include "reduced/single_body_system.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -39,30 +40,70 @@ MatrixXd plain_potentials(const PanelMesh& mesh) {
   return potentials;
 }
 
-/// Factorises the matrix; refines the quadrature if it is not positive definite.
-void factorise(SingleBodySystem& panels) {
+/// Factorises the matrix. Returns false if it is not positive definite, or only by errors of its elements.
+bool factorise_as_it_is(SingleBodySystem& panels) {
+  /// Least energy that a panel adds to earlier ones, relative to its own: of a panel between others it is
+  /// about the ratio of the gap to the panel. Less means that panels coincide.
+  constexpr double least_energy = 1e-6;
+  panels.factor.compute(panels.matrix.transpose());
+  return panels.factor.info() == Eigen::Success &&
+         (panels.factor.matrixLLT().diagonal().array().square() >
+          std::max(least_energy, panels.tolerance) * panels.matrix.diagonal().array())
+             .all();
+}
+
+/// Adds a ridge to the matrix and factorises it. Coincident panels then share their charge, and errors of the
+/// potentials on them cause no large opposite charges. Energies change by a few per cent of the ridge: the
+/// part that panels have in them by themselves. Returns false if the matrix still is not positive definite,
+/// and takes the ridge back.
+bool factorise_with_ridge(SingleBodySystem& panels, double ridge) {
+  panels.ridge = ridge;
+  panels.matrix.diagonal() *= 1 + panels.ridge;
+  panels.factor.compute(panels.matrix.transpose());
+  if (panels.factor.info() == Eigen::Success)
+    return true;
+  panels.matrix.diagonal() /= 1 + panels.ridge;
+  panels.ridge = 0;
+  return false;
+}
+
+/// Factorises the matrix; refines the quadrature if it is not positive definite, and adds a ridge if finer
+/// quadratures do not help.
+void factorise(SingleBodySystem& panels, double ridge) {
+  /// Tolerance of the quadratures above which a matrix that is not positive definite calls for better ones.
+  constexpr double sufficient = 1e-5;
   /// Finest relative tolerance of the quadratures. Below it, rounding errors dominate the matrix elements.
   constexpr double finest_tolerance = 1e-13;
-  panels.factor.compute(panels.matrix.transpose());
-  while (panels.factor.info() != Eigen::Success) {
+  while (!factorise_as_it_is(panels)) {
+    if (panels.tolerance <= sufficient && factorise_with_ridge(panels, ridge))
+      return;
     if (panels.tolerance < finest_tolerance)
       throw InputError("its triangles overlap");
     panels.tolerance /= 100;
     panels.matrix = single_layer_matrix(panels.mesh.panels(), panels.tolerance);
-    panels.factor.compute(panels.matrix.transpose());
   }
 }
 
 }  // namespace
 
-SingleBodySystem solve_single_body(std::span<const Triangle> triangles, double accuracy,
+PanelMesh panels_of(std::span<const TriangleSurface> surfaces) {
+  ChargedBodies bodies{{{"", Role::grounded, {}}}, {}};
+  for (const TriangleSurface& surface : surfaces)
+    bodies.bodies.push_back({0, bodies.bodies.size(), surface, "", {}});
+  PanelMesh mesh(std::make_shared<const HiddenSurface>(bodies));
+  for (std::size_t k = 0; k < surfaces.size(); ++k)
+    mesh.add(k, surfaces[k].triangles);
+  return mesh;
+}
+
+SingleBodySystem solve_single_body(std::span<const TriangleSurface> surfaces, double accuracy,
                                    std::size_t most_panels) {
   SingleBodySystem panels;
   panels.tolerance = tolerance_per_accuracy * accuracy;
-  panels.mesh.add(0, triangles);
+  panels.mesh = panels_of(surfaces);
   panels.matrix = single_layer_matrix(panels.mesh.panels(), panels.tolerance);
   while (true) {
-    factorise(panels);
+    factorise(panels, accuracy);
     const MatrixXd potentials = plain_potentials(panels.mesh);
     const MatrixXd responses = panels.factor.solve(potentials);
     VectorXd own = potentials.cwiseProduct(responses).colwise().sum();
@@ -82,7 +123,8 @@ SingleBodySystem solve_single_body(std::span<const Triangle> triangles, double a
                          most_panels - std::min(most_panels, count));
     if (marked.empty())
       return panels;
-    const MatrixXd before = std::move(panels.matrix);
+    MatrixXd before = std::move(panels.matrix);
+    before.diagonal() /= 1 + std::exchange(panels.ridge, 0);
     panels.mesh.refine(marked, responses);
     panels.matrix =
         single_layer_matrix(panels.mesh.panels(), panels.tolerance, {before, panels.mesh.places_before()});
@@ -101,6 +143,8 @@ MatrixXd missing_energies(const SingleBodySystem& panels, const MatrixXd& potent
       missing_potentials.row(index_of(k)) += at(sampled.panels[k].centre);
     missing += energy_of_quarters(sampled, missing_potentials, panels.tolerance);
   }
+  missing += panels.ridge / (1 + panels.ridge) *
+             (responses.transpose() * panels.matrix.diagonal().asDiagonal() * responses);
   return (missing + missing.transpose()) / 2;
 }
 

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "bem/bodies.hpp"
 #include "bem/panel_mesh.hpp"
 
 /// The solution for a single body of triangles (model/BOUNDARY_ELEMENTS.md, sections 8 and 9).
@@ -17,18 +18,23 @@ struct SingleBodySystem {
   Eigen::MatrixXd matrix;
   Eigen::LLT<Eigen::MatrixXd> factor;
   double tolerance;  ///< of the quadratures for the matrix elements
+  double ridge = 0;  ///< part that the diagonal has in excess, to make matrices of coincident panels regular
 };
 
-/// Refines panels until the energies of the charges that potentials of degree 0 and 1 induce have an error
-/// below `accuracy`, as far as `most_panels` panels allow.
-/// @throws InputError for triangles that lie upon each other.
-SingleBodySystem solve_single_body(std::span<const Triangle> triangles, double accuracy,
+/// Returns the panels of surfaces that touch or overlap, as those of bodies 0, 1 and so on. What is hidden
+/// inside another surface has none.
+PanelMesh panels_of(std::span<const TriangleSurface> surfaces);
+
+/// Refines the panels of a body of one or more surfaces until the energies of the charges that potentials of
+/// degree 0 and 1 induce have an error below `accuracy`, as far as `most_panels` panels allow.
+/// @throws InputError if the quadratures cannot make the matrix positive definite.
+SingleBodySystem solve_single_body(std::span<const TriangleSurface> surfaces, double accuracy,
                                    std::size_t most_panels);
 
 /// Returns the energies that charges of one density on each group miss, plus those that unrefined elements
-/// miss for lack of their quarters: a symmetric matrix. `responses` are the panels' charges (rows) for so
-/// many potentials (columns), `potentials` their means on the panels, and `at` returns the potentials at a
-/// point.
+/// miss for lack of their quarters, plus those of the ridge: a symmetric matrix. `responses` are the panels'
+/// charges (rows) for so many potentials (columns), `potentials` their means on the panels, and `at` returns
+/// the potentials at a point.
 Eigen::MatrixXd missing_energies(const SingleBodySystem& panels, const Eigen::MatrixXd& potentials,
                                  const Eigen::MatrixXd& responses,
                                  const std::function<Eigen::RowVectorXd(const Eigen::Vector3d&)>& at);

@@ -38,7 +38,8 @@ int first_steps(double rtol) {
   return steps;
 }
 
-/// Tests whether the reduced method takes no more than some seconds.
+/// Tests whether the reduced method takes no more than some seconds. Bodies in contact on different links
+/// would take seconds for every pose; they are left to boundary elements.
 bool reduction_is_bounded(const Scene& scene) {
   std::size_t triangles = 0, bodies = scene.objects.size();
   for (const Sensor& sensor : scene.sensors)
@@ -98,7 +99,7 @@ std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_reduced_method
       reduced_refuses_ = true;
       if (!reduction_is_bounded(scene))
         return std::nullopt;
-      reduced_.emplace(scene, ReducedOptions{steps, rtol_}, poses_);
+      reduced_.emplace(scene, ReducedOptions{steps, rtol_, ReducedContacts::of_one_link}, poses_);
       reduced_refuses_ = false;
     }
     if (reduced_refuses_)

@@ -29,11 +29,13 @@ TEST(BoundaryElementRefusals, Dielectrics) {
               HasSubstr("object \"target\" is dielectric"));
 }
 
-TEST(BoundaryElementRefusals, ElectrodesAndConductorsOfSeveralObjects) {
-  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].role = Electrode{}; }),
-              HasSubstr("object \"target\" is an electrode"));
-  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].conductor = "arm"; }),
-              HasSubstr("object \"target\" belongs to conductor \"arm\""));
+TEST(BoundaryElementRefusals, AConductorWhoseObjectsDifferInPotential) {
+  EXPECT_THAT(refusal([](Scene& scene) {
+                scene.objects.push_back(test::object("other", Cuboid{1, 1, 1}, at(0, 0, 2), Electrode{}));
+                for (Object& object : scene.objects)
+                  object.conductor = "arm";
+              }),
+              HasSubstr("object \"other\": conductor \"arm\" has one potential, but its objects differ"));
 }
 
 TEST(BoundaryElementRefusals, Rooms) {
@@ -59,12 +61,14 @@ TEST(BoundaryElementRefusals, SayHowFarASensorWouldHaveToBeMoved) {
       HasSubstr("sensor \"front\" plates[0] is clear of it when moved by more than 0.03 m along (0, 0, -1)"));
 }
 
-TEST(BoundaryElementRefusals, FloatingBodiesThatTouchGroundedOnes) {
-  EXPECT_THAT(
-      refusal([](Scene& scene) {
-        scene.objects.push_back(test::object("other", Cuboid{0.02, 0.02, 0.02}, at(0, 0, 0.03), Floating{}));
-      }),
-      HasSubstr("object \"target\" and object \"other\" touch or cross: they may have different potentials"));
+TEST(BoundaryElementRefusals, FloatingBodiesAndElectrodesThatTouchGroundedOnes) {
+  for (const ElectricalRole& role : {ElectricalRole{Floating{}}, ElectricalRole{Electrode{}}})
+    EXPECT_THAT(
+        refusal([&](Scene& scene) {
+          scene.objects.push_back(test::object("other", Cuboid{0.02, 0.02, 0.02}, at(0, 0, 0.03), role));
+        }),
+        HasSubstr(
+            "object \"target\" and object \"other\" touch or cross: they may have different potentials"));
 }
 
 TEST(BoundaryElementRefusals, InvalidRectanglesSizesAndPoses) {

@@ -2,8 +2,6 @@
 
 #include "bem/graded_triangles.hpp"
 
-#include <array>
-
 #include <gtest/gtest.h>
 
 #include "fringe/boundary_elements.hpp"
@@ -30,27 +28,8 @@ TEST(EdgeDensity, GrowsTowardsEdgesByTheirAngle) {
   EXPECT_NEAR(nearer / near, 10, 0.01);
 }
 
-/// Returns the surface of a prism whose base is the letter L.
-std::vector<Triangle> angle_iron() {
-  const std::array<Vector3d, 6> outline{Vector3d(0, 0, 0), Vector3d(2, 0, 0), Vector3d(2, 1, 0),
-                                        Vector3d(1, 1, 0), Vector3d(1, 2, 0), Vector3d(0, 2, 0)};
-  const Vector3d up(0, 0, 1);
-  std::vector<Triangle> triangles;
-  for (std::size_t k = 0; k < 6; ++k) {
-    const Vector3d &from = outline[k], &to = outline[(k + 1) % 6];
-    triangles.push_back({from, to, to + up});
-    triangles.push_back({from, to + up, from + up});
-    // The letter is divided into triangles from its concave corner, from which all of it is visible.
-    if (k == 2 || k == 3)
-      continue;
-    triangles.push_back({outline[3] + up, from + up, to + up});
-    triangles.push_back({outline[3], to, from});
-  }
-  return triangles;
-}
-
 TEST(EdgeDensity, DoesNotGrowIntoAHollow) {
-  const std::vector<Triangle> triangles = angle_iron();
+  const std::vector<Triangle> triangles = test::angle_iron(2, 2, 1);
   ASSERT_TRUE(is_closed(triangles));
   const EdgeDensity density(triangles);
   for (std::size_t k = 0; k < triangles.size(); ++k) {

@@ -121,8 +121,12 @@ TEST(Recommended, IsTheFormulaWhereTheReducedMethodKnowsNothing) {
   Scene touching = before_sensor(0.1, Cuboid{0.1, 0.1, 0.02}, at(0, 0, 0.05));
   touching.objects.push_back(
       {"upon it", std::nullopt, Cuboid{0.1, 0.1, 0.02}, at(0, 0, 0.07), Grounded{}, true});
+  Scene of_one_name = touching;
+  of_one_name.objects[1].pose = at(0, 0, 0.1);
+  for (Object& object : of_one_name.objects)
+    object.conductor = "pair";
   const Scene almost_touching = before_sensor(0.1, Plate{0.1, 0.1}, at(0, 0, 1e-6));
-  for (const Scene& scene : {in_a_room, touching, almost_touching})
+  for (const Scene& scene : {in_a_room, touching, of_one_name, almost_touching})
     EXPECT_EQ(felt(scene, Correction::recommended).front().capacitance,
               felt(scene, Correction::formula).front().capacitance);
 }

@@ -181,7 +181,7 @@ TEST(ReducedMeshes, ContactsAreRefusedAndForgotten) {
 
 TEST(ReducedMeshes, TheGapIsNoMoreThanTheDistance) {
   using detail::PlacedBody;
-  const detail::PreparedShape ball(mesh_of(Sphere{1, 10}).triangles, 0.02);
+  const detail::PreparedShape ball({{mesh_of(Sphere{1, 10}).triangles}}, 0.02);
   const detail::PreparedShape plate(detail::plate_at_origin(1, 1));
   Random random(3);
   int known = 0;
@@ -189,7 +189,7 @@ TEST(ReducedMeshes, TheGapIsNoMoreThanTheDistance) {
     const Isometry3d pose = test::turned_at(random.in_box({-2, -2, -2}, {2, 2, 2}), random),
                      back = pose.inverse();
     double distance = 1e9;
-    for (const Triangle& triangle : ball.mesh()->triangles())
+    for (const Triangle& triangle : ball.mesh()->surfaces()[0].triangles)
       for (const Vector3d& corner : triangle)
         distance = std::min(distance, ((back * corner).cwiseAbs() - Vector3d(1, 1, 0)).cwiseMax(0).norm());
     const double gap = detail::body_gap(PlacedBody{&ball, 1, Vector3d::Zero(), Eigen::Matrix3d::Identity()},

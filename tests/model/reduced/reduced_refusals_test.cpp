@@ -28,9 +28,7 @@ TEST(ReducedRefusals, TooManyTrianglesByName) {
               HasSubstr("object \"target\" has 5040 triangles"));
 }
 
-TEST(ReducedRefusals, DielectricsElectrodesAndRooms) {
-  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].role = Electrode{}; }),
-              HasSubstr("object \"target\" is an electrode"));
+TEST(ReducedRefusals, DielectricsAndRooms) {
   EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].role = Dielectric{3}; }),
               HasSubstr("object \"target\" is dielectric"));
   EXPECT_THAT(refusal([](Scene& scene) { scene.has_room = true; }), HasSubstr("room"));

@@ -179,6 +179,22 @@ TEST(RecommendedMethod, KnowsFloatingConductorsAsTheMatricesDo) {
   EXPECT_EQ(answer.capacitance.sensors.front().objects.size(), 1);
 }
 
+TEST(RecommendedMethod, IsTheReducedMethodForBodiesInContactUnlessTheirLinksMayMoveThemApart) {
+  Scene scene = before_sensor(Cuboid{0.02, 0.02, 0.02}, 0.05);
+  scene.objects.push_back(object_of("upon it", Cuboid{0.02, 0.02, 0.02}, {0.01, 0.02, 0.07}));
+  const auto answered = [&] { return evaluate(scene, {.method = Recommended{}, .rtol = 0.05}); };
+  const Evaluation together = answered();
+  EXPECT_EQ(together.answered_by, "reduced:1");
+  EXPECT_EQ(together.matrix.value().members.at(1), (std::vector<std::string>{"target", "upon it"}));
+  // Each pose of the link would take seconds of preparation.
+  scene.links = {{"hand", std::nullopt, pose_from_axis({0, 0, 1}, 0, {0, 0, 0})}};
+  scene.objects[1].link = 0;
+  const Evaluation on_links = answered();
+  EXPECT_EQ(on_links.answered_by, "boundary-elements");
+  EXPECT_NEAR(target(on_links).capacitance, target(together).capacitance,
+              0.05 * target(together).capacitance);
+}
+
 TEST(RecommendedMethod, RefusesWhatAllMethodsRefuseWithTheReasons) {
   Scene scene = plates();
   scene.has_room = true;

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+
+#include <Eigen/Core>
+
+#include "bem/bodies.hpp"
+#include "fringe/boundary_elements.hpp"
+
+/// The errors of an answer beside those that were asked for.
+namespace fringe::detail {
+
+/// Returns what errors are relative to: the entries, or a small part of the geometric mean of the row's and
+/// the column's diagonal entries where that is larger; infinity for entries that need not be accurate. Errors
+/// of delta_self are left out: delta_self of a distant object vanishes, so that its relative error has no
+/// limit.
+Eigen::ArrayXXd error_scales(const MaxwellMatrix& answer, const ChargedBodies& bodies);
+
+/// Returns the largest error of an entry, relative to error_scales().
+double largest_error(const MaxwellMatrix& answer, const ChargedBodies& bodies);
+
+/// Returns the largest error of an entry that refinement can reduce, relative to what is allowed: the rest of
+/// `rtol`, or as much as simplified surfaces have cost already. `geometry` are the errors by these.
+double excess_error(const MaxwellMatrix& answer, const ChargedBodies& bodies, const Eigen::MatrixXd& geometry,
+                    double rtol);
+
+/// Tells when refinement goes on in vain.
+class Progress {
+ public:
+  /// Takes the next excess and its number of unknowns; returns true if these are many, the last refinements
+  /// hardly reduced the excess, and the goal is far.
+  bool is_in_vain(double excess, std::size_t unknowns);
+
+ private:
+  double best_ = std::numeric_limits<double>::infinity();
+  int vain_steps_ = 0;
+};
+
+}  // namespace fringe::detail

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "bem/bodies.hpp"
+#include "bem/panel_mesh.hpp"
+
+namespace fringe::detail {
+
+/// Surfaces of many triangles replaced by such of fewer, the coarser the farther they are from all other
+/// conductors (model/BOUNDARY_ELEMENTS.md, section 10).
+class Simplification {
+ public:
+  /// Total number of triangles up to which surfaces stay as they are. Their equations are solved in seconds.
+  static constexpr std::size_t few_triangles = 5000;
+
+  /// Simplifies the surfaces of a scene that has more than `few_triangles`, as far as its bodies are
+  /// conductors with surfaces of triangles. Doubles the tolerance until no more than `most_triangles` are
+  /// left, or as few as can be.
+  ///
+  /// @param tolerance distance between old and new surface, relative to the distance from other conductors or
+  ///   the size of the own one, whichever is smaller
+  Simplification(ChargedBodies bodies, double tolerance, std::size_t most_triangles);
+
+  const ChargedBodies& bodies() const { return bodies_; }
+
+  /// Tells whether a surface was replaced.
+  bool is_changed() const { return !surfaces_.empty(); }
+
+  /// Returns the mean distance (m) between the old and the new surface of a body near a point of it.
+  double deviation(std::size_t body, const Eigen::Vector3d& point) const;
+
+ private:
+  /// Divides a surface by the distance from other conductors: a zone is within half the distance of the next.
+  class Zones {
+   public:
+    Zones(const ChargedBodies& bodies, std::size_t body);
+    static constexpr std::size_t count = 10;
+    std::size_t zone(const Eigen::Vector3d& point) const;
+    double tolerance(std::size_t zone) const;  ///< relative to 1
+
+   private:
+    double size_;
+    std::vector<Eigen::AlignedBox3d> others_;
+  };
+
+  /// A surface that was replaced; `zones` and `deviations` belong to its body.
+  struct Surface {
+    std::size_t body;
+    Zones zones;
+    std::vector<double> deviations;  ///< m, of each zone
+  };
+
+  void simplify(const ChargedBodies& original, double tolerance);
+  std::size_t triangles() const;
+
+  ChargedBodies bodies_;
+  std::vector<Surface> surfaces_;
+};
+
+/// Returns the possible change of the capacitances between the columns of `charges` (a row for every panel)
+/// for the deviations of the simplified surfaces: that of a conductor whose surface moves by a small distance
+/// along its normal (Hadamard's formula), in metres, with the same sign everywhere.
+Eigen::MatrixXd effect_on_capacitances(const Simplification& simplification, const PanelMesh& mesh,
+                                       const Eigen::MatrixXd& charges);
+
+}  // namespace fringe::detail

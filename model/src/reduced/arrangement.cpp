@@ -1,0 +1,185 @@
+#include "reduced/arrangement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "fringe/error.hpp"
+#include "reduced/body_gap.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Isometry3d;
+
+/// Returns the connected components of bodies in contact, ordered by their first bodies.
+std::vector<std::vector<std::size_t>> components(std::size_t bodies, const std::vector<Contact>& contacts) {
+  std::vector<std::size_t> first(bodies);
+  std::iota(first.begin(), first.end(), std::size_t{0});
+  for (const auto& [a, b] : contacts) {
+    const auto [kept, other] = std::minmax({first[a], first[b]});
+    std::replace(first.begin(), first.end(), std::size_t{other}, std::size_t{kept});
+  }
+  std::vector<std::vector<std::size_t>> all(bodies);
+  for (std::size_t body = 0; body < bodies; ++body)
+    all[first[body]].push_back(body);
+  std::erase_if(all, [](const std::vector<std::size_t>& component) { return component.empty(); });
+  return all;
+}
+
+/// Returns true if two poses differ only by rounding, for bodies of a given size.
+bool are_equal(const Isometry3d& one, const Isometry3d& other, double size) {
+  /// Relative rounding error of the product of a few poses, with a margin.
+  constexpr double rounding = 1e-12;
+  return (one.linear() - other.linear()).norm() <= rounding &&
+         (one.translation() - other.translation()).norm() <= rounding * (size + other.translation().norm());
+}
+
+}  // namespace
+
+Arrangement::Arrangement(const Scene& scene, ReducedContacts contacts, double accuracy,
+                         std::shared_ptr<LinkPoses> poses)
+    : allowed_(contacts), accuracy_(accuracy), motion_(std::move(poses)), objects_(ordered_objects(scene)),
+      on_links_(bodies_on_links(scene)) {
+  join();
+}
+
+void Arrangement::update() {
+  motion_.update();
+  if (joins_hold() && place())
+    return;
+  join();
+  place();
+}
+
+void Arrangement::settle() {
+  motion_.settle();
+  is_settled_ = true;
+}
+
+/// Returns the pose that takes a part from its link's frame to that of another body.
+Isometry3d Arrangement::relative_pose(std::size_t part, std::size_t first) const {
+  const auto own = on_links_.bodies[part].link, other = on_links_.bodies[first].link;
+  return own == other ? Isometry3d::Identity()
+                      : motion_.world_pose(other).inverse() * motion_.world_pose(own);
+}
+
+bool Arrangement::may_join(std::size_t a, std::size_t b) const {
+  if (allowed_ == ReducedContacts::refused || !have_one_potential(on_links_, a, b))
+    return false;
+  return allowed_ == ReducedContacts::all || on_links_.bodies[a].link == on_links_.bodies[b].link;
+}
+
+ChargedBody Arrangement::in_world(std::size_t body) const {
+  return moved(on_links_.bodies[body], motion_.world_pose(on_links_.bodies[body].link));
+}
+
+/// Returns the contacts between bodies that may be joined.
+std::vector<Contact> Arrangement::contacts() const {
+  if (allowed_ == ReducedContacts::refused)
+    return {};
+  ChargedBodies world{on_links_.conductors, {}};
+  for (std::size_t body = 0; body < on_links_.bodies.size(); ++body)
+    world.bodies.push_back(in_world(body));
+  std::vector<Contact> result = contacts_at_one_potential(world);
+  std::erase_if(result, [&](const Contact& contact) { return !may_join(contact[0], contact[1]); });
+  return result;
+}
+
+/// Returns true if the parts of all bodies have the relative poses with which they were joined.
+bool Arrangement::joins_hold() const {
+  for (std::size_t body = 0; body < rigid_.size(); ++body) {
+    const std::vector<std::size_t>& parts = rigid_[body].parts;
+    for (std::size_t k = 1; k < parts.size(); ++k)
+      if (!are_equal(relative_pose(parts[k], parts[0]), joined_at_[body][k], unit_ * rigid_[body].scale))
+        return false;
+  }
+  return true;
+}
+
+/// Joins the bodies that are in contact at the current poses.
+void Arrangement::join() {
+  const std::vector<Contact> found = contacts();
+  ChargedBodies bodies = joined(on_links_, found);
+  const std::vector<std::vector<std::size_t>> groups = components(bodies.bodies.size(), found);
+  std::vector<std::vector<Isometry3d>> poses;
+  for (const std::vector<std::size_t>& group : groups) {
+    poses.emplace_back();
+    for (const std::size_t part : group) {
+      poses.back().push_back(relative_pose(part, group.front()));
+      if (on_links_.bodies[part].link != on_links_.bodies[group.front()].link)
+        bodies.bodies[part] = moved(bodies.bodies[part], poses.back().back());
+    }
+  }
+  std::vector<RigidBody> rigid = rigid_bodies(objects_, bodies, groups, accuracy_, shapes_);
+  shapes_.forget_others(rigid);
+  double largest = 0;
+  for (const RigidBody& body : rigid)
+    largest = std::max(largest, body.scale);
+  // A power of two: scaling by it does not round.
+  unit_ = std::exp2(std::ilogb(largest));
+  for (RigidBody& body : rigid)
+    body.scale /= unit_;
+  bodies_ = std::move(bodies);
+  rigid_ = std::move(rigid);
+  joined_at_ = std::move(poses);
+  placed_.resize(rigid_.size());
+  gaps_.resize(rigid_.size() * rigid_.size());
+  smoothness_.resize(rigid_.size() * rigid_.size());
+  is_settled_ = false;
+  ++joinings_;
+}
+
+/// Moves the bodies to their poses. Returns false if some of them have to be joined; throws InputError for
+/// contact between bodies that may not be joined.
+bool Arrangement::place() {
+  /// Gap in units of unit_ above which bodies are apart in spite of rounding; below it the exact test
+  /// decides.
+  constexpr double surely_apart = 1e-8;
+  for (std::size_t k = 0; k < rigid_.size(); ++k) {
+    const Isometry3d pose = motion_.world_pose(link(k)) * rigid_[k].on_link;
+    if (!pose.matrix().allFinite())
+      throw InputError(
+          fmt::format("{}: its pose is not finite", on_links_.bodies[rigid_[k].parts.front()].name));
+    placed_[k] = {rigid_[k].shape, rigid_[k].scale, pose.translation() / unit_, pose.linear()};
+  }
+  for (std::size_t a = 0; a < rigid_.size(); ++a)
+    for (std::size_t b = a + 1; b < rigid_.size(); ++b) {
+      if (!has_moved(a, b))
+        continue;
+      double gap = body_gap(placed_[a], placed_[b]);
+      if (!(gap > surely_apart)) {
+        if (must_be_joined(a, b))
+          return false;
+        gap = std::max(gap, 0.0);
+      }
+      gaps_[pair(a, b)] = gaps_[pair(b, a)] = gap;
+      const PairSmoothness smoothness = detail::smoothness(placed_[a], placed_[b], gap);
+      smoothness_[pair(a, b)] = smoothness.a;
+      smoothness_[pair(b, a)] = smoothness.b;
+    }
+  return true;
+}
+
+/// Returns true if parts of two rigid bodies are in contact and may be joined; throws InputError if they may
+/// not be.
+bool Arrangement::must_be_joined(std::size_t a, std::size_t b) const {
+  for (const std::size_t part : rigid_[a].parts)
+    for (const std::size_t other : rigid_[b].parts) {
+      const ChargedBody one = in_world(part), two = in_world(other);
+      if (!have_one_potential(on_links_, part, other)) {
+        refuse_contact(one, two, "they may have different potentials");
+      } else if (are_in_contact(one, two)) {
+        if (may_join(part, other))
+          return true;
+        throw InputError(
+            fmt::format("{} and {} touch: they would have to be joined for every pose", one.name, two.name));
+      }
+    }
+  return false;
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "bem/bodies.hpp"
+#include "bem/contact.hpp"
+#include "fringe/reduced_capacitance.hpp"
+#include "geometry/link_motion.hpp"
+#include "reduced/node_pair.hpp"
+#include "reduced/rigid_bodies.hpp"
+
+namespace fringe::detail {
+
+/// The rigid bodies of a scene whose links move: which bodies are joined, where they are, and how far from
+/// each other. Bodies in contact at one potential are joined into one rigid body as long as they keep their
+/// relative pose.
+class Arrangement {
+ public:
+  /// Prepares the bodies; energies of those of triangles are within `accuracy`. Throws InputError as
+  /// bodies_on_links and rigid_bodies do.
+  Arrangement(const Scene& scene, ReducedContacts contacts, double accuracy,
+              std::shared_ptr<LinkPoses> poses);
+
+  void set_pose(std::string_view link, const Eigen::Isometry3d& pose) { motion_.set_pose(link, pose); }
+
+  /// Moves the bodies to the current poses, and joins them anew where contacts have changed. Throws
+  /// InputError for contact between bodies that may not be joined.
+  void update();
+
+  /// Forgets all moves so far.
+  void settle();
+
+  /// Counts how often bodies were joined anew. Everything below belongs to the last time.
+  std::size_t joinings() const { return joinings_; }
+
+  /// Returns the conductors and their bodies, on their links.
+  const ChargedBodies& bodies() const { return bodies_; }
+
+  /// Returns the rigid bodies, those of the sensors first; scales are in units of unit().
+  const std::vector<RigidBody>& rigid() const { return rigid_; }
+
+  /// Returns the unit of length, in metres.
+  double unit() const { return unit_; }
+
+  /// Returns whether two rigid bodies moved relative to each other since settle().
+  bool has_moved(std::size_t a, std::size_t b) const {
+    return !is_settled_ || !motion_.rigid(link(a), link(b));
+  }
+
+  const PlacedBody& placed(std::size_t body) const { return placed_[body]; }
+
+  /// Returns a lower bound of the distance between two rigid bodies.
+  double gap(std::size_t a, std::size_t b) const { return gaps_[pair(a, b)]; }
+
+  /// Returns the smoothness on a body's faces that another body leaves.
+  const BodySmoothness& smoothness(std::size_t body, std::size_t other) const {
+    return smoothness_[pair(body, other)];
+  }
+
+ private:
+  std::optional<std::size_t> link(std::size_t body) const {
+    return on_links_.bodies[rigid_[body].parts.front()].link;
+  }
+  std::size_t pair(std::size_t a, std::size_t b) const { return a * rigid_.size() + b; }
+  Eigen::Isometry3d relative_pose(std::size_t part, std::size_t first) const;
+  bool may_join(std::size_t a, std::size_t b) const;
+  ChargedBody in_world(std::size_t body) const;
+  std::vector<Contact> contacts() const;
+  bool joins_hold() const;
+  void join();
+  bool place();
+  bool must_be_joined(std::size_t a, std::size_t b) const;
+
+  ReducedContacts allowed_;
+  double accuracy_;
+  LinkMotion motion_;
+  std::vector<Object> objects_;
+  ChargedBodies on_links_;  ///< none of them joined
+  SharedShapes shapes_;
+
+  std::size_t joinings_ = 0;
+  ChargedBodies bodies_;
+  std::vector<RigidBody> rigid_;
+  std::vector<std::vector<Eigen::Isometry3d>> joined_at_;  ///< poses of the rigid bodies' parts to the first
+  double unit_ = 1;
+  std::vector<PlacedBody> placed_;
+  std::vector<double> gaps_;
+  std::vector<BodySmoothness> smoothness_;
+  bool is_settled_ = false;  ///< false if bodies were joined since settle()
+};
+
+}  // namespace fringe::detail

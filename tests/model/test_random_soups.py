@@ -1,0 +1,97 @@
+"""Boundary elements answer soups as clean conductors; `tests.model.random_soups` tries a thousand. And it sees what is wrong."""
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.model import random_soups
+from tests.model.soups import Relation, grid_solid, random_case, triangles_of
+
+RTOL = 0.03
+
+
+@pytest.mark.parametrize("number", [1, 3, 4, 8, 10, 11, 13, 15, 16])
+def test_a_soup_is_answered_as_its_clean_conductor(number: int, tmp_path: Path) -> None:
+    found = random_soups.outcome(number, 1, RTOL, tmp_path)
+    assert (found.failure, found.reached) == ("", True), found.kinds
+
+
+def test_these_scenes_have_conductors_of_every_relation() -> None:
+    relations = {random_case(np.random.default_rng([1, number])).relation for number in (1, 4, 8)}
+    assert relations == set(Relation)
+
+
+def volume(triangles: Any) -> float:
+    """The volume that a closed surface bounds, negative if its triangles are clockwise seen from outside."""
+    return float(np.linalg.det(triangles).sum() / 6)
+
+
+@pytest.mark.parametrize("number", range(20))
+def test_the_clean_surface_bounds_the_union_of_the_boxes(number: int) -> None:
+    solid, _, _ = grid_solid(np.random.default_rng(number))
+    points = np.random.default_rng(0).uniform(0, 0.08, (200_000, 3))
+    is_inside = np.zeros(len(points), dtype=bool)
+    for box in solid.boxes:
+        is_inside |= np.all((points > box.low) & (points < box.high), axis=1)
+    (surface,) = (triangles_of(part) for part in solid.surface)
+    share = volume(surface) / 0.08**3
+    assert abs(is_inside.mean() - share) <= 5 * np.sqrt(share / len(points))
+
+
+ANSWER = {
+    "maxwell": [[2.0, -1.0], [-1.0, 3.0]],
+    "error": [[0.01, 0.01], [0.01, 0.01]],
+    "lower_bounds": [True, False],
+    "conductors": ["sensor", "body"],
+    "sensors": [{"delta_self": 0.5, "delta_self_error": 0.01}],
+}
+
+
+def with_(place: tuple[int, int], difference: float) -> dict[str, Any]:
+    values = np.array(ANSWER["maxwell"])
+    values[place] += difference
+    return {**ANSWER, "maxwell": values.tolist()}
+
+
+@pytest.mark.parametrize(
+    ("relation", "soup", "failure"),
+    [
+        (Relation.SAME, ANSWER, ""),
+        (Relation.SAME, with_((0, 1), 0.019), ""),
+        (Relation.SAME, with_((0, 1), 0.021), "differs"),
+        (Relation.SAME, with_((0, 0), float("nan")), "an entry or error is not finite"),
+        (Relation.SAME, {**ANSWER, "sensors": [{"delta_self": 0.53, "delta_self_error": 0.01}]}, "differs"),
+        (Relation.LESS, with_((1, 1), -0.5), ""),
+        (Relation.LESS, with_((1, 1), 0.021), "not less than the clean conductor"),
+        (Relation.MORE, with_((1, 1), 0.5), ""),
+        (Relation.MORE, with_((1, 1), -0.021), "not more than the clean conductor"),
+        (Relation.MORE, {**ANSWER, "maxwell": [[2.0]]}, "1 conductors, not 2: ['sensor', 'body']"),
+    ],
+)
+def test_a_wrong_answer_is_seen(relation: Relation, soup: dict[str, Any], failure: str) -> None:
+    assert random_soups.compared(relation, ANSWER, soup)[1] == failure
+
+
+@pytest.mark.parametrize(
+    ("program", "failure"),
+    [
+        ("kill -SEGV $$", "soup ends with -11: "),
+        ("sleep 60", "soup hangs"),
+        ("echo 'no such body' >&2; exit 2", "soup is refused: no such body"),
+    ],
+)
+def test_crashes_hangs_and_refusals_are_failures(
+    program: str, failure: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    command = tmp_path / "fringe"
+    command.write_text(f"#!/bin/bash\n{program}\n")
+    command.chmod(0o755)
+    monkeypatch.setattr(random_soups, "COMMAND", command)
+    monkeypatch.setattr(random_soups, "LONGEST", 0.5)
+    found = random_soups.outcome(1, 1, RTOL, tmp_path)
+    assert found.failure == failure
+    text = random_soups.summary([found, dataclasses.replace(found, failure="", ratio=0.5)])
+    assert text.startswith("2 scenes, 1 answered, 1 failures")
