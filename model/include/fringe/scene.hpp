@@ -50,8 +50,10 @@ struct DistanceSensor {
 /// A conductor held at the potential of the ground.
 struct Grounded {};
 
-/// An insulated conductor without net charge.
-struct Floating {};
+/// A conductor without net charge, or with no other than that of a capacitor between it and the ground.
+struct Floating {
+  double to_ground = 0;  ///< F, the capacitance of that capacitor; 0: insulated
+};
 
 /// A conductor that may be driven and sensed, as a sensor may.
 struct Electrode {};
@@ -73,6 +75,20 @@ struct Object {
   bool collides = true;
   /// Name of the conductor whose bodies are all objects with this name; none: a conductor of its own.
   std::optional<std::string> conductor = std::nullopt;
+  /// Whether it comes and goes, so that readings detect it; the other objects belong to the machine. If no
+  /// object of a scene is a target, all are but electrodes.
+  bool target = false;
+};
+
+/// What electronics measure: the charge on one conductor while some are driven at 1 V and all others are
+/// grounded, but for floating ones.
+struct Reading {
+  std::string name;
+  std::string sense;               ///< the sensor, or the conductor of an electrode, whose charge is measured
+  std::vector<std::string> drive;  ///< the sensors and conductors of electrodes at 1 V
+  std::optional<double> noise = std::nullopt;  ///< F, one standard deviation
+  std::optional<double> threshold =
+      std::nullopt;  ///< F of change that is noticed; none: five times the noise
 };
 
 /// The contents of a scene file, in the file's order.
@@ -83,6 +99,7 @@ struct Scene {
   std::vector<Sensor> sensors;
   std::vector<DistanceSensor> distance_sensors;
   std::vector<Object> objects;
+  std::vector<Reading> readings = {};  ///< none: one for every sensor, which drives and senses it
 };
 
 }  // namespace fringe
