@@ -65,6 +65,7 @@ class NearestTriangle {
  public:
   explicit NearestTriangle(const std::vector<Triangle>& triangles) : triangles_(triangles) {
     std::vector<AlignedBox3d> boxes;
+    boxes.reserve(triangles.size());
     for (const Triangle& triangle : triangles)
       boxes.push_back(axis_aligned_box({&triangle, 1}));
     tree_ = BoxTree(boxes);
