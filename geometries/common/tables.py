@@ -112,6 +112,18 @@ class Table:
             raise self.error(name, "must not be empty")
         return value
 
+    def texts(self, name: str) -> tuple[str, ...]:
+        """Returns a list of strings, which has at least one and none twice."""
+        value = self.value(name)
+        if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+            raise self.error(name, "must be a list of strings")
+        if not value:
+            raise self.error(name, "must not be empty")
+        for index, item in enumerate(value):
+            if item in value[:index]:
+                raise self.error(name, f'"{item}" is named twice')
+        return tuple(value)
+
     def boolean(self, name: str, default: bool) -> bool:
         if not self.has(name):
             return default

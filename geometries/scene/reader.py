@@ -13,6 +13,7 @@ import numpy as np
 
 from geometries.common.errors import InputError
 from geometries.common.tables import LARGEST_NUMBER, Table, parse, read_text
+from geometries.scene.conductor_checks import check_conductors, check_readings, check_targets
 from geometries.scene.joints import Joint, Mimic, resolved
 from geometries.scene.meshes import SCENE_FORMATS, read_triangles
 from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Rotation, Vector3, unit
@@ -24,6 +25,7 @@ from geometries.scene.scene import (
     Medium,
     Object,
     Plate,
+    Reading,
     Room,
     Scene,
     Sensor,
@@ -66,12 +68,15 @@ def loads(text: str, source: str = "scene") -> Scene:
         distance_sensors=tuple(_distance_sensor(table) for table in root.tables("distance_sensor")),
         objects=tuple(_object(table) for table in root.tables("object")),
         room=room,
+        readings=tuple(_reading(table) for table in root.tables("reading")),
     )
     medium.finish()
     root.finish()
     _check_names(scene, source)
     _check_links(scene, source)
-    _check_conductors(scene, source)
+    check_conductors(scene, source)
+    check_targets(scene, source)
+    check_readings(scene, source)
     if not scene.sensors and not scene.objects:
         raise InputError(source, "", "a scene needs at least one sensor or one object")
     return scene
@@ -172,13 +177,14 @@ def _distance_sensor(table: Table) -> DistanceSensor:
 
 def _object(table: Table) -> Object:
     name = table.text("name")
-    if table.has("material") and table.has("potential"):
-        raise table.error("material", "cannot be combined with potential")
-    if table.has("material") and table.has("conductor"):
-        raise table.error("material", "cannot be combined with conductor")
+    for key in ("potential", "conductor", "to_ground"):
+        if table.has("material") and table.has(key):
+            raise table.error("material", f"cannot be combined with {key}")
     potential = table.text("potential", "grounded")
     if potential not in _POTENTIALS:
         raise table.error("potential", 'must be "grounded", "floating" or "electrode"')
+    if table.has("to_ground") and potential != "floating":
+        raise table.error("to_ground", f"is a key of floating objects, and this one is {potential}")
     relative_permittivity = None
     if table.has("material"):
         material = table.table("material")
@@ -193,9 +199,23 @@ def _object(table: Table) -> Object:
         relative_permittivity=relative_permittivity,
         collides=table.boolean("collides", True),
         conductor=table.text("conductor") if table.has("conductor") else None,
+        to_ground=table.positive("to_ground") if table.has("to_ground") else 0.0,
+        target=table.boolean("target", False),
     )
     table.finish()
     return body
+
+
+def _reading(table: Table) -> Reading:
+    reading = Reading(
+        name=table.text("name"),
+        sense=table.text("sense"),
+        drive=table.texts("drive"),
+        noise=table.positive("noise") if table.has("noise") else None,
+        threshold=table.positive("threshold") if table.has("threshold") else None,
+    )
+    table.finish()
+    return reading
 
 
 def _pose(table: Table) -> Pose:
@@ -338,6 +358,7 @@ def _check_names(scene: Scene, source: str) -> None:
         [("sensor", sensor.name) for sensor in scene.sensors]
         + [("distance_sensor", sensor.name) for sensor in scene.distance_sensors]
         + [("object", body.name) for body in scene.objects],
+        [("reading", reading.name) for reading in scene.readings],
     ]
     for group in groups:
         seen: set[str] = set()
@@ -345,25 +366,6 @@ def _check_names(scene: Scene, source: str) -> None:
             if name in seen:
                 raise InputError(source, f'{kind} "{name}": name', "is already used")
             seen.add(name)
-
-
-def _check_conductors(scene: Scene, source: str) -> None:
-    """Refuses conductors whose bodies differ in potential, and names of conductors that others have."""
-    sensors = {sensor.name for sensor in scene.sensors} | {sensor.name for sensor in scene.distance_sensors}
-    conductor_of = {body.name: body.conductor for body in scene.objects}
-    first: dict[str, Object] = {}
-    for body in scene.objects:
-        if body.conductor is None:
-            continue
-        key, name = f'object "{body.name}": conductor', body.conductor
-        if name in sensors:
-            raise InputError(source, key, f'"{name}" is the name of a sensor')
-        if conductor_of.get(name, name) != name:
-            raise InputError(source, key, f'"{name}" is the name of an object outside this conductor')
-        other = first.setdefault(name, body)
-        if other.potential != body.potential:
-            reason = f'"{other.name}" is {other.potential} and "{body.name}" is {body.potential}'
-            raise InputError(source, key, f"one conductor has one potential, but {reason}")
 
 
 def _check_links(scene: Scene, source: str) -> None:

@@ -81,7 +81,8 @@ class Object:
     """A body: a conductor that is grounded, floating or an electrode, or a dielectric when `relative_permittivity` is given.
 
     Bodies with the same `conductor` are one conductor of that name; without it a body is a conductor of its own. An electrode may be
-    driven and sensed, as a sensor may.
+    driven and sensed, as a sensor may. A floating body is connected to the ground through the capacitance `to_ground` (F; 0: not at
+    all). A `target` comes and goes, the other bodies belong to the machine; if none is marked, all are targets but electrodes.
     """
 
     name: str
@@ -92,6 +93,23 @@ class Object:
     relative_permittivity: float | None = None
     collides: bool = True
     conductor: str | None = None
+    to_ground: float = 0.0
+    target: bool = False
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What electronics measure: the charge on `sense` while `drive` is at 1 V and all else is grounded, but for floating bodies.
+
+    Both hold names of sensors and of electrodes' conductors. `noise` is one standard deviation and `threshold` the change that is
+    noticed, both in farads; without a threshold it is five times the noise.
+    """
+
+    name: str
+    sense: str
+    drive: tuple[str, ...]
+    noise: float | None = None
+    threshold: float | None = None
 
 
 @dataclass(frozen=True)
@@ -104,6 +122,7 @@ class Scene:
     distance_sensors: tuple[DistanceSensor, ...] = ()
     objects: tuple[Object, ...] = ()
     room: Room | None = None
+    readings: tuple[Reading, ...] = ()
 
     def transform_of_link(self, name: str | None) -> Transform:
         """Returns the transform from a link's frame to the world; the identity for None, the world itself."""

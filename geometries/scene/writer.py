@@ -12,7 +12,7 @@ import tomli_w
 
 from geometries.scene.joints import Joint
 from geometries.scene.poses import AxisRotation, Pose
-from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Room, Scene, Sensor
+from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Reading, Room, Scene, Sensor
 from geometries.scene.shapes import Arc, Cone, Cuboid, Cylinder, MeshShape, PlateShape, Shape
 
 MeshSource = Callable[[MeshShape], dict[str, str]]
@@ -42,7 +42,9 @@ def canonical_and_identity(scene: Scene) -> tuple[str, str]:
 def _text(scene: Scene, mesh_source: MeshSource) -> str:
     around = (scene.medium, scene.room, scene.links, scene.sensors, scene.distance_sensors)
     objects = [_object(body, mesh_source) for body in scene.objects]
-    return "\n".join(filter(None, [_text_around(*around, repr(around)), _dumps("object", objects)]))
+    readings = [_reading(reading) for reading in scene.readings]
+    parts = [_text_around(*around, repr(around)), _dumps("object", objects), _dumps("reading", readings)]
+    return "\n".join(filter(None, parts))
 
 
 # In a sweep only the objects differ. `exactly` distinguishes 1 and 1.0, which are equal but have different texts.
@@ -133,10 +135,22 @@ def _object(body: Object, mesh_source: MeshSource) -> dict[str, Any]:
         "link": body.link,
         **_pose(body.pose),
         "potential": None if dielectric else body.potential,
+        "to_ground": body.to_ground or None,
         "conductor": body.conductor,
+        "target": body.target or None,
         "collides": body.collides,
         "material": {"relative_permittivity": body.relative_permittivity} if dielectric else None,
         "shape": _shape(body.shape, mesh_source),
+    }
+
+
+def _reading(reading: Reading) -> dict[str, Any]:
+    return {
+        "name": reading.name,
+        "sense": reading.sense,
+        "drive": reading.drive,
+        "noise": reading.noise,
+        "threshold": reading.threshold,
     }
 
 

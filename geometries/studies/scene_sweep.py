@@ -28,8 +28,11 @@ def scenes(sweep: Table) -> Iterator[tuple[dict[str, str], Scene]]:
 
 
 def without_objects(scene: Scene) -> Scene:
-    """Returns the sensors alone. Those of one link are always as they are in its frame, wherever it has moved to: one case for all frames."""
-    alone = replace(scene, objects=(), distance_sensors=())
+    """Returns the sensors alone, without readings.
+
+    Those of one link are always as they are in its frame, wherever it has moved to: one case for all frames.
+    """
+    alone = replace(scene, objects=(), distance_sensors=(), readings=())
     if scene.room is not None or len({sensor.link for sensor in scene.sensors}) != 1:
         return alone
     return replace(alone, links=(), sensors=tuple(replace(sensor, link=None) for sensor in scene.sensors))

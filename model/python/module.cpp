@@ -34,6 +34,7 @@
 #include "fringe/thesis.hpp"
 #include "fringe/version.hpp"
 #include "python_object.hpp"
+#include "scene_roles.hpp"
 
 namespace py = pybind11;
 
@@ -273,6 +274,11 @@ py::dict info_of(SharedScene& scene) {
   return python_object(scene.locked([](LiveScene& live) { return info_answer(scene_info(live.scene())); }));
 }
 
+py::dict roles_of(SharedScene& scene) {
+  return python_object(
+      scene.locked([](LiveScene& live) { return fringe::python::scene_roles(live.scene()); }));
+}
+
 void set_link_pose(SharedScene& scene, const std::string& link, const Array& translation,
                    const Array& rotation) {
   const Eigen::Vector3d t = vector3(translation, "translation");
@@ -451,6 +457,12 @@ looked at; "tests" says how many bounding boxes ("broad") and convex shapes ("na
           "Moves the link of a joint, and the links of all joints that follow it, to a position in rad or m. "
           "Limits are not "
           "checked. Raises InputError for a joint that does not exist or follows another one.")
+      .def("roles", &roles_of,
+           R"(What each object is to the readings, and what is measured, with the defaults filled in.
+
+"objects" by name: "potential" ("grounded", "floating", "electrode", or "dielectric" with its "relative_permittivity"),
+"conductor", "to_ground" (F, None if not connected through a capacitance) and "target". "readings" by name: "sense" and
+"drive", names of sensors and of electrodes' conductors, "noise" and "threshold" (F or None).)")
       .def("info", &info_of,
            "Counts, areas (m2), volumes (m3, None for open surfaces) and bounding boxes (m).");
 }

@@ -67,7 +67,9 @@ WHOLE: dict[str, Any] = {
             "link": "base",
             "shape": {"type": "sphere", "radius": 0.05, "segments": 8},
             "translation": [0.5, 0.0, 0.02],
-            "potential": "grounded",
+            "potential": "floating",
+            "to_ground": 1e-10,
+            "target": True,
             "collides": True,
         },
         {
@@ -96,6 +98,15 @@ WHOLE: dict[str, Any] = {
         {"name": "sheet", "shape": {"type": "plate", "size": [0.1, 0.2]}},
         {"name": "box", "shape": {"type": "cuboid", "size": [0.1, 0.2, 0.3]}},
         {"name": "die", "shape": {"type": "cube", "size": 0.1}},
+        {
+            "name": "guard",
+            "shape": {"type": "cube", "size": 0.1},
+            "potential": "electrode",
+            "conductor": "shield",
+        },
+    ],
+    "reading": [
+        {"name": "near", "sense": "front", "drive": ["front", "shield"], "noise": 1e-15, "threshold": 1e-14}
     ],
 }
 Path = tuple[str | int, ...]
@@ -104,11 +115,12 @@ OPTIONAL = {
     "medium", "relative_permittivity of medium", "room", "translation", "rotation", "quaternion", "parent", "link",
     "joint", "position", "lower", "upper", "mimic", "multiplier", "offset",
     "input_voltage", "coupling_capacitance", "distance_sensor", "potential", "conductor", "collides", "material", "segments",
+    "to_ground", "target", "reading", "noise", "threshold",
 }  # fmt: skip
 # Those that have to be greater than 0; each number of a vector has.
 POSITIVE = {
     "relative_permittivity", "size", "input_voltage", "coupling_capacitance", "full_angle_degrees", "range", "radius",
-    "height", "inner_radius", "outer_radius", "segments",
+    "height", "inner_radius", "outer_radius", "segments", "to_ground", "noise", "threshold",
 }  # fmt: skip
 NONZERO = {"axis", "quaternion", "edge_u", "edge_v", "direction"}
 
@@ -155,12 +167,16 @@ def _told(path: Path) -> str:
 
 
 def _missing() -> list[Case]:
-    """Taking the links away leaves names that nothing bears."""
+    """Taking links, sensors or objects away leaves names that nothing bears."""
     needed: dict[Path, str | None] = {
         ("link",): "link",
         ("link", 0, "name"): "name",
-        ("sensor",): None,
-        ("object",): None,
+        ("sensor",): "sense",
+        ("object",): "drive",
+        # Of the floating ball with its capacitance to ground, and of the electrode that is driven.
+        ("object", 0, "potential"): "to_ground",
+        ("object", 7, "potential"): "drive",
+        ("object", 7, "conductor"): "drive",
     }
     needed[("object", 1, "rotation", "quaternion")] = "axis"
     # The joint that another one follows, and what names it there.
@@ -205,7 +221,7 @@ def _wrong_values(key: str, value: Any) -> Iterator[tuple[str, Any]]:
         "no list": [],
     }
     own = {str: "text", float: "number", bool: "boolean"}.get(type(value))
-    if key in ("link", "sensor", "distance_sensor", "object") and isinstance(value, list):
+    if key in ("link", "sensor", "distance_sensor", "object", "reading") and isinstance(value, list):
         del other_types["no list"]
     yield from ((name, wrong) for name, wrong in other_types.items() if name != own)
     if isinstance(value, str) and key not in ("name", "conductor"):
@@ -217,7 +233,10 @@ def _wrong_values(key: str, value: Any) -> Iterator[tuple[str, Any]]:
         yield "beyond 64 bits", 2**64
     if key in POSITIVE and not isinstance(value, list):
         yield from ((repr(wrong), wrong) for wrong in (0, -1))
-    if isinstance(value, list) and not isinstance(value[0], dict):
+    if key == "drive":
+        yield "with a name that nothing bears", [*value, "nobody"]
+        yield "with a name twice", [*value, value[0]]
+    elif isinstance(value, list) and not isinstance(value[0], dict):
         yield "one number too few", value[:-1]
         yield "one number too many", [*value, 1]
         yield "with a number beyond 64 bits", [*value[:-1], 2**64]
@@ -254,6 +273,21 @@ def _by_hand() -> list[Case]:
             "conductor",
         ),
         "a conductor with the name of one of its objects": (("object", 2, "conductor"), "post", None),
+        "a part of a grounded conductor as a target": (("object", 2, "target"), True, None),
+        "a dielectric target": (("object", 1, "target"), True, None),
+        "an electrode as a target": (("object", 7, "target"), True, "target"),
+        "a target that carries a sensor": (("object", 0, "link"), "arm", "target"),
+        "a capacitance to ground of a grounded object": (("object", 4, "to_ground"), 1e-10, "to_ground"),
+        "a capacitance to ground of an electrode": (("object", 7, "to_ground"), 1e-10, "to_ground"),
+        "material and a capacitance to ground": (("object", 1, "to_ground"), 1e-10, "material"),
+        "a reading of a floating object": (("reading", 0, "sense"), "ball", "sense"),
+        "a reading of an electrode that is a part of a conductor": (
+            ("reading", 0, "sense"),
+            "guard",
+            "sense",
+        ),
+        "a reading of a distance sensor": (("reading", 0, "sense"), "eye", "sense"),
+        "two readings of one name": (("reading",), 2 * WHOLE["reading"], "name"),
         "an electrode": (("object", 4, "potential"), "electrode", None),
         "a plate that is no rectangle": (("sensor", 0, "plates", 0, "edge_v"), [0.01, 0.1, 0], "edge_v"),
         "no plates": (("sensor", 0, "plates"), [], "plates"),

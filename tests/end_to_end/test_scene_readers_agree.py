@@ -11,6 +11,7 @@ from analysis.pipeline.model_stage import model_module
 from geometries.scene import reader
 from geometries.scene.writer import canonical
 from geometries.studies import families, study
+from tests.fuzz.compare_readers import scene_roles
 
 SENSOR = """
 [[sensor]]
@@ -208,6 +209,13 @@ def object_of(name: str, more: str) -> str:
     return f'[[object]]\nname = "{name}"\nshape = {{ type = "cube", size = 1 }}\n{more}\n'
 
 
+FLOATING = 'potential = "floating"\nconductor = "body"\n'
+
+
+def reading_of(sense: str, *drive: str) -> str:
+    return f'[[reading]]\nname = "r"\nsense = "{sense}"\ndrive = {list(drive)}\n'
+
+
 @pytest.mark.parametrize(
     ("objects", "message"),
     [
@@ -230,9 +238,54 @@ def object_of(name: str, more: str) -> str:
             object_of("a", 'potential = "high"'),
             'object "a": potential: must be "grounded", "floating" or "electrode"',
         ),
+        (
+            object_of("a", "to_ground = 1e-10"),
+            'object "a": to_ground: is a key of floating objects, and this one is grounded',
+        ),
+        (
+            object_of("a", "material = { relative_permittivity = 2 }\nto_ground = 1e-10"),
+            'object "a": material: cannot be combined with to_ground',
+        ),
+        (
+            object_of("a", FLOATING + "to_ground = 1e-10") + object_of("b", FLOATING + "to_ground = 2e-10"),
+            'object "b": to_ground: one conductor has one capacitance to ground, but "a" and "b" differ',
+        ),
+        (
+            object_of("a", 'potential = "electrode"\ntarget = true'),
+            'object "a": target: an electrode cannot be a target',
+        ),
+        (
+            LINKS
+            + SENSOR.replace("front", "side")
+            + 'link = "hand"\n'
+            + object_of("a", 'link = "hand"\ntarget = true'),
+            'object "a": target: a target cannot carry a sensor, but its link carries "side"',
+        ),
+        (
+            object_of("a", FLOATING + "target = true") + object_of("b", FLOATING),
+            'object "b": target: all objects of a floating conductor are targets or none is, but "a" is and "b" is not',
+        ),
+        (
+            object_of("a", FLOATING) + object_of("b", FLOATING + "target = true"),
+            'object "b": target: all objects of a floating conductor are targets or none is, but "b" is and "a" is not',
+        ),
+        ('[[reading]]\nname = "r"\ndrive = ["front"]', 'reading "r": sense: is missing'),
+        ('[[reading]]\nname = "r"\nsense = "front"', 'reading "r": drive: is missing'),
+        (reading_of("front"), 'reading "r": drive: must not be empty'),
+        (reading_of("front", "front", "front"), 'reading "r": drive: "front" is named twice'),
+        (
+            object_of("a", FLOATING) + reading_of("a", "front"),
+            'reading "r": sense: "a" is neither a sensor nor the conductor of an electrode; the scene has "front"',
+        ),
+        (
+            object_of("a", 'potential = "electrode"\nconductor = "guard"') + reading_of("front", "a"),
+            'reading "r": drive: "a" is neither a sensor nor the conductor of an electrode; the scene has "front", "guard"',
+        ),
     ],
 )
-def test_both_refuse_conductors_with_the_same_words(folder: Path, objects: str, message: str) -> None:
+def test_both_refuse_conductors_and_readings_with_the_same_words(
+    folder: Path, objects: str, message: str
+) -> None:
     path = folder / "scene.toml"
     path.write_text(SENSOR + objects)
     for load in (reader.load, lambda path: model_module().Scene.load(str(path))):
@@ -249,6 +302,40 @@ def test_conductors_of_several_objects_and_electrodes_are_read_by_both(folder: P
     (folder / "canonical.toml").write_text(canonical(reader.load(folder / "scene.toml")))
     assert reader.load(folder / "canonical.toml") == reader.load(folder / "scene.toml")
     assert_same_conductors(folder / "canonical.toml")
+
+
+def assert_same_roles(path: Path) -> None:
+    assert scene_roles(reader.load(path)) == model_module().Scene.load(str(path)).roles()
+
+
+@pytest.mark.parametrize(
+    "objects",
+    [
+        object_of("a", FLOATING + "to_ground = 1e-10\ntarget = true")
+        + object_of("b", 'potential = "electrode"'),
+        object_of("a", "material = { relative_permittivity = 2 }")
+        + object_of("b", 'potential = "electrode"'),
+        object_of("a", 'conductor = "b"\npotential = "electrode"')
+        + reading_of("b", "front", "b")
+        + "noise = 3.3e-16\n",
+        reading_of("front", "front") + "noise = 1e-15\nthreshold = 1e-13\n",
+    ],
+)
+def test_targets_capacitances_to_ground_and_readings_are_read_by_both(folder: Path, objects: str) -> None:
+    (folder / "scene.toml").write_text(SENSOR + objects)
+    assert_same_roles(folder / "scene.toml")
+    (folder / "canonical.toml").write_text(canonical(reader.load(folder / "scene.toml")))
+    assert reader.load(folder / "canonical.toml") == reader.load(folder / "scene.toml")
+    assert_same_roles(folder / "canonical.toml")
+
+
+def test_the_example_with_readings_is_read_by_both() -> None:
+    example = Path(reader.__file__).parents[1] / "scenes" / "guarded_sensor.toml"
+    assert_same_conductors(example)
+    assert_same_roles(example)
+    assert [
+        name for name, role in scene_roles(reader.load(example))["objects"].items() if role["target"]
+    ] == ["hand"]
 
 
 def test_a_family_made_in_python_is_read_the_same_in_both(folder: Path) -> None:

@@ -1,5 +1,5 @@
 """`python3 -m tests.fuzz.compare_readers SECONDS [SEED]`: spoils scenes and meshes at random, until the time is up, and gives each to
-both readers. They must refuse the same, in their own way, and make the same triangles of the rest.
+both readers. They must refuse the same, in their own way, and read the same triangles, roles of objects and readings from the rest.
 
 What they disagree about is printed, and kept in build/disagreements. Seeds are the scenes and meshes of the fuzzers.
 """
@@ -15,12 +15,15 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from analysis.pipeline.model_stage import model_module
 from geometries.common.errors import InputError
 from geometries.scene import reader
+from geometries.scene.readings import readings, targets
+from geometries.scene.scene import Scene
 from tests.bad_input.case import SENSOR, mesh_body
 from tests.fuzz import seeds
 
@@ -35,6 +38,8 @@ WORDS = [
     b"potential", b'"floating"', b'"electrode"', b"conductor", b'conductor = "body"\n', b'potential = "electrode"\n',
     b"joint", b"mimic", b'"revolute"', b'"prismatic"', b"axis", b"position", b"multiplier", b"upper",
     b'mimic = { joint = "elbow" }', b"position = 1e30,",
+    b"to_ground", b"to_ground = 1e-10\n", b"target", b"target = true\n", b"target = false\n", b"sense", b"drive", b"noise", b"threshold",
+    b'"front"', b'"guard"', b'["front", "guard"]', b'[[reading]]\nname = "r"\nsense = "front"\ndrive = ["front"]\n',
 ]  # fmt: skip
 
 
@@ -99,17 +104,45 @@ def disagreement(seed: Seed, content: bytes, folder: Path) -> str:
     scene = _written(seed.suffix, content, folder)
     told, here = "", None
     try:
-        here = reader.load(scene).conductors()
+        here = reader.load(scene)
+        surfaces = here.conductors()
     except InputError as error:
         told = f"the analysis' reader: {error}"
     try:
-        there = model_module().Scene.load(str(scene)).conductors()
+        there = model_module().Scene.load(str(scene))
     except ValueError as error:
-        return "" if here is None else f"only the model's reader: {error}"
-    if here is None:
+        return "" if told else f"only the model's reader: {error}"
+    if here is None or told:
         return f"only {told}"
-    differing = [name for name, triangles in here.items() if not _same(triangles, there.get(name))]
-    return f"different triangles: {', '.join(differing)}" if differing else ""
+    others = there.conductors()
+    if differing := [name for name, triangles in surfaces.items() if not _same(triangles, others.get(name))]:
+        return f"different triangles: {', '.join(differing)}"
+    roles, roles_there = scene_roles(here), there.roles()
+    return "" if roles == roles_there else f"different roles: {roles} and {roles_there}"
+
+
+def scene_roles(scene: Scene) -> dict[str, Any]:
+    """What the objects are to the readings, and the readings, as the model's `Scene.roles` describes them."""
+    objects = {
+        body.name: {
+            "potential": body.potential if body.relative_permittivity is None else "dielectric",
+            "relative_permittivity": body.relative_permittivity,
+            "conductor": body.conductor or body.name,
+            "to_ground": body.to_ground or None,
+            "target": target,
+        }
+        for body, target in zip(scene.objects, targets(scene), strict=True)
+    }
+    measured = {
+        reading.name: {
+            "sense": reading.sense,
+            "drive": list(reading.drive),
+            "noise": reading.noise,
+            "threshold": reading.threshold,
+        }
+        for reading in readings(scene)
+    }
+    return {"objects": objects, "readings": measured}
 
 
 def _same(here: np.ndarray, there: np.ndarray | None) -> bool:

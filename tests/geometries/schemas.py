@@ -87,11 +87,16 @@ SCENE: Document = {
             "shape": BALL,
             "translation": [1, 0, 0],
             "potential": "floating",
+            "to_ground": 1e-10,
             "conductor": "pendulum",
+            "target": True,
             "collides": False,
         },
         *({"name": f"shape {number}", "shape": shape} for number, shape in enumerate(SHAPES)),
-        {"name": "guard", "shape": BALL, "potential": "electrode"},
+        {"name": "guard", "shape": BALL, "potential": "electrode", "target": False},
+    ],
+    "reading": [
+        {"name": "front", "sense": "front", "drive": ["front", "guard"], "noise": 1e-15, "threshold": 1e-14}
     ],
 }
 MOTION: Document = {
@@ -162,6 +167,9 @@ NAMED: tuple[Place, ...] = (
     ("link", 0, "name"),
     ("link", 0, "joint"),
     ("link", 0, "joint", "name"),
+    ("sensor",),
+    ("object",),
+    ("object", 11, "potential"),
 )
 
 
@@ -203,6 +211,18 @@ OUT_OF_RANGE: list[tuple[Place, Any]] = [
     (("object", 0, "material", "relative_permittivity"), 0),
     (("object", 0, "conductor"), "pendulum"),
     (("object", 1, "potential"), "high"),
+    (("object", 1, "potential"), "grounded"),
+    (("object", 1, "potential"), None),
+    (("object", 0, "to_ground"), 1e-10),
+    (("object", 1, "to_ground"), 0),
+    (("object", 1, "to_ground"), -1e-12),
+    (("object", 11, "target"), True),
+    (("reading", 0, "sense"), ""),
+    (("reading", 0, "drive"), []),
+    (("reading", 0, "drive"), ["front", "front"]),
+    (("reading", 0, "drive"), "front"),
+    (("reading", 0, "noise"), 0),
+    (("reading", 0, "threshold"), -1e-15),
     (("object", 1, "conductor"), ""),
     (("object", 2, "shape", "size"), [0.1, 0]),
     (("object", 2, "shape", "type"), "disc"),

@@ -11,17 +11,18 @@
 #include "fringe/error.hpp"
 #include "fringe/mesh_file.hpp"
 #include "fringe/pose.hpp"
+#include "io/conductor_checks.hpp"
 #include "io/input_file.hpp"
 #include "io/table_reader.hpp"
 
 namespace fringe {
 namespace {
 
+using detail::Names;
 using detail::TableReader;
 using Eigen::Vector3d;
 
 using LinkIndices = std::map<std::string, std::size_t, std::less<>>;
-using Names = std::set<std::string, std::less<>>;
 
 constexpr int default_segments = 48;
 constexpr int fewest_segments = 3;
@@ -289,7 +290,7 @@ Shape read_shape(TableReader& table, const std::filesystem::path& folder) {
 
 ElectricalRole read_role(TableReader& table) {
   if (table.has("material")) {
-    for (const char* key : {"potential", "conductor"})
+    for (const char* key : {"potential", "conductor", "to_ground"})
       if (table.has(key))
         table.fail("material", fmt::format("cannot be combined with {}", key));
     TableReader material = table.table("material");
@@ -297,16 +298,16 @@ ElectricalRole read_role(TableReader& table) {
     material.finish();
     return dielectric;
   }
-  if (!table.has("potential"))
-    return Grounded{};
-  const std::string potential = table.text("potential");
-  if (potential == "grounded")
-    return Grounded{};
+  const std::string potential = table.has("potential") ? table.text("potential") : "grounded";
   if (potential == "floating")
-    return Floating{};
+    return Floating{table.positive_number_or("to_ground", Floating{}.to_ground)};
+  if (potential != "grounded" && potential != "electrode")
+    table.fail("potential", R"(must be "grounded", "floating" or "electrode")");
+  if (table.has("to_ground"))
+    table.fail("to_ground", fmt::format("is a key of floating objects, and this one is {}", potential));
   if (potential == "electrode")
     return Electrode{};
-  table.fail("potential", R"(must be "grounded", "floating" or "electrode")");
+  return Grounded{};
 }
 
 Object read_object(TableReader& table, const LinkIndices& links, Names& used_names,
@@ -321,44 +322,22 @@ Object read_object(TableReader& table, const LinkIndices& links, Names& used_nam
                 read_role(table), table.boolean_or("collides", true)};
   if (table.has("conductor"))
     object.conductor = table.name("conductor");
+  object.target = table.boolean_or("target", false);
   table.finish();
   return object;
 }
 
-/// Returns the `potential` of a conductor as a scene file names it.
-std::string_view potential_name(const Object& object) {
-  if (std::holds_alternative<Floating>(object.role))
-    return "floating";
-  return std::holds_alternative<Electrode>(object.role) ? "electrode" : "grounded";
-}
-
-/// Rejects conductors whose objects differ in potential, and conductors with the name of a sensor or of an
-/// object outside them.
-void require_conductors(const Scene& scene, const std::vector<TableReader>& tables) {
-  Names sensors;
-  for (const Sensor& sensor : scene.sensors)
-    sensors.insert(sensor.name);
-  for (const DistanceSensor& sensor : scene.distance_sensors)
-    sensors.insert(sensor.name);
-  std::map<std::string, const Object*, std::less<>> objects, first;
-  for (const Object& object : scene.objects)
-    objects[object.name] = &object;
-  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    const Object& object = scene.objects[i];
-    if (!object.conductor)
-      continue;
-    const std::string& name = *object.conductor;
-    if (sensors.contains(name))
-      tables[i].fail("conductor", fmt::format("\"{}\" is the name of a sensor", name));
-    if (const auto named = objects.find(name); named != objects.end() && named->second->conductor != name)
-      tables[i].fail("conductor",
-                     fmt::format("\"{}\" is the name of an object outside this conductor", name));
-    const Object& other = *first.try_emplace(name, &object).first->second;
-    if (potential_name(other) != potential_name(object))
-      tables[i].fail("conductor",
-                     fmt::format(R"(one conductor has one potential, but "{}" is {} and "{}" is {})",
-                                 other.name, potential_name(other), object.name, potential_name(object)));
-  }
+Reading read_reading(TableReader& table, Names& used_names) {
+  Reading reading;
+  reading.name = read_name(table, "reading", used_names);
+  reading.sense = table.name("sense");
+  reading.drive = table.names("drive");
+  if (table.has("noise"))
+    reading.noise = table.positive_number("noise");
+  if (table.has("threshold"))
+    reading.threshold = table.positive_number("threshold");
+  table.finish();
+  return reading;
 }
 
 toml::table parse(const std::filesystem::path& path) {
@@ -394,8 +373,14 @@ Scene load_scene(const std::filesystem::path& path) {
   std::vector<TableReader> objects = root.tables("object");
   for (TableReader& table : objects)
     scene.objects.push_back(read_object(table, links, used_names, folder));
+  std::vector<TableReader> readings = root.tables("reading");
+  Names names_of_readings;
+  for (TableReader& table : readings)
+    scene.readings.push_back(read_reading(table, names_of_readings));
   root.finish();
-  require_conductors(scene, objects);
+  detail::require_conductors(scene, objects);
+  detail::require_targets(scene, objects);
+  detail::require_readings(scene, readings);
   if (scene.sensors.empty() && scene.objects.empty())
     root.fail("", "a scene needs at least one sensor or object");
   return scene;

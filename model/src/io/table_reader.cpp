@@ -1,5 +1,6 @@
 #include "io/table_reader.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -66,6 +67,24 @@ std::string TableReader::name(std::string_view key) {
   if (value.empty())
     fail(key, "must not be empty");
   return value;
+}
+
+std::vector<std::string> TableReader::names(std::string_view key) {
+  const auto* array = require(key).as_array();
+  if (array == nullptr)
+    fail(key, "must be a list of strings");
+  if (array->empty())
+    fail(key, "must not be empty");
+  std::vector<std::string> values;
+  for (const toml::node& element : *array) {
+    const auto* value = element.as_string();
+    if (value == nullptr)
+      fail(key, "must be a list of strings");
+    if (std::ranges::find(values, value->get()) != values.end())
+      fail(key, fmt::format(R"("{}" is named twice)", value->get()));
+    values.push_back(value->get());
+  }
+  return values;
 }
 
 bool TableReader::boolean_or(std::string_view key, bool otherwise) {

@@ -17,6 +17,8 @@ namespace fringe::detail {
 /// Largest magnitude of a number in a scene. Beyond it, products of lengths in the integrals may overflow.
 constexpr double largest_number = 1e30;
 
+using Names = std::set<std::string, std::less<>>;
+
 /// Wraps one table of a scene file. Every read names its key; a key that was never named is unknown, which
 /// `finish` reports. Reads without a default throw InputError when the key is missing, and all reads throw
 /// when the value has the wrong type.
@@ -28,6 +30,8 @@ class TableReader {
   bool has(std::string_view key) const { return table_->contains(key); }
 
   std::string name(std::string_view key);
+  /// Returns the names of a list, which has at least one of them and none twice.
+  std::vector<std::string> names(std::string_view key);
   std::string text(std::string_view key);
   bool boolean_or(std::string_view key, bool otherwise);
   double number(std::string_view key);
@@ -61,7 +65,7 @@ class TableReader {
   const toml::table* table_;
   std::string file_;
   std::string prefix_;
-  std::set<std::string, std::less<>> requested_;
+  Names requested_;
 };
 
 /// Composes "FILE:LINE: KEY: REASON"; omits the line when it is 0 and the key when it is empty.

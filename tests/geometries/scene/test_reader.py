@@ -9,7 +9,7 @@ import pytest
 from geometries.common.errors import InputError
 from geometries.scene import reader
 from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation
-from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Plate, Room, Sensor
+from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Plate, Reading, Room, Sensor
 from geometries.scene.shapes import Arc, Cone, Cuboid, Cylinder, PlateShape, Shape, Sphere
 
 PLATE = "{ corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] }"
@@ -53,12 +53,20 @@ def test_everything_that_a_scene_may_hold_is_read() -> None:
         quaternion = [1, 0, 0, 0]
         potential = "floating"
         conductor = "hand"
+        to_ground = 1e-10
+        target = true
         collides = false
         [[object]]
         name = "glass"
         shape = {{ type = "cube", size = 0.1 }}
         rotation = {{ quaternion = [0, 1, 0, 0] }}
         material = {{ relative_permittivity = 50 }}
+        [[reading]]
+        name = "near"
+        sense = "front"
+        drive = ["front"]
+        noise = 1e-15
+        threshold = 1e-14
         """
     )
     assert scene.medium == Medium(2.0)
@@ -71,11 +79,19 @@ def test_everything_that_a_scene_may_hold_is_read() -> None:
     target, glass = scene.objects
     unturned, flipped = QuaternionRotation((1, 0, 0, 0)), QuaternionRotation((0, 1, 0, 0))
     assert target == Object(
-        "target", PlateShape((0.1, 0.2)), None, Pose(rotation=unturned), "floating", None, False, "hand"
+        "target",
+        PlateShape((0.1, 0.2)),
+        pose=Pose(rotation=unturned),
+        potential="floating",
+        collides=False,
+        conductor="hand",
+        to_ground=1e-10,
+        target=True,
     )
     assert glass == Object(
         "glass", Cuboid((0.1, 0.1, 0.1)), pose=Pose(rotation=flipped), relative_permittivity=50.0
     )
+    assert scene.readings == (Reading("near", "front", ("front",), 1e-15, 1e-14),)
 
 
 def test_what_is_left_out_takes_the_defaults_of_the_format() -> None:

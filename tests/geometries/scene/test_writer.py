@@ -30,6 +30,17 @@ shape = {{ type = "sphere", radius = 0.1 }}
 conductor = "head"
 potential = "electrode"
 [[object]]
+name = "hand"
+shape = {{ type = "sphere", radius = 0.1 }}
+target = true
+to_ground = 1e-10
+potential = "floating"
+[[reading]]
+noise = 1e-15
+drive = ["s", "head"]
+sense = "head"
+name = "r"
+[[object]]
 name = "can"
 shape = {{ type = "cylinder", radius = 0.1, height = 0.1 }}
 translation = [-0.0, 0, 1e-3]

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "fringe/scene.hpp"
+
+namespace fringe {
+
+/// Returns the readings of a scene: those that it holds, with five times the noise as the threshold where
+/// only the noise is given; without any, one for every sensor, with its name, that senses and drives it.
+std::vector<Reading> readings(const Scene& scene);
+
+/// Returns for every object whether it is a target, which comes and goes: those that are marked, or, if none
+/// is, all except electrodes.
+std::vector<bool> targets(const Scene& scene);
+
+}  // namespace fringe
