@@ -87,6 +87,31 @@ Json description(const SensorCapacitance& sensor, const MaxwellMatrix& matrix, E
                               {"delta_self_error", matrix.delta_self_errors[row]}});
 }
 
+Json known(const std::optional<double>& number) {
+  return number ? Json(*number) : Json();
+}
+
+/// Describes the readings; bounds are there only if one is proven.
+Json description(const std::vector<ReadingAnswer>& readings) {
+  Json result = Json::array();
+  for (const ReadingAnswer& reading : readings) {
+    const auto all = [&](std::optional<double> Estimate::*part) {
+      return Json{{"value", known(reading.value.*part)},
+                  {"background", known(reading.background.*part)},
+                  {"change", known(reading.change.*part)}};
+    };
+    Json& described = result.emplace_back(Json{{"name", reading.name}});
+    described.update(all(&Estimate::value));
+    described["error"] = all(&Estimate::error);
+    if (reading.value.lower || reading.background.lower || reading.change.lower)
+      described["lower"] = all(&Estimate::lower);
+    if (reading.value.upper || reading.background.upper || reading.change.upper)
+      described["upper"] = all(&Estimate::upper);
+    described["answered_by"] = reading.answered_by;
+  }
+  return result;
+}
+
 /// Describes what the triangle-integral model computed.
 Json integral_answer(const SceneCapacitance& answer, const CapacitanceOptions& options, double seconds) {
   Json sensors = Json::array();
@@ -152,13 +177,19 @@ CapacitanceOptions used_options(const EvaluationOptions& options) {
 }
 
 Json capacitance_answer(const Evaluation& answer, const EvaluationOptions& options, double seconds) {
-  if (!answer.matrix)
-    return integral_answer(answer.capacitance, used_options(options), seconds);
-  return matrix_answer(answer.capacitance, *answer.matrix, {to_string(options.method), rtol_of(options)},
-                       seconds);
+  Json result = answer.matrix ? matrix_answer(answer.capacitance, *answer.matrix,
+                                              {to_string(options.method), rtol_of(options)}, seconds)
+                              : integral_answer(answer.capacitance, used_options(options), seconds);
+  result["readings"] = description(answer.readings);
+  return result;
 }
 
-Json maxwell_answer(const MaxwellMatrix& matrix, double rtol, double seconds) {
+Json readings_answer(const Evaluation& answer) {
+  return description(answer.readings);
+}
+
+Json maxwell_answer(const Evaluation& answer, double rtol, double seconds) {
+  const MaxwellMatrix& matrix = answer.matrix.value();
   Json changes = Json::object();
   for (std::size_t s = 0; s < matrix.sensors; ++s) {
     const auto row = static_cast<Eigen::Index>(s);
@@ -168,6 +199,7 @@ Json maxwell_answer(const MaxwellMatrix& matrix, double rtol, double seconds) {
   Json result{{"rtol", rtol}, {"seconds", seconds}};
   result.update(description(matrix));
   result["delta_self"] = std::move(changes);
+  result["readings"] = description(answer.readings);
   return result;
 }
 

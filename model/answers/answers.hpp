@@ -29,11 +29,15 @@ struct MaxwellRequest {
 /// computed. The method `recommended` computes the correction `formula` then.
 CapacitanceOptions used_options(const EvaluationOptions& options);
 
-/// Describes an evaluation: the sensors with their objects, and either the Maxwell matrix or the work done.
+/// Describes an evaluation: the sensors with their objects, either the Maxwell matrix or the work done, and
+/// the readings.
 Json capacitance_answer(const Evaluation& answer, const EvaluationOptions& options, double seconds);
 
-/// Describes a Maxwell matrix and, by sensor, `delta_self`.
-Json maxwell_answer(const MaxwellMatrix& matrix, double rtol, double seconds);
+/// Describes the readings of an evaluation.
+Json readings_answer(const Evaluation& answer);
+
+/// Describes the Maxwell matrix of an evaluation that has one, the readings and, by sensor, `delta_self`.
+Json maxwell_answer(const Evaluation& answer, double rtol, double seconds);
 
 /// Describes all pairs of objects that can collide, and the work done.
 Json collision_answer(const SceneCollision& answer, const Scene& scene);

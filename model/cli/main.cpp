@@ -22,6 +22,7 @@
 #include "import_program.hpp"
 #include "maxwell_table.hpp"
 #include "program.hpp"
+#include "reading_table.hpp"
 #include "table_text.hpp"
 #include "vtu_file.hpp"
 
@@ -93,9 +94,10 @@ std::string table_of(const Evaluation& answer, const EvaluationOptions& options,
   const std::string heading = std::holds_alternative<Recommended>(options.method)
                                   ? fmt::format("recommended: answered by {}\n", answer.answered_by)
                                   : std::string();
-  return heading + (answer.matrix
-                        ? cli::maxwell_table(*answer.matrix, {answer.answered_by, rtol_of(options)}, seconds)
-                        : cli::capacitance_table(answer.capacitance, used_options(options), seconds));
+  return heading +
+         (answer.matrix ? cli::maxwell_table(*answer.matrix, {answer.answered_by, rtol_of(options)}, seconds)
+                        : cli::capacitance_table(answer.capacitance, used_options(options), seconds)) +
+         cli::reading_table(answer.readings);
 }
 
 Answer answer_capacitance(const Request& request) {

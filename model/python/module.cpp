@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -228,14 +229,14 @@ py::dict maxwell_of(SharedScene& scene, const std::string& method, std::optional
     throw InputError(fmt::format(
         "method '{}' finds no Maxwell matrix: it must be boundary-elements or reduced:K", method));
   return described_evaluation(scene, options, [&](const Evaluation& answer, double seconds) {
-    return maxwell_answer(answer.matrix.value(), rtol_of(options), seconds);
+    return maxwell_answer(answer, rtol_of(options), seconds);
   });
 }
 
-py::dict capacitance_of(SharedScene& scene, const std::string& method,
-                        const std::optional<std::string>& plates, const std::optional<std::string>& faces,
-                        std::optional<double> tolerance, std::optional<double> rtol,
-                        const std::optional<std::string>& correction) {
+/// Reads the options of the triangle-integral methods.
+EvaluationOptions options_of(const std::string& method, const std::optional<std::string>& plates,
+                             const std::optional<std::string>& faces, std::optional<double> tolerance,
+                             std::optional<double> rtol, const std::optional<std::string>& correction) {
   EvaluationOptions options{.method = parse_method(method), .tolerance = tolerance, .rtol = rtol};
   if (plates)
     options.plates = parse_plate_rule(*plates);
@@ -243,8 +244,44 @@ py::dict capacitance_of(SharedScene& scene, const std::string& method,
     options.faces = parse_face_rule(*faces);
   if (correction)
     options.correction = parse_correction(*correction);
+  return options;
+}
+
+py::dict capacitance_of(SharedScene& scene, const std::string& method,
+                        const std::optional<std::string>& plates, const std::optional<std::string>& faces,
+                        std::optional<double> tolerance, std::optional<double> rtol,
+                        const std::optional<std::string>& correction) {
+  const EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction);
   return described_evaluation(scene, options, [&](const Evaluation& answer, double seconds) {
     return capacitance_answer(answer, options, seconds);
+  });
+}
+
+/// What a reading measures, as an object of Python: `Reading`.
+struct PythonReading {
+  std::optional<double> value, background, change;
+  std::map<std::string, std::optional<double>> error;
+  std::string answered_by;
+};
+
+std::map<std::string, PythonReading> readings_of(SharedScene& scene, const std::string& method,
+                                                 const std::optional<std::string>& plates,
+                                                 const std::optional<std::string>& faces,
+                                                 std::optional<double> tolerance, std::optional<double> rtol,
+                                                 const std::optional<std::string>& correction) {
+  const EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction);
+  validate(options);
+  return scene.locked([&](LiveScene& live) {
+    std::map<std::string, PythonReading> result;
+    for (const ReadingAnswer& reading : live.evaluate(options).readings)
+      result[reading.name] = {reading.value.value,
+                              reading.background.value,
+                              reading.change.value,
+                              {{"value", reading.value.error},
+                               {"background", reading.background.error},
+                               {"change", reading.change.error}},
+                              reading.answered_by};
+    return result;
   });
 }
 
@@ -370,6 +407,15 @@ method.)");
              "The registry of corrections: a list of dictionaries with \"name\", \"formula\", \"source\", "
              "\"constants\" and \"cost\".");
 
+  py::class_<PythonReading>(module, "Reading",
+                            "What a reading measures; None is what the method does not know. F.")
+      .def_readonly("value", &PythonReading::value)
+      .def_readonly("background", &PythonReading::background)
+      .def_readonly("change", &PythonReading::change)
+      .def_readonly("error", &PythonReading::error,
+                    "Estimates of the errors: {\"value\", \"background\", \"change\"}.")
+      .def_readonly("answered_by", &PythonReading::answered_by, "The method.");
+
   py::class_<SharedScene>(module, "Scene", "A scene of links, sensors and objects (geometries/SCENE.md).")
       .def_static(
           "load",
@@ -396,6 +442,18 @@ plates, faces, tolerance and correction are options of "exact", "split:N" and "g
 Asked again with the same options, only what moved since is evaluated; "counts" says what that was.
 
 Raises InputError (a ValueError) for unknown or inconsistent options and for objects that are not grounded.)")
+      .def("readings", &readings_of, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
+           "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
+           "correction"_a = py::none(),
+           R"(What the scene's readings measure, {name: Reading}; options as for capacitance(). F.
+
+A scene without readings has one for every sensor, which senses and drives it. A reading's value is the charge on what it
+senses per volt on what it drives, times -1 if it does not drive that, too; background is the same without the targets,
+the objects that are marked as such, or all but electrodes; change is value - background. "boundary-elements" finds both
+on the same elements, so that errors common to both cancel; the triangle-integral methods and the formula know only the
+change of a reading that drives the sensor it senses, the sum over the targets.
+
+Raises InputError as capacitance() does.)")
       .def("maxwell", &maxwell_of, py::kw_only(), "method"_a = "boundary-elements", "rtol"_a = py::none(),
            R"(The Maxwell matrix of the sensors and objects in free space, by boundary elements. F.
 

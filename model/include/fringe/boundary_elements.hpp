@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "fringe/capacitance.hpp"
+#include "fringe/reading_answer.hpp"
 #include "fringe/scene.hpp"
 
 namespace fringe {
@@ -51,7 +52,11 @@ struct MaxwellMatrix {
   /// Whether a diagonal entry is a lower bound of the true one. It is, by the variational principle of the
   /// Galerkin method, if the integrals are evaluated much more accurately than the charges are known.
   std::vector<bool> lower_bounds;
-  bool reached = false;  ///< whether the estimated errors of the entries asked for are within rtol
+  /// What the readings measure. `lower` is given where the value is a lower bound, as for `lower_bounds`.
+  std::vector<ReadingAnswer> readings;
+  /// Whether the estimated errors of the entries asked for are within rtol; and of the readings' changes, if
+  /// the scene marks a target or has readings of its own.
+  bool reached = false;
   std::size_t unknowns = 0;
 
   /// Returns the conductor of an object, given by its place among the members of all grounded conductors.

@@ -2,11 +2,13 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "fringe/boundary_elements.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/correction.hpp"
 #include "fringe/method.hpp"
+#include "fringe/reading_answer.hpp"
 #include "fringe/scene.hpp"
 
 namespace fringe {
@@ -40,6 +42,9 @@ double rtol_of(const EvaluationOptions& options);
 struct Evaluation {
   SceneCapacitance capacitance;
   std::optional<MaxwellMatrix> matrix;  ///< of boundary elements and the reduced method
+  /// What the readings of the scene measure, in their order. The triangle-integral methods and the formula
+  /// know the change of a reading that drives the sensor it senses: the sum over the targets.
+  std::vector<ReadingAnswer> readings;
   /// The method that answered; "formula" for the correction of that name (model/CORRECTIONS.md).
   std::string answered_by;
   /// Tells whether the stated errors are within the error asked for. With `recommended` these are the errors

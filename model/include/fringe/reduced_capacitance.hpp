@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -64,7 +65,9 @@ class ReducedEvaluator {
   void set_pose(std::string_view link, const Eigen::Isometry3d& pose);
 
   /// Computes the matrix for the current poses; valid until the next call. `unknowns` is the number of
-  /// distributions, and no entry is marked as a lower bound. `charges` of a conductor's members add up to its
+  /// distributions, and no entry is marked as a lower bound. If the scene marks a target or has readings of its
+  /// own, `readings` come from a second solution without the targets, which is computed again only if something
+  /// else has moved; the error of a change is then the sum of those of value and background. `charges` of a conductor's members add up to its
   /// row of `values`; where surfaces of two members lie on each other, the charge belongs to the earlier one,
   /// or to both. An error is infinite where nothing is known: for conductors so close that the quadratures do
   /// not resolve the gap.
@@ -76,6 +79,8 @@ class ReducedEvaluator {
  private:
   class Implementation;
   std::unique_ptr<Implementation> implementation_;
+  std::vector<Reading> readings_;               ///< empty if their changes are delta_self
+  std::unique_ptr<Implementation> background_;  ///< of the scene without the targets
 };
 
 /// Computes the matrix of a ReducedEvaluator for a scene as it is.

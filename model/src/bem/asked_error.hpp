@@ -17,12 +17,19 @@ namespace fringe::detail {
 /// limit.
 Eigen::ArrayXXd error_scales(const MaxwellMatrix& answer, const ChargedBodies& bodies);
 
-/// Returns the largest error of an entry, relative to error_scales().
+/// Returns the largest error of an entry, relative to error_scales(), or of a reading's change, relative to
+/// change_scale(), if changes are asked for.
 double largest_error(const MaxwellMatrix& answer, const ChargedBodies& bodies);
 
-/// Returns the largest error of an entry that refinement can reduce, relative to what is allowed: the rest of
-/// `rtol`, or as much as simplified surfaces have cost already. `geometry` are the errors by these.
-double excess_error(const MaxwellMatrix& answer, const ChargedBodies& bodies, const Eigen::MatrixXd& geometry,
+/// The errors by simplified surfaces.
+struct GeometryErrors {
+  Eigen::MatrixXd entries;
+  Eigen::VectorXd changes;  ///< of the readings
+};
+
+/// Returns the largest error as largest_error() does, but the part that refinement can reduce, relative to
+/// what is allowed: the rest of `rtol`, or as much as simplified surfaces have cost already.
+double excess_error(const MaxwellMatrix& answer, const ChargedBodies& bodies, const GeometryErrors& geometry,
                     double rtol);
 
 /// Tells when refinement goes on in vain.

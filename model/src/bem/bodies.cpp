@@ -5,13 +5,17 @@
 #include <initializer_list>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "bem/contact.hpp"
+#include "bem/readings.hpp"
+#include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
+#include "fringe/reading.hpp"
 #include "fringe/triangulation.hpp"
 
 namespace fringe::detail {
@@ -257,22 +261,31 @@ ChargedBodies bodies_on_links(const Scene& scene) {
     }
     result.conductors.push_back({sensor.name, Role::sensor, {sensor.name}});
   }
+  const double unit = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
+  const std::vector<bool> are_targets = targets(scene);
   for (const bool are_floating : {false, true})
-    for (const Object& object : scene.objects)
-      if (const Role role = role_of(object); (role == Role::floating) == are_floating) {
-        const std::size_t conductor = conductor_of(object, role, result.conductors);
-        result.bodies.push_back(body_of(object, conductor));
-        result.bodies.back().member = result.conductors[conductor].members.size();
-        result.conductors[conductor].members.push_back(object.name);
-      }
+    for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+      const Object& object = scene.objects[k];
+      const Role role = role_of(object);
+      if ((role == Role::floating) != are_floating)
+        continue;
+      const std::size_t at = conductor_of(object, role, result.conductors);
+      ChargedConductor& conductor = result.conductors[at];
+      if (const auto* floating = std::get_if<Floating>(&object.role))
+        conductor.to_ground = floating->to_ground / unit;
+      result.bodies.push_back(body_of(object, at));
+      result.bodies.back().member = conductor.members.size();
+      result.bodies.back().is_target = are_targets[k];
+      conductor.members.push_back(object.name);
+    }
   if (count_of(result, Role::floating) == result.conductors.size())
     throw InputError("the scene has neither a sensor nor a grounded object");
   return result;
 }
 
 ChargedBody moved(const ChargedBody& body, const Eigen::Isometry3d& pose) {
-  ChargedBody result{body.conductor, body.member, std::visit(Motion{pose}, body.surface), body.name,
-                     body.link};
+  ChargedBody result{body.conductor, body.member, std::visit(Motion{pose}, body.surface),
+                     body.name,      body.link,   body.is_target};
   for (const ChargedFace& face : faces_of(result.surface))
     if (!face.centre.allFinite() || !face.axis_u.allFinite() || !face.axis_v.allFinite())
       throw InputError(fmt::format("{}: its pose is not finite", body.name));
@@ -287,7 +300,10 @@ ChargedBodies charged_bodies(const Scene& scene) {
   ChargedBodies result = bodies_on_links(scene);
   for (ChargedBody& body : result.bodies)
     body = moved(body, attachment_pose(link_poses, body.link));
-  return joined(std::move(result));
+  result = joined(std::move(result));
+  result.readings = charged_readings(scene, result);
+  result.changes_are_asked = asks_for_changes(scene);
+  return result;
 }
 
 }  // namespace fringe::detail

@@ -48,6 +48,7 @@ struct ChargedBody {
   BodySurface surface;  ///< in world coordinates, or in the link's frame
   std::string name;     ///< for messages
   std::optional<std::size_t> link;
+  bool is_target = false;  ///< whether readings compare with the scene without it
 };
 
 /// Returns the faces of a plate or a box; none of a surface of triangles.
@@ -70,6 +71,15 @@ struct ChargedConductor {
   std::vector<std::string> members;  ///< the sensor or the objects that it consists of, by name
   bool is_named = false;             ///< whether its objects name it by their key `conductor`
   bool is_asked = true;              ///< whether the charges for its unit potential have to be accurate
+  double to_ground = 0;  ///< m, capacitance between a floating conductor and the ground, divided by 4πε
+};
+
+/// A reading by the potentials of the conductors: what is sensed, with the sign of the reading, and what is
+/// driven.
+struct ChargedReading {
+  std::string name;
+  Eigen::VectorXd sense;
+  Eigen::VectorXd drive;
 };
 
 /// The conductors of a scene: sensors first, then other ones in the order of their first objects, floating
@@ -77,6 +87,8 @@ struct ChargedConductor {
 struct ChargedBodies {
   std::vector<ChargedConductor> conductors;
   std::vector<ChargedBody> bodies;
+  std::vector<ChargedReading> readings = {};
+  bool changes_are_asked = false;  ///< whether the changes of the readings have to be accurate
 
   Role role(const ChargedBody& body) const { return conductors[body.conductor].role; }
 };

@@ -15,6 +15,7 @@
 #include "bem/maxwell_matrix.hpp"
 #include "bem/mesh_size.hpp"
 #include "bem/panel_system.hpp"
+#include "bem/readings.hpp"
 #include "bem/simplification.hpp"
 #include "fringe/error.hpp"
 
@@ -69,6 +70,9 @@ constexpr double first_tolerance_part = 50;
 /// Fraction of rtol at which the conjugate gradients for the panels' charges stop.
 constexpr double iteration_share = 0.003;
 
+/// Assumed change of a reading, as a part of its value, before it is known.
+constexpr double first_change_part = 1e-2;
+
 /// Fraction of rtol that panels graded towards sharp edges may miss with one density on each group. It is
 /// about the change from the coarse to the whole space.
 constexpr double grading_part = 1.0 / 3;
@@ -112,6 +116,22 @@ void write_solution(const PanelSolution& solution, const ChargedBodies& bodies, 
         geometry(i, i) == 0 && quadrature(i, i) <= quadrature_part * answer.errors(i, i);
 }
 
+/// Writes the readings, in metres. `geometry` are the errors by simplified surfaces between the columns of
+/// ReadingCharges::all(), if there are any.
+void write_readings(const PanelSolution& solution, const ChargedBodies& bodies, double per_change,
+                    double tolerance, const MatrixXd& geometry, MaxwellMatrix& answer) {
+  if (bodies.readings.empty())
+    return;
+  detail::ReadingEffects others =
+      detail::reading_effects(quadrature_caution * tolerance * solution.reading_quadrature_effect);
+  others += detail::reading_effects(solution.iteration_error, solution.background_iteration_error, bodies);
+  if (geometry.size() > 0)
+    others += detail::reading_effects(geometry);
+  answer.readings = detail::reading_answers(solution.all, solution.background, per_change,
+                                            detail::reading_effects(solution.reading_details), others,
+                                            geometry.size() > 0 ? 0 : quadrature_part, bodies);
+}
+
 /// Writes what the objects add to the sensors' own entries, in metres. The errors at a sensor's edges, which
 /// are the same without the objects, cancel in this difference.
 void write_delta_self(const PanelSystem& system, const PanelSolution& solution, const ChargedBodies& bodies,
@@ -119,6 +139,8 @@ void write_delta_self(const PanelSystem& system, const PanelSolution& solution, 
                       MaxwellMatrix& answer) {
   const auto sensors = static_cast<Index>(answer.sensors);
   NestedMatrix alone = solution.sensors;
+  if (alone.fine.size() > 0)
+    alone = {alone.fine.topLeftCorner(sensors, sensors), alone.coarse.topLeftCorner(sensors, sensors)};
   VectorXd others = quadrature_errors(solution, tolerance, sensors).diagonal() +
                     solution.iteration_error.diagonal().head(sensors) + geometry.diagonal().head(sensors);
   if (detail::sensors_have_panels(bodies)) {
@@ -236,6 +258,31 @@ bool refine(PanelSystem& system, const PanelSolution& solution, double excess, s
   return added;
 }
 
+/// Returns the smallest change of a reading, as a part of its value.
+double smallest_part(const std::vector<ReadingAnswer>& readings) {
+  double smallest = 1;
+  for (const ReadingAnswer& reading : readings) {
+    const double value = reading.value.value.value_or(0), change = reading.change.value.value_or(0);
+    if (value != 0)
+      smallest = std::min(smallest, detail::change_scale(value, change) / std::abs(value));
+  }
+  return smallest;
+}
+
+/// Returns the largest effect of quadrature errors relative to what is asked for, for a unit error.
+double quadrature_excess(const PanelSolution& solution, const ChargedBodies& bodies,
+                         const MaxwellMatrix& answer) {
+  double excess =
+      (solution.quadrature_effect.topLeftCorner(answer.values.rows(), answer.values.cols()).array() /
+       detail::error_scales(answer, bodies))
+          .maxCoeff();
+  if (bodies.changes_are_asked)
+    excess = std::max(excess, (detail::reading_effects(solution.reading_quadrature_effect).change.array() /
+                               detail::change_scales(solution.all, solution.background, bodies).array())
+                                  .maxCoeff());
+  return excess;
+}
+
 /// Solves with adaptive refinement. The answer is in metres, to be multiplied by 4πε.
 MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplification,
                     const BoundaryElementOptions& options) {
@@ -248,30 +295,35 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplific
   PanelSolution solution;
   const auto conductors = static_cast<Index>(answer.conductors.size());
   detail::Progress progress;
-  MatrixXd geometry = MatrixXd::Zero(conductors, conductors);
+  detail::GeometryErrors geometry{MatrixXd::Zero(conductors, conductors),
+                                  VectorXd::Zero(static_cast<Index>(bodies.readings.size()))};
+  double change_part = bodies.changes_are_asked ? first_change_part : 1;
   while (true) {
     system.refine(functions, tolerance);
-    solution = system.solve(accuracy);
+    solution = system.solve(accuracy * change_part);
     if (!solution.positive_definite) {
       if (tolerance < finest_tolerance)
         require_positive_definite(solution);
       tolerance /= 100;
       continue;
     }
-    if (simplification.is_changed())
-      geometry = effect_on_capacitances(simplification, system.mesh(), solution.charges)
-                     .topLeftCorner(conductors, conductors);
-    write_solution(solution, bodies, per_change, tolerance, geometry, answer);
+    MatrixXd of_readings;
+    if (simplification.is_changed()) {
+      geometry.entries = effect_on_capacitances(simplification, system.mesh(), solution.charges)
+                             .topLeftCorner(conductors, conductors);
+      of_readings = effect_on_capacitances(simplification, system.mesh(), solution.reading_charges);
+      geometry.changes = detail::reading_effects(of_readings).change;
+    }
+    write_solution(solution, bodies, per_change, tolerance, geometry.entries, answer);
+    write_readings(solution, bodies, per_change, tolerance, of_readings, answer);
     answer.unknowns = count_unknowns(functions) + system.mesh().panels().size();
+    if (bodies.changes_are_asked)
+      change_part = smallest_part(answer.readings);
     const double excess = detail::excess_error(answer, bodies, geometry, options.rtol);
     if (excess <= 1 || progress.is_in_vain(excess, answer.unknowns))
       break;
     // The possible effect of the quadrature errors grows with the charges, without limit near contact.
-    const double quadrature =
-        quadrature_caution * tolerance *
-        (solution.quadrature_effect.topLeftCorner(answer.values.rows(), answer.values.cols()).array() /
-         detail::error_scales(answer, bodies))
-            .maxCoeff();
+    const double quadrature = quadrature_caution * tolerance * quadrature_excess(solution, bodies, answer);
     const double allowed = quadrature_part * options.rtol * std::max(excess / most_excess_in_a_step, 1.0);
     const bool tightened = quadrature > allowed;
     if (tightened)
@@ -279,7 +331,7 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplific
     if (!refine(system, solution, excess, options.most_unknowns, functions) && !tightened)
       break;
   }
-  write_delta_self(system, solution, bodies, per_change, tolerance, accuracy, geometry, answer);
+  write_delta_self(system, solution, bodies, per_change, tolerance, accuracy, geometry.entries, answer);
   return answer;
 }
 
@@ -338,6 +390,8 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   answer.errors *= factor;
   answer.delta_self *= factor;
   answer.delta_self_errors *= factor;
+  for (ReadingAnswer& reading : answer.readings)
+    detail::scale(reading, factor);
   return answer;
 }
 

@@ -133,6 +133,16 @@ MatrixXd TwoLevelPreconditioner::matrix() const {
     for (std::size_t k = 0; k < functions.size(); ++k)
       matrix(std::max(place(k), at), std::min(place(k), at)) = with_faces[functions[k]];
   }
+  const auto leave_out = [&](Index row) {
+    matrix.row(row).head(row).setZero();
+    matrix.col(row).tail(matrix.rows() - row - 1).setZero();
+  };
+  for (std::size_t k = 0; k < functions.size(); ++k)
+    if (!unknowns.is_present(functions[k]))
+      leave_out(place(k));
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    if (!unknowns.is_present(unknowns.functions + index_of(groups[g].first)))
+      leave_out(coarse_ + index_of(g));
   return matrix;
 }
 
@@ -181,6 +191,15 @@ VectorXd TwoLevelPreconditioner::apply(const VectorXd& residual) const {
     result.segment(first, count) += groups_[g].solve(residual.segment(first, count));
   }
   return result;
+}
+
+MatrixXd ConjugateGradientSolution::energies(const MatrixXd& net) const {
+  const MatrixXd energies = net.transpose() * charges + charges.transpose() * residuals;
+  return (energies + energies.transpose()) / 2;
+}
+
+MatrixXd ConjugateGradientSolution::iteration_error() const {
+  return (decrements * decrements.transpose()).cwiseSqrt();
 }
 
 ConjugateGradientSolution solve_by_conjugate_gradients(const PanelEquations& equations,

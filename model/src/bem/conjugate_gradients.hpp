@@ -53,6 +53,11 @@ struct ConjugateGradientSolution {
   Eigen::MatrixXd residuals;
   Eigen::VectorXd decrements;    ///< the energy-norm decrement of the last step, for each column
   Eigen::MatrixXd energy_roots;  ///< columns whose scalar products are the energies in the coarse space
+
+  /// Returns the energies of all pairs of columns, whose errors are of second order in the residuals.
+  Eigen::MatrixXd energies(const Eigen::MatrixXd& net) const;
+  /// Returns the error of the energies that the iterations may have left.
+  Eigen::MatrixXd iteration_error() const;
 };
 
 /// Solves for the charges by preconditioned conjugate gradients. Starts from the coarse solve and stops when

@@ -180,7 +180,8 @@ ChargedBodies joined(ChargedBodies bodies, const std::vector<Contact>& contacts)
     const std::size_t first = root(k);
     place[k] = first == k ? result.conductors.size() : place[first];
     if (first == k)
-      result.conductors.push_back({conductor.name, conductor.role, {}, conductor.is_named});
+      result.conductors.push_back(
+          {conductor.name, conductor.role, {}, conductor.is_named, conductor.is_asked, conductor.to_ground});
     else if (ChargedConductor& whole = result.conductors[place[k]]; conductor.is_named && !whole.is_named) {
       whole.name = conductor.name;
       whole.is_named = true;

@@ -8,6 +8,7 @@
 
 #include "bem/group_densities.hpp"
 #include "bem/panel_equations.hpp"
+#include "bem/readings.hpp"
 #include "bem/single_layer_panels.hpp"
 
 namespace fringe::detail {
@@ -32,22 +33,42 @@ MatrixXd potentials_on(const std::vector<Panel>& targets, const PanelEquations& 
   return potentials;
 }
 
+/// Returns the energy that a group's own densities add to that of one density, in each column.
+Eigen::RowVectorXd energies_of_details(const PanelGroup& group, const MatrixXd& panels,
+                                       const VectorXd& shares, const MatrixXd& charges) {
+  const auto first = index_of(group.first), count = index_of(group.count);
+  const MatrixXd block = matrix_of_group(group, panels);
+  Eigen::RowVectorXd energies(charges.cols());
+  for (Index c = 0; c < charges.cols(); ++c) {
+    VectorXd details = charges.col(c).segment(first, count);
+    details -= details.sum() * shares.segment(first, count);
+    energies[c] = std::max(details.dot(block * details), 0.0);
+  }
+  return energies;
+}
+
 }  // namespace
 
 SampledQuarters sampled_quarters(const PanelMesh& mesh) {
   /// Largest sample; it is enough to estimate the mean energy.
   constexpr std::size_t most_samples = 96;
-  std::vector<std::size_t> unrefined;
+  std::vector<std::size_t> unrefined, bodies;
   for (const PanelGroup& group : mesh.groups())
-    for (std::size_t k = 0; k < group.count && !group.is_quartered; ++k)
+    for (std::size_t k = 0; k < group.count && !group.is_quartered; ++k) {
       unrefined.push_back(group.first + k);
+      bodies.push_back(group.body);
+    }
   SampledQuarters sampled;
   if (unrefined.empty())
     return sampled;
   const std::size_t samples = std::min(most_samples, unrefined.size());
-  for (std::size_t k = 0; k < samples; ++k)
-    for (const Triangle& quarter : quarters(mesh.panels()[unrefined[k * unrefined.size() / samples]].corners))
+  for (std::size_t k = 0; k < samples; ++k) {
+    const std::size_t at = k * unrefined.size() / samples;
+    for (const Triangle& quarter : quarters(mesh.panels()[unrefined[at]].corners)) {
       sampled.panels.push_back(make_panel(quarter));
+      sampled.bodies.push_back(bodies[at]);
+    }
+  }
   sampled.weight = static_cast<double>(unrefined.size()) / static_cast<double>(samples);
   return sampled;
 }
@@ -70,29 +91,54 @@ MatrixXd energy_of_quarters(const SampledQuarters& quarters, const MatrixXd& mis
 VectorXd error_indicators(const PanelMesh& mesh, const MatrixXd& panels, const VectorXd& shares,
                           const MatrixXd& charges, const VectorXd& own) {
   const std::vector<PanelGroup>& groups = mesh.groups();
-  VectorXd energies = VectorXd::Zero(index_of(groups.size()));
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    const auto first = index_of(groups[g].first), count = index_of(groups[g].count);
-    const MatrixXd block = matrix_of_group(groups[g], panels);
-    for (Index c = 0; c < charges.cols(); ++c) {
-      VectorXd details = charges.col(c).segment(first, count);
-      details -= details.sum() * shares.segment(first, count);
-      energies[index_of(g)] = std::max(energies[index_of(g)], details.dot(block * details) / own[c]);
-    }
+  VectorXd energies(index_of(groups.size()));
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    energies[index_of(g)] =
+        (energies_of_details(groups[g], panels, shares, charges).array() / own.transpose().array())
+            .maxCoeff();
+  return energies;
+}
+
+MatrixXd detail_energies(const PanelMesh& mesh, const MatrixXd& panels, const VectorXd& shares,
+                         const MatrixXd& charges) {
+  MatrixXd energies = MatrixXd::Zero(charges.cols(), charges.cols());
+  for (const PanelGroup& group : mesh.groups()) {
+    const Eigen::RowVectorXd roots = energies_of_details(group, panels, shares, charges).cwiseSqrt();
+    energies += roots.transpose() * roots;
   }
   return energies;
 }
 
+VectorXd change_indicators(const PanelMesh& mesh, const MatrixXd& panels, const VectorXd& shares,
+                           const MatrixXd& charges, const VectorXd& scales) {
+  const std::vector<PanelGroup>& groups = mesh.groups();
+  VectorXd energies(index_of(groups.size()));
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    energies[index_of(g)] =
+        largest_part_of_change(energies_of_details(groups[g], panels, shares, charges).cwiseSqrt(), scales);
+  return energies;
+}
+
 UnrefinedEnergy unrefined_energy(const PanelEquations& equations, const MatrixXd& charges,
+                                 const MatrixXd& background_charges, const std::vector<bool>& is_target,
                                  const VectorXd& own, double tolerance) {
   const PanelMesh& mesh = equations.mesh;
   const SampledQuarters sampled = sampled_quarters(mesh);
   if (sampled.panels.empty())
     return {};
   // The conductors' own potentials are constant: charges whose sum vanishes do not see them.
-  UnrefinedEnergy unrefined{
-      energy_of_quarters(sampled, potentials_on(sampled.panels, equations, charges, tolerance), tolerance),
-      VectorXd::Zero(index_of(mesh.groups().size()))};
+  MatrixXd both(charges.rows(), charges.cols() + background_charges.cols());
+  both.leftCols(charges.cols()) = charges;
+  if (background_charges.cols() > 0)
+    both.rightCols(background_charges.cols()) = background_charges;
+  MatrixXd potentials = potentials_on(sampled.panels, equations, both, tolerance);
+  for (std::size_t k = 0; k < sampled.panels.size(); ++k)
+    if (is_target[sampled.bodies[k]])
+      potentials.row(index_of(k)).tail(background_charges.cols()).setZero();
+  const MatrixXd gained = energy_of_quarters(sampled, potentials, tolerance);
+  UnrefinedEnergy unrefined{gained.topLeftCorner(charges.cols(), charges.cols()),
+                            VectorXd::Zero(index_of(mesh.groups().size())),
+                            gained.bottomRightCorner(background_charges.cols(), background_charges.cols())};
   const double part = (unrefined.gained.diagonal().array() / own.array()).maxCoeff();
   // Groups with more charge get a larger part of the gained energy.
   for (std::size_t g = 0; g < mesh.groups().size(); ++g) {

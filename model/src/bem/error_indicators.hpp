@@ -15,8 +15,9 @@ namespace fringe::detail {
 
 /// The quarters of a sample of the unrefined elements, four for each.
 struct SampledQuarters {
-  std::vector<Panel> panels;  ///< empty if every panel was divided
-  double weight = 0;          ///< number of unrefined elements for each one sampled
+  std::vector<Panel> panels;        ///< empty if every panel was divided
+  std::vector<std::size_t> bodies;  ///< of each panel
+  double weight = 0;                ///< number of unrefined elements for each one sampled
 };
 SampledQuarters sampled_quarters(const PanelMesh& mesh);
 
@@ -33,15 +34,30 @@ Eigen::VectorXd error_indicators(const PanelMesh& mesh, const Eigen::MatrixXd& p
                                  const Eigen::VectorXd& shares, const Eigen::MatrixXd& charges,
                                  const Eigen::VectorXd& own);
 
+/// Returns the energies that the panels' own densities add to those of one density on each group, all counted
+/// as positive, between all pairs of columns.
+Eigen::MatrixXd detail_energies(const PanelMesh& mesh, const Eigen::MatrixXd& panels,
+                                const Eigen::VectorXd& shares, const Eigen::MatrixXd& charges);
+
+/// Returns the same as error_indicators() for the changes of readings, relative to `scales`. `charges` are the panels' in the
+/// columns of ReadingCharges::all().
+Eigen::VectorXd change_indicators(const PanelMesh& mesh, const Eigen::MatrixXd& panels,
+                                  const Eigen::VectorXd& shares, const Eigen::MatrixXd& charges,
+                                  const Eigen::VectorXd& scales);
+
 /// The energy that unrefined elements, panels that were never divided, would gain from division. `charges`
 /// are those of all unknowns.
 struct UnrefinedEnergy {
-  Eigen::MatrixXd gained;  ///< by every pair of conductors, summed over all panels; empty if there are no
-                           ///< unrefined elements
-  Eigen::VectorXd groups;  ///< by every group, as in error_indicators()
+  Eigen::MatrixXd gained;      ///< by every pair of conductors, summed over all panels; empty if there are no
+                               ///< unrefined elements
+  Eigen::VectorXd groups;      ///< by every group, as in error_indicators()
+  Eigen::MatrixXd background;  ///< as `gained`, without the targets
 };
+/// `background_charges` are those without the targets, whose bodies `is_target` tells; none: not asked for.
 UnrefinedEnergy unrefined_energy(const PanelEquations& equations, const Eigen::MatrixXd& charges,
-                                 const Eigen::VectorXd& own, double tolerance);
+                                 const Eigen::MatrixXd& background_charges,
+                                 const std::vector<bool>& is_target, const Eigen::VectorXd& own,
+                                 double tolerance);
 
 /// Marks the groups of panels with the largest error indicators (Dörfler marking): as many as it takes to
 /// bring the missing energy below `allowed`, or to have the greater part of it, and no more than add `most`

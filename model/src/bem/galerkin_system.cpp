@@ -10,6 +10,7 @@
 
 #include "bem/face_self_interaction.hpp"
 #include "bem/maxwell_matrix.hpp"
+#include "bem/readings.hpp"
 #include "bem/single_layer_faces.hpp"
 
 namespace fringe::detail {
@@ -54,6 +55,13 @@ struct GalerkinSystem::Solved {
 bool is_coarse(FaceFunctions functions, int function) {
   return function / functions.v < coarse_functions(functions.u) &&
          function % functions.v < coarse_functions(functions.v);
+}
+
+MatrixXd norms_of_faces(const std::vector<MatrixXd>& charges) {
+  MatrixXd norms(static_cast<Index>(charges.size()), charges.empty() ? 0 : charges.front().cols());
+  for (std::size_t face = 0; face < charges.size(); ++face)
+    norms.row(static_cast<Index>(face)) = charges[face].colwise().norm();
+  return norms;
 }
 
 int coarse_functions(int functions) {
@@ -173,13 +181,24 @@ GalerkinSystem::Solved GalerkinSystem::solve(std::span<const std::size_t> faces,
   return solved;
 }
 
-NestedMatrix GalerkinSystem::solve_sensors() const {
-  return solve(sensor_faces(), static_cast<Index>(count_of(bodies_, Role::sensor))).matrix;
+std::vector<std::size_t> GalerkinSystem::machine_faces() const {
+  std::vector<std::size_t> faces;
+  for (std::size_t face = 0; face < faces_.size(); ++face)
+    if (!bodies_.bodies[body_of_[face]].is_target)
+      faces.push_back(face);
+  return faces;
+}
+
+GalerkinSystem::Alone GalerkinSystem::solve_sensors() const {
+  const Solved alone = solve(sensor_faces(), static_cast<Index>(bodies_.conductors.size()));
+  if (!alone.positive_definite)
+    return {false, {}, {}};
+  return {true, alone.matrix, charges_of_faces(alone)};
 }
 
 MatrixXd GalerkinSystem::quadrature_effect(const MatrixXd& norms) const {
   MatrixXd effect = MatrixXd::Zero(norms.cols(), norms.cols());
-  for (std::size_t a = 0; a < faces_.size(); ++a)
+  for (std::size_t a = 0; a < faces_.size() && norms.cols() > 0; ++a)
     for (std::size_t b = a + 1; b < faces_.size(); ++b) {
       if (body_of_[a] == body_of_[b])
         continue;
@@ -190,25 +209,53 @@ MatrixXd GalerkinSystem::quadrature_effect(const MatrixXd& norms) const {
   return effect;
 }
 
-FaceEnergies GalerkinSystem::energies(const std::vector<MatrixXd>& charges,
-                                      const Eigen::VectorXd& own) const {
-  FaceEnergies result{MatrixXd::Zero(static_cast<Index>(faces_.size()), own.size()),
-                      {faces_.size(), Eigen::Vector2d::Zero()}};
+std::vector<Eigen::Vector2d> GalerkinSystem::highest_energies(const FaceCharges& charges) const {
+  std::vector<Eigen::Vector2d> highest(faces_.size(), Eigen::Vector2d::Zero());
   for (std::size_t face = 0; face < faces_.size(); ++face) {
     const FaceFunctions functions = functions_[face];
     for (int k = 0; k < functions.count(); ++k) {
-      const auto row = charges[face].row(k);
-      result.norms.row(static_cast<Index>(face)) += row.cwiseAbs2();
-      const double energy =
-          (row.cwiseAbs2().array() / own.transpose().array()).maxCoeff() * block(face, face)(k, k);
-      if (k / functions.v >= coarse_functions(functions.u))
-        result.highest[face][0] += energy;
-      if (k % functions.v >= coarse_functions(functions.v))
-        result.highest[face][1] += energy;
+      const bool is_high_in_u = k / functions.v >= coarse_functions(functions.u);
+      const bool is_high_in_v = k % functions.v >= coarse_functions(functions.v);
+      if (!is_high_in_u && !is_high_in_v)
+        continue;
+      const auto row = charges.conductors[face].row(k);
+      double part = (row.cwiseAbs2().array() / charges.own.transpose().array()).maxCoeff();
+      if (charges.change_scales.size() > 0)
+        part = std::max(
+            part, largest_part_of_change(charges.readings[face].row(k).cwiseAbs(), charges.change_scales));
+      const double energy = part * block(face, face)(k, k);
+      if (is_high_in_u)
+        highest[face][0] += energy;
+      if (is_high_in_v)
+        highest[face][1] += energy;
     }
   }
-  result.norms = result.norms.cwiseSqrt().eval();
-  return result;
+  return highest;
+}
+
+MatrixXd GalerkinSystem::detail_energies(const std::vector<MatrixXd>& charges) const {
+  if (charges.empty())
+    return {};
+  MatrixXd energies = MatrixXd::Zero(charges.front().cols(), charges.front().cols());
+  for (std::size_t face = 0; face < faces_.size(); ++face)
+    for (int k = 0; k < functions_[face].count(); ++k)
+      if (!is_coarse(functions_[face], k)) {
+        const Eigen::RowVectorXd row = charges[face].row(k).cwiseAbs();
+        energies += block(face, face)(k, k) * row.transpose() * row;
+      }
+  return energies;
+}
+
+std::vector<MatrixXd> GalerkinSystem::charges_of_faces(const Solved& solved) const {
+  std::vector<MatrixXd> charges;
+  for (std::size_t face = 0; face < faces_.size(); ++face) {
+    const std::vector<Index>& places = solved.numbering.places[face];
+    if (places.empty())
+      charges.emplace_back(MatrixXd::Zero(functions_[face].count(), solved.charges.cols()));
+    else
+      charges.emplace_back(solved.charges(places, Eigen::all));
+  }
+  return charges;
 }
 
 GalerkinSolution GalerkinSystem::solve() const {
@@ -216,26 +263,38 @@ GalerkinSolution GalerkinSystem::solve() const {
   const auto conductors = static_cast<Index>(bodies_.conductors.size());
   std::vector<std::size_t> faces(faces_.size());
   std::iota(faces.begin(), faces.end(), std::size_t{0});
+  const std::vector<std::size_t> sensors = sensor_faces(), machine = machine_faces();
   const Solved all = solve(faces, conductors);
-  solution.positive_definite = all.positive_definite;
+  const Solved alone = sensors.size() < faces.size() ? solve(sensors, conductors) : all;
+  const Solved background = machine.size() == faces.size() ? all
+                            : machine == sensors           ? alone
+                                                           : solve(machine, conductors);
+  solution.positive_definite =
+      all.positive_definite && alone.positive_definite && background.positive_definite;
   solution.all = all.matrix;
-  solution.sensors = all.matrix;
-  if (const auto sensors = sensor_faces(); sensors.size() < faces.size()) {
-    const Solved alone = solve(sensors, static_cast<Index>(count_of(bodies_, Role::sensor)));
-    solution.positive_definite &= alone.positive_definite;
-    solution.sensors = alone.matrix;
-  }
   if (!solution.positive_definite)
     return solution;
-  std::vector<MatrixXd> charges;
-  solution.body_charges = MatrixXd::Zero(static_cast<Index>(bodies_.bodies.size()), conductors);
-  for (std::size_t face = 0; face < faces_.size(); ++face) {
-    charges.emplace_back(all.charges(all.numbering.places[face], Eigen::all));
-    solution.body_charges.row(static_cast<Index>(body_of_[face])) += net_charge(face) * charges.back().row(0);
+  solution.sensors = alone.matrix;
+  solution.background = background.matrix;
+
+  FaceCharges charges{charges_of_faces(all), {}, asked_energies(solution.all.fine, bodies_), {}};
+  if (!bodies_.readings.empty()) {
+    const std::vector<MatrixXd> without = charges_of_faces(background);
+    for (std::size_t face = 0; face < faces_.size(); ++face)
+      charges.readings.push_back(reading_charges(charges.conductors[face], solution.all.fine, without[face],
+                                                 solution.background.fine, bodies_)
+                                     .all());
+    if (bodies_.changes_are_asked)
+      charges.change_scales = change_scales(solution.all, solution.background, bodies_);
   }
-  const FaceEnergies of_faces = energies(charges, asked_energies(solution.all.fine, bodies_));
-  solution.highest = of_faces.highest;
-  solution.quadrature_effect = quadrature_effect(of_faces.norms);
+  solution.body_charges = MatrixXd::Zero(static_cast<Index>(bodies_.bodies.size()), conductors);
+  for (std::size_t face = 0; face < faces_.size(); ++face)
+    solution.body_charges.row(static_cast<Index>(body_of_[face])) +=
+        net_charge(face) * charges.conductors[face].row(0);
+  solution.highest = highest_energies(charges);
+  solution.quadrature_effect = quadrature_effect(norms_of_faces(charges.conductors));
+  solution.reading_quadrature_effect = quadrature_effect(norms_of_faces(charges.readings));
+  solution.reading_details = detail_energies(charges.readings);
   return solution;
 }
 

@@ -23,21 +23,32 @@ struct NestedMatrix {
 struct GalerkinSolution {
   bool positive_definite = true;  ///< false if the quadratures are too coarse; then nothing else is set
   NestedMatrix all;               ///< of all conductors
-  NestedMatrix sensors;           ///< of the sensors without the other conductors
+  NestedMatrix sensors;           ///< of the sensors, in the first rows, without the other conductors
+  /// Of all conductors without the targets; rows of conductors that consist of targets are zero.
+  NestedMatrix background;
   /// The charge on each body (rows) for every conductor at unit potential.
   Eigen::MatrixXd body_charges;
   /// Possible change of `all` for a unit error of the single-layer blocks of different bodies, relative to
   /// their largest elements.
   Eigen::MatrixXd quadrature_effect;
+  /// The same between the columns of ReadingCharges::all().
+  Eigen::MatrixXd reading_quadrature_effect;
+  /// The energies of the charges beyond the coarse space, all counted as positive, between the same columns.
+  Eigen::MatrixXd reading_details;
   /// For every face and direction, the energy in its highest functions, relative to that of the conductors.
   std::vector<Eigen::Vector2d> highest;
 };
 
-/// Energies of the charges on faces.
-struct FaceEnergies {
-  Eigen::MatrixXd norms;  ///< of each face's coefficients (rows) for every conductor at unit potential
-  std::vector<Eigen::Vector2d> highest;  ///< as in GalerkinSolution
+/// The charges of every face's functions (rows), and what their energies are relative to.
+struct FaceCharges {
+  std::vector<Eigen::MatrixXd> conductors;  ///< for every conductor at unit potential
+  std::vector<Eigen::MatrixXd> readings;    ///< the columns of ReadingCharges::all(); empty if there are none
+  Eigen::VectorXd own;                      ///< the conductors' own capacitances
+  Eigen::VectorXd change_scales;            ///< of the readings' changes; empty if these are not asked for
 };
+
+/// Returns the norms of every face's coefficients (rows) in every column.
+Eigen::MatrixXd norms_of_faces(const std::vector<Eigen::MatrixXd>& charges);
 
 /// Returns the number of functions of the coarse space along a direction; `functions` must be odd, 3 or more.
 int coarse_functions(int functions);
@@ -58,25 +69,33 @@ class GalerkinSystem {
 
   GalerkinSolution solve() const;
 
-  /// Returns the matrix of the sensors without the other conductors. It is empty if the quadratures are
-  /// too coarse.
-  NestedMatrix solve_sensors() const;
+  /// The sensors without the other conductors.
+  struct Alone {
+    bool positive_definite;  ///< false if the quadratures are too coarse; then nothing else is set
+    NestedMatrix matrix;     ///< of all conductors; zero in rows that are not a sensor's
+    std::vector<Eigen::MatrixXd> charges;  ///< of every face's functions (rows) for every conductor
+  };
+  Alone solve_sensors() const;
 
   const ChargedFace& face(std::size_t face) const { return faces_[face]; }
   FaceFunctions functions(std::size_t face) const { return functions_[face]; }
+  bool is_target(std::size_t face) const { return bodies_.bodies[body_of_[face]].is_target; }
   std::size_t conductor(std::size_t face) const { return bodies_.bodies[body_of_[face]].conductor; }
   /// Returns the net charge of a face's first function, the only one that has any.
   double net_charge(std::size_t face) const;
   /// Returns the single-layer block of two faces a ≤ b.
   const Eigen::MatrixXd& block(std::size_t a, std::size_t b) const { return blocks_[pair(a, b)].values; }
 
-  /// Computes energies from the coefficients of every face, which have one column for every conductor; `own`
-  /// are the conductors' own capacitances.
-  FaceEnergies energies(const std::vector<Eigen::MatrixXd>& charges, const Eigen::VectorXd& own) const;
+  /// Returns the energies in the highest functions, as in GalerkinSolution.
+  std::vector<Eigen::Vector2d> highest_energies(const FaceCharges& charges) const;
+
+  /// Returns the energies of the charges beyond the coarse space, all counted as positive, between the
+  /// columns of every face's coefficients.
+  Eigen::MatrixXd detail_energies(const std::vector<Eigen::MatrixXd>& charges) const;
 
   /// Returns the possible change of the capacitances for a unit error of the single-layer blocks of different
-  /// bodies, relative to their largest elements. `norms` are those of each face's coefficients (rows) for
-  /// every conductor at unit potential.
+  /// bodies, relative to their largest elements. `norms` are those of each face's coefficients (rows) in
+  /// every column.
   Eigen::MatrixXd quadrature_effect(const Eigen::MatrixXd& norms) const;
 
  private:
@@ -91,6 +110,8 @@ class GalerkinSystem {
   struct Solved;
   Solved solve(std::span<const std::size_t> faces, Eigen::Index conductors) const;
   std::vector<std::size_t> sensor_faces() const;
+  std::vector<std::size_t> machine_faces() const;
+  std::vector<Eigen::MatrixXd> charges_of_faces(const Solved& solved) const;
   std::size_t pair(std::size_t a, std::size_t b) const { return a * faces_.size() + b; }
   void refine_body(std::size_t body);
   void refine_pair(std::size_t a, std::size_t b, double tolerance);

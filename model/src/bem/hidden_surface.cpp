@@ -48,6 +48,7 @@ HiddenSurface::HiddenSurface(const ChargedBodies& bodies)
     if (triangles.empty())
       continue;
     Body& body = bodies_[k];
+    body.is_target = bodies.bodies[k].is_target;
     body.triangles.assign(triangles.begin(), triangles.end());
     const std::vector<std::uint32_t> shells = SurfaceMesh(body.triangles).shells();
     shell_counts[k] = 1 + *std::max_element(shells.begin(), shells.end());
@@ -63,8 +64,10 @@ HiddenSurface::HiddenSurface(const ChargedBodies& bodies)
     bool is_alone = true;
     for (std::size_t other = 0; other < bodies_.size(); ++other) {
       const bool is_one_conductor = bodies.bodies[k].conductor == bodies.bodies[other].conductor;
-      if (k == other || !is_one_conductor || bodies_[k].triangles.empty() || bodies_[other].closed.empty() ||
-          !touch(axis_aligned_box(bodies_[k].triangles), bodies_[other].box))
+      // Without the targets, what they cover is bare.
+      const bool comes_and_goes = bodies.bodies[other].is_target && !bodies.bodies[k].is_target;
+      if (k == other || !is_one_conductor || comes_and_goes || bodies_[k].triangles.empty() ||
+          bodies_[other].closed.empty() || !touch(axis_aligned_box(bodies_[k].triangles), bodies_[other].box))
         continue;
       around_[k].push_back(other);
       is_alone = false;
@@ -107,8 +110,9 @@ bool HiddenSurface::contains(const Triangle& part, std::size_t body) const {
     const bool lies_on = (one == Place::inside && other == Place::outside) ||
                          (one == Place::outside && other == Place::inside);
     // Of two bodies whose surfaces lie on each other, the later one leaves out its part; a body without
-    // closed shells, on which nothing lies, always does.
-    if (lies_on && k != body && (k < body || bodies_[body].closed.empty()))
+    // closed shells, on which nothing lies, always does, and so does a target on what is none.
+    if (lies_on && k != body &&
+        (k < body || bodies_[body].closed.empty() || bodies_[body].is_target != bodies_[k].is_target))
       return true;
   }
   return false;

@@ -27,6 +27,7 @@ class HiddenSurface {
     std::vector<Triangle> triangles;
     std::vector<Triangle> closed;
     Eigen::AlignedBox3d box;  ///< around `closed`
+    bool is_target = false;
   };
   enum class Place { inside, outside, unknown };
 

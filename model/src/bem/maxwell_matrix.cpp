@@ -12,15 +12,26 @@ namespace fringe::detail {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+MatrixXd floating_block(const MatrixXd& matrix, const ChargedBodies& bodies) {
+  const auto insulated = static_cast<Index>(count_of(bodies, Role::floating));
+  const Index kept = matrix.rows() - insulated;
+  MatrixXd block = matrix.bottomRightCorner(insulated, insulated);
+  for (Index k = 0; k < insulated; ++k) {
+    if (block(k, k) == 0)
+      block(k, k) = 1;
+    block(k, k) += bodies.conductors[static_cast<std::size_t>(kept + k)].to_ground;
+  }
+  return block;
+}
+
 MatrixXd without_floating(const MatrixXd& matrix, const ChargedBodies& bodies) {
   const auto insulated = static_cast<Index>(count_of(bodies, Role::floating));
   const Index kept = matrix.rows() - insulated;
   if (insulated == 0)
     return matrix;
   return matrix.topLeftCorner(kept, kept) -
-         matrix.topRightCorner(kept, insulated) * matrix.bottomRightCorner(insulated, insulated)
-                                                      .llt()
-                                                      .solve(matrix.bottomLeftCorner(insulated, kept));
+         matrix.topRightCorner(kept, insulated) *
+             floating_block(matrix, bodies).llt().solve(matrix.bottomLeftCorner(insulated, kept));
 }
 
 MatrixXd member_charges(const MatrixXd& matrix, const MatrixXd& body_charges, const ChargedBodies& bodies) {
@@ -28,9 +39,8 @@ MatrixXd member_charges(const MatrixXd& matrix, const MatrixXd& body_charges, co
   const Index kept = matrix.rows() - insulated;
   MatrixXd charges = body_charges.leftCols(kept);
   if (insulated > 0)
-    charges -=
-        body_charges.rightCols(insulated) *
-        matrix.bottomRightCorner(insulated, insulated).llt().solve(matrix.bottomLeftCorner(insulated, kept));
+    charges -= body_charges.rightCols(insulated) *
+               floating_block(matrix, bodies).llt().solve(matrix.bottomLeftCorner(insulated, kept));
   std::vector<Index> first;
   Index members = 0;
   for (const ChargedConductor& conductor : bodies.conductors) {

@@ -8,8 +8,12 @@
 /// Operations on capacitance matrices that several solvers share.
 namespace fringe::detail {
 
-/// Returns the matrix of the other conductors if the floating ones carry no charge, by the Schur complement.
-/// The floating conductors are the last ones.
+/// Returns the block of the floating conductors, which are the last ones, with the capacitors between them
+/// and the ground. A conductor that is not there, whose row is zero, gets a unit diagonal element.
+Eigen::MatrixXd floating_block(const Eigen::MatrixXd& matrix, const ChargedBodies& bodies);
+
+/// Returns the matrix of the other conductors if the floating ones carry no charge but that of their
+/// capacitors to the ground, by the Schur complement.
 Eigen::MatrixXd without_floating(const Eigen::MatrixXd& matrix, const ChargedBodies& bodies);
 
 /// Returns the charge on each member of the conductors (rows, those of the first conductor first) for every

@@ -26,12 +26,32 @@ PanelUnknowns number_unknowns(const ChargedBodies& bodies, const GalerkinSystem&
   return unknowns;
 }
 
+PanelUnknowns without_targets(PanelUnknowns unknowns, const ChargedBodies& bodies,
+                              const GalerkinSystem& faces, const PanelMesh& mesh) {
+  unknowns.present = VectorXd::Ones(unknowns.net.rows());
+  for (std::size_t face = 0; face < faces.faces(); ++face)
+    if (faces.is_target(face))
+      unknowns.present.segment(unknowns.first[face], faces.functions(face).count()).setZero();
+  for (const PanelGroup& group : mesh.groups())
+    if (bodies.bodies[group.body].is_target)
+      unknowns.present.segment(unknowns.functions + index_of(group.first), index_of(group.count)).setZero();
+  for (std::size_t k = 0; k < bodies.conductors.size(); ++k) {
+    if (bodies.conductors[k].role == Role::grounded)
+      unknowns.net.col(index_of(k)).setZero();
+    else
+      unknowns.net.col(index_of(k)).array() *= unknowns.present.array();
+  }
+  return unknowns;
+}
+
 VectorXd PanelEquations::apply(const VectorXd& charge) const {
   const Index functions = unknowns.functions, count = index_of(mesh.panels().size());
   VectorXd potential(charge.size());
   potential.head(functions) = faces * charge.head(functions) + coupling * charge.tail(count);
   potential.tail(count) = panels.selfadjointView<Eigen::Upper>() * charge.tail(count);
   potential.tail(count) += coupling.transpose() * charge.head(functions);
+  if (unknowns.present.size() > 0)
+    potential.array() *= unknowns.present.array();
   return potential;
 }
 

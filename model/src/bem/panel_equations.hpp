@@ -21,10 +21,19 @@ struct PanelUnknowns {
   std::vector<Eigen::Index> coarse;   ///< functions of the faces in the coarse space
   std::vector<Eigen::Index> highest;  ///< the faces' other functions
   Eigen::MatrixXd net;                ///< net charges, one column for every conductor
+  /// Zero for the unknowns of targets in the equations without these, else one; empty: ones.
+  Eigen::VectorXd present;
+
+  bool is_present(Eigen::Index unknown) const { return present.size() == 0 || present[unknown] != 0; }
 };
 
 PanelUnknowns number_unknowns(const ChargedBodies& bodies, const GalerkinSystem& faces,
                               const PanelMesh& mesh);
+
+/// Returns the unknowns with those of the targets left out, and net charges of the conductors that readings
+/// need: sensors, electrodes and floating ones.
+PanelUnknowns without_targets(PanelUnknowns unknowns, const ChargedBodies& bodies,
+                              const GalerkinSystem& faces, const PanelMesh& mesh);
 
 /// The matrix of all unknowns, in the blocks in which it is stored.
 struct PanelEquations {
@@ -35,7 +44,7 @@ struct PanelEquations {
   const Eigen::MatrixXd& panels;    ///< single_layer_matrix, the upper triangle
   const Eigen::MatrixXd& coupling;  ///< single-layer blocks of the faces' functions (rows) with the panels
 
-  /// Applies the matrix: returns the potentials of charges, tested with every unknown's function.
+  /// Applies the matrix: returns the potentials of charges, tested with every present unknown's function.
   Eigen::VectorXd apply(const Eigen::VectorXd& charge) const;
 };
 

@@ -12,6 +12,7 @@
 #include "bem/maxwell_matrix.hpp"
 #include "bem/panel_equations.hpp"
 #include "bem/proximity_refinement.hpp"
+#include "bem/readings.hpp"
 #include "bem/single_layer_panels.hpp"
 
 namespace fringe::detail {
@@ -152,10 +153,20 @@ MatrixXd PanelSystem::body_charges(const PanelUnknowns& unknowns, const MatrixXd
   return result;
 }
 
+std::vector<MatrixXd> PanelSystem::charges_of_faces(const PanelUnknowns& unknowns,
+                                                    const MatrixXd& charges) const {
+  std::vector<MatrixXd> of_faces;
+  if (charges.size() == 0)
+    return of_faces;
+  for (std::size_t face = 0; face < faces(); ++face)
+    of_faces.emplace_back(charges.middleRows(unknowns.first[face], faces_.functions(face).count()));
+  return of_faces;
+}
+
 /// Returns the possible change of the capacitances for quadrature errors of all blocks, relative to their
-/// tolerances.
-MatrixXd PanelSystem::quadrature_effect(const PanelUnknowns& unknowns, const MatrixXd& charges,
-                                        const MatrixXd& norms) const {
+/// tolerances. `charges` are those of all unknowns.
+MatrixXd PanelSystem::quadrature_effect(const PanelUnknowns& unknowns, const MatrixXd& charges) const {
+  const MatrixXd norms = norms_of_faces(charges_of_faces(unknowns, charges));
   const auto panels = index_of(mesh_.panels().size());
   const MatrixXd absolute = charges.bottomRows(panels).cwiseAbs();
   MatrixXd felt(panels, charges.cols());
@@ -170,7 +181,47 @@ MatrixXd PanelSystem::quadrature_effect(const PanelUnknowns& unknowns, const Mat
     felt += 2 * largest.transpose() * norms.row(index_of(face));
   }
   const MatrixXd effect = absolute.transpose() * felt;
-  return faces_.quadrature_effect(norms) + panel_tolerances / 4 * (effect + effect.transpose());
+  const MatrixXd of_panels = panel_tolerances / 4 * (effect + effect.transpose());
+  return faces() == 0 ? of_panels : faces_.quadrature_effect(norms) + of_panels;
+}
+
+PanelSystem::Background PanelSystem::solve_without_targets(const PanelEquations& equations,
+                                                           double accuracy) const {
+  Background result;
+  const auto is_machine = [&](const ChargedBody& body) {
+    return !body.is_target && bodies_.role(body) != Role::sensor;
+  };
+  const Index conductors = index_of(bodies_.conductors.size());
+  const bool has_sensors = count_of(bodies_, Role::sensor) > 0;
+  if (std::none_of(bodies_.bodies.begin(), bodies_.bodies.end(), is_machine) && has_sensors &&
+      !sensors_have_panels(bodies_)) {
+    const GalerkinSystem::Alone alone = faces_.solve_sensors();
+    result.positive_definite = alone.positive_definite;
+    if (!alone.positive_definite)
+      return result;
+    result.matrix = alone.matrix;
+    result.charges = MatrixXd::Zero(equations.unknowns.net.rows(), conductors);
+    for (std::size_t face = 0; face < faces(); ++face)
+      result.charges.middleRows(equations.unknowns.first[face], faces_.functions(face).count()) =
+          alone.charges[face];
+    result.iteration_error = MatrixXd::Zero(conductors, conductors);
+    return result;
+  }
+  const PanelUnknowns unknowns = without_targets(equations.unknowns, bodies_, faces_, mesh_);
+  const PanelEquations present{equations.face_system, equations.mesh,   unknowns,
+                               equations.faces,       equations.panels, equations.coupling};
+  const TwoLevelPreconditioner preconditioner(present, panel_tolerance_);
+  result.positive_definite = preconditioner.is_positive_definite();
+  if (!result.positive_definite)
+    return result;
+  ConjugateGradientSolution solved = solve_by_conjugate_gradients(present, preconditioner, accuracy);
+  result.positive_definite = solved.positive_definite;
+  if (result.positive_definite) {
+    result.matrix = {solved.energies(unknowns.net), solved.energy_roots.transpose() * solved.energy_roots};
+    result.iteration_error = solved.iteration_error();
+    result.charges = std::move(solved.charges);
+  }
+  return result;
 }
 
 PanelSolution PanelSystem::solve(double accuracy) const {
@@ -178,7 +229,7 @@ PanelSolution PanelSystem::solve(double accuracy) const {
   if (mesh_.panels().empty()) {
     static_cast<GalerkinSolution&>(solution) = faces_.solve();
     const Index conductors = solution.all.fine.rows();
-    solution.iteration_error = MatrixXd::Zero(conductors, conductors);
+    solution.iteration_error = solution.background_iteration_error = MatrixXd::Zero(conductors, conductors);
     return solution;
   }
   const PanelUnknowns unknowns = number_unknowns(bodies_, faces_, mesh_);
@@ -187,8 +238,9 @@ PanelSolution PanelSystem::solve(double accuracy) const {
   const TwoLevelPreconditioner preconditioner(equations, panel_tolerance_);
   solution.positive_definite = preconditioner.is_positive_definite();
   if (count_of(bodies_, Role::sensor) > 0 && !sensors_have_panels(bodies_)) {
-    solution.sensors = faces_.solve_sensors();
-    solution.positive_definite &= solution.sensors.fine.size() > 0;
+    const GalerkinSystem::Alone alone = faces_.solve_sensors();
+    solution.sensors = alone.matrix;
+    solution.positive_definite &= alone.positive_definite;
   }
   if (!solution.positive_definite)
     return solution;
@@ -197,30 +249,52 @@ PanelSolution PanelSystem::solve(double accuracy) const {
   if (!solution.positive_definite)
     return solution;
 
-  solution.all.coarse = solved.energy_roots.transpose() * solved.energy_roots;
-  // The error is of second order in the residual of the conjugate gradients.
-  const MatrixXd energies =
-      unknowns.net.transpose() * solved.charges + solved.charges.transpose() * solved.residuals;
-  solution.all.fine = (energies + energies.transpose()) / 2;
-  solution.iteration_error = (solved.decrements * solved.decrements.transpose()).cwiseSqrt();
+  solution.all = {solved.energies(unknowns.net), solved.energy_roots.transpose() * solved.energy_roots};
+  solution.iteration_error = solved.iteration_error();
   solution.charges = solved.charges.bottomRows(index_of(mesh_.panels().size()));
-
   solution.body_charges = body_charges(unknowns, solved.charges);
-
   const VectorXd own = asked_energies(solution.all.fine, bodies_);
-  std::vector<MatrixXd> of_faces;
-  for (std::size_t face = 0; face < faces(); ++face)
-    of_faces.emplace_back(solved.charges.middleRows(unknowns.first[face], faces_.functions(face).count()));
-  const FaceEnergies of_highest = faces_.energies(of_faces, own);
-  solution.highest = of_highest.highest;
+  MatrixXd reading_charges, background_charges;
+  VectorXd scales;
+  if (!bodies_.readings.empty()) {
+    Background background = solve_without_targets(equations, accuracy);
+    solution.positive_definite = background.positive_definite;
+    if (!solution.positive_definite)
+      return solution;
+    solution.background = background.matrix;
+    solution.background_iteration_error = background.iteration_error;
+    reading_charges = detail::reading_charges(solved.charges, solution.all.fine, background.charges,
+                                              background.matrix.fine, bodies_)
+                          .all();
+    solution.reading_charges = reading_charges.bottomRows(index_of(mesh_.panels().size()));
+    solution.reading_quadrature_effect = quadrature_effect(unknowns, reading_charges);
+    solution.reading_details =
+        detail_energies(mesh_, panels_, preconditioner.shares(), solution.reading_charges);
+    if (faces() > 0)
+      solution.reading_details += faces_.detail_energies(charges_of_faces(unknowns, reading_charges));
+    if (bodies_.changes_are_asked)
+      scales = change_scales(solution.all, solution.background, bodies_);
+    background_charges = std::move(background.charges);
+  }
+  solution.highest = faces_.highest_energies(
+      {charges_of_faces(unknowns, solved.charges), charges_of_faces(unknowns, reading_charges), own, scales});
   solution.error_indicators =
       error_indicators(mesh_, panels_, preconditioner.shares(), solution.charges, own);
-  const UnrefinedEnergy unrefined = unrefined_energy(equations, solved.charges, own, panel_tolerance_);
+  if (scales.size() > 0)
+    solution.error_indicators = solution.error_indicators.cwiseMax(
+        change_indicators(mesh_, panels_, preconditioner.shares(), solution.reading_charges, scales));
+  std::vector<bool> is_target;
+  for (const ChargedBody& body : bodies_.bodies)
+    is_target.push_back(body.is_target);
+  const UnrefinedEnergy unrefined =
+      unrefined_energy(equations, solved.charges, background_charges, is_target, own, panel_tolerance_);
   if (unrefined.gained.size() > 0) {
     solution.all.coarse -= unrefined.gained;
+    if (unrefined.background.size() > 0)
+      solution.background.coarse -= unrefined.background;
     solution.error_indicators += unrefined.groups;
   }
-  solution.quadrature_effect = quadrature_effect(unknowns, solved.charges, of_highest.norms);
+  solution.quadrature_effect = quadrature_effect(unknowns, solved.charges);
   return solution;
 }
 

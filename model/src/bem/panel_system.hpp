@@ -18,8 +18,10 @@ namespace fringe::detail {
 /// panels.
 struct PanelSolution : GalerkinSolution {
   Eigen::MatrixXd charges;           ///< of every panel (rows) for every conductor at unit potential
+  Eigen::MatrixXd reading_charges;   ///< of every panel (rows) in the columns of ReadingCharges::all()
   Eigen::VectorXd error_indicators;  ///< error indicators of the groups of panels
   Eigen::MatrixXd iteration_error;   ///< error of `all` that the conjugate gradients may have left
+  Eigen::MatrixXd background_iteration_error;  ///< the same of `background`
 };
 
 /// The Galerkin equations of faces and panels. They are solved by conjugate gradients, or by Cholesky
@@ -46,10 +48,19 @@ class PanelSystem {
 
  private:
   PanelSystem(const ChargedBodies& bodies, PanelMesh mesh);
+  /// The equations without the targets, with the unknowns of all.
+  struct Background {
+    bool positive_definite = true;
+    NestedMatrix matrix;
+    Eigen::MatrixXd charges;  ///< of all unknowns
+    Eigen::MatrixXd iteration_error;
+  };
+  Background solve_without_targets(const PanelEquations& equations, double accuracy) const;
+  std::vector<Eigen::MatrixXd> charges_of_faces(const PanelUnknowns& unknowns,
+                                                const Eigen::MatrixXd& charges) const;
   Eigen::MatrixXd face_matrix(const PanelUnknowns& unknowns) const;
   Eigen::MatrixXd body_charges(const PanelUnknowns& unknowns, const Eigen::MatrixXd& charges) const;
-  Eigen::MatrixXd quadrature_effect(const PanelUnknowns& unknowns, const Eigen::MatrixXd& charges,
-                                    const Eigen::MatrixXd& norms) const;
+  Eigen::MatrixXd quadrature_effect(const PanelUnknowns& unknowns, const Eigen::MatrixXd& charges) const;
   /// Divides groups of panels that are too large to resolve another body close by.
   void refine_by_proximity(std::size_t most_panels);
   void refine_coupling(const std::vector<FaceFunctions>& functions, double tolerance);

@@ -124,6 +124,8 @@ void Arrangement::join() {
   for (RigidBody& body : rigid)
     body.scale /= unit_;
   bodies_ = std::move(bodies);
+  for (ChargedConductor& conductor : bodies_.conductors)
+    conductor.to_ground /= unit_;
   rigid_ = std::move(rigid);
   joined_at_ = std::move(poses);
   placed_.resize(rigid_.size());

@@ -11,9 +11,11 @@
 
 #include <fmt/format.h>
 
+#include "bem/matrix_readings.hpp"
 #include "bem/maxwell_matrix.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
+#include "fringe/reading.hpp"
 #include "reduced/arrangement.hpp"
 #include "reduced/reduced_system.hpp"
 
@@ -85,8 +87,10 @@ class ReducedEvaluator::Implementation {
 
   void set_pose(std::string_view link, const Eigen::Isometry3d& pose) { bodies_.set_pose(link, pose); }
 
-  const MaxwellMatrix& maxwell() {
+  MaxwellMatrix& maxwell() {
     bodies_.update();
+    if (is_settled())
+      return answer_;
     if (known_joinings_ != bodies_.joinings())
       begin_system();
     for (std::size_t a = 0; a < count(); ++a)
@@ -102,6 +106,17 @@ class ReducedEvaluator::Implementation {
   }
 
  private:
+  /// Returns whether the answer is that of the present poses.
+  bool is_settled() const {
+    if (known_joinings_ != bodies_.joinings())
+      return false;
+    for (std::size_t a = 0; a < count(); ++a)
+      for (std::size_t b = a + 1; b < count(); ++b)
+        if (bodies_.has_moved(a, b))
+          return false;
+    return true;
+  }
+
   /// Largest digits of the quadratures (natural logarithm): more than single precision can use.
   static constexpr double most_digits = 16;
 
@@ -356,7 +371,12 @@ ReducedEvaluator::ReducedEvaluator(const Scene& scene, const ReducedOptions& opt
     : ReducedEvaluator(scene, options, std::make_shared<detail::LinkPoses>(scene.links)) {}
 ReducedEvaluator::ReducedEvaluator(const Scene& scene, const ReducedOptions& options,
                                    std::shared_ptr<detail::LinkPoses> poses)
-    : implementation_(std::make_unique<Implementation>(scene, options, std::move(poses))) {}
+    : implementation_(std::make_unique<Implementation>(scene, options, poses)) {
+  if (detail::changes_are_delta_self(scene))
+    return;
+  readings_ = readings(scene);
+  background_ = std::make_unique<Implementation>(detail::without_targets(scene), options, std::move(poses));
+}
 ReducedEvaluator::~ReducedEvaluator() = default;
 ReducedEvaluator::ReducedEvaluator(ReducedEvaluator&&) noexcept = default;
 ReducedEvaluator& ReducedEvaluator::operator=(ReducedEvaluator&&) noexcept = default;
@@ -366,7 +386,11 @@ void ReducedEvaluator::set_pose(std::string_view link, const Eigen::Isometry3d& 
 }
 
 const MaxwellMatrix& ReducedEvaluator::maxwell() {
-  return implementation_->maxwell();
+  MaxwellMatrix& matrix = implementation_->maxwell();
+  matrix.readings = background_ == nullptr
+                        ? detail::readings_of_sensors(matrix)
+                        : detail::readings_of_matrices(readings_, matrix, background_->maxwell());
+  return matrix;
 }
 
 MaxwellMatrix reduced_capacitance(const Scene& scene, const ReducedOptions& options) {

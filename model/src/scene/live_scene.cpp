@@ -8,6 +8,7 @@
 #include "fringe/reduced_capacitance.hpp"
 #include "fringe/scene_evaluator.hpp"
 #include "geometry/link_motion.hpp"
+#include "scene/readings_of_objects.hpp"
 #include "scene/recommended_method.hpp"
 
 namespace fringe {
@@ -23,7 +24,8 @@ bool same(const CapacitanceOptions& a, const CapacitanceOptions& b) {
 class LiveScene::Implementation {
  public:
   explicit Implementation(Scene scene)
-      : scene_(std::move(scene)), poses_(std::make_shared<detail::LinkPoses>(scene_.links)) {}
+      : scene_(std::move(scene)), poses_(std::make_shared<detail::LinkPoses>(scene_.links)),
+        readings_of_objects_(scene_) {}
 
   const Scene& scene() const { return scene_; }
 
@@ -70,6 +72,7 @@ class LiveScene::Implementation {
     answer_.capacitance = evaluator_->capacitance();
     answer_.matrix.reset();
     answer_.reached = true;
+    readings_of_objects_.write(answer_.capacitance, answer_.answered_by, answer_.readings);
   }
 
   /// Answers by boundary elements or the reduced method.
@@ -88,6 +91,7 @@ class LiveScene::Implementation {
     }
     answer_.capacitance = capacitance(scene_, *answer_.matrix, answer_.answered_by);
     answer_.reached = answer_.matrix->reached;
+    find_readings();
   }
 
   /// Answers by the method `recommended`.
@@ -96,10 +100,22 @@ class LiveScene::Implementation {
     if (!recommended_ || recommended_->rtol() != rtol)
       recommended_.emplace(rtol, poses_);
     answer_ = recommended_->evaluate(scene_);
+    if (answer_.matrix)
+      find_readings();
+    else
+      readings_of_objects_.write(answer_.capacitance, answer_.answered_by, answer_.readings);
+  }
+
+  /// Takes the readings from the matrix.
+  void find_readings() {
+    answer_.readings = answer_.matrix->readings;
+    for (ReadingAnswer& reading : answer_.readings)
+      reading.answered_by = answer_.answered_by;
   }
 
   Scene scene_;
   std::shared_ptr<detail::LinkPoses> poses_;
+  detail::ReadingsOfObjects readings_of_objects_;
   std::optional<SceneEvaluator> evaluator_;
   CapacitanceOptions evaluator_options_;
   std::string evaluator_name_;  ///< of its method or correction

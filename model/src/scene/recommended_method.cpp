@@ -89,7 +89,7 @@ Evaluation RecommendedMethod::evaluate(const Scene& scene) {
   }
   const bool reached = best->matrix.reached = best->error <= rtol_;
   SceneCapacitance felt = capacitance(scene, best->matrix, best->method);
-  return {std::move(felt), std::move(best->matrix), std::move(best->method), reached};
+  return {std::move(felt), std::move(best->matrix), {}, std::move(best->method), reached};
 }
 
 std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_reduced_method(const Scene& scene) {
@@ -135,7 +135,7 @@ Evaluation RecommendedMethod::by_formula(const Scene& scene) {
         object.error = 0;
       reached = reached && object.error.has_value();
     }
-  return {std::move(felt), std::nullopt, to_string(Correction::formula), reached};
+  return {std::move(felt), std::nullopt, {}, to_string(Correction::formula), reached};
 }
 
 }  // namespace fringe::detail

@@ -30,6 +30,15 @@ std::string_view kind_of(const ElectricalRole& role) {
   return std::holds_alternative<Electrode>(role) ? "an electrode" : "dielectric";
 }
 
+/// Returns the scene without its electrodes: to the triangle-integral model they are as other sensors are, of
+/// which it knows nothing. The correction `recommended` takes no such scene.
+Scene without_electrodes(Scene scene, const CapacitanceOptions& options) {
+  if (options.correction != Correction::recommended)
+    std::erase_if(scene.objects,
+                  [](const Object& object) { return std::holds_alternative<Electrode>(object.role); });
+  return scene;
+}
+
 /// Prepares the surface of an object. Throws InputError for an object that the model does not support.
 Surface surface_of(const Object& object, const CapacitanceOptions& options) {
   if (!std::holds_alternative<Grounded>(object.role))
@@ -313,7 +322,7 @@ SceneEvaluator::SceneEvaluator(const Scene& scene, const CapacitanceOptions& opt
     : SceneEvaluator(scene, options, std::make_shared<detail::LinkPoses>(scene.links)) {}
 SceneEvaluator::SceneEvaluator(const Scene& scene, const CapacitanceOptions& options,
                                const std::shared_ptr<detail::LinkPoses>& poses)
-    : implementation_(std::make_unique<Implementation>(scene, options, poses)) {}
+    : implementation_(std::make_unique<Implementation>(without_electrodes(scene, options), options, poses)) {}
 SceneEvaluator::~SceneEvaluator() = default;
 SceneEvaluator::SceneEvaluator(SceneEvaluator&&) noexcept = default;
 SceneEvaluator& SceneEvaluator::operator=(SceneEvaluator&&) noexcept = default;

@@ -48,7 +48,7 @@ TEST(CapacitanceAnswer, DescribesAMaxwellMatrixAsMaxwellAnswerDoes) {
   const Evaluation evaluation = evaluate(plate_at(0.02), options);
   const MaxwellMatrix& matrix = evaluation.matrix.value();
   const Json answer = capacitance_answer(evaluation, options, 0.5);
-  const Json alone = maxwell_answer(matrix, 0.1, 0.5);
+  const Json alone = maxwell_answer(evaluation, 0.1, 0.5);
   for (const char* key : {"seconds", "reached", "unknowns", "conductors", "members", "floating", "maxwell",
                           "charges", "error", "lower_bounds"})
     EXPECT_EQ(answer[key], alone[key]) << key;

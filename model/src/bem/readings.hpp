@@ -1,0 +1,88 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "bem/bodies.hpp"
+#include "bem/galerkin_system.hpp"
+#include "fringe/reading_answer.hpp"
+
+/// Readings by the matrices with and without the targets, in metres (model/BOUNDARY_ELEMENTS.md, section 11).
+namespace fringe::detail {
+
+/// Returns the readings of a scene by the potentials of its conductors.
+std::vector<ChargedReading> charged_readings(const Scene& scene, const ChargedBodies& bodies);
+
+/// Tells whether a scene asks what targets change: it marks a target or has readings of its own.
+bool asks_for_changes(const Scene& scene);
+
+/// Returns the conductors' potentials (rows) for every conductor at unit potential that is not floating:
+/// those of floating conductors are such that they carry no charge but that of their capacitors to ground.
+/// Rows of conductors without a charge, which are not there, have no effect.
+Eigen::MatrixXd potentials(const Eigen::MatrixXd& matrix, const ChargedBodies& bodies);
+
+/// The charges that belong to readings (columns): without the targets, and what the targets change, for the
+/// sensed conductor at unit potential and for the driven ones.
+struct ReadingCharges {
+  Eigen::MatrixXd sense_background;
+  Eigen::MatrixXd sense_change;
+  Eigen::MatrixXd drive_background;
+  Eigen::MatrixXd drive_change;
+
+  /// Returns all columns beside each other.
+  Eigen::MatrixXd all() const;
+  /// Returns the charges in some rows.
+  ReadingCharges rows(Eigen::Index first, Eigen::Index count) const;
+};
+
+/// Returns the charges of the readings from those of every conductor at unit potential, with the targets and
+/// without them, and from the matrices of both.
+ReadingCharges reading_charges(const Eigen::MatrixXd& charges, const Eigen::MatrixXd& matrix,
+                               const Eigen::MatrixXd& background_charges, const Eigen::MatrixXd& background,
+                               const ChargedBodies& bodies);
+
+/// Returns the largest part of its energy that a reading's change has in one function, relative to `scales`.
+/// `roots` are the roots of the function's energies in the columns of ReadingCharges::all().
+double largest_part_of_change(const Eigen::RowVectorXd& roots, const Eigen::VectorXd& scales);
+
+/// A symmetric form of the charges, such as an energy or the effect of errors, for each reading's value,
+/// background and change.
+struct ReadingEffects {
+  Eigen::VectorXd value;
+  Eigen::VectorXd background;
+  Eigen::VectorXd change;
+
+  ReadingEffects& operator+=(const ReadingEffects& other);
+};
+
+/// Returns the effects for a form that is given for all columns of ReadingCharges::all(). All its elements
+/// are counted as positive.
+ReadingEffects reading_effects(const Eigen::MatrixXd& form);
+
+/// Returns the effects for a form that is given for the conductors that are not floating, such as an error
+/// that value and background have independently of each other.
+ReadingEffects reading_effects(const Eigen::MatrixXd& of_values, const Eigen::MatrixXd& of_background,
+                               const ChargedBodies& bodies);
+
+/// Returns what the error of a change is relative to: the change, or a small part of the value where that is
+/// larger.
+double change_scale(double value, double change);
+
+/// Returns change_scale() of every reading (m), in the whole space.
+Eigen::VectorXd change_scales(const NestedMatrix& all, const NestedMatrix& background,
+                              const ChargedBodies& bodies);
+
+/// Returns the answers, in metres. `per_change` is the error per change from the coarse to the whole space;
+/// `details` are the energies of the charges beyond the coarse space, which bound what a change may miss where
+/// the errors of value and background cancel by chance; `others` are errors of other kinds; a value is a lower bound if its other errors are below
+/// `negligible_part` of all.
+std::vector<ReadingAnswer> reading_answers(const NestedMatrix& all, const NestedMatrix& background,
+                                           double per_change, const ReadingEffects& details,
+                                           const ReadingEffects& others, double negligible_part, const ChargedBodies& bodies);
+
+/// Multiplies all values of an answer.
+void scale(ReadingAnswer& answer, double factor);
+
+}  // namespace fringe::detail

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "fringe/capacitance.hpp"
+#include "fringe/reading_answer.hpp"
+#include "fringe/scene.hpp"
+
+namespace fringe::detail {
+
+/// The readings of a scene by the capacitances of its objects: the change is the sum over the targets, if the
+/// reading drives the sensor that it senses; value and background are not known, nor is any other change.
+class ReadingsOfObjects {
+ public:
+  explicit ReadingsOfObjects(const Scene& scene);
+
+  /// Writes the readings for an evaluation of the scene.
+  void write(const SceneCapacitance& capacitance, std::string_view answered_by,
+             std::vector<ReadingAnswer>& answers) const;
+
+ private:
+  struct Change {
+    std::string name;
+    std::optional<std::size_t> sensor;  ///< none: not known
+  };
+  std::vector<Change> changes_;
+  std::vector<bool> targets_;  ///< for every object
+};
+
+}  // namespace fringe::detail

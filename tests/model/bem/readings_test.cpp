@@ -1,0 +1,175 @@
+/// Tests readings by boundary elements: values and backgrounds are those of separate solutions, what targets
+/// change is known better than either, and the potentials of targets order the readings.
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "fringe/boundary_elements.hpp"
+#include "fringe/reading.hpp"
+#include "scenes.hpp"
+
+namespace fringe {
+namespace {
+
+using test::at;
+using test::box;
+using test::object;
+
+constexpr double rtol = 1e-3;
+
+Object target(Object object, const ElectricalRole& role = Grounded{}) {
+  object.target = true;
+  object.role = role;
+  return object;
+}
+
+/// Returns a square sensor of 3 cm before a housing, with a guard between them, and a hand before it.
+Scene machine(const ElectricalRole& hand = Grounded{}) {
+  Scene scene;
+  scene.sensors = {test::sensor("front", {test::square(0.03, 0)})};
+  scene.objects = {object("guard", Plate{0.05, 0.05}, at(0, 0, -0.004), Electrode{}),
+                   box("housing", {-4, -4, -5}, {4, 4, -1}),
+                   target(box("hand", {-2, -3, 3}, {2, 3, 4}), hand)};
+  scene.readings = {{"self", "front", {"front"}},
+                    {"guarded", "front", {"front", "guard"}},
+                    {"transmitted", "front", {"guard"}}};
+  return scene;
+}
+
+/// Returns a scene without its last object.
+Scene without_last(Scene scene) {
+  scene.objects.pop_back();
+  scene.objects.back().target = true;  // Else all objects would be targets.
+  return scene;
+}
+
+void expect_within_errors(const Estimate& found, double truth, double truth_error, const std::string& what) {
+  EXPECT_LE(std::abs(*found.value - truth), *found.error + truth_error) << what;
+}
+
+/// Returns the entry of two conductors.
+double entry(const Eigen::MatrixXd& matrix, const MaxwellMatrix& answer, const std::string& row,
+             const std::string& column) {
+  const auto place = [&](const std::string& name) {
+    return std::find(answer.conductors.begin(), answer.conductors.end(), name) - answer.conductors.begin();
+  };
+  return matrix(place(row), place(column));
+}
+
+void expect_readings_of_separate_solutions(const Scene& scene, double rtol = 1e-3) {
+  const MaxwellMatrix all = maxwell(scene, {.rtol = rtol}),
+                      alone = maxwell(without_last(scene), {.rtol = rtol});
+  ASSERT_EQ(all.readings.size(), scene.readings.size());
+  EXPECT_TRUE(all.reached);
+  for (std::size_t k = 0; k < scene.readings.size(); ++k) {
+    const Reading& reading = scene.readings[k];
+    double value = 0, error = 0, background = 0, background_error = 0;
+    for (const std::string& driven : reading.drive) {
+      value += entry(all.values, all, reading.sense, driven);
+      error += entry(all.errors, all, reading.sense, driven);
+      background += entry(alone.values, alone, reading.sense, driven);
+      background_error += entry(alone.errors, alone, reading.sense, driven);
+    }
+    const double sign = reading.name == "transmitted" ? -1 : 1;
+    const ReadingAnswer& answer = all.readings[k];
+    EXPECT_EQ(answer.name, reading.name);
+    EXPECT_NEAR(*answer.value.value, sign * value, 1e-12 * std::abs(value));
+    expect_within_errors(answer.value, sign * value, error, reading.name);
+    expect_within_errors(answer.background, sign * background, background_error, reading.name);
+    expect_within_errors(answer.change, sign * (value - background), error + background_error, reading.name);
+    EXPECT_LE(*answer.change.error, rtol * std::abs(*answer.change.value));
+  }
+}
+
+TEST(Readings, AreThoseOfSolutionsWithAndWithoutAGroundedTarget) {
+  expect_readings_of_separate_solutions(machine());
+}
+
+TEST(Readings, AreThoseOfSolutionsWithAndWithoutAFloatingTarget) {
+  expect_readings_of_separate_solutions(machine(Floating{}));
+}
+
+TEST(Readings, AreThoseOfSolutionsWithAndWithoutATargetThatACapacitorGrounds) {
+  expect_readings_of_separate_solutions(machine(Floating{2e-12}));
+}
+
+TEST(Readings, AreThoseOfSolutionsWithAndWithoutATargetOfTriangles) {
+  Scene scene = machine();
+  scene.objects.back().shape = Cylinder{0.02, 0.05, 8};
+  scene.objects.back().pose = at(0, 0, 0.06);
+  expect_readings_of_separate_solutions(scene, 1e-2);
+}
+
+TEST(Readings, KeepTheSurfaceThatATargetCovers) {
+  // The hand lies on a table: without it, the table is charged where it lay.
+  Scene scene;
+  scene.sensors = {test::sensor("front", {test::square(0.03, 0)})};
+  scene.objects = {box("table", {-3, -3, 1}, {3, 3, 2}), target(box("hand", {-1, -1, 0.5}, {1, 1, 1}))};
+  scene.readings = {{"self", "front", {"front"}}};
+  expect_readings_of_separate_solutions(scene, 1e-2);
+}
+
+TEST(Readings, ChangesAreKnownBetterThanTheirParts) {
+  const MaxwellMatrix answer = maxwell(machine(), {.rtol = 1e-2}), finer = maxwell(machine(), {.rtol = 1e-4});
+  for (std::size_t k = 0; k < answer.readings.size(); ++k) {
+    const ReadingAnswer& reading = answer.readings[k];
+    EXPECT_LT(*reading.change.error, (*reading.value.error + *reading.background.error) / 2) << reading.name;
+    expect_within_errors(reading.change, *finer.readings[k].change.value, *finer.readings[k].change.error,
+                         reading.name);
+  }
+}
+
+TEST(Readings, BoundTheSelfReadingsFromBelowAndNoOther) {
+  const MaxwellMatrix answer = maxwell(machine(), {.rtol = rtol});
+  EXPECT_TRUE(answer.readings[0].value.lower && answer.readings[0].background.lower);
+  EXPECT_FALSE(answer.readings[1].value.lower);
+  EXPECT_FALSE(answer.readings[0].change.lower);
+}
+
+TEST(Readings, WithoutAnyAreThoseOfTheSensorsAndWhatAllObjectsChange) {
+  Scene scene = test::above_sensor({box("one", {-1, -1, 0}, {1, 1, 1}), box("other", {2, -1, 0}, {3, 1, 1})});
+  const MaxwellMatrix answer = maxwell(scene, {.rtol = rtol});
+  ASSERT_EQ(answer.readings.size(), 1);
+  EXPECT_EQ(answer.readings[0].name, "front");
+  EXPECT_NEAR(*answer.readings[0].change.value, answer.delta_self[0], 1e-12 * answer.delta_self[0]);
+}
+
+TEST(Readings, OfAFloatingTargetAreThoseOfAGroundedOneForALargeCapacitor) {
+  const MaxwellMatrix grounded = maxwell(machine(), {.rtol = rtol});
+  const MaxwellMatrix connected = maxwell(machine(Floating{1.0}), {.rtol = rtol});
+  for (std::size_t k = 0; k < grounded.readings.size(); ++k)
+    EXPECT_NEAR(*connected.readings[k].change.value, *grounded.readings[k].change.value,
+                rtol * std::abs(*grounded.readings[k].change.value));
+}
+
+TEST(Readings, GrowFromAFloatingTargetToAGroundedOneAndWithTheTarget) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int scene_number = 0; scene_number < 10; ++scene_number) {
+    Scene scene;
+    scene.sensors = {test::sensor("front", {test::square(0.03, 0)})};
+    const double z = 1 + 3 * uniform(random), x = 3 * uniform(random), half = 0.5 + uniform(random);
+    scene.objects = {box("housing", {-4, -4, -5}, {4, 4, -1 - 2 * uniform(random)})};
+    const auto change = [&](const ElectricalRole& role, double size) {
+      Scene with = scene;
+      with.objects.push_back(target(box("hand", {x - size, -size, z}, {x + size, size, z + size}), role));
+      return maxwell(with, {.rtol = rtol}).readings.front().change;
+    };
+    std::vector<Estimate> changes;
+    for (const double to_ground : {0.0, 1e-13, 1e-12, 1e-10})
+      changes.push_back(change(Floating{to_ground}, half));
+    changes.push_back(change(Grounded{}, half));
+    changes.push_back(change(Grounded{}, 1.5 * half));
+    EXPECT_GT(*changes.front().value, 0);
+    for (std::size_t k = 1; k < changes.size(); ++k)
+      EXPECT_GT(*changes[k].value + *changes[k].error, *changes[k - 1].value - *changes[k - 1].error) << k;
+  }
+}
+
+}  // namespace
+}  // namespace fringe
