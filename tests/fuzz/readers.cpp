@@ -30,6 +30,9 @@ void require_sound(const Scene& scene) {
             "an object has a name and a pose, and so has its conductor a name");
   for (const Sensor& sensor : scene.sensors)
     require(!sensor.plates.empty() && !sensor.name.empty(), "a sensor has a name and plates");
+  for (const Reading& reading : scene.readings)
+    require(!reading.name.empty() && !reading.sense.empty() && !reading.drive.empty(),
+            "a reading has a name, and senses and drives something");
 }
 
 /// A file in memory with the given bytes.

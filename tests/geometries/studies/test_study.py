@@ -9,6 +9,7 @@ import pytest
 
 from geometries.__main__ import main
 from geometries.common.errors import InputError
+from geometries.scene import reader
 from geometries.studies import families, study
 
 HEAD = """
@@ -193,6 +194,13 @@ def test_a_motion_makes_a_case_of_every_frame_and_one_of_the_sensor_alone(tmp_pa
     assert cases[1].scene.pose_of_object("target")[1][2] == 0.2
     assert cases[1].scene.links[0].pose.translation == (0, 0, -0.1)
     assert not cases[2].scene.objects and not cases[2].scene.links
+
+
+def test_the_sensors_alone_have_no_reading_of_the_electrodes_that_were_there(tmp_path: Path) -> None:
+    guard = '[[object]]\nname = "guard"\nshape = { type = "cube", size = 0.1 }\npotential = "electrode"\n'
+    reading = '[[reading]]\nname = "guarded"\nsense = "front"\ndrive = ["front", "guard"]\n'
+    with_guard, alone = scene_study(tmp_path, scene=ARM + guard + reading).cases()
+    assert reader.loads(with_guard.text).readings and not reader.loads(alone.text).readings
 
 
 def test_sensors_of_two_links_alone_are_a_case_for_every_pose(tmp_path: Path) -> None:
