@@ -19,8 +19,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Largest number of panels and included files: files that include each other can multiply without end.
-constexpr std::size_t most_statements = 10'000'000;
+/// Largest number of panels.
+constexpr std::size_t most_panels = 10'000'000;
+
+/// Largest number of included files: files that include each other can multiply without end.
+constexpr std::size_t most_files = 100'000;
 
 /// Largest depth to which files include each other.
 constexpr std::size_t most_open = 100;
@@ -62,7 +65,9 @@ File read_file(const fs::path& path) {
         section->emplace_back(place, std::move(statement));
       }
     } catch (const InputError& error) {
-      fail(place, error.what());
+      // Between the files in a file anything may stand.
+      if (section != nullptr)
+        fail(place, error.what());
     }
   }
   return file;
@@ -117,7 +122,8 @@ class ListReader {
   /// Indices of the conductors by group and name; renamed ones have several.
   std::map<std::pair<std::string, std::string>, std::size_t> indices_;
   std::optional<std::pair<Place, double>> medium_;
-  std::size_t statements_ = 0;
+  std::size_t panels_ = 0;
+  std::size_t included_ = 0;
 };
 
 /// Returns what a file name in the file `from` means: a file within that file, or else a file in the folder.
@@ -138,9 +144,9 @@ void ListReader::read_section(const SectionName& section, const std::string& gro
   std::size_t number = 1;
   std::optional<std::string> given;
   for (const auto& [place, statement] : file(section.first).at(section.second)) {
-    if (++statements_ > most_statements)
-      fail(place, fmt::format("there are more than {} panels and files", most_statements));
     if (const auto* panel = std::get_if<Panel>(&statement)) {
+      if (++panels_ > most_panels)
+        fail(place, fmt::format("there are more than {} panels", most_panels));
       // Panels of the list itself are in a vacuum.
       if (group.empty())
         require_one_medium(place, 1);
@@ -175,6 +181,8 @@ void ListReader::include(const Place& place, const IncludedConductor& statement,
   require_one_medium(place, statement.outer_permittivity);
   if (statement.is_interface)
     warn(place, "the dielectric interface on which a conductor lies is left out");
+  if (++included_ > most_files)
+    fail(place, fmt::format("there are more than {} included files", most_files));
   const SectionName section = find(place, statement.file, from);
   if (std::find(open_.begin(), open_.end(), section) != open_.end())
     fail(place, fmt::format("the file {} includes itself", statement.file));

@@ -6,8 +6,8 @@
 #include "export/circuit.hpp"
 
 /// Reads Maxwell matrices and writes their subcircuits, by the function of `fringe export`. A matrix is its
-/// name, its size, and for each conductor its name, 1 if it is grounded or else 0, and its row in F; words are
-/// separated by spaces.
+/// name, its size, and for each conductor its name, 1 if it is grounded or else 0, and its row in F; words
+/// are separated by spaces.
 int main() {
   using namespace fringe;
   try {
