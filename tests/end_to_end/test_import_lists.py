@@ -99,8 +99,8 @@ def test_dielectric_interfaces_are_left_out_with_a_warning(tmp_path: Path) -> No
     path = written(tmp_path, text)
     done = fringe_import(path, tmp_path / "scene.toml")
     assert done.stderr.splitlines() == [
-        f"fringe: warning: {path}:2: a dielectric interface is left out",
-        f"fringe: warning: {path}:3: the dielectric interface on which a conductor lies is left out",
+        f"fringe: warning: {path}:2: a dielectric interface is left out, as if the medium of the conductors were everywhere",
+        f"fringe: warning: {path}:3: the dielectric interface on which a conductor lies is left out, as if its outer medium were everywhere",
     ]
     # FastCap numbers interfaces, too; B is joined with the last file.
     found = {

@@ -164,7 +164,7 @@ void ListReader::read_section(const SectionName& section, const std::string& gro
         given.reset();
       }
     } else if (std::holds_alternative<DielectricInterface>(statement)) {
-      warn(place, "a dielectric interface is left out");
+      warn(place, "a dielectric interface is left out, as if the medium of the conductors were everywhere");
       ++number;
       given.reset();
     } else if (const auto* name = std::get_if<GroupName>(&statement)) {
@@ -180,7 +180,8 @@ void ListReader::include(const Place& place, const IncludedConductor& statement,
                          const std::string& group, const Eigen::Vector3d& offset) {
   require_one_medium(place, statement.outer_permittivity);
   if (statement.is_interface)
-    warn(place, "the dielectric interface on which a conductor lies is left out");
+    warn(place, "the dielectric interface on which a conductor lies is left out, as if its outer medium were "
+                "everywhere");
   if (++included_ > most_files)
     fail(place, fmt::format("there are more than {} included files", most_files));
   const SectionName section = find(place, statement.file, from);
