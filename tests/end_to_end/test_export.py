@@ -164,6 +164,17 @@ def test_names_in_a_list_are_plain_and_differ(tmp_path: Path) -> None:
     assert all(len(line) < 512 for file in files for line in (tmp_path / file).read_text().splitlines()[1:])
 
 
+def test_a_mesh_is_without_duplicates_and_triangles_without_area(tmp_path: Path) -> None:
+    """They would make the matrix of a solver singular."""
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+    (tmp_path / "soup.obj").write_text(corners + "f 1 2 3\nf 1 2 2\nf 3 1 2\nf 1 2 4\n")
+    scene = tmp_path / "scene.toml"
+    scene.write_text('[[object]]\nname = "soup"\nshape = { type = "mesh", file = "soup.obj", scale = 0.1 }\n')
+    assert "1 conductors, 2 panels in 1 files" in export(scene, tmp_path / "x.lst").stdout
+    panels = (tmp_path / "x_soup.qui").read_text().splitlines()[1:]
+    assert panels == ["T soup 0 0 0 0.1 0 0 0 0.1 0", "T soup 0 0 0 0.1 0 0 0 0 0.1"]
+
+
 def test_what_is_exported_and_imported_has_the_same_matrix(tmp_path: Path) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(PLAIN)

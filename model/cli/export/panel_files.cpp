@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -86,13 +86,25 @@ std::string in_title(std::string name) {
   return name;
 }
 
+/// Returns the surfaces of all sensors and objects by name. Meshes are those that boundary elements take: a
+/// duplicate or a triangle without area would make the matrix of other solvers singular.
+std::map<std::string, std::vector<Triangle>> surfaces_of(const Scene& scene) {
+  std::map<std::string, std::vector<Triangle>> surfaces;
+  for (Conductor& surface : conductors(scene))
+    surfaces.emplace(surface.name, std::move(surface.triangles));
+  for (const Object& object : scene.objects)
+    if (std::holds_alternative<Mesh>(object.shape)) {
+      std::vector<Triangle>& triangles = surfaces.at(object.name);
+      triangles = detail::cleaned(fmt::format(R"(object "{}")", object.name), triangles);
+    }
+  return surfaces;
+}
+
 }  // namespace
 
 PanelFiles panel_files(const Scene& scene, const std::string& stem) {
   require_conductors_alone(scene);
-  std::map<std::string, std::vector<Triangle>> surfaces;
-  for (Conductor& surface : conductors(scene))
-    surfaces.emplace(surface.name, std::move(surface.triangles));
+  const std::map<std::string, std::vector<Triangle>> surfaces = surfaces_of(scene);
   const std::string file_stem = plain_name(stem, "-").substr(0, longest_name);
   UniqueNames names("_", UniqueNames::Case::does_not_count);
   UniqueNames file_names("_", UniqueNames::Case::does_not_count);

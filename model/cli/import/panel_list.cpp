@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
@@ -30,10 +31,10 @@ constexpr std::size_t most_open = 100;
 
 /// A line of a file, for messages.
 struct Place {
-  std::string file;
+  std::shared_ptr<const std::string> file;  ///< common to the lines, of which there may be millions
   std::size_t line;
 
-  std::string text() const { return fmt::format("{}:{}", file, line); }
+  std::string text() const { return fmt::format("{}:{}", *file, line); }
 };
 
 [[noreturn]] void fail(const Place& place, const std::string& reason) {
@@ -46,28 +47,38 @@ using Section = std::vector<std::pair<Place, PanelStatement>>;
 /// The sections of a file: its own, without a name, and those of the files within it.
 using File = std::map<std::string, Section>;
 
+/// Returns the content of a file. Throws InputError with its name.
+std::string content_of(const fs::path& path) {
+  try {
+    return detail::file_content(path);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", path.string(), error.what()));
+  }
+}
+
 File read_file(const fs::path& path) {
   File file;
+  // Between the files in a file, where anything may stand, there is no section.
   Section* section = &file[""];
-  const std::string content = detail::file_content(path);
+  const std::string content = content_of(path);
   std::string_view rest = content;
-  Place place{path.string(), 0};
+  Place place{std::make_shared<const std::string>(path.string()), 0};
   while (!rest.empty()) {
     const std::string_view line = detail::take_line(rest);
     ++place.line;
+    PanelStatement statement;
     try {
-      PanelStatement statement = parse_panel_statement(line, place.line == 1);
-      if (const auto* end = std::get_if<EndOfFile>(&statement)) {
-        if (end->next && file.contains(*end->next))
-          throw InputError(fmt::format("begins the file {} again", detail::quoted(*end->next)));
-        section = end->next ? &file[*end->next] : nullptr;
-      } else if (section != nullptr && !std::holds_alternative<Comment>(statement)) {
-        section->emplace_back(place, std::move(statement));
-      }
+      statement = parse_panel_statement(line, place.line == 1);
     } catch (const InputError& error) {
-      // Between the files in a file anything may stand.
       if (section != nullptr)
         fail(place, error.what());
+    }
+    if (const auto* end = std::get_if<EndOfFile>(&statement)) {
+      if (end->next && file.contains(*end->next))
+        fail(place, fmt::format("begins the file {} again", detail::quoted(*end->next)));
+      section = end->next ? &file[*end->next] : nullptr;
+    } else if (section != nullptr && !std::holds_alternative<Comment>(statement)) {
+      section->emplace_back(place, std::move(statement));
     }
   }
   return file;
@@ -189,15 +200,6 @@ void ListReader::include(const Place& place, const IncludedConductor& statement,
     fail(place, fmt::format("the file {} includes itself", statement.file));
   if (open_.size() > most_open)
     fail(place, fmt::format("files include each other to a depth of more than {}", most_open));
-  try {
-    file(section.first);
-  } catch (const InputError& error) {
-    // Errors in the file's lines say where they are.
-    const std::string reason = error.what();
-    if (reason.starts_with(section.first.string()))
-      throw;
-    fail(place, fmt::format("the file {}: {}", section.first.string(), reason));
-  }
   read_section(section, group, offset + statement.offset);
 }
 
