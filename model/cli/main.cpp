@@ -12,6 +12,7 @@
 
 #include "answers/answers.hpp"
 #include "answers/json_text.hpp"
+#include "export/export.hpp"
 #include "fringe/error.hpp"
 #include "fringe/live_scene.hpp"
 #include "fringe/scene_collision.hpp"
@@ -191,7 +192,9 @@ int run(int argument_count, char** arguments) {
   // Listed for the help only: run_import runs it.
   program.add_subcommand(
       "import", "Write a scene file with the links and bodies of a robot (URDF) or a model (glTF, COLLADA, "
-                "OBJ, 3MF, STEP)");
+                "OBJ, 3MF, STEP), or the conductors of a FastCap or FasterCap list");
+  cli::ExportRequest export_request;
+  const CLI::App* const export_command = cli::add_export_command(program, export_request);
   try {
     program.parse(argument_count, arguments);
   } catch (const CLI::ParseError& error) {
@@ -203,6 +206,8 @@ int run(int argument_count, char** arguments) {
     return program.exit(error, std::cout, std::cerr) == 0 ? answered : wrong_input;
   }
 
+  if (export_command->parsed())
+    return cli::run_export(export_request);
   if (capacitance_command->parsed()) {
     const auto [text, reached] = answer_capacitance(request);
     print(text);

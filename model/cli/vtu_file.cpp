@@ -3,11 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <fstream>
 #include <numeric>
-#include <stdexcept>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,6 +12,7 @@
 #include "fringe/conductors.hpp"
 #include "fringe/error.hpp"
 #include "fringe/triangulation.hpp"
+#include "whole_files.hpp"
 
 namespace fringe::cli {
 namespace {
@@ -76,24 +74,6 @@ class Arrays {
   std::string bytes_;
 };
 
-/// Writes the file under a temporary name and renames it, so that no unfinished file is left.
-void write_whole(const fs::path& target, const std::string& head, const std::string& bytes,
-                 const std::string& tail) {
-  const fs::path unfinished =
-      target.parent_path() / fmt::format(".{}.unfinished", target.filename().string());
-  std::ofstream file(unfinished, std::ios::binary);
-  file << head << bytes << tail;
-  file.close();
-  std::error_code failure;
-  if (file)
-    fs::rename(unfinished, target, failure);
-  if (file && !failure)
-    return;
-  std::error_code ignored;
-  fs::remove(unfinished, ignored);
-  throw std::runtime_error(fmt::format("{}: cannot be written", target.string()));
-}
-
 }  // namespace
 
 void write_vtu(const Scene& scene, const CapacitanceOptions& options, const fs::path& target) {
@@ -138,7 +118,7 @@ void write_vtu(const Scene& scene, const CapacitanceOptions& options, const fs::
     head +=
         arrays.add(R"(type="Float64")", "capacitance " + scene.sensors[sensor].name, contributions[sensor]);
   head += "</CellData>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
-  write_whole(target, head, arrays.bytes(), "\n</AppendedData>\n</VTKFile>\n");
+  write_whole({{target, head + arrays.bytes() + "\n</AppendedData>\n</VTKFile>\n"}});
 }
 
 }  // namespace fringe::cli

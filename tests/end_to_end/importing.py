@@ -34,7 +34,7 @@ def imported(source: Path, *options: str | Path, warnings: str = "") -> Scene:
     done = fringe_import(source, target, *options)
     assert done.returncode == 0, done.stderr
     assert warnings in done.stderr if warnings else not done.stderr, done.stderr
-    assert all(line.startswith(f"fringe: warning: {source}: ") for line in done.stderr.splitlines())
+    assert all(line.startswith(f"fringe: warning: {source}:") for line in done.stderr.splitlines())
     scene = reader.load(target)
     here, there = scene.conductors(), model_stage.model_module().Scene.load(str(target)).conductors()
     assert list(here) == list(there)

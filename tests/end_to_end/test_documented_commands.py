@@ -65,6 +65,7 @@ ELSEWHERE = {
     "./run --prepare": (RUN, "test_it_waits_for_another_package_manager_and_says_so", "./run"),
     "./run --python": ("end_to_end/test_run_script.py", "test_it_prints_the_python_that_has_the_field_solver", "--python"),
     "fringe capacitance SCENE": ("model/test_command_line.py", "test_capacitance_as_json", "capacitance"),
+    "fringe export SCENE FILE": ("end_to_end/test_export.py", "test_the_capacitors_of_a_circuit_are_the_matrix", "export"),
     "fringe import SOURCE SCENE": (IMPORT, "test_links_and_joints_at_zero_are_links_and_poses", "import"),
     "fringe import": (IMPORT, "test_links_and_joints_at_zero_are_links_and_poses", "import"),
     "fringe info": ("model/test_command_line.py", "test_info_counts_the_defects_of_a_mesh", "info"),

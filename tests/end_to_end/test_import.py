@@ -442,7 +442,7 @@ def test_files_that_are_damaged_or_missing_are_refused(tmp_path: Path, name: str
 def test_a_file_of_another_kind_is_refused(robot: Path) -> None:
     assert_refused(
         robot.rename(robot.with_suffix(".xml")),
-        "must end in .urdf, .gltf, .glb, .dae, .obj, .3mf, .step or .stp",
+        "must end in .urdf, .gltf, .glb, .dae, .obj, .3mf, .step, .stp, .lst or .qui",
     )
 
 

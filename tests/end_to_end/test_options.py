@@ -20,6 +20,7 @@ from analysis.__main__ import main
 ROOT = Path(__file__).resolve().parents[2]
 MODEL, REFERENCE = "model/test_command_line.py", "fem_reference/test_command_line.py"
 HERE, IMPORT = "end_to_end/test_options.py", "end_to_end/test_import.py"
+EXPORTED = ("end_to_end/test_export.py", "test_the_method_and_the_error_asked_for_are_the_users")
 TABLE = ("analysis/topics/published/test_table.py", "test_the_options_of_the_command_reach_what_they_are_for")
 SAID = (HERE, "test_help_and_version_are_printed_and_nothing_else")
 PASSED_ON = (HERE, "test_an_option_reaches_what_it_is_for")
@@ -39,6 +40,7 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
         "--rtol": ("model/test_boundary_elements.py", "test_options_that_would_change_nothing_are_refused"),
     },
     ("fringe", "collide"): {"--help": SAID, "--version": SAID, "--json": (HERE, "test_json_in_the_place_of_a_table")},
+    ("fringe", "export"): {"--help": SAID, "--version": SAID, "--method": EXPORTED, "--rtol": EXPORTED},
     ("fringe", "info"): {"--help": SAID, "--version": SAID, "--json": (HERE, "test_json_in_the_place_of_a_table")},
     ("fringe", "import"): {
         "--help": SAID,

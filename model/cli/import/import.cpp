@@ -12,6 +12,7 @@
 #include "fringe/error.hpp"
 #include "import/gltf.hpp"
 #include "import/model_file.hpp"
+#include "import/panel_list.hpp"
 #include "import/scene_file.hpp"
 #include "import/step.hpp"
 #include "import/urdf.hpp"
@@ -90,9 +91,12 @@ ImportReport import_scene(const ImportRequest& request) {
     StepImport step = read_step(request.source, request.deflection);
     remark = about(step, !request.deflection);
     scene = std::move(step.scene);
+  } else if (extension == ".lst" || extension == ".qui") {
+    scene = read_panel_list(request.source, report.warnings);
   } else {
-    throw InputError(fmt::format("{}: must end in .urdf, .gltf, .glb, .dae, .obj, .3mf, .step or .stp",
-                                 request.source.string()));
+    throw InputError(
+        fmt::format("{}: must end in .urdf, .gltf, .glb, .dae, .obj, .3mf, .step, .stp, .lst or .qui",
+                    request.source.string()));
   }
   const auto meshes = std::count_if(scene.objects.begin(), scene.objects.end(), [](const Object& object) {
     return std::holds_alternative<Mesh>(object.shape);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "fringe/scene.hpp"
-#include "import/unique_names.hpp"
+#include "unique_names.hpp"
 
 namespace fringe::cli {
 

@@ -20,7 +20,9 @@ using cli::answered, cli::wrong_input;
 
 void add_options(CLI::App& program, cli::ImportRequest& request) {
   program.set_version_flag("--version", version());
-  program.add_option("SOURCE", request.source, "A .urdf, .gltf, .glb, .dae, .obj, .3mf, .step or .stp file")
+  program
+      .add_option("SOURCE", request.source,
+                  "A .urdf, .gltf, .glb, .dae, .obj, .3mf, .step, .stp, .lst or .qui file")
       ->required();
   program
       .add_option("SCENE", request.target,
@@ -45,7 +47,7 @@ void add_options(CLI::App& program, cli::ImportRequest& request) {
 
 int run(int argument_count, char** arguments) {
   CLI::App program("Write a scene file with the links and bodies of a robot (URDF) or a model (glTF, "
-                   "COLLADA, OBJ, 3MF, STEP)",
+                   "COLLADA, OBJ, 3MF, STEP), or the conductors of a FastCap or FasterCap list",
                    "fringe import");
   cli::ImportRequest request;
   add_options(program, request);

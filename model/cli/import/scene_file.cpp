@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <cstdint>
-#include <fstream>
 #include <map>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -17,55 +14,13 @@
 
 #include "fringe/error.hpp"
 #include "fringe/scene_reader.hpp"
-#include "import/unique_names.hpp"
+#include "unique_names.hpp"
+#include "whole_files.hpp"
 
 namespace fringe::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A temporary file or folder, which is removed with its contents on destruction.
-class Unfinished {
- public:
-  explicit Unfinished(fs::path path) : path_(std::move(path)) {}
-  Unfinished(const Unfinished&) = delete;
-  Unfinished& operator=(const Unfinished&) = delete;
-  ~Unfinished() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
-/// Makes a folder and those above it; on destruction it removes what it made, unless they are kept.
-class MissingFolders {
- public:
-  explicit MissingFolders(const fs::path& folder) {
-    for (fs::path missing = folder; !missing.empty() && !fs::exists(missing); missing = missing.parent_path())
-      made_ = missing;
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error)
-      throw std::runtime_error(
-          fmt::format("{}: the folder cannot be made: {}", folder.string(), error.message()));
-  }
-  MissingFolders(const MissingFolders&) = delete;
-  MissingFolders& operator=(const MissingFolders&) = delete;
-  ~MissingFolders() {
-    std::error_code ignored;
-    if (!made_.empty())
-      fs::remove_all(made_, ignored);
-  }
-
-  void keep() { made_.clear(); }
-
- private:
-  fs::path made_;  ///< the highest of them
-};
 
 /// Writes a text as a basic string of TOML.
 std::string quoted(const std::string& text) {
@@ -148,16 +103,9 @@ std::string object_text(const Object& object, const Scene& scene, const std::str
   if (object.link)
     text += fmt::format("link = {}\n", quoted(scene.links[*object.link].name));
   text += fmt::format("shape = {{ {} }}\n", std::visit(ShapeText{mesh_file}, object.shape));
+  if (std::holds_alternative<Electrode>(object.role))
+    text += "potential = \"electrode\"\n";
   return text + pose_text(object.pose);
-}
-
-/// Returns a file name that is valid on every system: other characters become underscores.
-std::string file_name(const std::string& name) {
-  std::string result = name;
-  std::replace_if(
-      result.begin(), result.end(),
-      [](unsigned char letter) { return std::isalnum(letter) == 0 && letter != '-'; }, '_');
-  return result;
 }
 
 void append(std::string& bytes, std::uint32_t number) {
@@ -181,24 +129,29 @@ std::string stl(const std::vector<Triangle>& triangles) {
   return bytes;
 }
 
-void write_bytes(const fs::path& path, const std::string& bytes) {
-  std::ofstream file(path, std::ios::binary);
-  file << bytes;
-  file.close();
-  if (!file)
-    throw std::runtime_error(fmt::format("{}: cannot be written", path.string()));
-}
-
-/// Returns the head of the scene file, with an example of a sensor as a comment.
-std::string heading(const Scene& scene, const std::string& source) {
+/// Returns what the head of the scene file says of sensors: an example, unless there are electrodes.
+std::string about_sensors(const Scene& scene) {
+  const auto is_electrode = [](const Object& object) {
+    return std::holds_alternative<Electrode>(object.role);
+  };
+  if (std::any_of(scene.objects.begin(), scene.objects.end(), is_electrode))
+    return "Its conductors are electrodes, which may be driven\n# and sensed as sensors may.\n";
   const std::string link =
       scene.links.empty() ? "" : fmt::format("link = {}, ", quoted(scene.links.back().name));
-  return fmt::format("# From {}, by fringe import. What is missing are the sensors, for instance:\n"
+  return fmt::format("What is missing are the sensors, for instance:\n"
                      "# sensor = [ {{ name = \"front\", {}plates = [ {{ corner = [0, 0, 0], edge_u = [0.1, "
                      "0, 0], edge_v = [0, "
-                     "0.1, 0] }} ] }} ]\n"
-                     "format = 1\n",
-                     quoted(source), link);
+                     "0.1, 0] }} ] }} ]\n",
+                     link);
+}
+
+/// Returns the head of the scene file: where it is from, and the medium.
+std::string heading(const Scene& scene, const std::string& source) {
+  std::string text =
+      fmt::format("# From {}, by fringe import. {}format = 1\n", quoted(source), about_sensors(scene));
+  if (scene.medium.relative_permittivity != 1)
+    text += fmt::format("\n[medium]\nrelative_permittivity = {}\n", scene.medium.relative_permittivity);
+  return text;
 }
 
 /// The names of the mesh files by the index of their object.
@@ -213,7 +166,7 @@ MeshNames write_meshes(const Scene& scene, const fs::path& folder) {
     if (mesh == nullptr)
       continue;
     fs::create_directories(folder);
-    written[i] = names.take(file_name(scene.objects[i].name)) + ".stl";
+    written[i] = names.take(plain_name(scene.objects[i].name, "-")) + ".stl";
     write_bytes(folder / written[i], stl(mesh->triangles));
   }
   return written;
@@ -251,8 +204,8 @@ void write_scene_file(const Scene& scene, const fs::path& target, const std::str
   const fs::path beside = fs::absolute(target).parent_path();
   MissingFolders folders(beside);
   const std::string meshes = target.stem().string() + "_meshes";
-  const Unfinished scene_file(beside / fmt::format(".{}.unfinished", target.filename().string()));
-  const Unfinished mesh_folder(beside / fmt::format(".{}.unfinished", meshes));
+  const Unfinished scene_file(unfinished_path(beside / target.filename()));
+  const Unfinished mesh_folder(unfinished_path(beside / meshes));
   const MeshNames names = write_meshes(scene, mesh_folder.path());
   write_bytes(scene_file.path(), scene_text(scene, source, mesh_folder.path().filename(), names));
   try {

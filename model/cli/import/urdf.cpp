@@ -23,7 +23,7 @@
 #include "import/gltf.hpp"
 #include "import/link_tree.hpp"
 #include "import/model_file.hpp"
-#include "import/unique_names.hpp"
+#include "unique_names.hpp"
 
 namespace fringe::cli {
 namespace {

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+namespace fringe::cli {
+
+/// A temporary file or folder, which is removed with its contents on destruction.
+class Unfinished {
+ public:
+  explicit Unfinished(std::filesystem::path path);
+  Unfinished(const Unfinished&) = delete;
+  Unfinished& operator=(const Unfinished&) = delete;
+  ~Unfinished();
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Makes a folder and those above it; on destruction it removes what it made, unless they are kept.
+class MissingFolders {
+ public:
+  /// Throws std::runtime_error when a folder cannot be made.
+  explicit MissingFolders(const std::filesystem::path& folder);
+  MissingFolders(const MissingFolders&) = delete;
+  MissingFolders& operator=(const MissingFolders&) = delete;
+  ~MissingFolders();
+
+  void keep() { made_.clear(); }
+
+ private:
+  std::filesystem::path made_;  ///< the highest of them
+};
+
+/// Returns the path of the temporary file or folder that later takes a name in its folder.
+std::filesystem::path unfinished_path(const std::filesystem::path& target);
+
+/// Writes a file. Throws std::runtime_error when it cannot be written.
+void write_bytes(const std::filesystem::path& path, const std::string& bytes);
+
+/// Writes files under temporary names, and gives them their own when all are written, so that no unfinished
+/// file is left. Existing files are replaced. Throws std::runtime_error when one cannot be written.
+void write_whole(const std::map<std::filesystem::path, std::string>& files);
+
+}  // namespace fringe::cli
