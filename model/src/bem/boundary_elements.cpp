@@ -45,6 +45,13 @@ constexpr double loosest_rtol = 0.5;
 /// random poses (BOUNDARY_ELEMENTS.md, section 7) the error reached 1.2 times the change.
 constexpr double error_per_change = 1.5;
 
+/// The same factor with the functions that an rtol above `every_feature` begins with. A sensor before a guard
+/// that is larger leaves an edge in the guard's charge; there the error reached 2.1 times the change.
+constexpr double error_per_coarse_change = 3;
+
+/// Largest rtol at which the first functions resolve all features twice.
+constexpr double every_feature = 3e-3;
+
 /// The same factor where there are more features than functions: two spaces that both miss them agree. In
 /// random near poses the error reached ten times the change.
 constexpr double error_per_unresolved_change = 15;
@@ -214,13 +221,15 @@ struct Beginning {
 
 /// Returns the parameter `features` of detail::a_priori_functions for the requested accuracy.
 double features(const BoundaryElementOptions& options) {
-  return options.rtol > 3e-3 ? 1 : 2;
+  return options.rtol > every_feature ? 1 : 2;
 }
 
 Beginning beginning(const ChargedBodies& bodies, std::size_t panels, const BoundaryElementOptions& options) {
   const int least = options.rtol >= 0.01 ? 5 : 7;
   Beginning result{detail::a_priori_functions(bodies, features(options), least),
-                   panels > 0 ? detail::error_per_panel_change : error_per_change};
+                   panels > 0                     ? detail::error_per_panel_change
+                   : options.rtol > every_feature ? error_per_coarse_change
+                                                  : error_per_change};
   if (count_unknowns(result.functions) + panels > options.most_unknowns)
     result = {detail::a_priori_functions(bodies, 0, least), error_per_unresolved_change};
   if (count_unknowns(result.functions) + panels > options.most_unknowns)

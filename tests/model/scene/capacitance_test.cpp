@@ -337,9 +337,17 @@ TEST(CapacitanceOptions, AreReadBackFromTheirTexts) {
     EXPECT_THROW(parse_face_rule(text), InputError);
 }
 
+TEST(Capacitance, LeavesElectrodesOutAsOtherSensors) {
+  Scene scene = sandwich();
+  const SceneCapacitance all = capacitance(scene);
+  scene.objects[1].role = Electrode{};
+  const SceneCapacitance answer = capacitance(scene);
+  ASSERT_EQ(answer.sensors[0].objects.size(), 1);
+  EXPECT_EQ(answer.sensors[0].objects[0].capacitance, all.sensors[0].objects[0].capacitance);
+}
+
 TEST(Capacitance, KnowsOnlyGroundedConductors) {
-  for (const ElectricalRole& role :
-       {ElectricalRole{Floating{}}, ElectricalRole{Electrode{}}, ElectricalRole{Dielectric{50}}}) {
+  for (const ElectricalRole& role : {ElectricalRole{Floating{}}, ElectricalRole{Dielectric{50}}}) {
     Scene scene = sandwich();
     scene.objects[1].role = role;
     try {
