@@ -413,7 +413,7 @@ method.)");
       .def_readonly("background", &PythonReading::background)
       .def_readonly("change", &PythonReading::change)
       .def_readonly("error", &PythonReading::error,
-                    "Estimates of the errors: {\"value\", \"background\", \"change\"}.")
+                    R"(Estimates of the errors: {"value", "background", "change"}.)")
       .def_readonly("answered_by", &PythonReading::answered_by, "The method.");
 
   py::class_<SharedScene>(module, "Scene", "A scene of links, sensors and objects (geometries/SCENE.md).")
