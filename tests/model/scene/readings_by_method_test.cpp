@@ -1,0 +1,99 @@
+/// Tests what every method says of readings.
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bem/scenes.hpp"
+#include "fringe/evaluation.hpp"
+#include "fringe/live_scene.hpp"
+
+namespace fringe {
+namespace {
+
+using test::at;
+using test::box;
+using test::object;
+
+/// Returns a sensor and its guard before a housing, and on a link of its own a hand before them. The hand is
+/// the target.
+Scene machine() {
+  Scene scene;
+  scene.links = {{"wrist", std::nullopt, at(0, 0, 0.03)}};
+  scene.sensors = {test::sensor("front", {test::square(0.03, 0)})};
+  scene.objects = {object("guard", Plate{0.05, 0.05}, at(0, 0, -0.004), Electrode{}),
+                   box("housing", {-4, -4, -5}, {4, 4, -1}), box("hand", {-2, -3, 0}, {2, 3, 1})};
+  scene.objects.back().link = 0;
+  scene.objects.back().target = true;
+  scene.readings = {{"self", "front", {"front"}},
+                    {"guarded", "front", {"front", "guard"}},
+                    {"transmitted", "front", {"guard"}}};
+  return scene;
+}
+
+void expect_agreement(const Estimate& one, const Estimate& other, const std::string& what) {
+  EXPECT_LE(std::abs(*one.value - *other.value), *one.error + *other.error) << what;
+}
+
+TEST(ReadingsByTheModel, AreTheSumOverTheTargetsAndOtherwiseNotKnown) {
+  const Evaluation answer = evaluate(machine());
+  ASSERT_EQ(answer.readings.size(), 3);
+  const std::vector<ObjectCapacitance>& objects = answer.capacitance.sensors.front().objects;
+  ASSERT_EQ(objects.back().name, "hand");
+  for (const std::size_t k : {0, 1}) {
+    EXPECT_EQ(answer.readings[k].change.value, objects.back().capacitance);
+    EXPECT_EQ(answer.readings[k].change.error, std::nullopt);
+    EXPECT_EQ(answer.readings[k].value.value, std::nullopt);
+    EXPECT_EQ(answer.readings[k].background.value, std::nullopt);
+    EXPECT_EQ(answer.readings[k].answered_by, "exact");
+  }
+  EXPECT_EQ(answer.readings[2].change.value, std::nullopt);
+}
+
+TEST(ReadingsByTheModel, OfASceneWithoutTargetsAreTheTotalOfEverySensor) {
+  Scene scene = machine();
+  scene.objects.back().target = false;
+  scene.readings.clear();
+  const Evaluation answer = evaluate(scene);
+  ASSERT_EQ(answer.readings.size(), 1);
+  EXPECT_DOUBLE_EQ(*answer.readings.front().change.value, answer.capacitance.sensors.front().total);
+}
+
+TEST(ReadingsByTheReducedMethod, AgreeWithBoundaryElementsWhereverTheHandIs) {
+  LiveScene live(machine());
+  for (const double height : {0.03, 0.02, 0.03}) {
+    live.set_pose("wrist", at(0.005, 0, height));
+    const std::vector<ReadingAnswer> reduced = live.evaluate({.method = Reduced{2}}).readings;
+    const std::vector<ReadingAnswer> elements =
+        live.evaluate({.method = BoundaryElements{}, .rtol = 1e-2}).readings;
+    ASSERT_EQ(reduced.size(), elements.size());
+    for (std::size_t k = 0; k < reduced.size(); ++k) {
+      EXPECT_EQ(reduced[k].answered_by, "reduced:2");
+      EXPECT_EQ(elements[k].answered_by, "boundary-elements");
+      expect_agreement(reduced[k].value, elements[k].value, reduced[k].name);
+      expect_agreement(reduced[k].background, elements[k].background, reduced[k].name);
+      expect_agreement(reduced[k].change, elements[k].change, reduced[k].name);
+    }
+  }
+}
+
+TEST(ReadingsByTheReducedMethod, TakeACapacitanceToTheGround) {
+  Scene scene = machine();
+  scene.objects.back().role = Floating{1e-12};
+  const std::vector<ReadingAnswer> reduced = evaluate(scene, {.method = Reduced{2}}).readings;
+  const std::vector<ReadingAnswer> elements =
+      evaluate(scene, {.method = BoundaryElements{}, .rtol = 1e-2}).readings;
+  for (std::size_t k = 0; k < reduced.size(); ++k)
+    expect_agreement(reduced[k].change, elements[k].change, reduced[k].name);
+  // The error is small enough to tell a capacitor from none.
+  scene.objects.back().role = Floating{};
+  const Estimate insulated = evaluate(scene, {.method = Reduced{2}}).readings.front().change;
+  EXPECT_GT(std::abs(*reduced.front().change.value - *insulated.value),
+            *reduced.front().change.error + *insulated.error);
+}
+
+}  // namespace
+}  // namespace fringe

@@ -1,0 +1,69 @@
+"""Readings as Python and the command give them."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import geometries
+from analysis.pipeline import model_stage
+
+SCENE = Path(geometries.__file__).parent / "scenes" / "guarded_sensor.toml"
+COMMAND = Path(geometries.__file__).parents[1] / "build/bin/fringe"
+PARTS = ("value", "background", "change")
+
+
+def printed(*options: str) -> str:
+    return subprocess.run(
+        [COMMAND, "capacitance", SCENE, *options], capture_output=True, text=True, check=True
+    ).stdout
+
+
+@pytest.fixture(scope="module")
+def readings() -> Any:
+    return model_stage.model_module().Scene.load(SCENE).readings("boundary-elements", rtol=1e-2)
+
+
+def test_the_change_is_the_value_less_the_background(readings: Any) -> None:
+    assert list(readings) == ["guarded", "transmitted", "unguarded"]
+    for reading in readings.values():
+        assert reading.change == pytest.approx(reading.value - reading.background, rel=1e-12)
+        assert reading.answered_by == "boundary-elements"
+
+
+def test_the_error_of_the_change_is_less_than_those_of_its_parts(readings: Any) -> None:
+    for reading in readings.values():
+        assert set(reading.error) == set(PARTS)
+        assert reading.error["change"] < reading.error["value"] + reading.error["background"]
+
+
+def test_the_command_prints_the_same_readings(readings: Any) -> None:
+    document = json.loads(printed("--method", "boundary-elements", "--rtol", "0.01", "--json"))
+    for described in document["readings"]:
+        reading = readings[described["name"]]
+        assert [described[part] for part in PARTS] == [getattr(reading, part) for part in PARTS]
+        assert described["error"] == reading.error
+    bounded = {described["name"] for described in document["readings"] if "lower" in described}
+    assert bounded == {"unguarded"}  # Only the reading that drives just what it senses is an energy.
+
+
+def test_the_table_has_a_line_for_every_reading() -> None:
+    table = printed("--method", "boundary-elements", "--rtol", "0.01").split("Readings, pF")[1]
+    assert [line.split()[0] for line in table.splitlines()[1:]] == ["guarded", "unguarded", "transmitted"]
+
+
+def test_without_readings_and_targets_the_model_has_the_total_as_the_change(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        '[[sensor]]\nname = "front"\n'
+        "plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]\n"
+        '[[object]]\nname = "plate"\nshape = { type = "plate", size = [0.1, 0.1] }\ntranslation = [0.05, 0.05, 0.03]\n'
+    )
+    scene = model_stage.model_module().Scene.load(path)
+    reading = scene.readings()["front"]
+    assert reading.change == scene.capacitance()["sensors"][0]["total"]
+    assert reading.value is None and reading.background is None and reading.error["change"] is None
