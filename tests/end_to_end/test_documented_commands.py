@@ -59,6 +59,7 @@ ELSEWHERE = {
     "./run nightly --profile slurm": (RUN, "test_what_it_asks_of_the_analysis", "--profile slurm"),
     "build/bin/fringe capacitance hand.toml": (README, "test_the_model_prints_what_the_readme_shows", "capacitance hand.toml"),
     "build/bin/fringe capacitance hand.toml --method boundary-elements": (README, "test_boundary_elements_print_what_the_guide_shows", "--method boundary-elements"),
+    "build/bin/fringe capacitance geometries/scenes/guarded_sensor.toml --method boundary-elements": ("model/test_readings.py", "test_the_table_has_a_line_for_every_reading", ""),
     "build/bin/fringe capacitance hand.toml --output triangles.vtu": (README, "test_the_file_for_paraview_is_written", "--output triangles.vtu"),
     "build/bin/fringe capacitance results/published/cases/CASE/scene.toml --method boundary-elements --rtol 1e-05": ("analysis/topics/published/test_table.py", "test_rows_drawn_by_chance_are_found_again", ""),
     "cmake --install build --prefix /usr/local": ("packaging/conftest.py", "prefix", "--prefix"),

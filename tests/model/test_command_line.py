@@ -45,7 +45,7 @@ def test_capacitance_as_json(fringe_command: Command, scene: Path) -> None:
     answer = json.loads(done.stdout)
     expected = VACUUM_PERMITTIVITY * 0.01 / 0.02  # epsilon A / d
     voltage = 5e-12 / (5e-12 + expected) * 2.5
-    assert set(answer) == {"format", "options", "seconds", "counts", "sensors"}
+    assert set(answer) == {"format", "options", "seconds", "counts", "sensors", "readings"}
     assert answer["options"] == {
         "method": "exact",
         "plates": "sum",

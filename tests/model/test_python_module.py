@@ -96,7 +96,7 @@ def test_conductors_are_in_the_world_frame_and_the_sensors_come_first(scene: fri
 
 def test_capacitance_has_the_form_of_the_command_lines_json(scene: fringe.Scene) -> None:
     answer = scene.capacitance()
-    assert set(answer) == {"options", "seconds", "counts", "sensors"}
+    assert set(answer) == {"options", "seconds", "counts", "sensors", "readings"}
     assert answer["options"] == {
         "method": "exact",
         "plates": "sum",

@@ -48,7 +48,8 @@ struct Evaluation {
   /// The method that answered; "formula" for the correction of that name (model/CORRECTIONS.md).
   std::string answered_by;
   /// Tells whether the stated errors are within the error asked for. With `recommended` these are the errors
-  /// of each sensor's own entry and of each object's capacitance, and `matrix->reached` means the same;
+  /// of each sensor's own entry and of each object's capacitance, and of the readings' changes if the scene
+  /// marks a target or has readings; `matrix->reached` means the same;
   /// otherwise those of the entries that were refined. True for methods of which no error can be asked.
   bool reached = true;
 };

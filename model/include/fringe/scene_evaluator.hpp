@@ -45,6 +45,9 @@ class SceneEvaluator {
 
  private:
   class Implementation;
+  static std::unique_ptr<Implementation> make_implementation(const Scene& scene,
+                                                             const CapacitanceOptions& options,
+                                                             const std::shared_ptr<detail::LinkPoses>& poses);
   std::unique_ptr<Implementation> implementation_;
 };
 

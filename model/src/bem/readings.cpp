@@ -151,6 +151,15 @@ double change_scale(double value, double change) {
   return std::max(std::abs(change), least_part * std::abs(value));
 }
 
+double largest_error_of_changes(const std::vector<ReadingAnswer>& readings) {
+  double largest = 0;
+  for (const ReadingAnswer& reading : readings)
+    largest =
+        std::max(largest, reading.change.error.value_or(0) / change_scale(reading.value.value.value_or(0),
+                                                                          reading.change.value.value_or(0)));
+  return largest;
+}
+
 VectorXd change_scales(const NestedMatrix& all, const NestedMatrix& background, const ChargedBodies& bodies) {
   const MatrixXd with = without_floating(all.fine, bodies),
                  without = without_floating(background.fine, bodies);

@@ -70,17 +70,21 @@ ReadingEffects reading_effects(const Eigen::MatrixXd& of_values, const Eigen::Ma
 /// larger.
 double change_scale(double value, double change);
 
+/// Returns the largest error of a reading's change, relative to change_scale(); 0 without readings.
+double largest_error_of_changes(const std::vector<ReadingAnswer>& readings);
+
 /// Returns change_scale() of every reading (m), in the whole space.
 Eigen::VectorXd change_scales(const NestedMatrix& all, const NestedMatrix& background,
                               const ChargedBodies& bodies);
 
 /// Returns the answers, in metres. `per_change` is the error per change from the coarse to the whole space;
-/// `details` are the energies of the charges beyond the coarse space, which bound what a change may miss where
-/// the errors of value and background cancel by chance; `others` are errors of other kinds; a value is a lower bound if its other errors are below
-/// `negligible_part` of all.
+/// `details` are the energies of the charges beyond the coarse space, which bound what a change may miss
+/// where the errors of value and background cancel by chance; `others` are errors of other kinds; a value is
+/// a lower bound if its other errors are below `negligible_part` of all.
 std::vector<ReadingAnswer> reading_answers(const NestedMatrix& all, const NestedMatrix& background,
                                            double per_change, const ReadingEffects& details,
-                                           const ReadingEffects& others, double negligible_part, const ChargedBodies& bodies);
+                                           const ReadingEffects& others, double negligible_part,
+                                           const ChargedBodies& bodies);
 
 /// Multiplies all values of an answer.
 void scale(ReadingAnswer& answer, double factor);

@@ -13,6 +13,7 @@
 
 #include "bem/matrix_readings.hpp"
 #include "bem/maxwell_matrix.hpp"
+#include "bem/readings.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
 #include "fringe/reading.hpp"
@@ -374,6 +375,8 @@ ReducedEvaluator::ReducedEvaluator(const Scene& scene, const ReducedOptions& opt
     : implementation_(std::make_unique<Implementation>(scene, options, poses)) {
   if (detail::changes_are_delta_self(scene))
     return;
+  changes_are_asked_ = detail::asks_for_changes(scene);
+  rtol_ = rtol_of(options);
   readings_ = readings(scene);
   background_ = std::make_unique<Implementation>(detail::without_targets(scene), options, std::move(poses));
 }
@@ -390,6 +393,8 @@ const MaxwellMatrix& ReducedEvaluator::maxwell() {
   matrix.readings = background_ == nullptr
                         ? detail::readings_of_sensors(matrix)
                         : detail::readings_of_matrices(readings_, matrix, background_->maxwell());
+  if (changes_are_asked_ && detail::largest_error_of_changes(matrix.readings) > rtol_)
+    matrix.reached = false;
   return matrix;
 }
 

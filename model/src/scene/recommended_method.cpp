@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "bem/readings.hpp"
 #include "fringe/error.hpp"
 #include "fringe/triangulation.hpp"
 #include "numeric/infinity.hpp"
@@ -51,9 +52,10 @@ bool reduction_is_bounded(const Scene& scene) {
 }
 
 /// Returns the largest relative error of the entries that tell what a sensor feels: its own, and those of the
-/// objects in its row. Infinity if one of them is not known.
-double largest_error(const MaxwellMatrix& matrix) {
-  double largest = 0;
+/// objects in its row; and of the changes of readings, if the scene asks for these. Infinity if one of them
+/// is not known.
+double largest_error(const MaxwellMatrix& matrix, const Scene& scene) {
+  double largest = asks_for_changes(scene) ? largest_error_of_changes(matrix.readings) : 0;
   const auto sensors = static_cast<Eigen::Index>(matrix.sensors);
   for (Eigen::Index sensor = 0; sensor < sensors; ++sensor)
     for (Eigen::Index other = 0; other < matrix.values.cols(); ++other) {
@@ -105,7 +107,7 @@ std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_reduced_method
     if (reduced_refuses_)
       return std::nullopt;
     const MaxwellMatrix& matrix = reduced_->maxwell();
-    return Candidate{matrix, to_string(Method(Reduced{steps})), largest_error(matrix)};
+    return Candidate{matrix, to_string(Method(Reduced{steps})), largest_error(matrix, scene)};
   } catch (const InputError& error) {
     refusal_ = error.what();
     return std::nullopt;
@@ -115,7 +117,7 @@ std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_reduced_method
 std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_boundary_elements(const Scene& scene) {
   try {
     MaxwellMatrix matrix = maxwell(scene, {.rtol = rtol_, .most_unknowns = most_unknowns});
-    const double error = largest_error(matrix);
+    const double error = largest_error(matrix, scene);
     return Candidate{std::move(matrix), to_string(Method(BoundaryElements{})), error};
   } catch (const InputError& error) {
     refusal_ = error.what();

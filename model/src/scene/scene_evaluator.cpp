@@ -30,13 +30,8 @@ std::string_view kind_of(const ElectricalRole& role) {
   return std::holds_alternative<Electrode>(role) ? "an electrode" : "dielectric";
 }
 
-/// Returns the scene without its electrodes: to the triangle-integral model they are as other sensors are, of
-/// which it knows nothing. The correction `recommended` takes no such scene.
-Scene without_electrodes(Scene scene, const CapacitanceOptions& options) {
-  if (options.correction != Correction::recommended)
-    std::erase_if(scene.objects,
-                  [](const Object& object) { return std::holds_alternative<Electrode>(object.role); });
-  return scene;
+bool is_electrode(const Object& object) {
+  return std::holds_alternative<Electrode>(object.role);
 }
 
 /// Prepares the surface of an object. Throws InputError for an object that the model does not support.
@@ -318,11 +313,24 @@ class SceneEvaluator::Implementation {
   std::size_t answers_ = 0;
 };
 
+/// Leaves electrodes out: to the triangle-integral model they are as other sensors are, of which it knows
+/// nothing. The correction `recommended`, which solves for all conductors, takes no scene that has any.
+std::unique_ptr<SceneEvaluator::Implementation>
+SceneEvaluator::make_implementation(const Scene& scene, const CapacitanceOptions& options,
+                                    const std::shared_ptr<detail::LinkPoses>& poses) {
+  if (options.correction == Correction::recommended ||
+      std::none_of(scene.objects.begin(), scene.objects.end(), is_electrode))
+    return std::make_unique<Implementation>(scene, options, poses);
+  Scene others = scene;
+  std::erase_if(others.objects, is_electrode);
+  return std::make_unique<Implementation>(others, options, poses);
+}
+
 SceneEvaluator::SceneEvaluator(const Scene& scene, const CapacitanceOptions& options)
     : SceneEvaluator(scene, options, std::make_shared<detail::LinkPoses>(scene.links)) {}
 SceneEvaluator::SceneEvaluator(const Scene& scene, const CapacitanceOptions& options,
                                const std::shared_ptr<detail::LinkPoses>& poses)
-    : implementation_(std::make_unique<Implementation>(without_electrodes(scene, options), options, poses)) {}
+    : implementation_(make_implementation(scene, options, poses)) {}
 SceneEvaluator::~SceneEvaluator() = default;
 SceneEvaluator::SceneEvaluator(SceneEvaluator&&) noexcept = default;
 SceneEvaluator& SceneEvaluator::operator=(SceneEvaluator&&) noexcept = default;
