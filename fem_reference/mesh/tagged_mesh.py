@@ -56,6 +56,10 @@ TETRAHEDRON = 4
 GO_ON, RAISE = 0, 2
 """Values of gmsh's option General.AbortOnError: continue after an error, or raise an exception."""
 
+SIZE_PRECISION = 1e-5
+"""Relative precision to which gmsh integrates sizes along edges. Its default, 1e-9, takes nine tenths of the time of meshing a wrap of 5000
+triangles."""
+
 FLAT = 1e-9
 """Largest ratio of six times the volume to the cube of the longest side at which a tetrahedron counts as flat. The flattest usable
 cells met have 1e-5."""
@@ -246,6 +250,7 @@ def _gmsh_model() -> Iterator[None]:
         gmsh.option.setNumber("General.NumThreads", 1)
         for source in ("ExtendFromBoundary", "FromPoints", "FromCurvature"):
             gmsh.option.setNumber(f"Mesh.MeshSize{source}", 0)
+        gmsh.option.setNumber("Mesh.LcIntegrationPrecision", SIZE_PRECISION)
         gmsh.model.add("scene")
         yield
     finally:
