@@ -1,7 +1,8 @@
 """`python3 -m tests.fuzz.compare_readers SECONDS [SEED]`: spoils scenes and meshes at random, until the time is up, and gives each to
 both readers. They must refuse the same, in their own way, and read the same triangles, roles of objects and readings from the rest.
 
-What they disagree about is printed, and kept in build/disagreements. Seeds are the scenes and meshes of the fuzzers.
+What they disagree about is printed, and kept in build/disagreements. Seeds are the scenes and meshes of the fuzzers; a fifth of the
+files are scenes with random roles of their objects and random readings instead.
 """
 
 from __future__ import annotations
@@ -25,9 +26,11 @@ from geometries.scene import reader
 from geometries.scene.readings import readings, targets
 from geometries.scene.scene import Scene
 from tests.bad_input.case import SENSOR, mesh_body
-from tests.fuzz import seeds
+from tests.fuzz import random_roles, seeds
 
 KEPT = Path(__file__).resolve().parents[2] / "build" / "disagreements"
+# Share of the files that are scenes of random roles instead of spoilt ones.
+_MADE = 0.2
 WORDS = [
     b"0", b"-1", b"+1", b"00", b"--1", b".5", b"1.", b"1e5", b"1e+5", b"1e999", b"1e-400", b"1d5", b"0x1", b"1_0", b"0.125f", b"nan",
     b"inf", b"Infinity", b"4294967296", b"18446744073709551616", b"true", b'"', b"'", b'""', b'"body"', b"=", b",", b".", b"#", b"[",
@@ -160,6 +163,9 @@ def compare(count: int | None, seconds: float, seed: int) -> tuple[int, int]:
         while tried != count and time.monotonic() - start < seconds:
             chosen = chance.choice(files)
             content = spoiled(chosen.content, chance)
+            if chance.random() < _MADE:
+                chosen = Seed(".toml", random_roles.scene(chance))
+                content = chosen.content
             tried += 1
             if said := disagreement(chosen, content, Path(folder)):
                 found += 1

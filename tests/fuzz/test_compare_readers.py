@@ -10,6 +10,7 @@ import pytest
 from geometries.common.errors import InputError
 from geometries.scene import reader
 from tests.fuzz import compare_readers
+from tests.fuzz.seeds import ROOT
 
 
 def test_files_spoiled_at_random_are_read_alike() -> None:
@@ -26,3 +27,12 @@ def test_a_reader_that_differs_is_found(monkeypatch: pytest.MonkeyPatch, tmp_pat
     assert compare_readers.disagreement(seed, seed.content, tmp_path) == ""
     monkeypatch.setattr(reader, "load", refuses)
     assert "is not for me" in compare_readers.disagreement(seed, seed.content, tmp_path)
+
+
+def test_a_role_that_is_read_differently_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    seed = compare_readers.Seed(
+        ".toml", (ROOT / "geometries" / "scenes" / "guarded_sensor.toml").read_bytes()
+    )
+    assert compare_readers.disagreement(seed, seed.content, tmp_path) == ""
+    monkeypatch.setattr(compare_readers, "targets", lambda scene: (True,) * len(scene.objects))
+    assert compare_readers.disagreement(seed, seed.content, tmp_path).startswith("different roles")

@@ -11,7 +11,9 @@ Object object(const char* name, ElectricalRole role) {
 
 Scene machine() {
   Scene scene;
-  scene.sensors = {{.name = "front", .link = std::nullopt}, {.name = "back", .link = std::nullopt}};
+  scene.sensors.resize(2);
+  scene.sensors[0].name = "front";
+  scene.sensors[1].name = "back";
   scene.objects = {object("hand", Floating{}), object("guard", Electrode{}), object("glass", Dielectric{5})};
   return scene;
 }
