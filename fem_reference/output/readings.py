@@ -8,24 +8,24 @@ from typing import Any
 from fem_reference.answer.readings import Quantity, ReadingAnswer
 from fem_reference.output.units import PICOFARAD
 
+ANSWERED_BY = "field"
 PARTS = ("value", "background", "change")
 
 
 def readings_document(readings: Sequence[ReadingAnswer]) -> list[dict[str, Any]]:
-    """The readings as data for JSON; farads. `lower` and `upper` have the parts whose bounds are proven."""
+    """The readings as data for JSON; farads. `lower` and `upper` are there if any bound is proven, with null for those that are not."""
     return [_document(reading) for reading in readings]
 
 
 def _document(reading: ReadingAnswer) -> dict[str, Any]:
     quantities: dict[str, Quantity] = {part: getattr(reading, part) for part in PARTS}
-    document: dict[str, Any] = {"name": reading.name}
+    document: dict[str, Any] = {"name": reading.name, "answered_by": ANSWERED_BY}
     document |= {part: quantity.value for part, quantity in quantities.items()}
     document["error"] = {part: quantity.error for part, quantity in quantities.items()}
     for side in ("lower", "upper"):
-        proven = {part: getattr(quantity, side) for part, quantity in quantities.items()}
-        proven = {part: bound for part, bound in proven.items() if bound is not None}
-        if proven:
-            document[side] = proven
+        bounds = {part: getattr(quantity, side) for part, quantity in quantities.items()}
+        if any(bound is not None for bound in bounds.values()):
+            document[side] = bounds
     return document
 
 
