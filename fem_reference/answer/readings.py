@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,13 +113,16 @@ def combined_readings(
         if bounds and proven:
             value = value.within(*_intersection(bounds, k, missing[k]))
         changed = Quantity(float(change.value[k]), float(change.error[k]))
+        background = Quantity(value.value - changed.value, value.error + changed.error)
         if around and proven:
             low, high = _intersection(around, k, missing[k])
             assert value.lower is not None and value.upper is not None
             changed = changed.within(value.lower - high, value.upper - low)
-            background = Quantity(value.value - changed.value, value.error + changed.error).within(low, high)
-        else:
-            background = Quantity(value.value - changed.value, value.error + changed.error)
+            background = background.within(low, high)
+            # The interval of the change holds this difference too.
+            moved = value.value - background.value
+            reach = changed.error + abs(moved - changed.value)
+            changed = replace(changed, value=moved, error=reach).within(value.lower - high, value.upper - low)
         answers.append(ReadingAnswer(reading.name, value, background, changed))
     return tuple(answers)
 
