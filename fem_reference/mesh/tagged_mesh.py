@@ -125,13 +125,13 @@ def tagged_mesh(
     dielectrics: Collection[int] = (),
     planes: Sequence[Plane] = (),
     room: Cuboid | None = None,
-    asked: Collection[int] | None = None,
+    grounded: Collection[int] = (),
 ) -> TaggedMesh:
     """Mesh the space around and inside the bodies, out to a sphere of OUTER_RADIUS bounding radii or to the walls of a room.
 
     Only the side of each of `planes`, planes of symmetry at right angles, that its normal points to is meshed. `owner[k]` is the
-    conductor that body k belongs to; `dielectrics` are the bodies with a field inside. The mesh serves the conductors of the bodies `asked`,
-    or all of them. All solids are meshed inside, since the field
+    conductor that body k belongs to; `dielectrics` are the bodies with a field inside. The bodies `grounded` are at 0 V in
+    every solution, and are meshed for the charge on the others. All solids are meshed inside, since the field
     without them is solved on the same mesh. With `straight` the tetrahedra are of first order and none is a quarter-point element:
     this is less accurate, but the cell of a point is found without an iteration. Raises RuntimeError when gmsh fails.
     """
@@ -148,7 +148,7 @@ def tagged_mesh(
         with stage("building the geometry"):
             volumes = _build_geometry(bodies, owner, centre, radius, planes, room)
         with stage("meshing"):
-            set_size_field(bodies, owner, sizing, volumes, dielectrics, room, asked)
+            set_size_field(bodies, owner, sizing, volumes, dielectrics, room, grounded)
             _generate()
             gmsh.model.mesh.setOrder(1 if straight else 2)
 

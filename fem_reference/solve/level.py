@@ -82,7 +82,9 @@ def solve_level(
         dielectrics=problem.permittivities,
         planes=planes,
         room=problem.room,
-        asked=[k for k, number in enumerate(problem.owner) if number < len(problem.names)],
+        grounded=[
+            k for number in range(len(problem.grounded)) for k in problem.bodies_of(problem.driven + number)
+        ],
     )
     farads = epsilon_0 * relative_permittivity * problem.unit * mesh.copies
     found, on_bodies, done, interval, readings = _charges_and_bounds(problem, mesh, farads, bounds, planes)
