@@ -90,7 +90,7 @@ def level_readings(
         return None
     value = _values(readings, found.maxwell)
     shape_error = system.tagged.shape_error
-    bounds = None if forms is None else _bounds(readings, *forms, shape_error)
+    bounds = None if forms is None else reading_bounds(readings, *forms, shape_error)
     if not any(problem.is_target):
         return LevelReadings(value, value, bounds, bounds)
     enclosed = forms is not None and problem.bounded_readings
@@ -108,7 +108,7 @@ def level_readings(
     inside = medium | without.system.permittivities
     flux = flux_energies(system.tagged, without.parts, len(without.potentials), degree, inside)
     below = flux.lower - np.diag(flux.algebraic_error)
-    around = _bounds(measured, without.without_floating(below), without.without_floating(above), shape_error)
+    around = reading_bounds(measured, without.without_floating(below), without.without_floating(above), shape_error)
     return LevelReadings(value, alone, bounds, around)
 
 
@@ -129,7 +129,7 @@ def _values(readings: Sequence[Measured], maxwell: Array) -> Array:
     return np.array([r.sign * maxwell[r.sense, list(r.drive)].sum() for r in readings])
 
 
-def _bounds(readings: Sequence[Measured], below: Array, above: Array, shape_error: float) -> Array:
+def reading_bounds(readings: Sequence[Measured], below: Array, above: Array, shape_error: float) -> Array:
     """Bounds (n, 2) of the readings from VᵀLV ≤ VᵀMV ≤ VᵀUV for all voltages V, with L = `below` and U = `above`.
 
     A reading is aᵀMb with the voltages a, 1 V on what is sensed, and b, 1 V on what is driven. With D = U − L it differs from the mean of
