@@ -16,6 +16,12 @@ from scipy.constants import epsilon_0
 from fem_reference.answer.best_value import best_value
 from fem_reference.answer.checks import checked
 from fem_reference.answer.convergence import Estimate, estimate, open_boundary_error, shared_error
+from fem_reference.answer.readings import (
+    ReadingAnswer,
+    combined_readings,
+    difference_estimate,
+    of_left_out,
+)
 from fem_reference.answer.wrapped import GeometryError, geometry_error
 from fem_reference.bodies.distant import LeftOut, is_negligible, without_distant
 from fem_reference.solve.enclosure import Enclosure, intersection, with_left_out
@@ -33,6 +39,9 @@ ErrorKind = Literal["enclosure", "estimate"]
 
 LEVELS_BEFORE_CHECK = 3
 """Number of levels that the ratio of two differences takes: with fewer no accuracy counts as reached."""
+LARGE = 200_000
+"""Number of unknowns from which on an enclosure counts on any level. Below it three levels, which take seconds, also show the order in which
+delta_self and the changes of readings converge, which have no interval of their own."""
 MOST_LEVELS = 6
 """Largest number of levels; after it the answer is returned even if its errors are above `rtol`."""
 GROWTH_OF_TIME = 3.2
@@ -80,6 +89,8 @@ class Reference:
     """Unit of length (m) of `wraps`."""
     geometry: GeometryError | None = None
     """What the wraps cost, if there are any; the errors and the interval account for it."""
+    readings: tuple[ReadingAnswer, ...] = ()
+    """The readings whose conductors all have a row."""
     stopped_by: str | None = None
     """The limit that ended the refinement, if one did."""
     contradicted: str | None = None
@@ -95,7 +106,8 @@ class Reference:
     @property
     def reached(self) -> bool:
         """Whether every error is at most `rtol`, rests on enough levels, and is contradicted by no check."""
-        enough = len(self.levels) >= LEVELS_BEFORE_CHECK
+        large = self.enclosure is not None and self.levels[-1].unknowns >= LARGE
+        enough = large or len(self.levels) >= LEVELS_BEFORE_CHECK
         return enough and self.worst <= self.rtol and self.contradicted is None
 
     @property
@@ -104,17 +116,18 @@ class Reference:
 
     @property
     def worst(self) -> float:
-        """The largest relative error: of the entries of the Maxwell matrix and, if errors are estimates, of the delta_self.
+        """The largest relative error: of the entries of the Maxwell matrix and, if errors are estimates, of delta_self and changes.
 
-        The error of an enclosed entry is half the width of its interval. The bounds prove nothing about delta_self, which is the
-        difference of two solutions.
+        The error of an enclosed entry is half the width of its interval. The bounds of a matrix prove little about delta_self and the
+        changes of readings, which are differences of two solutions.
         """
         if self.enclosure is not None:
             return float(np.max(self.enclosure.half_width / np.abs(self.maxwell.value)))
         pairs = [self.maxwell]
         if self.has_objects and self.sensors:
             pairs.append(self.delta_self)
-        return float(max(np.max(pair.error / np.abs(pair.value)) for pair in pairs))
+        of_readings = [reading.relative_error_of_change for reading in self.readings]
+        return float(max([np.max(pair.error / np.abs(pair.value)) for pair in pairs] + of_readings))
 
     @property
     def charges(self) -> tuple[Array, ...]:
@@ -219,7 +232,11 @@ def solve_conductors(
         bounds: Bounds = "enclosure" if enclosed else "check" if checks and error == "estimate" else "none"
         level = solve_level(problem, relative_permittivity, sizing, bounds, planes)
         bound = sum((body.bound for body in left_out), np.zeros(len(problem.names)))
-        if left_out and not is_negligible(bound, level.maxwell, level.delta_self, rtol):
+        changes, of_changes = level.delta_self, bound[: problem.sensors]
+        if level.readings is not None:
+            changes = np.append(changes, level.readings.change)
+            of_changes = np.append(of_changes, of_left_out(problem, bound))
+        if left_out and not is_negligible(bound, level.maxwell, of_changes, changes, rtol):
             # The first level shows that some entries are too small for the bound: solve the whole scene after all.
             problem, left_out, planes = whole, (), _planes(whole, symmetry)
             continue
@@ -247,7 +264,8 @@ def solve_conductors(
             most = f"the refinement ends after {MOST_LEVELS} levels"
             return answer if answer.reached else replace(answer, stopped_by=stopped_by or most)
         if enclosed:
-            next_enclosed = number + _levels_to_next_enclosure(answer.worst, rtol)
+            widest = max([answer.worst, *(reading.relative_width_of_change for reading in answer.readings)])
+            next_enclosed = number + _levels_to_next_enclosure(widest, rtol)
 
 
 def _planes(problem: Conductors, symmetry: bool) -> tuple[Plane, ...]:
@@ -302,7 +320,9 @@ def _combined(
         * open_boundary_error(finest / farads, 1.0, OUTER_RADIUS)
     )
     matrix = best_value(levels)
-    change = estimate([level.delta_self for level in levels])
+    first = levels[0].enclosure
+    width = None if first is None else 2 * np.diag(first.half_width)[: problem.sensors]
+    change = difference_estimate([level.delta_self for level in levels], width)
     relative_boundary = (np.diag(boundary) / np.diag(finest))[: problem.sensors]
     matrix_error = matrix.error + boundary + shared_error(growth) * np.abs(matrix.value)
     matrix_error += np.sqrt(np.outer(left_out, left_out))
@@ -326,7 +346,9 @@ def _combined(
         check = check if check is None or shape is None else shape.widened(check)
         estimated = Estimate(value, matrix_error, matrix.extrapolated)
         answer, contradicted = checked(estimated, _exchanges(problem), check)
+    relative = float(np.max(np.diag(boundary) / np.diag(finest))) + shared_error(growth)
     return Reference(
+        readings=combined_readings(problem, levels, answer, relative, left_out, shape),
         names=problem.names,
         sensors=problem.sensors,
         maxwell=answer,
@@ -353,7 +375,10 @@ def _combined(
 def _exchanges(problem: Conductors) -> list[tuple[int, ...]]:
     """The permutations of the rows and columns that leave the matrix unchanged, because a mirror image of the scene is the scene."""
     kinds: list[tuple[str, float]] = [("row", 0.0)] * len(problem.names)
-    kinds += [("floating", 0.0)] * len(problem.floating) + [("grounded", 0.0)] * len(problem.grounded)
+    kinds += [("floating", value) for value in problem.to_ground] or [("floating", 0.0)] * len(
+        problem.floating
+    )
+    kinds += [("grounded", 0.0)] * len(problem.grounded)
     kinds += [("dielectric", body.contrast) for body in problem.dielectrics]
     orders = exchanges(problem.bodies, problem.owner, kinds, problem.room)
     return [order[: len(problem.names)] for order in orders]

@@ -30,6 +30,9 @@ class GeometryError:
     lower_proven: Flags
     """(n, n): which entries are with wraps at most as large as without."""
 
+    growth_of_readings: Array | None = None
+    """(k,): the same of the change of each reading; None without readings."""
+
     @property
     def error(self) -> Array:
         """The error (n, n) of each entry that is stated for the wraps."""
@@ -41,8 +44,11 @@ class GeometryError:
 
     def corrected_change(self, change: Estimate) -> Estimate:
         """The same for the sensors' `delta_self`."""
-        error = change.error + np.abs(self.growth_of_change)
-        return Estimate(change.value - self.growth_of_change, error, change.extrapolated)
+        return _corrected(change, self.growth_of_change)
+
+    def corrected_readings(self, change: Estimate) -> Estimate:
+        """The same for the changes of the readings."""
+        return change if self.growth_of_readings is None else _corrected(change, self.growth_of_readings)
 
     def widened(self, interval: Enclosure) -> Enclosure:
         """The interval of the bodies as they are, from that of the wraps: by twice the growth, except where a bound stays proven."""
@@ -51,6 +57,11 @@ class GeometryError:
         upper = interval.upper + np.where(self.upper_proven, 0.0, np.maximum(-twice, self.error))
         off_diagonal = ~np.eye(len(upper), dtype=bool)
         return Enclosure(lower, np.where(off_diagonal, np.minimum(upper, 0.0), upper))
+
+
+def _corrected(found: Estimate, growth: Array) -> Estimate:
+    """Extrapolate linearly to no offset; the whole correction counts as error."""
+    return Estimate(found.value - growth, found.error + np.abs(growth), found.extrapolated)
 
 
 def geometry_error(problem: Conductors, level: Level, coarser: Level) -> GeometryError:
@@ -66,6 +77,7 @@ def geometry_error(problem: Conductors, level: Level, coarser: Level) -> Geometr
     rows = np.array([number in wrapped for number in range(count)])
     only_grounded = all(number < count or number >= problem.driven for number in wrapped)
     diagonal = np.eye(count, dtype=bool)
+    one, other = level.readings, coarser.readings
     neither = ~rows[:, None] & ~rows[None]
     either = rows[:, None] ^ rows[None]
     return GeometryError(
@@ -73,4 +85,5 @@ def geometry_error(problem: Conductors, level: Level, coarser: Level) -> Geometr
         coarser.delta_self - level.delta_self,
         diagonal | (neither & only_grounded),
         ~diagonal & either & (len(wrapped) == 1),
+        None if one is None or other is None else other.change - one.change,
     )

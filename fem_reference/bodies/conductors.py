@@ -8,6 +8,7 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.constants import epsilon_0
 
 from fem_reference.bodies.contacts import refuse_contact, refuse_outside
 from fem_reference.bodies.parts import Part, merged, meshable, object_part
@@ -16,6 +17,7 @@ from fem_reference.bodies.shapes import Body, Cuboid, Rectangle, bounding_sphere
 from fem_reference.bodies.symmetry import Plane
 from fem_reference.bodies.wrapping import Geometry, Wrap, member_names
 from geometries.common.errors import InputError
+from geometries.scene.readings import readings, targets
 from geometries.scene.scene import Object, Scene
 
 Array = NDArray[np.float64]
@@ -28,6 +30,20 @@ class Dielectric:
     name: str
     relative_permittivity: float
     contrast: float
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A reading: the charge on the row `sense` of the Maxwell matrix with the rows `drive` at 1 V, as a positive number."""
+
+    name: str
+    sense: int
+    drive: tuple[int, ...]
+
+    @property
+    def sign(self) -> float:
+        """The factor on the charge: −1 where the charge is induced by others."""
+        return 1.0 if self.sense in self.drive else -1.0
 
 
 @dataclass(frozen=True)
@@ -56,6 +72,14 @@ class Conductors:
     """Number of sensors among `grounded`."""
     room: Cuboid | None = None
     """The grounded walls around everything; None in free space."""
+    to_ground: tuple[float, ...] = ()
+    """For each floating conductor its capacitance to ground over the medium's permittivity; empty if none has one."""
+    targets: frozenset[str] = frozenset()
+    """The conductors and dielectric bodies without which readings have their background."""
+    readings: tuple[Measured, ...] = ()
+    """The readings whose conductors all have a row."""
+    bounded_readings: bool = False
+    """Whether the readings' background is enclosed as well, which takes as long as enclosing the matrix."""
 
     def bodies_of(self, conductor: int) -> list[int]:
         """Indices of the bodies that make up one conductor or dielectric body."""
@@ -83,6 +107,13 @@ class Conductors:
     def wraps(self) -> tuple[Wrap, ...]:
         """The bodies that are wraps of others."""
         return tuple(body for body in self.bodies if isinstance(body, Wrap))
+
+    @property
+    def is_target(self) -> tuple[bool, ...]:
+        """Whether each number, of a conductor or a dielectric body, is that of a target."""
+        dielectrics = [body.name for body in self.dielectrics]
+        numbered = [*self.names, *self.floating, *self.grounded, *dielectrics]
+        return tuple(name in self.targets for name in numbered)
 
     def in_metres(self, plane: Plane) -> Plane:
         """Convert a plane of the scaled scene to the world frame, in metres."""
@@ -145,6 +176,7 @@ def conductors(
     _refuse_unknown(columns, rows, source)
     asked = [name for name in rows if not columns or name in columns]
     others = [name for name in rows if name not in asked]
+    comes_and_goes = _targets(scene, conducting, solid, source)
     _refuse_contacts(parts, sensors, source)
     room = _room(scene)
     parts = meshable(scene, parts, room, geometry, source)
@@ -152,7 +184,7 @@ def conductors(
         for part in parts:
             refuse_outside(part.surface, room, source)
     numbered = [*asked, *floating, *others, *(body.name for body in dielectric)]
-    return normalised(
+    problem = normalised(
         asked,
         sum(name in asked for name in sensors),
         [part.body for part in parts],
@@ -163,6 +195,38 @@ def conductors(
         sum(name in others for name in sensors),
         room,
     )
+    to_ground = {part.conductor: body.to_ground for part, body in zip(conducting, solid)}
+    permittivity = epsilon_0 * scene.medium.relative_permittivity
+    return replace(
+        problem,
+        to_ground=tuple(to_ground[name] / (permittivity * problem.unit) for name in floating),
+        targets=comes_and_goes,
+        readings=tuple(
+            Measured(reading.name, asked.index(reading.sense), tuple(map(asked.index, reading.drive)))
+            for reading in readings(scene)
+            if {reading.sense, *reading.drive} <= {*asked}
+        ),
+        bounded_readings=bool(scene.readings) or any(body.target for body in scene.objects),
+    )
+
+
+def _targets(scene: Scene, parts: Sequence[Part], solid: Sequence[Object], source: str) -> frozenset[str]:
+    """The names of the conductors, whose `parts` are the objects `solid`, and of the dielectric bodies that come and go.
+
+    Raises InputError where only some bodies of a conductor do.
+    """
+    come = {body.name: comes for body, comes in zip(scene.objects, targets(scene))}
+    machine = {part.conductor: body.name for part, body in zip(parts, solid) if not come[body.name]}
+    found = {
+        body.name for body in scene.objects if body.relative_permittivity is not None and come[body.name]
+    }
+    for part, body in zip(parts, solid):
+        if come[body.name]:
+            if part.conductor in machine:
+                reason = f'is one conductor with "{machine[part.conductor]}", which stays: the field is not solved without a part of it'
+                raise InputError(source, f'object "{body.name}": target', reason)
+            found.add(part.conductor)
+    return frozenset(found)
 
 
 def _refuse_contacts(parts: Sequence[Part], sensors: Collection[str], source: str) -> None:

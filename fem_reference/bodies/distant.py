@@ -55,10 +55,13 @@ def without_distant(
     return problem, ()
 
 
-def is_negligible(bound: Array, maxwell: Array, delta_self: Array, rtol: float) -> bool:
-    """Whether changes of M[i, i] by `bound` (n,) change every entry and every delta_self by at most SHARE·`rtol` of itself."""
+def is_negligible(bound: Array, maxwell: Array, of_changes: Array, changes: Array, rtol: float) -> bool:
+    """Whether changes of M[i, i] by `bound` (n,) change every entry by at most SHARE·`rtol` of itself.
+
+    The same is asked of `changes` (m,), delta_self and those of readings, to which the bodies left out add at most `of_changes`.
+    """
     within_entries = np.sqrt(np.outer(bound, bound)) <= SHARE * rtol * np.abs(maxwell)
-    within_changes = bound[: len(delta_self)] <= SHARE * rtol * delta_self
+    within_changes = of_changes <= SHARE * rtol * np.abs(changes)
     return bool(within_entries.all() and within_changes.all())
 
 
@@ -121,6 +124,7 @@ def _without(problem: Conductors, numbers: Collection[int]) -> Conductors:
         unit=problem.unit * unit,
         room=None if problem.room is None else moved_cuboid(problem.room, centre, unit),
         floating=tuple(name for k, name in enumerate(problem.floating, floating) if k not in numbers),
+        to_ground=tuple(c / unit for k, c in enumerate(problem.to_ground, floating) if k not in numbers),
         grounded=tuple(name for k, name in enumerate(problem.grounded, grounded) if k not in numbers),
         grounded_sensors=sum(k not in numbers for k in other_sensors),
         dielectrics=tuple(body for k, body in enumerate(problem.dielectrics, dielectric) if k not in numbers),

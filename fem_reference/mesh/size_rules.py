@@ -19,6 +19,9 @@ class Sizing:
     gap_between_faces: float = 5.0
     """The same between two bodies with plane faces only. There the potential is nearly linear across the gap, which cells of any width
     represent; where it is not, an edge is near, from which the size grows."""
+    far: float = 0.1
+    """Least size at the edges of bodies that are always grounded, over the distance from those that are driven, on the coarsest level.
+    What such edges leave wrong of a charge elsewhere falls with a higher power of the distance."""
     curvature: float = 0.3
     """Size on a curved surface over its radius of curvature, on the coarsest level."""
     growth: float = 0.4

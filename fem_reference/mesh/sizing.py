@@ -5,7 +5,8 @@ Hence the size at a point x is
 
     h(x) = min( edge_i + growth · distance to the edges of body i,  c·(distance to body i + distance to body j) )
 
-over all bodies i and all pairs i, j. `edge_i` is a fraction of the body's size, or of the local gap where that is smaller. The sum of
+over all bodies i and all pairs i, j. `edge_i` is a fraction of the body's size, or of the local gap where that is smaller; for a body of a
+conductor that is always grounded it is at least a fraction of the distance from those that are driven. The sum of
 the distances to two bodies is the local width of the gap between them: two plates at an angle are resolved where they are close, and
 nowhere else. Between plane faces c is larger than 1, since the potential there is nearly linear except near edges. gmsh's MathEval
 evaluates closed forms of the distances; gmsh samples the distances to polyhedra.
@@ -48,14 +49,17 @@ def set_size_field(
     volumes: Mapping[int, Sequence[int]],
     dielectrics: Collection[int] = (),
     room: Cuboid | None = None,
+    grounded: Collection[int] = (),
 ) -> None:
     """Make the size field of these bodies the background mesh of the current gmsh model.
 
     The size is not reduced in gaps between bodies of one conductor (equal `owner`), nor between a dielectric body and a body it
     touches, where the field varies over the thickness of the dielectric. `volumes` maps each solid body to gmsh's tags of its
-    volumes.
+    volumes. The bodies `grounded` are at 0 V in every solution, so that there is no field between two of them.
     """
-    pairs = [(i, j) for i, j in combinations(range(len(bodies)), 2) if owner[i] != owner[j]]
+    potential = [None if k in grounded else number for k, number in enumerate(owner)]
+    pairs = [(i, j) for i, j in combinations(range(len(bodies)), 2) if potential[i] != potential[j]]
+    driven = [k for k in range(len(bodies)) if k not in grounded and k not in dielectrics]
     contacts = [(i, j) for i, j in pairs if in_contact(bodies[i], bodies[j])]
     gaps = [pair for pair in pairs if pair not in contacts]
     known = sampled_surfaces(bodies, gaps, sizing, volumes)
@@ -63,21 +67,29 @@ def set_size_field(
     sizes = [f"{_in_gap(bodies[i], bodies[j], sizing)}*({known[i]}+{known[j]})" for i, j in gaps]
     for i, body in enumerate(bodies):
         across = [f"({known[i]}+{known[k + j - i]})" for k, j in gaps if i in (k, j)]
-        if room is not None:
+        if room is not None and i not in grounded:
             across.append(f"({known[i]}+{wall_distance(room)})")
             sizes.append(f"{_in_gap(body, room, sizing)}*{across[-1]}")
         edge = [repr(sizing.edge * body.size), *(f"{sizing.edge_in_gap}*{gap}" for gap in across)]
         for j in (k + j - i for k, j in contacts if i in (k, j)):
             edge.append(f"({sizing.edge}*{bodies[j].size!r}+{sizing.edge_in_gap}*{known[j]})")
-        at_edges = f"{minimum(edge)}/{sizing.refinement}"
+        least = None
+        if i in grounded and driven:
+            least = f"{sizing.far}*{minimum([known[k] for k in driven])}"
+        at_edges = f"{_at_least(minimum(edge), least)}/{sizing.refinement}"
         if isinstance(body, Polyhedron):
-            sizes += _sizes_of_polyhedron(body, at_edges, known[i], sizing, volumes[i])
+            sizes += _sizes_of_polyhedron(body, at_edges, least, known[i], sizing, volumes[i])
         else:
             sizes += _sizes_of_body(body, at_edges, known[i], sizing)
         if i in dielectrics:
             sizes.append(f"{sizing.gap}*({body.size!r}+2*{known[i]})")
     fields = [gmsh_fields.expression(size) for size in sizes]
     gmsh.model.mesh.field.setAsBackgroundMesh(gmsh_fields.smallest(fields))
+
+
+def _at_least(size: str, least: str | None) -> str:
+    """The size, or the least one where that is larger."""
+    return size if least is None else f"max({size},{least})"
 
 
 def _is_plane_faced(body: Body) -> bool:
@@ -108,11 +120,15 @@ def _sizes_of_body(body: TextBody, at_edges: str, surface: str, sizing: Sizing) 
 
 
 def _sizes_of_polyhedron(
-    body: Polyhedron, at_edges: str, surface: str, sizing: Sizing, volumes: Sequence[int]
+    body: Polyhedron, at_edges: str, least: str | None, surface: str, sizing: Sizing, volumes: Sequence[int]
 ) -> list[str]:
-    """The sizes that the sharp edges and the rounded surfaces of a polyhedron require; the latter start from the size of facets."""
+    """The sizes that the sharp edges and the rounded surfaces of a polyhedron require.
+
+    The latter start from the size of facets, or from the `least` size, an expression, where that is larger.
+    """
     edges, facet = sampled_edges(body, volumes), facet_size(body)
     sizes = [] if edges is None else [f"{at_edges}+{sizing.growth}*{edges}"]
     if facet is not None:
-        sizes.append(f"{facet / sizing.refinement**0.5!r}+{sizing.growth}*{surface}")
+        on_facets = f"{_at_least(repr(facet), least)}/{sizing.refinement**0.5!r}"
+        sizes.append(f"{on_facets}+{sizing.growth}*{surface}")
     return sizes

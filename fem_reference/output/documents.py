@@ -16,6 +16,8 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fem_reference.output.field_file import write_field_file
+from fem_reference.output.readings import readings_document, readings_table
+from fem_reference.output.units import PICOFARAD
 from fem_reference.solve.level import Level
 from fem_reference.common.limits import Limits
 from fem_reference.output.potential_slice import potential_slice
@@ -27,7 +29,6 @@ from geometries.scene.reader import load
 
 # Version of the documents' format, as geometries/schemas/FORMATS.md describes it.
 FORMAT = 1
-PICOFARAD = 1e-12
 ANSWERED, NOT_REACHED = 0, 3
 
 METHOD = (
@@ -117,6 +118,7 @@ def document(reference: Reference) -> dict[str, Any]:
         }
     finest = reference.levels[-1]
     return result | {
+        "readings": readings_document(reference.readings),
         "not_asked": list(reference.grounded),
         "ground": "room" if reference.in_room else "infinity",
         "left_out": [{"name": body.name, "bound": float(body.bound.max())} for body in reference.left_out],
@@ -206,6 +208,7 @@ def table(reference: Reference) -> str:
         for k, name in enumerate(reference.names[: reference.sensors]):
             change = reference.delta_self.value[k] / PICOFARAD, reference.delta_self.error[k] / PICOFARAD
             lines.append(f"{name:<{width}}" + f"{change[0]:.6f} ± {change[1]:.6f}".rjust(24))
+    lines += readings_table(reference.readings)
     if reference.grounded:
         lines.append(f"grounded, their columns not asked for: {', '.join(reference.grounded)}")
     if reference.in_room:

@@ -23,7 +23,7 @@ def driven_sensor(problem: Conductors) -> tuple[TaggedMesh, fem.Function]:
         dielectrics=problem.permittivities,
         room=problem.room,
     )
-    system = FieldProblem(tagged, problem.parts, problem.permittivities)
+    system = FieldProblem(tagged, problem.parts, problem.permittivities, problem.to_ground)
     potential = fem.Function(system.space)
     potential.x.array[:] = first_sensor_driven(system, len(problem.floating))
     return tagged, potential

@@ -55,11 +55,13 @@ def body_charges(
 
 
 def _without_charge_on_floating(system: FieldProblem, potentials: Sequence[Array], rows: int) -> list[Array]:
-    """The potentials with each of the first `rows` conductors at 1 V and the floating ones, which follow, uncharged."""
+    """The potentials with each of the first `rows` conductors at 1 V and the floating ones, which follow, left to themselves."""
     if len(potentials) == rows:
         return list(potentials)
     maxwell = system.energies(potentials)
-    induced = np.linalg.solve(maxwell[rows:, rows:], -maxwell[rows:, :rows])
+    own = maxwell[rows:, rows:]
+    own = own + np.diag(system.to_ground) if len(system.to_ground) else own
+    induced = np.linalg.solve(own, -maxwell[rows:, :rows])
     return [potentials[k] + induced[:, k] @ np.array(potentials[rows:]) for k in range(rows)]
 
 

@@ -68,27 +68,38 @@ class FieldProblem:
         tagged: TaggedMesh,
         conductors: Sequence[Sequence[int]],
         permittivities: Mapping[int, float] | None = None,
+        to_ground: Sequence[float] = (),
     ) -> None:
         """Assemble the matrix; `conductors[k]` lists the bodies that make up conductor k.
 
-        `permittivities` maps each dielectric body to its permittivity relative to the medium's.
+        `permittivities` maps each dielectric body to its permittivity relative to the medium's. `to_ground` has the capacitances to
+        ground of the floating conductors (ε = 1); empty if none has one.
         """
         self.tagged = tagged
         self.permittivities = dict(permittivities or {})
+        # The mesh has this share of the conductors, and so of what connects them to ground.
+        self.to_ground = np.asarray(to_ground, dtype=np.float64) / tagged.copies
         with stage("assembling the equations"):
             self.space = fem.FunctionSpace(tagged.mesh, ("Lagrange", DEGREE), jit_params=COMPILATION)
             self.stiffness = _stiffness(tagged, self.space, self.permittivities)
         self.dofs = [_conductor_dofs(tagged, self.space, bodies) for bodies in conductors]
         self.wall_dofs = _wall_dofs(tagged, self.space)
 
-    def without_dielectrics(self) -> FieldProblem:
-        """The same conductors on the same mesh, with every dielectric body replaced by the medium."""
-        if not self.permittivities:
+    def with_dielectrics(self, permittivities: Mapping[int, float]) -> FieldProblem:
+        """The same conductors on the same mesh, with these dielectric bodies only; the medium is in the place of the others."""
+        if self.permittivities == permittivities:
             return self
         bare = copy.copy(self)
-        bare.permittivities = {}
-        bare.stiffness = _stiffness(self.tagged, self.space, {})
+        bare.permittivities = dict(permittivities)
+        bare.stiffness = _stiffness(self.tagged, self.space, permittivities)
         return bare
+
+    def with_conductors(self, numbers: Sequence[int], to_ground: NDArray[np.float64]) -> FieldProblem:
+        """The same mesh with these of the conductors only, in this order; `to_ground` is that of those among them that float."""
+        fewer = copy.copy(self)
+        fewer.dofs = [self.dofs[k] for k in numbers]
+        fewer.to_ground = to_ground
+        return fewer
 
     @property
     def unknowns(self) -> int:
@@ -166,25 +177,28 @@ def charges(
     driven = count - grounded
     potentials = problem.potentials(range(count), driven)
     maxwell = problem.energies(potentials)
-    kept = without_floating(maxwell, floating)
+    kept = without_floating(maxwell, floating, problem.to_ground)
     all_sensors = [*range(sensors), *range(driven, driven + grounded_sensors)]
     if sensors == 0 or (len(all_sensors) == count and not problem.permittivities):
         return Charges(kept, kept[:sensors, :sensors], problem.unknowns, potentials)
-    bare = problem.without_dielectrics()
+    bare = problem.with_dielectrics({})
     alone = bare.energies(bare.potentials(all_sensors, sensors))
     return Charges(kept, alone, problem.unknowns, potentials)
 
 
-def without_floating(maxwell: NDArray[np.float64], floating: int) -> NDArray[np.float64]:
+def without_floating(
+    maxwell: NDArray[np.float64], floating: int, to_ground: Sequence[float] | NDArray[np.float64] = ()
+) -> NDArray[np.float64]:
     """Eliminate the last `floating` conductors, which carry no charge, from the Maxwell matrix: its Schur complement.
 
-    Solving the rows 0 = M_fk·V_k + M_ff·V_f for the floating conductors' potentials leaves M_kk − M_kf·M_ff⁻¹·M_fk.
+    With `to_ground`, in the matrix's unit, each of them carries the opposite of the charge on its capacitance to ground, which adds to
+    its own entry first. Solving the rows 0 = M_fk·V_k + M_ff·V_f for the floating conductors' potentials leaves M_kk − M_kf·M_ff⁻¹·M_fk.
     """
     if floating == 0:
         return maxwell
     kept = len(maxwell) - floating
-    mixed = maxwell[:kept, kept:]
-    induced = np.linalg.solve(maxwell[kept:, kept:], mixed.T)
+    mixed, own = maxwell[:kept, kept:], maxwell[kept:, kept:]
+    induced = np.linalg.solve(own + np.diag(to_ground) if len(to_ground) else own, mixed.T)
     reduced = maxwell[:kept, :kept] - mixed @ induced
     return np.asarray((reduced + reduced.T) / 2)
 
@@ -196,7 +210,9 @@ def first_sensor_driven(problem: FieldProblem, floating: int) -> NDArray[np.floa
     if floating == 0:
         return potentials[0]
     maxwell = problem.energies(potentials)
-    induced = np.linalg.solve(maxwell[-floating:, -floating:], -maxwell[-floating:, 0])
+    own = maxwell[-floating:, -floating:]
+    own = own + np.diag(problem.to_ground) if len(problem.to_ground) else own
+    induced = np.linalg.solve(own, -maxwell[-floating:, 0])
     return np.asarray(potentials[0] + induced @ np.array(potentials[-floating:]))
 
 

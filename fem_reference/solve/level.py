@@ -21,6 +21,7 @@ from fem_reference.mesh.sizing import Sizing
 from fem_reference.solve.field_problem import Charges, FieldProblem, charges, release_unused, without_floating
 from fem_reference.common.stages import stage
 from fem_reference.bodies.symmetry import Plane
+from fem_reference.solve.readings import LevelReadings, level_readings
 from fem_reference.solve.upper_energy import upper_energies
 
 Array = NDArray[np.float64]
@@ -58,6 +59,8 @@ class Level:
     """Wider proven bounds, by fluxes of lower degree, against which an estimated answer is checked."""
     body_charges: tuple[Array, ...] = ()
     """For each conductor with a row the charges (members, n) on its bodies; empty if each conductor is one body."""
+    readings: LevelReadings | None = None
+    """The readings, if there are any."""
 
 
 def solve_level(
@@ -79,9 +82,12 @@ def solve_level(
         dielectrics=problem.permittivities,
         planes=planes,
         room=problem.room,
+        grounded=[
+            k for number in range(len(problem.grounded)) for k in problem.bodies_of(problem.driven + number)
+        ],
     )
     farads = epsilon_0 * relative_permittivity * problem.unit * mesh.copies
-    found, on_bodies, done, interval = _charges_and_bounds(problem, mesh, farads, bounds, planes)
+    found, on_bodies, done, interval, readings = _charges_and_bounds(problem, mesh, farads, bounds, planes)
     release_unused(mesh.mesh.comm)
     smallest = min(body.size for body in problem.bodies)
     end = time.monotonic()
@@ -98,38 +104,44 @@ def solve_level(
         interval if bounds == "enclosure" else None,
         interval if bounds == "check" else None,
         tuple(farads * own for own in on_bodies),
+        None if readings is None else readings.scaled(farads),
     )
 
 
 def _charges_and_bounds(
     problem: Conductors, mesh: TaggedMesh, farads: float, bounds: Bounds, planes: Sequence[Plane]
-) -> tuple[Charges, tuple[Array, ...], float, Enclosure | None]:
-    """Solve for the charges and, if asked for, their bounds; also returns the charges on bodies and the time when all were known.
+) -> tuple[Charges, tuple[Array, ...], float, Enclosure | None, LevelReadings | None]:
+    """Solve for the charges and, if asked for, their bounds, and for the readings.
+
+    Also returns the charges on bodies, and the time when all charges were known.
 
     The matrices are local to this function, so that `release_unused` can free them afterwards.
     """
-    system = FieldProblem(mesh, problem.parts, problem.permittivities)
+    system = FieldProblem(mesh, problem.parts, problem.permittivities, problem.to_ground)
     found = charges(
         system, problem.sensors, len(problem.floating), len(problem.grounded), problem.grounded_sensors
     )
     on_bodies = body_charges(problem, system, found.potentials, planes)
     done = time.monotonic()
     if bounds == "none":
-        return found, on_bodies, done, None
+        return found, on_bodies, done, None, level_readings(problem, system, found, None, 0)
     degree = FLUX_DEGREE if bounds == "enclosure" else CHECK_DEGREE
     with stage("bounding the energies"):
-        return found, on_bodies, done, _enclosure(problem, system, found.potentials, farads, degree)
+        below, above = _forms(problem, system, found.potentials, degree)
+        interval = widened(enclosure(farads * below, farads * above), mesh.shape_error)
+        forms = (below, above) if bounds == "enclosure" else None
+        readings = level_readings(problem, system, found, forms, degree)
+    return found, on_bodies, done, interval, readings
 
 
-def _enclosure(
-    problem: Conductors, system: FieldProblem, potentials: list[Array], farads: float, degree: int
-) -> Enclosure:
-    """Bounds of the Maxwell matrix without floating conductors; eliminating these keeps L ≤ M ≤ U (NUMERICS.md section 5)."""
+def _forms(
+    problem: Conductors, system: FieldProblem, potentials: list[Array], degree: int
+) -> tuple[Array, Array]:
+    """Quadratic forms L ≤ M ≤ U of the Maxwell matrix (ε = 1), without floating conductors; eliminating these keeps the order."""
     above = upper_energies(system, potentials)
     flux = flux_energies(system.tagged, problem.parts, problem.driven, degree, problem.permittivities)
     below = flux.lower - np.diag(flux.algebraic_error)
     floating = len(problem.floating)
-    interval = enclosure(
-        farads * without_floating(below, floating), farads * without_floating(above, floating)
+    return without_floating(below, floating, system.to_ground), without_floating(
+        above, floating, system.to_ground
     )
-    return widened(interval, system.tagged.shape_error)

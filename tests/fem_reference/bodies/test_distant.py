@@ -62,9 +62,9 @@ def test_bodies_left_out_add_up() -> None:
 
 def test_what_matters_to_the_smallest_entry_is_not_negligible() -> None:
     maxwell = np.array([[1.0, -1e-6], [-1e-6, 1.0]])
-    assert not is_negligible(np.array([1e-8, 1e-8]), maxwell, np.array([0.5]), 1e-3)
-    assert is_negligible(np.array([1e-11, 1e-11]), maxwell, np.array([0.5]), 1e-3)
-    assert not is_negligible(np.array([1e-11, 1e-11]), maxwell, np.array([1e-9]), 1e-3)
+    assert not is_negligible(np.array([1e-8, 1e-8]), maxwell, np.array([1e-8]), np.array([0.5]), 1e-3)
+    assert is_negligible(np.array([1e-11, 1e-11]), maxwell, np.array([1e-11]), np.array([0.5]), 1e-3)
+    assert not is_negligible(np.array([1e-11, 1e-11]), maxwell, np.array([1e-11]), np.array([1e-9]), 1e-3)
 
 
 def test_the_bound_is_above_the_change_of_two_balls() -> None:

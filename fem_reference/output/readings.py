@@ -1,0 +1,53 @@
+"""The readings of an answer: for the JSON document, and as a table for people to read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from fem_reference.answer.readings import Quantity, ReadingAnswer
+from fem_reference.output.units import PICOFARAD
+
+ANSWERED_BY = "field"
+PARTS = ("value", "background", "change")
+
+
+def readings_document(readings: Sequence[ReadingAnswer]) -> list[dict[str, Any]]:
+    """The readings as data for JSON; farads. `lower` and `upper` are there if any bound is proven, with null for those that are not."""
+    return [_document(reading) for reading in readings]
+
+
+def _document(reading: ReadingAnswer) -> dict[str, Any]:
+    quantities: dict[str, Quantity] = {part: getattr(reading, part) for part in PARTS}
+    document: dict[str, Any] = {"name": reading.name, "answered_by": ANSWERED_BY}
+    document |= {part: quantity.value for part, quantity in quantities.items()}
+    document["error"] = {part: quantity.error for part, quantity in quantities.items()}
+    for side in ("lower", "upper"):
+        bounds = {part: getattr(quantity, side) for part, quantity in quantities.items()}
+        if any(bound is not None for bound in bounds.values()):
+            document[side] = bounds
+    return document
+
+
+def readings_table(readings: Sequence[ReadingAnswer]) -> list[str]:
+    """Lines of a table in picofarad, with the errors and, below them, the bounds that are proven."""
+    if not readings:
+        return []
+    width = max(8, *(len(reading.name) for reading in readings)) + 2
+    lines = [
+        "readings, pF: charge sensed per volt on what is driven; without the targets; the change by the targets"
+    ]
+    lines.append(" " * width + "".join(f"{part:>24}" for part in PARTS))
+    for reading in readings:
+        quantities: list[Quantity] = [getattr(reading, part) for part in PARTS]
+        entries = (f"{q.value / PICOFARAD:.6f} ± {q.error / PICOFARAD:.6f}" for q in quantities)
+        lines.append(f"{reading.name:<{width}}" + "".join(f"{entry:>24}" for entry in entries))
+        if any(quantity.lower is not None for quantity in quantities):
+            lines.append(f"{'  proven':<{width}}" + "".join(f"{_interval(q):>24}" for q in quantities))
+    return lines
+
+
+def _interval(quantity: Quantity) -> str:
+    if quantity.lower is None or quantity.upper is None:
+        return ""
+    return f"[{quantity.lower / PICOFARAD:.6f}, {quantity.upper / PICOFARAD:.6f}]"

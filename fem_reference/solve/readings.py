@@ -1,0 +1,148 @@
+"""The readings on one mesh: their values, and their background, which is solved on the same mesh without the targets.
+
+What a mesh leaves wrong at the edges of the machine it leaves wrong in both, so that most of it cancels in the change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_reference.bodies.conductors import Conductors, Measured
+from fem_reference.solve.field_problem import Charges, FieldProblem, without_floating
+from fem_reference.solve.flux import flux_energies
+from fem_reference.solve.upper_energy import upper_energies
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LevelReadings:
+    """The readings (n,) on one mesh, in the unit of the matrices, and proven bounds (n, 2) where they were asked for."""
+
+    value: Array
+    background: Array
+    value_bounds: Array | None = None
+    background_bounds: Array | None = None
+
+    @property
+    def change(self) -> Array:
+        return np.asarray(self.value - self.background)
+
+    def scaled(self, factor: float) -> LevelReadings:
+        """The readings in another unit."""
+        parts = (self.value, self.background, self.value_bounds, self.background_bounds)
+        return LevelReadings(*(None if part is None else factor * part for part in parts))  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class Background:
+    """The potentials without the targets; first those of the rows that readings measure, then those of floating conductors."""
+
+    system: FieldProblem
+    rows: tuple[int, ...]
+    floating: int
+    parts: list[list[int]]
+    """The bodies of each conductor that stays, in the order of the system's conductors."""
+    potentials: list[Array]
+
+    @property
+    def maxwell(self) -> Array:
+        """The Maxwell matrix of the rows."""
+        return self.without_floating(self.system.energies(self.potentials))
+
+    def without_floating(self, matrix: Array) -> Array:
+        return without_floating(matrix, self.floating, self.system.to_ground)
+
+
+def background(problem: Conductors, system: FieldProblem) -> Background:
+    """Solve for the machine without the targets, in whose place is the medium."""
+    is_target = problem.is_target
+    rows = tuple(sorted({k for reading in problem.readings for k in (reading.sense, *reading.drive)}))
+    count = problem.driven + len(problem.grounded)
+    floating = [k for k in range(len(problem.names), problem.driven) if not is_target[k]]
+    others = [k for k in range(count) if not is_target[k] and k not in rows and k not in floating]
+    order = [*rows, *floating, *others]
+    to_ground = system.to_ground
+    if len(to_ground):
+        to_ground = to_ground[[k - len(problem.names) for k in floating]]
+    stay = {
+        body: value for body, value in problem.permittivities.items() if not is_target[problem.owner[body]]
+    }
+    machine = system.with_dielectrics(stay).with_conductors(order, to_ground)
+    driven = len(rows) + len(floating)
+    parts = [problem.bodies_of(k) for k in order]
+    return Background(machine, rows, len(floating), parts, machine.potentials(range(len(order)), driven))
+
+
+def level_readings(
+    problem: Conductors, system: FieldProblem, found: Charges, forms: tuple[Array, Array] | None, degree: int
+) -> LevelReadings | None:
+    """The readings on one mesh (ε = 1); None if there are none.
+
+    `forms` bound the Maxwell matrix as quadratic forms, from below and from above. The background is bounded too if the problem says so.
+    """
+    readings = problem.readings
+    if not readings:
+        return None
+    value = _values(readings, found.maxwell)
+    shape_error = system.tagged.shape_error
+    bounds = None if forms is None else reading_bounds(readings, *forms, shape_error)
+    if not any(problem.is_target):
+        return LevelReadings(value, value, bounds, bounds)
+    enclosed = forms is not None and problem.bounded_readings
+    if not enclosed and _is_sensors_alone(problem):
+        return LevelReadings(value, _values(readings, found.sensors_alone), bounds)
+    without = background(problem, system)
+    measured = [_renumbered(reading, without.rows) for reading in readings]
+    alone = _values(measured, without.maxwell)
+    if not enclosed:
+        return LevelReadings(value, alone, bounds)
+    above = upper_energies(without.system, without.potentials)
+    # There is a field inside of the targets, which are the medium now.
+    bodies = range(len(problem.bodies))
+    medium = {k: 1.0 for k in bodies if problem.is_target[problem.owner[k]] and problem.bodies[k].is_solid}
+    inside = medium | without.system.permittivities
+    flux = flux_energies(system.tagged, without.parts, len(without.potentials), degree, inside)
+    below = flux.lower - np.diag(flux.algebraic_error)
+    around = reading_bounds(measured, without.without_floating(below), without.without_floating(above), shape_error)
+    return LevelReadings(value, alone, bounds, around)
+
+
+def _is_sensors_alone(problem: Conductors) -> bool:
+    """Whether what stays are sensors only, so that the background is that of `delta_self`."""
+    objects = [*range(problem.sensors, problem.driven)]
+    objects += range(problem.driven + problem.grounded_sensors, len(problem.is_target))
+    return all(problem.is_target[k] for k in objects)
+
+
+def _renumbered(reading: Measured, rows: Sequence[int]) -> Measured:
+    """The reading of a matrix that has only some of the rows."""
+    return Measured(reading.name, rows.index(reading.sense), tuple(rows.index(k) for k in reading.drive))
+
+
+def _values(readings: Sequence[Measured], maxwell: Array) -> Array:
+    """The readings (n,) in a Maxwell matrix."""
+    return np.array([r.sign * maxwell[r.sense, list(r.drive)].sum() for r in readings])
+
+
+def reading_bounds(readings: Sequence[Measured], below: Array, above: Array, shape_error: float) -> Array:
+    """Bounds (n, 2) of the readings from VᵀLV ≤ VᵀMV ≤ VᵀUV for all voltages V, with L = `below` and U = `above`.
+
+    A reading is aᵀMb with the voltages a, 1 V on what is sensed, and b, 1 V on what is driven. With D = U − L it differs from the mean of
+    aᵀLb and aᵀUb by at most ½√(aᵀDa·bᵀDb). `shape_error` is the relative effect of curved surfaces on both energies.
+    """
+    bounds = []
+    for reading in readings:
+        voltages = np.zeros((2, len(above)))
+        voltages[0, reading.sense] = 1
+        voltages[1, list(reading.drive)] = 1
+        low, high = (voltages @ form @ voltages.T for form in (below, above))
+        gap = np.maximum(np.diag(high) - np.diag(low), 0)
+        half = np.sqrt(gap.prod()) / 2 + shape_error * np.sqrt(np.diag(high).prod())
+        middle = reading.sign * (low + high)[0, 1] / 2
+        bounds.append([middle - half, middle + half])
+    return np.array(bounds)

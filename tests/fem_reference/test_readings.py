@@ -1,0 +1,135 @@
+"""Readings of scenes: with and without the targets, on one mesh."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from fem_reference import maxwell
+from fem_reference.answer.reference import Reference
+from fem_reference.bodies.conductors import conductors
+from fem_reference.bodies.symmetry import mirror_planes
+from fem_reference.mesh.sizing import Sizing
+from fem_reference.output.readings import readings_document, readings_table
+from fem_reference.solve.level import solve_level
+from fem_reference.solve.readings import LevelReadings
+from geometries.common.errors import InputError
+from geometries.scene.reader import loads
+
+MACHINE = """
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+
+[[object]]
+name = "guard"
+shape = { type = "plate", size = [0.12, 0.12] }
+translation = [0, 0, -0.02]
+potential = "electrode"
+"""
+READINGS = """
+[[reading]]
+name = "guarded"
+sense = "front"
+drive = ["front", "guard"]
+
+[[reading]]
+name = "transmitted"
+sense = "front"
+drive = ["guard"]
+"""
+TARGET = """
+[[object]]
+name = "hand"
+shape = { type = "plate", size = [0.08, 0.08] }
+translation = [0, 0, 0.05]
+target = true
+"""
+SLAB = TARGET.replace("plate", "cuboid").replace("0.08]", "0.08, 0.02]")
+
+
+@cache
+def solved(text: str) -> Reference:
+    """The answer of the coarsest mesh."""
+    return maxwell(loads(text), max_seconds=1e-3)
+
+
+def on_one_mesh(text: str) -> LevelReadings:
+    """The readings on the coarsest mesh, without bounds."""
+    problem = conductors(loads(text))
+    found = solve_level(problem, 1.0, Sizing(), "none", mirror_planes(problem.bodies, problem.owner)).readings
+    assert found is not None
+    return found
+
+
+def test_the_background_is_the_scene_without_the_targets() -> None:
+    """The two are solved on different meshes; the intervals of both hold the truth."""
+    found, alone = solved(MACHINE + READINGS + TARGET).readings, solved(MACHINE + READINGS).readings
+    assert [reading.name for reading in found] == ["guarded", "transmitted"]
+    for reading, expected in zip(found, alone):
+        for quantity in (reading.value, reading.background, reading.change):
+            assert quantity.lower is not None and quantity.upper is not None
+            assert quantity.lower <= quantity.value <= quantity.upper and quantity.error > 0
+        assert reading.background.lower <= expected.value.upper  # type: ignore[operator]
+        assert expected.value.lower <= reading.background.upper  # type: ignore[operator]
+        assert reading.background.value == pytest.approx(expected.value.value, rel=2e-3)
+        assert expected.change.value == 0 and expected.change.error == 0
+
+
+def test_a_reading_is_the_sum_of_its_entries() -> None:
+    answer = solved(MACHINE + READINGS + TARGET)
+    front, guard = answer.names.index("front"), answer.names.index("guard")
+    guarded, transmitted = answer.readings
+    matrix = answer.maxwell.value
+    assert guarded.value.value == pytest.approx(matrix[front, front] + matrix[front, guard], rel=1e-3)
+    assert transmitted.value.value == pytest.approx(-matrix[front, guard], rel=1e-3)
+
+
+def test_what_is_connected_to_ground_through_more_is_felt_more() -> None:
+    """A self reading grows from absent over floating to grounded (Dirichlet's principle)."""
+    words = ("floating", 'floating"\nto_ground = 1e-13 #', 'floating"\nto_ground = 1e-6 #', "grounded")
+    scenes = [MACHINE + TARGET + f'potential = "{word}"\n' for word in words]
+    changes = [float(on_one_mesh(text).change[0]) for text in scenes]
+    assert 0 < changes[0] < 0.9 * changes[1] < 0.8 * changes[2]
+    assert changes[2] == pytest.approx(changes[3], rel=1e-5)
+
+
+def test_without_marks_every_object_comes_and_goes_and_every_sensor_is_read() -> None:
+    text = MACHINE.split("[[object]]")[0] + TARGET.replace("target = true\n", "")
+    answer = solved(text)
+    (reading,) = answer.readings
+    assert reading.name == "front"
+    assert reading.change.value == pytest.approx(answer.delta_self.value[0], rel=1e-12)
+    assert reading.value.value == answer.maxwell.value[0, 0]
+    assert reading.change.lower is None and "lower" in readings_document(answer.readings)[0]
+
+
+def test_a_dielectric_target_is_the_medium_in_the_background() -> None:
+    found = on_one_mesh(MACHINE + READINGS + SLAB + "material = { relative_permittivity = 50 }\n")
+    alone = [reading.value.value for reading in solved(MACHINE + READINGS).readings]
+    np.testing.assert_allclose(found.background, alone, rtol=3e-3)
+    assert found.change[0] > 0
+
+
+def test_only_readings_whose_conductors_were_asked_for_are_answered() -> None:
+    readings = conductors(loads(MACHINE + READINGS + TARGET), columns=["guard"]).readings
+    assert readings == () and conductors(loads(MACHINE), columns=["front"]).readings[0].sense == 0
+
+
+def test_people_get_a_table_with_proven_bounds() -> None:
+    lines = readings_table(solved(MACHINE + READINGS + TARGET).readings)
+    assert lines[2].startswith("guarded") and "±" in lines[2] and lines[3].startswith("  proven")
+
+
+def test_a_part_of_a_conductor_cannot_come_and_go() -> None:
+    arm = """
+[[object]]
+name = "arm"
+shape = { type = "cuboid", size = [0.02, 0.02, 0.1] }
+translation = [0, 0, 0.1]
+"""
+    with pytest.raises(InputError, match='object "hand": target: is one conductor with "arm", which stays'):
+        conductors(loads(MACHINE + arm + SLAB))
+    assert conductors(loads(MACHINE + arm + SLAB.replace("target = true", ""))).targets == {"arm"}
