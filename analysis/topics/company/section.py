@@ -1,0 +1,136 @@
+"""Experiment VII in the report: the factors of the change, a figure of them, and the model beside it."""
+
+from __future__ import annotations
+
+import numpy as np
+from markupsafe import Markup
+
+from analysis.report import page
+from analysis.results.units import PICOFARAD
+from analysis.topics.company import plots
+from analysis.topics.company.factors import TOGETHER, Entry, Factor, factors, of_model
+from analysis.topics.company.set_ups import GUARD, MACHINES, NOTHING, TO_GROUND
+from analysis.topics.company.stage import RTOL
+from geometries.studies.families import GROUNDED
+
+TITLE = "Experiment VII: in company"
+ABSENT = (
+    "This version of the model has no study of readings in company yet: python3 -m analysis company does it in a "
+    "few minutes."
+)
+_WHAT = (
+    "Change: the reading with the hand less that without it, the rest of the scene as it is. Each factor divides the changes of two set-ups "
+    "that differ only in what the row names; a factor of one means that it does not matter. The machine's housing, "
+    "the table and the second person are grounded; the guard is driven with the sensor. The hand is connected to the ground through a "
+    "capacitance, as a person's body is, or floating, without net charge. Error: the largest relative error of a factor, "
+    "from the errors that boundary elements state. Definitions: analysis/topics/experiments/EXPERIMENTS.md."
+)
+
+
+def section(found: list[Entry]) -> Markup:
+    """Returns the section; one sentence without answers."""
+    if not factors(found):
+        return page.section(TITLE, page.paragraph(ABSENT))
+    return page.section(
+        TITLE,
+        page.finding(finding(found)),
+        page.figures([plots.of_factors(factors(found)), plots.of_model(found)]),
+        page.table(["what", "against", "set-ups", "median", "smallest", "largest", "error"], _rows(found)),
+        page.finding(model_finding(found)),
+        page.paragraph("The model's change over the true one: median, and from smallest to largest."),
+        page.table(["in company of", *(f"hand: {ground}" for ground in TO_GROUND)], _rows_of_model(found)),
+        page.finding(conclusion(found)),
+        page.soft(_WHAT),
+        page.folded("Show the numbers", _numbers(found)),
+    )
+
+
+def finding(found: list[Entry]) -> str:
+    """Tells by how much the machine's parts and the hand's connection change the change."""
+    made = factors(found)
+    phrases = [f"{each.what} {_range(each)}" for each in made if each.what != TOGETHER]
+    return (
+        f"Over {len(found)} set-ups, solved by boundary elements asked for {RTOL:g}, the change that a hand makes is multiplied, in "
+        f"the median and from least to most, by: {'; '.join(phrases)}."
+    )
+
+
+def model_finding(found: list[Entry]) -> str:
+    """Tells how far the model's change is from the true one alone, and in company."""
+    alone = of_model(found, NOTHING, GROUNDED)
+    each = [of_model(found, machine, ground) for machine in MACHINES for ground in TO_GROUND]
+    ratios = [ratio.value for factor in each if factor is not None for ratio in factor.ratios]
+    if alone is None:
+        return "The model has no answer for a grounded hand before a sensor by itself."
+    return (
+        f"The model, which knows neither company nor connections, gives {_range(alone)} of the true change for a grounded hand before "
+        f"a sensor by itself; over all set-ups {np.median(ratios):.3g} times it ({min(ratios):.3g} to {max(ratios):.3g})."
+    )
+
+
+def conclusion(found: list[Entry]) -> str:
+    """Says what one may conclude for a threshold, from the factors."""
+    spread = [each for each in factors(found) if each.what != TOGETHER]
+    widest = max(spread, key=lambda each: each.largest / each.smallest)
+    least = min(spread, key=lambda each: each.median)
+    both = [each for each in factors(found) if each.what == TOGETHER]
+    told = [
+        f"A threshold found for a grounded hand in free space does not hold on a machine: with the hand {'floating' if both else ''} "
+        f"before a housing the change is {_range(both[0])} of that."
+        for _ in both[:1]
+    ]
+    told.append(
+        f"The strongest effect in the median is {least.what} ({least.median:.3g}); the factor of {widest.what} depends most on where the "
+        f"hand is ({widest.smallest:.3g} to {widest.largest:.3g}), so that no constant can stand for it: the scene has to hold it."
+    )
+    return " ".join(told)
+
+
+def _range(factor: Factor) -> str:
+    return f"{factor.median:.3g} ({factor.smallest:.3g} to {factor.largest:.3g})"
+
+
+def _rows(found: list[Entry]) -> list[list[str]]:
+    return [
+        [
+            each.what,
+            each.against,
+            str(len(each.ratios)),
+            f"{each.median:.3f}",
+            f"{each.smallest:.3f}",
+            f"{each.largest:.3f}",
+            f"{each.error:.1e}",
+        ]
+        for each in factors(found)
+    ]
+
+
+def _rows_of_model(found: list[Entry]) -> list[list[str]]:
+    rows = []
+    for machine in MACHINES:
+        each = [of_model(found, machine, ground) for ground in TO_GROUND]
+        if any(each):
+            rows.append([machine, *(_range(factor) if factor else "" for factor in each)])
+    return rows
+
+
+def _numbers(found: list[Entry]) -> Markup:
+    header = [
+        "set-up",
+        "arrangement",
+        "in company of",
+        "hand",
+        "background (pF)",
+        "change (pF)",
+        "model (pF)",
+    ]
+    rows = []
+    for entry in found:
+        made = entry.set_up
+        numbers = [
+            f"{each.value / PICOFARAD:.6f} ± {each.error / PICOFARAD:.1g}"
+            for each in (entry.background, entry.change)
+        ]
+        model = f"{entry.model / PICOFARAD:.4f}" if entry.model is not None else ""
+        rows.append([page.code(made.id), str(made.number), made.machine, made.ground, *numbers, model])
+    return page.table(header, rows, text_columns=4)
