@@ -86,7 +86,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     )
     company = commands.add_parser(
         "company",
-        help="Experiment VII: a hand before a sensor in company, by boundary elements (minutes; finished set-ups are kept)",
+        help="Experiment VII: a hand before a sensor in company, by boundary elements (a minute or two; finished ones are kept)",
     )
     company.add_argument(
         "--output", type=Path, metavar="DIR", help="where to keep the answers (default: results/company)"

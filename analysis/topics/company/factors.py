@@ -21,8 +21,15 @@ from analysis.topics.company.set_ups import (
 )
 from geometries.studies.families import FLOATING, GROUNDED
 
-FROM_MACHINE = ((HOUSING, NOTHING), (GUARD, HOUSING), (TABLE, NOTHING), (PERSON, NOTHING))
-"""Machines whose changes are divided by those of other ones: with the part in question, and without."""
+PARTS = {
+    "housing": (HOUSING, NOTHING),
+    "driven guard": (GUARD, HOUSING),
+    "table": (TABLE, NOTHING),
+    "second person": (PERSON, NOTHING),
+}
+"""Part of a machine → the machines with it and without it, whose changes are divided."""
+CONNECTIONS = tuple(ground for ground in TO_GROUND if ground != GROUNDED)
+"""The hand's connections whose changes are divided by that of the grounded hand."""
 TOGETHER = "housing, hand floating"
 
 
@@ -79,15 +86,29 @@ def entries(answers: dict[str, Document], set_ups: Iterable[SetUp]) -> list[Entr
 def factors(found: list[Entry]) -> list[Factor]:
     """Returns what each part of a machine, and each connection of the hand but the grounded one, makes of the change; those
     for which there is any pair of set-ups."""
-    pairs = [(machine, "without it", _machines(found, machine, without)) for machine, without in FROM_MACHINE]
-    grounds = [ground for ground in TO_GROUND if ground != GROUNDED]
-    pairs += [(_hand(ground), "grounded", _grounds(found, ground)) for ground in grounds]
-    pairs.append((TOGETHER, "neither", _ratios(found, (HOUSING, FLOATING), (NOTHING, GROUNDED))))
-    return [Factor(what, against, tuple(ratios)) for what, against, ratios in pairs if ratios]
+    made = [of_part(found, part, tuple(TO_GROUND)) for part in PARTS]
+    made += [of_connection(found, ground, MACHINES) for ground in CONNECTIONS]
+    made.append(Factor(TOGETHER, "neither", _ratios(found, (HOUSING, FLOATING), (NOTHING, GROUNDED))))
+    return [factor for factor in made if factor.ratios]
 
 
-def of_model(found: list[Entry], machine: str, ground: str) -> Factor | None:
-    """Returns the model's change, that of the grounded hand, over the true one; None without set-ups."""
+def of_part(found: list[Entry], part: str, grounds: tuple[str, ...]) -> Factor:
+    """Returns what a part of a machine makes of the change, over some connections of the hand; perhaps without any ratio."""
+    machine, without = PARTS[part]
+    ratios = (ratio for ground in grounds for ratio in _ratios(found, (machine, ground), (without, ground)))
+    return Factor(part, "without it", tuple(ratios))
+
+
+def of_connection(found: list[Entry], ground: str, machines: tuple[str, ...]) -> Factor:
+    """Returns what the hand's connection makes of the change, over some machines; perhaps without any ratio."""
+    ratios = (
+        ratio for machine in machines for ratio in _ratios(found, (machine, ground), (machine, GROUNDED))
+    )
+    return Factor(_hand(ground), "grounded", tuple(ratios))
+
+
+def of_model(found: list[Entry], machine: str, ground: str) -> Factor:
+    """Returns the model's change, that of the grounded hand, over the true one; perhaps without any ratio."""
     by_model = {
         (entry.set_up.number, entry.set_up.machine): entry.model for entry in found if entry.model is not None
     }
@@ -97,25 +118,17 @@ def of_model(found: list[Entry], machine: str, ground: str) -> Factor | None:
         if model is not None:
             true = entry.change
             ratios.append(Ratio(entry.set_up.id, model / true.value, true.error / true.value))
-    return Factor(f"{machine}, {_hand(ground)}", "truth", tuple(ratios)) if ratios else None
+    return Factor(f"{machine}, {_hand(ground)}", "truth", tuple(ratios))
 
 
 def _hand(ground: str) -> str:
     return f"hand {ground}" if ground in (GROUNDED, FLOATING) else f"hand through {ground}"
 
 
-def _machines(found: list[Entry], machine: str, without: str) -> list[Ratio]:
-    return [ratio for ground in TO_GROUND for ratio in _ratios(found, (machine, ground), (without, ground))]
-
-
-def _grounds(found: list[Entry], ground: str) -> list[Ratio]:
-    return [ratio for machine in MACHINES for ratio in _ratios(found, (machine, ground), (machine, GROUNDED))]
-
-
-def _ratios(found: list[Entry], these: tuple[str, str], those: tuple[str, str]) -> list[Ratio]:
+def _ratios(found: list[Entry], these: tuple[str, str], those: tuple[str, str]) -> tuple[Ratio, ...]:
     """Divides the changes of a machine and a connection by those of others, arrangement by arrangement."""
     above, below = _of(found, *these), _of(found, *those)
-    return [_ratio(above[number], below[number]) for number in sorted(above.keys() & below.keys())]
+    return tuple(_ratio(above[number], below[number]) for number in sorted(above.keys() & below.keys()))
 
 
 def _ratio(entry: Entry, other: Entry) -> Ratio:

@@ -34,7 +34,7 @@ def of_model(found: list[Entry]) -> Panel:
         shown = True
         for machine in MACHINES:
             factor = factor_of_model(found, machine, ground)
-            if factor is not None:
+            if factor.ratios:
                 traces.append(_points(factor, machine, series_colour(index), f"hand: {ground}", shown))
                 shown = False
     x = log_axis("the model's change over the true one")

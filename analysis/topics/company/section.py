@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
+
 import numpy as np
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.results.units import PICOFARAD
+from analysis.results.units import PICOFARAD, percent
 from analysis.topics.company import plots
-from analysis.topics.company.factors import TOGETHER, Entry, Factor, factors, of_model
-from analysis.topics.company.set_ups import GUARD, MACHINES, NOTHING, TO_GROUND
+from analysis.topics.company.factors import (
+    CONNECTIONS,
+    PARTS,
+    TOGETHER,
+    Entry,
+    Factor,
+    factors,
+    of_connection,
+    of_model,
+    of_part,
+)
+from analysis.topics.company.set_ups import MACHINES, NOTHING, TO_GROUND
 from analysis.topics.company.stage import RTOL
 from geometries.studies.families import GROUNDED
 
 TITLE = "Experiment VII: in company"
 ABSENT = (
     "This version of the model has no study of readings in company yet: python3 -m analysis company does it in a "
-    "few minutes."
+    "minute or two."
 )
 _WHAT = (
     "Change: the reading with the hand less that without it, the rest of the scene as it is. Each factor divides the changes of two set-ups "
@@ -36,9 +49,15 @@ def section(found: list[Entry]) -> Markup:
         page.finding(finding(found)),
         page.figures([plots.of_factors(factors(found)), plots.of_model(found)]),
         page.table(["what", "against", "set-ups", "median", "smallest", "largest", "error"], _rows(found)),
+        page.paragraph(
+            "The same apart, median, and from smallest to largest: each part by the hand's connection,"
+        ),
+        page.table(["part", *_hands(TO_GROUND)], _rows_of_parts(found)),
+        page.paragraph("and each connection, against the grounded hand, by the company."),
+        page.table(["in company of", *_hands(CONNECTIONS)], _rows_of_connections(found)),
         page.finding(model_finding(found)),
-        page.paragraph("The model's change over the true one: median, and from smallest to largest."),
-        page.table(["in company of", *(f"hand: {ground}" for ground in TO_GROUND)], _rows_of_model(found)),
+        page.paragraph("The model's change over the true one:"),
+        page.table(["in company of", *_hands(TO_GROUND)], _rows_of_model(found)),
         page.finding(conclusion(found)),
         page.soft(_WHAT),
         page.folded("Show the numbers", _numbers(found)),
@@ -50,7 +69,7 @@ def finding(found: list[Entry]) -> str:
     made = factors(found)
     phrases = [f"{each.what} {_range(each)}" for each in made if each.what != TOGETHER]
     return (
-        f"Over {len(found)} set-ups, solved by boundary elements asked for {RTOL:g}, the change that a hand makes is multiplied, in "
+        f"Over {len(found)} set-ups, solved by boundary elements asked for {percent(RTOL)}, the change that a hand makes is multiplied, in "
         f"the median and from least to most, by: {'; '.join(phrases)}."
     )
 
@@ -59,29 +78,31 @@ def model_finding(found: list[Entry]) -> str:
     """Tells how far the model's change is from the true one alone, and in company."""
     alone = of_model(found, NOTHING, GROUNDED)
     each = [of_model(found, machine, ground) for machine in MACHINES for ground in TO_GROUND]
-    ratios = [ratio.value for factor in each if factor is not None for ratio in factor.ratios]
-    if alone is None:
+    ratios = [ratio.value for factor in each for ratio in factor.ratios]
+    if not alone.ratios:
         return "The model has no answer for a grounded hand before a sensor by itself."
     return (
-        f"The model, which knows neither company nor connections, gives {_range(alone)} of the true change for a grounded hand before "
-        f"a sensor by itself; over all set-ups {np.median(ratios):.3g} times it ({min(ratios):.3g} to {max(ratios):.3g})."
+        f"The model, which knows neither company nor connections, gives {alone.median:.3g} times ({alone.smallest:.3g} to {alone.largest:.3g}) the true change for "
+        f"a grounded hand before a sensor by itself; over all set-ups {np.median(ratios):.3g} times it ({min(ratios):.3g} to {max(ratios):.3g})."
     )
 
 
 def conclusion(found: list[Entry]) -> str:
-    """Says what one may conclude for a threshold, from the factors."""
-    spread = [each for each in factors(found) if each.what != TOGETHER]
-    widest = max(spread, key=lambda each: each.largest / each.smallest)
-    least = min(spread, key=lambda each: each.median)
-    both = [each for each in factors(found) if each.what == TOGETHER]
+    """Says what one may conclude from the factors for a threshold."""
+    made = factors(found)
     told = [
-        f"A threshold found for a grounded hand in free space does not hold on a machine: with the hand {'floating' if both else ''} "
-        f"before a housing the change is {_range(both[0])} of that."
-        for _ in both[:1]
+        "A threshold found for a grounded hand in free space does not hold on a machine: before a housing a floating hand "
+        f"makes {_range(each)} of that change."
+        for each in made
+        if each.what == TOGETHER
     ]
+    single = [each for each in made if each.what != TOGETHER]
+    strongest = max(single, key=lambda each: abs(math.log(each.median)))
+    widest = max(single, key=lambda each: each.largest / each.smallest)
     told.append(
-        f"The strongest effect in the median is {least.what} ({least.median:.3g}); the factor of {widest.what} depends most on where the "
-        f"hand is ({widest.smallest:.3g} to {widest.largest:.3g}), so that no constant can stand for it: the scene has to hold it."
+        f"The strongest effect in the median is that of {strongest.what} ({strongest.median:.3g}); the one that depends most on sizes and "
+        f"distances is that of {widest.what} ({widest.smallest:.3g} to {widest.largest:.3g}). No constant stands for it: a scene has to hold "
+        "the machine and the hand's connection to the ground."
     )
     return " ".join(told)
 
@@ -105,13 +126,36 @@ def _rows(found: list[Entry]) -> list[list[str]]:
     ]
 
 
+def _rows_of_parts(found: list[Entry]) -> list[list[str]]:
+    return _cells({part: [of_part(found, part, (ground,)) for ground in TO_GROUND] for part in PARTS})
+
+
+def _rows_of_connections(found: list[Entry]) -> list[list[str]]:
+    return _cells(
+        {
+            machine: [of_connection(found, ground, (machine,)) for ground in CONNECTIONS]
+            for machine in MACHINES
+        }
+    )
+
+
 def _rows_of_model(found: list[Entry]) -> list[list[str]]:
-    rows = []
-    for machine in MACHINES:
-        each = [of_model(found, machine, ground) for ground in TO_GROUND]
-        if any(each):
-            rows.append([machine, *(_range(factor) if factor else "" for factor in each)])
-    return rows
+    return _cells(
+        {machine: [of_model(found, machine, ground) for ground in TO_GROUND] for machine in MACHINES}
+    )
+
+
+def _cells(rows: dict[str, list[Factor]]) -> list[list[str]]:
+    """Returns the rows that have any ratio, with their names."""
+    return [
+        [name, *(_range(factor) if factor.ratios else "" for factor in row)]
+        for name, row in rows.items()
+        if any(factor.ratios for factor in row)
+    ]
+
+
+def _hands(grounds: Iterable[str]) -> list[str]:
+    return [f"hand: {ground}" for ground in grounds]
 
 
 def _numbers(found: list[Entry]) -> Markup:
