@@ -24,7 +24,7 @@ from analysis.topics.company.factors import (
 )
 from analysis.topics.company.set_ups import MACHINES, NOTHING, TO_GROUND
 from analysis.topics.company.stage import RTOL
-from geometries.studies.families import GROUNDED
+from geometries.studies.families import FLOATING, GROUNDED
 
 TITLE = "Experiment VII: in company"
 ABSENT = (
@@ -47,8 +47,8 @@ def section(found: list[Entry]) -> Markup:
     return page.section(
         TITLE,
         page.finding(finding(found)),
-        page.figures([plots.of_factors(factors(found)), plots.of_model(found)]),
-        page.table(["what", "against", "set-ups", "median", "smallest", "largest", "error"], _rows(found)),
+        page.figures([plots.of_factors(found), plots.of_model(found)]),
+        page.table(["what", "against", "pairs", "median", "smallest", "largest", "error"], _rows(found)),
         page.paragraph(
             "The same apart, median, and from smallest to largest: each part by the hand's connection,"
         ),
@@ -66,8 +66,18 @@ def section(found: list[Entry]) -> Markup:
 
 def finding(found: list[Entry]) -> str:
     """Tells by how much the machine's parts and the hand's connection change the change."""
-    made = factors(found)
-    phrases = [f"{each.what} {_range(each)}" for each in made if each.what != TOGETHER]
+    phrases = []
+    for part in PARTS:
+        grounded, floating = (of_part(found, part, (ground,)) for ground in (GROUNDED, FLOATING))
+        if grounded.ratios and floating.ratios:
+            phrases.append(
+                f"{part} {_range(grounded)} of a grounded hand and {_range(floating)} of a floating one"
+            )
+    phrases += [
+        f"{each.what} instead of grounded {_range(each)}"
+        for each in factors(found)
+        if each.against == GROUNDED
+    ]
     return (
         f"Over {len(found)} set-ups, solved by boundary elements asked for {percent(RTOL)}, the change that a hand makes is multiplied, in "
         f"the median and from least to most, by: {'; '.join(phrases)}."
@@ -82,8 +92,8 @@ def model_finding(found: list[Entry]) -> str:
     if not alone.ratios:
         return "The model has no answer for a grounded hand before a sensor by itself."
     return (
-        f"The model, which knows neither company nor connections, gives {alone.median:.3g} times ({alone.smallest:.3g} to {alone.largest:.3g}) the true change for "
-        f"a grounded hand before a sensor by itself; over all set-ups {np.median(ratios):.3g} times it ({min(ratios):.3g} to {max(ratios):.3g})."
+        f"The model, which knows neither company nor connections, gives {_number(alone.median)} times ({_number(alone.smallest)} to {_number(alone.largest)}) the true change for "
+        f"a grounded hand before a sensor by itself; over all set-ups {_number(float(np.median(ratios)))} times it ({_number(min(ratios))} to {_number(max(ratios))})."
     )
 
 
@@ -108,7 +118,12 @@ def conclusion(found: list[Entry]) -> str:
 
 
 def _range(factor: Factor) -> str:
-    return f"{factor.median:.3g} ({factor.smallest:.3g} to {factor.largest:.3g})"
+    return f"{_number(factor.median)} ({_number(factor.smallest)} to {_number(factor.largest)})"
+
+
+def _number(value: float) -> str:
+    """Writes a factor with three digits, or with all before the point."""
+    return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
 
 
 def _rows(found: list[Entry]) -> list[list[str]]:

@@ -143,7 +143,8 @@ def test_the_model_is_held_against_each_company_and_connection() -> None:
 
 def test_the_section_says_what_follows_from_the_factors() -> None:
     found = made_up()
-    assert "hand floating 0.2 (0.2 to 0.2)" in section.finding(found)
+    assert "hand floating instead of grounded 0.2 (0.2 to 0.2)" in section.finding(found)
+    assert "table 0.8 (0.8 to 0.8) of a grounded hand and 0.8" in section.finding(found)
     times = [4 / (machine * ground) for machine in BY_MACHINE.values() for ground in BY_GROUND.values()]
     told = f"over all set-ups {np.median(times):.3g} times it (4 to 40)."
     assert section.model_finding(found).endswith(told)
