@@ -39,8 +39,8 @@ def main(arguments: list[str] | None = None) -> int:
 def _parser(program: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=program,
-        description="Run studies and report them, also night by night; compare results; verify the reference; study the model's error "
-        "and its corrections; show a scene.",
+        description="Run studies and report them, also night by night; compare results; verify the reference; study the model's error, "
+        "its corrections, and readings in company; show a scene.",
         epilog="Exit status: 0 answered; 2 wrong input; 3 a case is short of the asked accuracy, its wider errors are "
         "reported; 1 a case failed, a value moved, or anything else.",
     )
@@ -82,6 +82,16 @@ def _parser(program: str) -> argparse.ArgumentParser:
         "--output", type=Path, metavar="DIR", help="where to keep the answers (default: results/errors)"
     )
     errors.add_argument(
+        "--jobs", type=_count, metavar="N", help="set-ups at a time (default: by cores and memory)"
+    )
+    company = commands.add_parser(
+        "company",
+        help="Experiment VII: a hand before a sensor in company, by boundary elements (a minute or two; finished ones are kept)",
+    )
+    company.add_argument(
+        "--output", type=Path, metavar="DIR", help="where to keep the answers (default: results/company)"
+    )
+    company.add_argument(
         "--jobs", type=_count, metavar="N", help="set-ups at a time (default: by cores and memory)"
     )
     documentation = commands.add_parser(

@@ -15,6 +15,7 @@ from analysis.results.store import InUse, exclusive
 from analysis.results.study_results import Failure
 from analysis.show import make as show
 from analysis.study import report, workflow
+from analysis.topics.company import page as company_page, set_ups as company_set_ups, stage as company_stage
 from analysis.topics.corrections import (
     page as corrections_page,
     section as corrections_section,
@@ -176,6 +177,17 @@ def _errors(folder: Path | None, jobs: int | None) -> int:
     return FAILED if failures else ANSWERED
 
 
+def _company(folder: Path | None, jobs: int | None) -> int:
+    target = folder or installation.results_folder() / company_stage.FOLDER
+    with exclusive(target):
+        failures = company_stage.run(target, company_set_ups.all_set_ups(), jobs)
+        _tell(failures)
+        made = company_page.make(target)
+    print(made.headline)
+    print(f"report: {made.path}")
+    return FAILED if failures else ANSWERED
+
+
 def _corrections(folder: Path | None) -> int:
     target = folder or installation.results_folder() / corrections_stage.FOLDER
     with exclusive(target):
@@ -226,6 +238,7 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "diff": lambda options: _diff(options.old, options.new, options.output),
     "verify": lambda options: _verify(options.output, options.jobs),
     "errors": lambda options: _errors(options.output, options.jobs),
+    "company": lambda options: _company(options.output, options.jobs),
     "corrections": lambda options: _corrections(options.output),
     "table": lambda options: _table(options.answers, options.output, options.jobs),
     "documentation": lambda options: _documentation(options.output),

@@ -21,6 +21,7 @@ from analysis.report import (
 from analysis.report.plot import Plot
 from analysis.results import statistics, study_results as results, symmetry, table
 from analysis.results.store import Document
+from analysis.topics.company import factors as company_factors, section as company_section
 from analysis.topics.corrections import section as corrections_section
 from analysis.topics.cross_check import section as cross_check_section
 from analysis.topics.errors import records as error_records, section as errors_section
@@ -52,6 +53,7 @@ class Material:
     taken_apart: list[Entry]
     corrected: Document | None
     faults: Document | None = None
+    in_company: tuple[company_factors.Entry, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -91,6 +93,10 @@ def _over_what_describes(rows: list[table.Row]) -> list[Plot]:
 def _parts(material: Material) -> list[Markup]:
     own = error_records.by_reference(material.taken_apart, material.found)
     return [*errors_section.sections(material.taken_apart, ERRORS_CASES), errors_section.of_study(own)]
+
+
+def _company(material: Material) -> list[Markup]:
+    return [company_section.section(list(material.in_company))]
 
 
 def _corrections(material: Material) -> list[Markup]:
@@ -144,6 +150,7 @@ QUESTIONS = (
     Question("experiment", "experiment", "What does the experiment find?", _experiment),
     Question("model_error", "model error", "How wrong is the model, and where?", _model_error),
     Question("error_parts", "parts of the error", "Where does the model's error come from?", _parts),
+    Question("company", "in company", "What does a machine around the sensor change?", _company),
     Question(CORRECTIONS, "corrections", "What can be corrected, and at what cost?", _corrections),
     Question(PUBLISHED, "published table", "Which values can others be held against?", _published),
     Question("reference", "reference", "How sure is the reference?", _reference),

@@ -15,6 +15,11 @@ from analysis.results import statistics, study_results as results, table
 from analysis.results.store import Document, read_json, write_json, write_text
 from analysis.study import case_page, pages_of_set_ups
 from analysis.study.questions import CROSS_CHECK, QUESTIONS, Material
+from analysis.topics.company import (
+    factors as company_factors,
+    set_ups as company_set_ups,
+    stage as company_stage,
+)
 from analysis.topics.corrections import stage as corrections_stage
 from analysis.topics.cross_check import agreement, section as cross_check_section
 from analysis.topics.errors import records as error_records, set_ups as error_set_ups, stage as errors_stage
@@ -50,9 +55,10 @@ def make(folder: Path) -> Report:
     verified = verification_stage.load(verification_page.beside(folder))
     apart = errors_stage.load(errors_stage.beside(folder))
     corrected = corrections_stage.load(corrections_stage.beside(folder))
+    in_company = company_stage.load(company_stage.beside(folder))
     faults = faults_section.beside(folder)
     answers = _answers(folder, found)
-    inputs = keys.page_inputs(answers, verified, apart, corrected, faults, published.digest())
+    inputs = keys.page_inputs(answers, verified, apart, corrected, faults, in_company, published.digest())
     nights = history.load(folder)
     whole = keys.page_inputs(inputs, nights)
     if not (
@@ -61,7 +67,9 @@ def make(folder: Path) -> Report:
         and _is_complete(folder)
     ):
         entries = error_records.entries(apart, error_set_ups.all_set_ups())
-        _write(Material(found, rows, summaries, verified, entries, corrected, faults), nights, inputs, whole)
+        company = tuple(company_factors.entries(in_company, company_set_ups.all_set_ups()))
+        material = Material(found, rows, summaries, verified, entries, corrected, faults, company)
+        _write(material, nights, inputs, whole)
     solved = [case.reference for case in found.cases.values() if case.reference is not None]
     not_reached = sum(not answer.reached for answer in solved)
     return Report(folder / page.REPORT, summaries, not_reached, agreement.contradictions(found))

@@ -74,6 +74,7 @@ ELSEWHERE = {
     "fringe capacitance … --output FILE.vtu": ("model/test_output_file.py", "test_the_triangles_of_an_object_add_up_to_its_capacitance", "--output"),
     "fringe … --json": (OPTIONS, "test_json_in_the_place_of_a_table", "--json"),
     "pkg-config fringe": (INSTALL, "test_a_project_finds_the_library_with_pkg_config", "pkg-config"),
+    "python3 -m analysis company": ("analysis/topics/company/test_company.py", "test_the_command_goes_on_from_what_is_there_and_tells_what_failed", "company"),
     "python3 -m analysis corrections": ("analysis/topics/corrections/test_corrections.py", "test_every_set_up_is_told_with_its_truth_and_opened_by_its_point", "corrections"),
     "python3 -m analysis diff OLD NEW --output difference.json": ("analysis/topics/history/test_difference.py", "test_drift_ends_with_code_1_a_table_and_a_document", "diff"),
     "python3 -m analysis documentation": ("analysis/documentation/test_documentation.py", "test_the_site_is_made_without_a_warning", "documentation"),

@@ -79,7 +79,7 @@ def test_every_question_has_a_page_that_the_report_leads_to_with_its_finding(fol
 def test_every_page_leads_only_to_files_that_are_there(folder: Path) -> None:
     pages = pages_of(folder)
     assert (
-        len(pages) == 1 + 10 + 1 + 6
+        len(pages) == 1 + 11 + 1 + 6
     )  # the report, the questions, the published set-ups, the cases with the sensor alone
     for page in pages:
         targets = re.findall(r'(?:href|src)="([^"]*)"', page.read_text())

@@ -1,0 +1,195 @@
+"""Experiment VII in the report: the factors of the change, a figure of them, and the model beside it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+from markupsafe import Markup
+
+from analysis.report import page
+from analysis.results.units import PICOFARAD, percent
+from analysis.topics.company import plots
+from analysis.topics.company.factors import (
+    CONNECTIONS,
+    PARTS,
+    TOGETHER,
+    Entry,
+    Factor,
+    factors,
+    of_connection,
+    of_model,
+    of_part,
+)
+from analysis.topics.company.set_ups import MACHINES, NOTHING, TO_GROUND
+from analysis.topics.company.stage import RTOL
+from geometries.studies.families import FLOATING, GROUNDED
+
+TITLE = "Experiment VII: in company"
+ABSENT = (
+    "This version of the model has no study of readings in company yet: python3 -m analysis company does it in a "
+    "minute or two."
+)
+_WHAT = (
+    "Change: the reading with the hand less that without it, the rest of the scene as it is. Each factor divides the changes of two set-ups "
+    "that differ only in what the row names; a factor of one means that it does not matter. The machine's housing, "
+    "the table and the second person are grounded; the guard is driven with the sensor. The hand is connected to the ground through a "
+    "capacitance, as a person's body is, or floating, without net charge. Error: the largest relative error of a factor, "
+    "from the errors that boundary elements state. Definitions: analysis/topics/experiments/EXPERIMENTS.md."
+)
+
+
+def section(found: list[Entry]) -> Markup:
+    """Returns the section; one sentence without answers."""
+    if not factors(found):
+        return page.section(TITLE, page.paragraph(ABSENT))
+    return page.section(
+        TITLE,
+        page.finding(finding(found)),
+        page.figures([plots.of_factors(found), plots.of_model(found)]),
+        page.table(["what", "against", "pairs", "median", "smallest", "largest", "error"], _rows(found)),
+        page.paragraph(
+            "The same apart, median, and from smallest to largest: each part by the hand's connection,"
+        ),
+        page.table(["part", *_hands(TO_GROUND)], _rows_of_parts(found)),
+        page.paragraph("and each connection, against the grounded hand, by the company."),
+        page.table(["in company of", *_hands(CONNECTIONS)], _rows_of_connections(found)),
+        page.finding(model_finding(found)),
+        page.paragraph("The model's change over the true one:"),
+        page.table(["in company of", *_hands(TO_GROUND)], _rows_of_model(found)),
+        page.finding(conclusion(found)),
+        page.soft(_WHAT),
+        page.folded("Show the numbers", _numbers(found)),
+    )
+
+
+def finding(found: list[Entry]) -> str:
+    """Tells by how much the machine's parts and the hand's connection change the change."""
+    phrases = []
+    for part in PARTS:
+        grounded, floating = (of_part(found, part, (ground,)) for ground in (GROUNDED, FLOATING))
+        if grounded.ratios and floating.ratios:
+            phrases.append(
+                f"{part} {_range(grounded)} of a grounded hand and {_range(floating)} of a floating one"
+            )
+    phrases += [
+        f"{each.what} instead of grounded {_range(each)}"
+        for each in factors(found)
+        if each.against == GROUNDED
+    ]
+    return (
+        f"Over {len(found)} set-ups, solved by boundary elements asked for {percent(RTOL)}, the change that a hand makes is multiplied, in "
+        f"the median and from least to most, by: {'; '.join(phrases)}."
+    )
+
+
+def model_finding(found: list[Entry]) -> str:
+    """Tells how far the model's change is from the true one alone, and in company."""
+    alone = of_model(found, NOTHING, GROUNDED)
+    each = [of_model(found, machine, ground) for machine in MACHINES for ground in TO_GROUND]
+    ratios = [ratio.value for factor in each for ratio in factor.ratios]
+    if not alone.ratios:
+        return "The model has no answer for a grounded hand before a sensor by itself."
+    return (
+        f"The model, which knows neither company nor connections, gives {_number(alone.median)} times ({_number(alone.smallest)} to {_number(alone.largest)}) the true change for "
+        f"a grounded hand before a sensor by itself; over all set-ups {_number(float(np.median(ratios)))} times it ({_number(min(ratios))} to {_number(max(ratios))})."
+    )
+
+
+def conclusion(found: list[Entry]) -> str:
+    """Says what one may conclude from the factors for a threshold."""
+    made = factors(found)
+    told = [
+        "A threshold found for a grounded hand in free space does not hold on a machine: before a housing a floating hand "
+        f"makes {_range(each)} of that change."
+        for each in made
+        if each.what == TOGETHER
+    ]
+    single = [each for each in made if each.what != TOGETHER]
+    strongest = max(single, key=lambda each: abs(math.log(each.median)))
+    widest = max(single, key=lambda each: each.largest / each.smallest)
+    told.append(
+        f"The strongest effect in the median is that of {strongest.what} ({strongest.median:.3g}); the one that depends most on sizes and "
+        f"distances is that of {widest.what} ({widest.smallest:.3g} to {widest.largest:.3g}). No constant stands for it: a scene has to hold "
+        "the machine and the hand's connection to the ground."
+    )
+    return " ".join(told)
+
+
+def _range(factor: Factor) -> str:
+    return f"{_number(factor.median)} ({_number(factor.smallest)} to {_number(factor.largest)})"
+
+
+def _number(value: float) -> str:
+    """Writes a factor with three digits, or with all before the point."""
+    return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
+
+
+def _rows(found: list[Entry]) -> list[list[str]]:
+    return [
+        [
+            each.what,
+            each.against,
+            str(len(each.ratios)),
+            f"{each.median:.3f}",
+            f"{each.smallest:.3f}",
+            f"{each.largest:.3f}",
+            f"{each.error:.1e}",
+        ]
+        for each in factors(found)
+    ]
+
+
+def _rows_of_parts(found: list[Entry]) -> list[list[str]]:
+    return _cells({part: [of_part(found, part, (ground,)) for ground in TO_GROUND] for part in PARTS})
+
+
+def _rows_of_connections(found: list[Entry]) -> list[list[str]]:
+    return _cells(
+        {
+            machine: [of_connection(found, ground, (machine,)) for ground in CONNECTIONS]
+            for machine in MACHINES
+        }
+    )
+
+
+def _rows_of_model(found: list[Entry]) -> list[list[str]]:
+    return _cells(
+        {machine: [of_model(found, machine, ground) for ground in TO_GROUND] for machine in MACHINES}
+    )
+
+
+def _cells(rows: dict[str, list[Factor]]) -> list[list[str]]:
+    """Returns the rows that have any ratio, with their names."""
+    return [
+        [name, *(_range(factor) if factor.ratios else "" for factor in row)]
+        for name, row in rows.items()
+        if any(factor.ratios for factor in row)
+    ]
+
+
+def _hands(grounds: Iterable[str]) -> list[str]:
+    return [f"hand: {ground}" for ground in grounds]
+
+
+def _numbers(found: list[Entry]) -> Markup:
+    header = [
+        "set-up",
+        "arrangement",
+        "in company of",
+        "hand",
+        "background (pF)",
+        "change (pF)",
+        "model (pF)",
+    ]
+    rows = []
+    for entry in found:
+        made = entry.set_up
+        numbers = [
+            f"{each.value / PICOFARAD:.6f} ± {each.error / PICOFARAD:.1g}"
+            for each in (entry.background, entry.change)
+        ]
+        model = f"{entry.model / PICOFARAD:.4f}" if entry.model is not None else ""
+        rows.append([page.code(made.id), str(made.number), made.machine, made.ground, *numbers, model])
+    return page.table(header, rows, text_columns=4)

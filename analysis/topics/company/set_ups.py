@@ -1,0 +1,144 @@
+"""The set-ups of Experiment VII: a sensor and a hand, alone and in company, the hand connected to the ground in five ways. Metres, farads."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+
+from geometries.scene.poses import Pose, Vector3
+from geometries.scene.scene import Object, Plate, Reading, Scene, Sensor
+from geometries.scene.shapes import Cuboid, PlateShape
+from geometries.scene.writer import canonical_and_identity
+from geometries.studies.families import FLOATING, GROUNDED
+from geometries.studies.study import IDENTITY_DIGITS
+
+NOTHING, HOUSING, GUARD, TABLE, PERSON = (
+    "nothing",
+    "housing",
+    "housing and driven guard",
+    "table",
+    "second person",
+)
+MACHINES = (NOTHING, HOUSING, GUARD, TABLE, PERSON)
+"""What stands around the sensor and stays when the hand goes. All of it is grounded but the guard."""
+TO_GROUND = {GROUNDED: math.inf, "1 nF": 1e-9, "100 pF": 1e-10, "10 pF": 1e-11, FLOATING: 0.0}
+"""Capacitance (F) between the hand, a person's, and the ground, by its name."""
+SENSOR, HAND = "sensor", "hand"
+
+_ARRANGEMENTS, _SEED = 10, 7
+# Decimals of a length: a tenth of a millimetre.
+_DIGITS = 4
+# Ranges of the sensor's side, and of the distances of the hand from the sensor, of the table from the hand and of the other person.
+_SIDES, _GAPS, _BEHIND, _BESIDE = (0.04, 0.2), (0.015, 0.2), (0.02, 0.2), (0.05, 0.4)
+# Range of the hand's size, and its largest shift to the side relative to the sensor's.
+_HANDS, _SHIFT = ((0.06, 0.12), (0.12, 0.22), (0.02, 0.06)), 0.75
+# Sizes relative to the sensor's side, as in geometries/scenes/guarded_sensor.toml.
+_HOUSING, _HOUSING_BEHIND, _GUARD, _GUARD_BEHIND = (2.0, 2.0, 1.0), 0.2, 1.4, 0.1
+_TABLE, _PERSON = (1.0, 0.8, 0.03), (0.25, 0.4, 1.2)
+
+
+@dataclass(frozen=True)
+class Arrangement:
+    """A square sensor of `side`, and a hand of `size` at the distance `gap` before it, `shift` to the side. In company a table
+    stands `behind` the hand, or a person `beside` sensor and hand: their distances."""
+
+    side: float
+    size: Vector3
+    gap: float
+    shift: tuple[float, float]
+    behind: float
+    beside: float
+
+    @property
+    def hand(self) -> Vector3:
+        """The hand's centre; the sensor is centred at the origin, in the plane z = 0."""
+        return (*self.shift, self.gap + self.size[2] / 2)
+
+
+@dataclass(frozen=True)
+class SetUp:
+    """An arrangement, named by its number, in the company of a machine; `ground` names the hand's connection. `text` is the
+    canonical scene and `identity` its hash."""
+
+    number: int
+    machine: str
+    ground: str
+    scene: Scene
+    text: str
+    identity: str
+
+    @property
+    def id(self) -> str:
+        return self.identity[:IDENTITY_DIGITS]
+
+
+@cache
+def all_set_ups() -> tuple[SetUp, ...]:
+    """Returns every arrangement in the company of every machine, with every connection of the hand to the ground."""
+    return tuple(
+        _set_up(number, arrangement, machine, ground)
+        for number, arrangement in enumerate(_arrangements(), start=1)
+        for machine in MACHINES
+        for ground in TO_GROUND
+    )
+
+
+def scene(arrangement: Arrangement, machine: str, ground: str) -> Scene:
+    """Returns the scene of a set-up, with one reading: the sensor's, driven together with the guard if there is one."""
+    side = arrangement.side
+    plate = Plate((-side / 2, -side / 2, 0.0), (side, 0.0, 0.0), (0.0, side, 0.0))
+    potential = GROUNDED if ground == GROUNDED else FLOATING
+    to_ground = 0.0 if ground == GROUNDED else TO_GROUND[ground]
+    shape = Cuboid(arrangement.size)
+    hand = Object(
+        HAND, shape, pose=Pose(arrangement.hand), potential=potential, to_ground=to_ground, target=True
+    )
+    company = _company(arrangement, machine)
+    driven = [body.name for body in company if body.potential == "electrode"]
+    return Scene(
+        sensors=(Sensor(SENSOR, (plate,)),),
+        objects=(hand, *company),
+        readings=(Reading(SENSOR, SENSOR, (SENSOR, *driven)),),
+    )
+
+
+def _set_up(number: int, arrangement: Arrangement, machine: str, ground: str) -> SetUp:
+    made = scene(arrangement, machine, ground)
+    return SetUp(number, machine, ground, made, *canonical_and_identity(made))
+
+
+def _company(arrangement: Arrangement, machine: str) -> tuple[Object, ...]:
+    side, hand, size = arrangement.side, arrangement.hand, arrangement.size
+    if machine == TABLE:
+        behind = arrangement.gap + size[2] + arrangement.behind + _TABLE[2] / 2
+        return (Object("table", Cuboid(_TABLE), pose=Pose((hand[0], hand[1], behind))),)
+    if machine == PERSON:
+        beside = max(side / 2, hand[0] + size[0] / 2) + arrangement.beside + _PERSON[0] / 2
+        return (Object("person", Cuboid(_PERSON), pose=Pose((beside, 0.0, hand[2]))),)
+    if machine == NOTHING:
+        return ()
+    width, depth, height = (side * ratio for ratio in _HOUSING)
+    below = Pose((0.0, 0.0, -_HOUSING_BEHIND * side - height / 2))
+    housing = Object("housing", Cuboid((width, depth, height)), pose=below)
+    plate = PlateShape((_GUARD * side, _GUARD * side))
+    guard = Object("guard", plate, pose=Pose((0.0, 0.0, -_GUARD_BEHIND * side)), potential="electrode")
+    return (housing, guard) if machine == GUARD else (housing,)
+
+
+def _arrangements() -> Iterator[Arrangement]:
+    """Draws the arrangements. Python promises that the generator's numbers stay the same."""
+    chance = random.Random(_SEED)
+    for _ in range(_ARRANGEMENTS):
+        side = _length(chance, _SIDES)
+        width, depth, height = (_length(chance, ends) for ends in _HANDS)
+        aside, along = (round(_SHIFT * side * chance.uniform(-1, 1), _DIGITS) for _ in range(2))
+        gap, behind, beside = (_length(chance, ends) for ends in (_GAPS, _BEHIND, _BESIDE))
+        yield Arrangement(side, (width, depth, height), gap, (aside, along), behind, beside)
+
+
+def _length(chance: random.Random, ends: tuple[float, float]) -> float:
+    """Draws a length uniformly in its logarithm, so that small and large ones are equally frequent."""
+    return round(math.exp(chance.uniform(math.log(ends[0]), math.log(ends[1]))), _DIGITS)

@@ -1,0 +1,221 @@
+"""Experiment VII: which set-ups there are, that finished ones are kept, and that factors and sections follow from the answers."""
+
+from __future__ import annotations
+
+import re
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analysis import __main__ as command_line
+from analysis.results import store
+from analysis.results.study_results import SCENE, case_folder
+from analysis.topics.company import factors, page, section, set_ups, stage
+from analysis.topics.company.factors import TOGETHER, Entry
+from analysis.topics.company.set_ups import (
+    GUARD,
+    HAND,
+    HOUSING,
+    MACHINES,
+    NOTHING,
+    PERSON,
+    SENSOR,
+    TABLE,
+    TO_GROUND,
+    SetUp,
+    all_set_ups,
+)
+from geometries.common.installation import ROOT
+from geometries.scene import reader
+from geometries.scene.readings import readings, targets
+from geometries.studies.families import FLOATING, GROUNDED
+from tests.analysis.synthetic import make_results, report_text
+
+PICO = 1e-12
+# What made-up answers are multiplied by.
+BY_MACHINE = {NOTHING: 1.0, HOUSING: 0.5, GUARD: 0.75, TABLE: 0.8, PERSON: 0.9}
+BY_GROUND = dict(zip(TO_GROUND, (1.0, 0.99, 0.9, 0.6, 0.2)))
+
+
+def some() -> tuple[SetUp, ...]:
+    """Quick ones: the second arrangement by itself and before a housing, the hand grounded and floating."""
+    return tuple(
+        each
+        for each in all_set_ups()
+        if each.number == 2 and each.machine in (NOTHING, HOUSING) and each.ground in (GROUNDED, FLOATING)
+    )
+
+
+def made_up() -> list[Entry]:
+    """Answers of all set-ups, with known factors; the model is four times the true change by itself. Errors are a thousandth."""
+    answers = {}
+    for each in all_set_ups():
+        alone = each.number * PICO
+        change = alone * BY_MACHINE[each.machine] * BY_GROUND[each.ground]
+        answers[each.id] = {
+            "background": {"value": 5 * PICO, "error": 0.0},
+            "change": {"value": change, "error": 1e-3 * change},
+            "model": 4 * alone if each.ground == GROUNDED else None,
+        }
+    return factors.entries(answers, all_set_ups())
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("results") / stage.FOLDER
+    assert stage.run(place, some(), 2) == []
+    return place
+
+
+def test_every_arrangement_is_in_every_company_with_every_connection() -> None:
+    everything = all_set_ups()
+    count = len({each.id for each in everything})
+    assert count == len(everything) >= 200
+    for document in ("analysis/GUIDE.md", "analysis/topics/experiments/EXPERIMENTS.md"):
+        assert f"{count} set-ups" in (ROOT / document).read_text()
+    kinds = {(each.machine, each.ground) for each in everything}
+    assert len(kinds) == len(MACHINES) * len(TO_GROUND)
+    assert {(each.number, *kind) for each in everything for kind in kinds} == {
+        (each.number, each.machine, each.ground) for each in everything
+    }
+
+
+def test_bodies_keep_apart_and_the_hand_alone_comes_and_goes(tmp_path: Path) -> None:
+    for each in all_set_ups():
+        boxes = {
+            name: (triangles.reshape(-1, 3).min(axis=0), triangles.reshape(-1, 3).max(axis=0))
+            for name, triangles in each.scene.conductors().items()
+        }
+        for (low, high), (other_low, other_high) in combinations(boxes.values(), 2):
+            assert np.max(np.maximum(low - other_high, other_low - high)) > 1e-3
+        (reading,) = readings(each.scene)
+        assert reading.sense == SENSOR
+        assert reading.drive == ((SENSOR, "guard") if each.machine == GUARD else (SENSOR,))
+        assert [body.name for body, target in zip(each.scene.objects, targets(each.scene)) if target] == [
+            HAND
+        ]
+        (hand,) = (body for body in each.scene.objects if body.name == HAND)
+        assert (hand.potential == GROUNDED) == (each.ground == GROUNDED)
+        assert hand.to_ground == (0 if each.ground == GROUNDED else TO_GROUND[each.ground])
+    store.write_text(tmp_path / SCENE, all_set_ups()[-1].text)
+    assert reader.load(tmp_path / SCENE) == all_set_ups()[-1].scene
+
+
+def test_factors_of_made_up_answers_are_those_put_in() -> None:
+    made = {each.what: each for each in factors.factors(made_up())}
+    expected = {
+        "housing": 0.5,
+        "driven guard": 0.75 / 0.5,
+        "table": 0.8,
+        "second person": 0.9,
+        "hand through 1 nF": 0.99,
+        "hand through 100 pF": 0.9,
+        "hand through 10 pF": 0.6,
+        "hand floating": 0.2,
+        TOGETHER: 0.5 * 0.2,
+    }
+    assert set(made) == set(expected)
+    for what, value in expected.items():
+        each = made[what]
+        assert [each.median, each.smallest, each.largest] == pytest.approx([value] * 3)
+        assert each.error == pytest.approx(2e-3)
+        assert len(each.ratios) == (10 if what == TOGETHER else 50)
+
+
+def test_only_pairs_that_are_there_are_compared() -> None:
+    alone = [each for each in made_up() if each.set_up.machine == NOTHING and each.set_up.ground == GROUNDED]
+    assert factors.factors(alone) == []
+    beside = [each for each in made_up() if each.set_up.machine == PERSON and each.set_up.ground == GROUNDED]
+    (made,) = factors.factors(alone + beside[:3])
+    assert (made.what, len(made.ratios)) == (PERSON, 3)
+    assert not factors.of_model(alone, PERSON, GROUNDED).ratios
+
+
+def test_the_model_is_held_against_each_company_and_connection() -> None:
+    found = made_up()
+    for machine, by_machine in BY_MACHINE.items():
+        for ground, by_ground in BY_GROUND.items():
+            each = factors.of_model(found, machine, ground)
+            assert each.median == pytest.approx(4 / (by_machine * by_ground))
+
+
+def test_the_section_says_what_follows_from_the_factors() -> None:
+    found = made_up()
+    assert "hand floating instead of grounded 0.2 (0.2 to 0.2)" in section.finding(found)
+    assert "table 0.8 (0.8 to 0.8) of a grounded hand and 0.8" in section.finding(found)
+    times = [4 / (machine * ground) for machine in BY_MACHINE.values() for ground in BY_GROUND.values()]
+    told = f"over all set-ups {np.median(times):.3g} times it (4 to 40)."
+    assert section.model_finding(found).endswith(told)
+    told = section.conclusion(found)
+    assert "before a housing a floating hand makes 0.1 (0.1 to 0.1) of that change" in told
+    assert "strongest effect in the median is that of hand floating (0.2)" in told
+    text = str(section.section(found))
+    assert text.count("plotly-graph-div") == 2
+    assert "<td>0.750</td>" not in text and "<td>1.500</td>" in text
+
+
+def test_real_answers_have_the_order_of_the_theorem_and_state_their_errors(folder: Path) -> None:
+    answers = stage.load(folder)
+    found = {
+        (each.set_up.machine, each.set_up.ground): each for each in factors.entries(answers, all_set_ups())
+    }
+    assert len(found) == len(some())
+    for machine in (NOTHING, HOUSING):
+        grounded, floating = found[machine, GROUNDED], found[machine, FLOATING]
+        assert 0 < floating.change.value < grounded.change.value
+        assert floating.model is None and grounded.model is not None
+        # The model does not see the housing, and gives the whole of what it would be near an endless plate.
+        assert grounded.model > grounded.change.value
+        assert 0 < grounded.change.error < 5e-3 * grounded.change.value
+    assert found[NOTHING, GROUNDED].model == found[HOUSING, GROUNDED].model
+
+
+def test_finished_set_ups_are_kept_and_others_done_again(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    paths = [case_folder(folder, each.id) / stage.ANSWER for each in some()]
+    before = [path.stat().st_mtime_ns for path in paths]
+    paths[0].write_text(paths[0].read_text()[:50])
+    stage.run(folder, some(), 2)
+    changed = [path.stat().st_mtime_ns != then for path, then in zip(paths, before)]
+    assert changed == [True] + [False] * (len(paths) - 1)
+    monkeypatch.setattr(stage, "code", lambda: "another")
+    assert stage.load(folder) == {}
+
+
+def test_the_command_goes_on_from_what_is_there_and_tells_what_failed(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    chosen = some()
+    monkeypatch.setattr(set_ups, "all_set_ups", lambda: chosen)
+    assert command_line.main(["company", "--output", str(folder)]) == 0
+    printed = capsys.readouterr()
+    assert f"report: {folder / page.PAGE}" in printed.out and "4 set-ups" in printed.out
+    assert "in company" not in printed.err, "nothing was left to do"
+    scene = case_folder(folder, chosen[0].id) / SCENE
+    whole = scene.read_text()
+    scene.with_name(stage.ANSWER).unlink()
+    scene.write_text("not a scene")
+    assert command_line.main(["company", "--output", str(folder)]) == 1
+    assert f"case {chosen[0].id}: company" in capsys.readouterr().err
+    scene.write_text(whole)
+    assert command_line.main(["company", "--output", str(folder)]) == 0
+
+
+def test_a_report_beside_the_answers_shows_them_and_another_says_how_to_get_them(
+    folder: Path, tmp_path: Path
+) -> None:
+    text = report_text(make_results(folder.parent / "study"))
+    assert section.TITLE in text and section.ABSENT not in text
+    (found,) = re.findall(rf"<h2>{section.TITLE}</h2>(.*?)</section>", text, re.DOTALL)
+    assert "hand floating" in found and all(each.id in found for each in some())
+    assert section.ABSENT in report_text(make_results(tmp_path / "elsewhere" / "study"))
+
+
+def test_the_page_is_made_once(folder: Path) -> None:
+    made = page.make(folder)
+    text = made.path.read_text()
+    assert "--method boundary-elements --rtol 0.001" in text and "analysis company" in text
+    assert page.make(folder).path.stat().st_mtime_ns == made.path.stat().st_mtime_ns
