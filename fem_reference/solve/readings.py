@@ -108,7 +108,9 @@ def level_readings(
     inside = medium | without.system.permittivities
     flux = flux_energies(system.tagged, without.parts, len(without.potentials), degree, inside)
     below = flux.lower - np.diag(flux.algebraic_error)
-    around = reading_bounds(measured, without.without_floating(below), without.without_floating(above), shape_error)
+    around = reading_bounds(
+        measured, without.without_floating(below), without.without_floating(above), shape_error
+    )
     return LevelReadings(value, alone, bounds, around)
 
 
