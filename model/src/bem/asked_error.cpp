@@ -47,7 +47,8 @@ Eigen::ArrayXXd error_scales(const MaxwellMatrix& answer, const ChargedBodies& b
 
 double largest_error(const MaxwellMatrix& answer, const ChargedBodies& bodies) {
   const double of_entries = (answer.errors.array() / error_scales(answer, bodies)).maxCoeff();
-  return bodies.changes_are_asked ? std::max(of_entries, largest_error_of_changes(answer.readings)) : of_entries;
+  return bodies.changes_are_asked ? std::max(of_entries, largest_error_of_changes(answer.readings))
+                                  : of_entries;
 }
 
 double excess_error(const MaxwellMatrix& answer, const ChargedBodies& bodies, const GeometryErrors& geometry,

@@ -39,8 +39,8 @@ Eigen::VectorXd error_indicators(const PanelMesh& mesh, const Eigen::MatrixXd& p
 Eigen::MatrixXd detail_energies(const PanelMesh& mesh, const Eigen::MatrixXd& panels,
                                 const Eigen::VectorXd& shares, const Eigen::MatrixXd& charges);
 
-/// Returns the same as error_indicators() for the changes of readings, relative to `scales`. `charges` are the panels' in the
-/// columns of ReadingCharges::all().
+/// Returns the same as error_indicators() for the changes of readings, relative to `scales`. `charges` are
+/// the panels' in the columns of ReadingCharges::all().
 Eigen::VectorXd change_indicators(const PanelMesh& mesh, const Eigen::MatrixXd& panels,
                                   const Eigen::VectorXd& shares, const Eigen::MatrixXd& charges,
                                   const Eigen::VectorXd& scales);

@@ -39,7 +39,8 @@ class Arrangement {
   /// Counts how often bodies were joined anew. Everything below belongs to the last time.
   std::size_t joinings() const { return joinings_; }
 
-  /// Returns the conductors and their bodies, on their links; capacitances to the ground are in units of unit().
+  /// Returns the conductors and their bodies, on their links; capacitances to the ground are in units of
+  /// unit().
   const ChargedBodies& bodies() const { return bodies_; }
 
   /// Returns the rigid bodies, those of the sensors first; scales are in units of unit().
