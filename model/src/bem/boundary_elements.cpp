@@ -320,8 +320,10 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplific
     if (simplification.is_changed()) {
       geometry.entries = effect_on_capacitances(simplification, system.mesh(), solution.charges)
                              .topLeftCorner(conductors, conductors);
-      of_readings = effect_on_capacitances(simplification, system.mesh(), solution.reading_charges);
-      geometry.changes = detail::reading_effects(of_readings).change;
+      if (!bodies.readings.empty()) {
+        of_readings = effect_on_capacitances(simplification, system.mesh(), solution.reading_charges);
+        geometry.changes = detail::reading_effects(of_readings).change;
+      }
     }
     write_solution(solution, bodies, per_change, tolerance, geometry.entries, answer);
     write_readings(solution, bodies, per_change, tolerance, of_readings, answer);
