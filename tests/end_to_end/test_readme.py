@@ -52,7 +52,7 @@ def test_the_reference_agrees_with_what_the_readme_shows(tmp_path: Path) -> None
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     shown = "\n".join(printed_after("python3 -m fem_reference hand.toml"))
     expected, found = VALUE_AND_ERROR.findall(shown), VALUE_AND_ERROR.findall(done.stdout)
-    assert len(expected) == len(found) == 5
+    assert len(expected) == len(found) == 8
     for (value, error), (new, _) in zip(expected, found):
         assert abs(float(new) - float(value)) <= float(error)
 

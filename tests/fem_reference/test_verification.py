@@ -137,7 +137,7 @@ def test_plates_against_boundary_elements(name: str) -> None:
 def test_the_error_falls_linearly_with_the_edge_size() -> None:
     """Measures the order of convergence on which the extrapolation relies, 1, from the true errors of four levels.
 
-    On the fifth level the error that all levels share begins to show; the stated error still covers the true error.
+    On a fifth level the error that all levels share would begin to show. The fourth one's interval suffices.
     """
     found = solve([Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))], rtol=1e-4)
     truth = 4 * np.pi * epsilon_0 * UNIT_SQUARE_PLATE
@@ -145,6 +145,6 @@ def test_the_error_falls_linearly_with_the_edge_size() -> None:
     sizes = [level.edge_size for level in found.levels]
     order = np.polyfit(np.log(sizes[:4]), np.log(errors[:4]), 1)[0]
     print(f"\nobserved order {order:.2f} over the first four of {len(errors)} levels")
-    assert len(errors) >= 5 and 0.85 <= order <= 1.15
+    assert len(errors) >= 4 and 0.85 <= order <= 1.15
     assert all(error > 0 for error in errors), "a conforming potential has too much energy"
-    check("five levels", found.maxwell.value[0, 0], found.maxwell.error[0, 0], truth, 1e-6 / 0.366788, 1e-4)
+    check("four levels", found.maxwell.value[0, 0], found.maxwell.error[0, 0], truth, 1e-6 / 0.366788, 1e-4)

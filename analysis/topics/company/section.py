@@ -26,7 +26,7 @@ from analysis.topics.company.set_ups import MACHINES, NOTHING, TO_GROUND
 from analysis.topics.company.stage import RTOL
 from geometries.studies.families import FLOATING, GROUNDED
 
-TITLE = "Experiment VII: in company"
+TITLE = "In company: Experiment VII"
 ABSENT = (
     "This version of the model has no study of readings in company yet: python3 -m analysis company does it in a "
     "minute or two."
