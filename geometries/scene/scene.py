@@ -99,7 +99,7 @@ class Object:
 
 @dataclass(frozen=True)
 class Reading:
-    """What electronics measure: the charge on `sense` while `drive` is at 1 V and all else is grounded, but for floating bodies.
+    """A measurement of the electronics: the charge on `sense` while `drive` is at 1 V and all else is grounded, but for floating bodies.
 
     Both hold names of sensors and of electrodes' conductors. `noise` is one standard deviation and `threshold` the change that is
     noticed, both in farads; without a threshold it is five times the noise.

@@ -25,7 +25,7 @@ inline std::string plain_name(std::string name, const std::string& kept = "") {
 /// Makes names unique by appending a number to a name that is taken already.
 class UniqueNames {
  public:
-  /// What two names must differ in.
+  /// States whether names that differ only in the case of letters are different names.
   enum class Case { counts, does_not_count };
 
   explicit UniqueNames(std::string separator = " ", Case letters = Case::counts)

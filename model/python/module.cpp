@@ -257,7 +257,7 @@ py::dict capacitance_of(SharedScene& scene, const std::string& method,
   });
 }
 
-/// What a reading measures, as an object of Python: `Reading`.
+/// The answer of a reading as an object of Python: `Reading`.
 struct PythonReading {
   std::optional<double> value, background, change;
   std::map<std::string, std::optional<double>> error;
@@ -408,7 +408,7 @@ method.)");
              "\"constants\" and \"cost\".");
 
   py::class_<PythonReading>(module, "Reading",
-                            "What a reading measures; None is what the method does not know. F.")
+                            "The answer of a reading (F); None is what the method does not know.")
       .def_readonly("value", &PythonReading::value)
       .def_readonly("background", &PythonReading::background)
       .def_readonly("change", &PythonReading::change)

@@ -52,10 +52,10 @@ struct MaxwellMatrix {
   /// Whether a diagonal entry is a lower bound of the true one. It is, by the variational principle of the
   /// Galerkin method, if the integrals are evaluated much more accurately than the charges are known.
   std::vector<bool> lower_bounds;
-  /// What the readings measure. `lower` is given where the value is a lower bound, as for `lower_bounds`.
+  /// The answers of the readings. `lower` is given where the value is a lower bound, as for `lower_bounds`.
   std::vector<ReadingAnswer> readings;
-  /// Whether the estimated errors of the entries asked for are within rtol; and of the readings' changes, if
-  /// the scene marks a target or has readings of its own.
+  /// True if the estimated errors of the entries asked for are within rtol; and those of the readings'
+  /// changes, if the scene asks for them: it has readings of its own, marks a target, or has electrodes.
   bool reached = false;
   std::size_t unknowns = 0;
 

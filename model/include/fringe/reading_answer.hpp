@@ -13,7 +13,7 @@ struct Estimate {
   std::optional<double> upper = {};  ///< F, a bound that is proven
 };
 
-/// What a reading measures: the charge on the conductor that it senses, per volt on those that it drives;
+/// The answer of a reading: the charge on the conductor that it senses, per volt on those that it drives;
 /// times −1 if it does not drive the one that it senses.
 struct ReadingAnswer {
   std::string name;

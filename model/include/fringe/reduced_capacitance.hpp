@@ -79,8 +79,7 @@ class ReducedEvaluator {
  private:
   class Implementation;
   std::unique_ptr<Implementation> implementation_;
-  std::vector<Reading> readings_;  ///< empty if their changes are delta_self
-  bool changes_are_asked_ = false;
+  std::vector<Reading> readings_;               ///< empty if the scene does not ask for changes
   double rtol_ = 0;                             ///< of the changes
   std::unique_ptr<Implementation> background_;  ///< of the scene without the targets
 };

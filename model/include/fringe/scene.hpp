@@ -75,13 +75,13 @@ struct Object {
   bool collides = true;
   /// Name of the conductor whose bodies are all objects with this name; none: a conductor of its own.
   std::optional<std::string> conductor = std::nullopt;
-  /// Whether it comes and goes, so that readings detect it; the other objects belong to the machine. If no
-  /// object of a scene is a target, all are but electrodes.
+  /// Marks an object that comes and goes, so that readings detect it; the other objects belong to the
+  /// machine. If no object of a scene is marked, all are targets but electrodes.
   bool target = false;
 };
 
-/// What electronics measure: the charge on one conductor while some are driven at 1 V and all others are
-/// grounded, but for floating ones.
+/// A measurement of the electronics: the charge on one conductor while some are driven at 1 V and all others
+/// are grounded, but for floating ones.
 struct Reading {
   std::string name;
   std::string sense;               ///< the sensor, or the conductor of an electrode, whose charge is measured

@@ -11,26 +11,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-namespace {
-
-Eigen::ArrayXd scales_of_changes(const MaxwellMatrix& answer) {
-  Eigen::ArrayXd scales(static_cast<Index>(answer.readings.size()));
-  for (std::size_t k = 0; k < answer.readings.size(); ++k)
-    scales[static_cast<Index>(k)] =
-        change_scale(answer.readings[k].value.value.value_or(0), answer.readings[k].change.value.value_or(0));
-  return scales;
-}
-
-/// Returns the errors of the readings' changes, relative to change_scale().
-Eigen::ArrayXd errors_of_changes(const MaxwellMatrix& answer) {
-  Eigen::ArrayXd errors(static_cast<Index>(answer.readings.size()));
-  for (std::size_t k = 0; k < answer.readings.size(); ++k)
-    errors[static_cast<Index>(k)] = answer.readings[k].change.error.value_or(0);
-  return errors / scales_of_changes(answer);
-}
-
-}  // namespace
-
 Eigen::ArrayXXd error_scales(const MaxwellMatrix& answer, const ChargedBodies& bodies) {
   /// Entries of this part of the diagonal are as accurate as they are large. Those of bodies that others
   /// shield from each other are far smaller, and no reading depends on their digits.
@@ -47,8 +27,9 @@ Eigen::ArrayXXd error_scales(const MaxwellMatrix& answer, const ChargedBodies& b
 
 double largest_error(const MaxwellMatrix& answer, const ChargedBodies& bodies) {
   const double of_entries = (answer.errors.array() / error_scales(answer, bodies)).maxCoeff();
-  return bodies.changes_are_asked ? std::max(of_entries, largest_error_of_changes(answer.readings))
-                                  : of_entries;
+  if (bodies.readings.empty())
+    return of_entries;
+  return std::max(of_entries, errors_of_changes(answer.readings).maxCoeff());
 }
 
 double excess_error(const MaxwellMatrix& answer, const ChargedBodies& bodies, const GeometryErrors& geometry,
@@ -59,10 +40,10 @@ double excess_error(const MaxwellMatrix& answer, const ChargedBodies& bodies, co
   };
   const Eigen::ArrayXXd scales = error_scales(answer, bodies);
   const double of_entries = excess(answer.errors.array() / scales, geometry.entries.array() / scales);
-  if (!bodies.changes_are_asked)
+  if (bodies.readings.empty())
     return of_entries;
-  return std::max(of_entries,
-                  excess(errors_of_changes(answer), geometry.changes.array() / scales_of_changes(answer)));
+  return std::max(of_entries, excess(errors_of_changes(answer.readings),
+                                     geometry.changes.cwiseQuotient(change_scales(answer.readings))));
 }
 
 bool Progress::is_in_vain(double excess, std::size_t unknowns) {

@@ -18,7 +18,7 @@ namespace fringe::detail {
 Eigen::ArrayXXd error_scales(const MaxwellMatrix& answer, const ChargedBodies& bodies);
 
 /// Returns the largest error of an entry, relative to error_scales(), or of a reading's change, relative to
-/// change_scale(), if changes are asked for.
+/// change_scale(), if the scene asks for changes.
 double largest_error(const MaxwellMatrix& answer, const ChargedBodies& bodies);
 
 /// The errors by simplified surfaces.

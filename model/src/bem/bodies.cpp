@@ -301,8 +301,8 @@ ChargedBodies charged_bodies(const Scene& scene) {
   for (ChargedBody& body : result.bodies)
     body = moved(body, attachment_pose(link_poses, body.link));
   result = joined(std::move(result));
-  result.readings = charged_readings(scene, result);
-  result.changes_are_asked = asks_for_changes(scene);
+  if (asks_for_changes(scene))
+    result.readings = charged_readings(readings(scene), drivable_conductors(result));
   return result;
 }
 

@@ -87,8 +87,8 @@ struct ChargedReading {
 struct ChargedBodies {
   std::vector<ChargedConductor> conductors;
   std::vector<ChargedBody> bodies;
+  /// The readings whose changes have to be accurate; none if the scene does not ask for changes.
   std::vector<ChargedReading> readings = {};
-  bool changes_are_asked = false;  ///< whether the changes of the readings have to be accurate
 
   Role role(const ChargedBody& body) const { return conductors[body.conductor].role; }
 };

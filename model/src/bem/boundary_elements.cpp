@@ -12,6 +12,7 @@
 #include "bem/bodies.hpp"
 #include "bem/error_indicators.hpp"
 #include "bem/group_densities.hpp"
+#include "bem/matrix_readings.hpp"
 #include "bem/maxwell_matrix.hpp"
 #include "bem/mesh_size.hpp"
 #include "bem/panel_system.hpp"
@@ -285,7 +286,7 @@ double quadrature_excess(const PanelSolution& solution, const ChargedBodies& bod
       (solution.quadrature_effect.topLeftCorner(answer.values.rows(), answer.values.cols()).array() /
        detail::error_scales(answer, bodies))
           .maxCoeff();
-  if (bodies.changes_are_asked)
+  if (!bodies.readings.empty())
     excess = std::max(excess, (detail::reading_effects(solution.reading_quadrature_effect).change.array() /
                                detail::change_scales(solution.all, solution.background, bodies).array())
                                   .maxCoeff());
@@ -306,7 +307,7 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplific
   detail::Progress progress;
   detail::GeometryErrors geometry{MatrixXd::Zero(conductors, conductors),
                                   VectorXd::Zero(static_cast<Index>(bodies.readings.size()))};
-  double change_part = bodies.changes_are_asked ? first_change_part : 1;
+  double change_part = bodies.readings.empty() ? 1 : first_change_part;
   while (true) {
     system.refine(functions, tolerance);
     solution = system.solve(accuracy * change_part);
@@ -328,7 +329,7 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplific
     write_solution(solution, bodies, per_change, tolerance, geometry.entries, answer);
     write_readings(solution, bodies, per_change, tolerance, of_readings, answer);
     answer.unknowns = count_unknowns(functions) + system.mesh().panels().size();
-    if (bodies.changes_are_asked)
+    if (!bodies.readings.empty())
       change_part = smallest_part(answer.readings);
     const double excess = detail::excess_error(answer, bodies, geometry, options.rtol);
     if (excess <= 1 || progress.is_in_vain(excess, answer.unknowns))
@@ -343,6 +344,8 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplific
       break;
   }
   write_delta_self(system, solution, bodies, per_change, tolerance, accuracy, geometry.entries, answer);
+  if (bodies.readings.empty())
+    answer.readings = detail::readings_of_sensors(answer);
   return answer;
 }
 

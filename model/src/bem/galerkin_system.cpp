@@ -284,8 +284,7 @@ GalerkinSolution GalerkinSystem::solve() const {
       charges.readings.push_back(reading_charges(charges.conductors[face], solution.all.fine, without[face],
                                                  solution.background.fine, bodies_)
                                      .all());
-    if (bodies_.changes_are_asked)
-      charges.change_scales = change_scales(solution.all, solution.background, bodies_);
+    charges.change_scales = change_scales(solution.all, solution.background, bodies_);
   }
   solution.body_charges = MatrixXd::Zero(static_cast<Index>(bodies_.bodies.size()), conductors);
   for (std::size_t face = 0; face < faces_.size(); ++face)

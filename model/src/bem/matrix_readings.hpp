@@ -12,11 +12,7 @@ namespace fringe::detail {
 /// Returns the scene without its targets.
 Scene without_targets(const Scene& scene);
 
-/// Tells whether the scene's readings are those of its sensors and all of its objects are targets: the
-/// changes are `delta_self`.
-bool changes_are_delta_self(const Scene& scene);
-
-/// Returns the readings for which changes_are_delta_self().
+/// Returns the sensors' own readings, of a scene that does not ask for changes: these are `delta_self`.
 std::vector<ReadingAnswer> readings_of_sensors(const MaxwellMatrix& matrix);
 
 /// Returns the readings by both matrices. The error of a change is the sum of those of value and background.

@@ -272,8 +272,7 @@ PanelSolution PanelSystem::solve(double accuracy) const {
         detail_energies(mesh_, panels_, preconditioner.shares(), solution.reading_charges);
     if (faces() > 0)
       solution.reading_details += faces_.detail_energies(charges_of_faces(unknowns, reading_charges));
-    if (bodies_.changes_are_asked)
-      scales = change_scales(solution.all, solution.background, bodies_);
+    scales = change_scales(solution.all, solution.background, bodies_);
     background_charges = std::move(background.charges);
   }
   solution.highest = faces_.highest_energies(

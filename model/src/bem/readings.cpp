@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
+#include <fmt/format.h>
 
 #include "bem/maxwell_matrix.hpp"
+#include "fringe/error.hpp"
 #include "fringe/reading.hpp"
 
 namespace fringe::detail {
@@ -15,14 +17,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Returns the unit vector of the sensor or electrode of this name.
-VectorXd unit_vector(const std::string& name, const ChargedBodies& bodies) {
-  VectorXd result = VectorXd::Zero(static_cast<Index>(bodies.conductors.size()));
-  for (std::size_t k = 0; k < bodies.conductors.size(); ++k)
-    if (const ChargedConductor& conductor = bodies.conductors[k];
-        conductor.name == name && (conductor.role == Role::sensor || conductor.role == Role::electrode))
-      result[static_cast<Index>(k)] = 1;
-  return result;
+/// Returns the row of the conductor that a reading names. Throws InputError if there is none.
+Index row_of(const std::string& name, const Reading& reading, const std::vector<std::string>& conductors) {
+  const auto found = std::find(conductors.begin(), conductors.end(), name);
+  if (found == conductors.end())
+    throw InputError(fmt::format(
+        R"(reading "{}": "{}" is neither a sensor nor the conductor of an electrode)", reading.name, name));
+  return found - conductors.begin();
 }
 
 Index kept_conductors(const ChargedBodies& bodies) {
@@ -46,22 +47,35 @@ double missing_part(const VectorXd& potentials, const NestedMatrix& matrix) {
 
 }  // namespace
 
-std::vector<ChargedReading> charged_readings(const Scene& scene, const ChargedBodies& bodies) {
-  std::vector<ChargedReading> result;
-  for (const Reading& reading : readings(scene)) {
-    VectorXd drive = VectorXd::Zero(static_cast<Index>(bodies.conductors.size()));
-    for (const std::string& name : reading.drive)
-      drive += unit_vector(name, bodies);
-    VectorXd sense = unit_vector(reading.sense, bodies);
-    const bool is_driven = sense.dot(drive) > 0;
-    result.push_back({reading.name, is_driven ? sense : -sense, std::move(drive)});
-  }
-  return result;
+bool asks_for_changes(const Scene& scene) {
+  const bool marks_a_target = std::any_of(scene.objects.begin(), scene.objects.end(),
+                                          [](const Object& object) { return object.target; });
+  const std::vector<bool> are_targets = targets(scene);
+  const bool all_are_targets = std::find(are_targets.begin(), are_targets.end(), false) == are_targets.end();
+  return !scene.readings.empty() || marks_a_target || !all_are_targets;
 }
 
-bool asks_for_changes(const Scene& scene) {
-  return !scene.readings.empty() || std::any_of(scene.objects.begin(), scene.objects.end(),
-                                                [](const Object& object) { return object.target; });
+std::vector<std::string> drivable_conductors(const ChargedBodies& bodies) {
+  std::vector<std::string> names;
+  for (const ChargedConductor& conductor : bodies.conductors)
+    names.push_back(conductor.role == Role::sensor || conductor.role == Role::electrode ? conductor.name
+                                                                                        : "");
+  return names;
+}
+
+std::vector<ChargedReading> charged_readings(const std::vector<Reading>& readings,
+                                             const std::vector<std::string>& conductors) {
+  std::vector<ChargedReading> result;
+  for (const Reading& reading : readings) {
+    const auto count = static_cast<Index>(conductors.size());
+    VectorXd drive = VectorXd::Zero(count);
+    for (const std::string& name : reading.drive)
+      drive[row_of(name, reading, conductors)] = 1;
+    const Index sensed = row_of(reading.sense, reading, conductors);
+    const double sign = drive[sensed] > 0 ? 1 : -1;
+    result.push_back({reading.name, sign * VectorXd::Unit(count, sensed), std::move(drive)});
+  }
+  return result;
 }
 
 MatrixXd potentials(const MatrixXd& matrix, const ChargedBodies& bodies) {
@@ -77,11 +91,6 @@ MatrixXd ReadingCharges::all() const {
   MatrixXd result(sense_change.rows(), 4 * sense_change.cols());
   result << sense_background, sense_change, drive_background, drive_change;
   return result;
-}
-
-ReadingCharges ReadingCharges::rows(Index first, Index count) const {
-  return {sense_background.middleRows(first, count), sense_change.middleRows(first, count),
-          drive_background.middleRows(first, count), drive_change.middleRows(first, count)};
 }
 
 ReadingCharges reading_charges(const MatrixXd& charges, const MatrixXd& matrix,
@@ -151,13 +160,19 @@ double change_scale(double value, double change) {
   return std::max(std::abs(change), least_part * std::abs(value));
 }
 
-double largest_error_of_changes(const std::vector<ReadingAnswer>& readings) {
-  double largest = 0;
-  for (const ReadingAnswer& reading : readings)
-    largest =
-        std::max(largest, reading.change.error.value_or(0) / change_scale(reading.value.value.value_or(0),
-                                                                          reading.change.value.value_or(0)));
-  return largest;
+VectorXd change_scales(const std::vector<ReadingAnswer>& readings) {
+  VectorXd scales(static_cast<Index>(readings.size()));
+  for (std::size_t k = 0; k < readings.size(); ++k)
+    scales[static_cast<Index>(k)] =
+        change_scale(readings[k].value.value.value_or(0), readings[k].change.value.value_or(0));
+  return scales;
+}
+
+VectorXd errors_of_changes(const std::vector<ReadingAnswer>& readings) {
+  VectorXd errors(static_cast<Index>(readings.size()));
+  for (std::size_t k = 0; k < readings.size(); ++k)
+    errors[static_cast<Index>(k)] = readings[k].change.error.value_or(0);
+  return errors.cwiseQuotient(change_scales(readings));
 }
 
 VectorXd change_scales(const NestedMatrix& all, const NestedMatrix& background, const ChargedBodies& bodies) {

@@ -12,11 +12,17 @@
 /// Readings by the matrices with and without the targets, in metres (model/BOUNDARY_ELEMENTS.md, section 11).
 namespace fringe::detail {
 
-/// Returns the readings of a scene by the potentials of its conductors.
-std::vector<ChargedReading> charged_readings(const Scene& scene, const ChargedBodies& bodies);
-
-/// Tells whether a scene asks what targets change: it marks a target or has readings of its own.
+/// Tells whether a scene asks what targets change: it marks a target, has readings of its own, or has objects
+/// that are no targets. Otherwise each sensor has a reading, and what all objects change is `delta_self`.
 bool asks_for_changes(const Scene& scene);
+
+/// Returns the names of all conductors that may be sensed and driven, in their rows; empty for others.
+std::vector<std::string> drivable_conductors(const ChargedBodies& bodies);
+
+/// Returns readings by the potentials of the conductors of these names. Throws InputError for a reading of a
+/// conductor that is not among them.
+std::vector<ChargedReading> charged_readings(const std::vector<Reading>& readings,
+                                             const std::vector<std::string>& conductors);
 
 /// Returns the conductors' potentials (rows) for every conductor at unit potential that is not floating:
 /// those of floating conductors are such that they carry no charge but that of their capacitors to ground.
@@ -33,8 +39,6 @@ struct ReadingCharges {
 
   /// Returns all columns beside each other.
   Eigen::MatrixXd all() const;
-  /// Returns the charges in some rows.
-  ReadingCharges rows(Eigen::Index first, Eigen::Index count) const;
 };
 
 /// Returns the charges of the readings from those of every conductor at unit potential, with the targets and
@@ -70,8 +74,11 @@ ReadingEffects reading_effects(const Eigen::MatrixXd& of_values, const Eigen::Ma
 /// larger.
 double change_scale(double value, double change);
 
-/// Returns the largest error of a reading's change, relative to change_scale(); 0 without readings.
-double largest_error_of_changes(const std::vector<ReadingAnswer>& readings);
+/// Returns change_scale() of every reading.
+Eigen::VectorXd change_scales(const std::vector<ReadingAnswer>& readings);
+
+/// Returns the error of every reading's change, relative to change_scale().
+Eigen::VectorXd errors_of_changes(const std::vector<ReadingAnswer>& readings);
 
 /// Returns change_scale() of every reading (m), in the whole space.
 Eigen::VectorXd change_scales(const NestedMatrix& all, const NestedMatrix& background,

@@ -373,9 +373,8 @@ ReducedEvaluator::ReducedEvaluator(const Scene& scene, const ReducedOptions& opt
 ReducedEvaluator::ReducedEvaluator(const Scene& scene, const ReducedOptions& options,
                                    std::shared_ptr<detail::LinkPoses> poses)
     : implementation_(std::make_unique<Implementation>(scene, options, poses)) {
-  if (detail::changes_are_delta_self(scene))
+  if (!detail::asks_for_changes(scene))
     return;
-  changes_are_asked_ = detail::asks_for_changes(scene);
   rtol_ = rtol_of(options);
   readings_ = readings(scene);
   background_ = std::make_unique<Implementation>(detail::without_targets(scene), options, std::move(poses));
@@ -390,10 +389,12 @@ void ReducedEvaluator::set_pose(std::string_view link, const Eigen::Isometry3d& 
 
 const MaxwellMatrix& ReducedEvaluator::maxwell() {
   MaxwellMatrix& matrix = implementation_->maxwell();
-  matrix.readings = background_ == nullptr
-                        ? detail::readings_of_sensors(matrix)
-                        : detail::readings_of_matrices(readings_, matrix, background_->maxwell());
-  if (changes_are_asked_ && detail::largest_error_of_changes(matrix.readings) > rtol_)
+  if (background_ == nullptr) {
+    matrix.readings = detail::readings_of_sensors(matrix);
+    return matrix;
+  }
+  matrix.readings = detail::readings_of_matrices(readings_, matrix, background_->maxwell());
+  if ((detail::errors_of_changes(matrix.readings).array() > rtol_).any())
     matrix.reached = false;
   return matrix;
 }

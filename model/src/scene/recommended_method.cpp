@@ -55,7 +55,10 @@ bool reduction_is_bounded(const Scene& scene) {
 /// objects in its row; and of the changes of readings, if the scene asks for these. Infinity if one of them
 /// is not known.
 double largest_error(const MaxwellMatrix& matrix, const Scene& scene) {
-  double largest = asks_for_changes(scene) ? largest_error_of_changes(matrix.readings) : 0;
+  double largest = 0;
+  if (asks_for_changes(scene))
+    for (const double error : errors_of_changes(matrix.readings))
+      largest = std::max(largest, error);
   const auto sensors = static_cast<Eigen::Index>(matrix.sensors);
   for (Eigen::Index sensor = 0; sensor < sensors; ++sensor)
     for (Eigen::Index other = 0; other < matrix.values.cols(); ++other) {

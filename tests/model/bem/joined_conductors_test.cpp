@@ -176,6 +176,7 @@ TEST(JoinedConductors, HaveTheNameThatOneOfTheirObjectsGivesThem) {
 
 TEST(JoinedConductors, OfElectrodesHaveARowAsGroundedOnesHave) {
   Scene scene = above_sensor({mesh(angle_piece()), box("hand", {0, 0, 4}, {4, 4, 6})});
+  scene.objects[1].target = true;
   const MaxwellMatrix grounded = maxwell(scene, {.rtol = 1e-2});
   scene.objects[0].role = Electrode{};
   const MaxwellMatrix driven = maxwell(scene, {.rtol = 1e-2});

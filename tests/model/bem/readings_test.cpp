@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "fringe/boundary_elements.hpp"
+#include "fringe/error.hpp"
 #include "fringe/reading.hpp"
 #include "scenes.hpp"
 
@@ -137,6 +138,24 @@ TEST(Readings, WithoutAnyAreThoseOfTheSensorsAndWhatAllObjectsChange) {
   ASSERT_EQ(answer.readings.size(), 1);
   EXPECT_EQ(answer.readings[0].name, "front");
   EXPECT_NEAR(*answer.readings[0].change.value, answer.delta_self[0], 1e-12 * answer.delta_self[0]);
+}
+
+TEST(Readings, AreNoneInASceneOfTargetsWithoutASensor) {
+  Scene scene;
+  scene.objects = {target(box("hand", {-1, -1, 0}, {1, 1, 1}))};
+  EXPECT_TRUE(maxwell(scene, {.rtol = rtol}).readings.empty());
+}
+
+TEST(Readings, ThatNameNoConductorAreRefused) {
+  Scene scene = machine();
+  scene.readings = {{"hum", "front", {"front", "hand"}}};
+  try {
+    maxwell(scene, {.rtol = rtol});
+    FAIL() << "a grounded hand was driven";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 R"(reading "hum": "hand" is neither a sensor nor the conductor of an electrode)");
+  }
 }
 
 TEST(Readings, OfAFloatingTargetAreThoseOfAGroundedOneForALargeCapacitor) {
