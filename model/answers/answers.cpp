@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
+#include "answers/scene_roles.hpp"
+
 namespace fringe::answers {
 namespace {
 
@@ -220,7 +222,7 @@ Json sensing_answer(const std::vector<DistanceReading>& readings) {
   return {{"distance_sensors", std::move(sensors)}};
 }
 
-Json info_answer(const SceneInfo& info) {
+Json info_answer(const SceneInfo& info, const Scene& scene) {
   Json objects = Json::array();
   for (const ObjectInfo& object : info.objects)
     objects.push_back(description(object));
@@ -230,7 +232,8 @@ Json info_answer(const SceneInfo& info) {
             {"distance_sensors", info.distance_sensors},
             {"objects", info.objects.size()},
             {"triangles", info.triangles}}},
-          {"objects", std::move(objects)}};
+          {"objects", std::move(objects)},
+          {"roles", scene_roles(scene)}};
 }
 
 }  // namespace fringe::answers

@@ -45,7 +45,7 @@ Json collision_answer(const SceneCollision& answer, const Scene& scene);
 /// Describes the readings of the distance sensors; all values are null where nothing is in a cone.
 Json sensing_answer(const std::vector<DistanceReading>& readings);
 
-/// Describes the counts and the geometry of a scene.
-Json info_answer(const SceneInfo& info);
+/// Describes the counts, the geometry and the electrical roles of a scene.
+Json info_answer(const SceneInfo& info, const Scene& scene);
 
 }  // namespace fringe::answers

@@ -1,5 +1,6 @@
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <string>
@@ -15,6 +16,7 @@
 #include "export/export.hpp"
 #include "fringe/error.hpp"
 #include "fringe/live_scene.hpp"
+#include "fringe/motion.hpp"
 #include "fringe/scene_collision.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
@@ -22,8 +24,10 @@
 #include "fringe/version.hpp"
 #include "import_program.hpp"
 #include "maxwell_table.hpp"
+#include "method_options.hpp"
 #include "program.hpp"
 #include "reading_table.hpp"
+#include "sweep.hpp"
 #include "table_text.hpp"
 #include "vtu_file.hpp"
 
@@ -37,14 +41,11 @@ using cli::answered, cli::not_reached, cli::print, cli::wrong_input;
 /// The arguments of the command line.
 struct Request {
   std::string scene;
-  std::string method = "exact";
+  cli::MethodRequest method;
+  std::optional<std::string> frame;
+  std::optional<std::string> motion;
   std::string cone_method = "field_of_view";
-  std::optional<std::string> plates;
-  std::optional<std::string> faces;
-  std::optional<std::string> correction;
   std::optional<std::string> output;
-  std::optional<double> tolerance;
-  std::optional<double> rtol;
   bool json = false;
 };
 
@@ -73,23 +74,6 @@ struct Answer {
   bool reached = true;
 };
 
-EvaluationOptions options_of(const Request& request) {
-  EvaluationOptions options{.method = parse_method(request.method)};
-  if (request.plates)
-    options.plates = parse_plate_rule(*request.plates);
-  if (request.faces)
-    options.faces = parse_face_rule(*request.faces);
-  if (request.correction)
-    options.correction = parse_correction(*request.correction);
-  options.tolerance = request.tolerance;
-  options.rtol = request.rtol;
-  validate(options);
-  if (request.output && !is_integral(options.method))
-    throw InputError(
-        fmt::format("--output is an option of the triangle-integral methods, not of {}", request.method));
-  return options;
-}
-
 /// Formats an evaluation as a table.
 std::string table_of(const Evaluation& answer, const EvaluationOptions& options, double seconds) {
   const std::string heading = std::holds_alternative<Recommended>(options.method)
@@ -101,9 +85,25 @@ std::string table_of(const Evaluation& answer, const EvaluationOptions& options,
          cli::reading_table(answer.readings);
 }
 
-Answer answer_capacitance(const Request& request) {
-  const EvaluationOptions options = options_of(request);
+/// Reads the scene, in the poses of the frame that is asked for.
+LiveScene live_scene(const Request& request) {
+  if (request.motion && !request.frame)
+    throw InputError("--motion without --frame: name the frame, or see fringe sweep");
   LiveScene live(load_scene(request.scene));
+  if (request.frame) {
+    const std::filesystem::path file = cli::motion_file(request.scene, request.motion);
+    const std::vector<Frame> motion = load_motion(file, live.scene());
+    of_file(file.string(), [&] { live.set_poses(motion[find_frame(motion, *request.frame)].poses); });
+  }
+  return live;
+}
+
+Answer answer_capacitance(const Request& request) {
+  const EvaluationOptions options = cli::options_of(request.method);
+  if (request.output && !is_integral(options.method))
+    throw InputError(fmt::format("--output is an option of the triangle-integral methods, not of {}",
+                                 to_string(options.method)));
+  LiveScene live = live_scene(request);
   const auto start = std::chrono::steady_clock::now();
   const Evaluation& answer =
       of_file(request.scene, [&]() -> const Evaluation& { return live.evaluate(options); });
@@ -124,8 +124,9 @@ std::string answer_collide(const Request& request) {
 }
 
 std::string answer_info(const Request& request) {
-  const SceneInfo info = scene_info(load_scene(request.scene));
-  return request.json ? json_text(info_answer(info)) : cli::info_table(info);
+  const Scene scene = load_scene(request.scene);
+  const SceneInfo info = scene_info(scene);
+  return request.json ? json_text(info_answer(info, scene)) : cli::info_table(info, scene);
 }
 
 std::string answer_sense(const Request& request) {
@@ -145,29 +146,11 @@ int run(int argument_count, char** arguments) {
       program, request, "capacitance",
       "Capacitance and output voltage of every sensor by the triangle-integral model, or the Maxwell "
       "matrix by boundary elements");
-  capacitance_command
-      ->add_option("--method", request.method,
-                   "exact, split:N or gauss:K; or boundary-elements, for every shape, or reduced:K, the same "
-                   "in microseconds for moving scenes; or recommended, the first of reduced:K, "
-                   "boundary-elements and the correction formula that states the error asked for")
-      ->capture_default_str();
-  capacitance_command
-      ->add_option("--plates", request.plates,
-                   "sum: every plate of a sensor counts every point; nearest: only the nearest plate does")
-      ->default_str("sum");
-  capacitance_command
-      ->add_option("--faces", request.faces,
-                   "all, or facing: only triangles whose outward side sees the plate, and those in contact")
-      ->default_str("all");
-  capacitance_command
-      ->add_option("--tolerance", request.tolerance,
-                   "What may be left out of a sensor's total, relative to it; only with exact")
-      ->default_str("0");
-  capacitance_command
-      ->add_option(
-          "--correction", request.correction,
-          "none, or what takes the place of the integral: formula or recommended (model/CORRECTIONS.md)")
-      ->default_str("none");
+  cli::add_method_options(*capacitance_command, request.method);
+  capacitance_command->add_option("--frame", request.frame,
+                                  "The frame of a motion, by its name or number, whose poses the links take");
+  capacitance_command->add_option("--motion", request.motion, "The motion file; only with --frame")
+      ->default_str("SCENE.motion.toml");
   capacitance_command
       ->add_option("--output", request.output,
                    "Also write the triangles with what each adds to every sensor's capacitance, for ParaView")
@@ -175,10 +158,6 @@ int run(int argument_count, char** arguments) {
       ->check([](const std::string& name) {
         return name.ends_with(".vtu") ? std::string() : fmt::format("'{}' does not end in .vtu", name);
       });
-  capacitance_command->add_option(
-      "--rtol", request.rtol,
-      "The relative error to be reached in every entry; only with boundary-elements (if not given "
-      "0.001), reduced:1, 2, 3 (0.01, 0.001, 0.0003) and recommended (0.01)");
   CLI::App* sense_command =
       add_command(program, request, "sense", "The closest point that every distance sensor sees");
   sense_command
@@ -194,6 +173,8 @@ int run(int argument_count, char** arguments) {
       "import", "Write a scene file with the links and bodies of a robot (URDF) or a model (glTF, COLLADA, "
                 "OBJ, 3MF, STEP), or the conductors of a FastCap or FasterCap list");
   cli::ExportRequest export_request;
+  cli::SweepRequest sweep_request;
+  const CLI::App* const sweep_command = cli::add_sweep_command(program, sweep_request);
   const CLI::App* const export_command = cli::add_export_command(program, export_request);
   try {
     program.parse(argument_count, arguments);
@@ -208,6 +189,8 @@ int run(int argument_count, char** arguments) {
 
   if (export_command->parsed())
     return cli::run_export(export_request);
+  if (sweep_command->parsed())
+    return cli::run_sweep(sweep_request);
   if (capacitance_command->parsed()) {
     const auto [text, reached] = answer_capacitance(request);
     print(text);

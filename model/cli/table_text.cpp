@@ -1,9 +1,14 @@
 #include "table_text.hpp"
 
 #include <cmath>
+#include <optional>
+#include <variant>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "fringe/reading.hpp"
 #include "units.hpp"
 
 namespace fringe::cli {
@@ -41,6 +46,27 @@ std::string defect_lines(const MeshDefects& defects) {
   if (defects.shells > 1)
     line(defects.shells, "separate parts", "they are one conductor");
   return text;
+}
+
+/// Returns what a scene's object is to the readings, in words; empty for a grounded one that is not marked.
+std::string role_words(const Object& object) {
+  std::string words = object.target ? ", target" : "";
+  if (const auto* floating = std::get_if<Floating>(&object.role))
+    words += floating->to_ground > 0
+                 ? fmt::format(", {:.6g} pF to ground", floating->to_ground * picofarads_per_farad)
+                 : ", floating";
+  if (std::holds_alternative<Electrode>(object.role))
+    words += ", electrode";
+  return words;
+}
+
+std::string reading_line(const Reading& reading) {
+  const auto in_femtofarads = [](const std::optional<double>& value, const char* name) {
+    return value ? fmt::format(", {} {:.6g} fF", name, *value * femtofarads_per_farad) : std::string();
+  };
+  return fmt::format("reading {}: senses {}, drives {}{}{}\n", reading.name, reading.sense,
+                     fmt::join(reading.drive, " and "), in_femtofarads(reading.noise, "noise"),
+                     in_femtofarads(reading.threshold, "threshold"));
 }
 
 }  // namespace
@@ -93,14 +119,17 @@ std::string collision_table(const SceneCollision& answer, const Scene& scene) {
   return text;
 }
 
-std::string info_table(const SceneInfo& info) {
+std::string info_table(const SceneInfo& info, const Scene& scene) {
   std::string text =
       fmt::format("{} links, {} sensors, {} distance sensors, {} objects, {} triangles\n", info.links,
                   info.sensors, info.distance_sensors, info.objects.size(), info.triangles);
-  for (const ObjectInfo& object : info.objects) {
+  for (const Reading& reading : scene.readings.empty() ? std::vector<Reading>() : readings(scene))
+    text += reading_line(reading);
+  for (std::size_t k = 0; k < info.objects.size(); ++k) {
+    const ObjectInfo& object = info.objects[k];
     const auto& low = object.bounding_box.min();
     const auto& high = object.bounding_box.max();
-    text += fmt::format("\nobject {}\n", object.name);
+    text += fmt::format("\nobject {}{}\n", object.name, role_words(scene.objects[k]));
     text += fmt::format("  {:<10} {}\n", "triangles", object.triangles);
     text += fmt::format("  {:<10} {:.6g} m2\n", "area", object.area);
     text += fmt::format("  {:<10} {}\n", "volume",

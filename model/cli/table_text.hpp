@@ -18,6 +18,7 @@ std::string readings_table(const std::vector<DistanceReading>& readings);
 
 std::string collision_table(const SceneCollision& answer, const Scene& scene);
 
-std::string info_table(const SceneInfo& info);
+/// The roles of the objects and the readings are listed where the scene says more than the defaults.
+std::string info_table(const SceneInfo& info, const Scene& scene);
 
 }  // namespace fringe::cli

@@ -20,6 +20,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "answers/answers.hpp"
+#include "answers/scene_roles.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/conductors.hpp"
 #include "fringe/correction.hpp"
@@ -28,6 +29,7 @@
 #include "fringe/evaluation.hpp"
 #include "fringe/gjk.hpp"
 #include "fringe/live_scene.hpp"
+#include "fringe/motion.hpp"
 #include "fringe/plate_integral.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/scene_info.hpp"
@@ -35,7 +37,6 @@
 #include "fringe/thesis.hpp"
 #include "fringe/version.hpp"
 #include "python_object.hpp"
-#include "scene_roles.hpp"
 
 namespace py = pybind11;
 
@@ -264,25 +265,53 @@ struct PythonReading {
   std::string answered_by;
 };
 
-std::map<std::string, PythonReading> readings_of(SharedScene& scene, const std::string& method,
-                                                 const std::optional<std::string>& plates,
-                                                 const std::optional<std::string>& faces,
-                                                 std::optional<double> tolerance, std::optional<double> rtol,
-                                                 const std::optional<std::string>& correction) {
+/// Readings by their names.
+using PythonReadings = std::map<std::string, PythonReading>;
+
+PythonReadings python_readings(const Evaluation& answer) {
+  PythonReadings result;
+  for (const ReadingAnswer& reading : answer.readings)
+    result[reading.name] = {reading.value.value,
+                            reading.background.value,
+                            reading.change.value,
+                            {{"value", reading.value.error},
+                             {"background", reading.background.error},
+                             {"change", reading.change.error}},
+                            reading.answered_by};
+  return result;
+}
+
+PythonReadings readings_of(SharedScene& scene, const std::string& method,
+                           const std::optional<std::string>& plates, const std::optional<std::string>& faces,
+                           std::optional<double> tolerance, std::optional<double> rtol,
+                           const std::optional<std::string>& correction) {
   const EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction);
   validate(options);
-  return scene.locked([&](LiveScene& live) {
-    std::map<std::string, PythonReading> result;
-    for (const ReadingAnswer& reading : live.evaluate(options).readings)
-      result[reading.name] = {reading.value.value,
-                              reading.background.value,
-                              reading.change.value,
-                              {{"value", reading.value.error},
-                               {"background", reading.background.error},
-                               {"change", reading.change.error}},
-                              reading.answered_by};
-    return result;
-  });
+  return scene.locked([&](LiveScene& live) { return python_readings(live.evaluate(options)); });
+}
+
+/// A frame of a sweep as a tuple of Python: its name and its readings.
+using PythonFrame = std::tuple<std::string, PythonReadings>;
+
+std::vector<PythonFrame> sweep_of(SharedScene& scene, const std::string& motion, const std::string& method,
+                                  const std::optional<std::string>& plates,
+                                  const std::optional<std::string>& faces, std::optional<double> tolerance,
+                                  std::optional<double> rtol, const std::optional<std::string>& correction) {
+  const EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction);
+  validate(options);
+  std::vector<PythonFrame> frames;
+  std::vector<Frame> poses;
+  scene.locked([&](const LiveScene& live) { poses = load_motion(motion, live.scene()); });
+  for (const Frame& frame : poses) {
+    // Ctrl-C ends the sweep between two frames.
+    if (PyErr_CheckSignals() != 0)
+      throw py::error_already_set();
+    scene.locked([&](LiveScene& live) {
+      live.set_poses(frame.poses);
+      frames.emplace_back(frame.name, python_readings(live.evaluate(options)));
+    });
+  }
+  return frames;
 }
 
 py::dict sense_of(SharedScene& scene, const std::string& method) {
@@ -308,12 +337,12 @@ py::dict conductors_of(const SharedScene& scene) {
 }
 
 py::dict info_of(SharedScene& scene) {
-  return python_object(scene.locked([](LiveScene& live) { return info_answer(scene_info(live.scene())); }));
+  return python_object(
+      scene.locked([](LiveScene& live) { return info_answer(scene_info(live.scene()), live.scene()); }));
 }
 
 py::dict roles_of(SharedScene& scene) {
-  return python_object(
-      scene.locked([](LiveScene& live) { return fringe::python::scene_roles(live.scene()); }));
+  return python_object(scene.locked([](LiveScene& live) { return scene_roles(live.scene()); }));
 }
 
 void set_link_pose(SharedScene& scene, const std::string& link, const Array& translation,
@@ -454,6 +483,14 @@ on the same elements, so that errors common to both cancel; the triangle-integra
 change of a reading that drives the sensor it senses, the sum over the targets.
 
 Raises InputError as capacitance() does.)")
+      .def(
+          "sweep", &sweep_of, "motion"_a, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
+          "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
+          "correction"_a = py::none(),
+          R"(The readings in every frame of a motion file: a list of (name of the frame, {name: Reading}); options as for readings().
+
+The scene stays in the poses of the last frame, and begins in those that it has. Raises InputError for a file that cannot
+be used with the scene, and as readings() does.)")
       .def("maxwell", &maxwell_of, py::kw_only(), "method"_a = "boundary-elements", "rtol"_a = py::none(),
            R"(The Maxwell matrix of the sensors and objects in free space, by boundary elements. F.
 

@@ -56,6 +56,21 @@ def test_the_table_has_a_line_for_every_reading() -> None:
     assert [line.split()[0] for line in table.splitlines()[1:]] == ["guarded", "unguarded", "transmitted"]
 
 
+def test_info_lists_the_readings_and_what_objects_are_to_them() -> None:
+    document = json.loads(
+        subprocess.run([COMMAND, "info", SCENE, "--json"], capture_output=True, check=True).stdout
+    )
+    assert document["roles"] == model_stage.model_module().Scene.load(SCENE).roles()
+    table = subprocess.run([COMMAND, "info", SCENE], capture_output=True, text=True, check=True).stdout
+    assert "reading guarded: senses front, drives front and guard, noise 1 fF, threshold 5 fF" in table
+    assert "object guard, electrode" in table and "object hand, target, 100 pF to ground" in table
+
+
+def test_the_model_knows_no_change_of_a_floating_target() -> None:
+    for reading in model_stage.model_module().Scene.load(SCENE).readings("exact").values():
+        assert reading.change is None
+
+
 def test_without_readings_and_targets_the_model_has_the_total_as_the_change(tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(

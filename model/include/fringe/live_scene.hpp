@@ -32,6 +32,11 @@ class LiveScene {
   /// @throws InputError when no link has the name.
   void set_pose(std::string_view link, const Eigen::Isometry3d& pose);
 
+  /// Replaces the poses of all links relative to their parents, as a frame of a motion holds them. Links that
+  /// stay where they are count as not moved.
+  /// @throws InputError when there is not one pose for each link.
+  void set_poses(const std::vector<Eigen::Isometry3d>& poses);
+
   /// Moves the link of a joint, and the links of all joints that follow it, to a position in rad or m. Limits
   /// are not checked.
   /// @throws InputError when there is no such joint, when it follows another one, or when the position is not

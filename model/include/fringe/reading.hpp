@@ -14,4 +14,8 @@ std::vector<Reading> readings(const Scene& scene);
 /// is, all except electrodes.
 std::vector<bool> targets(const Scene& scene);
 
+/// Tells whether a scene asks what targets change: it marks a target, has readings of its own, or has objects
+/// that are no targets. Otherwise each sensor has a reading, and what all objects change is `delta_self`.
+bool asks_for_changes(const Scene& scene);
+
 }  // namespace fringe

@@ -47,14 +47,6 @@ double missing_part(const VectorXd& potentials, const NestedMatrix& matrix) {
 
 }  // namespace
 
-bool asks_for_changes(const Scene& scene) {
-  const bool marks_a_target = std::any_of(scene.objects.begin(), scene.objects.end(),
-                                          [](const Object& object) { return object.target; });
-  const std::vector<bool> are_targets = targets(scene);
-  const bool all_are_targets = std::find(are_targets.begin(), are_targets.end(), false) == are_targets.end();
-  return !scene.readings.empty() || marks_a_target || !all_are_targets;
-}
-
 std::vector<std::string> drivable_conductors(const ChargedBodies& bodies) {
   std::vector<std::string> names;
   for (const ChargedConductor& conductor : bodies.conductors)

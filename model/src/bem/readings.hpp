@@ -12,10 +12,6 @@
 /// Readings by the matrices with and without the targets, in metres (model/BOUNDARY_ELEMENTS.md, section 11).
 namespace fringe::detail {
 
-/// Tells whether a scene asks what targets change: it marks a target, has readings of its own, or has objects
-/// that are no targets. Otherwise each sensor has a reading, and what all objects change is `delta_self`.
-bool asks_for_changes(const Scene& scene);
-
 /// Returns the names of all conductors that may be sensed and driven, in their rows; empty for others.
 std::vector<std::string> drivable_conductors(const ChargedBodies& bodies);
 

@@ -30,4 +30,9 @@ std::vector<bool> targets(const Scene& scene) {
   return result;
 }
 
+bool asks_for_changes(const Scene& scene) {
+  return !scene.readings.empty() || std::ranges::any_of(scene.objects, &Object::target) ||
+         std::ranges::count(targets(scene), false) > 0;
+}
+
 }  // namespace fringe

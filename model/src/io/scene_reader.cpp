@@ -10,15 +10,15 @@
 
 #include "fringe/error.hpp"
 #include "fringe/mesh_file.hpp"
-#include "fringe/pose.hpp"
 #include "io/conductor_checks.hpp"
-#include "io/input_file.hpp"
+#include "io/pose_reader.hpp"
 #include "io/table_reader.hpp"
 
 namespace fringe {
 namespace {
 
 using detail::Names;
+using detail::read_pose;
 using detail::TableReader;
 using Eigen::Vector3d;
 
@@ -29,36 +29,6 @@ constexpr int fewest_segments = 3;
 /// Largest number of triangles of a shape: a mesh of as many takes half a gigabyte, and more would exhaust
 /// the memory.
 constexpr int most_triangles = 10'000'000;
-
-Eigen::Isometry3d read_quaternion(TableReader& table, const Vector3d& translation) {
-  const std::vector<double> wxyz = table.numbers("quaternion", 4);
-  const Eigen::Quaterniond quaternion(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
-  if (quaternion.coeffs().isZero(0))
-    table.fail("quaternion", "must not be zero");
-  return pose_from_quaternion(quaternion, translation);
-}
-
-/// Reads the pose of a link or an object from `translation` and `rotation` or `quaternion`.
-Eigen::Isometry3d read_pose(TableReader& table) {
-  const Vector3d translation = table.vector_or_zero("translation");
-  if (table.has("quaternion")) {
-    if (table.has("rotation"))
-      table.fail("quaternion", "cannot be combined with rotation");
-    return read_quaternion(table, translation);
-  }
-  if (!table.has("rotation"))
-    return Eigen::Isometry3d(Eigen::Translation3d(translation));
-  TableReader rotation = table.table("rotation");
-  Eigen::Isometry3d pose;
-  if (rotation.has("quaternion")) {
-    pose = read_quaternion(rotation, translation);
-  } else {
-    const Vector3d axis = rotation.nonzero_vector("axis");
-    pose = pose_from_axis(axis, rotation.number("degrees"), translation);
-  }
-  rotation.finish();
-  return pose;
-}
 
 /// Reads the name of a table, by which messages then refer to it.
 std::string read_name(TableReader& table, std::string_view kind, Names& used_names) {
@@ -150,14 +120,6 @@ std::vector<Link> read_links(TableReader& root, LinkIndices& indices) {
     root.fail("link", error.what());
   }
   return links;
-}
-
-/// Rejects files of a version of the format other than the first. The version is optional.
-void require_known_format(TableReader& root) {
-  constexpr int known = 1, most_formats = 1'000'000;
-  const int format = root.whole_number_or("format", 1, most_formats, known);
-  if (format != known)
-    root.fail("format", fmt::format("is {}, and this program knows {} only", format, known));
 }
 
 Medium read_medium(TableReader& root) {
@@ -340,22 +302,10 @@ Reading read_reading(TableReader& table, Names& used_names) {
   return reading;
 }
 
-toml::table parse(const std::filesystem::path& path) {
-  if (!detail::is_file(path))
-    throw InputError(
-        detail::located_message(path.string(), 0, "", "the file does not exist or is not a file"));
-  try {
-    return toml::parse_file(path.string());
-  } catch (const toml::parse_error& error) {
-    throw InputError(
-        detail::located_message(path.string(), error.source().begin.line, "", error.description()));
-  }
-}
-
 }  // namespace
 
 Scene load_scene(const std::filesystem::path& path) {
-  const toml::table document = parse(path);
+  const toml::table document = detail::parse_document(path);
   TableReader root(document, path.string(), "");
   const std::filesystem::path folder = path.parent_path();
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "fringe/error.hpp"
+#include "io/input_file.hpp"
 
 namespace fringe::detail {
 std::string located_message(std::string_view file, unsigned line, std::string_view key,
@@ -185,6 +186,23 @@ void TableReader::finish() const {
   for (const auto& [key, node] : *table_)
     if (!requested_.contains(key.str()))
       fail(key.str(), "is not a known key");
+}
+
+toml::table parse_document(const std::filesystem::path& path) {
+  if (!is_file(path))
+    throw InputError(located_message(path.string(), 0, "", "the file does not exist or is not a file"));
+  try {
+    return toml::parse_file(path.string());
+  } catch (const toml::parse_error& error) {
+    throw InputError(located_message(path.string(), error.source().begin.line, "", error.description()));
+  }
+}
+
+void require_known_format(TableReader& root) {
+  constexpr int known = 1, most_formats = 1'000'000;
+  const int format = root.whole_number_or("format", 1, most_formats, known);
+  if (format != known)
+    root.fail("format", fmt::format("is {}, and this program knows {} only", format, known));
 }
 
 }  // namespace fringe::detail

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <set>
 #include <string>
@@ -67,6 +68,12 @@ class TableReader {
   std::string prefix_;
   Names requested_;
 };
+
+/// Returns the document of a TOML file. Throws InputError when the file cannot be read or is not TOML.
+toml::table parse_document(const std::filesystem::path& path);
+
+/// Throws InputError for a document of a version of the format other than the first. The version is optional.
+void require_known_format(TableReader& root);
 
 /// Composes "FILE:LINE: KEY: REASON"; omits the line when it is 0 and the key when it is empty.
 std::string located_message(std::string_view file, unsigned line, std::string_view key,

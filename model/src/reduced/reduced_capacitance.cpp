@@ -373,7 +373,7 @@ ReducedEvaluator::ReducedEvaluator(const Scene& scene, const ReducedOptions& opt
 ReducedEvaluator::ReducedEvaluator(const Scene& scene, const ReducedOptions& options,
                                    std::shared_ptr<detail::LinkPoses> poses)
     : implementation_(std::make_unique<Implementation>(scene, options, poses)) {
-  if (!detail::asks_for_changes(scene))
+  if (!asks_for_changes(scene))
     return;
   rtol_ = rtol_of(options);
   readings_ = readings(scene);

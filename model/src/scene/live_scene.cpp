@@ -4,6 +4,9 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/reduced_capacitance.hpp"
 #include "fringe/scene_evaluator.hpp"
@@ -139,6 +142,15 @@ const Scene& LiveScene::scene() const {
 
 void LiveScene::set_pose(std::string_view link, const Eigen::Isometry3d& pose) {
   implementation_->set_pose(link, pose);
+}
+
+void LiveScene::set_poses(const std::vector<Eigen::Isometry3d>& poses) {
+  const std::vector<Link>& links = scene().links;
+  if (poses.size() != links.size())
+    throw InputError(fmt::format("{} poses were given for {} links", poses.size(), links.size()));
+  for (std::size_t k = 0; k < links.size(); ++k)
+    if (links[k].pose.matrix() != poses[k].matrix())
+      set_pose(links[k].name, poses[k]);
 }
 
 void LiveScene::set_joint(std::string_view joint, double position) {

@@ -3,26 +3,39 @@
 #include <algorithm>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "fringe/reading.hpp"
 
 namespace fringe::detail {
+
+std::vector<bool> have_capacitances(const Scene& scene) {
+  const bool floating_are_left_out = asks_for_changes(scene);
+  std::vector<bool> result;
+  for (const Object& object : scene.objects)
+    result.push_back(!std::holds_alternative<Electrode>(object.role) &&
+                     !(floating_are_left_out && std::holds_alternative<Floating>(object.role)));
+  return result;
+}
+
 ReadingsOfObjects::ReadingsOfObjects(const Scene& scene) {
+  const std::vector<bool> are_targets = targets(scene), are_known = have_capacitances(scene);
+  bool all_are_known = true;
+  for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+    all_are_known = all_are_known && (are_known[k] || !are_targets[k]);
+    if (are_known[k])
+      targets_.push_back(are_targets[k]);
+  }
   for (const Reading& reading : readings(scene)) {
     Change change{reading.name, std::nullopt};
     const auto sensed = std::find_if(scene.sensors.begin(), scene.sensors.end(),
                                      [&](const Sensor& sensor) { return sensor.name == reading.sense; });
     const bool is_driven =
         std::find(reading.drive.begin(), reading.drive.end(), reading.sense) != reading.drive.end();
-    if (sensed != scene.sensors.end() && is_driven)
+    if (sensed != scene.sensors.end() && is_driven && all_are_known)
       change.sensor = static_cast<std::size_t>(sensed - scene.sensors.begin());
     changes_.push_back(std::move(change));
   }
-  const std::vector<bool> are_targets = targets(scene);
-  // Electrodes, which are no targets, have no capacitance in the answer.
-  for (std::size_t k = 0; k < scene.objects.size(); ++k)
-    if (!std::holds_alternative<Electrode>(scene.objects[k].role))
-      targets_.push_back(are_targets[k]);
 }
 
 void ReadingsOfObjects::write(const SceneCapacitance& capacitance, std::string_view answered_by,

@@ -11,8 +11,13 @@
 
 namespace fringe::detail {
 
+/// Tells for every object whether the triangle-integral methods give it a capacitance. Electrodes have none,
+/// nor have floating objects of a scene that asks for changes; in other scenes these are refused.
+std::vector<bool> have_capacitances(const Scene& scene);
+
 /// The readings of a scene by the capacitances of its objects: the change is the sum over the targets, if the
-/// reading drives the sensor that it senses; value and background are not known, nor is any other change.
+/// reading drives the sensor that it senses and no target floats; value and background are not known, nor is
+/// any other change.
 class ReadingsOfObjects {
  public:
   explicit ReadingsOfObjects(const Scene& scene);

@@ -15,6 +15,7 @@
 #include "fringe/triangulation.hpp"
 #include "geometry/link_motion.hpp"
 #include "integral/surface_integral.hpp"
+#include "scene/readings_of_objects.hpp"
 
 namespace fringe {
 namespace {
@@ -28,10 +29,6 @@ std::string_view kind_of(const ElectricalRole& role) {
   if (std::holds_alternative<Floating>(role))
     return "floating";
   return std::holds_alternative<Electrode>(role) ? "an electrode" : "dielectric";
-}
-
-bool is_electrode(const Object& object) {
-  return std::holds_alternative<Electrode>(object.role);
 }
 
 /// Prepares the surface of an object. Throws InputError for an object that the model does not support.
@@ -318,12 +315,15 @@ class SceneEvaluator::Implementation {
 std::unique_ptr<SceneEvaluator::Implementation>
 SceneEvaluator::make_implementation(const Scene& scene, const CapacitanceOptions& options,
                                     const std::shared_ptr<detail::LinkPoses>& poses) {
-  if (options.correction == Correction::recommended ||
-      std::none_of(scene.objects.begin(), scene.objects.end(), is_electrode))
+  if (options.correction == Correction::recommended)
     return std::make_unique<Implementation>(scene, options, poses);
-  Scene others = scene;
-  std::erase_if(others.objects, is_electrode);
-  return std::make_unique<Implementation>(others, options, poses);
+  const std::vector<bool> are_known = detail::have_capacitances(scene);
+  Scene known = scene;
+  known.objects.clear();
+  for (std::size_t k = 0; k < scene.objects.size(); ++k)
+    if (are_known[k])
+      known.objects.push_back(scene.objects[k]);
+  return std::make_unique<Implementation>(known, options, poses);
 }
 
 SceneEvaluator::SceneEvaluator(const Scene& scene, const CapacitanceOptions& options)

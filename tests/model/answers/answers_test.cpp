@@ -95,7 +95,8 @@ TEST(SensingAnswer, IsNullWhereNothingIsInTheCone) {
 }
 
 TEST(InfoAnswer, HasNoVolumeOfAnOpenSurface) {
-  const Json object = info_answer(scene_info(plate_at(0)))["objects"][0];
+  const Scene scene = plate_at(0);
+  const Json object = info_answer(scene_info(scene), scene)["objects"][0];
   EXPECT_EQ(object["volume"], nullptr);
   EXPECT_EQ(object["aabb"]["minimum"], Json({-0.05, -0.05, 0.0}));
 }

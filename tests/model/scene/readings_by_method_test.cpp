@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "bem/scenes.hpp"
+#include "fringe/error.hpp"
 #include "fringe/evaluation.hpp"
 #include "fringe/live_scene.hpp"
 
@@ -51,6 +52,24 @@ TEST(ReadingsByTheModel, AreTheSumOverTheTargetsAndOtherwiseNotKnown) {
     EXPECT_EQ(answer.readings[k].answered_by, "exact");
   }
   EXPECT_EQ(answer.readings[2].change.value, std::nullopt);
+}
+
+TEST(ReadingsByTheModel, AreNotKnownIfATargetFloats) {
+  Scene scene = machine();
+  scene.objects.back().role = Floating{1e-12};
+  const Evaluation answer = evaluate(scene);
+  EXPECT_EQ(answer.capacitance.sensors.front().objects.size(), 1U) << "the housing has a capacitance still";
+  for (const ReadingAnswer& reading : answer.readings)
+    EXPECT_EQ(reading.change.value, std::nullopt);
+}
+
+TEST(ReadingsByTheModel, AreRefusedForAFloatingObjectIfNoChangeIsAskedFor) {
+  Scene scene = machine();
+  scene.readings.clear();
+  scene.objects = {scene.objects.back()};
+  scene.objects.front().target = false;
+  scene.objects.front().role = Floating{};
+  EXPECT_THROW(evaluate(scene), InputError);
 }
 
 TEST(ReadingsByTheModel, OfASceneWithoutTargetsAreTheTotalOfEverySensor) {

@@ -1,4 +1,4 @@
-#include "scene_roles.hpp"
+#include "answers/scene_roles.hpp"
 
 #include <cstddef>
 #include <optional>
@@ -9,7 +9,7 @@
 
 #include "fringe/reading.hpp"
 
-namespace fringe::python {
+namespace fringe::answers {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -56,4 +56,4 @@ Json scene_roles(const Scene& scene) {
   return {{"objects", std::move(objects)}, {"readings", std::move(described_readings)}};
 }
 
-}  // namespace fringe::python
+}  // namespace fringe::answers

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "method_options.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace fringe::cli {
+
+/// The arguments of `fringe sweep`.
+struct SweepRequest {
+  std::string scene;
+  std::optional<std::string> motion;  ///< default: beside the scene
+  MethodRequest method;
+  std::optional<std::filesystem::path> output;
+};
+
+/// Returns the motion file of a scene: the one that is named, or SCENE.motion.toml beside SCENE.toml.
+std::filesystem::path motion_file(const std::filesystem::path& scene,
+                                  const std::optional<std::string>& named);
+
+/// Adds the subcommand, which fills in a request.
+CLI::App* add_sweep_command(CLI::App& program, SweepRequest& request);
+
+/// Evaluates the readings in every frame of a motion. Prints a table as CSV; or writes it to a file, whole
+/// after every frame, and prints between which frames a reading crosses its threshold. Returns the exit
+/// status: `not_reached` when one of the answers is less accurate than asked for. Throws InputError when the
+/// input cannot be used, std::runtime_error when the file cannot be written.
+int run_sweep(const SweepRequest& request);
+
+}  // namespace fringe::cli

@@ -1,0 +1,211 @@
+"""Sweeps: the readings in every frame of a motion, by the command and in Python, and a single frame."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import fringe
+import numpy as np
+import pytest
+
+from geometries.scene import motion, reader
+
+REPOSITORY = Path(reader.__file__).parents[2]
+Command = Callable[..., subprocess.CompletedProcess[str]]
+
+SCENE = """
+[[link]]
+name = "wrist"
+translation = [0, 0, 0.05]
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+[[object]]
+name = "hand, left"
+link = "wrist"
+shape = { type = "cuboid", size = [0.08, 0.1, 0.02] }
+translation = [0, 0, 0.01]
+target = true
+[[object]]
+name = "table"
+shape = { type = "cuboid", size = [0.3, 0.3, 0.02] }
+translation = [0, 0, -0.05]
+[[reading]]
+name = "self, front"
+sense = "front"
+drive = ["front"]
+threshold = 100e-15
+"""
+HEIGHTS = (0.3, 0.1, 0.03)
+MOTION = "".join(
+    f'[[frame]]\nname = "{name}"\nposes = [ {{ link = "wrist", translation = [0, 0, {height}] }} ]\n'
+    for name, height in zip(("far", "near", "near"), HEIGHTS, strict=True)
+)
+
+
+@pytest.fixture()
+def scene(tmp_path: Path) -> Path:
+    (tmp_path / "scene.motion.toml").write_text(MOTION)
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    return path
+
+
+def rows(text: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def answer_at(scene: Path, height: float) -> fringe.Reading:
+    there = scene.with_name("there.toml")
+    there.write_text(SCENE.replace("[0, 0, 0.05]", f"[0, 0, {height}]"))
+    return fringe.Scene.load(str(there)).readings("boundary-elements", rtol=1e-2)["self, front"]
+
+
+def test_every_frame_has_the_reading_of_the_scene_in_its_poses(fringe_command: Command, scene: Path) -> None:
+    done = fringe_command("sweep", scene, "--method", "boundary-elements", "--rtol", "0.01")
+    assert (done.returncode, done.stderr) == (0, "")
+    found = rows(done.stdout)
+    in_python = fringe.Scene.load(str(scene)).sweep(
+        str(scene.with_name("scene.motion.toml")), "boundary-elements", rtol=1e-2
+    )
+    assert [row["name"] for row in found] == [name for name, _ in in_python] == ["far", "near", "near"]
+    for row, (_, readings), height in zip(found, in_python, HEIGHTS, strict=True):
+        expected = answer_at(scene, height)
+        assert row["reading"] == "self, front" and row["answered_by"] == "boundary-elements"
+        for part in ("value", "background", "change"):
+            assert (
+                float(row[f"{part}_F"]) == getattr(expected, part) == getattr(readings["self, front"], part)
+            )
+            assert float(row[f"{part}_error_F"]) == expected.error[part]
+        noticed = expected.change - expected.error["change"] > 100e-15
+        assert row["noticed"] == ("yes" if noticed else "no")
+
+
+def test_the_voltage_is_that_of_the_divider_with_and_without_the_target(
+    fringe_command: Command, scene: Path
+) -> None:
+    coupling, input_voltage = 27e-12, 2.5
+    scene.write_text(
+        SCENE.replace(
+            'name = "front"\n', f'name = "front"\ncoupling_capacitance = {coupling}\ninput_voltage = 2.5\n', 1
+        )
+    )
+    for row in rows(fringe_command("sweep", scene, "--method", "reduced:1").stdout):
+        with_target, without = (
+            input_voltage * coupling / (coupling + float(row[part])) for part in ("value_F", "background_F")
+        )
+        assert float(row["delta_voltage_V"]) == pytest.approx(without - with_target, rel=1e-9)
+
+
+def test_what_the_model_does_not_know_is_empty(fringe_command: Command, scene: Path) -> None:
+    for row in rows(fringe_command("sweep", scene).stdout):
+        assert row["value_F"] == row["background_F"] == row["delta_voltage_V"] == row["change_error_F"] == ""
+        assert float(row["change_F"]) > 0
+
+
+def test_with_a_file_the_command_says_where_the_threshold_is_crossed(
+    fringe_command: Command, scene: Path
+) -> None:
+    target = scene.parent / "new folder" / "sweep.csv"
+    done = fringe_command(
+        "sweep", scene, "--method", "boundary-elements", "--rtol", "0.03", "--output", target
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (
+        "self, front, threshold 100 fF: not noticed from frame 1 (far), noticed from frame 2 (near)"
+        in done.stdout
+    )
+    assert [row["noticed"] for row in rows(target.read_text())] == ["no", "yes", "yes"]
+
+
+def test_the_guide_shows_what_the_command_prints(fringe_command: Command, tmp_path: Path) -> None:
+    guide = (REPOSITORY / "model" / "GUIDE.md").read_text().replace("\n    ", "\n")
+    options = ("--method", "boundary-elements", "--rtol", "0.02", "--output", tmp_path / "sweep.csv")
+    done = fringe_command("sweep", REPOSITORY / "geometries/scenes/guarded_sensor.toml", *options)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.replace(f"{tmp_path}/", "") in guide
+
+
+def test_an_error_around_the_threshold_leaves_it_open(fringe_command: Command, scene: Path) -> None:
+    change = answer_at(scene, HEIGHTS[1]).change
+    scene.write_text(SCENE.replace("100e-15", repr(change * (1 + 1e-6))))
+    found = rows(fringe_command("sweep", scene, "--method", "boundary-elements", "--rtol", "0.01").stdout)
+    assert [row["noticed"] for row in found] == ["no", "unsure", "yes"]
+
+
+@pytest.mark.parametrize("frame", ["far", "1"])
+def test_capacitance_answers_in_one_frame(fringe_command: Command, scene: Path, frame: str) -> None:
+    of_frame = json.loads(fringe_command("capacitance", scene, "--frame", frame, "--json").stdout)
+    there = scene.with_name("there.toml")
+    there.write_text(SCENE.replace("[0, 0, 0.05]", "[0, 0, 0.3]"))
+    assert of_frame["sensors"] == json.loads(fringe_command("capacitance", there, "--json").stdout)["sensors"]
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        (("--frame", "near"), 'scene.motion.toml: 2 frames are named "near": give a number from 1 to 3'),
+        (("--frame", "4"), 'scene.motion.toml: there is no frame "4": give a name or a number from 1 to 3'),
+        (("--frame", "1", "--motion", "no.toml"), "no.toml: the file does not exist or is not a file"),
+        (("--motion", "no.toml"), "--motion without --frame"),
+    ],
+)
+def test_a_frame_that_is_none_is_refused(
+    fringe_command: Command, scene: Path, options: tuple[str, ...], reason: str
+) -> None:
+    done = fringe_command("capacitance", scene, *options)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert reason in done.stderr
+
+
+def test_a_frame_that_cannot_be_answered_is_named_and_the_frames_before_it_are_kept(
+    fringe_command: Command, scene: Path
+) -> None:
+    motion_file = scene.with_name("scene.motion.toml")
+    motion_file.write_text(MOTION.replace("0.03", "-0.005"))  # the hand is in the sensor
+    target = scene.with_name("sweep.csv")
+    done = fringe_command(
+        "sweep", scene, "--method", "boundary-elements", "--rtol", "0.1", "--output", target
+    )
+    assert done.returncode == 2
+    assert "scene.toml: frame 3 (near): " in done.stderr
+    assert len(rows(target.read_text())) == 2
+
+
+def test_status_3_says_that_a_frame_is_less_accurate_than_asked_for(
+    fringe_command: Command, scene: Path
+) -> None:
+    done = fringe_command("sweep", scene, "--method", "reduced:1", "--rtol", "1e-4")
+    assert done.returncode == 3
+    assert "an error of 0.0001 was not reached in every frame" in done.stderr
+    assert len(rows(done.stdout)) == 3
+
+
+def test_a_sweep_needs_a_motion(fringe_command: Command, scene: Path) -> None:
+    scene.with_name("scene.motion.toml").unlink()
+    done = fringe_command("sweep", scene)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "scene.motion.toml: the file does not exist" in done.stderr
+
+
+def test_both_readers_put_the_links_of_a_motion_in_the_same_places(tmp_path: Path) -> None:
+    scenes = Path(reader.__file__).parents[1] / "scenes"
+    for name in ("x_ray_arm", "position_sensor", "guarded_sensor"):
+        described = reader.load(scenes / f"{name}.toml")
+        text = (scenes / f"{name}.motion.toml").read_text()
+        beginnings = text.split("[[frame]]")
+        for number, frame in enumerate(motion.loads(text, described), 1):
+            shortened = tmp_path / "shortened.toml"
+            shortened.write_text("[[frame]]".join(beginnings[: number + 1]))
+            live = fringe.Scene.load(str(scenes / f"{name}.toml"))
+            live.sweep(str(shortened))
+            placed = fringe.Scene.load(str(scenes / f"{name}.toml"))
+            for link, pose in frame.poses.items():
+                placed.set_pose(link, np.array(pose.translation), pose.rotation.matrix())
+            for conductor, triangles in placed.conductors().items():
+                np.testing.assert_allclose(live.conductors()[conductor], triangles, rtol=0, atol=1e-14)
