@@ -89,6 +89,14 @@ Json description(const SensorCapacitance& sensor, const MaxwellMatrix& matrix, E
                               {"delta_self_error", matrix.delta_self_errors[row]}});
 }
 
+/// Returns descriptions by name as a list, each with its name.
+Json listed(const Json& by_name) {
+  Json result = Json::array();
+  for (const auto& [name, described] : by_name.items())
+    result.emplace_back(Json{{"name", name}}).update(described);
+  return result;
+}
+
 Json known(const std::optional<double>& number) {
   return number ? Json(*number) : Json();
 }
@@ -223,6 +231,7 @@ Json sensing_answer(const std::vector<DistanceReading>& readings) {
 }
 
 Json info_answer(const SceneInfo& info, const Scene& scene) {
+  const Json roles = scene_roles(scene);
   Json objects = Json::array();
   for (const ObjectInfo& object : info.objects)
     objects.push_back(description(object));
@@ -233,7 +242,7 @@ Json info_answer(const SceneInfo& info, const Scene& scene) {
             {"objects", info.objects.size()},
             {"triangles", info.triangles}}},
           {"objects", std::move(objects)},
-          {"roles", scene_roles(scene)}};
+          {"roles", {{"objects", listed(roles["objects"])}, {"readings", listed(roles["readings"])}}}};
 }
 
 }  // namespace fringe::answers

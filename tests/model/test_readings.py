@@ -60,7 +60,11 @@ def test_info_lists_the_readings_and_what_objects_are_to_them() -> None:
     document = json.loads(
         subprocess.run([COMMAND, "info", SCENE, "--json"], capture_output=True, check=True).stdout
     )
-    assert document["roles"] == model_stage.model_module().Scene.load(SCENE).roles()
+    by_name = {
+        kind: {described.pop("name"): described for described in listed}
+        for kind, listed in document["roles"].items()
+    }
+    assert by_name == model_stage.model_module().Scene.load(SCENE).roles()
     table = subprocess.run([COMMAND, "info", SCENE], capture_output=True, text=True, check=True).stdout
     assert "reading guarded: senses front, drives front and guard, noise 1 fF, threshold 5 fF" in table
     assert "object guard, electrode" in table and "object hand, target, 100 pF to ground" in table
