@@ -140,8 +140,6 @@ def _placed(links: tuple[Link, ...], root: Table) -> tuple[Link, ...]:
 def _sensor(table: Table) -> Sensor:
     name = table.text("name")
     plates = tuple(_plate(plate) for plate in table.tables("plates"))
-    if not plates:
-        raise table.error("plates", "a sensor needs at least one plate")
     sensor = Sensor(
         name=name,
         plates=plates,
@@ -149,15 +147,25 @@ def _sensor(table: Table) -> Sensor:
         input_voltage=table.positive("input_voltage", DEFAULT_INPUT_VOLTAGE),
         coupling_capacitance=table.positive("coupling_capacitance", DEFAULT_COUPLING_CAPACITANCE),
     )
+    # First, because a plate may have been written with keys that belong into `plates`.
     table.finish()
+    if not plates:
+        raise table.error("plates", "a sensor needs at least one plate")
     return sensor
 
 
 def _plate(table: Table) -> Plate:
+    for key in ("corner", "edge_u", "edge_v"):
+        if not table.has(key):
+            raise table.error(key, "is missing: a plate is a rectangle with corner, edge_u and edge_v")
     plate = Plate(table.vector3("corner"), _direction(table, "edge_u"), _direction(table, "edge_v"))
     cosine = np.dot(unit(plate.edge_u), unit(plate.edge_v))
     if abs(cosine) > _RIGHT_ANGLE_TOLERANCE:
-        raise table.error("edge_v", "is not at a right angle to edge_u: the plate is not a rectangle")
+        raise table.error(
+            "edge_v",
+            f"is not at a right angle to edge_u, so that this is not a rectangle: the cosine of the angle between them is {cosine:.2g}, and at most "
+            f"{_RIGHT_ANGLE_TOLERANCE:g} is taken for rounding",
+        )
     table.finish()
     return plate
 
@@ -343,6 +351,7 @@ _SHAPES: dict[str, Callable[[Table], Shape]] = {
     "plate": _plate_shape,
     "plane": _plate_shape,
     "cuboid": _cuboid,
+    "box": _cuboid,
     "cube": _cube,
     "cylinder": _cylinder,
     "cone": _cone,

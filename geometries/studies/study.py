@@ -143,7 +143,7 @@ def loads(text: str, source: str = "study") -> Study:
     study = Study(
         name=_folder_name(root),
         title=root.text("title"),
-        rtol=reference.positive("rtol", unasked),
+        rtol=_rtol(reference, unasked),
         max_seconds=reference.positive("max_seconds", unasked),
         error=error,
         methods=_methods(model),
@@ -182,6 +182,13 @@ def _error_kind(reference: Table) -> str:
     if kind not in ERROR_KINDS:
         raise reference.error("error", f"must be one of {', '.join(ERROR_KINDS)}, not {kind!r}")
     return kind
+
+
+def _rtol(reference: Table, otherwise: float | None) -> float:
+    rtol = reference.positive("rtol", otherwise)
+    if rtol >= 1 and otherwise is None:
+        raise reference.error("rtol", f"is a relative accuracy, less than 1, not {rtol!r}")
+    return rtol
 
 
 def _methods(model: Table) -> tuple[str, ...]:

@@ -43,6 +43,7 @@ SHAPES = {
     "plane": 'type = "plane", size = [0.1, 0.2]',
     "cube": 'type = "cube", size = 0.05',
     "cuboid": 'type = "cuboid", size = [0.01, 0.02, 0.03]',
+    "box": 'type = "box", size = [0.01, 0.02, 0.03]',
     "cylinder": 'type = "cylinder", radius = 0.03, height = 0.1',
     "cylinder of 5": 'type = "cylinder", radius = 0.03, height = 0.1, segments = 5',
     "cone": 'type = "cone", radius = 0.03, height = 0.1, segments = 7',

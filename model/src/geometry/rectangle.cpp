@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "fringe/error.hpp"
 
 namespace fringe {
@@ -17,8 +19,12 @@ void validate(const Rectangle& rectangle) {
     throw InputError("a rectangle's edge must not have length zero");
   if (!std::isfinite(length_u) || !std::isfinite(length_v))
     throw InputError("a rectangle's edge is too long");
-  if (!(std::abs((rectangle.edge_u / length_u).dot(rectangle.edge_v / length_v)) <= largest_cosine))
-    throw InputError("edge_u and edge_v are not at right angles");
+  const double cosine = (rectangle.edge_u / length_u).dot(rectangle.edge_v / length_v);
+  if (!(std::abs(cosine) <= largest_cosine))
+    throw InputError(fmt::format(
+        "edge_u and edge_v are not at right angles: the cosine of the angle between them is {:.2g}, "
+        "and at most {:g} is taken for rounding",
+        cosine, largest_cosine));
 }
 
 }  // namespace fringe

@@ -146,6 +146,9 @@ bool read_room(TableReader& root) {
 }
 
 Rectangle read_rectangle(TableReader& table) {
+  for (const char* key : {"corner", "edge_u", "edge_v"})
+    if (!table.has(key))
+      table.fail(key, "is missing: a plate is a rectangle with corner, edge_u and edge_v");
   Rectangle rectangle{table.vector("corner"), table.nonzero_vector("edge_u"), table.nonzero_vector("edge_v")};
   table.finish();
   try {
@@ -164,9 +167,10 @@ Sensor read_sensor(TableReader& table, const LinkIndices& links, Names& used_nam
   sensor.coupling_capacitance = table.positive_number_or("coupling_capacitance", sensor.coupling_capacitance);
   for (TableReader& plate : table.tables("plates"))
     sensor.plates.push_back(read_rectangle(plate));
+  // First, because a plate may have been written with keys that belong into `plates`.
+  table.finish();
   if (sensor.plates.empty())
     table.fail("plates", "a sensor needs at least one plate");
-  table.finish();
   return sensor;
 }
 
@@ -228,7 +232,7 @@ Shape read_shape(TableReader& table, const std::filesystem::path& folder) {
     const std::vector<double> size = table.positive_numbers("size", 2);
     return Plate{size[0], size[1]};
   }
-  if (type == "cuboid") {
+  if (type == "cuboid" || type == "box") {
     const std::vector<double> size = table.positive_numbers("size", 3);
     return Cuboid{size[0], size[1], size[2]};
   }
@@ -247,7 +251,10 @@ Shape read_shape(TableReader& table, const std::filesystem::path& folder) {
     return Sphere{table.positive_number("radius"), read_segments_of_sphere(table)};
   if (type == "mesh")
     return read_mesh(table, folder);
-  table.fail("type", fmt::format("\"{}\" is not a known shape", type));
+  table.fail("type",
+             fmt::format("\"{}\" is not a known shape; there are plate (or plane), cuboid (or box), cube, "
+                         "cylinder, cone, arc, sphere and mesh",
+                         type));
 }
 
 ElectricalRole read_role(TableReader& table) {

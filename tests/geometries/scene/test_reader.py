@@ -105,6 +105,7 @@ def test_what_is_left_out_takes_the_defaults_of_the_format() -> None:
     ("text", "shape"),
     [
         ('type = "cuboid", size = [1, 2, 3]', Cuboid((1, 2, 3))),
+        ('type = "box", size = [1, 2, 3]', Cuboid((1, 2, 3))),
         ('type = "cylinder", radius = 1, height = 2', Cylinder(1, 2, 48)),
         ('type = "cone", radius = 1, height = 2, segments = 7', Cone(1, 2, 7)),
         (
@@ -233,6 +234,13 @@ EYE = "apex = [0, 0, 0]\ndirection = [0, 0, 1]\n"
             + object_with(BODY + 'conductor = "c"\npotential = "floating"', name="p"),
             'object "p": conductor',
             'one conductor has one potential, but "o" is grounded and "p" is floating',
+        ),
+        (shape('type = "torus"'), 'object "o": shape.type', "cuboid, box, cube"),
+        ('[[sensor]]\nname = "s"\ncorner = [0, 0, 0]\n', 'sensor "s": corner', "unknown key"),
+        (
+            '[[sensor]]\nname = "s"\nplates = [ { centre = [0, 0, 0], radius = 1 } ]\n',
+            'sensor "s": plates[0].corner',
+            "a plate is a rectangle with corner, edge_u and edge_v",
         ),
         (object_with(BODY + "translation = [0, 0]"), 'object "o": translation', "list of 3 numbers"),
         (

@@ -238,6 +238,7 @@ def test_text_parameters_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
         ("colour = 1" + HEAD + SWEEP, "colour", "unknown key"),
         (HEAD.replace('"n"', '"../n"') + SWEEP, "name", "must not contain a path"),
         (HEAD.replace("1e-3", "0") + SWEEP, "reference.rtol", "greater than 0"),
+        (HEAD.replace("1e-3", "2") + SWEEP, "reference.rtol", "a relative accuracy, less than 1"),
         (HEAD.replace('"exact", ', "") + SWEEP, "model.methods", '"exact"'),
         (HEAD.replace('"exact"', "3") + SWEEP, "model.methods", "list of strings"),
         (HEAD.replace('"split:4"', '"kirchhoff"') + SWEEP, "model.methods", "analysis corrections"),
