@@ -345,25 +345,89 @@ py::dict roles_of(SharedScene& scene) {
   return python_object(scene.locked([](LiveScene& live) { return scene_roles(live.scene()); }));
 }
 
-void set_link_pose(SharedScene& scene, const std::string& link, const Array& translation,
-                   const Array& rotation) {
-  const Eigen::Vector3d t = vector3(translation, "translation");
-  if (rotation.ndim() == 2 && rotation.shape(0) == 3 && rotation.shape(1) == 3) {
-    const Eigen::Matrix3d matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>(rotation.data());
-    const Eigen::Isometry3d pose = pose_from_matrix(matrix, t);
-    scene.locked([&](LiveScene& live) { live.set_pose(link, pose); });
-    return;
-  }
+/// Returns the pose in a (4, 4) matrix.
+Eigen::Isometry3d pose_of(const Array& array) {
+  const Eigen::Matrix4d matrix = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>(array.data());
+  if (matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+    throw InputError("the last row of a (4, 4) pose must be 0, 0, 0, 1");
+  return pose_from_matrix(matrix.topLeftCorner<3, 3>(), matrix.topRightCorner<3, 1>());
+}
+
+/// Returns the pose of a rotation, a matrix or a quaternion, and a translation.
+Eigen::Isometry3d pose_of(const Eigen::Vector3d& translation, const Array& rotation) {
+  if (rotation.ndim() == 2 && rotation.shape(0) == 3 && rotation.shape(1) == 3)
+    return pose_from_matrix(Eigen::Matrix<double, 3, 3, Eigen::RowMajor>(rotation.data()), translation);
   if (rotation.ndim() != 1 || rotation.shape(0) != 4)
     throw InputError("rotation must be a matrix of shape (3, 3) or a quaternion (w, x, y, z) of shape (4,)");
   const double* wxyz = rotation.data();
   const Eigen::Quaterniond quaternion(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
-  if (!quaternion.coeffs().allFinite() || !t.allFinite())
+  if (!quaternion.coeffs().allFinite() || !translation.allFinite())
     throw InputError("a pose must be finite");
   if (quaternion.coeffs().isZero(0))
     throw InputError("a quaternion must not be zero");
-  const Eigen::Isometry3d pose = pose_from_quaternion(quaternion, t);
-  scene.locked([&](LiveScene& live) { live.set_pose(link, pose); });
+  return pose_from_quaternion(quaternion, translation);
+}
+
+/// Returns the link of this name. Throws InputError when there is none.
+const Link& link_of(const Scene& scene, const std::string& name) {
+  const auto link = std::ranges::find(scene.links, name, &Link::name);
+  if (link == scene.links.end())
+    throw InputError(fmt::format("there is no link \"{}\"", name));
+  return *link;
+}
+
+void set_link_pose(SharedScene& scene, const std::string& link, const Array& translation,
+                   const std::optional<Array>& rotation) {
+  const bool is_pose = translation.ndim() == 2 && translation.shape(0) == 4 && translation.shape(1) == 4;
+  if (is_pose && rotation)
+    throw InputError("a (4, 4) pose has its rotation: leave `rotation` out");
+  if (is_pose || rotation) {
+    const Eigen::Isometry3d pose =
+        is_pose ? pose_of(translation) : pose_of(vector3(translation, "translation"), *rotation);
+    scene.locked([&](LiveScene& live) { live.set_pose(link, pose); });
+    return;
+  }
+  const Eigen::Vector3d shifted = vector3(translation, "translation");
+  if (!shifted.allFinite())
+    throw InputError("a pose must be finite");
+  scene.locked([&](LiveScene& live) {
+    Eigen::Isometry3d pose = link_of(live.scene(), link).pose;
+    pose.translation() = shifted;
+    live.set_pose(link, pose);
+  });
+}
+
+Eigen::Matrix4d link_pose(SharedScene& scene, const std::string& link) {
+  return scene.locked(
+      [&](const LiveScene& live) { return Eigen::Matrix4d(link_of(live.scene(), link).pose.matrix()); });
+}
+
+/// Returns the names of a scene's links, sensors or objects.
+template <auto elements>
+std::vector<std::string> names_of(const SharedScene& scene) {
+  std::vector<std::string> names;
+  for (const auto& element : scene.scene().*elements)
+    names.push_back(element.name);
+  return names;
+}
+
+std::vector<std::string> joint_names(const SharedScene& scene) {
+  std::vector<std::string> names;
+  for (const Link& link : scene.scene().links)
+    if (link.joint)
+      names.push_back(link.joint->name);
+  return names;
+}
+
+/// Returns a scene of its own in the same poses.
+std::unique_ptr<SharedScene> copy_of(SharedScene& scene) {
+  return scene.locked([](const LiveScene& live) { return std::make_unique<SharedScene>(live.scene()); });
+}
+
+std::string representation(const SharedScene& shared) {
+  const Scene& scene = shared.scene();
+  return fmt::format("<fringe.Scene of {} links, {} sensors, {} objects, {} readings>", scene.links.size(),
+                     scene.sensors.size(), scene.objects.size(), scene.readings.size());
 }
 
 void set_joint_position(SharedScene& scene, const std::string& joint, double position) {
@@ -451,6 +515,26 @@ method.)");
           [](const std::filesystem::path& path) { return std::make_unique<SharedScene>(load_scene(path)); },
           "path"_a, py::call_guard<py::gil_scoped_release>(),
           "Reads a scene file and the mesh files it names. Raises InputError for a wrong one.")
+      .def_static(
+          "loads",
+          [](const std::string& text, const std::filesystem::path& folder) {
+            return std::make_unique<SharedScene>(parse_scene(text, folder));
+          },
+          "text"_a, "folder"_a = ".", py::call_guard<py::gil_scoped_release>(),
+          "Reads the text of a scene file; mesh files are looked for in `folder`. Raises InputError for a "
+          "wrong one.")
+      .def_property_readonly("links", &names_of<&Scene::links>,
+                             "Names of the links, in the order of the scene.")
+      .def_property_readonly("joints", &joint_names, "Names of the joints, in the order of their links.")
+      .def_property_readonly("sensors", &names_of<&Scene::sensors>, "Names of the sensors.")
+      .def_property_readonly("objects", &names_of<&Scene::objects>, "Names of the objects.")
+      .def(
+          "pose", &link_pose, "link"_a,
+          "The present pose of a link relative to its parent, (4, 4). Raises InputError for an unknown link.")
+      .def("copy", &copy_of, "A scene of its own, in the same poses.")
+      .def("__copy__", &copy_of)
+      .def("__deepcopy__", [](SharedScene& scene, const py::dict& /*memo*/) { return copy_of(scene); })
+      .def("__repr__", &representation)
       .def("capacitance", &capacitance_of, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
            "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
            "correction"_a = py::none(),
@@ -543,10 +627,12 @@ counts. Objects of the same link and those with collides = false are left out. A
 looked at; "tests" says how many bounding boxes ("broad") and convex shapes ("narrow") were tested.)")
       .def("conductors", &conductors_of,
            "Name to (n, 3, 3) triangles in the world frame, the sensors first, each in the file's order.")
-      .def("set_pose", &set_link_pose, "link"_a, "translation"_a, "rotation"_a,
-           "Replaces a link's pose relative to its parent. rotation: a (3, 3) rotation matrix or a "
-           "quaternion (w, x, y, z) "
-           "of any length but zero. Raises InputError for an unknown link or a pose that is none.")
+      .def("set_pose", &set_link_pose, "link"_a, "translation"_a, "rotation"_a = py::none(),
+           R"(Replaces a link's pose relative to its parent.
+
+translation: (3,), m; or the whole pose, (4, 4), without `rotation`. rotation: a (3, 3) rotation matrix or a quaternion
+(w, x, y, z) of any length but zero; if not given, it stays as it is. Raises InputError for an unknown link or a pose that
+is none.)")
       .def(
           "set_joint", &set_joint_position, "joint"_a, "position"_a,
           "Moves the link of a joint, and the links of all joints that follow it, to a position in rad or m. "

@@ -1,7 +1,9 @@
 """The Python module `fringe`: arrays in and out, the scene, the errors."""
 
+import copy
 import math
 import threading
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -164,6 +166,63 @@ def test_set_pose_takes_a_matrix_or_a_quaternion(scene: fringe.Scene) -> None:
     np.testing.assert_allclose(by_matrix[0, 0], [1.05, 1.95, 3], atol=1e-15)
     scene.set_pose("arm", [1, 2, 3], [3, 0, 0, 3])
     np.testing.assert_allclose(scene.conductors()["target"], by_matrix, atol=1e-15)
+
+
+def test_set_pose_takes_a_whole_pose_and_keeps_a_rotation_that_is_left_out(scene: fringe.Scene) -> None:
+    pose = np.array([[0.0, -1, 0, 1], [1, 0, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]])
+    scene.set_pose("arm", pose)
+    np.testing.assert_array_equal(scene.pose("arm"), pose)
+    scene.set_pose("arm", [4, 5, 6])
+    np.testing.assert_array_equal(scene.pose("arm")[:3, :3], pose[:3, :3])
+    np.testing.assert_array_equal(scene.pose("arm")[:3, 3], [4, 5, 6])
+
+
+@pytest.mark.parametrize(
+    ("link", "arguments"),
+    [
+        ("leg", ([0, 0, 0],)),
+        ("arm", ([0, 0, math.nan],)),
+        ("arm", (np.eye(4), np.eye(3))),
+        ("arm", (2 * np.eye(4),)),
+        ("arm", (np.diag([2.0, 1, 1, 1]),)),
+    ],
+)
+def test_set_pose_refuses_what_is_no_pose(
+    scene: fringe.Scene, link: str, arguments: tuple[object, ...]
+) -> None:
+    with pytest.raises(fringe.InputError):
+        scene.set_pose(link, *arguments)
+    np.testing.assert_array_equal(scene.pose("arm"), np.eye(4))
+
+
+def test_a_scene_is_made_from_text_with_its_meshes_in_a_folder(tmp_path: Path) -> None:
+    (tmp_path / "sheet.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    text = '[[object]]\nname = "sheet"\nshape = { type = "mesh", file = "sheet.obj" }\n'
+    assert fringe.Scene.loads(text, tmp_path).objects == ["sheet"]
+    with pytest.raises(fringe.InputError, match='^scene:3: object "sheet": shape.file: '):
+        fringe.Scene.loads(text, tmp_path / "nowhere")
+    with pytest.raises(fringe.InputError, match="^scene:1: "):
+        fringe.Scene.loads("[[object")
+
+
+def test_a_scene_tells_its_names_and_what_it_holds(scene: fringe.Scene) -> None:
+    assert (scene.links, scene.sensors, scene.objects, scene.joints) == (["arm"], ["front"], ["target"], [])
+    assert repr(scene) == "<fringe.Scene of 1 links, 1 sensors, 1 objects, 0 readings>"
+    jointed = SCENE.replace(
+        'name = "arm"', 'name = "arm"\njoint = { name = "lift", type = "prismatic", axis = [0, 0, 1] }'
+    )
+    assert fringe.Scene.loads(jointed).joints == ["lift"]
+
+
+@pytest.mark.parametrize("copied", [lambda scene: scene.copy(), copy.copy, copy.deepcopy])
+def test_a_copy_moves_by_itself(scene: fringe.Scene, copied: Callable[[fringe.Scene], fringe.Scene]) -> None:
+    scene.set_pose("arm", [0, 0, 0.02])
+    other = copied(scene)
+    other.set_pose("arm", [0, 0, 0.03])
+    assert scene.pose("arm")[2, 3] == 0.02
+    expected = fringe.Scene.loads(SCENE)
+    expected.set_pose("arm", [0, 0, 0.03])
+    assert other.capacitance()["sensors"] == expected.capacitance()["sensors"]
 
 
 @pytest.mark.parametrize(

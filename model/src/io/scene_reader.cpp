@@ -309,13 +309,9 @@ Reading read_reading(TableReader& table, Names& used_names) {
   return reading;
 }
 
-}  // namespace
-
-Scene load_scene(const std::filesystem::path& path) {
-  const toml::table document = detail::parse_document(path);
-  TableReader root(document, path.string(), "");
-  const std::filesystem::path folder = path.parent_path();
-
+Scene read_scene(const toml::table& document, const std::string& source,
+                 const std::filesystem::path& folder) {
+  TableReader root(document, source, "");
   require_known_format(root);
   Scene scene;
   scene.medium = read_medium(root);
@@ -341,6 +337,17 @@ Scene load_scene(const std::filesystem::path& path) {
   if (scene.sensors.empty() && scene.objects.empty())
     root.fail("", "a scene needs at least one sensor or object");
   return scene;
+}
+
+}  // namespace
+
+Scene load_scene(const std::filesystem::path& path) {
+  return read_scene(detail::parse_document(path), path.string(), path.parent_path());
+}
+
+Scene parse_scene(std::string_view text, const std::filesystem::path& folder) {
+  const std::string source = "scene";
+  return read_scene(detail::parse_text(text, source), source, folder);
 }
 
 }  // namespace fringe

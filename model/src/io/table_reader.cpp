@@ -191,10 +191,14 @@ void TableReader::finish() const {
 toml::table parse_document(const std::filesystem::path& path) {
   if (!is_file(path))
     throw InputError(located_message(path.string(), 0, "", "the file does not exist or is not a file"));
+  return parse_text(file_content(path), path.string());
+}
+
+toml::table parse_text(std::string_view text, const std::string& source) {
   try {
-    return toml::parse_file(path.string());
+    return toml::parse(text, source);
   } catch (const toml::parse_error& error) {
-    throw InputError(located_message(path.string(), error.source().begin.line, "", error.description()));
+    throw InputError(located_message(source, error.source().begin.line, "", error.description()));
   }
 }
 

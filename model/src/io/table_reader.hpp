@@ -72,6 +72,10 @@ class TableReader {
 /// Returns the document of a TOML file. Throws InputError when the file cannot be read or is not TOML.
 toml::table parse_document(const std::filesystem::path& path);
 
+/// Returns the document of a TOML text; `source` stands for the file in messages. Throws InputError when it
+/// is not TOML.
+toml::table parse_text(std::string_view text, const std::string& source);
+
 /// Throws InputError for a document of a version of the format other than the first. The version is optional.
 void require_known_format(TableReader& root);
 
