@@ -16,6 +16,7 @@ import sys
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from fem_reference.common.supervision import Report, supervised
 from geometries.common import installation
 from geometries.common.errors import InputError
 from geometries.common.interpreter import continue_with
@@ -54,7 +55,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
         prog=program,
         description="Compute the Maxwell capacitance matrix and the readings of a scene by finite elements, with an error for each.",
         epilog="Exit status: 0 answered; 2 wrong input; 3 the requested accuracy was not reached (the answer is printed with "
-        "the errors reached); 1 any other failure.",
+        "the errors reached); 130 interrupted by Ctrl-C (the same, if there is an answer); 1 any other failure.",
     )
     parser.add_argument("scene", metavar="SCENE", help="a scene file (TOML)")
     parser.add_argument(
@@ -65,7 +66,8 @@ def _parser(program: str) -> argparse.ArgumentParser:
         type=_positive,
         default=math.inf,
         metavar="S",
-        help="start no level that is predicted to end later than this many seconds after the start (default: no limit)",
+        help="start no level that is predicted to end later than this many seconds after the start, and end one that does (default: "
+        "no limit); the first level is solved in any case",
     )
     parser.add_argument(
         "--max-unknowns",
@@ -147,10 +149,9 @@ def _version() -> str:
         return "fem_reference, dolfinx not found"
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run the command; returns its exit status."""
+def main(arguments: list[str] | None = None, report: Report = lambda _: None) -> int:
+    """Run the command; returns its exit status. `report` gets the answer so far after every level."""
     options = _parser(installation.command("fem_reference")).parse_args(arguments)
-    continue_with("dolfinx")
     _prepare_libraries()
     from mpi4py import MPI
 
@@ -188,6 +189,7 @@ def main(arguments: list[str] | None = None) -> int:
             options.columns,
             not options.no_symmetry,
             Geometry(options.geometry, options.wrap_alpha, options.wrap_offset),
+            report,
         )
     except InputError as wrong:
         print(f"fem_reference: {wrong}", file=error_stream)
@@ -211,4 +213,7 @@ def _prepare_libraries() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    # Help and wrong options need no packages.
+    _parser(installation.command("fem_reference")).parse_args()
+    continue_with("dolfinx")
+    sys.exit(supervised(lambda report: main(report=report), NOT_REACHED))

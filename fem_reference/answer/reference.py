@@ -155,7 +155,7 @@ class Reference:
         return np.asarray(self.maxwell.value + self.maxwell.error)
 
 
-Progress = Callable[[Level, float], None]
+Progress = Callable[[Reference], None]
 
 
 def maxwell(
@@ -176,8 +176,7 @@ def maxwell(
     `error` selects the kind of error: half the width of an interval that is proven to contain the true value, or an estimate from
     successive levels, which is several times faster. The refinement stops early (`reached` is False, the errors are those
     reached) when the next level would end after `max_seconds`, have more than `max_unknowns` or take more than `max_memory` bytes.
-    `progress` is called after each level with the level and the largest relative error so far; `source` names the scene in error
-    messages. With `columns`, names of conductors, only their rows and columns are solved and returned, and the other conductors are
+    `progress` is called after each level with the answer so far; `source` names the scene in error messages. With `columns`, names of conductors, only their rows and columns are solved and returned, and the other conductors are
     grounded. Without `symmetry` the whole of space is meshed even if the scene is its own mirror image. `geometry` says which bodies
     are wrapped, and how closely. Raises InputError for scenes that cannot be solved, RuntimeError when the mesher or the solver fails.
     """
@@ -257,7 +256,7 @@ def solve_conductors(
         )
         answer = replace(answer, left_out=left_out)
         if progress is not None:
-            progress(levels[-1], answer.worst)
+            progress(answer)
         # Clocks differ between processes, so that all of them follow the decision of the first.
         stopped_by = MPI.COMM_WORLD.bcast(_stopped_by(levels, limits, answer.seconds))
         if answer.reached or len(levels) == MOST_LEVELS or stopped_by is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from fem_reference.output.readings import readings_document, readings_table
 from fem_reference.output.units import PICOFARAD
 from fem_reference.solve.level import Level
 from fem_reference.common.limits import Limits
+from fem_reference.common.supervision import AnswerSoFar, Report
 from fem_reference.output.potential_slice import potential_slice
 from fem_reference.answer.wrapped import GeometryError
 from fem_reference.answer.reference import ErrorKind, Reference, maxwell
@@ -54,11 +56,22 @@ def answer(
     columns: Sequence[str] = (),
     symmetry: bool = True,
     geometry: Geometry = Geometry(),
+    report: Report = lambda _: None,
 ) -> int:
-    """Solve a scene file and print the answer; returns the exit status."""
+    """Solve a scene file and print the answer; returns the exit status. `report` gets the answer so far after every level."""
     scene = load(path)
     is_first = MPI.COMM_WORLD.rank == 0
-    progress = _print_level if is_first and not as_json else None
+
+    def progress(so_far: Reference) -> None:
+        if not is_first:
+            return
+        if not as_json:
+            _print_level(so_far.levels[-1], so_far.worst)
+        stopped = replace(so_far, stopped_by="it was stopped before the next level ended")
+        report(
+            AnswerSoFar(_text(stopped, as_json), _shortfall(path, stopped), limits.seconds - so_far.seconds)
+        )
+
     reference = maxwell(
         scene,
         rtol=rtol,
@@ -75,21 +88,26 @@ def answer(
     status = ANSWERED if reference.reached else NOT_REACHED
     if not is_first:
         return status
-    if as_json:
-        print(json.dumps(document(reference)))
-    else:
-        print(table(reference))
+    print(_text(reference, as_json))
     if not reference.reached:
-        print(
-            f"fem_reference: {path}: asked {rtol:.3g}, reached {reference.worst:.3g} in {reference.seconds:.0f} s; "
-            f"{reference.stopped_by}",
-            file=sys.stderr,
-        )
+        print(_shortfall(path, reference), file=sys.stderr)
         if reference.contradicted is not None:
             print(
                 f"fem_reference: {path}: do not rely on the errors: {reference.contradicted}", file=sys.stderr
             )
     return status
+
+
+def _text(reference: Reference, as_json: bool) -> str:
+    return json.dumps(document(reference)) if as_json else table(reference)
+
+
+def _shortfall(path: Path, reference: Reference) -> str:
+    """Say how accurate an answer is that is less accurate than asked for, and why."""
+    return (
+        f"fem_reference: {path}: asked {reference.rtol:.3g}, reached {reference.worst:.3g} in {reference.seconds:.0f} s; "
+        f"{reference.stopped_by}"
+    )
 
 
 def document(reference: Reference) -> dict[str, Any]:

@@ -152,10 +152,10 @@ def _cost(case: CostCase, method: str) -> Document:
     points: list[Document] = []
     spent = 0.0
 
-    def note(level: Level, worst: float) -> None:
+    def note(answer: Reference) -> None:
         nonlocal spent
-        spent += level.seconds
-        points.append(_point(level, spent, worst))
+        spent += answer.levels[-1].seconds
+        points.append(_point(answer.levels[-1], spent, answer.worst))
 
     # With a time limit every level is enclosed, and each is a point of the table.
     error: ErrorKind = "enclosure" if method == ENCLOSURE else "estimate"

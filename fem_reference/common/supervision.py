@@ -1,0 +1,88 @@
+"""Runs the command in a process of its own, which can be ended at any time, also inside the mesher and the linear solver.
+
+What the command has reported so far is kept, so that Ctrl-C and a limit of time end with the last answer.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
+
+INTERRUPTED = 130
+"""What shells report for a command that was interrupted."""
+# Of Linux' prctl: the signal that a process gets when its parent ends.
+_PR_SET_PDEATHSIG = 1
+
+
+@dataclass(frozen=True)
+class AnswerSoFar:
+    """An answer that is less accurate than asked for: its text for standard output, a message, and the time (s) that is left for a
+    better one."""
+
+    text: str
+    message: str
+    seconds_left: float
+
+
+Report = Callable[[AnswerSoFar], None]
+
+
+def supervised(command: Callable[[Report], int], unreached: int) -> int:
+    """Runs `command` in a child process, in which it returns its exit status; returns that of this process.
+
+    The command reports answers so far. After the time that the last one leaves, this process prints it and returns `unreached`; after
+    Ctrl-C it prints it and returns INTERRUPTED. Under mpirun, which ends its processes itself, the command runs in this process.
+    """
+    if int(os.environ.get("OMPI_COMM_WORLD_SIZE", "1")) > 1:
+        return command(lambda _: None)
+    receiving, sending = Pipe(duplex=False)
+    sys.stdout.flush()
+    child = os.fork()
+    if child == 0:
+        receiving.close()
+        # The parent decides. A handler in place of SIG_IGN, because programs that the command starts would inherit that.
+        signal.signal(signal.SIGINT, lambda *_: None)
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        return command(sending.send)
+    sending.close()
+    return _watched(child, receiving, unreached)
+
+
+def _watched(child: int, reports: Connection, unreached: int) -> int:
+    latest: AnswerSoFar | None = None
+    ends = math.inf
+    interrupted = False
+    try:
+        while reports.poll(None if math.isinf(ends) else max(0.0, ends - time.monotonic())):
+            so_far: AnswerSoFar = reports.recv()
+            latest, ends = so_far, time.monotonic() + so_far.seconds_left
+        os.kill(child, signal.SIGKILL)
+    except EOFError:
+        pass
+    except KeyboardInterrupt:
+        interrupted = True
+        os.kill(child, signal.SIGKILL)
+    _, state = os.waitpid(child, 0)
+    status = os.waitstatus_to_exitcode(state)
+    if interrupted:
+        print("", file=sys.stderr)
+    elif status >= 0:
+        return status
+    if latest is not None and (interrupted or status == -signal.SIGKILL and time.monotonic() >= ends):
+        print(latest.text, flush=True)
+        print(latest.message, file=sys.stderr)
+        return INTERRUPTED if interrupted else unreached
+    if interrupted:
+        print("fem_reference: interrupted before the first answer", file=sys.stderr)
+        return INTERRUPTED
+    # Ended from outside, by the system for want of memory for instance: as a shell reports it.
+    print(f"fem_reference: ended by {signal.Signals(-status).name}", file=sys.stderr)
+    return 128 - status

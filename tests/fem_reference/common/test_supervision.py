@@ -1,0 +1,107 @@
+"""A command in a process of its own: it can be ended inside a library, and what it has reported is kept."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).parents[3]
+UNREACHED = 3
+# A call that Python's own handler of Ctrl-C cannot interrupt, as it is in the mesher and the linear solver.
+BUSY = "import ctypes; [ctypes.CDLL(None).usleep(1000) for _ in range(60000)]"
+# The longest that ending may take, with time for a busy machine.
+PROMPT_SECONDS = 5.0
+
+
+def started(commands: str) -> subprocess.Popen[str]:
+    """Starts a supervised command of these statements, which know `report` and `AnswerSoFar`, and waits for its first words."""
+    body = "\n".join(f"    {line}" for line in commands.splitlines())
+    program = (
+        "import os, signal, sys\n"
+        "from fem_reference.common.supervision import AnswerSoFar, supervised\n"
+        f"def command(report):\n{body}\n"
+        f"sys.exit(supervised(command, {UNREACHED}))\n"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", program],
+        cwd=REPOSITORY,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    return process
+
+
+def finished(process: subprocess.Popen[str]) -> tuple[int, str, str]:
+    output, errors = process.communicate(timeout=30)
+    return process.returncode, output, errors
+
+
+def reported(seconds_left: str) -> str:
+    """Statements that report an answer, say so, and are busy then."""
+    return (
+        f'report(AnswerSoFar("the first answer", "not accurate", {seconds_left}))\n'
+        f'print("begun", flush=True)\n{BUSY}\nreturn 0'
+    )
+
+
+@pytest.mark.parametrize("status", [0, 2])
+def test_a_command_that_ends_prints_and_returns_by_itself(status: int) -> None:
+    assert finished(started(f'print("answer")\nreturn {status}')) == (status, "answer\n", "")
+
+
+@pytest.mark.parametrize("to_all", [True, False], ids=["terminal", "kill"])
+def test_after_ctrl_c_the_answer_so_far_is_printed_at_once(to_all: bool) -> None:
+    process = started(reported('float("inf")'))
+    assert process.stdout is not None and process.stdout.readline() == "begun\n"
+    begun = time.monotonic()
+    # A terminal sends the signal to all processes of the command.
+    (os.killpg if to_all else os.kill)(process.pid, signal.SIGINT)
+    status, output, errors = finished(process)
+    assert time.monotonic() - begun < PROMPT_SECONDS
+    assert (status, output, errors.strip()) == (130, "the first answer\n", "not accurate")
+
+
+def test_after_ctrl_c_without_an_answer_a_message_says_so() -> None:
+    process = started(f'print("begun", flush=True)\n{BUSY}')
+    assert process.stdout is not None and process.stdout.readline() == "begun\n"
+    os.kill(process.pid, signal.SIGINT)
+    status, output, errors = finished(process)
+    assert (status, output) == (130, "")
+    assert errors.strip() == "fem_reference: interrupted before the first answer"
+
+
+def test_when_the_time_is_over_the_answer_so_far_is_printed() -> None:
+    begun = time.monotonic()
+    status, output, errors = finished(started(reported("0.2")))
+    assert time.monotonic() - begun < PROMPT_SECONDS
+    assert (status, output, errors) == (UNREACHED, "begun\nthe first answer\n", "not accurate\n")
+
+
+def test_a_command_that_is_killed_says_by_what() -> None:
+    status, output, errors = finished(
+        started(
+            'report(AnswerSoFar("the first answer", "not accurate", float("inf")))\n'
+            "os.kill(os.getpid(), signal.SIGKILL)"
+        )
+    )
+    assert (status, output, errors) == (137, "", "fem_reference: ended by SIGKILL\n")
+
+
+def test_the_command_ends_with_the_process_that_watches_it() -> None:
+    process = started(f"print(os.getpid(), flush=True)\n{BUSY}")
+    assert process.stdout is not None
+    child = int(process.stdout.readline())
+    process.kill()
+    process.wait()
+    deadline = time.monotonic() + PROMPT_SECONDS
+    while Path(f"/proc/{child}/cmdline").exists() and Path(f"/proc/{child}/cmdline").read_bytes():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
