@@ -1,34 +1,61 @@
 #include "maxwell_table.hpp"
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "units.hpp"
 
 namespace fringe::cli {
+namespace {
+
+/// Width of an entry, as `entry` writes it.
+constexpr std::size_t entry_width = 24;
+
+/// Formats a value with its error (F). Decimals say nothing where the error is larger than any capacitance
+/// here.
+std::string entry(double value, double error) {
+  constexpr double large = 1e2;
+  const double value_pf = value * picofarads_per_farad, error_pf = error * picofarads_per_farad;
+  return error_pf < large ? fmt::format("{:>12.6f} ± {:<9.6f}", value_pf, error_pf)
+                          : fmt::format("{:>12.3g} ± {:<9.2g}", value_pf, error_pf);
+}
+
+/// Returns the width of the columns: no name runs into the next one.
+std::size_t column_width(const std::vector<std::string>& names, std::size_t least) {
+  constexpr std::size_t between = 2;
+  std::size_t width = least;
+  for (const std::string& name : names)
+    width = std::max(width, name.size() + between);
+  return width;
+}
+
+}  // namespace
+
 std::string maxwell_table(const MaxwellMatrix& matrix, const answers::MaxwellRequest& request,
                           double seconds) {
+  const std::size_t width = column_width(matrix.conductors, entry_width);
+  const std::size_t names_width = column_width(matrix.conductors, 12);
   std::string text = fmt::format(
       "Maxwell matrix by boundary elements{}, pF: charge on the row's conductor per volt on the column's\n"
-      "rtol {} {}, {} unknowns, {:.3g} s\n\n{:<12}",
+      "rtol {} {}, {} unknowns, {:.3g} s\n\n{:<{}}",
       request.method == "boundary-elements" ? "" : fmt::format(" ({})", request.method), request.rtol,
-      matrix.reached ? "reached" : "NOT reached", matrix.unknowns, seconds, "");
+      matrix.reached ? "reached" : "NOT reached", matrix.unknowns, seconds, "", names_width);
   for (const std::string& name : matrix.conductors)
-    text += fmt::format("{:>24}", name);
+    text += fmt::format("{:>{}}", name, width);
   text += '\n';
   for (Eigen::Index i = 0; i < matrix.values.rows(); ++i) {
-    text += fmt::format("{:<12}", matrix.conductors[static_cast<std::size_t>(i)]);
+    text += fmt::format("{:<{}}", matrix.conductors[static_cast<std::size_t>(i)], names_width);
     for (Eigen::Index j = 0; j < matrix.values.cols(); ++j)
-      text += fmt::format("{:>12.6f} ± {:<9.6f}", matrix.values(i, j) * picofarads_per_farad,
-                          matrix.errors(i, j) * picofarads_per_farad);
+      text += std::string(width - entry_width, ' ') + entry(matrix.values(i, j), matrix.errors(i, j));
     text += '\n';
   }
   text += "\ndelta_self, pF: the sensor's own entry less what it is without the objects\n";
   for (Eigen::Index s = 0; s < matrix.delta_self.size(); ++s)
-    text += fmt::format("{:<12}{:>12.6f} ± {:<9.6f}\n", matrix.conductors[static_cast<std::size_t>(s)],
-                        matrix.delta_self[s] * picofarads_per_farad,
-                        matrix.delta_self_errors[s] * picofarads_per_farad);
+    text += fmt::format("{:<{}}{}\n", matrix.conductors[static_cast<std::size_t>(s)], names_width,
+                        entry(matrix.delta_self[s], matrix.delta_self_errors[s]));
   text += "The errors are estimates.";
   const bool any_bound =
       std::find(matrix.lower_bounds.begin(), matrix.lower_bounds.end(), true) != matrix.lower_bounds.end();

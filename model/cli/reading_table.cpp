@@ -12,8 +12,14 @@ namespace {
 std::string text_of(const Estimate& estimate) {
   if (!estimate.value)
     return "-";
-  const std::string value = fmt::format("{:.6f}", *estimate.value * picofarads_per_farad);
-  return estimate.error ? fmt::format("{} ± {:.6f}", value, *estimate.error * picofarads_per_farad) : value;
+  const double value = *estimate.value * picofarads_per_farad;
+  if (!estimate.error)
+    return fmt::format("{:.6f}", value);
+  const double error = *estimate.error * picofarads_per_farad;
+  // Decimals say nothing of a value whose error is that large.
+  constexpr double large = 1e2;
+  return error < large ? fmt::format("{:.6f} ± {:.6f}", value, error)
+                       : fmt::format("{:.3g} ± {:.2g}", value, error);
 }
 
 /// Appends blanks up to a width; "±" is one character of two bytes.
@@ -29,8 +35,11 @@ std::string reading_table(const std::vector<ReadingAnswer>& readings) {
   if (readings.empty())
     return {};
   std::string text = "\nReadings, pF: value, background (without the targets) and change, their difference\n";
+  std::size_t names_width = 12;
   for (const ReadingAnswer& reading : readings)
-    text += fmt::format("  {:<12}{}{}{}\n", reading.name, padded(text_of(reading.value), width),
+    names_width = std::max(names_width, reading.name.size() + 2);
+  for (const ReadingAnswer& reading : readings)
+    text += fmt::format("  {:<{}}{}{}{}\n", reading.name, names_width, padded(text_of(reading.value), width),
                         padded(text_of(reading.background), width), text_of(reading.change));
   return text;
 }

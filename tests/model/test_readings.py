@@ -56,6 +56,26 @@ def test_the_table_has_a_line_for_every_reading() -> None:
     assert [line.split()[0] for line in table.splitlines()[1:]] == ["guarded", "unguarded", "transmitted"]
 
 
+def test_long_names_and_large_errors_keep_the_tables_columns_apart(tmp_path: Path) -> None:
+    text = (
+        SCENE.read_text()
+        .replace("housing", "housing of the whole machine")
+        .replace("unguarded", "without the guard")
+    )
+    (tmp_path / "scene.toml").write_text(text.replace("[0, 0, -0.07]", "[0, 0, -0.0602]"))
+    done = subprocess.run(
+        [COMMAND, "capacitance", tmp_path / "scene.toml", "--method", "reduced:1"],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 3  # the guard is 0.2 mm before the housing
+    head, *rows = done.stdout.split("\n\n")[1].splitlines()
+    assert head.split("  ")[-1] == "housing of the whole machine"
+    for row in rows:
+        assert len(row) <= len(head) and row.count(" ± ") == 3
+    assert all(line.startswith("  without the guard  ") for line in done.stdout.splitlines()[-2:-1])
+
+
 def test_info_lists_the_readings_and_what_objects_are_to_them() -> None:
     document = json.loads(
         subprocess.run([COMMAND, "info", SCENE, "--json"], capture_output=True, check=True).stdout
