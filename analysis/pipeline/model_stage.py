@@ -10,7 +10,7 @@ from typing import Any
 from analysis.results.store import Document
 from geometries.common.installation import module_folders
 from geometries.scene.scene import Scene
-from geometries.studies.families import GROUNDED
+from geometries.studies.families import FLOATING
 
 NAME = "model"
 # Evaluations per method. Each takes about a microsecond, so the smallest of many times is stored.
@@ -26,8 +26,8 @@ def model_module() -> Any:
 
 
 def knows(scene: Scene) -> bool:
-    """Tells whether the model applies: it needs grounded conductors."""
-    return all(body.potential == GROUNDED and body.relative_permittivity is None for body in scene.objects)
+    """Tells whether the model applies: it needs grounded conductors, and leaves out electrodes."""
+    return all(body.potential != FLOATING and body.relative_permittivity is None for body in scene.objects)
 
 
 def answer(scene: Path, methods: tuple[str, ...]) -> Document:
@@ -40,4 +40,5 @@ def answer(scene: Path, methods: tuple[str, ...]) -> Document:
 def _timed(module: Any, scene: Path, method: str) -> Document:
     # Each scene is loaded anew, because a scene keeps the results of what has not moved.
     answers = [module.Scene.load(str(scene)).capacitance(method=method) for _ in range(_REPEATS)]
-    return {"seconds": min(answer["seconds"] for answer in answers), "sensors": answers[0]["sensors"]}
+    kept = {name: answers[0][name] for name in ("sensors", "readings")}
+    return {"seconds": min(answer["seconds"] for answer in answers), **kept}

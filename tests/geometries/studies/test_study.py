@@ -52,6 +52,9 @@ def test_a_sweep_without_lists_is_one_case_and_its_empty_scene() -> None:
         "target_size": (0.1, 0.1),
         "gap": 0.02,
         "offset": (0.0, 0.0),
+        "material": "grounded",
+        "to_ground": 0.0,
+        "machine": "none",
     }
     assert (alone.family, alone.parameters) == ("empty", {"sensor_size": (0.1, 0.1)})
     assert alone.scene == families.empty((0.1, 0.1))
