@@ -23,7 +23,7 @@ _EXPLANATION = (
 def error_of_changes(rows: list[Row]) -> Plot:
     """Plots the model error of changes over the changes, by machine; mutual and delta_self beside it. Needs one compared change."""
     known = compared(rows)
-    machines = sorted({row.machine for row in known}, key=lambda machine: machine != NONE)
+    machines = sorted(dict.fromkeys(row.machine for row in known), key=lambda machine: machine != NONE)
     changes = [row for row in known if row.is_change]
     panels = [Panel("change of the reading", _errors(changes, "change", machines))]
     # Without machines the change is nothing but delta_self.
@@ -40,14 +40,14 @@ def _finding(changes: list[Row], machines: list[str], rows: list[Row]) -> str:
     for machine in machines:
         errors = [row.model_error for row in changes if row.machine == machine]
         if errors:
-            where = "where the change is delta_self" if machine == NONE else f"before {_label(machine)}"
+            where = "without a machine" if machine == NONE else f"with {machine}"
+            among = f"median of {len(errors)}, {signed_percent(min(errors))} to {signed_percent(max(errors))}"
             phrases.append(
-                f"{signed_percent(float(np.median(errors)))} {where} (median of {len(errors)}; "
-                f"{signed_percent(min(errors))} to {signed_percent(max(errors))})"
+                f"{signed_percent(float(np.median(errors)))} {where} ({among if errors[1:] else 'one case'})"
             )
     unknown = sum(row.is_change and not row.is_compared for row in rows)
     left_out = f" The model knows no value of {unknown} more." if unknown else ""
-    return f"The model is off in the change of a reading by {', '.join(phrases)}.{left_out}"
+    return f"In the change of a reading the model is off by {', '.join(phrases)}.{left_out}"
 
 
 def _label(machine: str) -> str:
@@ -58,6 +58,8 @@ def _errors(rows: list[Row], what: str, machines: list[str]) -> go.Figure:
     traces = []
     for machine in machines:
         members = [row for row in rows if row.machine == machine]
+        if not members:
+            continue
         at = [row.reference.value / PICOFARAD for row in members]
         traces.append(error_points(at, members, _label(machine), family_marker(machine, machines)))
     y = axis(f"model error in {what} (%)", zeroline=True, zerolinewidth=2)
