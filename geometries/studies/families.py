@@ -12,7 +12,6 @@ connected to the ground through the capacitance `to_ground` (F; 0: insulated). `
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -21,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometries.common.errors import InputError
-from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Rotation
+from geometries.scene.poses import Pose
 from geometries.scene.scene import Object, Plate, Scene, Sensor
 from geometries.scene.shapes import Cuboid, PlateShape
-from geometries.studies import machines
+from geometries.studies import machines, placement
 
 Vector2 = tuple[float, float]
 Array = NDArray[np.float64]
@@ -171,7 +170,7 @@ def straddle(
         lambda box: (offset[0], offset[1], gap - box[0, 2]),
     )
     outline = scene.conductors()["target"][:, :, :2].reshape(-1, 2)
-    if not _straddles(outline, np.asarray(sensor_size) / 2):
+    if not placement.straddles(outline, np.asarray(sensor_size) / 2):
         raise InputError("", "offset", "the target must lie partly over the sensor and partly beside it")
     return _in_company(scene, material, to_ground, machine)
 
@@ -260,8 +259,8 @@ def _scene(
         raise InputError("", "tilt_degrees", f"must be in 0 … 90, not {tilt_degrees!r}")
     sensor_alone = empty(sensor_size)
     shape = PlateShape(target_size)
-    rotation = _rotation(tilt_degrees, turn_degrees)
-    x, y, z = place(_box(shape, rotation))
+    rotation = placement.rotation(tilt_degrees, turn_degrees)
+    x, y, z = place(placement.box(shape, rotation))
     target = Object("target", shape, pose=Pose((float(x), float(y), float(z)), rotation))
     return Scene(sensors=sensor_alone.sensors, objects=(target,))
 
@@ -279,52 +278,6 @@ def _in_company(
     elif to_ground != 0:
         raise InputError("", "to_ground", f"connects floating targets to the ground; this one is {material}")
     return machines.around(scene, machine)
-
-
-# Cached: a sweep has few plates and angles, and many positions.
-@functools.lru_cache(maxsize=1024)
-def _box(shape: PlateShape, rotation: Rotation) -> Array:
-    """Returns the bounding box (2, 3) of a rotated plate, lowest and highest coordinates."""
-    vertices = shape.triangles().reshape(-1, 3) @ rotation.matrix().T
-    box = np.array([vertices.min(axis=0), vertices.max(axis=0)])
-    box.flags.writeable = False
-    return box
-
-
-def _rotation(tilt_degrees: float, turn_degrees: float) -> Rotation:
-    """Tilts about −y, so that the +x end rises, then turns about z."""
-    if turn_degrees == 0:
-        return AxisRotation((0.0, -1.0, 0.0), tilt_degrees) if tilt_degrees else AxisRotation()
-    if tilt_degrees == 0:
-        return AxisRotation((0.0, 0.0, 1.0), turn_degrees)
-    tilt, turn = math.radians(tilt_degrees) / 2, math.radians(turn_degrees) / 2
-    # The product of the quaternions (cos turn, 0, 0, sin turn) and (cos tilt, 0, −sin tilt, 0).
-    return QuaternionRotation(
-        (
-            math.cos(turn) * math.cos(tilt),
-            math.sin(turn) * math.sin(tilt),
-            -math.cos(turn) * math.sin(tilt),
-            math.sin(turn) * math.cos(tilt),
-        )
-    )
-
-
-def _straddles(outline: Array, half_size: Array) -> bool:
-    """Tells whether a convex outline (n, 2) lies partly over the rectangle |x| < half_size and partly outside it.
-
-    They overlap when none of the normals of their sides separates them. A side of the target without length (a plate
-    that stands upright) has no normal and separates nothing.
-    """
-    if (np.abs(outline) <= half_size).all():
-        return False
-    sides = np.diff(outline[[0, 1, 2]], axis=0)
-    normals = [np.array([1.0, 0.0]), np.array([0.0, 1.0]), *(np.array([-side[1], side[0]]) for side in sides)]
-    for normal in normals:
-        reach = float(np.abs(normal) @ half_size)
-        shadow = outline @ normal
-        if shadow.min() >= reach > 0 or shadow.max() <= -reach < 0:
-            return False
-    return True
 
 
 def _check_choice(name: str, value: str, known: tuple[str, ...]) -> None:

@@ -8,7 +8,7 @@ around all of them, which for one sensor is the sensor itself.
 | none | sensors and targets in empty space |
 | housing | a grounded cuboid behind the sensors, twice as long and as wide as their rectangle and `size` deep, its face 0.2 `size` behind them |
 | housing+guard | the housing and, halfway before it, a plate 1.4 times as long and as wide as the sensors' rectangle, driven with them |
-| table | a grounded cuboid before sensors and targets, 10 × 8 × 0.3 `size`, its face one `size` behind the target's farthest point |
+| table | a grounded cuboid before sensors and targets, 5 × 4 × 1 `size`, its face one `size` behind the target's farthest point |
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ MACHINES = (NONE, HOUSING, GUARD, TABLE)
 # rectangle of the sensors, all others relative to its size.
 _HOUSING, _HOUSING_DEPTH, _HOUSING_BEHIND = 2.0, 1.0, 0.2
 _GUARD, _GUARD_BEHIND = 1.4, 0.1
-_TABLE, _TABLE_BEHIND = (10.0, 8.0, 0.3), 1.0
+_TABLE, _TABLE_BEHIND = (5.0, 4.0, 1.0), 1.0
 
 
 def around(scene: Scene, machine: str) -> Scene:

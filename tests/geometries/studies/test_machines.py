@@ -69,7 +69,7 @@ def test_sizes_follow_the_rectangle_of_the_sensor() -> None:
     )
     table = boxes(families.box((x, y), (x, y), 0.03, 0.05, machine=TABLE))["table"]
     np.testing.assert_allclose(
-        table, [[-5 * size, -4 * size, 0.08 + size], [5 * size, 4 * size, 0.08 + 1.3 * size]]
+        table, [[-2.5 * size, -2 * size, 0.08 + size], [2.5 * size, 2 * size, 0.08 + 2 * size]]
     )
 
 
