@@ -7,8 +7,9 @@ the targets. The columns of the model are empty where it knows no value, as of a
 | column | what it is |
 |---|---|
 | case, family, parameters | the case's folder, its family, the family's parameters as JSON (metres, degrees) |
-| sensor, object, reading | names; `sensor` is what is sensed, `object` is given for mutual only, `reading` for change only |
+| sensor, object | names; `sensor` is what is sensed, `object` is given for mutual only |
 | quantity | mutual = −M[s,o], delta_self = M[s,s] − M0[s,s] with M0 from the scene without objects, or change: a reading with the targets less that without them |
+| reading | name of the reading, for change only |
 | gap_over_size | shortest distance between the plates over the sensor's size (a size is the square root of an area) |
 | tilt_degrees | angle between the planes, 0 … 90 |
 | lateral_offset_over_size | distance of the centres along the sensor's plane over the sensor's size |
@@ -267,8 +268,8 @@ def _record(row: Row, methods: tuple[str, ...]) -> dict[str, object]:
         "parameters": json.dumps(row.case.parameters),
         "sensor": row.sensor,
         "object": row.object,
-        "reading": row.reading,
         "quantity": row.quantity,
+        "reading": row.reading,
         "gap_over_size": row.set_up.gap_over_size if row.set_up else "",
         "tilt_degrees": row.set_up.tilt_degrees if row.set_up else "",
         "lateral_offset_over_size": row.set_up.lateral_offset_over_size if row.set_up else "",
