@@ -3,12 +3,12 @@
 The sensors lie in the plane z = 0 of the world, with normal +z. `size` below is the square root of the area of the rectangle
 around all of them, which for one sensor is the sensor itself.
 
-| machine | what it is |
-|---|---|
-| none | sensors and targets in empty space |
-| housing | a grounded cuboid behind the sensors, twice as long and as wide as their rectangle and `size` deep, its face 0.2 `size` behind them |
-| housing+guard | the housing and, halfway before it, a plate 1.4 times as long and as wide as the sensors' rectangle, driven with them |
-| table | a grounded cuboid before sensors and targets, 5 × 4 × 1 `size`, its face one `size` behind the target's farthest point |
+* none: sensors and targets in empty space
+* housing: a grounded cuboid behind the sensors, twice as long and as wide as their rectangle and `size` deep, its face 0.2 `size`
+  behind them
+* housing+guard: the housing and, halfway before it, a plate 1.4 times as long and as wide as the sensors' rectangle, driven with
+  the sensor that is read
+* table: a grounded cuboid before sensors and targets, 5 × 4 × 1 `size`, its face one `size` behind the target's farthest point
 """
 
 from __future__ import annotations
