@@ -25,7 +25,12 @@ def error_of_changes(rows: list[Row]) -> Plot:
     known = compared(rows)
     machines = sorted(dict.fromkeys(row.machine for row in known), key=lambda machine: machine != NONE)
     changes = [row for row in known if row.is_change]
-    panels = [Panel("change of the reading", _errors(changes, "change", machines))]
+    panels = [
+        Panel(
+            "change of the reading, delta_self where there is no machine",
+            _errors(changes, "change", machines),
+        )
+    ]
     # Without machines the change is nothing but delta_self.
     beside = (MUTUAL, DELTA_SELF) if any(row.quantity == CHANGE for row in known) else (MUTUAL,)
     for quantity in beside:
