@@ -7,10 +7,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from analysis.results import changes
 from analysis.results.store import Document
 from geometries.common.installation import module_folders
 from geometries.scene.scene import Scene
-from geometries.studies.families import FLOATING
+from geometries.studies.families import GROUNDED
 
 NAME = "model"
 # Evaluations per method. Each takes about a microsecond, so the smallest of many times is stored.
@@ -26,8 +27,10 @@ def model_module() -> Any:
 
 
 def knows(scene: Scene) -> bool:
-    """Tells whether the model applies: it needs grounded conductors, and leaves out electrodes."""
-    return all(body.potential != FLOATING and body.relative_permittivity is None for body in scene.objects)
+    """Tells whether the model applies: it needs conductors, grounded ones unless its answer says which changes it does not know."""
+    if any(body.relative_permittivity is not None for body in scene.objects):
+        return False
+    return not changes.is_delta_self(scene) or all(body.potential == GROUNDED for body in scene.objects)
 
 
 def answer(scene: Path, methods: tuple[str, ...]) -> Document:

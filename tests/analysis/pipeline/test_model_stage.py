@@ -28,11 +28,14 @@ def box(**more: float | str) -> Scene:
         (box(), True),
         (box(machine=GUARD), True),
         (box(material="floating"), False),
-        (box(material="floating", to_ground=1e-10, machine=GUARD), False),
+        (box(material="floating", to_ground=1e-10, machine=GUARD), True),
         (box(material="dielectric", relative_permittivity=3.0), False),
+        (box(material="dielectric", relative_permittivity=3.0, machine=GUARD), False),
     ],
 )
-def test_the_model_knows_grounded_conductors_and_leaves_out_electrodes(scene: Scene, expected: bool) -> None:
+def test_the_model_knows_grounded_conductors_and_before_machines_which_changes_it_does_not_know(
+    scene: Scene, expected: bool
+) -> None:
     assert model_stage.knows(scene) == expected
 
 
@@ -44,3 +47,10 @@ def test_its_change_is_that_of_the_target_whatever_stays(machine: str, tmp_path:
         assert found.changes[method] == {
             "sensor": pytest.approx(sensors["sensor"].objects["target"], rel=1e-12)
         }
+
+
+def test_it_says_of_a_floating_target_that_it_does_not_know_the_change(tmp_path: Path) -> None:
+    store.write_text(tmp_path / SCENE, canonical(box(material="floating", machine=GUARD)))
+    found = ModelAnswer.of({"key": "", **model_stage.answer(tmp_path / SCENE, ("exact", "split:2"))})
+    assert found.changes == {"exact": {}, "split:2": {}}
+    assert set(found.values["exact"]["sensor"].objects) == {"housing"}
