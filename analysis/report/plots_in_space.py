@@ -51,7 +51,10 @@ def panels(case: CaseResult) -> list[Panel]:
 
 
 def _role(body: Object) -> str:
-    return body.potential if body.relative_permittivity is None else "dielectric"
+    """Returns what a body is while the first sensor alone is driven."""
+    if body.relative_permittivity is not None:
+        return "dielectric"
+    return "grounded" if body.potential == "electrode" else body.potential
 
 
 def triangles(scene: Scene) -> dict[str, Array]:
