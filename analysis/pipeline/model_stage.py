@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from analysis.results import changes
 from analysis.results.store import Document
 from geometries.common.installation import module_folders
 from geometries.scene.scene import Scene
@@ -26,8 +27,10 @@ def model_module() -> Any:
 
 
 def knows(scene: Scene) -> bool:
-    """Tells whether the model applies: it needs grounded conductors."""
-    return all(body.potential == GROUNDED and body.relative_permittivity is None for body in scene.objects)
+    """Tells whether the model applies: it needs conductors, grounded ones unless its answer says which changes it does not know."""
+    if any(body.relative_permittivity is not None for body in scene.objects):
+        return False
+    return not changes.is_delta_self(scene) or all(body.potential == GROUNDED for body in scene.objects)
 
 
 def answer(scene: Path, methods: tuple[str, ...]) -> Document:
@@ -40,4 +43,5 @@ def answer(scene: Path, methods: tuple[str, ...]) -> Document:
 def _timed(module: Any, scene: Path, method: str) -> Document:
     # Each scene is loaded anew, because a scene keeps the results of what has not moved.
     answers = [module.Scene.load(str(scene)).capacitance(method=method) for _ in range(_REPEATS)]
-    return {"seconds": min(answer["seconds"] for answer in answers), "sensors": answers[0]["sensors"]}
+    kept = {name: answers[0][name] for name in ("sensors", "readings")}
+    return {"seconds": min(answer["seconds"] for answer in answers), **kept}

@@ -124,9 +124,9 @@ def heading(text: str) -> Markup:
     return Markup(_PARTS.heading(text))
 
 
-def plot_section(plot: Plot) -> Markup:
-    """Returns a plot with its finding above and its explanation below."""
-    parts = [finding(plot.finding), figures(plot.panels)]
+def plot_section(plot: Plot, cases: str = CASES) -> Markup:
+    """Returns a plot with its finding above and its explanation below. `cases` is the folder of the cases as seen from the page."""
+    parts = [finding(plot.finding), figures(plot.panels, cases)]
     if plot.explanation:
         parts.append(soft(plot.explanation))
     return section(plot.title, *parts)

@@ -12,6 +12,7 @@ _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#
 _SYMBOLS = ("circle", "square", "diamond", "triangle-up", "x", "star", "cross")
 _FONT = "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', sans-serif"
 INK, GRID, SENSOR_COLOUR, TARGET_COLOUR = "#24292f", "#e4e7eb", "#0072B2", "#D55E00"
+MACHINE_COLOUR = "#9aa4ae"
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +34,7 @@ class Plot:
 
 
 def family_marker(family: str, families: list[str], **more: Any) -> dict[str, Any]:
-    """Returns the colour and the symbol of a family, the same in every plot."""
+    """Returns the colour and the symbol of a family, or of a machine, the same in every plot."""
     index = families.index(family)
     colour, symbol = _COLOURS[index % len(_COLOURS)], _SYMBOLS[index % len(_SYMBOLS)]
     return {"color": colour, "symbol": symbol, "size": 8, **more}

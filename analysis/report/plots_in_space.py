@@ -8,26 +8,31 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from analysis.report.plot import INK, SENSOR_COLOUR, TARGET_COLOUR, Panel, Plot, axis, figure
+from analysis.report.plot import INK, MACHINE_COLOUR, SENSOR_COLOUR, TARGET_COLOUR, Panel, Plot, axis, figure
 from analysis.results.store import Document
 from analysis.results.study_results import CaseResult
 from analysis.results.table import MUTUAL, Row
 from analysis.results.units import CENTIMETRE, PICOFARAD
 from geometries.scene.poses import Transform
+from geometries.scene.readings import targets
 from geometries.scene.scene import Object, Scene
 
 Array = NDArray[np.float64]
 
-_WITHOUT_UNIT = "relative_permittivity"
+_WITHOUT_UNIT, _CAPACITANCE = "relative_permittivity", "to_ground"
 FLATTEST = 0.1
 """Least height of the box around a scene, relative to its largest side; plates in one plane have no height."""
 
 
 def pictures(rows: list[Row]) -> list[Plot]:
-    """Draws the first case of each family that has a slice of the potential, or its first case if none has one."""
+    """Draws the first case of each family that has a slice of the potential, or its first case if none has one.
+
+    Cases without mutual are left out.
+    """
+    mutual = [row for row in rows if row.quantity == MUTUAL]
     found = []
-    for family in dict.fromkeys(row.case.family for row in rows):
-        members = [row for row in rows if row.case.family == family and row.quantity == MUTUAL]
+    for family in dict.fromkeys(row.case.family for row in mutual):
+        members = [row for row in mutual if row.case.family == family]
         found.append(_picture(next((row for row in members if row.case.slice), members[0])))
     return found
 
@@ -46,7 +51,10 @@ def panels(case: CaseResult) -> list[Panel]:
 
 
 def _role(body: Object) -> str:
-    return body.potential if body.relative_permittivity is None else "dielectric"
+    """Returns what a body is while the first sensor alone is driven."""
+    if body.relative_permittivity is not None:
+        return "dielectric"
+    return "grounded" if body.potential == "electrode" else body.potential
 
 
 def triangles(scene: Scene) -> dict[str, Array]:
@@ -67,15 +75,22 @@ def aspect(bodies: Iterable[Array]) -> list[float]:
 
 def in_space(scene: Scene) -> Panel:
     """Returns a scene's sensors and objects in space."""
-    sensors = "sensor" if len(scene.sensors) == 1 else "sensors"
-    return Panel(f"{sensors} (blue) and target (orange)" if scene.objects else f"{sensors}", _space(scene))
+    parts = ["sensor" if len(scene.sensors) == 1 else "sensors"]
+    if scene.objects:
+        parts = [f"{parts[0]} (blue)", "target (orange)"]
+    if not all(targets(scene)):
+        parts.append("machine (grey)")
+    return Panel(" and ".join((", ".join(parts[:-1]), parts[-1])) if parts[1:] else parts[0], _space(scene))
 
 
 def parameters(case: CaseResult) -> str:
     """Writes the parameters for people, with lengths in cm."""
     phrases = []
-    for name, value in case.parameters.items():
+    for name, value in case.unusual_parameters.items():
         label = name.replace("_", " ")
+        if name == _CAPACITANCE and isinstance(value, float):
+            phrases.append(f"{label} {value / PICOFARAD:g} pF")
+            continue
         if isinstance(value, str) or name == _WITHOUT_UNIT:
             phrases.append(f"{label} {value if isinstance(value, str) else f'{value:g}'}")
             continue
@@ -98,14 +113,21 @@ def _picture(row: Row) -> Plot:
     return Plot(f"Family {case.family}", finding, panels(case), parameters(case))
 
 
+def _colours(scene: Scene, sensor: str) -> dict[str, str]:
+    """Returns the colour of every sensor, which is given, and of every object."""
+    found = {each.name: sensor for each in scene.sensors}
+    for body, target in zip(scene.objects, targets(scene)):
+        found[body.name] = TARGET_COLOUR if target else MACHINE_COLOUR
+    return found
+
+
 def _space(scene: Scene) -> go.Figure:
-    sensors = {sensor.name for sensor in scene.sensors}
+    colours = _colours(scene, SENSOR_COLOUR)
     bodies = triangles(scene)
     traces: list[object] = []
     for name, own in bodies.items():
         vertices = own.reshape(-1, 3) / CENTIMETRE
         first, second, third = np.arange(len(vertices)).reshape(-1, 3).T
-        colour = SENSOR_COLOUR if name in sensors else TARGET_COLOUR
         x, y, z = vertices.T
         traces.append(
             go.Mesh3d(
@@ -115,7 +137,7 @@ def _space(scene: Scene) -> go.Figure:
                 i=first,
                 j=second,
                 k=third,
-                color=colour,
+                color=colours[name],
                 opacity=0.75,
                 name=name,
                 hoverinfo="name",
@@ -158,7 +180,7 @@ def _slice(case: CaseResult, slice_of: Document) -> go.Figure:
 
 def _cuts(case: CaseResult, origin: Array, direction: Array) -> list[go.Scatter]:
     """Returns the lines in which the conductors' triangles intersect the plane."""
-    sensors = {sensor.name for sensor in case.scene.sensors}
+    colours = _colours(case.scene, INK)
     across_plane = np.array([-direction[1], direction[0]])
     traces = []
     for name, own in triangles(case.scene).items():
@@ -172,8 +194,7 @@ def _cuts(case: CaseResult, origin: Array, direction: Array) -> list[go.Scatter]
                 ends = np.array([min(crossings), max(crossings)]) / CENTIMETRE
                 along += [ends[0, 0], ends[1, 0], None]
                 upwards += [ends[0, 1], ends[1, 1], None]
-        colour = INK if name in sensors else TARGET_COLOUR
-        line = {"color": colour, "width": 4}
+        line = {"color": colours[name], "width": 4}
         traces.append(go.Scatter(x=along, y=upwards, mode="lines", line=line, name=name, hoverinfo="name"))
     return traces
 

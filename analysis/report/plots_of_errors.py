@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
@@ -22,14 +23,20 @@ def families_of(rows: list[Row]) -> list[str]:
 
 def model_against_reference(rows: list[Row]) -> Plot:
     """Plots the model's values over the reference's, with error bars; on the diagonal they agree."""
-    panels = [Panel(quantity, _values(rows, quantity)) for quantity in QUANTITIES]
-    shares = [f"{_shares(rows, quantity)} of {quantity}" for quantity in QUANTITIES]
+    present = _quantities(rows)
+    panels = [Panel(quantity, _values(rows, quantity)) for quantity in present]
+    shares = [f"{_shares(rows, quantity)} of {quantity}" for quantity in present]
     return Plot(
         "Model against reference",
         f"The exact model's value is {' and '.join(shares)}.",
         panels,
         "Each point is a case; on the line both agree. Horizontal bars: the reference's own error, mostly too small to see.",
     )
+
+
+def _quantities(rows: list[Row]) -> list[str]:
+    """Returns the quantities that any row is of."""
+    return [quantity for quantity in QUANTITIES if any(row.quantity == quantity for row in rows)]
 
 
 def _shares(rows: list[Row], quantity: str) -> str:
@@ -70,7 +77,7 @@ def _values(rows: list[Row], quantity: str) -> go.Figure:
                 mode="markers",
                 marker=family_marker(family, families),
                 name=family,
-                text=[_hover_text(row) for row in members],
+                text=[hover_text(row) for row in members],
                 customdata=[row.case.id for row in members],
                 hovertemplate="%{text}<br>reference %{x:.5g} pF, model %{y:.5g} pF<extra></extra>",
             )
@@ -78,10 +85,11 @@ def _values(rows: list[Row], quantity: str) -> go.Figure:
     return figure(traces, log_axis(f"reference: {quantity} (pF)"), log_axis(f"model for {quantity} (pF)"))
 
 
-def _hover_text(row: Row) -> str:
+def hover_text(row: Row) -> str:
+    """Returns what a point shows of its case."""
     parameters = ", ".join(
         f"{name} {'×'.join(f'{v:g}' for v in value) if isinstance(value, tuple) else value}"
-        for name, value in row.case.parameters.items()
+        for name, value in row.case.unusual_parameters.items()
     )
     return f"{row.case.family} {row.case.id}<br>{parameters}"
 
@@ -113,7 +121,8 @@ def _error_over(
     rows: list[Row], name: str, label: str, value: Callable[[SetUp], float], logarithmic: bool
 ) -> Plot:
     described = [(value(row.set_up), row) for row in rows if row.set_up is not None]
-    panels = [Panel(quantity, _errors(described, quantity, label, logarithmic)) for quantity in QUANTITIES]
+    present = _quantities([row for _, row in described])
+    panels = [Panel(quantity, _errors(described, quantity, label, logarithmic)) for quantity in present]
     return Plot(f"Model error over {name}", _finding(described, name), panels)
 
 
@@ -125,29 +134,33 @@ def _errors(described: list[tuple[float, Row]], quantity: str, label: str, logar
             ((x, row) for x, row in described if row.case.family == family and row.quantity == quantity),
             key=lambda member: member[0],
         )
-        errors = [row.model_error for _, row in members]
-        ends = [row.model_error_interval for _, row in members]
-        traces.append(
-            go.Scatter(
-                x=[x for x, _ in members],
-                y=[PERCENT * error for error in errors],
-                error_y={
-                    "type": "data",
-                    "symmetric": False,
-                    "array": [PERCENT * (high - error) for (_, high), error in zip(ends, errors)],
-                    "arrayminus": [PERCENT * (error - low) for (low, _), error in zip(ends, errors)],
-                    "thickness": 1.5,
-                },
-                mode="markers",
-                marker=family_marker(family, families),
-                name=family,
-                text=[_hover_text(row) for _, row in members],
-                customdata=[row.case.id for _, row in members],
-                hovertemplate="%{text}<br>model error %{y:+.2f} %<extra></extra>",
-            )
-        )
+        marker = family_marker(family, families)
+        traces.append(error_points([x for x, _ in members], [row for _, row in members], family, marker))
     x = log_axis(label) if logarithmic else axis(label, zeroline=False)
     return figure(traces, x, axis(f"model error in {quantity} (%)", zeroline=True, zerolinewidth=2))
+
+
+def error_points(at: list[float], rows: list[Row], name: str, marker: dict[str, Any]) -> go.Scatter:
+    """Returns points of model errors in percent over `at`, with the reference's own error as their bars."""
+    errors = [row.model_error for row in rows]
+    ends = [row.model_error_interval for row in rows]
+    return go.Scatter(
+        x=at,
+        y=[PERCENT * error for error in errors],
+        error_y={
+            "type": "data",
+            "symmetric": False,
+            "array": [PERCENT * (high - error) for (_, high), error in zip(ends, errors)],
+            "arrayminus": [PERCENT * (error - low) for (low, _), error in zip(ends, errors)],
+            "thickness": 1.5,
+        },
+        mode="markers",
+        marker=marker,
+        name=name,
+        text=[hover_text(row) for row in rows],
+        customdata=[row.case.id for row in rows],
+        hovertemplate="%{text}<br>model error %{y:+.2f} %<extra></extra>",
+    )
 
 
 def _finding(described: list[tuple[float, Row]], name: str) -> str:
@@ -160,7 +173,7 @@ def _finding(described: list[tuple[float, Row]], name: str) -> str:
         low = max((x for x in ordered if x < low), default=low)
         high = min((x for x in ordered if x > high), default=high)
     changes = []
-    for quantity in QUANTITIES:
+    for quantity in _quantities([row for _, row in described]):
         below = [row.model_error for x, row in described if row.quantity == quantity and x <= low]
         above = [row.model_error for x, row in described if row.quantity == quantity and x >= high]
         changes.append(f"from {np.median(below):+.0%} to {np.median(above):+.0%} in {quantity}")

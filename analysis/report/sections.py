@@ -11,7 +11,7 @@ from analysis.results.answers import ReferenceAnswer
 from analysis.results.statistics import ALL_FAMILIES, Summary
 from analysis.results.study_results import Results
 from analysis.results.symmetry import Pair
-from analysis.results.table import COMPARED_METHOD, DELTA_SELF, MUTUAL, Row, model_command, reference_command
+from analysis.results.table import CHANGE, COMPARED_METHOD, QUANTITIES, Row, model_command, reference_command
 from analysis.results.units import PICOFARAD
 from geometries.studies.study import EMPTY, NO_REFERENCE
 
@@ -22,9 +22,11 @@ _QUESTION = (
     "the field of the same conductors in free space with finite elements and states its own error."
 )
 _QUANTITIES = (
-    "Two quantities are compared. mutual = −M[s,o] is the charge on the grounded target for each volt on the sensor: what "
+    "Three quantities are compared. mutual = −M[s,o] is the charge on the grounded target for each volt on the sensor: what "
     "the model's formula claims to be. delta_self = M[s,s] − M0[s,s] is the rise of the sensor's own capacitance because "
-    "the target is there: what its electronics feels. M is the Maxwell capacitance matrix, M0 that of the sensor alone."
+    "the target is there: what its electronics feels, if nothing else is. M is the Maxwell capacitance matrix, M0 that of the sensor "
+    "alone. Where a machine stays when the target goes, change takes its place: a reading of the electronics with the targets less the "
+    "same without them. Without a machine the change is delta_self, and is listed only there."
 )
 _ERROR = (
     "Model error = (model − reference)/reference; the median is that of its size without the sign. An error bar on it is the "
@@ -33,7 +35,7 @@ _ERROR = (
 
 
 FILES = (
-    "Beside this page: table.csv with a row for each case, sensor, object and quantity, and the folder cases with the answers and "
+    "Beside this page: table.csv with a row for each case and quantity, of a sensor and an object, of a sensor, or of a reading, and the folder cases with the answers and "
     "the page of every case. A click on a point in a plot opens its case."
 )
 
@@ -43,15 +45,25 @@ def headline(results: Results, summaries: list[Summary]) -> Markup:
     whole = {summary.quantity: summary for summary in summaries if summary.family == ALL_FAMILIES}
     parts = [page.paragraph(_QUESTION)]
     for quantity, summary in whole.items():
+        before = " before machines" if quantity == CHANGE else ""
         parts.append(
             page.finding(
-                f"{quantity}: the model is {summary.rms:.0%} off (rms over {summary.count} cases), median {summary.median:.0%}, "
+                f"{quantity}{before}: the model is {summary.rms:.0%} off (rms over {summary.count} cases), median {summary.median:.0%}, "
                 f"worst {summary.worst:+.0%}; the reference is sure to {summary.sure_to:.2%} or better."
             )
         )
     parts.append(page.paragraph(_QUANTITIES))
     strong = frozenset(index for index, summary in enumerate(summaries) if summary.family == ALL_FAMILIES)
-    header = ["quantity", "family", "cases", "rms", "median size", "worst", "reference sure to", "worst case"]
+    header = [
+        "quantity",
+        "family, or machine",
+        "cases",
+        "rms",
+        "median size",
+        "worst",
+        "reference sure to",
+        "worst case",
+    ]
     rows = [
         [
             s.quantity,
@@ -206,17 +218,20 @@ def all_rows(results: Results, rows: list[Row]) -> Markup:
     ]
     lines = []
     for row in rows:
-        low, high = row.model_error_interval
+        by_model = [""] * 4
+        if row.is_compared:
+            errors = (row.model_error, *row.model_error_interval)
+            by_model = [
+                f"{row.model[COMPARED_METHOD] / PICOFARAD:.5f}",
+                *(f"{error:+.2%}" for error in errors),
+            ]
         lines.append(
             [
                 row.case.family,
                 page.case_link(row.case.id),
-                row.quantity,
+                f"{row.quantity} {row.reading}".strip(),
                 f"{row.reference.value / PICOFARAD:.5f} ± {row.reference.error / PICOFARAD:.5f}",
-                f"{row.model[COMPARED_METHOD] / PICOFARAD:.5f}",
-                f"{row.model_error:+.2%}",
-                f"{low:+.2%}",
-                f"{high:+.2%}",
+                *by_model,
                 "yes" if row.reached else "no",
             ]
         )
@@ -263,8 +278,6 @@ def _versions(results: Results, rows: list[Row]) -> list[list[str]]:
         if case.model is not None:
             software.setdefault("model", set()).add(case.model.version)
     versions_of = {name: ", ".join(sorted(versions)) for name, versions in software.items()}
-    counts = {
-        quantity: str(sum(row.quantity == quantity for row in rows)) for quantity in (MUTUAL, DELTA_SELF)
-    }
+    counts = {quantity: str(sum(row.quantity == quantity for row in rows)) for quantity in QUANTITIES}
     counted = {f"rows of {quantity}": count for quantity, count in counts.items()}
     return [[name, value] for name, value in (versions_of | results.machine | counted).items()]

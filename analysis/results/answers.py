@@ -24,6 +24,15 @@ class Estimate:
         return abs(self.value - other.value) <= self.error + other.error
 
 
+@dataclass(frozen=True)
+class ReadingAnswer:
+    """A reading: its value, its background without the targets, and the change, which is their difference."""
+
+    value: Estimate
+    background: Estimate
+    change: Estimate
+
+
 @dataclass(frozen=True, eq=False)
 class Level:
     """One mesh of the reference: its Maxwell matrix (n, n) in F, its unknowns and its run time."""
@@ -37,8 +46,8 @@ class Level:
 class ReferenceAnswer:
     """The Maxwell matrix (n, n) in F with its error, sensors first in `conductors`.
 
-    Where the reference encloses the truth, from `lower` to `upper`, the error is the distance to the farther bound. `delta_self` is
-    the reference's own value, from two solutions on the same mesh.
+    Where the reference encloses the truth, from `lower` to `upper`, the error is the distance to the farther bound. `delta_self` and
+    the changes of `readings` are the reference's own values, from two solutions on the same mesh. Older answers have no readings.
     """
 
     conductors: tuple[str, ...]
@@ -47,6 +56,7 @@ class ReferenceAnswer:
     lower: Array
     upper: Array
     delta_self: dict[str, Estimate]
+    readings: dict[str, ReadingAnswer]
     levels: tuple[Level, ...]
     unknowns: int
     seconds: float
@@ -68,6 +78,7 @@ class ReferenceAnswer:
             lower=lower,
             upper=upper,
             delta_self={name: Estimate(change["value"], change["error"]) for name, change in changes.items()},
+            readings=_readings(document),
             levels=tuple(
                 Level(level["unknowns"], level["seconds"], np.array(level["maxwell"], dtype=np.float64))
                 for level in document["levels"]
@@ -89,6 +100,19 @@ class ReferenceAnswer:
         """Returns M[sensor, sensor]."""
         place = self.conductors.index(sensor)
         return Estimate(float(self.maxwell[place, place]), float(self.error[place, place]))
+
+
+def _readings(document: Document) -> dict[str, ReadingAnswer]:
+    """Returns the readings of the field solver or of boundary elements by their names."""
+    return {
+        reading["name"]: ReadingAnswer(
+            *(
+                Estimate(float(reading[part]), float(reading["error"][part]))
+                for part in ("value", "background", "change")
+            )
+        )
+        for reading in document.get("readings", [])
+    }
 
 
 def _error(document: Document, value: Array, lower: Array, upper: Array) -> Array:
@@ -116,6 +140,7 @@ class BoundaryAnswer:
     error: Array
     lower_bounds: tuple[bool, ...]
     delta_self: dict[str, Estimate]
+    readings: dict[str, ReadingAnswer]
     reached: bool
     seconds: float
 
@@ -128,6 +153,7 @@ class BoundaryAnswer:
             error=np.array(document["error"], dtype=np.float64),
             lower_bounds=tuple(document["lower_bounds"]),
             delta_self={name: Estimate(**change) for name, change in document["delta_self"].items()},
+            readings=_readings(document),
             reached=document["reached"],
             seconds=document["seconds"],
         )
@@ -144,9 +170,10 @@ class ModelValue:
 
 @dataclass(frozen=True)
 class ModelAnswer:
-    """The model's values by method and sensor."""
+    """The model's values by method and sensor, and its changes of readings (F) by method and reading, where it knows them."""
 
     values: dict[str, dict[str, ModelValue]]
+    changes: dict[str, dict[str, float]]
     version: str
 
     @staticmethod
@@ -163,4 +190,12 @@ class ModelAnswer:
             }
             for method, answer in document["methods"].items()
         }
-        return ModelAnswer(values, document["version"])
+        changes = {
+            method: {
+                reading["name"]: float(reading["change"])
+                for reading in answer.get("readings", [])
+                if reading["change"] is not None
+            }
+            for method, answer in document["methods"].items()
+        }
+        return ModelAnswer(values, changes, document["version"])

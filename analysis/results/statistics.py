@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.results.table import QUANTITIES, Row
+from analysis.results.table import CHANGE, QUANTITIES, Row, compared
 
 ALL_FAMILIES = "all"
 
 
 @dataclass(frozen=True)
 class Summary:
-    """The model errors of one family in one quantity, relative to the reference.
+    """The model errors of one family in one quantity, relative to the reference; for changes, of one machine instead.
 
     `median` is of the absolute errors, `worst` the error of the largest absolute value with its sign, `sure_to` the largest
     relative error of the reference among them.
@@ -30,16 +30,19 @@ class Summary:
 
 
 def summaries(rows: list[Row]) -> list[Summary]:
-    """Returns a summary for each quantity, over all families and then for each of them."""
-    families = list(dict.fromkeys(row.case.family for row in rows))
+    """Returns a summary for each quantity, over all families and then for each of them; for changes, for each machine instead.
+
+    Rows that the model has no value of are left out.
+    """
     found = []
     for quantity in QUANTITIES:
-        for family in [ALL_FAMILIES, *families]:
-            members = [
-                row for row in rows if row.quantity == quantity and family in (ALL_FAMILIES, row.case.family)
-            ]
-            if members:
-                found.append(summary(family, quantity, members))
+        members: dict[str, list[Row]] = {}
+        for row in compared(rows):
+            if row.quantity == quantity:
+                group = row.machine if quantity == CHANGE else row.case.family
+                for name in (ALL_FAMILIES, group):
+                    members.setdefault(name, []).append(row)
+        found += [summary(name, quantity, own) for name, own in members.items()]
     return found
 
 

@@ -14,6 +14,7 @@ from analysis.results.store import Document, read_json, write_json
 from geometries.common.errors import InputError
 from geometries.scene import reader
 from geometries.scene.scene import Scene
+from geometries.studies.families import USUAL
 from geometries.studies.study import EMPTY, Case, Parameter, Study, empty_case
 
 MANIFEST = "study.json"
@@ -48,6 +49,11 @@ class CaseResult:
     slice: Document | None
     boundary: BoundaryAnswer | None
     refused: str
+
+    @property
+    def unusual_parameters(self) -> dict[str, Parameter]:
+        """The parameters, but for those that say that the target is a grounded conductor in empty space."""
+        return {name: value for name, value in self.parameters.items() if USUAL.get(name) != value}
 
     @cached_property
     def set_up(self) -> SetUp | None:

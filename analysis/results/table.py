@@ -1,10 +1,15 @@
-"""`table.csv`: one row for each case, sensor, object and quantity.
+"""`table.csv`: one row for each case and quantity, of a sensor and an object, of a sensor, or of a reading.
+
+Where nothing stays but sensors and each is driven by itself, the change of a sensor's reading is its delta_self: the row of
+delta_self stands for both. Else there is a row of change for every reading in place of delta_self, and rows of mutual only for
+the targets. The columns of the model are empty where it knows no value, as of a target that floats.
 
 | column | what it is |
 |---|---|
 | case, family, parameters | the case's folder, its family, the family's parameters as JSON (metres, degrees) |
-| sensor, object | names; `object` is empty for delta_self, which belongs to all objects together |
-| quantity | mutual = −M[s,o], or delta_self = M[s,s] − M0[s,s] with M0 from the scene without objects |
+| sensor, object | names; `sensor` is what is sensed, `object` is given for mutual only |
+| quantity | mutual = −M[s,o], delta_self = M[s,s] − M0[s,s] with M0 from the scene without objects, or change: a reading with the targets less that without them |
+| reading | name of the reading, for change only |
 | gap_over_size | shortest distance between the plates over the sensor's size (a size is the square root of an area) |
 | tilt_degrees | angle between the planes, 0 … 90 |
 | lateral_offset_over_size | distance of the centres along the sensor's plane over the sensor's size |
@@ -15,7 +20,7 @@
 | model_error | (exact model − reference)/reference |
 | model_error_low, model_error_high | the same for the ends of the reference's interval (ASME V&V 20: the comparison error, with the numerical uncertainty kept apart) |
 | reference_seconds, reference_unknowns | run time and unknowns of the reference |
-| model_METHOD_F, model_METHOD_seconds | the model's value for each method (for delta_self the sum over the objects) and its time |
+| model_METHOD_F, model_METHOD_seconds | the model's value for each method (for delta_self the sum over the objects, for change over the targets) and its time |
 | command | recomputes the reference's answer |
 """
 
@@ -27,25 +32,30 @@ import json
 import math
 from dataclasses import dataclass
 
-from analysis.results.answers import Estimate, ModelValue, ReferenceAnswer
+from analysis.results import changes
+from analysis.results.answers import Estimate, ModelAnswer, ReferenceAnswer
 from analysis.results.set_up import SetUp
 from analysis.results.study_results import SCENE, CaseResult, Results
 from geometries.common import installation
 from geometries.common.installation import from_repository
+from geometries.scene.readings import readings, targets
+from geometries.scene.scene import Scene
+from geometries.studies.machines import NONE
 
 TABLE = "table.csv"
-MUTUAL, DELTA_SELF = "mutual", "delta_self"
-QUANTITIES = (MUTUAL, DELTA_SELF)
+MUTUAL, DELTA_SELF, CHANGE = "mutual", "delta_self", "change"
+QUANTITIES = (MUTUAL, DELTA_SELF, CHANGE)
 COMPARED_METHOD = "exact"
 
 
 @dataclass(frozen=True)
 class Row:
-    """One comparison; farads, seconds, relative errors."""
+    """One comparison; farads, seconds, relative errors. Where the model knows no value, `model` is empty and there is no error."""
 
     case: CaseResult
     sensor: str
     object: str
+    reading: str
     quantity: str
     set_up: SetUp | None
     reference: Estimate
@@ -56,6 +66,21 @@ class Row:
     model: dict[str, float]
     model_seconds: dict[str, float]
     command: str
+
+    @property
+    def is_compared(self) -> bool:
+        """Whether the model knows a value."""
+        return COMPARED_METHOD in self.model
+
+    @property
+    def machine(self) -> str:
+        """The name of the machine that sensor and targets are before."""
+        return changes.machine_of(self.case)
+
+    @property
+    def is_change(self) -> bool:
+        """Whether the value is the change of a reading, as delta_self is where there is no machine."""
+        return self.quantity == CHANGE or (self.quantity == DELTA_SELF and self.machine == NONE)
 
     @property
     def model_error(self) -> float:
@@ -88,54 +113,108 @@ def error_interval(model: float, reference: Estimate) -> tuple[float, float]:
 
 
 def rows(results: Results) -> list[Row]:
-    """Returns a row for each case that has both answers, sensor, object and quantity, in the study's order."""
+    """Returns the rows of each case, in the study's order.
+
+    Rows of mutual and delta_self need both answers, rows of change the reference's alone.
+    """
     found = []
     for case in results.compared():
-        if case.reference is not None and case.model is not None:
-            for sensor in case.scene.sensors:
-                found += _rows_of_sensor(results, case, case.reference, sensor.name)
+        if case.reference is not None:
+            found += _rows_of_case(results, case, case.reference)
     return found
 
 
-def _rows_of_sensor(results: Results, case: CaseResult, reference: ReferenceAnswer, sensor: str) -> list[Row]:
-    assert case.model is not None
-    values = {method: sensors[sensor] for method, sensors in case.model.values.items()}
-    found = [
+def compared(found: list[Row]) -> list[Row]:
+    """Returns the rows that the model has a value of."""
+    return [row for row in found if row.is_compared]
+
+
+def _rows_of_case(results: Results, case: CaseResult, reference: ReferenceAnswer) -> list[Row]:
+    # Answers of earlier versions have no readings.
+    if changes.is_delta_self(case.scene) or not reference.readings:
+        bodies = list(reference.conductors[len(case.scene.sensors) :])
+        felt = reference.delta_self
+    else:
+        bodies, felt = _targets(case.scene), {}
+    found = []
+    if case.model is not None:
+        for sensor in (sensor.name for sensor in case.scene.sensors):
+            found += _mutual(results, case, reference, case.model, sensor, bodies)
+            if sensor in felt:
+                found.append(_delta_self(results, case, reference, case.model, sensor))
+    return found if felt else found + _changes(results, case, reference)
+
+
+def _mutual(
+    results: Results,
+    case: CaseResult,
+    reference: ReferenceAnswer,
+    model: ModelAnswer,
+    sensor: str,
+    bodies: list[str],
+) -> list[Row]:
+    return [
         _row(
             results,
             case,
             reference,
-            (sensor, body, MUTUAL),
+            (sensor, body, "", MUTUAL),
             reference.mutual(sensor, body),
-            None,
-            {method: value.objects[body] for method, value in values.items()},
-            values,
+            {method: sensors[sensor].objects[body] for method, sensors in model.values.items()},
         )
-        for body in reference.conductors[len(case.scene.sensors) :]
+        for body in bodies
+        if body in reference.conductors and body in model.values[COMPARED_METHOD][sensor].objects
     ]
-    if sensor in reference.delta_self:
-        totals = {method: value.total for method, value in values.items()}
-        check = _difference(reference, results.cases.get(case.empty), sensor)
-        change = reference.delta_self[sensor]
-        found.append(_row(results, case, reference, (sensor, "", DELTA_SELF), change, check, totals, values))
-    return found
+
+
+def _delta_self(
+    results: Results, case: CaseResult, reference: ReferenceAnswer, model: ModelAnswer, sensor: str
+) -> Row:
+    totals = {method: sensors[sensor].total for method, sensors in model.values.items()}
+    check = _difference(reference, results.cases.get(case.empty), sensor)
+    subject = (sensor, "", "", DELTA_SELF)
+    return _row(results, case, reference, subject, reference.delta_self[sensor], totals, check)
+
+
+def _changes(results: Results, case: CaseResult, reference: ReferenceAnswer) -> list[Row]:
+    by_model = case.model.changes if case.model is not None else {}
+    return [
+        _row(
+            results,
+            case,
+            reference,
+            (reading.sense, "", reading.name, CHANGE),
+            reference.readings[reading.name].change,
+            {method: known[reading.name] for method, known in by_model.items() if reading.name in known},
+        )
+        for reading in readings(case.scene)
+        if reading.name in reference.readings
+    ]
+
+
+def _targets(scene: Scene) -> list[str]:
+    """Returns the names of the objects that come and go."""
+    return [body.name for body, target in zip(scene.objects, targets(scene)) if target]
 
 
 def _row(
     results: Results,
     case: CaseResult,
     reference: ReferenceAnswer,
-    subject: tuple[str, str, str],
+    subject: tuple[str, str, str, str],
     value: Estimate,
-    check: Estimate | None,
     model: dict[str, float],
-    values: dict[str, ModelValue],
+    check: Estimate | None = None,
 ) -> Row:
-    sensor, body, quantity = subject
+    """Makes the row of a sensor, an object, a reading and a quantity, by their names."""
+    sensor, body, reading, quantity = subject
+    values = case.model.values if case.model is not None else {}
+    seconds = {method: next(iter(sensors.values())).seconds for method, sensors in values.items()}
     return Row(
         case=case,
         sensor=sensor,
         object=body,
+        reading=reading,
         quantity=quantity,
         set_up=case.set_up,
         reference=value,
@@ -144,7 +223,7 @@ def _row(
         reference_seconds=reference.seconds,
         reference_unknowns=reference.unknowns,
         model=model,
-        model_seconds={method: answer.seconds for method, answer in values.items()},
+        model_seconds={method: seconds[method] for method in model},
         command=reference_command(results, case.id),
     )
 
@@ -182,7 +261,7 @@ def to_csv(found: list[Row], methods: tuple[str, ...]) -> str:
 
 
 def _record(row: Row, methods: tuple[str, ...]) -> dict[str, object]:
-    low, high = row.model_error_interval
+    low, high = row.model_error_interval if row.is_compared else ("", "")
     record: dict[str, object] = {
         "case": row.case.id,
         "family": row.case.family,
@@ -190,6 +269,7 @@ def _record(row: Row, methods: tuple[str, ...]) -> dict[str, object]:
         "sensor": row.sensor,
         "object": row.object,
         "quantity": row.quantity,
+        "reading": row.reading,
         "gap_over_size": row.set_up.gap_over_size if row.set_up else "",
         "tilt_degrees": row.set_up.tilt_degrees if row.set_up else "",
         "lateral_offset_over_size": row.set_up.lateral_offset_over_size if row.set_up else "",
@@ -199,13 +279,13 @@ def _record(row: Row, methods: tuple[str, ...]) -> dict[str, object]:
         "reached": row.reached,
         "check_F": row.check.value if row.check else "",
         "check_error_F": row.check.error if row.check else "",
-        "model_error": row.model_error,
+        "model_error": row.model_error if row.is_compared else "",
         "model_error_low": low,
         "model_error_high": high,
         "reference_seconds": row.reference_seconds,
         "reference_unknowns": row.reference_unknowns,
     }
     for method in methods:
-        record[f"model_{method}_F"] = row.model[method]
-        record[f"model_{method}_seconds"] = row.model_seconds[method]
+        record[f"model_{method}_F"] = row.model.get(method, "")
+        record[f"model_{method}_seconds"] = row.model_seconds.get(method, "")
     return record | {"command": row.command}

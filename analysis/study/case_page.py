@@ -15,7 +15,7 @@ from analysis.report.page import is_current
 from analysis.results.answers import BoundaryAnswer, Estimate, ReferenceAnswer
 from analysis.results.store import write_text
 from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, CaseResult, Results
-from analysis.results.table import DELTA_SELF, MUTUAL, Row, model_command, reference_command
+from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row, model_command, reference_command
 from analysis.results.units import PICOFARAD
 from analysis.topics.errors import section as errors_section
 from analysis.topics.errors.records import Entry
@@ -51,7 +51,8 @@ def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | No
     head = [page.paragraph(plots_in_space.parameters(case)), *(page.finding(_finding(row)) for row in rows)]
     if not rows and case.reference is not None:
         head += [
-            page.finding(_without_model(name, value)) for name, value in case.reference.delta_self.items()
+            page.finding(_without_model(f"{DELTA_SELF} of {name}", value))
+            for name, value in case.reference.delta_self.items()
         ]
     yield page.header(Markup("{} {}").format(case.family, page.code(case.id)), *head)
     yield page.figures(plots_in_space.panels(case))
@@ -68,24 +69,23 @@ def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | No
 
 
 def _finding(row: Row) -> str:
+    whose = f"{row.quantity} of {row.reading or row.sensor}" + (f" and {row.object}" if row.object else "")
+    if not row.is_compared:
+        return _without_model(whose, row.reference)
     low, high = row.model_error_interval
-    whose = f"{row.quantity} of {row.sensor}" + (f" and {row.object}" if row.object else "")
     return (
         f"{whose}: {row.reference.value / PICOFARAD:.5g} ± {row.reference.error / PICOFARAD:.1g} pF by the reference; the model is "
         f"{row.model_error:+.1%} off ({low:+.1%} to {high:+.1%} over the reference's error bar)."
     )
 
 
-def _without_model(sensor: str, value: Estimate) -> str:
-    return (
-        f"{DELTA_SELF} of {sensor}: {value.value / PICOFARAD:.5g} ± {value.error / PICOFARAD:.1g} pF by the reference; the model has no "
-        "answer."
-    )
+def _without_model(whose: str, value: Estimate) -> str:
+    return f"{whose}: {value.value / PICOFARAD:.5g} ± {value.error / PICOFARAD:.1g} pF by the reference; the model has no answer."
 
 
 def _numbers(case: CaseResult, rows: list[Row]) -> list[Markup]:
-    methods = list(rows[0].model)
-    header = ["method", *(f"{row.quantity} {row.sensor} {row.object}".strip() for row in rows), "time (µs)"]
+    seconds = {method: each for row in rows for method, each in row.model_seconds.items()}
+    header = ["method", *(_whose(row) for row in rows), "time (µs)"]
     lines = [
         [
             "reference (pF)",
@@ -93,19 +93,24 @@ def _numbers(case: CaseResult, rows: list[Row]) -> list[Markup]:
             f"{1e6 * rows[0].reference_seconds:,.0f}",
         ]
     ]
-    for method in methods:
-        values = [f"{r.model[method] / PICOFARAD:.6g}" for r in rows]
-        lines.append([page.code(method), *values, f"{1e6 * rows[0].model_seconds[method]:.3g}"])
+    for method, duration in seconds.items():
+        values = [f"{r.model[method] / PICOFARAD:.6g}" if method in r.model else "" for r in rows]
+        lines.append([page.code(method), *values, f"{1e6 * duration:.3g}"])
     parts = [page.table(header, lines)]
     described = case.set_up
     if described is not None:
         parts.append(page.soft(f"{described.words}."))
     parts.append(
         page.soft(
-            f"{MUTUAL} = −M[s,o], {DELTA_SELF} = M[s,s] − M0[s,s], of which the model's value is the sum over objects."
+            f"{MUTUAL} = −M[s,o], {DELTA_SELF} = M[s,s] − M0[s,s], of which the model's value is the sum over objects, {CHANGE} = a reading "
+            "less its background without the targets, of which it is the sum over targets."
         )
     )
     return parts
+
+
+def _whose(row: Row) -> str:
+    return " ".join(name for name in (row.quantity, row.reading or row.sensor, row.object) if name)
 
 
 def _matrix(answer: ReferenceAnswer) -> Markup:

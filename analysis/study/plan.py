@@ -8,13 +8,14 @@ from pathlib import Path
 
 from analysis.pipeline import boundary_stage, keys
 from analysis.pipeline.model_stage import knows
-from analysis.results import set_up
+from analysis.results import changes, set_up
 from analysis.results.store import is_current
 from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, case_folder
 from geometries.studies.study import EMPTY, NO_REFERENCE, Case, Study
 
 # Approximate seconds per case on one core of 2020. Only their ratios matter, for the order and the progress bar.
 _SECONDS_EMPTY, _SECONDS_PAIR, _SECONDS_PER_SIZE_OVER_GAP, _SECONDS_SLICE = 4.0, 12.0, 1.0, 4.0
+_SECONDS_MACHINE = 35.0
 _SECONDS_MODEL, _SECONDS_BOUNDARY = 0.1, 0.1
 # Run time of proven intervals relative to estimated errors.
 _ENCLOSURE_FACTOR = 3.0
@@ -100,6 +101,8 @@ def _expected_seconds(case: Case, file: str, study: Study, costs_vary: bool) -> 
 def _solve_seconds(case: Case) -> float:
     if case.family == EMPTY:
         return _SECONDS_EMPTY
+    if not changes.is_delta_self(case.scene):
+        return _SECONDS_MACHINE
     described = set_up.describe(case.scene)
     if described is None or described.gap == 0:
         return _SECONDS_PAIR

@@ -72,12 +72,13 @@ def _experiment(material: Material) -> list[Markup]:
 
 
 def _model_error(material: Material) -> list[Markup]:
-    if not material.rows:
+    rows = table.compared(material.rows)
+    if not rows:
         return []
-    plots = [plots_of_errors.model_against_reference(material.rows)]
+    plots = [plots_of_errors.model_against_reference(rows)]
     # The four numbers describe one plate before another; other set-ups have none.
-    if any(row.set_up is not None for row in material.rows):
-        plots += _over_what_describes(material.rows)
+    if any(row.set_up is not None for row in rows):
+        plots += _over_what_describes(rows)
     return [page.plot_section(plot) for plot in plots]
 
 
@@ -119,7 +120,7 @@ def _cross_check(material: Material) -> list[Markup]:
 
 def _run_time(material: Material) -> list[Markup]:
     parts = [trade_off_section.section(trade_off.load(material.found.folder), material.found, page.CASES)]
-    if not parts[0] and material.rows:
+    if not parts[0] and any(row.quantity == table.MUTUAL for row in material.rows):
         parts = [page.plot_section(plot_of_time.time_against_error(material.rows))]
     parts.append(run_times_section.section(material.found.run_times))
     return [*parts, verification_page.costs(material.verified)]

@@ -9,7 +9,7 @@ from pathlib import Path
 from markupsafe import Markup
 
 from analysis.pipeline import keys
-from analysis.report import faults_section, index_page, page, sections
+from analysis.report import faults_section, index_page, page, plot_of_changes, sections
 from analysis.report.index_page import Card
 from analysis.results import statistics, study_results as results, table
 from analysis.results.store import Document, read_json, write_json, write_text
@@ -106,6 +106,8 @@ def _write(material: Material, nights: list[Document], inputs: str, whole: str) 
         )
     headline = cross_check_section.warning(material.found, f"{PAGES}/{CROSS_CHECK}.html")
     headline += sections.headline(material.found, material.summaries)
+    if any(row.is_change for row in table.compared(material.rows)):
+        headline += page.plot_section(plot_of_changes.error_of_changes(material.rows), "cases")
     headline += trade_off_section.section(trade_off.load(folder), material.found, "cases")
     rest = [sections.failures(material.found), page.soft(sections.FILES)]
     write_text(folder / page.REPORT, index_page.document(material.found.title, whole, headline, cards, rest))

@@ -1,13 +1,17 @@
 """Families of set-ups: a rectangular sensor, a target, a few named lengths and angles.
 
 The sensor "sensor" is the rectangle of `sensor_size` = (x, y) centred at the origin in the plane z = 0, with normal +z.
-The target "target" is a grounded plate of `target_size`, unless a family says otherwise. Lengths are in metres, angles in degrees. Space around the sensor has three regions: I in front of the plate, II beside an edge, III diagonal to a corner. Parameters
+The target "target" is a plate of `target_size`, unless a family says otherwise. Lengths are in metres, angles in degrees.
+Space around the sensor has three regions: I in front of the plate, II beside an edge, III diagonal to a corner. Parameters
 outside the family are refused with an InputError that names the parameter.
+
+The target of every family is of a `material`: grounded or floating, or, where it has a volume, dielectric. A floating target is
+connected to the ground through the capacitance `to_ground` (F; 0: insulated). `machine` names what stands around sensor and target
+(`geometries.studies.machines`): "none", or one before which the target alone comes and goes.
 """
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,15 +20,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometries.common.errors import InputError
-from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Rotation
+from geometries.scene.poses import Pose
 from geometries.scene.scene import Object, Plate, Scene, Sensor
 from geometries.scene.shapes import Cuboid, PlateShape
+from geometries.studies import machines, placement
 
 Vector2 = tuple[float, float]
 Array = NDArray[np.float64]
 
 GROUNDED, FLOATING, DIELECTRIC = "grounded", "floating", "dielectric"
-MATERIALS = (GROUNDED, FLOATING, DIELECTRIC)
+CONDUCTORS = (GROUNDED, FLOATING)
+MATERIALS = (*CONDUCTORS, DIELECTRIC)
+USUAL: dict[str, float | str] = {"material": GROUNDED, "to_ground": 0.0, "machine": machines.NONE}
+"""The parameters that all families have, and their values if they are not given."""
 
 
 def empty(sensor_size: Vector2) -> Scene:
@@ -35,30 +43,55 @@ def empty(sensor_size: Vector2) -> Scene:
     return Scene(sensors=(Sensor("sensor", (plate,)),))
 
 
-def parallel(sensor_size: Vector2, target_size: Vector2, gap: float, offset: Vector2 = (0.0, 0.0)) -> Scene:
+def parallel(
+    sensor_size: Vector2,
+    target_size: Vector2,
+    gap: float,
+    offset: Vector2 = (0.0, 0.0),
+    material: str = GROUNDED,
+    to_ground: float = 0.0,
+    machine: str = machines.NONE,
+) -> Scene:
     """Returns the target parallel to the sensor at height `gap`, its centre `offset` from the sensor's axis in x and y."""
     _check_at_least("gap", gap, 0.0, strictly=True)
-    return _scene(sensor_size, target_size, 0.0, 0.0, lambda box: (offset[0], offset[1], gap))
+    scene = _scene(sensor_size, target_size, 0.0, 0.0, lambda box: (offset[0], offset[1], gap))
+    return _in_company(scene, material, to_ground, machine)
 
 
-def inclined(sensor_size: Vector2, target_size: Vector2, hinge_gap: float, tilt_degrees: float) -> Scene:
-    """Returns the target pivots about its edge above the sensor's edge x = −x/2, parallel to y (thesis 6.4, Experiment IV).
+def inclined(
+    sensor_size: Vector2,
+    target_size: Vector2,
+    hinge_gap: float,
+    tilt_degrees: float,
+    material: str = GROUNDED,
+    to_ground: float = 0.0,
+    machine: str = machines.NONE,
+) -> Scene:
+    """Returns the target that pivots about its edge above the sensor's edge x = −x/2, parallel to y (thesis 6.4, Experiment IV).
 
     The hinge stays at height `hinge_gap`; the target lies parallel to the sensor at 0 degrees and stands upright at 90.
     """
     _check_at_least("hinge_gap", hinge_gap, 0.0, strictly=True)
     hinge = -sensor_size[0] / 2
-    return _scene(
+    scene = _scene(
         sensor_size,
         target_size,
         tilt_degrees,
         0.0,
         lambda box: (hinge - box[0, 0], 0.0, hinge_gap - box[0, 2]),
     )
+    return _in_company(scene, material, to_ground, machine)
 
 
 def edge(
-    sensor_size: Vector2, target_size: Vector2, gap: float, height: float, tilt_degrees: float = 0.0
+    sensor_size: Vector2,
+    target_size: Vector2,
+    gap: float,
+    height: float,
+    tilt_degrees: float = 0.0,
+    material: str = GROUNDED,
+    to_ground: float = 0.0,
+    machine: str = machines.NONE,
 ) -> Scene:
     """Returns the target beside the sensor's edge x = x/2, wholly in region II.
 
@@ -74,9 +107,10 @@ def edge(
             "", "target_size[1]", "must be at most sensor_size[1]: the target would leave region II"
         )
     near = sensor_size[0] / 2 + gap
-    return _scene(
+    scene = _scene(
         sensor_size, target_size, tilt_degrees, 0.0, lambda box: (near - box[0, 0], 0.0, height - box[0, 2])
     )
+    return _in_company(scene, material, to_ground, machine)
 
 
 def corner(
@@ -86,6 +120,9 @@ def corner(
     height: float,
     tilt_degrees: float = 0.0,
     turn_degrees: float = 0.0,
+    material: str = GROUNDED,
+    to_ground: float = 0.0,
+    machine: str = machines.NONE,
 ) -> Scene:
     """Returns the target diagonal to the sensor's corner (x/2, y/2), wholly in region III.
 
@@ -98,13 +135,14 @@ def corner(
     if gap[0] == 0 and gap[1] == 0 and height == 0:
         raise InputError("", "gap", "must be greater than 0 at height 0: the target would touch the sensor")
     near_x, near_y = sensor_size[0] / 2 + gap[0], sensor_size[1] / 2 + gap[1]
-    return _scene(
+    scene = _scene(
         sensor_size,
         target_size,
         tilt_degrees,
         turn_degrees,
         lambda box: (near_x - box[0, 0], near_y - box[0, 1], height - box[0, 2]),
     )
+    return _in_company(scene, material, to_ground, machine)
 
 
 def straddle(
@@ -114,6 +152,9 @@ def straddle(
     offset: Vector2,
     tilt_degrees: float = 0.0,
     turn_degrees: float = 0.0,
+    material: str = GROUNDED,
+    to_ground: float = 0.0,
+    machine: str = machines.NONE,
 ) -> Scene:
     """Returns the target partly over the sensor, partly beside it: in several regions at once.
 
@@ -129,13 +170,20 @@ def straddle(
         lambda box: (offset[0], offset[1], gap - box[0, 2]),
     )
     outline = scene.conductors()["target"][:, :, :2].reshape(-1, 2)
-    if not _straddles(outline, np.asarray(sensor_size) / 2):
+    if not placement.straddles(outline, np.asarray(sensor_size) / 2):
         raise InputError("", "offset", "the target must lie partly over the sensor and partly beside it")
-    return scene
+    return _in_company(scene, material, to_ground, machine)
 
 
 def sensors(
-    sensor_size: Vector2, target_size: Vector2, separation: float, gap: float, offset: Vector2 = (0.0, 0.0)
+    sensor_size: Vector2,
+    target_size: Vector2,
+    separation: float,
+    gap: float,
+    offset: Vector2 = (0.0, 0.0),
+    material: str = GROUNDED,
+    to_ground: float = 0.0,
+    machine: str = machines.NONE,
 ) -> Scene:
     """Returns two equal sensors side by side in z = 0, and the target parallel to them at height `gap`.
 
@@ -146,7 +194,8 @@ def sensors(
     scene = parallel(sensor_size, target_size, gap, offset)
     (x, y), start = sensor_size, sensor_size[0] / 2 + separation
     plate = Plate(corner=(start, -y / 2, 0.0), edge_u=(x, 0.0, 0.0), edge_v=(0.0, y, 0.0))
-    return replace(scene, sensors=(*scene.sensors, Sensor("neighbour", (plate,))))
+    scene = replace(scene, sensors=(*scene.sensors, Sensor("neighbour", (plate,))))
+    return _in_company(scene, material, to_ground, machine)
 
 
 def box(
@@ -157,18 +206,18 @@ def box(
     offset: Vector2 = (0.0, 0.0),
     material: str = GROUNDED,
     relative_permittivity: float = 1.0,
+    to_ground: float = 0.0,
+    machine: str = machines.NONE,
 ) -> Scene:
-    """Returns the target is a cuboid parallel to the sensor, `thickness` high, its lower face at height `gap`, `offset` from the axis.
+    """Returns a cuboid as target, parallel to the sensor, `thickness` high, its lower face at height `gap`, `offset` from the axis.
 
-    `material` is grounded, floating, or dielectric, which alone has a `relative_permittivity`, other than 1.
+    A dielectric target, and no other, has a `relative_permittivity`, other than 1.
     """
     _check_size("sensor_size", sensor_size)
     _check_size("target_size", target_size)
     _check_at_least("thickness", thickness, 0.0, strictly=True)
     _check_at_least("gap", gap, 0.0, strictly=True)
     _check_at_least("relative_permittivity", relative_permittivity, 0.0, strictly=True)
-    if material not in MATERIALS:
-        raise InputError("", "material", f"must be one of {', '.join(MATERIALS)}, not {material!r}")
     if (material == DIELECTRIC) != (relative_permittivity != 1):
         raise InputError(
             "", "relative_permittivity", "must differ from 1 for a dielectric target, and only there"
@@ -177,10 +226,10 @@ def box(
         "target",
         Cuboid((*target_size, thickness)),
         pose=Pose((offset[0], offset[1], gap + thickness / 2)),
-        potential=FLOATING if material == FLOATING else GROUNDED,
         relative_permittivity=relative_permittivity if material == DIELECTRIC else None,
     )
-    return Scene(sensors=empty(sensor_size).sensors, objects=(target,))
+    scene = Scene(sensors=empty(sensor_size).sensors, objects=(target,))
+    return _in_company(scene, material, to_ground, machine, MATERIALS)
 
 
 FAMILIES: dict[str, Callable[..., Scene]] = {
@@ -210,56 +259,30 @@ def _scene(
         raise InputError("", "tilt_degrees", f"must be in 0 … 90, not {tilt_degrees!r}")
     sensor_alone = empty(sensor_size)
     shape = PlateShape(target_size)
-    rotation = _rotation(tilt_degrees, turn_degrees)
-    x, y, z = place(_box(shape, rotation))
+    rotation = placement.rotation(tilt_degrees, turn_degrees)
+    x, y, z = place(placement.box(shape, rotation))
     target = Object("target", shape, pose=Pose((float(x), float(y), float(z)), rotation))
     return Scene(sensors=sensor_alone.sensors, objects=(target,))
 
 
-# Cached: a sweep has few plates and angles, and many positions.
-@functools.lru_cache(maxsize=1024)
-def _box(shape: PlateShape, rotation: Rotation) -> Array:
-    """Returns the bounding box (2, 3) of a rotated plate, lowest and highest coordinates."""
-    vertices = shape.triangles().reshape(-1, 3) @ rotation.matrix().T
-    box = np.array([vertices.min(axis=0), vertices.max(axis=0)])
-    box.flags.writeable = False
-    return box
+def _in_company(
+    scene: Scene, material: str, to_ground: float, machine: str, materials: tuple[str, ...] = CONDUCTORS
+) -> Scene:
+    """Returns a scene with one grounded target, connected as `material` and `to_ground` say, before a machine."""
+    _check_choice("material", material, materials)
+    _check_choice("machine", machine, machines.MACHINES)
+    _check_at_least("to_ground", to_ground, 0.0, strictly=False)
+    if material == FLOATING:
+        (target,) = scene.objects
+        scene = replace(scene, objects=(replace(target, potential=FLOATING, to_ground=to_ground),))
+    elif to_ground != 0:
+        raise InputError("", "to_ground", f"connects floating targets to the ground; this one is {material}")
+    return machines.around(scene, machine)
 
 
-def _rotation(tilt_degrees: float, turn_degrees: float) -> Rotation:
-    """Tilts about −y, so that the +x end rises, then turns about z."""
-    if turn_degrees == 0:
-        return AxisRotation((0.0, -1.0, 0.0), tilt_degrees) if tilt_degrees else AxisRotation()
-    if tilt_degrees == 0:
-        return AxisRotation((0.0, 0.0, 1.0), turn_degrees)
-    tilt, turn = math.radians(tilt_degrees) / 2, math.radians(turn_degrees) / 2
-    # The product of the quaternions (cos turn, 0, 0, sin turn) and (cos tilt, 0, −sin tilt, 0).
-    return QuaternionRotation(
-        (
-            math.cos(turn) * math.cos(tilt),
-            math.sin(turn) * math.sin(tilt),
-            -math.cos(turn) * math.sin(tilt),
-            math.sin(turn) * math.cos(tilt),
-        )
-    )
-
-
-def _straddles(outline: Array, half_size: Array) -> bool:
-    """Tells whether a convex outline (n, 2) lies partly over the rectangle |x| < half_size and partly outside it.
-
-    They overlap when none of the normals of their sides separates them. A side of the target without length (a plate
-    that stands upright) has no normal and separates nothing.
-    """
-    if (np.abs(outline) <= half_size).all():
-        return False
-    sides = np.diff(outline[[0, 1, 2]], axis=0)
-    normals = [np.array([1.0, 0.0]), np.array([0.0, 1.0]), *(np.array([-side[1], side[0]]) for side in sides)]
-    for normal in normals:
-        reach = float(np.abs(normal) @ half_size)
-        shadow = outline @ normal
-        if shadow.min() >= reach > 0 or shadow.max() <= -reach < 0:
-            return False
-    return True
+def _check_choice(name: str, value: str, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise InputError("", name, f"must be one of {', '.join(known)}, not {value!r}")
 
 
 def _check_size(name: str, size: Vector2) -> None:

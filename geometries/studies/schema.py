@@ -10,12 +10,10 @@ from typing import Any, get_type_hints
 
 from geometries.common.files import whole_file
 from geometries.scene.scene import Scene
-from geometries.studies import families, scene_sweep, study
+from geometries.studies import families, machines, scene_sweep, study
 
 FILE = Path(__file__).parent.parent / "schemas" / "study-1.schema.json"
 Schema = dict[str, Any]
-
-_MATERIALS = {"enum": list(families.MATERIALS)}
 
 
 def schema() -> Schema:
@@ -51,7 +49,9 @@ def schema() -> Schema:
         "$defs": {
             "number": _swept({"type": "number"}, ranges=True),
             "vector": _swept(_array({"type": "number"}, 2), ranges=False),
-            "material": _swept(_MATERIALS, ranges=False),
+            "conductor": _swept({"enum": list(families.CONDUCTORS)}, ranges=False),
+            "material": _swept({"enum": list(families.MATERIALS)}, ranges=False),
+            "machine": _swept({"enum": list(machines.MACHINES)}, ranges=False),
         },
     }
 
@@ -92,11 +92,18 @@ def _swept(value: Schema, ranges: bool) -> Schema:
 
 
 def _sweep(name: str, family: Callable[..., Scene]) -> Schema:
-    kinds = {float: "number", str: "material"}
     parameters = inspect.signature(family).parameters
+    # Of the families' materials only those with a permittivity may be dielectric.
+    texts = {
+        "machine": "machine",
+        "material": "material" if "relative_permittivity" in parameters else "conductor",
+    }
     hints = get_type_hints(family)
     properties = {
-        parameter: {"$ref": f"#/$defs/{kinds.get(hints[parameter], 'vector')}"} for parameter in parameters
+        parameter: {
+            "$ref": f"#/$defs/{texts.get(parameter, 'number' if hints[parameter] is float else 'vector')}"
+        }
+        for parameter in parameters
     }
     required = [
         parameter

@@ -22,12 +22,17 @@ A file with every key there is::
     sensor_size = [0.1, 0.1]        # a number, a vector, a text: the same in every case
     target_size = [[0.1, 0.1], [0.05, 0.05]]               # a list of them: swept
     gap = { geomspace = [0.005, 0.2, 5] }                  # or linspace = [first, last, number]
+    machine = ["none", "housing", "housing+guard", "table"]    # optional: what stays when the target goes (`machines`)
+    material = "floating"           # optional: "grounded" (default), "floating" or, of the family "box", "dielectric"
+    to_ground = 1e-10               # optional, F: of floating targets, connected to the ground through this capacitance
     combine = "product"             # default; or "zip": the swept lists are walked through together
 
     [[sweep]]
     family = "scene"                # a scene of one's own
     file = "arm.toml"               # beside the study file, as
     motion = "arm.motion.toml"      # optional: a case for every frame
+
+Before a machine, and in scenes with readings, electrodes or objects marked as targets, the change of every reading is compared.
 """
 
 from __future__ import annotations

@@ -35,6 +35,22 @@ target_size = [0.1, 0.1]
 gap = [0.01, 0.02]
 height = 0
 """
+MACHINES = """
+[[sweep]]
+family = "parallel"
+sensor_size = [0.1, 0.1]
+target_size = [0.1, 0.1]
+gap = 0.02
+machine = ["none", "housing", "housing+guard"]
+[[sweep]]
+family = "parallel"
+sensor_size = [0.1, 0.1]
+target_size = [0.1, 0.1]
+gap = 0.02
+material = "floating"
+to_ground = 1e-10
+machine = "housing"
+"""
 VERSIONS = {"dolfinx": "0.5.2"}
 PICO = 1e-12
 
@@ -67,6 +83,43 @@ def boundary_document(mutual: float, delta_self: float, error: float = 0.001, **
     whole = reference_document(mutual, delta_self, error)
     names = ("conductors", "maxwell", "error", "delta_self", "unknowns", "seconds", "reached")
     return {name: whole[name] for name in names} | {"lower_bounds": [True, True]} | more
+
+
+def readings_document(change: float, error: float = 0.01) -> list[dict[str, Any]]:
+    """One reading, the sensor's, in pF: its background is 9 pF."""
+    parts = {"value": 9 + change, "background": 9.0, "change": change}
+    return [
+        {
+            "name": "sensor",
+            **{part: value * PICO for part, value in parts.items()},
+            "error": {part: error * PICO for part in parts},
+            "answered_by": "made up",
+        }
+    ]
+
+
+def machine_document(mutual: float, change: float, error: float = 0.01) -> dict[str, Any]:
+    """The reference's answer for sensor and target before a grounded housing, in pF."""
+    names = ("sensor", "target", "housing")
+    matrix = [[9 + change, -mutual, -5.0], [-mutual, 6.0, -1.0], [-5.0, -1.0, 20.0]]
+    return reference_document(mutual, 5 + change, error) | {
+        "conductors": list(names),
+        "maxwell": [[value * PICO for value in row] for row in matrix],
+        "error": [[error * PICO] * 3] * 3,
+        "levels": [],
+        "readings": readings_document(change, error),
+    }
+
+
+def machine_model_document(target: float, change: float | None) -> dict[str, Any]:
+    """The model's answer for the same in pF: 30 pF for the housing, and the change that it gives, if it knows one."""
+    document = model_document(target)
+    for method in document["methods"].values():
+        (sensor,) = method["sensors"]
+        sensor["objects"].append({"name": "housing", "capacitance": 30 * PICO})
+        sensor["total"] += 30 * PICO
+        method["readings"] = [{"name": "sensor", "change": None if change is None else change * PICO}]
+    return document
 
 
 def empty_document() -> dict[str, Any]:
@@ -102,6 +155,15 @@ def model_document(exact: float, coarse: float | None = None) -> dict[str, Any]:
             for method, value in values.items()
         },
     }
+
+
+MACHINE_ANSWERS: dict[int, tuple[dict[str, Any] | None, dict[str, Any] | None]] = {
+    0: (reference_document(2, 1), model_document(1.8)),
+    1: (machine_document(1.6, 0.8), machine_model_document(1.8, 1.8)),
+    2: (machine_document(1.7, 0.9), machine_model_document(1.8, None)),
+    3: (machine_document(1.7, 0.1), None),
+}
+"""Answers of MACHINES: the model gives 1.8 pF, but no change where the guard is driven, and nothing for a floating target."""
 
 
 def corrections_document() -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Enclosures of a study's cases against boundary elements: python3 -m tests.fem_reference.study_enclosures [STUDY] [--cases N].
+"""Enclosures of a study's cases without a machine against boundary elements: python3 -m tests.fem_reference.study_enclosures [STUDY] [--cases N].
 
 Prints one line for each case, then the widths of the intervals and the errors of the best values in them. Fails when an enclosure
 excludes every matrix within the error of boundary elements.
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from analysis.pipeline.model_stage import model_module
 from fem_reference.answer import reference
 from geometries.studies import study
+from geometries.studies.machines import NONE
 from geometries.studies.study import Case
 
 Array = NDArray[np.float64]
@@ -78,7 +79,9 @@ def main() -> int:
     parser.add_argument("--cases", type=int, help="only so many of the first")
     options = parser.parse_args()
     outcomes = []
-    for case in islice(study.load(study.find(options.study)).cases(), options.cases):
+    cases = study.load(study.find(options.study)).cases()
+    alone = (case for case in cases if case.parameters.get("machine", NONE) == NONE)
+    for case in islice(alone, options.cases):
         found = outcome(case)
         outcomes.append(found)
         word = "inside" if found.inside else "OUTSIDE"

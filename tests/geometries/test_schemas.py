@@ -40,6 +40,8 @@ STUDY: Document = {
             "gap": {"linspace": [0.01, 0.02, 2]},
             "offset": [0.01, 0],
             "material": ["grounded", "floating"],
+            "to_ground": 0,
+            "machine": "housing",
         },
         {
             "family": "corner",
@@ -62,6 +64,8 @@ WRONG_STUDIES: list[tuple[schemas.Place, Any]] = [
     (("sweep", 0, "combine"), "sum"),
     (("sweep", 0, "thickness"), []),
     (("sweep", 0, "material"), "wood"),
+    (("sweep", 0, "machine"), "crane"),
+    (("sweep", 1, "material"), "dielectric"),
     (("sweep", 0, "gap"), {"linspace": [0.01, 0.02, 1]}),
     (("sweep", 0, "offset"), {"linspace": [0.01, 0.02, 2]}),
     (("sweep", 1, "height"), {"geomspace": [0, 0.02, 2]}),

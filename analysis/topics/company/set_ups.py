@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from functools import cache
 
 from geometries.scene.poses import Pose, Vector3
-from geometries.scene.scene import Object, Plate, Reading, Scene, Sensor
-from geometries.scene.shapes import Cuboid, PlateShape
+from geometries.scene.scene import Object, Scene, Sensor
+from geometries.scene.shapes import Cuboid
 from geometries.scene.writer import canonical_and_identity
-from geometries.studies.families import FLOATING, GROUNDED
+from geometries.studies import machines
+from geometries.studies.families import FLOATING, GROUNDED, empty
 from geometries.studies.study import IDENTITY_DIGITS
 
 NOTHING, HOUSING, GUARD, TABLE, PERSON = (
@@ -35,8 +36,6 @@ _DIGITS = 4
 _SIDES, _GAPS, _BEHIND, _BESIDE = (0.04, 0.2), (0.015, 0.2), (0.02, 0.2), (0.05, 0.4)
 # Range of the hand's size, and its largest shift to the side relative to the sensor's.
 _HANDS, _SHIFT = ((0.06, 0.12), (0.12, 0.22), (0.02, 0.06)), 0.75
-# Sizes relative to the sensor's side, as in geometries/scenes/guarded_sensor.toml.
-_HOUSING, _HOUSING_BEHIND, _GUARD, _GUARD_BEHIND = (2.0, 2.0, 1.0), 0.2, 1.4, 0.1
 _TABLE, _PERSON = (1.0, 0.8, 0.03), (0.25, 0.4, 1.2)
 
 
@@ -88,21 +87,13 @@ def all_set_ups() -> tuple[SetUp, ...]:
 
 def scene(arrangement: Arrangement, machine: str, ground: str) -> Scene:
     """Returns the scene of a set-up, with one reading: the sensor's, driven together with the guard if there is one."""
-    side = arrangement.side
-    plate = Plate((-side / 2, -side / 2, 0.0), (side, 0.0, 0.0), (0.0, side, 0.0))
+    sensors = empty((arrangement.side, arrangement.side)).sensors
     potential = GROUNDED if ground == GROUNDED else FLOATING
     to_ground = 0.0 if ground == GROUNDED else TO_GROUND[ground]
     shape = Cuboid(arrangement.size)
-    hand = Object(
-        HAND, shape, pose=Pose(arrangement.hand), potential=potential, to_ground=to_ground, target=True
-    )
-    company = _company(arrangement, machine)
-    driven = [body.name for body in company if body.potential == "electrode"]
-    return Scene(
-        sensors=(Sensor(SENSOR, (plate,)),),
-        objects=(hand, *company),
-        readings=(Reading(SENSOR, SENSOR, (SENSOR, *driven)),),
-    )
+    hand = Object(HAND, shape, pose=Pose(arrangement.hand), potential=potential, to_ground=to_ground)
+    company = _company(arrangement, machine, sensors)
+    return machines.before(Scene(sensors=sensors, objects=(hand,)), company)
 
 
 def _set_up(number: int, arrangement: Arrangement, machine: str, ground: str) -> SetUp:
@@ -110,22 +101,18 @@ def _set_up(number: int, arrangement: Arrangement, machine: str, ground: str) ->
     return SetUp(number, machine, ground, made, *canonical_and_identity(made))
 
 
-def _company(arrangement: Arrangement, machine: str) -> tuple[Object, ...]:
+def _company(arrangement: Arrangement, machine: str, sensors: tuple[Sensor, ...]) -> tuple[Object, ...]:
     side, hand, size = arrangement.side, arrangement.hand, arrangement.size
     if machine == TABLE:
-        behind = arrangement.gap + size[2] + arrangement.behind + _TABLE[2] / 2
-        return (Object("table", Cuboid(_TABLE), pose=Pose((hand[0], hand[1], behind))),)
+        near = arrangement.gap + size[2] + arrangement.behind
+        return (machines.table(_TABLE, hand[0], hand[1], near),)
     if machine == PERSON:
         beside = max(side / 2, hand[0] + size[0] / 2) + arrangement.beside + _PERSON[0] / 2
         return (Object("person", Cuboid(_PERSON), pose=Pose((beside, 0.0, hand[2]))),)
     if machine == NOTHING:
         return ()
-    width, depth, height = (side * ratio for ratio in _HOUSING)
-    below = Pose((0.0, 0.0, -_HOUSING_BEHIND * side - height / 2))
-    housing = Object("housing", Cuboid((width, depth, height)), pose=below)
-    plate = PlateShape((_GUARD * side, _GUARD * side))
-    guard = Object("guard", plate, pose=Pose((0.0, 0.0, -_GUARD_BEHIND * side)), potential="electrode")
-    return (housing, guard) if machine == GUARD else (housing,)
+    housing = machines.housing(sensors)
+    return (housing, machines.guard(sensors)) if machine == GUARD else (housing,)
 
 
 def _arrangements() -> Iterator[Arrangement]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from analysis.results import changes
 from analysis.results.answers import BoundaryAnswer, Estimate, ReferenceAnswer
 from analysis.results.study_results import CaseResult, Results
 
@@ -66,7 +67,8 @@ class Bracket:
 
 
 def comparisons(results: Results) -> list[Comparison]:
-    """Returns the entries on and above the diagonal and delta_self of every case that both have solved, the worst first."""
+    """Returns the entries on and above the diagonal, delta_self and the changes of readings of every case that both have solved, the worst
+    first."""
     found = []
     for case in results.cases.values():
         if case.reference is not None and case.boundary is not None:
@@ -127,10 +129,14 @@ def _of_case(case: CaseResult, reference: ReferenceAnswer, boundary: BoundaryAns
                     Estimate(float(boundary.maxwell[there]), float(boundary.error[there])),
                 )
             )
-    for sensor, change in reference.delta_self.items():
-        if sensor in boundary.delta_self:
+    felt = {f"delta_self {sensor}": change for sensor, change in reference.delta_self.items()}
+    also = {f"delta_self {sensor}": change for sensor, change in boundary.delta_self.items()}
+    # Elsewhere the changes are delta_self once more.
+    if not changes.is_delta_self(case.scene):
+        felt |= {f"change {name}": reading.change for name, reading in reference.readings.items()}
+        also |= {f"change {name}": reading.change for name, reading in boundary.readings.items()}
+    for what, change in felt.items():
+        if what in also:
             low, high = change.value - change.error, change.value + change.error
-            found.append(
-                Comparison(case, f"delta_self {sensor}", change.value, low, high, boundary.delta_self[sensor])
-            )
+            found.append(Comparison(case, what, change.value, low, high, also[what]))
     return found

@@ -12,9 +12,9 @@ from analysis.report import page, plots_in_space
 from analysis.report.page import is_current
 from analysis.results.set_up import describe
 from analysis.results.store import write_text
-from analysis.results.table import QUANTITIES
 from analysis.results.units import PICOFARAD
 from analysis.topics.errors import records, section, set_ups, stage
+from analysis.topics.errors.parts import PARTS
 from analysis.topics.errors.records import Entry
 from geometries.common import installation
 
@@ -34,7 +34,7 @@ def make(folder: Path) -> page.Made:
         body = [page.header(_TITLE), *section.sections(found, "cases")]
         write_text(folder / PAGE, page.document(_TITLE, inputs, body, page.SCRIPT))
     distinct = records.once(found)
-    findings = [section.finding(distinct, quantity) for quantity in QUANTITIES] if found else [section.ABSENT]
+    findings = [section.finding(distinct, quantity) for quantity in PARTS] if found else [section.ABSENT]
     return page.Made(folder / PAGE, "\n".join(findings))
 
 
@@ -51,7 +51,7 @@ def _case(folder: Path, entry: Entry) -> Iterable[Markup]:
     described = describe(made.scene)
     if described is not None:
         head.append(page.paragraph(f"{described.words}."))
-    for quantity in QUANTITIES:
+    for quantity in PARTS:
         true = entry.true(quantity)
         head.append(
             page.finding(

@@ -7,9 +7,10 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel
-from analysis.results.table import DELTA_SELF, MUTUAL, QUANTITIES
+from analysis.results.table import DELTA_SELF, MUTUAL
 from analysis.results.units import PICOFARAD, signed_percent
 from analysis.topics.errors import parts, plots, records
+from analysis.topics.errors.parts import PARTS
 from analysis.topics.errors.records import Entry, Statistics
 from analysis.topics.errors.set_ups import MAPS, OFFSET_MAP, SIZE_MAP, TILT_MAP
 
@@ -49,15 +50,13 @@ def of_study(pairs: list[tuple[Entry, Entry]]) -> Markup:
     return page.section(
         "The cases of this study, by the field solver",
         page.finding(agreement_finding(pairs)),
-        page.figures(
-            [plots.bars(f"mean error in {name} and its parts", solved, name) for name in QUANTITIES]
-        ),
+        page.figures([plots.bars(f"mean error in {name} and its parts", solved, name) for name in PARTS]),
     )
 
 
 def of_one(entry: Entry) -> list[Markup]:
     """Returns a table of the parts for each quantity."""
-    return [_parts_of_one(entry, quantity) for quantity in QUANTITIES]
+    return [_parts_of_one(entry, quantity) for quantity in PARTS]
 
 
 def _parts_of_one(entry: Entry, quantity: str) -> Markup:
@@ -80,7 +79,7 @@ def _parts_of_one(entry: Entry, quantity: str) -> Markup:
 
 def agreement_finding(pairs: list[tuple[Entry, Entry]]) -> str:
     """Tells how far the two truths differ, and which parts are the largest."""
-    both = [(one.true(name), other.true(name)) for name in QUANTITIES for one, other in pairs]
+    both = [(one.true(name), other.true(name)) for name in PARTS for one, other in pairs]
     agreeing = sum(one.agrees_with(other) for one, other in both)
     largest = max(abs(one.value / other.value - 1) for one, other in both)
     return (
@@ -104,7 +103,7 @@ def finding(found: list[Entry], quantity: str) -> str:
 def map_finding(group: str, found: list[Entry]) -> str:
     """Tells where the error in each quantity is least and greatest, and its largest parts there."""
     phrases = []
-    for quantity in QUANTITIES:
+    for quantity in PARTS:
         worst = max(_on(group, found), key=lambda entry: abs(entry.error(quantity)))
         signs = sorted(entry.error(quantity) for entry in _on(group, found))
         phrases.append(
@@ -129,11 +128,11 @@ def _parts(found: list[Entry], cases: str) -> Markup:
     short = sum(not entry.reached for entry in distinct)
     return page.section(
         "The parts of the error",
-        *(page.finding(finding(distinct, quantity)) for quantity in QUANTITIES),
-        page.figures([plots.bars(f"mean error in {name} and its parts", found, name) for name in QUANTITIES]),
+        *(page.finding(finding(distinct, quantity)) for quantity in PARTS),
+        page.figures([plots.bars(f"mean error in {name} and its parts", found, name) for name in PARTS]),
         page.soft(_WHAT),
         page.paragraph("The same over all set-ups, relative to the truth:"),
-        *(page.lines([page.heading(quantity), _table(distinct, quantity, cases)]) for quantity in QUANTITIES),
+        *(page.lines([page.heading(quantity), _table(distinct, quantity, cases)]) for quantity in PARTS),
         page.finding(quantity_finding(distinct)),
         page.soft(
             f"The truth is that of the boundary elements; {short} of {len(distinct)} are short of the asked 1e-4 and kept with "
@@ -174,7 +173,7 @@ def _cells(each: Statistics, count: int, cases: str) -> list[str]:
 
 
 def _map(group: str, found: list[Entry], cases: str) -> Markup:
-    panels: list[Panel] = [plots.error_map(group, found, quantity) for quantity in QUANTITIES]
+    panels: list[Panel] = [plots.error_map(group, found, quantity) for quantity in PARTS]
     return page.section(
         _TITLES[group],
         page.finding(map_finding(group, found)),

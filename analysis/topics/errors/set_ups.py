@@ -1,4 +1,4 @@
-"""The set-ups of the error study: three maps, the default study's cases, and random poses. Metres, degrees."""
+"""The set-ups of the error study: three maps, the default study's pairs of plates, and random poses. Metres, degrees."""
 
 from __future__ import annotations
 
@@ -70,6 +70,7 @@ def all_set_ups() -> tuple[SetUp, ...]:
     found += [
         _set_up(DEFAULT, case.family, case.parameters, None, case.scene)
         for case in study.load(study.find("default")).sweeps
+        if describe(case.scene) is not None
     ]
     found += [_set_up(RANDOM, "random", {}, None, scene) for scene in _random_scenes()]
     return tuple(sorted(found, key=lambda each: (*MAPS, DEFAULT, RANDOM).index(each.group)))

@@ -24,13 +24,15 @@ _MODEL_ROUNDING = 1e-9
 _SLOWER_FACTOR, _SLOWER_SOLVE, _SLOWER_MODEL = 1.5, 5.0, 20e-6
 _MOST_LINES = 20
 
-RowName = tuple[str, str, str, str]
-_NAME = ("case", "sensor", "object", "quantity")
+RowName = tuple[str, str, str, str, str]
+_NAME = ("case", "sensor", "object", "reading", "quantity")
+# Tables of earlier versions have no readings.
+_READING = "reading"
 
 
 @dataclass(frozen=True)
 class Line:
-    """One row of a table: the reference's value with its error, the model's by method (F), and their seconds."""
+    """One row of a table: the reference's value with its error, the model's by method where it knows one (F), and their seconds."""
 
     family: str
     reference: Estimate
@@ -93,22 +95,24 @@ def read(path: Path) -> dict[RowName, Line]:
             columns = reader.fieldnames or []
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(str(file), "", f"cannot be read: {error}") from error
-    needed = {*_NAME, "family", "reference_F", "reference_error_F", "reference_seconds"}
+    needed = {*_NAME, "family", "reference_F", "reference_error_F", "reference_seconds"} - {_READING}
     # A table without rows has no columns but one.
     if lacking := sorted(needed - set(columns)) if records or columns != ["case"] else []:
         raise InputError(str(file), lacking[0], "is missing from the columns of this table")
     found = {}
     for number, record in enumerate(records, start=2):
         try:
-            name = (record["case"], record["sensor"], record["object"], record["quantity"])
-            found[name] = _line(record)
+            case, sensor, body, reading, quantity = (record.get(column) or "" for column in _NAME)
+            found[case, sensor, body, reading, quantity] = _line(record)
         except (TypeError, ValueError) as error:
             raise InputError(str(file), f"line {number}", f"is not a row of a table: {error}") from error
     return found
 
 
 def _line(record: dict[str, str]) -> Line:
-    methods = [name[len("model_") : -len("_F")] for name in record if _is_model_value(name)]
+    methods = [
+        name[len("model_") : -len("_F")] for name in record if _is_model_value(name) and record[name] != ""
+    ]
     return Line(
         record["family"],
         Estimate(float(record["reference_F"]), float(record["reference_error_F"])),
@@ -213,8 +217,8 @@ def to_text(found: Difference) -> str:
 
 
 def _words(name: RowName, family: str) -> list[str]:
-    case, sensor, body, quantity = name
-    return [family, case, f"{quantity} {sensor}{' ' + body if body else ''}"]
+    case, sensor, body, reading, quantity = name
+    return [family, case, " ".join(part for part in (quantity, sensor, body, reading) if part)]
 
 
 def _table(title: str, rows: list[list[str]], header: list[str]) -> list[str]:

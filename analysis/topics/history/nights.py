@@ -2,7 +2,7 @@
 
 A night's file: `time` (UTC), `table` (sha256 of table.csv), `rows`, `to_do` (cases that were to solve), `failed`, `seconds` (the
 night's), `reference_seconds` (all solves in the table, whenever made), `worst` (largest |model error| by quantity, null
-without rows), and, where there is a night before, `moved`, `slower`, `new`, `gone` and `largest` of the difference to it.
+without rows; earlier nights know fewer quantities), and, where there is a night before, `moved`, `slower`, `new`, `gone` and `largest` of the difference to it.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def _worst(lines: dict[RowName, Line], quantity: str) -> float | None:
     errors = (
         abs(table.relative_error(line.model[table.COMPARED_METHOD], line.reference.value))
         for name, line in lines.items()
-        if name[-1] == quantity
+        if name[-1] == quantity and table.COMPARED_METHOD in line.model
     )
     return max(errors, default=None)
 

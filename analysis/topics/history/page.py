@@ -80,7 +80,7 @@ def _panels(nights: list[Document]) -> list[Panel]:
     counts = [_curve(compared, name, index) for index, name in enumerate(("moved", "slower", "new", "gone"))]
     counts.append(_curve(nights, "failed", 4))
     worst = [
-        _line(quantity, nights, [night["worst"][quantity] for night in nights], index)
+        _line(quantity, nights, [night["worst"].get(quantity) for night in nights], index)
         for index, quantity in enumerate(QUANTITIES)
     ]
     largest = [night["largest"] for night in compared]
@@ -169,7 +169,7 @@ def _table(nights: list[Document]) -> Markup:
             *(str(night.get(name, "")) for name in ("moved", "slower", "new", "gone")),
             _number(night["largest"]) if "largest" in night else "",
             f"{night['seconds']:.1f}",
-            *(_percent(night["worst"][quantity]) for quantity in QUANTITIES),
+            *(_percent(night["worst"].get(quantity)) for quantity in QUANTITIES),
         ]
         for night in reversed(nights)
     ]

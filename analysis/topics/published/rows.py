@@ -13,6 +13,7 @@ from analysis.results.set_up import Rectangle, rectangles
 from analysis.results.store import Document
 from analysis.results.units import PICOFARAD
 from fem_reference.solve.enclosure import enclosure
+from geometries.studies import families
 from geometries.studies.study import Case
 
 Array = NDArray[np.float64]
@@ -139,7 +140,7 @@ def _numbers(case: Case) -> dict[str, float]:
     """Returns the parameters as numbers; a gap that is the same along both axes is one number."""
     numbers: dict[str, float] = {}
     for name, value in case.parameters.items():
-        if name == "sensor_size" or isinstance(value, str):
+        if name == "sensor_size" or name in families.USUAL or isinstance(value, str):
             continue
         if name == "target_size" and isinstance(value, tuple):
             numbers |= {"target_x": value[0], "target_y": value[1]}

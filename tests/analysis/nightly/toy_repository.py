@@ -51,7 +51,7 @@ class Scene:
     def load(path):
         return Scene()
     def capacitance(self, method):
-        return model_document(1.8)["methods"][method]
+        return {"readings": [], **model_document(1.8)["methods"][method]}
     def maxwell(self, rtol):
         mutual = os.environ.get("TOY_BOUNDARY")
         if mutual is None:

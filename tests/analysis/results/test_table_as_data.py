@@ -20,7 +20,7 @@ from tests.analysis.synthetic import (
     reference_document,
 )
 
-TEXTS = {"case", "family", "parameters", "sensor", "object", "quantity", "command"}
+TEXTS = {"case", "family", "parameters", "sensor", "object", "reading", "quantity", "command"}
 RATIOS = {
     "gap_over_size",
     "lateral_offset_over_size",

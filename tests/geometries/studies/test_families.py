@@ -145,3 +145,45 @@ def test_a_permittivity_is_for_dielectric_boxes_only() -> None:
             families.box(
                 SENSOR, (0.05, 0.05), 0.04, 0.02, material=material, relative_permittivity=permittivity
             )
+
+
+MADE = {
+    "parallel": lambda **more: families.parallel(SENSOR, (0.05, 0.05), 0.02, **more),
+    "inclined": lambda **more: families.inclined(SENSOR, (0.05, 0.05), 0.01, 30.0, **more),
+    "edge": lambda **more: families.edge(SENSOR, (0.05, 0.05), 0.02, 0.0, **more),
+    "corner": lambda **more: families.corner(SENSOR, (0.05, 0.05), (0.02, 0.01), 0.0, 90.0, 20.0, **more),
+    "straddle": lambda **more: families.straddle(SENSOR, (0.1, 0.1), 0.02, (0.03, 0.05), **more),
+    "sensors": lambda **more: families.sensors(SENSOR, (0.05, 0.05), 0.02, 0.03, **more),
+    "box": lambda **more: families.box(SENSOR, (0.05, 0.06), 0.04, 0.02, **more),
+}
+
+
+@pytest.mark.parametrize("family", MADE)
+def test_the_target_of_every_family_may_float_or_be_connected_to_the_ground(family: str) -> None:
+    assert set(MADE) == set(families.FAMILIES)
+    make = MADE[family]
+    connected = make(material="floating", to_ground=1e-10).objects[0]
+    assert (connected.potential, connected.to_ground) == ("floating", 1e-10)
+    assert make(material="floating").objects[0].to_ground == 0
+    # As before, and so with the answers stored under its identity: a target that nothing says anything of.
+    assert make(material="grounded", to_ground=0.0, machine="none") == make()
+    assert not make().readings and not any(body.target for body in make().objects)
+
+
+@pytest.mark.parametrize("family", MADE)
+@pytest.mark.parametrize(
+    ("wrong", "key"),
+    [
+        ({"machine": "crane"}, "machine"),
+        ({"material": "wood"}, "material"),
+        ({"to_ground": 1e-10}, "to_ground"),
+        ({"material": "floating", "to_ground": -1e-10}, "to_ground"),
+        ({"material": "floating", "to_ground": float("inf")}, "to_ground"),
+    ],
+)
+def test_connections_and_machines_that_there_are_not_are_refused_by_name(
+    family: str, wrong: dict[str, float | str], key: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        MADE[family](**wrong)
+    assert caught.value.key == key

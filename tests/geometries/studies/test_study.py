@@ -11,6 +11,7 @@ from geometries.__main__ import main
 from geometries.common.errors import InputError
 from geometries.scene import reader
 from geometries.studies import families, study
+from geometries.studies.machines import MACHINES
 
 HEAD = """
 name = "n"
@@ -52,6 +53,9 @@ def test_a_sweep_without_lists_is_one_case_and_its_empty_scene() -> None:
         "target_size": (0.1, 0.1),
         "gap": 0.02,
         "offset": (0.0, 0.0),
+        "material": "grounded",
+        "to_ground": 0.0,
+        "machine": "none",
     }
     assert (alone.family, alone.parameters) == ("empty", {"sensor_size": (0.1, 0.1)})
     assert alone.scene == families.empty((0.1, 0.1))
@@ -280,6 +284,16 @@ def test_the_default_study_has_at_least_eight_cases_of_every_family() -> None:
     count = Counter(case.family for case in cases)
     assert all(count[family] >= 8 for family in ("parallel", "inclined", "edge", "corner", "straddle"))
     assert count[study.EMPTY] <= 5
+
+
+def test_the_default_study_has_every_machine_and_the_same_set_ups_without_one() -> None:
+    cases = [case for case in study.load(study.find("default")).sweeps if case.family == "parallel"]
+    by_machine: dict[object, set[object]] = {}
+    for case in cases:
+        others = {name: value for name, value in case.parameters.items() if name != "machine"}
+        by_machine.setdefault(case.parameters["machine"], set()).add(tuple(others.items()))
+    assert set(by_machine) == set(MACHINES)
+    assert all(len(own) >= 2 and own <= by_machine["none"] for own in by_machine.values())
 
 
 def test_a_study_is_found_by_name_or_by_path(tmp_path: Path) -> None:

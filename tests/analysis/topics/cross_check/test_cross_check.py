@@ -21,7 +21,16 @@ from geometries.scene.scene import Scene
 from geometries.scene.shapes import Sphere
 from geometries.scene.writer import canonical
 from geometries.studies import families
-from tests.analysis.synthetic import PICO, boundary_document, make_results, reference_document, report_text
+from tests.analysis.synthetic import (
+    MACHINE_ANSWERS,
+    MACHINES,
+    PICO,
+    boundary_document,
+    machine_document,
+    make_results,
+    reference_document,
+    report_text,
+)
 
 
 def with_boundary(folder: Path, **documents: dict[str, Any]) -> Results:
@@ -42,6 +51,18 @@ def enclosed(low: float, high: float) -> dict[str, Any]:
         "lower": (PICO * np.array(lower)).tolist(),
         "upper": (PICO * np.array(upper)).tolist(),
     }
+
+
+def test_changes_of_readings_are_compared_where_they_are_not_delta_self(tmp_path: Path) -> None:
+    """The reference says 0.8 ± 0.01 pF before the housing; boundary elements are sure to 0.001."""
+    solved = make_results(tmp_path, MACHINES, MACHINE_ANSWERS)
+    both = machine_document(1.6, 0.812, error=0.001) | {"lower_bounds": [True] * 3}
+    found = agreement.comparisons(with_boundary(solved, c0=boundary_document(2, 1), c1=both))
+    names = [each.what for each in found if "change" in each.what or "delta" in each.what]
+    assert sorted(names) == ["change sensor", "delta_self sensor", "delta_self sensor"]
+    (change,) = (each for each in found if each.what == "change sensor")
+    assert not change.agrees and change.over_errors == pytest.approx(0.012 / 0.011)
+    assert change.case.parameters["machine"] == "housing"
 
 
 def test_values_agree_as_long_as_their_error_bars_overlap(tmp_path: Path) -> None:

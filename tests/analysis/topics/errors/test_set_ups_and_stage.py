@@ -14,9 +14,10 @@ from analysis import __main__ as command_line
 from analysis.results import store
 from analysis.results.set_up import describe, rectangles
 from analysis.results.study_results import SCENE, case_folder
-from analysis.results.table import MUTUAL, QUANTITIES
+from analysis.results.table import MUTUAL
 from analysis.study import report
 from analysis.topics.errors import page, records, section, set_ups, stage
+from analysis.topics.errors.parts import PARTS
 from analysis.topics.errors.set_ups import MAPS, SetUp, all_set_ups
 from geometries.common.installation import ROOT
 from tests.analysis.synthetic import make_results, report_text
@@ -76,7 +77,7 @@ def test_parts_of_real_set_ups_add_up_and_are_known(folder: Path) -> None:
     entries = records.entries(stage.load(folder), some())
     assert len(entries) == len(some())
     for entry in entries:
-        for quantity in QUANTITIES:
+        for quantity in PARTS:
             parts = entry.parts(quantity)
             assert math.fsum(parts.values()) == pytest.approx(entry.error(quantity), abs=1e-12)
             assert 0 < entry.uncertainty(quantity) < 0.01

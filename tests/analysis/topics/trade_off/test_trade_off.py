@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from analysis.pipeline.model_stage import model_module
+from analysis.report import plot_of_changes
 from analysis.report.page import PLOT, SCRIPT
 from analysis.results import store, study_results as results
 from analysis.results.study_results import Results
@@ -117,12 +118,15 @@ def test_the_finding_is_computed(found: Results) -> None:
     assert "spans 6.7 decades" in sentence
 
 
-def test_run_time_against_error_is_the_first_plot_of_a_report_once_measured(found: Results) -> None:
-    assert PLOT not in report.make(found.folder).path.read_text()
+def test_run_time_against_error_follows_the_first_plot_of_a_report_once_measured(found: Results) -> None:
+    before = report.make(found.folder).path.read_text()
+    assert "Run time against error of all methods" not in before
     assert "Run time against error (mutual)" in report_text(found.folder)
     store.write_json(found.folder / stage.ANSWER, {"key": "", **document(found, **ERRORS)})
     index = report.make(found.folder).path.read_text()
-    assert index.count(f'class="{PLOT}"') == 1 and f'src="{SCRIPT}"' in index
+    one_more = before.count(f'class="{PLOT}"') + 1
+    assert index.count(f'class="{PLOT}"') == one_more and f'src="{SCRIPT}"' in index
+    assert index.index(plot_of_changes.TITLE) < index.index("Run time against error of all methods")
     assert "Run time against error (mutual)" not in report_text(found.folder)
 
 

@@ -1,0 +1,165 @@
+"""The change of a reading as a quantity: where it is one of its own, what its rows hold, and what is left out where the model knows none."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import pytest
+
+from analysis.results import changes, statistics, study_results as results, table
+from analysis.results.answers import ModelAnswer, ReferenceAnswer
+from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
+from analysis.topics.history import difference
+from geometries.scene import reader
+from geometries.studies import families
+from tests.analysis.synthetic import (
+    MACHINE_ANSWERS,
+    MACHINES,
+    make_results,
+    machine_document,
+    model_document,
+    reference_document,
+)
+
+SENSOR = """
+[[sensor]]
+name = "front"
+plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+"""
+HAND = """
+[[object]]
+name = "hand"
+shape = { type = "cube", size = 0.1 }
+translation = [0, 0, 0.1]
+"""
+WALL = HAND.replace("hand", "wall").replace("0.1]", "0.5]")
+READING = """
+[[reading]]
+name = "near"
+sense = "front"
+drive = ["front"]
+"""
+
+
+@pytest.fixture
+def rows(tmp_path: Path) -> list[Row]:
+    return table.rows(results.load(make_results(tmp_path, MACHINES, MACHINE_ANSWERS)))
+
+
+@pytest.mark.parametrize(
+    ("scene", "expected"),
+    [
+        (SENSOR + HAND, True),
+        (SENSOR + HAND + WALL, True),
+        (SENSOR + HAND + "target = true\n", True),
+        (SENSOR + HAND + "target = true\n" + WALL, False),
+        (SENSOR + HAND + READING, False),
+        (SENSOR + HAND + WALL + 'potential = "electrode"\n', False),
+    ],
+)
+def test_the_change_is_delta_self_where_nothing_stays_but_sensors(scene: str, expected: bool) -> None:
+    assert changes.is_delta_self(reader.loads(scene)) == expected
+
+
+def test_a_case_before_a_machine_has_mutual_of_its_target_and_the_change_of_every_reading(
+    rows: list[Row],
+) -> None:
+    assert [(row.machine, row.quantity, row.object, row.reading) for row in rows] == [
+        ("none", MUTUAL, "target", ""),
+        ("none", DELTA_SELF, "", ""),
+        ("housing", MUTUAL, "target", ""),
+        ("housing", CHANGE, "", "sensor"),
+        ("housing+guard", MUTUAL, "target", ""),
+        ("housing+guard", CHANGE, "", "sensor"),
+        ("housing", CHANGE, "", "sensor"),
+    ]
+    assert all(row.sensor == "sensor" for row in rows)
+    assert [row.is_change for row in rows] == [row.quantity != MUTUAL for row in rows]
+
+
+def test_the_row_of_a_change_compares_the_readings_of_both_methods(rows: list[Row]) -> None:
+    row = rows[3]
+    assert (row.reference.value, row.reference.error) == (0.8e-12, 0.01e-12)
+    assert row.model["exact"] == 1.8e-12
+    assert row.model_error == pytest.approx(1.25)
+    assert row.model_error_interval == pytest.approx((1.8 / 0.81 - 1, 1.8 / 0.79 - 1))
+    assert row.check is None
+
+
+def test_rows_without_a_value_of_the_model_are_empty_and_left_out_of_statistics(rows: list[Row]) -> None:
+    unknown = [row for row in rows if not row.is_compared]
+    assert [(row.quantity, row.model, row.model_seconds) for row in unknown] == [(CHANGE, {}, {})] * 2
+    found = {(each.family, each.quantity): each for each in statistics.summaries(rows)}
+    assert set(found) == {
+        ("all", MUTUAL),
+        ("parallel", MUTUAL),
+        ("all", DELTA_SELF),
+        ("parallel", DELTA_SELF),
+        ("all", CHANGE),
+        ("housing", CHANGE),
+    }
+    assert found["housing", CHANGE].count == 1 and found["housing", CHANGE].worst == pytest.approx(1.25)
+
+
+def test_the_table_has_empty_cells_there_and_can_be_compared_with_itself(
+    rows: list[Row], tmp_path: Path
+) -> None:
+    path = tmp_path / table.TABLE
+    path.write_text(table.to_csv(rows, ("exact", "split:0")), encoding="utf-8")
+    last = list(csv.DictReader(path.open(encoding="utf-8")))[-1]
+    assert (last["quantity"], last["reading"], last["object"]) == (CHANGE, "sensor", "")
+    empty = ["model_error", "model_error_low", "model_error_high", "model_exact_F", "model_split:0_seconds"]
+    assert [last[name] for name in empty] == [""] * 5 and float(last["reference_F"]) == 0.1e-12
+    lines = difference.read(path)
+    assert len(lines) == len(rows) and list(lines.values())[-1].model == {}
+    found = difference.between(lines, lines)
+    assert found.rows == len(rows) and not (found.moved or found.new or found.gone)
+
+
+def test_a_table_without_the_column_of_readings_is_compared_too(tmp_path: Path) -> None:
+    found = table.rows(results.load(make_results(tmp_path)))
+    path = tmp_path / table.TABLE
+    path.write_text(table.to_csv(found, ("exact",)), encoding="utf-8")
+    records = list(csv.DictReader(path.open(encoding="utf-8")))
+    with path.open("w", encoding="utf-8", newline="") as opened:
+        writer = csv.DictWriter(
+            opened, [name for name in records[0] if name != "reading"], extrasaction="ignore"
+        )
+        writer.writeheader()
+        writer.writerows(records)
+    assert set(difference.read(path)) == {
+        (row.case.id, row.sensor, row.object, "", row.quantity) for row in found
+    }
+
+
+def test_answers_of_earlier_versions_have_no_readings_and_give_the_rows_they_gave(tmp_path: Path) -> None:
+    assert ReferenceAnswer.of(reference_document(2, 1)).readings == {}
+    assert ModelAnswer.of(model_document(1.8)).changes == {"exact": {}, "split:0": {}, "split:4": {}}
+    earlier = machine_document(1.6, 0.8)
+    del earlier["readings"]
+    answers = {**MACHINE_ANSWERS, 1: (earlier, MACHINE_ANSWERS[1][1])}
+    found = table.rows(results.load(make_results(tmp_path, MACHINES, answers)))
+    housing = [row for row in found if row.case.parameters["machine"] == "housing" and row.is_compared]
+    assert [(row.quantity, row.object) for row in housing] == [
+        (MUTUAL, "target"),
+        (MUTUAL, "housing"),
+        (DELTA_SELF, ""),
+    ]
+    assert not housing[-1].is_change
+
+
+def test_a_scene_of_ones_own_has_a_machine_if_something_stays(tmp_path: Path) -> None:
+    alone, before = families.parallel((0.1, 0.1), (0.1, 0.1), 0.02), families.parallel(
+        (0.1, 0.1), (0.1, 0.1), 0.02, machine="table"
+    )
+    case = results.load(make_results(tmp_path)).compared()[0]
+    named = {"scene": "arm", "frame": "1"}
+    assert [changes.machine_of(_like(case, scene, named)) for scene in (alone, before)] == [
+        "none",
+        changes.OWN_MACHINE,
+    ]
+
+
+def _like(case: results.CaseResult, scene: object, parameters: dict[str, str]) -> results.CaseResult:
+    return results.CaseResult(**{**vars(case), "scene": scene, "parameters": parameters})
