@@ -66,11 +66,12 @@ class ReducedEvaluator {
 
   /// Computes the matrix for the current poses; valid until the next call. `unknowns` is the number of
   /// distributions, and no entry is marked as a lower bound. If the scene marks a target or has readings of
-  /// its own, `readings` come from a second solution without the targets, which is computed again only if
-  /// something else has moved; the error of a change is then the sum of those of value and background.
-  /// `charges` of a conductor's members add up to its row of `values`; where surfaces of two members lie on
-  /// each other, the charge belongs to the earlier one, or to both. An error is infinite where nothing is
-  /// known: for conductors so close that the quadratures do not resolve the gap.
+  /// its own, `readings` compare with the same basis without the targets, of which most is computed again
+  /// only if something else has moved. Where a target touches a body that is none, or nothing is known, they
+  /// come from a second solution without the targets; the error of a change is then the sum of those of value
+  /// and background. `charges` of a conductor's members add up to its row of `values`; where surfaces of two
+  /// members lie on each other, the charge belongs to the earlier one, or to both. An error is infinite where
+  /// nothing is known: for conductors so close that the quadratures do not resolve the gap.
   ///
   /// @throws InputError for conductors that touch or cross though they may have different potentials, or
   /// though the options do not allow it, and for bodies of more than 2,000 triangles together that touch.
@@ -78,10 +79,15 @@ class ReducedEvaluator {
 
  private:
   class Implementation;
+
+  void subtract_background(MaxwellMatrix& matrix);
+
+  ReducedOptions options_;
+  std::shared_ptr<detail::LinkPoses> poses_;
+  std::vector<Reading> readings_;  ///< empty if the scene does not ask for changes
+  Scene machine_;                  ///< the scene without the targets
   std::unique_ptr<Implementation> implementation_;
-  std::vector<Reading> readings_;               ///< empty if the scene does not ask for changes
-  double rtol_ = 0;                             ///< of the changes
-  std::unique_ptr<Implementation> background_;  ///< of the scene without the targets
+  std::unique_ptr<Implementation> background_;  ///< of `machine_`, where it is needed
 };
 
 /// Computes the matrix of a ReducedEvaluator for a scene as it is.

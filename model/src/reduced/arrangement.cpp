@@ -30,6 +30,23 @@ std::vector<std::vector<std::size_t>> components(std::size_t bodies, const std::
   return all;
 }
 
+/// Moves groups of targets alone behind all others. Returns the number of those that are not targets, or none
+/// if a group has bodies of both kinds.
+std::optional<std::size_t> targets_last(std::vector<std::vector<std::size_t>>& groups,
+                                        const ChargedBodies& bodies) {
+  const auto is_target = [&](std::size_t body) { return bodies.bodies[body].is_target; };
+  const auto targets =
+      std::stable_partition(groups.begin(), groups.end(), [&](const std::vector<std::size_t>& group) {
+        return std::none_of(group.begin(), group.end(), is_target);
+      });
+  const bool are_separate = std::all_of(targets, groups.end(), [&](const std::vector<std::size_t>& group) {
+    return std::all_of(group.begin(), group.end(), is_target);
+  });
+  if (!are_separate)
+    return std::nullopt;
+  return static_cast<std::size_t>(targets - groups.begin());
+}
+
 /// Returns true if two poses differ only by rounding, for bodies of a given size.
 bool are_equal(const Isometry3d& one, const Isometry3d& other, double size) {
   /// Relative rounding error of the product of a few poses, with a margin.
@@ -104,7 +121,8 @@ bool Arrangement::joins_hold() const {
 void Arrangement::join() {
   const std::vector<Contact> found = contacts();
   ChargedBodies bodies = joined(on_links_, found);
-  const std::vector<std::vector<std::size_t>> groups = components(bodies.bodies.size(), found);
+  std::vector<std::vector<std::size_t>> groups = components(bodies.bodies.size(), found);
+  const std::optional<std::size_t> machine_bodies = targets_last(groups, bodies);
   std::vector<std::vector<Isometry3d>> poses;
   for (const std::vector<std::size_t>& group : groups) {
     poses.emplace_back();
@@ -127,6 +145,7 @@ void Arrangement::join() {
   for (ChargedConductor& conductor : bodies_.conductors)
     conductor.to_ground /= unit_;
   rigid_ = std::move(rigid);
+  machine_bodies_ = machine_bodies;
   joined_at_ = std::move(poses);
   placed_.resize(rigid_.size());
   gaps_.resize(rigid_.size() * rigid_.size());

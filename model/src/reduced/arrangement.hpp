@@ -43,8 +43,12 @@ class Arrangement {
   /// unit().
   const ChargedBodies& bodies() const { return bodies_; }
 
-  /// Returns the rigid bodies, those of the sensors first; scales are in units of unit().
+  /// Returns the rigid bodies, those of the sensors first, targets last; scales are in units of unit().
   const std::vector<RigidBody>& rigid() const { return rigid_; }
+
+  /// Returns the number of rigid bodies that are not targets: they come first. None if a target is joined
+  /// with a body that is none, so that they are one rigid body.
+  std::optional<std::size_t> machine_bodies() const { return machine_bodies_; }
 
   /// Returns the unit of length, in metres.
   double unit() const { return unit_; }
@@ -88,6 +92,7 @@ class Arrangement {
   std::size_t joinings_ = 0;
   ChargedBodies bodies_;
   std::vector<RigidBody> rigid_;
+  std::optional<std::size_t> machine_bodies_;
   std::vector<std::vector<Eigen::Isometry3d>> joined_at_;  ///< poses of the rigid bodies' parts to the first
   double unit_ = 1;
   std::vector<PlacedBody> placed_;

@@ -18,6 +18,7 @@
 #include "fringe/error.hpp"
 #include "fringe/reading.hpp"
 #include "reduced/arrangement.hpp"
+#include "reduced/reduced_readings.hpp"
 #include "reduced/reduced_system.hpp"
 
 namespace fringe {
@@ -80,8 +81,10 @@ double rtol_of(const ReducedOptions& options) {
 
 class ReducedEvaluator::Implementation {
  public:
-  Implementation(const Scene& scene, const ReducedOptions& options, std::shared_ptr<detail::LinkPoses> poses)
-      : options_(options), rtol_(rtol_of(options)),
+  /// `readings` are those whose changes are asked for.
+  Implementation(const Scene& scene, const ReducedOptions& options, std::vector<Reading> readings,
+                 std::shared_ptr<detail::LinkPoses> poses)
+      : options_(options), rtol_(rtol_of(options)), readings_(std::move(readings)),
         bodies_(in_free_space(scene), options.contacts, triangle_share * rtol_, std::move(poses)) {
     factor_ = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
   }
@@ -121,10 +124,21 @@ class ReducedEvaluator::Implementation {
   /// Largest digits of the quadratures (natural logarithm): more than single precision can use.
   static constexpr double most_digits = 16;
 
+  /// Digits of the quadratures (natural logarithm) with which changes begin beyond those of the entries. Most
+  /// poses need 3 to 5: a change is a small part of the entries.
+  static constexpr double digits_of_changes = 4;
+
   /// Returns the first digits of the inner quadrature; the outer one gets half of them.
-  double first_digits() const { return std::max(6 - 2 * std::log10(rtol_ / 1e-3), 3.0); }
+  double first_digits() const {
+    return std::max(6 - 2 * std::log10(rtol_ / 1e-3), 3.0) + (looks_for_changes() ? digits_of_changes : 0);
+  }
 
   std::size_t count() const { return bodies_.rigid().size(); }
+
+  /// Returns whether there are targets whose changes can be found in the basis of all bodies.
+  bool looks_for_changes() const {
+    return !readings_.empty() && bodies_.machine_bodies().value_or(count()) < count();
+  }
 
   /// Begins the equations of the bodies as they are joined now.
   void begin_system() {
@@ -136,7 +150,9 @@ class ReducedEvaluator::Implementation {
     for (const RigidBody& body : bodies_.rigid())
       reduced.push_back({body.shape, body.scale, bodies_.bodies().bodies[body.parts.front()].conductor, 0});
     functions_.assign(count() * count(), {0, 0});
-    system_.emplace(std::move(reduced), answer_.sensors, bodies_.bodies().conductors.size());
+    charged_readings_ = detail::charged_readings(readings_, detail::drivable_conductors(bodies_.bodies()));
+    system_.emplace(std::move(reduced), answer_.sensors, bodies_.bodies().conductors.size(),
+                    readings_.empty() ? std::nullopt : bodies_.machine_bodies());
     known_joinings_ = bodies_.joinings();
   }
 
@@ -155,10 +171,11 @@ class ReducedEvaluator::Implementation {
 
   void refine_until_reached() {
     double digits = first_digits();
+    int steps = options_.steps;
     choose_levels();
     while (true) {
       lay_nodes(digits);
-      const detail::ReductionLimits limits{options_.steps, most_steps, truncation_share * rtol_};
+      const detail::ReductionLimits limits{steps, most_steps, truncation_share * rtol_};
       const ReducedSolution& solution = system_->solve(limits);
       if (!solution.positive_definite) {
         if (digits >= most_digits) {
@@ -175,7 +192,10 @@ class ReducedEvaluator::Implementation {
       const bool tightened = more_digits > 0 && digits < most_digits;
       if (tightened)
         digits = std::min(digits + more_digits, most_digits);
-      if (!raise_levels(solution) && !tightened)
+      const bool stepped = in_changes_.truncation > truncation_share * rtol_ && steps < most_steps;
+      if (stepped)
+        ++steps;
+      if (!raise_levels(solution) && !tightened && !stepped)
         break;
     }
   }
@@ -224,7 +244,9 @@ class ReducedEvaluator::Implementation {
     const double share = rtol_ / (2 * error_per_discretisation * static_cast<double>(count()));
     for (std::size_t k = 0; k < count(); ++k) {
       int& level = system_->bodies()[k].level;
-      if (solution.body_discretisation[static_cast<Index>(k)] <= share || level + 1 >= most_levels(k))
+      const double part = std::max(solution.body_discretisation[static_cast<Index>(k)],
+                                   in_changes_.body_discretisation[static_cast<Index>(k)]);
+      if (part <= share || level + 1 >= most_levels(k))
         continue;
       ++level;
       raised = true;
@@ -247,10 +269,13 @@ class ReducedEvaluator::Implementation {
         if (system_->pair(a, b).is_cut_short())
           return 0;
     const Index rows = answer_.values.rows();
-    const double excess = (solution.quadrature.topLeftCorner(rows, rows).array() * factor_ * bodies_.unit() /
-                           answer_.values.array().abs())
-                              .maxCoeff() /
-                          (quadrature_share * rtol_);
+    const double of_entries = (solution.quadrature.topLeftCorner(rows, rows).array() * factor_ *
+                               bodies_.unit() / answer_.values.array().abs())
+                                  .maxCoeff();
+    // Where changes cannot become as accurate as asked, their quadratures need not either.
+    const double excess =
+        std::max(of_entries / rtol_, in_changes_.quadrature / std::max(rtol_, in_changes_.error)) /
+        quadrature_share;
     return excess > 1 ? std::log(excess) + 0.5 : 0;
   }
 
@@ -271,6 +296,8 @@ class ReducedEvaluator::Implementation {
         if (functions_[a * count() + b] == functions && digits == digits_)
           continue;
         functions_[a * count() + b] = functions;
+        if (b < bodies_.machine_bodies().value_or(count()))
+          system_->forget_machine();
         system_->pair(a, b).place(bodies_.placed(a), bodies_.smoothness(a, b), of_a, bodies_.placed(b),
                                   bodies_.smoothness(b, a), of_b, {digits / 2, digits});
       }
@@ -310,6 +337,22 @@ class ReducedEvaluator::Implementation {
     answer_.errors *= factor_ * bodies_.unit();
     answer_.delta_self *= factor_ * bodies_.unit();
     answer_.delta_self_errors *= factor_ * bodies_.unit();
+    find_readings(solution);
+  }
+
+  /// Finds the readings, if the bodies of the machine are not joined with the targets.
+  void find_readings(const ReducedSolution& solution) {
+    answer_.readings.clear();
+    in_changes_ = {{}, VectorXd::Zero(static_cast<Index>(count()))};
+    if (!solution.change)
+      return;
+    in_changes_ =
+        detail::reduced_readings(charged_readings_, solution, error_per_discretisation, bodies_.bodies());
+    answer_.readings = in_changes_.answers;
+    for (ReadingAnswer& reading : answer_.readings)
+      detail::scale(reading, factor_ * bodies_.unit());
+    if ((detail::errors_of_changes(answer_.readings).array() > rtol_).any())
+      answer_.reached = false;
   }
 
   /// Returns the charges of the conductors' members. What they lack of their conductor's entry in `fine` is
@@ -352,12 +395,14 @@ class ReducedEvaluator::Implementation {
     answer_.errors = MatrixXd::Constant(rows, rows, infinite);
     answer_.delta_self = VectorXd::Zero(sensors);
     answer_.delta_self_errors = VectorXd::Constant(sensors, infinite);
+    answer_.readings.clear();
     answer_.reached = false;
     answer_.unknowns = 0;
   }
 
   ReducedOptions options_;
   double rtol_;
+  std::vector<Reading> readings_;
   double factor_ = 1;
   detail::Arrangement bodies_;
   std::size_t known_joinings_ = 0;  ///< that system_ belongs to
@@ -365,6 +410,8 @@ class ReducedEvaluator::Implementation {
   std::vector<std::array<int, 2>> functions_;  ///< for which the pairs have nodes; 0: none
   double digits_ = 0;
   std::optional<detail::ReducedSystem> system_;
+  std::vector<detail::ChargedReading> charged_readings_;  ///< by the conductors as they are joined now
+  detail::ReducedReadings in_changes_;                    ///< in the last solution
   MaxwellMatrix answer_;
 };
 
@@ -372,12 +419,12 @@ ReducedEvaluator::ReducedEvaluator(const Scene& scene, const ReducedOptions& opt
     : ReducedEvaluator(scene, options, std::make_shared<detail::LinkPoses>(scene.links)) {}
 ReducedEvaluator::ReducedEvaluator(const Scene& scene, const ReducedOptions& options,
                                    std::shared_ptr<detail::LinkPoses> poses)
-    : implementation_(std::make_unique<Implementation>(scene, options, poses)) {
-  if (!asks_for_changes(scene))
-    return;
-  rtol_ = rtol_of(options);
-  readings_ = readings(scene);
-  background_ = std::make_unique<Implementation>(detail::without_targets(scene), options, std::move(poses));
+    : options_(options), poses_(std::move(poses)) {
+  if (asks_for_changes(scene)) {
+    readings_ = readings(scene);
+    machine_ = detail::without_targets(scene);
+  }
+  implementation_ = std::make_unique<Implementation>(scene, options, readings_, poses_);
 }
 ReducedEvaluator::~ReducedEvaluator() = default;
 ReducedEvaluator::ReducedEvaluator(ReducedEvaluator&&) noexcept = default;
@@ -389,14 +436,19 @@ void ReducedEvaluator::set_pose(std::string_view link, const Eigen::Isometry3d& 
 
 const MaxwellMatrix& ReducedEvaluator::maxwell() {
   MaxwellMatrix& matrix = implementation_->maxwell();
-  if (background_ == nullptr) {
+  if (readings_.empty())
     matrix.readings = detail::readings_of_sensors(matrix);
-    return matrix;
-  }
-  matrix.readings = detail::readings_of_matrices(readings_, matrix, background_->maxwell());
-  if ((detail::errors_of_changes(matrix.readings).array() > rtol_).any())
-    matrix.reached = false;
+  else if (matrix.readings.empty())
+    subtract_background(matrix);
   return matrix;
+}
+
+void ReducedEvaluator::subtract_background(MaxwellMatrix& matrix) {
+  if (background_ == nullptr)
+    background_ = std::make_unique<Implementation>(machine_, options_, std::vector<Reading>(), poses_);
+  matrix.readings = detail::readings_of_matrices(readings_, matrix, background_->maxwell());
+  if ((detail::errors_of_changes(matrix.readings).array() > rtol_of(options_)).any())
+    matrix.reached = false;
 }
 
 MaxwellMatrix reduced_capacitance(const Scene& scene, const ReducedOptions& options) {

@@ -16,10 +16,6 @@ using Eigen::MatrixXd;
 /// rounding noise.
 constexpr double dependent = 1e-6;
 
-/// What still finer triangles would add, relative to the change from coarser triangles to a body's own. Along
-/// edges that are about resolved it was 0.8, on the facets of a ball 0.25.
-constexpr double likely_missing = 0.6;
-
 /// Relative change of a capacitance below which no further step is made: single precision does not resolve
 /// it.
 constexpr double nothing = 1e-12;
@@ -50,8 +46,9 @@ void add(MatrixXd& matrix, std::size_t row, std::size_t column, double change) {
 
 }  // namespace
 
-ReducedSystem::ReducedSystem(std::vector<ReducedBody> bodies, std::size_t sensors, std::size_t conductors)
-    : bodies_(std::move(bodies)), sensors_(sensors), conductors_(conductors),
+ReducedSystem::ReducedSystem(std::vector<ReducedBody> bodies, std::size_t sensors, std::size_t conductors,
+                             std::optional<std::size_t> machine_bodies)
+    : bodies_(std::move(bodies)), sensors_(sensors), conductors_(conductors), machine_bodies_(machine_bodies),
       pairs_(bodies_.size() * bodies_.size()) {
   while (sensor_bodies_ < bodies_.size() && bodies_[sensor_bodies_].conductor < sensors)
     ++sensor_bodies_;
@@ -65,25 +62,62 @@ float* ReducedSystem::slot() {
   return blocks_[block].get() + at * slot_size_;
 }
 
-void ReducedSystem::begin() {
+/// Makes the arrays long enough for all bodies' present levels. Returns false if they were not, and what they
+/// held is lost.
+bool ReducedSystem::fit_slots() {
   std::size_t size = 0;
   for (std::size_t body = 0; body < bodies_.size(); ++body)
     size = std::max(size, static_cast<std::size_t>(level(body).padded + 2 * node_block));
-  if (size > slot_size_) {
-    slot_size_ = size;
-    blocks_.clear();
-  }
+  if (size <= slot_size_)
+    return true;
+  slot_size_ = size;
+  blocks_.clear();
+  return false;
+}
+
+void ReducedSystem::begin() {
   slots_used_ = 0;
   used_ = extended_ = 0;
   equilibria_.clear();
   positive_definite_ = true;
+  gram_.clear();
   factor_.clear();
-  residuals_.resize(bodies_.size() * conductors_);
-  corrections_.resize(bodies_.size() * conductors_);
-  for (std::size_t k = 0; k < residuals_.size(); ++k) {
-    residuals_[k] = slot();
-    corrections_[k] = slot();
+  lay_residuals(residuals_);
+  if (machine_bodies_)
+    lay_residuals(background_residuals_);
+}
+
+void ReducedSystem::lay_residuals(Residuals& residuals) {
+  for (std::vector<float*>* const arrays : {&residuals.moments, &residuals.corrections}) {
+    arrays->resize(bodies_.size() * conductors_);
+    for (float*& array : *arrays) {
+      array = slot();
+      std::fill_n(array, slot_size_, 0.0F);
+    }
   }
+}
+
+/// Returns true if the vectors of the machine alone are those of its present levels and of as many steps.
+bool ReducedSystem::knows_machine(const ReductionLimits& limits) const {
+  if (!machine_ || machine_->least_steps != limits.least_steps)
+    return false;
+  for (std::size_t body = 0; body < machine_->levels.size(); ++body)
+    if (machine_->levels[body] != bodies_[body].level)
+      return false;
+  return true;
+}
+
+/// Forgets all vectors but those of the machine alone, and their potentials on other bodies.
+void ReducedSystem::return_to_machine() {
+  const std::size_t bodies = machine_->levels.size();
+  slots_used_ = machine_->slots;
+  used_ = extended_ = machine_->vectors;
+  equilibria_.resize(bodies);
+  positive_definite_ = true;
+  gram_.resize(used_ * (used_ + 1) / 2);
+  factor_.resize(gram_.size());
+  for (std::size_t k = 0; k < used_; ++k)
+    std::fill(vectors_[k].potentials.begin() + signed_of(bodies), vectors_[k].potentials.end(), nullptr);
 }
 
 ReducedSystem::Vector& ReducedSystem::new_vector(std::size_t body) {
@@ -160,6 +194,7 @@ void ReducedSystem::append_factor_rows() {
     const Vector& vector = vectors_[extended_];
     const std::size_t start = factor_.size();
     factor_.resize(start + extended_ + 1);
+    gram_.resize(start + extended_ + 1, 1);
     double* const row = factor_.data() + start;
     double square = 1;
     for (std::size_t k = 0; k < extended_; ++k) {
@@ -167,6 +202,7 @@ void ReducedSystem::append_factor_rows() {
       double value = other.body == vector.body ? 0
                                                : kernels.dot(vector.charge, other.potentials[vector.body],
                                                              level(vector.body).padded);
+      gram_[start + k] = value;
       const double* const other_row = factor_.data() + k * (k + 1) / 2;
       for (std::size_t l = 0; l < k; ++l)
         value -= row[l] * other_row[l];
@@ -201,44 +237,55 @@ void ReducedSystem::substitute_back(std::size_t conductors) {
     }
 }
 
-/// Computes the residuals on each body, the charges with which the body alone responds to them, and what
-/// these charges add to the capacitances (`truncation`).
-void ReducedSystem::compute_residuals(std::size_t active, std::size_t conductors) {
+/// Computes the residuals of charges, given by their coefficients, on each body, and the charges with which
+/// the body alone responds to them.
+void ReducedSystem::compute_residuals(std::size_t active, std::size_t conductors, const MatrixXd& charges,
+                                      Residuals& residuals) {
   const auto& kernels = best_kernels<NodeKernels>();
-  solution_.truncation.setZero(signed_of(conductors_), signed_of(conductors_));
   for (std::size_t body = 0; body < active; ++body) {
     const PreparedLevel& prepared = level(body);
     const auto scale = static_cast<float>(bodies_[body].scale);
+    const float* const first = residuals.moments[body * conductors_];
     for (std::size_t c = 0; c < conductors; ++c) {
-      float* const residual = residuals_[body * conductors_ + c];
-      float* const correction = corrections_[body * conductors_ + c];
+      float* const residual = residuals.moments[body * conductors_ + c];
+      float* const correction = residuals.corrections[body * conductors_ + c];
       if (bodies_[body].conductor == c)
         std::copy_n(prepared.net.begin(), prepared.padded, residual);
       else
         std::fill_n(residual, prepared.padded, 0.0F);
       for (std::size_t k = 0; k < extended_; ++k) {
         const Vector& vector = vectors_[k];
-        kernels.add(-static_cast<float>(charges_(signed_of(k), signed_of(c))),
-                    vector.body == body ? vector.moments : vector.potentials[body], residual,
-                    prepared.padded);
+        const auto coefficient = static_cast<float>(charges(signed_of(k), signed_of(c)));
+        if (coefficient != 0)
+          kernels.add(-coefficient, vector.body == body ? vector.moments : vector.potentials[body], residual,
+                      prepared.padded);
       }
-      const double multiple =
-          c == 0 ? 0 : parallel(residuals_[body * conductors_], residual, prepared.padded);
+      const double multiple = c == 0 ? 0 : parallel(first, residual, prepared.padded);
       if (multiple != 0) {
         std::fill_n(correction, prepared.padded, 0.0F);
-        kernels.add(static_cast<float>(multiple), corrections_[body * conductors_], correction,
+        kernels.add(static_cast<float>(multiple), residuals.corrections[body * conductors_], correction,
                     prepared.padded);
+      } else if (kernels.dot(residual, residual, prepared.padded) == 0) {
+        std::fill_n(correction, prepared.padded, 0.0F);
       } else {
         kernels.multiply(prepared.inverse.data(), prepared.count, residual, correction);
         for (std::ptrdiff_t k = 0; k < prepared.padded; ++k)
           correction[k] *= scale;
       }
-      for (std::size_t d = 0; d <= c; ++d) {
-        const double change = kernels.dot(residuals_[body * conductors_ + d], correction, prepared.padded);
-        add(solution_.truncation, c, d, change);
-      }
     }
   }
+}
+
+/// Computes what the corrections of the last residuals add to the capacitances (`truncation`).
+void ReducedSystem::sum_truncation(std::size_t active, std::size_t conductors) {
+  const auto& kernels = best_kernels<NodeKernels>();
+  solution_.truncation.setZero(signed_of(conductors_), signed_of(conductors_));
+  for (std::size_t body = 0; body < active; ++body)
+    for (std::size_t c = 0; c < conductors; ++c)
+      for (std::size_t d = 0; d <= c; ++d)
+        add(solution_.truncation, c, d,
+            kernels.dot(residuals_.moments[body * conductors_ + d],
+                        residuals_.corrections[body * conductors_ + c], level(body).padded));
 }
 
 /// Orthonormalises the corrections and adds them to the basis. Returns false if none of them is new.
@@ -248,8 +295,8 @@ bool ReducedSystem::append_residuals(std::size_t active, std::size_t conductors)
   for (std::size_t body = 0; body < active; ++body) {
     const std::ptrdiff_t padded = level(body).padded;
     for (std::size_t c = 0; c < conductors; ++c) {
-      float* const charge = corrections_[body * conductors_ + c];
-      float* const moments = residuals_[body * conductors_ + c];
+      float* const charge = residuals_.corrections[body * conductors_ + c];
+      float* const moments = residuals_.moments[body * conductors_ + c];
       const double before = kernels.dot(charge, moments, padded);
       const double self = net_.col(signed_of(c)).head(signed_of(extended_)).squaredNorm();
       if (!(before > nothing * self))
@@ -286,7 +333,8 @@ void ReducedSystem::extend_basis(const ReductionLimits& limits, std::size_t acti
     if (steps == 0)
       estimate_truncation_left();
     substitute_back(conductors);
-    compute_residuals(active, conductors);
+    compute_residuals(active, conductors, charges_, residuals_);
+    sum_truncation(active, conductors);
     if (steps >= limits.most_steps)
       return;
     const auto size = signed_of(conductors);
@@ -327,66 +375,27 @@ void ReducedSystem::estimate_truncation_left() {
 /// Returns the contribution of the highest functions of the first bodies to the capacitances, and stores that
 /// of each body.
 MatrixXd ReducedSystem::discretisation(std::size_t active, std::size_t conductors) {
-  const auto& kernels = best_kernels<NodeKernels>();
   const auto size = signed_of(conductors);
   MatrixXd result = MatrixXd::Zero(size, size);
   const Eigen::VectorXd own = net_.topLeftCorner(signed_of(extended_), size).colwise().squaredNorm();
   solution_.body_discretisation.setZero(signed_of(bodies_.size()));
   for (std::size_t body = 0; body < active; ++body) {
-    const PreparedLevel& prepared = level(body);
-    const auto count = signed_of(prepared.highest.size());
-    const auto padded = static_cast<std::size_t>(whole_blocks(count));
-    highest_.assign(conductors * padded, 0.0F);
-    stiff_.resize(padded);
-    for (std::size_t c = 0; c < conductors; ++c) {
-      float* const high = highest_.data() + c * padded;
-      for (std::size_t k = 0; k < extended_; ++k) {
-        if (vectors_[k].body != body)
-          continue;
-        const auto factor = static_cast<float>(charges_(signed_of(k), signed_of(c)));
-        for (std::size_t h = 0; h < prepared.highest.size(); ++h)
-          high[h] += factor * vectors_[k].charge[prepared.highest[h]];
-      }
-      kernels.multiply(prepared.stiffness.data(), count, high, stiff_.data());
-      for (std::size_t d = 0; d <= c; ++d) {
-        const double change =
-            kernels.dot(highest_.data() + d * padded, stiff_.data(), signed_of(padded)) / bodies_[body].scale;
-        add(result, c, d, change);
-        if (d == c)
-          solution_.body_discretisation[signed_of(body)] =
-              std::max(solution_.body_discretisation[signed_of(body)], change / own[signed_of(c)]);
-      }
-    }
+    const MatrixXd energies = highest_energies(body, charges_.leftCols(size));
+    result += energies;
+    for (Index c = 0; c < size; ++c)
+      if (own[c] > 0)
+        solution_.body_discretisation[signed_of(body)] =
+            std::max(solution_.body_discretisation[signed_of(body)], energies(c, c) / own[c]);
   }
   return result;
 }
 
 /// Returns the change of the first bodies' capacitances from coarser triangles to the present ones.
 MatrixXd ReducedSystem::missing(std::size_t active, std::size_t conductors) {
-  const auto& kernels = best_kernels<NodeKernels>();
   const auto size = signed_of(conductors);
   MatrixXd result = MatrixXd::Zero(size, size);
-  for (std::size_t body = 0; body < active; ++body) {
-    const PreparedLevel& prepared = level(body);
-    if (prepared.missing.empty())
-      continue;
-    const auto padded = static_cast<std::size_t>(prepared.padded);
-    highest_.assign(conductors * padded, 0.0F);
-    stiff_.resize(padded);
-    for (std::size_t c = 0; c < conductors; ++c) {
-      float* const charge = highest_.data() + c * padded;
-      for (std::size_t k = 0; k < extended_; ++k)
-        if (vectors_[k].body == body)
-          kernels.add(static_cast<float>(charges_(signed_of(k), signed_of(c))), vectors_[k].charge, charge,
-                      prepared.padded);
-      kernels.multiply(prepared.missing.data(), prepared.count, charge, stiff_.data());
-      for (std::size_t d = 0; d <= c; ++d) {
-        const double change =
-            kernels.dot(highest_.data() + d * padded, stiff_.data(), prepared.padded) / bodies_[body].scale;
-        add(result, c, d, change);
-      }
-    }
-  }
+  for (std::size_t body = 0; body < active; ++body)
+    result += triangle_energies(body, charges_.leftCols(size));
   return result;
 }
 
@@ -394,21 +403,22 @@ MatrixXd ReducedSystem::missing(std::size_t active, std::size_t conductors) {
 /// bodies. This interaction is at most the geometric mean of their energies, times the coupling of their
 /// first vectors.
 void ReducedSystem::estimate_quadrature() {
-  const auto size = signed_of(conductors_);
-  MatrixXd roots = MatrixXd::Zero(signed_of(bodies_.size()), size);
+  const auto size = signed_of(bodies_.size());
+  solution_.pair_errors.setZero(size, size);
+  solution_.couplings.setZero(size, size);
+  for (std::size_t a = 0; a < bodies_.size(); ++a)
+    for (std::size_t b = 0; b < bodies_.size(); ++b)
+      if (a != b) {
+        double& interaction = solution_.couplings(signed_of(a), signed_of(b));
+        interaction = coupling(equilibria_[a], equilibria_[b]);
+        solution_.pair_errors(signed_of(a), signed_of(b)) =
+            pair(std::min(a, b), std::max(a, b)).relative_error() * interaction;
+      }
+  MatrixXd roots = MatrixXd::Zero(size, signed_of(conductors_));
   for (std::size_t k = 0; k < extended_; ++k)
     roots.row(signed_of(vectors_[k].body)) += charges_.row(signed_of(k)).cwiseAbs2();
   roots = roots.cwiseSqrt();
-  solution_.quadrature.setZero(size, size);
-  for (const std::size_t first : equilibria_)
-    for (const std::size_t second : equilibria_) {
-      const std::size_t a = vectors_[first].body, b = vectors_[second].body;
-      if (a == b)
-        continue;
-      solution_.quadrature += pair(std::min(a, b), std::max(a, b)).relative_error() *
-                              coupling(first, second) *
-                              (roots.row(signed_of(a)).transpose() * roots.row(signed_of(b)));
-    }
+  solution_.quadrature = roots.transpose() * solution_.pair_errors * roots;
 }
 
 MatrixXd ReducedSystem::surface_charges() {
@@ -421,7 +431,8 @@ MatrixXd ReducedSystem::surface_charges() {
     for (const std::vector<float>& net : nets) {
       Eigen::RowVectorXd& row = rows.emplace_back(signed_of(conductors_));
       for (std::size_t c = 0; c < conductors_; ++c)
-        row[signed_of(c)] = kernels.dot(corrections_[body * conductors_ + c], net.data(), prepared.padded);
+        row[signed_of(c)] =
+            kernels.dot(residuals_.corrections[body * conductors_ + c], net.data(), prepared.padded);
       for (std::size_t k = 0; k < extended_; ++k)
         if (vectors_[k].body == body)
           row += kernels.dot(vectors_[k].charge, net.data(), prepared.padded) *
@@ -434,22 +445,50 @@ MatrixXd ReducedSystem::surface_charges() {
   return result;
 }
 
-const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
-  const auto sensors = signed_of(sensors_);
+/// Solves for the machine alone, beginning with the sensors. Returns false if its matrix is not positive
+/// definite.
+bool ReducedSystem::solve_machine(const ReductionLimits& limits) {
   begin();
+  machine_.reset();
+  MachineBasis machine;
   for (std::size_t body = 0; body < sensor_bodies_; ++body)
     add_equilibrium(body);
   if (sensor_bodies_ > 0)
     extend_basis(limits, sensor_bodies_, sensors_);
-  const auto alone = signed_of(extended_);
-  Eigen::VectorXd truncation_alone, discretisation_alone, coarser_alone;
-  if (positive_definite_ && sensor_bodies_ > 0) {
-    truncation_alone = solution_.truncation.diagonal().head(sensors);
-    coarser_alone = missing(sensor_bodies_, sensors_).diagonal();
-    discretisation_alone = discretisation(sensor_bodies_, sensors_).diagonal() + coarser_alone;
+  if (!positive_definite_)
+    return false;
+  machine.alone = extended_;
+  if (sensor_bodies_ > 0) {
+    machine.truncation_alone = solution_.truncation.diagonal().head(signed_of(sensors_));
+    machine.coarser_alone = missing(sensor_bodies_, sensors_).diagonal();
+    machine.discretisation_alone =
+        discretisation(sensor_bodies_, sensors_).diagonal() + machine.coarser_alone;
   }
+  const std::size_t bodies = machine_bodies_.value_or(sensor_bodies_);
+  if (bodies > sensor_bodies_ && bodies < bodies_.size()) {
+    for (std::size_t body = sensor_bodies_; body < bodies; ++body)
+      add_equilibrium(body);
+    extend_basis(limits, bodies, conductors_);
+    if (!positive_definite_)
+      return false;
+  }
+  for (std::size_t body = 0; body < equilibria_.size(); ++body)
+    machine.levels.push_back(bodies_[body].level);
+  machine.least_steps = limits.least_steps;
+  machine.vectors = extended_;
+  machine.slots = slots_used_;
+  machine_ = std::move(machine);
+  return true;
+}
+
+const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
+  const auto sensors = signed_of(sensors_);
+  if (fit_slots() && knows_machine(limits))
+    return_to_machine();
+  else
+    solve_machine(limits);
   if (positive_definite_) {
-    for (std::size_t body = sensor_bodies_; body < bodies_.size(); ++body)
+    for (std::size_t body = equilibria_.size(); body < bodies_.size(); ++body)
       add_equilibrium(body);
     extend_basis(limits, bodies_.size(), conductors_);
   }
@@ -466,14 +505,17 @@ const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
   if (sensor_bodies_ > 0) {
     const Eigen::VectorXd truncation = solution_.truncation.diagonal().head(sensors);
     solution_.delta_self =
-        reached.bottomRows(signed_of(extended_) - alone).leftCols(sensors).colwise().squaredNorm();
-    solution_.delta_self += truncation - truncation_alone;
-    solution_.delta_self += likely_missing * (solution_.coarser.diagonal().head(sensors) - coarser_alone);
-    solution_.delta_truncation = truncation + truncation_alone;
+        reached.bottomRows(signed_of(extended_ - machine_->alone)).leftCols(sensors).colwise().squaredNorm();
+    solution_.delta_self += truncation - machine_->truncation_alone;
+    solution_.delta_self +=
+        likely_missing * (solution_.coarser.diagonal().head(sensors) - machine_->coarser_alone);
+    solution_.delta_truncation = truncation + machine_->truncation_alone;
     solution_.delta_discretisation =
-        (solution_.discretisation.diagonal().head(sensors) - discretisation_alone).cwiseAbs();
+        (solution_.discretisation.diagonal().head(sensors) - machine_->discretisation_alone).cwiseAbs();
   }
   estimate_quadrature();
+  if (machine_bodies_)
+    find_change();
   solution_.vectors = extended_;
   return solution_;
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -96,6 +97,97 @@ TEST(ReadingsByTheReducedMethod, AgreeWithBoundaryElementsWhereverTheHandIs) {
       expect_agreement(reduced[k].background, elements[k].background, reduced[k].name);
       expect_agreement(reduced[k].change, elements[k].change, reduced[k].name);
     }
+  }
+}
+
+TEST(ReadingsByTheReducedMethod, HaveChangesMoreAccurateThanTheirParts) {
+  for (const ReadingAnswer& reading : evaluate(machine(), {.method = Reduced{2}}).readings) {
+    EXPECT_NEAR(*reading.change.value, *reading.value.value - *reading.background.value,
+                1e-12 * std::abs(*reading.value.value));
+    EXPECT_LT(*reading.change.error, 0.01 * std::abs(*reading.change.value));
+    EXPECT_LT(*reading.change.error, 0.3 * (*reading.value.error + *reading.background.error));
+  }
+}
+
+TEST(ReadingsByTheReducedMethod, AreAccurateRelativeToSmallChanges) {
+  Scene scene = machine();
+  scene.links.front().pose = at(0.1, 0, 0.6);
+  const std::vector<ReadingAnswer> reduced = evaluate(scene, {.method = Reduced{2}}).readings;
+  const std::vector<ReadingAnswer> elements =
+      evaluate(scene, {.method = BoundaryElements{}, .rtol = 1e-2}).readings;
+  for (std::size_t k = 0; k < reduced.size(); ++k) {
+    EXPECT_LT(std::abs(*reduced[k].change.value), 1e-3 * std::abs(*reduced[k].value.value));
+    EXPECT_LT(*reduced[k].change.error, 0.02 * std::abs(*reduced[k].change.value));
+    expect_agreement(reduced[k].change, elements[k].change, reduced[k].name);
+  }
+}
+
+TEST(ReadingsByTheReducedMethod, FollowEveryMoveAsASceneThere) {
+  Scene scene = machine();
+  scene.links.push_back({"robot", std::nullopt, at(0, 0, 0)});
+  for (Object& object : scene.objects)
+    if (!object.link)
+      object.link = 1;
+  LiveScene live(scene);
+  live.evaluate({.method = Reduced{1}});
+  // The hand moves alone, then the guard and the housing, then the hand again.
+  const std::vector<std::pair<std::size_t, Eigen::Isometry3d>> moves{
+      {0, at(0, 0.01, 0.02)}, {0, at(0, 0.01, 0.05)}, {1, at(0, 0.002, -0.003)}, {0, at(0, 0, 0.05)}};
+  for (const auto& [link, pose] : moves) {
+    scene.links[link].pose = pose;
+    live.set_pose(scene.links[link].name, pose);
+    const std::vector<ReadingAnswer> moved = live.evaluate({.method = Reduced{1}}).readings;
+    const std::vector<ReadingAnswer> there = evaluate(scene, {.method = Reduced{1}}).readings;
+    for (std::size_t k = 0; k < moved.size(); ++k) {
+      EXPECT_EQ(moved[k].change.value, there[k].change.value);
+      EXPECT_EQ(moved[k].background.value, there[k].background.value);
+      EXPECT_EQ(moved[k].change.error, there[k].change.error);
+    }
+  }
+}
+
+TEST(ReadingsByTheReducedMethod, OfAHandThatTouchesTheHousingAreDifferences) {
+  LiveScene live(machine());
+  live.evaluate({.method = Reduced{1}});
+  // The palm leaves no gap at the housing's side, and is one body with it.
+  live.set_pose("wrist", at(0.06, 0, -0.03));
+  const std::vector<ReadingAnswer> touching = live.evaluate({.method = Reduced{1}}).readings;
+  const std::vector<ReadingAnswer> elements =
+      live.evaluate({.method = BoundaryElements{}, .rtol = 3e-2}).readings;
+  for (std::size_t k = 0; k < touching.size(); ++k) {
+    EXPECT_DOUBLE_EQ(*touching[k].change.error, *touching[k].value.error + *touching[k].background.error);
+    expect_agreement(touching[k].value, elements[k].value, touching[k].name);
+    expect_agreement(touching[k].change, elements[k].change, touching[k].name);
+  }
+  live.set_pose("wrist", at(0, 0, 0.03));
+  const std::vector<ReadingAnswer> apart = live.evaluate({.method = Reduced{1}}).readings;
+  for (std::size_t k = 0; k < apart.size(); ++k)
+    EXPECT_LT(*apart[k].change.error, 0.3 * (*apart[k].value.error + *apart[k].background.error));
+}
+
+TEST(ReadingsByTheReducedMethod, TakeATargetOfTheMachinesConductorAndFloatingPartsOfIt) {
+  Scene scene = machine();
+  scene.objects.back().conductor = scene.objects[1].conductor = "robot";
+  scene.objects.push_back(object("screw", Plate{0.01, 0.02}, at(0.04, 0, 0), Floating{}));
+  const std::vector<ReadingAnswer> reduced = evaluate(scene, {.method = Reduced{2}}).readings;
+  const std::vector<ReadingAnswer> elements =
+      evaluate(scene, {.method = BoundaryElements{}, .rtol = 1e-2}).readings;
+  for (std::size_t k = 0; k < reduced.size(); ++k) {
+    EXPECT_LT(*reduced[k].change.error, 0.02 * std::abs(*reduced[k].change.value));
+    expect_agreement(reduced[k].background, elements[k].background, reduced[k].name);
+    expect_agreement(reduced[k].change, elements[k].change, reduced[k].name);
+  }
+}
+
+TEST(ReadingsByTheReducedMethod, DoNotChangeWithoutATarget) {
+  Scene scene = machine();
+  scene.objects.pop_back();
+  for (Object& object : scene.objects)
+    object.role = Electrode{};
+  for (const ReadingAnswer& reading : evaluate(scene, {.method = Reduced{2}}).readings) {
+    EXPECT_NEAR(*reading.change.value, 0, 1e-12 * std::abs(*reading.value.value));
+    EXPECT_LE(*reading.change.error, 1e-6 * std::abs(*reading.value.value));
+    EXPECT_GT(*reading.value.error, 0);
   }
 }
 
