@@ -18,8 +18,9 @@ PAGE = "company.html"
 
 def make(folder: Path) -> page.Made:
     """Writes the page of the answers in a folder, unless it is up to date."""
-    answers = stage.load(folder)
-    found = factors.entries(answers, set_ups.all_set_ups())
+    chosen = set_ups.all_set_ups()
+    answers = stage.STAGES.load(folder, chosen)
+    found = factors.entries(answers, chosen)
     inputs = keys.page_inputs(answers)
     if not is_current(folder / PAGE, inputs):
         page.provide_script(folder)

@@ -80,7 +80,8 @@ def unknowns(structure: Structure) -> int:
 
 def invariants(structure: Structure) -> list[tuple[int, int]]:
     """Exponents (j, k): the moments of Re(z^j · |z|^2k) and, without mirror symmetry, of Im, decide about all moments
-    up to the degree, where z = λ0 + λ1·ω + λ2·ω² is a complex coordinate that turning by 120° multiplies by ω."""
+    up to the degree, where z = λ0 + λ1·ω + λ2·ω² is a complex coordinate that turning by 120° multiplies by ω.
+    """
     return [(j, k) for j in range(0, structure.degree + 1, 3) for k in range((structure.degree - j) // 2 + 1)]
 
 
@@ -193,7 +194,9 @@ def bound_constant(rule: np.ndarray, degree: int) -> float:
     k = degree + 1
     nodes, weights = np.polynomial.legendre.leggauss(40)
     u, wu = (nodes + 1) / 2, weights / 2
-    grid = np.array([(1 - a, a * (1 - b), a * b, 2 * a * wa * wb) for a, wa in zip(u, wu) for b, wb in zip(u, wu)])
+    grid = np.array(
+        [(1 - a, a * (1 - b), a * b, 2 * a * wa * wb) for a, wa in zip(u, wu) for b, wb in zip(u, wu)]
+    )
     largest = 0.0
     for angle in np.linspace(2 * np.pi / 3, np.pi, 2001):
         first, second = np.array([1.0, 0.0]), np.array([np.cos(angle), np.sin(angle)])
@@ -229,7 +232,9 @@ def main() -> None:
     print("constexpr TriangleRule rules[] = {")
     print("\n".join(entries))
     print("};\n\n}  // namespace\n")
-    print("std::span<const TriangleRule> triangle_rules() {\n  return rules;\n}\n\n}  // namespace fringe::detail")
+    print(
+        "std::span<const TriangleRule> triangle_rules() {\n  return rules;\n}\n\n}  // namespace fringe::detail"
+    )
 
 
 if __name__ == "__main__":
