@@ -17,6 +17,7 @@ from analysis.study import case_page, pages_of_set_ups
 from analysis.study.questions import CROSS_CHECK, QUESTIONS, Material
 from analysis.topics.company import (
     factors as company_factors,
+    field_check as company_field_check,
     set_ups as company_set_ups,
     stage as company_stage,
 )
@@ -58,7 +59,10 @@ def make(folder: Path) -> Report:
     in_company = company_stage.STAGES.load(company_stage.STAGES.beside(folder), company_set_ups.all_set_ups())
     faults = faults_section.beside(folder)
     answers = _answers(folder, found)
-    inputs = keys.page_inputs(answers, verified, apart, corrected, faults, in_company, published.digest())
+    in_field = read_json(company_field_check.FILE)
+    inputs = keys.page_inputs(
+        answers, verified, apart, corrected, faults, in_company, in_field, published.digest()
+    )
     nights = history.load(folder)
     whole = keys.page_inputs(inputs, nights)
     if not (

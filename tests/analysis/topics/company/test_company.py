@@ -56,6 +56,7 @@ def made_up() -> list[Entry]:
         alone = each.number * PICO
         change = alone * BY_MACHINE[each.machine] * BY_GROUND[each.ground]
         answers[each.id] = {
+            "value": {"value": 5 * PICO + change, "error": 0.0},
             "background": {"value": 5 * PICO, "error": 0.0},
             "change": {"value": change, "error": 1e-3 * change},
             "model": 4 * alone if each.ground == GROUNDED else None,
@@ -152,7 +153,7 @@ def test_the_section_says_what_follows_from_the_factors() -> None:
     told = section.conclusion(found)
     assert "before a housing a floating hand makes 0.1 (0.1 to 0.1) of that change" in told
     assert "strongest effect in the median is that of hand floating (0.2)" in told
-    text = str(section.section(found))
+    text = str(section.section(found, {}))
     assert text.count("plotly-graph-div") == 2
     assert "<td>0.750</td>" not in text and "<td>1.500</td>" in text
 
