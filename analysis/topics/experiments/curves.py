@@ -96,7 +96,7 @@ class Curve:
 def curves(results: Results) -> list[Curve]:
     """Returns a curve for each plate over distance and for each hinge over angle, in the study's order.
 
-    Cases of other families, and those without both answers or without the sensor alone, are left out.
+    Cases of other families, those without both answers or without the sensor alone, and floating targets, which have no mutual, are left out.
     """
     grouped: dict[tuple[object, ...], list[CaseResult]] = {}
     for case in results.compared():
@@ -127,6 +127,7 @@ def _is_answered(results: Results, case: CaseResult) -> bool:
         and case.model is not None
         and empty is not None
         and empty.reference is not None
+        and case.scene.objects[0].name in case.reference.conductors
     )
 
 
