@@ -84,7 +84,7 @@ def chosen() -> tuple[SetUp, ...]:
         for column, ground in enumerate(TO_GROUND)
     }
     found = [each for each in all_set_ups() if each.number == numbers[each.machine, each.ground]]
-    return tuple(sorted(found, key=_is_large))
+    return tuple(sorted(found, key=lambda each: (each.machine == GUARD, _is_large(each))))
 
 
 def load(file: Path = FILE) -> dict[str, FieldCheck]:
