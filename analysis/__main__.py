@@ -50,9 +50,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     run.add_argument(
         "--results", type=Path, metavar="DIR", help="where to keep the results (default: results/<study>)"
     )
-    run.add_argument(
-        "--jobs", type=_count, metavar="N", help="solves at a time (default: by cores and memory)"
-    )
+    _add_jobs(run, "solves")
     run.add_argument(
         "--measure-model",
         action="store_true",
@@ -68,32 +66,17 @@ def _parser(program: str) -> argparse.ArgumentParser:
         "verify",
         help="compare the reference with known capacitances, and measure its run time against error (minutes; finished rows are kept)",
     )
-    verify.add_argument(
-        "--output", type=Path, metavar="DIR", help="where to keep the rows (default: results/verification)"
-    )
-    verify.add_argument(
-        "--jobs", type=_count, metavar="N", help="rows at a time (default: by cores and memory)"
-    )
+    _add_output_and_jobs(verify, "rows", "rows", "verification")
     errors = commands.add_parser(
         "errors",
         help="split the model's error into parts in hundreds of set-ups, by boundary elements (a minute or two; finished ones are kept)",
     )
-    errors.add_argument(
-        "--output", type=Path, metavar="DIR", help="where to keep the answers (default: results/errors)"
-    )
-    errors.add_argument(
-        "--jobs", type=_count, metavar="N", help="set-ups at a time (default: by cores and memory)"
-    )
+    _add_output_and_jobs(errors, "answers", "set-ups", "errors")
     company = commands.add_parser(
         "company",
         help="Experiment VII: a hand before a sensor in company, by boundary elements (a minute or two; finished ones are kept)",
     )
-    company.add_argument(
-        "--output", type=Path, metavar="DIR", help="where to keep the answers (default: results/company)"
-    )
-    company.add_argument(
-        "--jobs", type=_count, metavar="N", help="set-ups at a time (default: by cores and memory)"
-    )
+    _add_output_and_jobs(company, "answers", "set-ups", "company")
     documentation = commands.add_parser(
         "documentation", help="make a site of all notes, algorithms and references (the model must be built)"
     )
@@ -119,9 +102,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
         metavar="DIR",
         help="where to write the table (default: analysis/topics/published)",
     )
-    table.add_argument(
-        "--jobs", type=_count, metavar="N", help="solves at a time (default: by cores and memory)"
-    )
+    _add_jobs(table, "solves")
     show = commands.add_parser(
         "show", help="write one page with a scene, its sensors' readings and its motion"
     )
@@ -167,6 +148,19 @@ def _add_nightly(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     difference.add_argument("--output", type=Path, metavar="JSON", help="also write all of it to this file")
 
 
+def _add_output_and_jobs(command: argparse.ArgumentParser, kept: str, at_a_time: str, folder: str) -> None:
+    command.add_argument(
+        "--output", type=Path, metavar="DIR", help=f"where to keep the {kept} (default: results/{folder})"
+    )
+    _add_jobs(command, at_a_time)
+
+
+def _add_jobs(command: argparse.ArgumentParser, at_a_time: str) -> None:
+    command.add_argument(
+        "--jobs", type=_count, metavar="N", help=f"{at_a_time} at a time (default: by cores and memory)"
+    )
+
+
 def _add_verify(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--verify",
@@ -186,10 +180,6 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     for other in (signal.SIGINT, signal.SIGTERM):
         signal.signal(other, signal.SIG_IGN)
     raise KeyboardInterrupt
-
-
-if __name__ == "__main__":
-    sys.exit(main())
 
 
 if __name__ == "__main__":

@@ -10,6 +10,8 @@ from pathlib import Path
 from analysis.documentation import make as documentation
 from analysis.nightly import chunks, cluster, night
 from analysis.pipeline import reference_stage
+from analysis.pipeline.set_up_stages import SetUpStages, SomeSetUp
+from analysis.report.page import Made
 from analysis.results import statistics, store
 from analysis.results.store import InUse, exclusive
 from analysis.results.study_results import Failure
@@ -166,23 +168,18 @@ def _verify(folder: Path | None, jobs: int | None) -> int:
     return FAILED if failures else ANSWERED
 
 
-def _errors(folder: Path | None, jobs: int | None) -> int:
-    target = folder or installation.results_folder() / errors_stage.FOLDER
+def _of_set_ups(
+    stages: SetUpStages[SomeSetUp],
+    set_ups: tuple[SomeSetUp, ...],
+    make: Callable[[Path], Made],
+    options: argparse.Namespace,
+) -> int:
+    """Brings the answers of a topic's set-ups up to date and makes the topic's page."""
+    target = options.output or installation.results_folder() / stages.name
     with exclusive(target):
-        failures = errors_stage.run(target, errors_set_ups.all_set_ups(), jobs)
+        failures = stages.run(target, set_ups, options.jobs)
         _tell(failures)
-        made = errors_page.make(target)
-    print(made.headline)
-    print(f"report: {made.path}")
-    return FAILED if failures else ANSWERED
-
-
-def _company(folder: Path | None, jobs: int | None) -> int:
-    target = folder or installation.results_folder() / company_stage.FOLDER
-    with exclusive(target):
-        failures = company_stage.run(target, company_set_ups.all_set_ups(), jobs)
-        _tell(failures)
-        made = company_page.make(target)
+        made = make(target)
     print(made.headline)
     print(f"report: {made.path}")
     return FAILED if failures else ANSWERED
@@ -237,8 +234,12 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "job": lambda options: _job(options.file),
     "diff": lambda options: _diff(options.old, options.new, options.output),
     "verify": lambda options: _verify(options.output, options.jobs),
-    "errors": lambda options: _errors(options.output, options.jobs),
-    "company": lambda options: _company(options.output, options.jobs),
+    "errors": lambda options: _of_set_ups(
+        errors_stage.STAGES, errors_set_ups.all_set_ups(), errors_page.make, options
+    ),
+    "company": lambda options: _of_set_ups(
+        company_stage.STAGES, company_set_ups.all_set_ups(), company_page.make, options
+    ),
     "corrections": lambda options: _corrections(options.output),
     "table": lambda options: _table(options.answers, options.output, options.jobs),
     "documentation": lambda options: _documentation(options.output),

@@ -18,6 +18,11 @@ _ANSWERED = (0, 3)
 def answer(scene: Path, study: Study, processes: Processes) -> Document:
     """Solves a scene file as accurately as the study asks."""
     asked = ["--rtol", repr(study.rtol), "--max-seconds", repr(study.max_seconds), "--error", study.error]
+    return solve(scene, processes, *asked)
+
+
+def solve(scene: Path, processes: Processes, *asked: str) -> Document:
+    """Solves a scene file with options of the field solver's command; NoAnswer if there is none."""
     return parsed(_run(processes, scene, *asked, "--json").output)
 
 

@@ -21,7 +21,11 @@ from analysis.report import (
 from analysis.report.plot import Plot
 from analysis.results import statistics, study_results as results, symmetry, table
 from analysis.results.store import Document
-from analysis.topics.company import factors as company_factors, section as company_section
+from analysis.topics.company import (
+    factors as company_factors,
+    field_check as company_field_check,
+    section as company_section,
+)
 from analysis.topics.corrections import section as corrections_section
 from analysis.topics.cross_check import section as cross_check_section
 from analysis.topics.errors import records as error_records, section as errors_section
@@ -97,7 +101,7 @@ def _parts(material: Material) -> list[Markup]:
 
 
 def _company(material: Material) -> list[Markup]:
-    return [company_section.section(list(material.in_company))]
+    return [company_section.section(list(material.in_company), company_field_check.load())]
 
 
 def _corrections(material: Material) -> list[Markup]:

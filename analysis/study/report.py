@@ -17,6 +17,7 @@ from analysis.study import case_page, pages_of_set_ups
 from analysis.study.questions import CROSS_CHECK, QUESTIONS, Material
 from analysis.topics.company import (
     factors as company_factors,
+    field_check as company_field_check,
     set_ups as company_set_ups,
     stage as company_stage,
 )
@@ -53,12 +54,15 @@ def make(folder: Path) -> Report:
     rows = table.rows(found)
     summaries = statistics.summaries(rows)
     verified = verification_stage.load(verification_page.beside(folder))
-    apart = errors_stage.load(errors_stage.beside(folder))
+    apart = errors_stage.STAGES.load(errors_stage.STAGES.beside(folder), error_set_ups.all_set_ups())
     corrected = corrections_stage.load(corrections_stage.beside(folder))
-    in_company = company_stage.load(company_stage.beside(folder))
+    in_company = company_stage.STAGES.load(company_stage.STAGES.beside(folder), company_set_ups.all_set_ups())
     faults = faults_section.beside(folder)
     answers = _answers(folder, found)
-    inputs = keys.page_inputs(answers, verified, apart, corrected, faults, in_company, published.digest())
+    in_field = read_json(company_field_check.FILE)
+    inputs = keys.page_inputs(
+        answers, verified, apart, corrected, faults, in_company, in_field, published.digest()
+    )
     nights = history.load(folder)
     whole = keys.page_inputs(inputs, nights)
     if not (

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from tests.end_to_end.importing import ROOT, fringe_import
+from tests.scenes import GUARDED_SENSOR
 
 # A sensor of two plates before a guard, a hand of two bodies that touch, and a floating foil.
 SCENE = """
@@ -60,22 +61,15 @@ translation = [0, 0, -0.05]
 potential = "floating"
 """
 # Of plates and boxes, whose matrix takes milliseconds.
-PLAIN = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-
-[[object]]
-name = "guard, left"
-shape = { type = "plate", size = [0.12, 0.12] }
-translation = [0, 0, -0.03]
-potential = "electrode"
-
+PLAIN = (
+    GUARDED_SENSOR.replace("guard", "guard, left")
+    + """
 [[object]]
 name = "palm"
 shape = { type = "cuboid", size = [0.08, 0.1, 0.02] }
 translation = [0, 0, 0.06]
 """
+)
 
 
 @pytest.fixture

@@ -203,6 +203,9 @@ class Reached(Exception):
     """What was called stands for what it would do."""
 
 
+SET_UPS_RUN = "analysis.pipeline.set_up_stages.SetUpStages.run"
+
+
 @pytest.mark.parametrize(
     ("words", "function", "position", "expected"),
     [
@@ -218,10 +221,10 @@ class Reached(Exception):
         (["nightly", "smoke", "--results", "OUT", "--verify"], "analysis.topics.verification.stage.run", 2, None),
         (["verify", "--output", "OUT"], "analysis.topics.verification.stage.run", 0, "OUT"),
         (["verify", "--output", "OUT", "--jobs", "3"], "analysis.topics.verification.stage.run", 2, 3),
-        (["errors", "--output", "OUT"], "analysis.topics.errors.stage.run", 0, "OUT"),
-        (["errors", "--output", "OUT", "--jobs", "3"], "analysis.topics.errors.stage.run", 2, 3),
-        (["company", "--output", "OUT"], "analysis.topics.company.stage.run", 0, "OUT"),
-        (["company", "--output", "OUT", "--jobs", "3"], "analysis.topics.company.stage.run", 2, 3),
+        (["errors", "--output", "OUT"], SET_UPS_RUN, 1, "OUT"),
+        (["errors", "--output", "OUT", "--jobs", "3"], SET_UPS_RUN, 3, 3),
+        (["company", "--output", "OUT"], SET_UPS_RUN, 1, "OUT"),
+        (["company", "--output", "OUT", "--jobs", "3"], SET_UPS_RUN, 3, 3),
         (["corrections", "--output", "OUT"], "analysis.topics.corrections.stage.run", 0, "OUT"),
         (["documentation", "--output", "OUT"], "analysis.documentation.make.build", 0, "OUT"),
     ],

@@ -17,18 +17,8 @@ from fem_reference.solve.level import solve_level
 from fem_reference.solve.readings import LevelReadings
 from geometries.common.errors import InputError
 from geometries.scene.reader import loads
+from tests.scenes import GUARDED_SENSOR
 
-MACHINE = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-
-[[object]]
-name = "guard"
-shape = { type = "plate", size = [0.12, 0.12] }
-translation = [0, 0, -0.02]
-potential = "electrode"
-"""
 READINGS = """
 [[reading]]
 name = "guarded"
@@ -66,7 +56,10 @@ def on_one_mesh(text: str) -> LevelReadings:
 
 def test_the_background_is_the_scene_without_the_targets() -> None:
     """The two are solved on different meshes; the intervals of both hold the truth."""
-    found, alone = solved(MACHINE + READINGS + TARGET).readings, solved(MACHINE + READINGS).readings
+    found, alone = (
+        solved(GUARDED_SENSOR + READINGS + TARGET).readings,
+        solved(GUARDED_SENSOR + READINGS).readings,
+    )
     assert [reading.name for reading in found] == ["guarded", "transmitted"]
     for reading, expected in zip(found, alone):
         for quantity in (reading.value, reading.background, reading.change):
@@ -79,7 +72,7 @@ def test_the_background_is_the_scene_without_the_targets() -> None:
 
 
 def test_a_reading_is_the_sum_of_its_entries() -> None:
-    answer = solved(MACHINE + READINGS + TARGET)
+    answer = solved(GUARDED_SENSOR + READINGS + TARGET)
     front, guard = answer.names.index("front"), answer.names.index("guard")
     guarded, transmitted = answer.readings
     matrix = answer.maxwell.value
@@ -90,14 +83,14 @@ def test_a_reading_is_the_sum_of_its_entries() -> None:
 def test_what_is_connected_to_ground_through_more_is_felt_more() -> None:
     """A self reading grows from absent over floating to grounded (Dirichlet's principle)."""
     words = ("floating", 'floating"\nto_ground = 1e-13 #', 'floating"\nto_ground = 1e-6 #', "grounded")
-    scenes = [MACHINE + TARGET + f'potential = "{word}"\n' for word in words]
+    scenes = [GUARDED_SENSOR + TARGET + f'potential = "{word}"\n' for word in words]
     changes = [float(on_one_mesh(text).change[0]) for text in scenes]
     assert 0 < changes[0] < 0.9 * changes[1] < 0.8 * changes[2]
     assert changes[2] == pytest.approx(changes[3], rel=1e-5)
 
 
 def test_without_marks_every_object_comes_and_goes_and_every_sensor_is_read() -> None:
-    text = MACHINE.split("[[object]]")[0] + TARGET.replace("target = true\n", "")
+    text = GUARDED_SENSOR.split("[[object]]")[0] + TARGET.replace("target = true\n", "")
     answer = solved(text)
     (reading,) = answer.readings
     assert reading.name == "front"
@@ -107,19 +100,19 @@ def test_without_marks_every_object_comes_and_goes_and_every_sensor_is_read() ->
 
 
 def test_a_dielectric_target_is_the_medium_in_the_background() -> None:
-    found = on_one_mesh(MACHINE + READINGS + SLAB + "material = { relative_permittivity = 50 }\n")
-    alone = [reading.value.value for reading in solved(MACHINE + READINGS).readings]
+    found = on_one_mesh(GUARDED_SENSOR + READINGS + SLAB + "material = { relative_permittivity = 50 }\n")
+    alone = [reading.value.value for reading in solved(GUARDED_SENSOR + READINGS).readings]
     np.testing.assert_allclose(found.background, alone, rtol=3e-3)
     assert found.change[0] > 0
 
 
 def test_only_readings_whose_conductors_were_asked_for_are_answered() -> None:
-    readings = conductors(loads(MACHINE + READINGS + TARGET), columns=["guard"]).readings
-    assert readings == () and conductors(loads(MACHINE), columns=["front"]).readings[0].sense == 0
+    readings = conductors(loads(GUARDED_SENSOR + READINGS + TARGET), columns=["guard"]).readings
+    assert readings == () and conductors(loads(GUARDED_SENSOR), columns=["front"]).readings[0].sense == 0
 
 
 def test_people_get_a_table_with_proven_bounds() -> None:
-    lines = readings_table(solved(MACHINE + READINGS + TARGET).readings)
+    lines = readings_table(solved(GUARDED_SENSOR + READINGS + TARGET).readings)
     assert lines[2].startswith("guarded") and "±" in lines[2] and lines[3].startswith("  proven")
 
 
@@ -131,5 +124,5 @@ shape = { type = "cuboid", size = [0.02, 0.02, 0.1] }
 translation = [0, 0, 0.1]
 """
     with pytest.raises(InputError, match='object "hand": target: is one conductor with "arm", which stays'):
-        conductors(loads(MACHINE + arm + SLAB))
-    assert conductors(loads(MACHINE + arm + SLAB.replace("target = true", ""))).targets == {"arm"}
+        conductors(loads(GUARDED_SENSOR + arm + SLAB))
+    assert conductors(loads(GUARDED_SENSOR + arm + SLAB.replace("target = true", ""))).targets == {"arm"}

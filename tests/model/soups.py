@@ -221,28 +221,32 @@ def duplicated(random: Random, triangles: Array) -> Array:
 
 def with_t_junctions(random: Random, triangles: Array) -> Array:
     """Some triangles halved, their neighbours not."""
-    result = []
-    for triangle, is_split in zip(triangles, _chosen(random, triangles)):
-        if not is_split:
-            result.append(triangle)
-            continue
-        a, b, c = np.roll(triangle, random.integers(3), axis=0)
+
+    def halves(a: Array, b: Array, c: Array) -> list[Array]:
         between = a + random.choice([0.5, random.uniform(0.02, 0.98)]) * (b - a)
-        result += [np.array([a, between, c]), np.array([between, b, c])]
-    return np.array(result)
+        return [np.array([a, between, c]), np.array([between, b, c])]
+
+    return _some_replaced(random, triangles, halves)
 
 
 def split_into_slivers(random: Random, triangles: Array) -> Array:
     """Some triangles split at a point next to a side, so that one of three parts is a sliver."""
-    result = []
-    for triangle, is_split in zip(triangles, _chosen(random, triangles)):
-        if not is_split:
-            result.append(triangle)
-            continue
-        a, b, c = np.roll(triangle, random.integers(3), axis=0)
+
+    def thirds(a: Array, b: Array, c: Array) -> list[Array]:
         foot = a + random.uniform(0.1, 0.9) * (b - a)
         near = foot + SLIVER * (c - foot)
-        result += [np.array([a, b, near]), np.array([b, c, near]), np.array([c, a, near])]
+        return [np.array([a, b, near]), np.array([b, c, near]), np.array([c, a, near])]
+
+    return _some_replaced(random, triangles, thirds)
+
+
+def _some_replaced(
+    random: Random, triangles: Array, parts: Callable[[Array, Array, Array], list[Array]]
+) -> Array:
+    """Replaces some triangles by their parts, which begin at any of their corners."""
+    result: list[Array] = []
+    for triangle, is_split in zip(triangles, _chosen(random, triangles)):
+        result += parts(*np.roll(triangle, random.integers(3), axis=0)) if is_split else [triangle]
     return np.array(result)
 
 

@@ -35,9 +35,10 @@ TOGETHER = "housing, hand floating"
 
 @dataclass(frozen=True)
 class Entry:
-    """A set-up with the background and the change of its reading; `model` is the model's change, None unless the hand is grounded (F)."""
+    """A set-up with value, background and change of its reading; `model` is the model's change, None unless the hand is grounded (F)."""
 
     set_up: SetUp
+    value: Estimate
     background: Estimate
     change: Estimate
     model: float | None
@@ -147,5 +148,5 @@ def _of(found: list[Entry], machine: str, ground: str) -> dict[int, Entry]:
 
 
 def _entry(set_up: SetUp, document: Document) -> Entry:
-    background, change = (Estimate(**document[name]) for name in ("background", "change"))
-    return Entry(set_up, background, change, document["model"])
+    value, background, change = (Estimate(**document[name]) for name in ("value", "background", "change"))
+    return Entry(set_up, value, background, change, document["model"])

@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.results.units import PICOFARAD, percent
-from analysis.topics.company import plots
+from analysis.topics.company import field_section, plots
 from analysis.topics.company.factors import (
     CONNECTIONS,
     PARTS,
@@ -22,6 +22,7 @@ from analysis.topics.company.factors import (
     of_model,
     of_part,
 )
+from analysis.topics.company.field_check import FieldCheck, comparisons
 from analysis.topics.company.set_ups import MACHINES, NOTHING, TO_GROUND
 from analysis.topics.company.stage import RTOL
 from geometries.studies.families import FLOATING, GROUNDED
@@ -40,8 +41,8 @@ _WHAT = (
 )
 
 
-def section(found: list[Entry]) -> Markup:
-    """Returns the section; one sentence without answers."""
+def section(found: list[Entry], checks: dict[str, FieldCheck]) -> Markup:
+    """Returns the section, with a comparison with the field solver's records `checks`; one sentence without answers."""
     if not factors(found):
         return page.section(TITLE, page.paragraph(ABSENT))
     return page.section(
@@ -60,6 +61,8 @@ def section(found: list[Entry]) -> Markup:
         page.table(["in company of", *_hands(TO_GROUND)], _rows_of_model(found)),
         page.finding(conclusion(found)),
         page.soft(_WHAT),
+        page.heading("Checked by the field solver"),
+        *field_section.parts(comparisons(found, checks)),
         page.folded("Show the numbers", _numbers(found)),
     )
 

@@ -28,8 +28,9 @@ MACHINES = (NOTHING, HOUSING, GUARD, TABLE, PERSON)
 TO_GROUND = {GROUNDED: math.inf, "1 nF": 1e-9, "100 pF": 1e-10, "10 pF": 1e-11, FLOATING: 0.0}
 """Capacitance (F) between the hand, a person's, and the ground, by its name."""
 SENSOR, HAND = "sensor", "hand"
+ARRANGEMENTS = 10
 
-_ARRANGEMENTS, _SEED = 10, 7
+_SEED = 7
 # Decimals of a length: a tenth of a millimetre.
 _DIGITS = 4
 # Ranges of the sensor's side, and of the distances of the hand from the sensor, of the table from the hand and of the other person.
@@ -118,7 +119,7 @@ def _company(arrangement: Arrangement, machine: str, sensors: tuple[Sensor, ...]
 def _arrangements() -> Iterator[Arrangement]:
     """Draws the arrangements. Python promises that the generator's numbers stay the same."""
     chance = random.Random(_SEED)
-    for _ in range(_ARRANGEMENTS):
+    for _ in range(ARRANGEMENTS):
         side = _length(chance, _SIDES)
         width, depth, height = (_length(chance, ends) for ends in _HANDS)
         aside, along = (round(_SHIFT * side * chance.uniform(-1, 1), _DIGITS) for _ in range(2))

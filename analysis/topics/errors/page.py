@@ -24,8 +24,9 @@ _TITLE = "Where does the model's error come from?"
 
 def make(folder: Path) -> page.Made:
     """Writes the page of the answers in a folder and those of its set-ups, unless they are up to date."""
-    answers = stage.load(folder)
-    found = records.entries(answers, set_ups.all_set_ups())
+    chosen = set_ups.all_set_ups()
+    answers = stage.STAGES.load(folder, chosen)
+    found = records.entries(answers, chosen)
     inputs = keys.page_inputs(answers)
     if not is_current(folder / PAGE, inputs):
         page.provide_script(folder)

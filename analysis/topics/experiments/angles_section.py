@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.results.units import signed_percent
-from analysis.topics.experiments import plots, tables
+from analysis.topics.experiments import measured_section, plots, tables
 from analysis.topics.experiments.calibration import OWN, Calibration, deviation, summary
 from analysis.topics.experiments.curves import ANGLE, DISTANCE, Curve
 
@@ -30,6 +30,7 @@ def parts(flat: Curve, pivoted: list[Curve], tunings: list[Calibration]) -> list
         page.folded("Show every tuning", tables.predictions(labelled, tunings, flat, ANGLE)),
         page.paragraph("The tuning to the plate lying parallel:"),
         tables.calibrations(tunings, flat),
+        *measured_section.parts(labelled, ANGLE),
     ]
 
 

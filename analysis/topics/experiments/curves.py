@@ -23,13 +23,16 @@ _SWEPT = {"parallel": DISTANCE, "inclined": ANGLE}
 
 @dataclass(frozen=True)
 class Point:
-    """One set-up: `at` is the distance (m) or the angle (degrees), `model` the exact model's capacitance (F), `reference` the
-    delta output by the reference (V)."""
+    """One set-up: `at` is the distance (m) or the angle (degrees), `model` the exact model's capacitance (F). By the reference:
+    the delta output `reference` (V), `mutual` and the `change` of the sensor's reading (F), which in empty space is delta_self.
+    """
 
     case: str
     at: float
     model: float
     reference: Estimate
+    mutual: Estimate
+    change: Estimate
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +96,7 @@ class Curve:
 def curves(results: Results) -> list[Curve]:
     """Returns a curve for each plate over distance and for each hinge over angle, in the study's order.
 
-    Cases of other families, and those without both answers or without the sensor alone, are left out.
+    Cases of other families, those without both answers or without the sensor alone, and floating targets, which have no mutual, are left out.
     """
     grouped: dict[tuple[object, ...], list[CaseResult]] = {}
     for case in results.compared():
@@ -110,7 +113,7 @@ def with_flat_start(curve: Curve, flat: Curve) -> Curve:
     if flat.target_size != curve.target_size or curve.target_size[0] != curve.sensor_size[0]:
         return curve
     start = tuple(
-        Point(point.case, 0.0, point.model, point.reference)
+        replace(point, at=0.0)
         for point in flat.points
         if point.at == curve.hinge_gap and curve.points[0].at > 0
     )
@@ -124,6 +127,7 @@ def _is_answered(results: Results, case: CaseResult) -> bool:
         and case.model is not None
         and empty is not None
         and empty.reference is not None
+        and case.scene.objects[0].name in case.reference.conductors
     )
 
 
@@ -149,6 +153,8 @@ def _curve(results: Results, members: list[CaseResult]) -> Curve:
                 at,
                 case.model.values[COMPARED_METHOD][sensor.name].total,
                 reference_delta_output(own, change, sensor.coupling_capacitance, sensor.input_voltage),
+                case.reference.mutual(sensor.name, case.scene.objects[0].name),
+                change,
             )
         )
     ordered = tuple(sorted(points, key=lambda point: point.at))

@@ -45,7 +45,7 @@ def delta_output(caption: str, series: list[Series], swept: str) -> Panel:
         for number, line in enumerate(each.lines):
             traces.append(
                 go.Scatter(
-                    x=_across(each.curve, swept),
+                    x=across(each.curve, swept),
                     y=line.prediction,
                     mode="lines",
                     line={"color": _line_colour(series, index, number), "dash": line.dash, "width": 2},
@@ -53,7 +53,7 @@ def delta_output(caption: str, series: list[Series], swept: str) -> Panel:
                     hovertemplate=line.name + ": %{y:.4g} V<extra></extra>",
                 )
             )
-    return Panel(caption, figure(traces, _axis(swept), axis("delta output (V)", rangemode="tozero"), 440))
+    return Panel(caption, figure(traces, axis_of(swept), axis("delta output (V)", rangemode="tozero"), 440))
 
 
 def deviations(caption: str, series: list[Series], swept: str) -> Panel:
@@ -68,7 +68,7 @@ def deviations(caption: str, series: list[Series], swept: str) -> Panel:
             "arrayminus": PERCENT * (found.value - found.low),
         }
         traces.append(_differences(line, colour, curve, swept, (values, bars, "%")))
-    return Panel(caption, figure(traces, _axis(swept), axis("model less reference (%)"), 440))
+    return Panel(caption, figure(traces, axis_of(swept), axis("model less reference (%)"), 440))
 
 
 def residuals(caption: str, series: list[Series], swept: str) -> Panel:
@@ -78,7 +78,7 @@ def residuals(caption: str, series: list[Series], swept: str) -> Panel:
         values = np.asarray(PER_MILLE * (line.prediction - curve.reference))
         bars: dict[str, object] = {"array": PER_MILLE * curve.error}
         traces.append(_differences(line, colour, curve, swept, (values, bars, "mV")))
-    return Panel(caption, figure(traces, _axis(swept), axis("model less reference (mV)"), 440))
+    return Panel(caption, figure(traces, axis_of(swept), axis("model less reference (mV)"), 440))
 
 
 def splitting(found: list[Accuracy]) -> Panel:
@@ -109,7 +109,7 @@ def splitting(found: list[Accuracy]) -> Panel:
 def _reference(series: Series, swept: str, colour: str) -> go.Scatter:
     curve = series.curve
     return go.Scatter(
-        x=_across(curve, swept),
+        x=across(curve, swept),
         y=curve.reference,
         error_y={"type": "data", "array": curve.error, "thickness": 1.5},
         mode="markers",
@@ -134,7 +134,7 @@ def _differences(
 ) -> go.Scatter:
     values, bars, unit = what
     return go.Scatter(
-        x=_across(curve, swept),
+        x=across(curve, swept),
         y=values,
         error_y={"type": "data", "thickness": 1.5, **bars},
         mode="lines+markers",
@@ -152,9 +152,11 @@ def _line_colour(series: list[Series], index: int, number: int) -> str:
     return series_colour(index if len(series) > 1 else number + 1)
 
 
-def _across(curve: Curve, swept: str) -> Array:
+def across(curve: Curve, swept: str) -> Array:
+    """Returns the distances in cm or the angles in degrees of a curve."""
     return curve.at / CENTIMETRE if swept == DISTANCE else curve.at
 
 
-def _axis(swept: str) -> dict[str, object]:
+def axis_of(swept: str) -> dict[str, object]:
+    """Returns the axis of distances or of angles."""
     return log_axis("distance (cm)") if swept == DISTANCE else axis("angle (degrees)", dtick=15)

@@ -9,6 +9,7 @@ from analysis.results.study_results import Results
 from analysis.topics.experiments import (
     angles_section,
     materials_section,
+    measured_section,
     neighbours,
     neighbours_section,
     sizes_section,
@@ -45,6 +46,7 @@ def section(results: Results) -> Markup:
         return Markup("")
     if results.experiment == "I":
         parts = splitting_section.parts(accuracies(results))
+        parts.append(page.paragraph(measured_section.NOTHING_MEASURED))
     elif results.experiment == "V":
         parts = neighbours_section.parts(neighbours.series(results))
     elif results.experiment == "VI":
@@ -59,7 +61,8 @@ def _tuned(experiment: str, found: list[Curve]) -> list[Markup]:
     groups: dict[tuple[float, float], list[Curve]] = {}
     for curve in found:
         groups.setdefault(curve.sensor_size, []).append(curve)
-    parts = [] if groups else [page.paragraph("No curve has both answers.")]
+    parts = [measured_section.measured(experiment)]
+    parts += [] if groups else [page.paragraph("No curve has both answers.")]
     for size, members in groups.items():
         parts += [page.heading(f"Sensor of {tables.size(size)}"), *_of_sensor(experiment, members)]
     return [*parts, page.soft(_DELTA)]

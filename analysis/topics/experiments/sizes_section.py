@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.results.units import signed_percent
-from analysis.topics.experiments import claims, plots, tables
+from analysis.topics.experiments import claims, measured_section, plots, tables
 from analysis.topics.experiments.calibration import OWN, Calibration, summary
 from analysis.topics.experiments.curves import DISTANCE, Curve
 
@@ -33,6 +33,7 @@ def parts(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> list[
             "Show every tuning",
             tables.calibrations(tunings, flat) + tables.predictions(labelled, tunings, flat, DISTANCE),
         ),
+        *measured_section.parts(labelled, DISTANCE),
     ]
 
 

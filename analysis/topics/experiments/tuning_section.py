@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.results.units import signed_percent
-from analysis.topics.experiments import plots, tables
+from analysis.topics.experiments import measured_section, plots, tables
 from analysis.topics.experiments.calibration import OWN, THESIS, Calibration, summary, untuned
 from analysis.topics.experiments.curves import DISTANCE, Curve
 
@@ -31,6 +31,7 @@ def parts(flat: Curve, tunings: list[Calibration]) -> list[Markup]:
             ]
         ),
         tables.calibrations(tunings, flat),
+        *measured_section.parts([(f"plate of {tables.plate(flat)}", flat)], DISTANCE),
     ]
 
 

@@ -1,4 +1,4 @@
-"""Experiment VII: which set-ups there are, that finished ones are kept, and that factors and sections follow from the answers."""
+"""Experiment VII: which set-ups there are, and that factors and sections follow from the answers."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import pytest
 
 from analysis import __main__ as command_line
 from analysis.results import store
-from analysis.results.study_results import SCENE, case_folder
-from analysis.topics.company import factors, page, section, set_ups, stage
+from analysis.results.study_results import SCENE
+from analysis.topics.company import factors, page, section, set_ups
 from analysis.topics.company.factors import TOGETHER, Entry
 from analysis.topics.company.set_ups import (
     GUARD,
@@ -27,6 +27,7 @@ from analysis.topics.company.set_ups import (
     SetUp,
     all_set_ups,
 )
+from analysis.topics.company.stage import STAGES
 from geometries.common.installation import ROOT
 from geometries.scene import reader
 from geometries.scene.readings import readings, targets
@@ -55,6 +56,7 @@ def made_up() -> list[Entry]:
         alone = each.number * PICO
         change = alone * BY_MACHINE[each.machine] * BY_GROUND[each.ground]
         answers[each.id] = {
+            "value": {"value": 5 * PICO + change, "error": 0.0},
             "background": {"value": 5 * PICO, "error": 0.0},
             "change": {"value": change, "error": 1e-3 * change},
             "model": 4 * alone if each.ground == GROUNDED else None,
@@ -64,8 +66,8 @@ def made_up() -> list[Entry]:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    place = tmp_path_factory.mktemp("results") / stage.FOLDER
-    assert stage.run(place, some(), 2) == []
+    place = tmp_path_factory.mktemp("results") / STAGES.name
+    assert STAGES.run(place, some(), 2) == []
     return place
 
 
@@ -151,13 +153,13 @@ def test_the_section_says_what_follows_from_the_factors() -> None:
     told = section.conclusion(found)
     assert "before a housing a floating hand makes 0.1 (0.1 to 0.1) of that change" in told
     assert "strongest effect in the median is that of hand floating (0.2)" in told
-    text = str(section.section(found))
+    text = str(section.section(found, {}))
     assert text.count("plotly-graph-div") == 2
     assert "<td>0.750</td>" not in text and "<td>1.500</td>" in text
 
 
 def test_real_answers_have_the_order_of_the_theorem_and_state_their_errors(folder: Path) -> None:
-    answers = stage.load(folder)
+    answers = STAGES.load(folder, some())
     found = {
         (each.set_up.machine, each.set_up.ground): each for each in factors.entries(answers, all_set_ups())
     }
@@ -172,36 +174,14 @@ def test_real_answers_have_the_order_of_the_theorem_and_state_their_errors(folde
     assert found[NOTHING, GROUNDED].model == found[HOUSING, GROUNDED].model
 
 
-def test_finished_set_ups_are_kept_and_others_done_again(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    paths = [case_folder(folder, each.id) / stage.ANSWER for each in some()]
-    before = [path.stat().st_mtime_ns for path in paths]
-    paths[0].write_text(paths[0].read_text()[:50])
-    stage.run(folder, some(), 2)
-    changed = [path.stat().st_mtime_ns != then for path, then in zip(paths, before)]
-    assert changed == [True] + [False] * (len(paths) - 1)
-    monkeypatch.setattr(stage, "code", lambda: "another")
-    assert stage.load(folder) == {}
-
-
-def test_the_command_goes_on_from_what_is_there_and_tells_what_failed(
+def test_the_command_computes_what_is_missing_and_makes_the_page(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    chosen = some()
-    monkeypatch.setattr(set_ups, "all_set_ups", lambda: chosen)
+    monkeypatch.setattr(set_ups, "all_set_ups", some)
     assert command_line.main(["company", "--output", str(folder)]) == 0
     printed = capsys.readouterr()
     assert f"report: {folder / page.PAGE}" in printed.out and "4 set-ups" in printed.out
     assert "in company" not in printed.err, "nothing was left to do"
-    scene = case_folder(folder, chosen[0].id) / SCENE
-    whole = scene.read_text()
-    scene.with_name(stage.ANSWER).unlink()
-    scene.write_text("not a scene")
-    assert command_line.main(["company", "--output", str(folder)]) == 1
-    assert f"case {chosen[0].id}: company" in capsys.readouterr().err
-    scene.write_text(whole)
-    assert command_line.main(["company", "--output", str(folder)]) == 0
 
 
 def test_a_report_beside_the_answers_shows_them_and_another_says_how_to_get_them(

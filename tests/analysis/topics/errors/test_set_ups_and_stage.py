@@ -1,4 +1,4 @@
-"""Which set-ups are taken apart, that finished ones are kept, and what the pages say of them."""
+"""Which set-ups are taken apart, and what the pages say of them."""
 
 from __future__ import annotations
 
@@ -11,14 +11,13 @@ import numpy as np
 import pytest
 
 from analysis import __main__ as command_line
-from analysis.results import store
 from analysis.results.set_up import describe, rectangles
-from analysis.results.study_results import SCENE, case_folder
 from analysis.results.table import MUTUAL
 from analysis.study import report
-from analysis.topics.errors import page, records, section, set_ups, stage
+from analysis.topics.errors import page, records, section, set_ups
 from analysis.topics.errors.parts import PARTS
 from analysis.topics.errors.set_ups import MAPS, SetUp, all_set_ups
+from analysis.topics.errors.stage import STAGES
 from geometries.common.installation import ROOT
 from tests.analysis.synthetic import make_results, report_text
 
@@ -36,8 +35,8 @@ def some() -> tuple[SetUp, ...]:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    place = tmp_path_factory.mktemp("results") / stage.FOLDER
-    assert stage.run(place, some(), 2) == []
+    place = tmp_path_factory.mktemp("results") / STAGES.name
+    assert STAGES.run(place, some(), 2) == []
     return place
 
 
@@ -74,7 +73,7 @@ def test_random_plates_keep_their_distance_and_are_turned_all_ways() -> None:
 
 
 def test_parts_of_real_set_ups_add_up_and_are_known(folder: Path) -> None:
-    entries = records.entries(stage.load(folder), some())
+    entries = records.entries(STAGES.load(folder, some()), some())
     assert len(entries) == len(some())
     for entry in entries:
         for quantity in PARTS:
@@ -83,35 +82,6 @@ def test_parts_of_real_set_ups_add_up_and_are_known(folder: Path) -> None:
             assert 0 < entry.uncertainty(quantity) < 0.01
         # The formula with every effect put right, without any constant: 22 % at worst over the published set-ups.
         assert abs(entry.parts(MUTUAL)["rest"]) < 0.4
-
-
-def test_finished_set_ups_are_kept_and_others_done_again(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    paths = [case_folder(folder, each.id) / stage.ANSWER for each in some()]
-    before = [path.stat().st_mtime_ns for path in paths]
-    stage.run(folder, some(), 2)
-    assert [path.stat().st_mtime_ns for path in paths] == before
-    # Killed while it was written, of another version, and gone.
-    paths[0].write_text(paths[0].read_text()[:100])
-    store.write_json(paths[1], (store.read_json(paths[1]) or {}) | {"key": "another"})
-    paths[2].unlink()
-    left = paths[0].with_name(".errors.1.2.json")
-    left.touch()
-    stage.run(folder, some(), 2)
-    assert not left.exists()
-    changed = [path.stat().st_mtime_ns != then for path, then in zip(paths, before)]
-    assert changed == [True] * 3 + [False] * (len(paths) - 3)
-    monkeypatch.setattr(stage, "code", lambda: "another")
-    assert stage.load(folder) == {}
-
-
-def test_a_set_up_that_cannot_be_solved_is_told(folder: Path, tmp_path: Path) -> None:
-    one = some()[0]
-    store.write_text(case_folder(tmp_path, one.id) / SCENE, "not a scene")
-    (failure,) = stage.run(tmp_path, (one,), 1)
-    assert (failure.case, failure.stage) == (one.id, "errors")
-    assert not (case_folder(tmp_path, one.id) / stage.ANSWER).exists()
 
 
 def test_every_part_of_the_page_leads_somewhere(folder: Path) -> None:
@@ -138,20 +108,11 @@ def test_a_report_beside_the_errors_shows_them_and_opens_their_cases(folder: Pat
     assert section.ABSENT in report_text(make_results(tmp_path / "elsewhere" / "study"))
 
 
-def test_the_command_goes_on_from_what_is_there_and_tells_what_failed(
+def test_the_command_computes_what_is_missing_and_makes_the_page(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    chosen = some()
-    monkeypatch.setattr(set_ups, "all_set_ups", lambda: chosen)
+    monkeypatch.setattr(set_ups, "all_set_ups", some)
     assert command_line.main(["errors", "--output", str(folder)]) == 0
     printed = capsys.readouterr()
     assert f"report: {folder / page.PAGE}" in printed.out and "set-ups the model is" in printed.out
     assert "taken apart" not in printed.err, "nothing was left to do"
-    scene = case_folder(folder, chosen[0].id) / SCENE
-    whole = scene.read_text()
-    (scene.with_name(stage.ANSWER)).unlink()
-    scene.write_text("not a scene")
-    assert command_line.main(["errors", "--output", str(folder)]) == 1
-    assert f"case {chosen[0].id}: errors" in capsys.readouterr().err
-    scene.write_text(whole)
-    assert command_line.main(["errors", "--output", str(folder)]) == 0

@@ -32,7 +32,7 @@ DISTANCES = np.geomspace(0.005, 0.2, 9)
 def made(reference: NDArray[np.float64], own: float = 4, error: float = 1e-3) -> Curve:
     """A curve of the model's capacitances above with given reference values in V."""
     points = tuple(
-        Point("case", float(at), float(model) * PICO, Estimate(float(value), error))
+        Point("case", float(at), float(model) * PICO, Estimate(float(value), error), *[Estimate(1, 0)] * 2)
         for at, model, value in zip(DISTANCES, CAPACITANCES, reference)
     )
     return Curve("parallel", {"target_size": (0.1, 0.1)}, Estimate(own * PICO, 0), 5 * PICO, 2.5, points)

@@ -75,6 +75,13 @@ def test_cases_without_both_answers_are_left_out(tmp_path: Path) -> None:
     assert [curve.target_size for curve in found] == [(0.05, 0.05)]
 
 
+def test_floating_targets_have_no_mutual_and_are_left_out(tmp_path: Path) -> None:
+    floating = reference_document(2, 1, conductors=["sensor"])
+    answers = {place: (floating, model_document(1)) for place in range(2)}
+    found = curves(results.load(make_results(tmp_path, PARALLEL, answers)))
+    assert [curve.target_size for curve in found] == [(0.05, 0.05)]
+
+
 def test_the_parallel_plate_at_the_height_of_the_hinge_is_the_angle_0(tmp_path: Path) -> None:
     flat, small, pivoted = curves(results.load(make_results(tmp_path, PARALLEL + INCLINED)))
     whole = with_flat_start(pivoted, flat)

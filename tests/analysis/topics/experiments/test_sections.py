@@ -73,9 +73,9 @@ def test_a_study_that_is_no_experiment_has_no_such_section(tmp_path: Path) -> No
 
 def test_a_reference_that_is_the_model_with_other_constants_is_met(tmp_path: Path) -> None:
     text = section(make_results(tmp_path, SIZES, answers([0.8, 0.8, 0.8]), experiment="II"))
-    (finding,) = findings(text)
+    finding, _ = findings(text)
     assert "a coupling capacitance of 5 ± " in finding and "ε = 0.8 ± " in finding
-    assert text.count("plotly-graph-div") == 3
+    assert text.count("plotly-graph-div") == 4
     # The model as it comes: ε = 1 and the sensor's own 4 pF left out.
     exact = Divider(5 * PICO, 4 * PICO, 2.5).delta_output(0.8 * MODEL * PICO)
     missed = 1000 * np.sqrt(np.mean((Divider(5 * PICO, 0, 2.5).delta_output(MODEL * PICO) - exact) ** 2))
@@ -85,7 +85,7 @@ def test_a_reference_that_is_the_model_with_other_constants_is_met(tmp_path: Pat
 def test_other_sizes_are_held_beside_the_thesis(tmp_path: Path) -> None:
     """The reference of the smaller plate is above the model's prediction, that of the larger below."""
     text = section(make_results(tmp_path, SIZES, answers([0.8, 0.85, 0.5]), experiment="III"))
-    (finding,) = findings(text)
+    finding, _ = findings(text)
 
     def off(factor: float) -> float:
         divider = Divider(5 * PICO, 4 * PICO, 2.5)
@@ -111,7 +111,7 @@ def test_a_pivoted_plate_is_predicted_from_the_parallel_one(tmp_path: Path) -> N
         factor = 0.4 if place == 2 else 0.8
         given[COUNT + place] = (reference_document(2, factor * 3), model_document(3))
     text = section(make_results(tmp_path, ANGLES, given, experiment="IV"))
-    (finding,) = findings(text)
+    finding, _ = findings(text)
     assert "at 90° with the hinge at 1 cm" in finding and "the nearest, as in the thesis" in finding
     divider = Divider(5 * PICO, 4 * PICO, 2.5)
     high, true = (float(divider.delta_output(np.array([f * 3 * PICO]))[0]) for f in (0.8, 0.4))
@@ -125,7 +125,30 @@ def test_every_sensor_is_tuned_by_itself(tmp_path: Path) -> None:
     given = answers([0.8, 0.8, 0.8, 0.6, 0.6, 0.6])
     text = section(make_results(tmp_path, SIZES + other, given, experiment="III"))
     assert "Sensor of 10 cm × 10 cm" in text and "Sensor of 30 cm × 30 cm" in text
-    assert len(findings(text)) == 2 and all("where it is +0.00 % off" in each for each in findings(text))
+    assert len(findings(text)) == 4 and all("where it is +0.00 % off" in each for each in findings(text)[::2])
+
+
+@pytest.mark.parametrize(("experiment", "number"), [("II", 1), ("III", 3), ("IV", 2)])
+def test_the_change_of_the_reading_is_held_beside_mutual(
+    tmp_path: Path, experiment: str, number: int
+) -> None:
+    """Half of mutual but for one plate, far away or turned by 60 degrees, where it is a quarter."""
+    given = answers([0.8, 0.8, 0.8])
+    scenes = ANGLES if experiment == "IV" else SIZES
+    if experiment == "IV":
+        given = {place: given[place] for place in range(COUNT)}
+        given |= {COUNT + place: (reference_document(4, 2), model_document(3)) for place in range(6)}
+    place, at = (COUNT + 1, "60°") if experiment == "IV" else (COUNT - 1, "16 cm")
+    given[place] = (reference_document(4, 1), model_document(3))
+    text = section(make_results(tmp_path, scenes, given, experiment=experiment))
+    measured = findings(text)[1]
+    assert measured.count(" to ") == number and f" 0.250 (at {at}) to 0.500 " in measured
+    assert text.count("not mutual: that is the charge on the plate") == 1
+
+
+def test_the_first_experiment_measures_nothing(tmp_path: Path) -> None:
+    text = section(make_results(tmp_path, SIZES, answers([0.8, 0.8, 0.8]), experiment="I"))
+    assert "Measured quantity: none." in text
 
 
 @pytest.mark.parametrize("experiment", ["I", "II", "III", "IV"])

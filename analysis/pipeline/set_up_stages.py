@@ -1,0 +1,99 @@
+"""Set-ups of a topic, each answered by one stage; finished set-ups are not computed again."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Generic, Protocol, TypeVar
+
+from analysis.pipeline import keys
+from analysis.pipeline.processes import Processes
+from analysis.pipeline.scheduler import parallel_jobs, run_all
+from analysis.pipeline.stage import Stage, outdated
+from analysis.results.store import Document, read_current, write_text
+from analysis.results.study_results import SCENE, Failure, case_folder
+from geometries.common.installation import ROOT
+
+
+class SetUp(Protocol):
+    """A scene as its canonical text, the hash of the text, and a short form of the hash, by which the set-up is called."""
+
+    @property
+    def id(self) -> str:
+        ...
+
+    @property
+    def text(self) -> str:
+        ...
+
+    @property
+    def identity(self) -> str:
+        ...
+
+
+SomeSetUp = TypeVar("SomeSetUp", bound=SetUp)
+
+
+@dataclass(frozen=True)
+class SetUpStages(Generic[SomeSetUp]):
+    """The stages of a topic's set-ups.
+
+    `name` is that of the topic: of the folder of its answers, beside the folders of the studies' results, of the files in it, and of the
+    stage that a failure is reported under; `what` is the set-ups' in the progress bar. The answers depend on the model with its boundary
+    elements, on the files `sources` of the repository, and on the relative accuracy `rtol` asked of boundary elements. `answer` computes
+    the answer of a set-up, whose scene is in a file; `seconds` is how long it is expected to take.
+    """
+
+    name: str
+    what: str
+    rtol: float
+    sources: tuple[str, ...]
+    seconds: Callable[[SomeSetUp], float]
+    answer: Callable[[SomeSetUp, Path], Document]
+
+    def beside(self, results: Path) -> Path:
+        """Returns the topic's folder that belongs to a study's results."""
+        return results.resolve().parent / self.name
+
+    def path(self, folder: Path, set_up: SomeSetUp) -> Path:
+        """Returns the file of a set-up's answer."""
+        return case_folder(folder, set_up.id) / f"{self.name}.json"
+
+    def run(self, folder: Path, set_ups: Iterable[SomeSetUp], workers: int | None = None) -> list[Failure]:
+        """Computes the missing and outdated answers; returns the failures."""
+        current = self.code()
+        distinct = {each.id: each for each in set_ups}.values()
+        stages = outdated([self._stage(folder, each, current) for each in distinct])
+        return run_all(stages, workers or parallel_jobs(), self.what)
+
+    def load(self, folder: Path, set_ups: Iterable[SomeSetUp]) -> dict[str, Document]:
+        """Returns the answers in a folder that are up to date, by the set-up's id."""
+        if not folder.is_dir():
+            return {}
+        current = self.code()
+        found = {}
+        for each in set_ups:
+            answer = read_current(self.path(folder, each), self._key(each, current))
+            if answer is not None:
+                found[each.id] = answer
+        return found
+
+    def code(self, repository: Path = ROOT) -> str:
+        """Returns the version of the code that makes the answers."""
+        own = keys.hash_of_files([repository / source for source in self.sources], repository)
+        return f"{keys.model_code(repository)} {own}"
+
+    def _stage(self, folder: Path, set_up: SomeSetUp, code: str) -> Stage:
+        answer = functools.partial(self._answer, set_up, case_folder(folder, set_up.id) / SCENE)
+        target, key = self.path(folder, set_up), self._key(set_up, code)
+        return Stage(self.name, set_up.id, target, key, self.seconds(set_up), answer)
+
+    def _key(self, set_up: SomeSetUp, code: str) -> str:
+        return keys.measurement_key(f"{self.name} {set_up.identity} {self.rtol}", code, {})
+
+    def _answer(self, set_up: SomeSetUp, scene: Path, _: Processes) -> Document:
+        if not scene.is_file():
+            write_text(scene, set_up.text)
+        return self.answer(set_up, scene)

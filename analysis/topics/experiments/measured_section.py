@@ -1,0 +1,97 @@
+"""Experiments I to IV in the report: which quantity the thesis could have measured, beside the one that its formula stands for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import plotly.graph_objects as go
+from markupsafe import Markup
+
+from analysis.report import page
+from analysis.report.plot import Panel, figure, power_axis, series_colour
+from analysis.results.units import PICOFARAD
+from analysis.topics.experiments import plots, tables
+from analysis.topics.experiments.curves import Curve
+
+NOTHING_MEASURED = (
+    "Measured quantity: none. The thesis compares two evaluations of its own formula, and so does this section; their difference is the same "
+    "whether the formula stands for mutual or for the change of a reading."
+)
+_MEASURED = (
+    "Measured quantity: the thesis' electronics sense the driven sensor through a divider, with the plate and without it. This determines the change of the "
+    "sensor's reading, which in empty space is delta_self, and not mutual: that is the charge on the plate, which was connected to no meter. All curves of delta output are "
+    "made of the change. {} The thesis does not describe the plate's connection; its chapter 7 calls the objects grounded, as here. What a "
+    "machine around the sensor or a floating plate makes of the change: Experiment VII."
+)
+_OF_EXPERIMENT = {
+    "II": "The tuning absorbs a constant ratio of change to mutual; theirs is not constant.",
+    "III": "The tuning absorbs the ratio of change to mutual of one plate only.",
+    "IV": "The ratio of change to mutual depends on the angle, too. The holder of the thesis' plate, a dielectric, is left out.",
+}
+
+
+@dataclass(frozen=True)
+class Share:
+    """The change over mutual along a curve, with the place (m or degrees) of each."""
+
+    least: float
+    least_at: float
+    greatest: float
+    greatest_at: float
+
+
+def measured(experiment: str) -> Markup:
+    """Returns which quantity the thesis measured in Experiment II, III or IV."""
+    return page.paragraph(_MEASURED.format(_OF_EXPERIMENT[experiment]))
+
+
+def parts(labelled: list[tuple[str, Curve]], swept: str) -> list[Markup]:
+    """Returns the ratio of change to mutual, and a figure of both, for curves with their names."""
+    return [
+        page.finding(finding(labelled, swept)),
+        page.figures([_both(labelled, swept)]),
+    ]
+
+
+def share(curve: Curve) -> Share:
+    """Returns the range of the change over mutual."""
+    ratios = [(point.change.value / point.mutual.value, point.at) for point in curve.points]
+    (least, least_at), (greatest, greatest_at) = min(ratios), max(ratios)
+    return Share(least, least_at, greatest, greatest_at)
+
+
+def finding(labelled: list[tuple[str, Curve]], swept: str) -> str:
+    """Tells how much of mutual the change is on every curve."""
+    phrases = []
+    for name, curve in labelled:
+        found = share(curve)
+        phrases.append(
+            f"{name} {found.least:.3f} (at {tables.place(found.least_at, swept)}) to {found.greatest:.3f} "
+            f"(at {tables.place(found.greatest_at, swept)})"
+        )
+    return f"The change of the reading, over mutual: {'; '.join(phrases)}."
+
+
+def _both(labelled: list[tuple[str, Curve]], swept: str) -> Panel:
+    traces = []
+    for index, (name, curve) in enumerate(labelled):
+        for what, dash in (("change", "solid"), ("mutual", "dot")):
+            estimates = [getattr(point, what) for point in curve.points]
+            traces.append(
+                go.Scatter(
+                    x=plots.across(curve, swept),
+                    y=[each.value / PICOFARAD for each in estimates],
+                    error_y={"array": [each.error / PICOFARAD for each in estimates], "thickness": 1.5},
+                    mode="lines+markers",
+                    line={"color": series_colour(index), "dash": dash, "width": 2},
+                    marker={"size": 6},
+                    name=f"{what}, {name}",
+                    text=[point.case for point in curve.points],
+                    customdata=[point.case for point in curve.points],
+                    hovertemplate="%{y:.4g} pF<br>%{text}<extra>" + f"{what}, {name}</extra>",
+                )
+            )
+    y = power_axis("capacitance (pF)")
+    return Panel(
+        "change of the reading, and mutual, by the reference", figure(traces, plots.axis_of(swept), y, 440)
+    )
