@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -32,6 +33,9 @@ from geometries.scene.reader import load
 # Version of the documents' format, as geometries/schemas/FORMATS.md describes it.
 FORMAT = 1
 ANSWERED, NOT_REACHED = 0, 3
+
+# Seconds after the limit of time in which the solver may end by itself, as it does between two levels.
+_GRACE = 2.0
 
 METHOD = (
     "Richardson extrapolation over meshes of edge size h, h/2, h/4 … where the ratio of their differences is that of the "
@@ -69,7 +73,9 @@ def answer(
             _print_level(so_far.levels[-1], so_far.worst)
         stopped = replace(so_far, stopped_by="it was stopped before the next level ended")
         report(
-            AnswerSoFar(_text(stopped, as_json), _shortfall(path, stopped), limits.seconds - so_far.seconds)
+            AnswerSoFar(
+                _text(stopped, as_json), _shortfall(path, stopped), _GRACE + limits.seconds - so_far.seconds
+            )
         )
 
     reference = maxwell(
@@ -88,7 +94,10 @@ def answer(
     status = ANSWERED if reference.reached else NOT_REACHED
     if not is_first:
         return status
-    print(_text(reference, as_json))
+    text = _text(reference, as_json)
+    # Nothing ends the command any more while it prints.
+    report(AnswerSoFar(text, _shortfall(path, reference), math.inf))
+    print(text)
     if not reference.reached:
         print(_shortfall(path, reference), file=sys.stderr)
         if reference.contradicted is not None:

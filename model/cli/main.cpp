@@ -149,8 +149,10 @@ int run(int argument_count, char** arguments) {
   cli::add_method_options(*capacitance_command, request.method);
   capacitance_command->add_option("--frame", request.frame,
                                   "The frame of a motion, by its name or number, whose poses the links take");
-  capacitance_command->add_option("--motion", request.motion, "The motion file; only with --frame")
-      ->default_str("SCENE.motion.toml");
+  capacitance_command
+      ->add_option("--motion", request.motion,
+                   "The motion file (if not given, SCENE.motion.toml); only with --frame")
+      ->type_name("FILE");
   capacitance_command
       ->add_option("--output", request.output,
                    "Also write the triangles with what each adds to every sensor's capacitance, for ParaView")

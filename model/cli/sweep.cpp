@@ -130,7 +130,8 @@ CLI::App* add_sweep_command(CLI::App& program, SweepRequest& request) {
       "sweep", "The readings of a scene in every frame of a motion, as CSV, and where they are noticed");
   command->set_version_flag("--version", version());
   command->add_option("SCENE", request.scene, "The scene file (TOML)")->required();
-  command->add_option("--motion", request.motion, "The motion file")->default_str("SCENE.motion.toml");
+  command->add_option("--motion", request.motion, "The motion file (if not given, SCENE.motion.toml)")
+      ->type_name("FILE");
   add_method_options(*command, request.method);
   command
       ->add_option("--output", request.output,

@@ -19,6 +19,7 @@ from analysis.__main__ import main
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL, REFERENCE = "model/test_command_line.py", "fem_reference/test_command_line.py"
+SWEEP = "model/test_sweep.py"
 HERE, IMPORT = "end_to_end/test_options.py", "end_to_end/test_import.py"
 EXPORTED = ("end_to_end/test_export.py", "test_the_method_and_the_error_asked_for_are_the_users")
 TABLE = ("analysis/topics/published/test_table.py", "test_the_options_of_the_command_reach_what_they_are_for")
@@ -38,6 +39,20 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
         "--correction": ("model/test_corrections.py", "test_command_and_module_agree"),
         "--output": ("model/test_output_file.py", "test_the_triangles_of_an_object_add_up_to_its_capacitance"),
         "--rtol": ("model/test_boundary_elements.py", "test_options_that_would_change_nothing_are_refused"),
+        "--frame": (SWEEP, "test_a_frame_that_is_none_is_refused"),
+        "--motion": (SWEEP, "test_a_frame_that_is_none_is_refused"),
+    },
+    ("fringe", "sweep"): {
+        "--help": SAID,
+        "--version": SAID,
+        "--motion": (SWEEP, "test_a_sweep_takes_the_options_of_the_method_and_a_motion"),
+        "--method": (SWEEP, "test_every_frame_has_the_reading_of_the_scene_in_its_poses"),
+        "--plates": (SWEEP, "test_a_sweep_takes_the_options_of_the_method_and_a_motion"),
+        "--faces": (SWEEP, "test_a_sweep_takes_the_options_of_the_method_and_a_motion"),
+        "--tolerance": (SWEEP, "test_a_sweep_takes_the_options_of_the_method_and_a_motion"),
+        "--correction": (SWEEP, "test_a_sweep_takes_the_options_of_the_method_and_a_motion"),
+        "--output": (SWEEP, "test_with_a_file_the_command_says_where_the_threshold_is_crossed"),
+        "--rtol": (SWEEP, "test_status_3_says_that_a_frame_is_less_accurate_than_asked_for"),
     },
     ("fringe", "collide"): {"--help": SAID, "--version": SAID, "--json": (HERE, "test_json_in_the_place_of_a_table")},
     ("fringe", "export"): {"--help": SAID, "--version": SAID, "--method": EXPORTED, "--rtol": EXPORTED},

@@ -8,6 +8,7 @@ import json
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import fringe
 import numpy as np
@@ -184,6 +185,31 @@ def test_status_3_says_that_a_frame_is_less_accurate_than_asked_for(
     assert done.returncode == 3
     assert "an error of 0.0001 was not reached in every frame" in done.stderr
     assert len(rows(done.stdout)) == 3
+
+
+@pytest.mark.parametrize(
+    ("options", "python"),
+    [
+        (("--plates", "nearest"), {"plates": "nearest"}),
+        (("--faces", "facing"), {"faces": "facing"}),
+        (("--tolerance", "0.1"), {"tolerance": 0.1}),
+        (("--correction", "formula"), {"correction": "formula"}),
+        (("--motion", "other.toml"), {}),
+    ],
+)
+def test_a_sweep_takes_the_options_of_the_method_and_a_motion(
+    fringe_command: Command,
+    scene: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    options: tuple[str, str],
+    python: dict[str, Any],
+) -> None:
+    monkeypatch.chdir(scene.parent)
+    (scene.parent / "other.toml").write_text(MOTION.replace("0.03", "0.2"))
+    file = "other.toml" if options[0] == "--motion" else "scene.motion.toml"
+    found = [float(row["change_F"]) for row in rows(fringe_command("sweep", scene, *options).stdout)]
+    expected = fringe.Scene.load(str(scene)).sweep(file, **python)
+    assert found == [readings["self, front"].change for _, readings in expected]
 
 
 def test_a_sweep_needs_a_motion(fringe_command: Command, scene: Path) -> None:

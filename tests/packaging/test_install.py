@@ -144,7 +144,7 @@ def options_of(program: Path, *command: str) -> set[str]:
 
 
 COMMANDS = {
-    "fringe": ("capacitance", "collide", "sense", "info"),
+    "fringe": ("capacitance", "collide", "export", "info", "sense", "sweep"),
     "fringe-analysis": ("run", "nightly", "diff", "report", "verify", "errors", "corrections", "show"),
     "fringe-geometries": ("convert", "expand"),
     "fringe-reference": (),

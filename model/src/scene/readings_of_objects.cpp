@@ -10,11 +10,10 @@
 namespace fringe::detail {
 
 std::vector<bool> have_capacitances(const Scene& scene) {
-  const bool floating_are_left_out = asks_for_changes(scene);
   std::vector<bool> result;
   for (const Object& object : scene.objects)
     result.push_back(!std::holds_alternative<Electrode>(object.role) &&
-                     !(floating_are_left_out && std::holds_alternative<Floating>(object.role)));
+                     !(std::holds_alternative<Floating>(object.role) && asks_for_changes(scene)));
   return result;
 }
 

@@ -315,9 +315,10 @@ class SceneEvaluator::Implementation {
 std::unique_ptr<SceneEvaluator::Implementation>
 SceneEvaluator::make_implementation(const Scene& scene, const CapacitanceOptions& options,
                                     const std::shared_ptr<detail::LinkPoses>& poses) {
-  if (options.correction == Correction::recommended)
-    return std::make_unique<Implementation>(scene, options, poses);
   const std::vector<bool> are_known = detail::have_capacitances(scene);
+  if (options.correction == Correction::recommended ||
+      std::find(are_known.begin(), are_known.end(), false) == are_known.end())
+    return std::make_unique<Implementation>(scene, options, poses);
   Scene known = scene;
   known.objects.clear();
   for (std::size_t k = 0; k < scene.objects.size(); ++k)
