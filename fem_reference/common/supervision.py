@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing import Pipe
-from multiprocessing.connection import Connection
+from multiprocessing.connection import Connection, wait
 
 INTERRUPTED = 130
 """What shells report for a command that was interrupted."""
@@ -44,32 +44,35 @@ def supervised(command: Callable[[Report], int], unreached: int) -> int:
     if int(os.environ.get("OMPI_COMM_WORLD_SIZE", "1")) > 1:
         return command(lambda _: None)
     receiving, sending = Pipe(duplex=False)
+    wakes = _wakes_on_interrupt()
     sys.stdout.flush()
     child = os.fork()
     if child == 0:
+        # The parent decides. The handler stays: programs that the command starts would inherit SIG_IGN.
+        signal.set_wakeup_fd(-1)
         receiving.close()
-        # The parent decides. A handler in place of SIG_IGN, because programs that the command starts would inherit that.
-        signal.signal(signal.SIGINT, lambda *_: None)
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
         return command(sending.send)
     sending.close()
-    return _watched(child, receiving, unreached)
+    return _watched(child, receiving, wakes, unreached)
 
 
-def _watched(child: int, reports: Connection, unreached: int) -> int:
+def _watched(child: int, reports: Connection, wakes: int, unreached: int) -> int:
     latest: AnswerSoFar | None = None
     ends = math.inf
     interrupted = False
-    try:
-        while reports.poll(None if math.isinf(ends) else max(0.0, ends - time.monotonic())):
+    while True:
+        ready = wait([reports, wakes], None if math.isinf(ends) else max(0.0, ends - time.monotonic()))
+        interrupted = wakes in ready
+        if interrupted or not ready:
+            os.kill(child, signal.SIGKILL)
+            latest = _last(reports) or latest
+            break
+        try:
             so_far: AnswerSoFar = reports.recv()
-            latest, ends = so_far, time.monotonic() + so_far.seconds_left
-        os.kill(child, signal.SIGKILL)
-    except EOFError:
-        pass
-    except KeyboardInterrupt:
-        interrupted = True
-        os.kill(child, signal.SIGKILL)
+        except EOFError:
+            break
+        latest, ends = so_far, time.monotonic() + so_far.seconds_left
     _, state = os.waitpid(child, 0)
     status = os.waitstatus_to_exitcode(state)
     if interrupted:
@@ -86,3 +89,22 @@ def _watched(child: int, reports: Connection, unreached: int) -> int:
     # Ended from outside, by the system for want of memory for instance: as a shell reports it.
     print(f"fem_reference: ended by {signal.Signals(-status).name}", file=sys.stderr)
     return 128 - status
+
+
+def _wakes_on_interrupt() -> int:
+    """Returns a file descriptor that can be read after Ctrl-C. An exception could come while a report is received, and lose it."""
+    wakes, woken = os.pipe()
+    os.set_blocking(woken, False)
+    signal.set_wakeup_fd(woken)
+    signal.signal(signal.SIGINT, lambda *_: None)
+    return wakes
+
+
+def _last(reports: Connection) -> AnswerSoFar | None:
+    """Returns the last report of a child that has ended, if one has not been received yet."""
+    latest: AnswerSoFar | None = None
+    try:
+        while True:
+            latest = reports.recv()
+    except EOFError:
+        return latest
