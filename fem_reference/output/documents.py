@@ -72,11 +72,8 @@ def answer(
         if not as_json:
             _print_level(so_far.levels[-1], so_far.worst)
         stopped = replace(so_far, stopped_by="it was stopped before the next level ended")
-        report(
-            AnswerSoFar(
-                _text(stopped, as_json), _shortfall(path, stopped), _GRACE + limits.seconds - so_far.seconds
-            )
-        )
+        left = max(0.0, limits.seconds - so_far.seconds) + _GRACE
+        report(AnswerSoFar(_text(stopped, as_json), _shortfall(path, stopped), left))
 
     reference = maxwell(
         scene,
