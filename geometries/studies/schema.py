@@ -93,7 +93,7 @@ def _swept(value: Schema, ranges: bool) -> Schema:
 
 def _sweep(name: str, family: Callable[..., Scene]) -> Schema:
     parameters = inspect.signature(family).parameters
-    # Of the families' materials only those with a permittivity may be dielectric.
+    # Targets may be dielectric only in families that have a permittivity for them.
     texts = {
         "machine": "machine",
         "material": "material" if "relative_permittivity" in parameters else "conductor",

@@ -68,7 +68,7 @@ std::string text_of(const std::optional<double>& number) {
   return number ? fmt::format("{}", *number) : std::string();
 }
 
-/// What a sweep has found so far.
+/// The table of the frames evaluated so far, and which of their changes are noticed.
 struct Sweep {
   std::string table = header;
   std::vector<std::vector<Noticed>> noticed;  ///< for every frame and reading

@@ -81,7 +81,7 @@ MatrixXd ReducedSystem::residual_energies() {
                 kernels.dot(row->moments[first + static_cast<std::size_t>(c)],
                             column->corrections[first + static_cast<std::size_t>(d)], level(body).padded);
   }
-  // What changes is the difference of both.
+  // The second half becomes the difference of the charges with the targets and without them.
   sum.bottomRows(count) -= sum.topRows(count).eval();
   sum.rightCols(count) -= sum.leftCols(count).eval();
   return (sum + sum.transpose()) / 2;

@@ -22,8 +22,8 @@ struct ReducedBody {
   int level = 0;
 };
 
-/// What still finer triangles would add, relative to the change from coarser triangles to a body's own. Along
-/// edges that are about resolved it was 0.8, on the facets of a ball 0.25.
+/// The energy that still finer triangles would add, relative to the change from coarser triangles to a body's
+/// own. Along edges that are about resolved it was 0.8, on the facets of a ball 0.25.
 constexpr double likely_missing = 0.6;
 
 /// When the solver stops extending the reduced basis.
@@ -33,7 +33,7 @@ struct ReductionLimits {
   double accuracy;  ///< steps go on while more than this fraction of an entry may be missing
 };
 
-/// What targets change, in the basis of the last solution. X is the charge on the machine without the
+/// The effect of the targets, in the basis of the last solution. X is the charge on the machine without the
 /// targets, for every conductor at unit potential, and X + Z that with the targets. Forms have a row and a
 /// column for each X and, behind them, for each Z.
 struct ReducedChange {
