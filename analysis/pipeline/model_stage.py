@@ -26,6 +26,15 @@ def model_module() -> Any:
     return importlib.import_module("fringe")
 
 
+def model_is_built() -> bool:
+    """Tells whether the model's Python module can be used."""
+    try:
+        model_module()
+    except ModuleNotFoundError:
+        return False
+    return True
+
+
 def knows(scene: Scene) -> bool:
     """Tells whether the model applies: it needs conductors, grounded ones unless its answer says which changes it does not know."""
     if any(body.relative_permittivity is not None for body in scene.objects):

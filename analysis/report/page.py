@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +27,7 @@ PLOT = "plotly-graph-div"
 """The HTML class of the element that a figure is drawn in."""
 
 _HEIGHT = 400
+_DRAWN = re.compile(r"Plotly\.newPlot\(document\.currentScript\.previousElementSibling, (.*?)\);</script>")
 # The mark of the inputs is within so many characters of a page's beginning; its scripts may take megabytes.
 _MARK_WITHIN = 1000
 
@@ -38,6 +40,16 @@ _TEMPLATES = Environment(
     lstrip_blocks=True,
     undefined=StrictUndefined,
 )
+_MINUS = re.compile(r"(?<![\w.)\]])-(?=[\d.∞])")
+
+
+def _typographic(text: str) -> str:
+    """Sets a minus sign before numbers in plain text; the hyphen of a keyboard is shorter than the plus it stands below. HTML, as of
+    commands that readers copy, is left as it is."""
+    return text if isinstance(text, Markup) else _MINUS.sub("−", text)
+
+
+_TEMPLATES.filters["typographic"] = _typographic
 _PARTS: Any = _TEMPLATES.get_template("parts.html").module
 
 
@@ -119,6 +131,11 @@ def lines(parts: Iterable[Markup]) -> Markup:
     return Markup("\n").join(parts)
 
 
+def beside(left: Iterable[Markup], right: Iterable[Markup]) -> Markup:
+    """Puts parts beside others where the screen is wide enough."""
+    return Markup(_PARTS.beside(list(left), list(right)))
+
+
 def heading(text: str) -> Markup:
     """Returns the title of a part of a section."""
     return Markup(_PARTS.heading(text))
@@ -176,14 +193,9 @@ def link(target: str, text: str | Markup, current: bool = False) -> Markup:
     return Markup(_PARTS.link(target, text, current))
 
 
-def case_link(case: str, cases: str = CASES) -> Markup:
-    """Returns a link to a case's page."""
-    return link(f"{cases}/{case}/{CASE_PAGE}", code(case))
-
-
-def family_and_case(family: str, case: str) -> Markup:
-    """Returns the family of a case and a link to its page, for a cell of a table."""
-    return Markup("{} {}").format(family, case_link(case))
+def case_link(case: str, name: str, cases: str = CASES) -> Markup:
+    """Returns a link to the page of a case or set-up, given by its id; the link's text is its name in words."""
+    return link(f"{cases}/{case}/{CASE_PAGE}", name)
 
 
 def command(text: str) -> Markup:
@@ -201,6 +213,12 @@ def table(
 ) -> Markup:
     """Returns a table; the first `text_columns` are set left, the rest, numbers, right. The rows numbered in `strong` are bold."""
     return Markup(_PARTS.table(header, rows, text_columns, strong))
+
+
+def figures_of(text: Markup) -> list[tuple[list[dict[str, Any]], dict[str, Any]]]:
+    """Returns the data and the layout of every figure in a page's body."""
+    found = [json.loads(f"[{drawn}]") for drawn in _DRAWN.findall(text)]
+    return [(data, layout) for data, layout, _ in found]
 
 
 def _figure(figure: Any) -> dict[str, object]:

@@ -9,6 +9,7 @@ import plotly.graph_objects as go
 
 from analysis.report.plot import Panel, Plot, figure, power_axis, series_colour
 from analysis.results.table import COMPARED_METHOD, MUTUAL, Row
+from analysis.results.units import duration
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,7 @@ def time_against_error(rows: list[Row]) -> Plot:
 
 
 def _finding(exact: Point, integration: list[Point], splits: list[Point], levels: list[Point]) -> str:
-    sentence = f"The exact model takes {_duration(exact.seconds)} and is {exact.error:.0%} off, the median of all cases"
+    sentence = f"The exact model takes {duration(exact.seconds)} and is {exact.error:.0%} off, the median of all cases"
     if splits:
         factor, finest = splits[-1].seconds / exact.seconds, splits[-1].label
         sentence += (
@@ -89,15 +90,8 @@ def _finding(exact: Point, integration: list[Point], splits: list[Point], levels
             f" {splits[-1].error:.0%} off all the same, so the formula is wrong and not its integration"
         )
     if levels:
-        sentence += f"; the field solver's coarsest mesh is {levels[0].error:.2%} off after {_duration(levels[0].seconds)}"
+        sentence += f"; the field solver's coarsest mesh is {levels[0].error:.2%} off after {duration(levels[0].seconds)}"
     return sentence + "."
-
-
-def _duration(seconds: float) -> str:
-    for unit, name in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
-        if seconds >= unit:
-            return f"{seconds / unit:.3g} {name}"
-    return f"{seconds / 1e-9:.3g} ns"
 
 
 def _point(label: str, rows: list[Row], errors: list[float]) -> Point:

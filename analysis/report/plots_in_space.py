@@ -9,6 +9,7 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from analysis.report.plot import INK, MACHINE_COLOUR, SENSOR_COLOUR, TARGET_COLOUR, Panel, Plot, axis, figure
+from analysis.results.names import in_words
 from analysis.results.store import Document
 from analysis.results.study_results import CaseResult
 from analysis.results.table import MUTUAL, Row
@@ -19,7 +20,13 @@ from geometries.scene.scene import Object, Scene
 
 Array = NDArray[np.float64]
 
-_WITHOUT_UNIT, _CAPACITANCE = "relative_permittivity", "to_ground"
+_DECIMALS = 4
+"""Decimals of a coordinate in cm: a micrometre."""
+_MOST_TICKS, _FEWEST_TICKS, _SHORT = 6, 3, 0.35
+"""Numbers along an axis, fewer where the side of the box is shorter than this part of the longest."""
+
+EYE = (1.1, -1.55, 1.0)
+"""Where a scene is seen from, relative to its centre."""
 FLATTEST = 0.1
 """Least height of the box around a scene, relative to its largest side; plates in one plane have no height."""
 
@@ -83,34 +90,14 @@ def in_space(scene: Scene) -> Panel:
     return Panel(" and ".join((", ".join(parts[:-1]), parts[-1])) if parts[1:] else parts[0], _space(scene))
 
 
-def parameters(case: CaseResult) -> str:
-    """Writes the parameters for people, with lengths in cm."""
-    phrases = []
-    for name, value in case.unusual_parameters.items():
-        label = name.replace("_", " ")
-        if name == _CAPACITANCE and isinstance(value, float):
-            phrases.append(f"{label} {value / PICOFARAD:g} pF")
-            continue
-        if isinstance(value, str) or name == _WITHOUT_UNIT:
-            phrases.append(f"{label} {value if isinstance(value, str) else f'{value:g}'}")
-            continue
-        values = value if isinstance(value, tuple) else (value,)
-        if name.endswith("_degrees"):
-            phrases.append(f"{label.removesuffix(' degrees')} {values[0]:g}°")
-        else:
-            between = " × " if name.endswith("_size") else " and "
-            phrases.append(f"{label} {between.join(f'{v / CENTIMETRE:g}' for v in values)} cm")
-    return ", ".join(phrases) + "."
-
-
 def _picture(row: Row) -> Plot:
     case = row.case
     mutual = row.reference.value / PICOFARAD
     finding = (
-        f"In case {case.id} the grounded target carries {mutual:.3g} pC for each volt on the sensor (mutual, reference);"
+        f"In the case {case.name} the grounded target carries {mutual:.3g} pC for each volt on the sensor (mutual, reference);"
         f" the model's value is {abs(row.model_error):.0%} too {'high' if row.model_error > 0 else 'low'}."
     )
-    return Plot(f"Family {case.family}", finding, panels(case), parameters(case))
+    return Plot(f"Family {case.family}", finding, panels(case), f"{in_words(case.parameters)}.")
 
 
 def _colours(scene: Scene, sensor: str) -> dict[str, str]:
@@ -124,32 +111,33 @@ def _colours(scene: Scene, sensor: str) -> dict[str, str]:
 def _space(scene: Scene) -> go.Figure:
     colours = _colours(scene, SENSOR_COLOUR)
     bodies = triangles(scene)
-    traces: list[object] = []
-    for name, own in bodies.items():
-        vertices = own.reshape(-1, 3) / CENTIMETRE
-        first, second, third = np.arange(len(vertices)).reshape(-1, 3).T
-        x, y, z = vertices.T
-        traces.append(
-            go.Mesh3d(
-                x=x,
-                y=y,
-                z=z,
-                i=first,
-                j=second,
-                k=third,
-                color=colours[name],
-                opacity=0.75,
-                name=name,
-                hoverinfo="name",
-            )
-        )
-    view = {
-        "xaxis": {"title": "x (cm)"},
-        "yaxis": {"title": "y (cm)"},
-        "zaxis": {"title": "z (cm)", "nticks": 4},
+    traces: list[object] = [
+        mesh(name, own, color=colours[name], opacity=0.75) for name, own in bodies.items()
+    ]
+    return figure_in_space(traces, bodies)
+
+
+def mesh(name: str, own: Array, **look: object) -> go.Mesh3d:
+    """Returns triangles (n, 3, 3) as a body of a figure in space."""
+    vertices = np.round(own.reshape(-1, 3) / CENTIMETRE, _DECIMALS) + 0.0
+    distinct, numbers = np.unique(vertices, axis=0, return_inverse=True)
+    x, y, z = distinct.T
+    i, j, k = numbers.reshape(-1, 3).T
+    return go.Mesh3d(x=x, y=y, z=z, i=i, j=j, k=k, name=name, hoverinfo="name", flatshading=True, **look)
+
+
+def figure_in_space(traces: list[object], bodies: dict[str, Array]) -> go.Figure:
+    """Returns a figure of bodies, whose triangles (n, 3, 3) give the sides of the box around it. Short sides have fewer numbers, which would
+    cover each other."""
+    sides = aspect(bodies.values())
+    view: dict[str, object] = {
+        f"{axis}axis": {"title": f"{axis} (cm)", "nticks": _MOST_TICKS if side > _SHORT else _FEWEST_TICKS}
+        for axis, side in zip("xyz", sides)
+    }
+    view |= {
         "aspectmode": "manual",
-        "aspectratio": dict(zip("xyz", aspect(bodies.values()))),
-        "camera": {"eye": {"x": 1.1, "y": -1.55, "z": 1.0}},
+        "aspectratio": dict(zip("xyz", sides)),
+        "camera": {"eye": dict(zip("xyz", EYE))},
     }
     return figure(traces, {}, {}, height=420, scene=view, margin={"l": 0, "r": 0, "t": 0, "b": 0})
 

@@ -10,6 +10,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from analysis.report.plot import Panel, Plot, axis, family_marker, figure, log_axis
+from analysis.results.names import in_words
 from analysis.results.set_up import SetUp
 from analysis.results.table import COMPARED_METHOD, QUANTITIES, Row
 from analysis.results.units import PICOFARAD
@@ -87,11 +88,7 @@ def _values(rows: list[Row], quantity: str) -> go.Figure:
 
 def hover_text(row: Row) -> str:
     """Returns what a point shows of its case."""
-    parameters = ", ".join(
-        f"{name} {'×'.join(f'{v:g}' for v in value) if isinstance(value, tuple) else value}"
-        for name, value in row.case.unusual_parameters.items()
-    )
-    return f"{row.case.family} {row.case.id}<br>{parameters}"
+    return f"{row.case.name}<br>{in_words(row.case.parameters)}"
 
 
 def error_over_gap(rows: list[Row]) -> Plot:

@@ -8,9 +8,11 @@ import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
+from analysis.report.labels import placed
 from analysis.report.plot import INK, Panel, figure, power_axis, series_colour
 from analysis.results import measurements
 from analysis.results.measurements import MethodTime, RunTimes
+from analysis.results.units import duration
 
 TITLE = "Run time against error of the integral"
 EXACT, THESIS = "exact", "split:4"
@@ -18,6 +20,9 @@ EXACT, THESIS = "exact", "split:4"
 _NANOSECOND = 1e-9
 # Half a unit in the last place of 1. Smaller errors are those of rounding the result; zero has no logarithm.
 _ROUNDING = 2.0**-54
+_HEIGHT = 340
+_INSIDE = (430.0, 240.0)
+"""Pixels between the axes of a panel on a screen on which two stand beside each other."""
 _SYMBOLS = ("star", "circle", "square", "diamond", "triangle-up", "x", "cross")
 _SETS = (
     "Triangles in the regions I (in front of the plate), II (beside an edge) and III (diagonal to a corner), of 0.02 (fine) "
@@ -95,7 +100,7 @@ def _caption(times: list[MethodTime]) -> str:
     """Names the set and the cost of the exact method on it relative to the thesis'."""
     named = {time.method: time for time in times}
     times_of_methods = "; ".join(
-        f"{method} {named[method].seconds_per_triangle / _NANOSECOND:.3g} ns, off by {named[method].error:.0e}"
+        f"{method} {duration(named[method].seconds_per_triangle)}, off by {named[method].error:.0e}"
         for method in (EXACT, THESIS)
         if method in named
     )
@@ -111,6 +116,15 @@ def _panel(times: list[MethodTime], measured: RunTimes) -> go.Figure:
     """Plots one set; all panels have the same axes and colours."""
     kinds = list(dict.fromkeys(_kind(time.method) for time in measured.times))
     best = front(times)
+    x_range = _range([time.seconds_per_triangle / _NANOSECOND for time in measured.times])
+    y_range = _range([max(time.error, _ROUNDING) for time in measured.times])
+    labels = [time.method.partition(":")[2] for time in times]
+    where = dict(
+        zip(
+            (time.method for time in times),
+            placed([_pixels(time, x_range, y_range) for time in times], labels),
+        )
+    )
     traces = [
         go.Scatter(
             x=[time.seconds_per_triangle / _NANOSECOND for time in best],
@@ -128,8 +142,8 @@ def _panel(times: list[MethodTime], measured: RunTimes) -> go.Figure:
                 x=[time.seconds_per_triangle / _NANOSECOND for time in members],
                 y=[max(time.error, _ROUNDING) for time in members],
                 mode="markers+text",
-                text=[time.method.partition(":")[2] for time in members],
-                textposition="top right",
+                text=[time.method.partition(":")[2] if where[time.method] else "" for time in members],
+                textposition=[where[time.method] or "top right" for time in members],
                 textfont={"size": 10},
                 customdata=[time.method for time in members],
                 cliponaxis=False,
@@ -138,13 +152,16 @@ def _panel(times: list[MethodTime], measured: RunTimes) -> go.Figure:
                 hovertemplate="%{customdata}: %{x:.3g} ns, %{y:.2g}<extra></extra>",
             )
         )
-    x = power_axis(
-        "ns per triangle", range=_range([t.seconds_per_triangle / _NANOSECOND for t in measured.times])
-    )
-    errors = [max(time.error, _ROUNDING) for time in measured.times]
-    return figure(
-        traces, x, power_axis("largest relative error", decades=3, range=_range(errors)), height=340
-    )
+    x = power_axis("ns per triangle", range=x_range)
+    return figure(traces, x, power_axis("largest relative error", decades=3, range=y_range), height=_HEIGHT)
+
+
+def _pixels(time: MethodTime, x_range: list[float], y_range: list[float]) -> tuple[float, float]:
+    """Returns about where a point is in its panel."""
+    x = math.log10(time.seconds_per_triangle / _NANOSECOND)
+    y = math.log10(max(time.error, _ROUNDING))
+    shares = [(value - low) / (high - low) for value, (low, high) in ((x, x_range), (y, y_range))]
+    return _INSIDE[0] * shares[0], _INSIDE[1] * shares[1]
 
 
 def _range(values: list[float]) -> list[float]:

@@ -41,7 +41,7 @@ FILES = (
 
 
 def headline(results: Results, summaries: list[Summary]) -> Markup:
-    """Returns the title, the question, and the model errors for each family and quantity."""
+    """Returns the question, and the model errors for each family and quantity."""
     whole = {summary.quantity: summary for summary in summaries if summary.family == ALL_FAMILIES}
     parts = [page.paragraph(_QUESTION)]
     for quantity, summary in whole.items():
@@ -53,6 +53,8 @@ def headline(results: Results, summaries: list[Summary]) -> Markup:
             )
         )
     parts.append(page.paragraph(_QUANTITIES))
+    if not summaries:
+        return page.lines(parts)
     strong = frozenset(index for index, summary in enumerate(summaries) if summary.family == ALL_FAMILIES)
     header = [
         "quantity",
@@ -73,13 +75,12 @@ def headline(results: Results, summaries: list[Summary]) -> Markup:
             f"{s.median:.1%}",
             f"{s.worst:+.1%}",
             f"{s.sure_to:.2%}",
-            page.case_link(s.worst_case, "cases"),
+            page.case_link(s.worst_case, results.cases[s.worst_case].name, "cases"),
         ]
         for s in summaries
     ]
-    if summaries:
-        parts += [page.table(header, rows, text_columns=2, strong=strong), page.soft(_ERROR)]
-    return page.header(results.title, *parts)
+    table = [page.table(header, rows, text_columns=2, strong=strong), page.soft(_ERROR)]
+    return page.beside(parts, table)
 
 
 def trust(results: Results, rows: list[Row], pairs: list[Pair]) -> Markup:
@@ -112,8 +113,8 @@ def _pairs(pairs: list[Pair]) -> list[Markup]:
     ]
     rows = [
         [
-            page.family_and_case(pair.first.family, pair.first.id),
-            page.family_and_case(pair.second.family, pair.second.id),
+            page.case_link(pair.first.id, pair.first.name),
+            page.case_link(pair.second.id, pair.second.name),
             pair.relation,
             pair.quantity,
             f"{pair.first_value.value / PICOFARAD:.5f} ± {pair.first_value.error / PICOFARAD:.5f}",
@@ -165,7 +166,7 @@ def _accuracy(results: Results, rows: list[Row]) -> list[Markup]:
     enclosed = [answer for answer in solved if answer.error_kind == "enclosure"]
     if enclosed:
         parts.append(page.finding(_widths(enclosed)))
-    listed = "; ".join(f"{case.family} {case.id}" for case in short)
+    listed = "; ".join(case.name for case in short)
     if short:
         parts.append(page.paragraph(f"Short of it, kept with their wider errors: {listed}."))
     parts += [
@@ -193,7 +194,7 @@ def failures(results: Results) -> Markup:
     if not results.failures:
         return Markup("")
     rows = [
-        [page.code(failure.case) if failure.case else "", failure.stage, failure.reason]
+        [results.cases[failure.case].name if failure.case else "", failure.stage, failure.reason]
         for failure in results.failures
     ]
     return page.section(
@@ -206,7 +207,6 @@ def failures(results: Results) -> Markup:
 def all_rows(results: Results, rows: list[Row]) -> Markup:
     """Returns every row with its case folder and the commands that recompute it."""
     header = [
-        "family",
         "case",
         "quantity",
         "reference (pF)",
@@ -227,8 +227,7 @@ def all_rows(results: Results, rows: list[Row]) -> Markup:
             ]
         lines.append(
             [
-                row.case.family,
-                page.case_link(row.case.id),
+                page.case_link(row.case.id, row.case.name),
                 f"{row.quantity} {row.reading}".strip(),
                 f"{row.reference.value / PICOFARAD:.5f} ± {row.reference.error / PICOFARAD:.5f}",
                 *by_model,
@@ -241,7 +240,7 @@ def all_rows(results: Results, rows: list[Row]) -> Markup:
             f"The same {len(rows)} rows, in full precision and with the other methods, are in table.csv beside report.html. The "
             "files of a case are in the folder cases/<case>, with its page."
         ),
-        page.folded("Show the rows", page.table(header, lines, text_columns=3)),
+        page.folded("Show the rows", page.table(header, lines, text_columns=2)),
     )
 
 
@@ -249,7 +248,7 @@ def reproduce(results: Results, rows: list[Row]) -> Markup:
     """Returns the commands, the versions and the machine."""
     commands = [
         [
-            page.family_and_case(case.family, case.id),
+            page.case_link(case.id, case.name),
             page.code(reference_command(results, case.id)) if results.error != NO_REFERENCE else "",
             page.code(model_command(results, case.id)) if case.family != EMPTY and knows(case.scene) else "",
         ]

@@ -7,14 +7,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from analysis.results import collision_measurements, machine, measurements
+from analysis.results import collision_measurements, machine, measurements, names
 from analysis.results.answers import BoundaryAnswer, ModelAnswer, ReferenceAnswer
 from analysis.results.set_up import SetUp, describe
 from analysis.results.store import Document, read_json, write_json
 from geometries.common.errors import InputError
 from geometries.scene import reader
 from geometries.scene.scene import Scene
-from geometries.studies.families import USUAL
 from geometries.studies.study import EMPTY, Case, Parameter, Study, empty_case
 
 MANIFEST = "study.json"
@@ -35,10 +34,11 @@ class Failure:
 
 @dataclass(frozen=True, eq=False)
 class CaseResult:
-    """One case with the answers that exist. `empty` is the id of the case without objects; `refused` says why there is no
-    `boundary`, where boundary elements were asked."""
+    """One case with the answers that exist. `name` tells it in words, `empty` is the id of the case without objects; `refused` says why
+    there is no `boundary`, where boundary elements were asked."""
 
     id: str
+    name: str
     family: str
     parameters: dict[str, Parameter]
     empty: str
@@ -49,11 +49,6 @@ class CaseResult:
     slice: Document | None
     boundary: BoundaryAnswer | None
     refused: str
-
-    @property
-    def unusual_parameters(self) -> dict[str, Parameter]:
-        """The parameters, but for those that say that the target is a grounded conductor in empty space."""
-        return {name: value for name, value in self.parameters.items() if USUAL.get(name) != value}
 
     @cached_property
     def set_up(self) -> SetUp | None:
@@ -112,6 +107,10 @@ def load(folder: Path) -> Results:
     manifest = read_json(folder / MANIFEST)
     if manifest is None:
         raise InputError(str(folder), "", f"holds no results: there is no {MANIFEST}")
+    parameters = [_parameters(document) for document in manifest["cases"]]
+    called = names.of_cases(
+        [(document["family"], own) for document, own in zip(manifest["cases"], parameters)]
+    )
     return Results(
         folder=folder,
         title=manifest["title"],
@@ -122,7 +121,10 @@ def load(folder: Path) -> Results:
         methods=tuple(manifest["methods"]),
         machine=manifest["machine"],
         failures=tuple(Failure(**failure) for failure in manifest["failures"]),
-        cases={document["id"]: _case_result(folder, document) for document in manifest["cases"]},
+        cases={
+            document["id"]: _case_result(folder, document, name, own)
+            for document, name, own in zip(manifest["cases"], called, parameters)
+        },
         run_times=measurements.run_times(read_json(folder / RUN_TIMES)),
         stability=measurements.stability(read_json(folder / STABILITY)),
         collision=collision_measurements.collision(*(read_json(folder / name) for name in COLLISION)),
@@ -141,17 +143,24 @@ def _case_document(case: Case) -> Document:
     return {"id": case.id, "family": case.family, "parameters": parameters, "empty": empty_case(case).id}
 
 
-def _case_result(results: Path, document: Document) -> CaseResult:
+def _parameters(document: Document) -> dict[str, Parameter]:
+    return {
+        name: (value[0], value[1]) if isinstance(value, list) else value
+        for name, value in document["parameters"].items()
+    }
+
+
+def _case_result(
+    results: Path, document: Document, name: str, parameters: dict[str, Parameter]
+) -> CaseResult:
     folder = case_folder(results, document["id"])
     reference, model = read_json(folder / REFERENCE), read_json(folder / MODEL)
     boundary = read_json(folder / BOUNDARY) or {}
     return CaseResult(
         id=document["id"],
+        name=name,
         family=document["family"],
-        parameters={
-            name: (value[0], value[1]) if isinstance(value, list) else value
-            for name, value in document["parameters"].items()
-        },
+        parameters=parameters,
         empty=document["empty"],
         folder=folder,
         scene=reader.load(folder / SCENE),

@@ -16,3 +16,11 @@ def signed_percent(value: float) -> str:
     decimals = 0 if abs(value) >= 0.1 else 1 if abs(value) >= 0.01 else 2
     # The sum turns -0.0 into 0.0.
     return f"{round(100 * value, decimals) + 0.0:+.{decimals}f} %"
+
+
+def duration(seconds: float, digits: int = 3) -> str:
+    """Writes a time with so many significant digits: 8.15 s, 590 µs, 14 ns."""
+    for unit, name in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")):
+        if seconds >= unit:
+            break
+    return f"{float(f'{seconds / unit:.{digits}g}'):,g} {name}"

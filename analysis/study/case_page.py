@@ -9,14 +9,16 @@ from markupsafe import Markup
 
 from analysis.pipeline import keys
 from analysis.pipeline.boundary_stage import boundary_command
-from analysis.pipeline.model_stage import knows
-from analysis.report import page, plots_in_space
+from analysis.pipeline.model_stage import knows, model_is_built
+from analysis.report import page, plot_of_parts, plots_in_space
 from analysis.report.page import is_current
+from analysis.report.plot import Panel
 from analysis.results.answers import BoundaryAnswer, Estimate, ReferenceAnswer
+from analysis.results.names import in_words
 from analysis.results.store import write_text
 from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, CaseResult, Results
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row, model_command, reference_command
-from analysis.results.units import PICOFARAD
+from analysis.results.units import PICOFARAD, duration
 from analysis.topics.errors import section as errors_section
 from analysis.topics.errors.records import Entry
 from geometries.studies.study import EMPTY, NO_REFERENCE
@@ -32,7 +34,7 @@ def make(results: Results, case: CaseResult, rows: list[Row], apart: Entry | Non
     inputs = _inputs(results, case, apart)
     if not is_current(target, inputs):
         body = _body(results, case, rows, apart)
-        write_text(target, page.document(f"{case.family} {case.id}", inputs, body, _SCRIPT))
+        write_text(target, page.document(case.name, inputs, body, _SCRIPT))
 
 
 def _inputs(results: Results, case: CaseResult, apart: Entry | None) -> str:
@@ -48,14 +50,14 @@ def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | No
         page.link("../../report.html", f"‹ {results.title}"),
         page.link("../../report/set_ups.html", "all cases"),
     )
-    head = [page.paragraph(plots_in_space.parameters(case)), *(page.finding(_finding(row)) for row in rows)]
+    head = [page.paragraph(f"{in_words(case.parameters)}."), *(page.finding(_finding(row)) for row in rows)]
     if not rows and case.reference is not None:
         head += [
             page.finding(_without_model(f"{DELTA_SELF} of {name}", value))
             for name, value in case.reference.delta_self.items()
         ]
-    yield page.header(Markup("{} {}").format(case.family, page.code(case.id)), *head)
-    yield page.figures(plots_in_space.panels(case))
+    yield page.header(case.name, *head)
+    yield page.figures(_panels(case))
     if case.slice is None and results.error != NO_REFERENCE:
         yield page.paragraph("No slice of its potential is stored. This command computes one:")
         yield page.command(f"{reference_command(results, case.id)} --slice slice.json")
@@ -66,6 +68,14 @@ def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | No
     if case.reference is not None:
         yield page.section("Maxwell matrix", _matrix(case.reference), *_second_matrix(case.boundary))
     yield page.section("Reproduce", *_commands(results, case))
+
+
+def _panels(case: CaseResult) -> list[Panel]:
+    """Returns the case in space and the potential around it. What the target's parts add is shown where the model knows it and is built."""
+    shown = plots_in_space.panels(case)
+    if case.model is not None and model_is_built():
+        shown[0] = plot_of_parts.coloured(case.scene)
+    return shown
 
 
 def _finding(row: Row) -> str:
@@ -85,17 +95,17 @@ def _without_model(whose: str, value: Estimate) -> str:
 
 def _numbers(case: CaseResult, rows: list[Row]) -> list[Markup]:
     seconds = {method: each for row in rows for method, each in row.model_seconds.items()}
-    header = ["method", *(_whose(row) for row in rows), "time (µs)"]
+    header = ["method", *(_whose(row) for row in rows), "time"]
     lines = [
         [
             "reference (pF)",
             *(f"{r.reference.value / PICOFARAD:.6g} ± {r.reference.error / PICOFARAD:.1g}" for r in rows),
-            f"{1e6 * rows[0].reference_seconds:,.0f}",
+            duration(rows[0].reference_seconds),
         ]
     ]
-    for method, duration in seconds.items():
+    for method, taken in seconds.items():
         values = [f"{r.model[method] / PICOFARAD:.6g}" if method in r.model else "" for r in rows]
-        lines.append([page.code(method), *values, f"{1e6 * duration:.3g}"])
+        lines.append([page.code(method), *values, duration(taken)])
     parts = [page.table(header, lines)]
     described = case.set_up
     if described is not None:
@@ -115,7 +125,7 @@ def _whose(row: Row) -> str:
 
 def _matrix(answer: ReferenceAnswer) -> Markup:
     note = (
-        f"pF: charge on the row's conductor per volt on the column's; {answer.unknowns:,} unknowns, {answer.seconds:.1f} s, "
+        f"pF: charge on the row's conductor per volt on the column's; {answer.unknowns:,} unknowns, {duration(answer.seconds)}, "
         f"{'within' if answer.reached else 'short of'} the asked accuracy."
     )
     return _entries(answer) + page.soft(note)
@@ -128,7 +138,7 @@ def _second_matrix(answer: BoundaryAnswer | None) -> list[Markup]:
         f"{DELTA_SELF} of {name} {change.value / PICOFARAD:.6g} ± {change.error / PICOFARAD:.1g} pF"
         for name, change in answer.delta_self.items()
     ]
-    note = f"{1e3 * answer.seconds:.3g} ms, {'within' if answer.reached else 'short of'} the asked accuracy; {', '.join(changes)}."
+    note = f"{duration(answer.seconds)}, {'within' if answer.reached else 'short of'} the asked accuracy; {', '.join(changes)}."
     return [page.heading("The same by boundary elements"), _entries(answer), page.soft(note)]
 
 

@@ -62,13 +62,14 @@ class Material:
 
 @dataclass(frozen=True)
 class Question:
-    """A page: `name` of its file, `short` title for the navigation, and the sections; without sections there is no page. The
-    index shows the first finding of the page."""
+    """A page: `name` of its file, `short` title for the navigation, and the sections; without sections there is no page. `own` tells
+    whether it is about the study's set-ups; the index shows the first finding of those."""
 
     name: str
     short: str
     title: str
     body: Callable[[Material], list[Markup]]
+    own: bool = True
 
 
 def _experiment(material: Material) -> list[Markup]:
@@ -154,15 +155,17 @@ def _set_ups(material: Material) -> list[Markup]:
 QUESTIONS = (
     Question("experiment", "experiment", "What does the experiment find?", _experiment),
     Question("model_error", "model error", "How wrong is the model, and where?", _model_error),
-    Question("error_parts", "parts of the error", "Where does the model's error come from?", _parts),
-    Question("company", "in company", "What does a machine around the sensor change?", _company),
-    Question(CORRECTIONS, "corrections", "What can be corrected, and at what cost?", _corrections),
-    Question(PUBLISHED, "published table", "Which values can others be held against?", _published),
+    Question(
+        "error_parts", "parts of the error", "Where does the model's error come from?", _parts, own=False
+    ),
+    Question("company", "in company", "What does a machine around the sensor change?", _company, own=False),
+    Question(CORRECTIONS, "corrections", "What can be corrected, and at what cost?", _corrections, own=False),
+    Question(PUBLISHED, "published table", "Which values can others be held against?", _published, own=False),
     Question("reference", "reference", "How sure is the reference?", _reference),
     Question(CROSS_CHECK, "cross-check", "Do two independent methods agree?", _cross_check),
     Question("run_time", "run time", "What does accuracy cost?", _run_time),
-    Question("stability", "stability", "Is the integral stable?", _stability),
-    Question("collisions", "collisions", "Are collisions found, and how fast?", _collisions),
-    Question("faults", "faults", "What happens when something fails?", _faults),
+    Question("stability", "stability", "Is the integral stable?", _stability, own=False),
+    Question("collisions", "collisions", "Are collisions found, and how fast?", _collisions, own=False),
+    Question("faults", "faults", "What happens when something fails?", _faults, own=False),
     Question("set_ups", "set-ups", "Which set-ups are these, and how are they reproduced?", _set_ups),
 )

@@ -104,9 +104,7 @@ def _write(material: Material, nights: list[Document], inputs: str, whole: str) 
     cards = _pages(material, inputs)
     if nights and (folder / history_page.HISTORY).is_file():
         cards.append(
-            index_page.Card(
-                history_page.HISTORY, "What has moved from night to night?", history_page.finding(nights)
-            )
+            Card(history_page.HISTORY, "What has moved from night to night?", history_page.finding(nights))
         )
     headline = cross_check_section.warning(material.found, f"{PAGES}/{CROSS_CHECK}.html")
     headline += sections.headline(material.found, material.summaries)
@@ -114,7 +112,10 @@ def _write(material: Material, nights: list[Document], inputs: str, whole: str) 
         headline += page.plot_section(plot_of_changes.error_of_changes(material.rows), "cases")
     headline += trade_off_section.section(trade_off.load(folder), material.found, "cases")
     rest = [sections.failures(material.found), page.soft(sections.FILES)]
-    write_text(folder / page.REPORT, index_page.document(material.found.title, whole, headline, cards, rest))
+    shown = index_page.kinds(material.found, "cases")
+    write_text(
+        folder / page.REPORT, index_page.document(material.found.title, whole, headline, shown, cards, rest)
+    )
 
 
 def _pages(material: Material, inputs: str) -> list[Card]:
@@ -144,7 +145,9 @@ def _pages(material: Material, inputs: str) -> list[Card]:
 
 
 def _card(stored: Document) -> Card:
-    return Card(stored["target"], stored["title"], Markup(stored["says"]))
+    return Card(
+        stored["target"], stored["title"], Markup(stored["says"]), Markup(stored["picture"]), stored["own"]
+    )
 
 
 def _question_pages(material: Material, inputs: str) -> list[Card]:
@@ -165,6 +168,12 @@ def _question_pages(material: Material, inputs: str) -> list[Card]:
         )
         write_text(place / file, text)
         cards.append(
-            index_page.Card(f"{PAGES}/{file}", question.title, index_page.first_finding(bodies[question]))
+            Card(
+                f"{PAGES}/{file}",
+                question.title,
+                index_page.first_finding(bodies[question]),
+                index_page.first_picture(bodies[question], question.title),
+                question.own,
+            )
         )
     return cards

@@ -9,7 +9,7 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import INK, Panel, family_marker, figure, power_axis, series_colour
 from analysis.results.study_results import Results
-from analysis.results.units import PICOFARAD
+from analysis.results.units import PICOFARAD, duration
 from analysis.topics.cross_check import agreement
 from analysis.topics.cross_check.agreement import Bracket, Comparison
 
@@ -55,7 +55,7 @@ def finding(found: list[Comparison]) -> str:
         f"In {len(cases)} set-ups both methods answer: {len(found) - len(wrong)} of {len(found)} values agree within the sum of their "
         f"errors, half of them within {np.median([abs(c.difference) for c in found]):.1e} of each other"
     )
-    place = f"{worst.what} of {worst.case.family} {worst.case.id}"
+    place = f"{worst.what} of {worst.case.name}"
     if wrong:
         return f"{sentence}; {len(wrong)} disagree, {place} by {worst.over_errors:.2g} times what the errors allow."
     return (
@@ -66,8 +66,8 @@ def finding(found: list[Comparison]) -> str:
 def _reached(results: Results) -> str:
     solved = [case.boundary for case in results.cases.values() if case.boundary is not None]
     short = sum(not answer.reached for answer in solved)
-    milliseconds = 1e3 * float(np.median([answer.seconds for answer in solved]))
-    return f"They took {milliseconds:.2g} ms (median); {short} of {len(solved)} are short of what was asked, with wider errors."
+    seconds = float(np.median([answer.seconds for answer in solved]))
+    return f"They took {duration(seconds)} (median); {short} of {len(solved)} are short of what was asked, with wider errors."
 
 
 def warning(results: Results, target: str) -> Markup:
@@ -142,7 +142,7 @@ def _table(found: list[Comparison]) -> Markup:
     ]
     rows = [
         [
-            page.family_and_case(c.case.family, c.case.id),
+            page.case_link(c.case.id, c.case.name),
             c.what,
             f"{c.reference / PICOFARAD:.6f}",
             f"{c.low / PICOFARAD:.6f}",
@@ -161,7 +161,7 @@ def _brackets(brackets: list[Bracket]) -> Markup:
     widest = sorted(brackets, key=lambda bracket: -bracket.width)
     rows = [
         [
-            page.family_and_case(bracket.case.family, bracket.case.id),
+            page.case_link(bracket.case.id, bracket.case.name),
             bracket.conductor,
             f"{max(bracket.lower, bracket.flux) / PICOFARAD:.6f}",
             f"{bracket.upper / PICOFARAD:.6f}",
@@ -210,7 +210,7 @@ def _refused(results: Results, refused: dict[str, str]) -> list[Markup]:
         return []
     reasons: dict[str, list[Markup]] = {}
     for case, reason in refused.items():
-        reasons.setdefault(reason, []).append(page.family_and_case(results.cases[case].family, case))
+        reasons.setdefault(reason, []).append(page.case_link(case, results.cases[case].name))
     sentence = f"{len(refused)} set-ups are not comparable: boundary elements refuse them."
     listed = [
         page.paragraph(Markup("{}: {}.").format(reason, Markup(", ").join(cases)))

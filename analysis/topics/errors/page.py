@@ -40,8 +40,7 @@ def make(folder: Path) -> page.Made:
 
 
 def _make_case(folder: Path, entry: Entry) -> None:
-    title = f"{entry.set_up.group} {entry.set_up.id}"
-    text = page.document(title, entry.set_up.id, _case(folder, entry), f"../../{page.SCRIPT}")
+    text = page.document(entry.set_up.name, entry.set_up.id, _case(folder, entry), f"../../{page.SCRIPT}")
     write_text(folder / "cases" / entry.set_up.id / page.CASE_PAGE, text)
 
 
@@ -60,7 +59,7 @@ def _case(folder: Path, entry: Entry) -> Iterable[Markup]:
                 f"{entry.error(quantity):+.1%} off, mostly by {entry.largest(quantity)}."
             )
         )
-    yield page.header(Markup("{} {}").format(made.group, page.code(made.id)), *head)
+    yield page.header(made.name, *head)
     yield page.figures([plots_in_space.in_space(made.scene)])
     yield page.section("The parts of the error", *section.of_one(entry))
     scene = installation.from_repository(folder / "cases" / made.id / "scene.toml")

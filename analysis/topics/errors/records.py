@@ -62,7 +62,7 @@ class Statistics:
     mean: float
     rms: float
     worst: float
-    worst_case: str
+    worst_case: SetUp
     largest_in: int
     size_there: float
     spread: float
@@ -92,7 +92,7 @@ def statistics(found: list[Entry], quantity: str) -> list[Statistics]:
                 mean=float(np.mean(values)),
                 rms=float(np.sqrt(np.mean(values**2))),
                 worst=float(values[worst]),
-                worst_case=found[worst].set_up.id,
+                worst_case=found[worst].set_up,
                 largest_in=len(there),
                 size_there=float(np.median(there)) if there else 0.0,
                 spread=float(np.median([entry.spread(name, quantity) for entry in found])),

@@ -168,7 +168,7 @@ def _cells(each: Statistics, count: int, cases: str) -> list[str]:
         f"{each.worst:+.0%}",
         f"{each.largest_in} of {count}",
         f"{each.spread:.1%}" if each.name in parts.EFFECTS else "",
-        page.case_link(each.worst_case, cases),
+        page.case_link(each.worst_case.id, each.worst_case.name, cases),
     ]
 
 

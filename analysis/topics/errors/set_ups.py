@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 
+from analysis.results.names import in_words
 from analysis.results.set_up import describe
 from geometries.scene.poses import Pose, QuaternionRotation
 from geometries.scene.scene import Object, Scene
@@ -29,6 +30,8 @@ _OFFSETS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0)
 _RANDOM_COUNT, _SEED = 160, 6
 # Range of the random plates' sides (m), and their least distance relative to the smallest side.
 _SHORTEST, _LONGEST, _CLOSEST = 0.02, 0.3, 0.02
+_SHORT = 4
+"""Digits of an identity that distinguish some hundred set-ups for a reader."""
 _REACH = 0.15
 """Largest distance (m), along every axis, of a random target's centre from the sensor's."""
 
@@ -49,6 +52,12 @@ class SetUp:
     @property
     def id(self) -> str:
         return self.identity[: study.IDENTITY_DIGITS]
+
+    @property
+    def name(self) -> str:
+        """The set-up in words. Random poses have nothing but their number."""
+        words = in_words(self.parameters) or self.id[:_SHORT]
+        return f"{self.group}: {words}"
 
 
 @cache

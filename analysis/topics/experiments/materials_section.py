@@ -126,12 +126,11 @@ def _table(found: list[Material], grounded: Material) -> Markup:
             rows.append(
                 [
                     each.label,
-                    page.case_link(point.case),
-                    place(point.gap, DISTANCE),
+                    page.case_link(point.case, place(point.gap, DISTANCE)),
                     f"{true.value / PICOFARAD:.5f} ± {true.error / PICOFARAD:.5f}",
                     f"{100 * ratio:.2f} %",
                     "" if point.model is None else f"{point.model / PICOFARAD:.5f}",
                 ]
             )
-    header = ["material", "case", "gap", "delta_self (pF)", "of grounded", "model (pF)"]
+    header = ["material", "gap", "delta_self (pF)", "of grounded", "model (pF)"]
     return page.table(header, rows, text_columns=2)

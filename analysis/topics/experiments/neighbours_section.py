@@ -154,7 +154,6 @@ def _table(found: list[Series]) -> Markup:
     header = [
         "apart",
         "gap",
-        "case",
         "sensor",
         "delta_self (pF)",
         "mutual (pF)",
@@ -167,8 +166,7 @@ def _table(found: list[Series]) -> Markup:
             for name, felt in (("near", point.near), ("neighbour", point.neighbour)):
                 place = [
                     _centimetres(series.separation),
-                    _centimetres(point.gap),
-                    page.case_link(point.case),
+                    page.case_link(point.case, _centimetres(point.gap)),
                     name,
                 ]
                 numbers = [
@@ -177,7 +175,7 @@ def _table(found: list[Series]) -> Markup:
                     f"{felt.model / PICOFARAD:.5f}",
                 ]
                 rows.append([*place, *numbers, _estimate(point.coupling)])
-    return page.table(header, rows, text_columns=4)
+    return page.table(header, rows, text_columns=3)
 
 
 def _estimate(value: Estimate) -> str:

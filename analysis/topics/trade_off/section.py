@@ -11,7 +11,7 @@ from analysis.report import page
 from analysis.report.plot import INK, Panel, figure, power_axis, series_colour
 from analysis.results.store import Document
 from analysis.results.study_results import Results
-from analysis.results.units import percent
+from analysis.results.units import duration, percent
 from analysis.topics.trade_off import points, stage
 from analysis.topics.trade_off.points import Point
 
@@ -51,16 +51,16 @@ def finding(found: list[Point], document: Document, results: Results) -> str:
     best = min(corrections, key=lambda point: point.error)
     seconds = [point.seconds for point in found]
     sentence = (
-        f"Over {len(document['truths'])} set-ups the plain model takes {duration(exact.seconds)} and is {exact.error:.0%} off in mutual "
-        f"(medians), the correction {best.name} {duration(best.seconds)} and {percent(best.error)}, {fast.name} "
-        f"{duration(fast.seconds)} and {percent(fast.error)}"
+        f"Over {len(document['truths'])} set-ups the plain model takes {duration(exact.seconds, 2)} and is {exact.error:.0%} off in mutual "
+        f"(medians), the correction {best.name} {duration(best.seconds, 2)} and {percent(best.error)}, {fast.name} "
+        f"{duration(fast.seconds, 2)} and {percent(fast.error)}"
     )
     meshes = [point for point in found if point.kind == points.MESH]
     matched = [point for point in meshes if point.error >= fast.error]
     if matched:
         last = matched[-1]
         sentence += (
-            f"; mesh {last.name} of the field solver is {percent(last.error)} off after {duration(last.seconds)}, "
+            f"; mesh {last.name} of the field solver is {percent(last.error)} off after {duration(last.seconds, 2)}, "
             f"{_rounded(last.seconds / fast.seconds)} times as long"
         )
     return f"{sentence}. The plot spans {math.log10(max(seconds) / min(seconds)):.1f} decades of time."
@@ -88,14 +88,6 @@ def plot(found: list[Point], known_to: float) -> go.Figure:
     )
     x = power_axis("seconds for one pose", range=ends)
     return figure(traces, x, power_axis("relative error in mutual"), height=560)
-
-
-def duration(seconds: float) -> str:
-    """Writes a time with two digits."""
-    for unit, name in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")):
-        if seconds >= unit:
-            break
-    return f"{float(f'{seconds / unit:.2g}'):g} {name}"
 
 
 def front(found: list[Point], known_to: float) -> list[Point]:

@@ -75,7 +75,7 @@ def test_other_answers_are_told_in_their_cell() -> None:
     row = times("cubes", fringe=30, FCL=300)
     row["peers"][1]["intersecting"] = 47
     text = collision_section.section(measured(None, ORIGIN | {"answer": {"rows": [row]}}, None))
-    assert "<strong>30.0</strong>" in text and "<small>-3</small>" in text
+    assert "<strong>30.0</strong>" in text and "<small>−3</small>" in text
 
 
 def test_results_without_measurements_say_so(tmp_path: Path) -> None:
