@@ -42,7 +42,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
         description="Run studies and report them, also night by night; compare results; verify the reference; study the model's error, "
         "its corrections, and readings in company; show a scene.",
         epilog="Exit status: 0 answered; 2 wrong input; 3 a case is short of the asked accuracy, its wider errors are "
-        "reported; 1 a case failed, a value moved, or anything else.",
+        "reported; 1 a case failed or has no answer by any method, a value moved, or anything else.",
     )
     commands = parser.add_subparsers(dest="command", required=True)
     run = commands.add_parser("run", help="compute a study's missing answers, then report")

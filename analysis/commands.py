@@ -13,6 +13,7 @@ from analysis.pipeline import reference_stage
 from analysis.pipeline.set_up_stages import SetUpStages, SomeSetUp
 from analysis.report.page import Made
 from analysis.results import statistics, store
+from analysis.results.refusals import named
 from analysis.results.store import InUse, exclusive
 from analysis.results.study_results import Failure
 from analysis.show import make as show
@@ -73,8 +74,8 @@ def _run(options: argparse.Namespace) -> int:
         failures = workflow.run(chosen, target, options.jobs, options.measure_model)
         failures += _verified(options, target)
         _tell(failures)
-        code = _own_report(target)
-    return FAILED if _any_failed(failures) else code
+        made = _own_report(target)
+    return _status(failures, made)
 
 
 def _nightly(options: argparse.Namespace) -> int:
@@ -85,7 +86,7 @@ def _nightly(options: argparse.Namespace) -> int:
         done = night.run(chosen, target, night.Options(options.profile, options.jobs, options.job_seconds))
         failures = done.failures + _verified(options, target)
         _tell(failures)
-        code = _own_report(target)
+        made = _own_report(target)
         moved = nights.add(target, done)
         print(f"nights: {history_page.make(target)}")
         # The report links to the nights, which now include this one.
@@ -93,7 +94,7 @@ def _nightly(options: argparse.Namespace) -> int:
     if moved is not None:
         print(difference.to_text(moved), end="")
     drifted = moved is not None and moved.drifted
-    return FAILED if _any_failed(failures) or drifted or disagreements else code
+    return FAILED if drifted or disagreements else _status(failures, made)
 
 
 def _job(file: Path) -> int:
@@ -124,17 +125,32 @@ def _verified(options: argparse.Namespace, target: Path) -> list[Failure]:
 
 
 def _tell(failures: list[Failure]) -> None:
+    """Prints a line for each stage and reason; the report tells what was refused."""
+    cases: dict[tuple[str, str], list[str]] = {}
     for failure in failures:
-        place = f"case {failure.case}: " if failure.case else ""
-        print(f"analysis: {place}{failure.stage}: {failure.reason}", file=sys.stderr)
+        if not failure.refused:
+            cases.setdefault((failure.stage, failure.reason), []).append(failure.case)
+    for (stage, reason), there in cases.items():
+        place = (
+            f"{len(there)} cases ({named(tuple(there))}): "
+            if there[1:]
+            else there[0] and f"case {there[0]}: "
+        )
+        print(f"analysis: {place}{stage}: {reason}", file=sys.stderr)
 
 
-def _any_failed(failures: list[Failure]) -> bool:
-    """Tells whether an answer is missing. A missing slice is reported too, but the comparison does not need it."""
-    return any(failure.stage != reference_stage.SLICE for failure in failures)
+def _status(failures: list[Failure], made: report.Report) -> int:
+    """Returns the exit status. What a method refuses and another answers is no failure; nor is a missing slice, which the comparison
+    does not need."""
+    failed = any(failure.stage != reference_stage.SLICE and not failure.refused for failure in failures)
+    return FAILED if failed or made.unanswered else _reached(made)
 
 
-def _own_report(folder: Path) -> int:
+def _reached(made: report.Report) -> int:
+    return NOT_REACHED if made.not_reached else ANSWERED
+
+
+def _own_report(folder: Path) -> report.Report:
     """Reports results that this run has made. If they cannot be read, somebody has removed or changed them meanwhile: OSError."""
     try:
         return _report(folder)
@@ -142,8 +158,11 @@ def _own_report(folder: Path) -> int:
         raise OSError(f"the results were removed or changed while the run was on: {error}") from error
 
 
-def _report(folder: Path) -> int:
+def _report(folder: Path) -> report.Report:
+    """Makes the report; prints the model's errors, and on standard error a line for each reason to refuse cases."""
     made = report.make(folder)
+    for refusal in made.refusals:
+        print(f"analysis: {refusal.sentence}", file=sys.stderr)
     if made.summaries:
         print(statistics.headline(made.summaries))
     if made.not_reached:
@@ -155,7 +174,7 @@ def _report(folder: Path) -> int:
             f"{made.disagreements} values of boundary elements and the field solver disagree by more than their errors"
         )
     print(f"report: {made.path}")
-    return NOT_REACHED if made.not_reached else ANSWERED
+    return made
 
 
 def _verify(folder: Path | None, jobs: int | None) -> int:
@@ -229,7 +248,7 @@ def _table(answers: Path | None, target: Path | None, jobs: int | None) -> int:
 
 _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "run": _run,
-    "report": lambda options: _report(options.results),
+    "report": lambda options: _reached(_report(options.results)),
     "nightly": _nightly,
     "job": lambda options: _job(options.file),
     "diff": lambda options: _diff(options.old, options.new, options.output),

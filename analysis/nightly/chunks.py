@@ -56,6 +56,7 @@ def write(chunks: list[Chunk], study: Study, results: Path) -> None:
         "max_seconds": study.max_seconds,
         "error": study.error,
         "methods": list(study.methods),
+        "reference_method": study.reference_method,
     }
     for chunk in chunks:
         document: Document = {"asked": asked, "works": [vars(work) for work in chunk.works]}
@@ -72,9 +73,8 @@ def solve(file: Path) -> None:
     if document is None:
         raise InputError(str(file), "", "is not the file of a job")
     asked = document["asked"]
-    study = Study(
-        "", "", asked["rtol"], asked["max_seconds"], asked["error"], tuple(asked["methods"]), sweeps=()
-    )
+    asked["methods"] = tuple(asked["methods"])
+    study = Study(name="", title="", sweeps=(), **asked)
     results = file.resolve().parent.parent
     failures: list[Failure] = []
     for entry in document["works"]:

@@ -7,12 +7,11 @@ from pathlib import Path
 from analysis.pipeline import model_stage
 from analysis.pipeline.stage import NoAnswer
 from analysis.results.store import Document
-from analysis.results.study_results import Results
-from analysis.results.table import model_command
 from geometries.common.errors import InputError
 from geometries.scene import reader
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Arc, Cone, Cylinder, MeshShape, Sphere
+from geometries.studies.study import Study
 
 NAME = "boundary elements"
 SHARE = 0.1
@@ -21,29 +20,26 @@ _STRICTEST, _LOOSEST = 1e-6, 0.5
 _ROUND = "round bodies: boundary elements answer for the polyhedron of their triangles, the field solver for what is round"
 
 
-def rtol(asked: float, scene: Scene) -> float:
-    """Returns the relative accuracy asked of boundary elements where `asked` is asked of the field solver.
+def rtol(study: Study, scene: Scene) -> float:
+    """Returns the relative accuracy asked of boundary elements.
 
-    For a mesh it is the same as `asked`: its charges converge so slowly that a tenth would take minutes and gigabytes.
+    It is the study's where they answer alone, and for a mesh, whose charges converge so slowly that a tenth would take minutes and
+    gigabytes. Beside the field solver it is a tenth of it.
     """
     has_mesh = any(isinstance(body.shape, MeshShape) for body in scene.objects)
-    return min(max(asked if has_mesh else SHARE * asked, _STRICTEST), _LOOSEST)
+    share = 1.0 if has_mesh or not study.by_field else SHARE
+    return min(max(share * study.rtol, _STRICTEST), _LOOSEST)
 
 
-def boundary_command(results: Results, case: str) -> str:
-    """Returns the command, from the repository's folder, that computes the boundary elements' answer for a case."""
-    asked = rtol(results.rtol, results.cases[case].scene)
-    return f"{model_command(results, case, 'boundary-elements')} --rtol {asked:g}"
-
-
-def answer(scene: Path, asked: float) -> Document:
-    """Solves a scene file, or says why there is nothing to compare; `asked` is the field solver's relative accuracy."""
+def answer(scene: Path, study: Study) -> Document:
+    """Solves a scene file as accurately as the study asks, or says why boundary elements have no answer."""
     try:
         described = reader.load(scene)
     except InputError as error:
         # This program wrote the scene: somebody has removed or changed it since.
         raise NoAnswer(str(error)) from error
-    return {"rtol": rtol(asked, described), **_answer_or_refusal(scene, described, rtol(asked, described))}
+    wanted = rtol(study, described)
+    return {"rtol": wanted, **_answer_or_refusal(scene, described, wanted)}
 
 
 def _answer_or_refusal(scene: Path, described: Scene, wanted: float) -> Document:

@@ -26,10 +26,15 @@ class Finished:
     errors: str
 
     @property
-    def reason(self) -> str:
-        """Why the command failed: its exit code and the last line that it wrote to its standard error."""
+    def last_line(self) -> str:
+        """The last line that the command wrote to its standard error; empty if it wrote none."""
         lines = [line.strip() for line in self.errors.splitlines() if line.strip()]
-        return f"exit code {self.exit_code}: {lines[-1][:_LONGEST_REASON] if lines else 'no message'}"
+        return lines[-1] if lines else ""
+
+    @property
+    def reason(self) -> str:
+        """Why the command failed: its exit code and its last line."""
+        return f"exit code {self.exit_code}: {self.last_line[:_LONGEST_REASON] or 'no message'}"
 
 
 class Stopped(Exception):

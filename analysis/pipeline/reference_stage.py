@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from analysis.pipeline.processes import Finished, Processes
-from analysis.pipeline.stage import NoAnswer, parsed, unfinished_file
+from analysis.pipeline.stage import NoAnswer, Refused, parsed, unfinished_file
 from analysis.results.store import Document
 from geometries.studies.study import Study
 
@@ -13,6 +13,7 @@ SOLVE, SLICE = "reference", "slice of the potential"
 MODULE = "fem_reference"
 # Exit statuses with an answer: within the asked accuracy, and short of it with its true error.
 _ANSWERED = (0, 3)
+_WRONG_INPUT = 2
 
 
 def answer(scene: Path, study: Study, processes: Processes) -> Document:
@@ -36,7 +37,11 @@ def answer_slice(scene: Path, target: Path, processes: Processes) -> Document:
 
 
 def _run(processes: Processes, scene: Path, *asked: str) -> Finished:
-    finished = processes.run_module(MODULE, str(scene.resolve()), *asked)
+    place = str(scene.resolve())
+    finished = processes.run_module(MODULE, place, *asked)
+    if finished.exit_code == _WRONG_INPUT:
+        # Without the place, which differs, the reason is the same for all cases that are refused for it.
+        raise Refused(finished.last_line.removeprefix(f"{MODULE}: ").removeprefix(f"{place}: "))
     if finished.exit_code not in _ANSWERED:
         raise NoAnswer(finished.reason)
     return finished

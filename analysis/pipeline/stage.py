@@ -18,6 +18,10 @@ class NoAnswer(Exception):
     """Says why a stage has no answer."""
 
 
+class Refused(NoAnswer):
+    """Says why a method cannot answer such a case; the reason is the same for all cases like it."""
+
+
 @dataclass(frozen=True)
 class Stage:
     """Computes an answer and stores it in the file `target` under `key`.
@@ -48,7 +52,7 @@ class Stage:
         try:
             document = self.answer(processes)
         except (NoAnswer, ValueError, RuntimeError) as error:
-            return Failure(self.case, self.name, str(error))
+            return Failure(self.case, self.name, str(error), isinstance(error, Refused))
         write_json(self.target, {"key": self.key, **document})
         return None
 

@@ -8,7 +8,8 @@ import numpy as np
 import plotly.graph_objects as go
 
 from analysis.report.plot import Panel, Plot, figure, power_axis, series_colour
-from analysis.results.table import COMPARED_METHOD, MUTUAL, Row
+from analysis.results.commands import COMPARED_METHOD
+from analysis.results.table import MUTUAL, Row
 from analysis.results.units import duration
 
 
@@ -43,9 +44,12 @@ def total_errors(rows: list[Row], methods: list[str]) -> list[Point]:
 def level_errors(rows: list[Row]) -> list[Point]:
     """Returns |level − best|/best of the reference's meshes from coarse to fine, with the seconds of each mesh."""
     points = []
-    for depth in range(max(len(row.case.reference.levels) for row in rows if row.case.reference)):
+    solved = [row for row in rows if row.case.reference is not None]
+    for depth in range(
+        max((len(row.case.reference.levels) for row in solved if row.case.reference), default=0)
+    ):
         errors, seconds = [], []
-        for row in rows:
+        for row in solved:
             assert row.case.reference is not None
             if depth < len(row.case.reference.levels):
                 level = row.case.reference.levels[depth]

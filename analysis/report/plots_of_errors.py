@@ -12,7 +12,8 @@ import plotly.graph_objects as go
 from analysis.report.plot import Panel, Plot, axis, family_marker, figure, log_axis
 from analysis.results.names import in_words
 from analysis.results.set_up import SetUp
-from analysis.results.table import COMPARED_METHOD, QUANTITIES, Row
+from analysis.results.commands import COMPARED_METHOD
+from analysis.results.table import QUANTITIES, Row
 from analysis.results.units import PICOFARAD
 
 PERCENT = 100.0

@@ -11,15 +11,20 @@ from analysis.results.answers import ReferenceAnswer
 from analysis.results.statistics import ALL_FAMILIES, Summary
 from analysis.results.study_results import Results
 from analysis.results.symmetry import Pair
-from analysis.results.table import CHANGE, COMPARED_METHOD, QUANTITIES, Row, model_command, reference_command
+from analysis.results import units
+from analysis.results.commands import COMPARED_METHOD, model_command, truth_command
+from analysis.results.refusals import refusals
+from analysis.results.table import CHANGE, QUANTITIES, Row
+from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN
 from analysis.results.units import PICOFARAD
 from geometries.studies.study import EMPTY, NO_REFERENCE
 
 
 _QUESTION = (
     "How wrong is the fast triangle-integral model of a capacitive proximity sensor, where, and how sure are we? The model "
-    "sums ε·∫dA/d over the target's triangles, d being the shortest distance to the sensor's plate. The reference solves "
-    "the field of the same conductors in free space with finite elements and states its own error."
+    "sums ε·∫dA/d over the target's triangles, d being the shortest distance to the sensor's plate. Two references solve the "
+    "field of the same conductors in free space and state their own errors: the field solver by finite elements, the other by boundary "
+    "elements. Every value is compared with the one of them that states less error, and says which."
 )
 _QUANTITIES = (
     "Three quantities are compared. mutual = −M[s,o] is the charge on the grounded target for each volt on the sensor: what "
@@ -40,7 +45,36 @@ FILES = (
 )
 
 
-def headline(results: Results, summaries: list[Summary]) -> Markup:
+def refused(results: Results) -> Markup:
+    """Returns a sentence for each reason for which a method refuses cases; empty without any."""
+    found = refusals(results)
+    return page.lines(
+        page.paragraph(f"{refusal.sentence[0].upper()}{refusal.sentence[1:]}.") for refusal in found
+    )
+
+
+def answered_by(results: Results, rows: list[Row]) -> str:
+    """Tells by which method the values are known, and what kind of error it states."""
+    counts = {
+        (method, kind): sum((row.known.answered_by, row.known.error_kind) == (method, kind) for row in rows)
+        for method in (FIELD, BOUNDARY)
+        for kind in (PROVEN, ESTIMATED)
+    }
+    told = [
+        f"{count} by {_by(method)} with {kind} errors" for (method, kind), count in counts.items() if count
+    ]
+    kept = sum(row.known.field_is_proven and row.known.answered_by != FIELD for row in rows)
+    proven = (
+        f" The field solver proves wider intervals of {kept} of them, which table.csv keeps." if kept else ""
+    )
+    return f"Of {len(rows)} values, {' and '.join(told)}: the method that states less error answers.{proven}"
+
+
+def _by(method: str) -> str:
+    return f"the {method}" if method == FIELD else method
+
+
+def headline(results: Results, rows: list[Row], summaries: list[Summary]) -> Markup:
     """Returns the question, and the model errors for each family and quantity."""
     whole = {summary.quantity: summary for summary in summaries if summary.family == ALL_FAMILIES}
     parts = [page.paragraph(_QUESTION)]
@@ -49,10 +83,14 @@ def headline(results: Results, summaries: list[Summary]) -> Markup:
         parts.append(
             page.finding(
                 f"{quantity}{before}: the model is {summary.rms:.0%} off (rms over {summary.count} cases), median {summary.median:.0%}, "
-                f"worst {summary.worst:+.0%}; the reference is sure to {summary.sure_to:.2%} or better."
+                f"worst {summary.worst:+.0%}; the reference is sure to {units.percent(summary.sure_to)} or better."
+                if summary.sure_to < 1
+                else f"worst {summary.worst:+.0%}; of at least one of them no reference knows more than its order of magnitude."
             )
         )
     parts.append(page.paragraph(_QUANTITIES))
+    if rows:
+        parts.append(page.paragraph(answered_by(results, rows)))
     if not summaries:
         return page.lines(parts)
     strong = frozenset(index for index, summary in enumerate(summaries) if summary.family == ALL_FAMILIES)
@@ -66,7 +104,7 @@ def headline(results: Results, summaries: list[Summary]) -> Markup:
         "reference sure to",
         "worst case",
     ]
-    rows = [
+    lines = [
         [
             s.quantity,
             s.family,
@@ -74,12 +112,12 @@ def headline(results: Results, summaries: list[Summary]) -> Markup:
             f"{s.rms:.1%}",
             f"{s.median:.1%}",
             f"{s.worst:+.1%}",
-            f"{s.sure_to:.2%}",
+            units.percent(s.sure_to) if s.sure_to < 1 else "unknown",
             page.case_link(s.worst_case, results.cases[s.worst_case].name, "cases"),
         ]
         for s in summaries
     ]
-    table = [page.table(header, rows, text_columns=2, strong=strong), page.soft(_ERROR)]
+    table = [page.table(header, lines, text_columns=2, strong=strong), page.soft(_ERROR)]
     return page.beside(parts, table)
 
 
@@ -106,6 +144,7 @@ def _pairs(pairs: list[Pair]) -> list[Markup]:
         "second",
         "relation",
         "quantity",
+        "by",
         "first (pF)",
         "second (pF)",
         "difference",
@@ -117,6 +156,7 @@ def _pairs(pairs: list[Pair]) -> list[Markup]:
             page.case_link(pair.second.id, pair.second.name),
             pair.relation,
             pair.quantity,
+            pair.method,
             f"{pair.first_value.value / PICOFARAD:.5f} ± {pair.first_value.error / PICOFARAD:.5f}",
             f"{pair.second_value.value / PICOFARAD:.5f} ± {pair.second_value.error / PICOFARAD:.5f}",
             f"{pair.difference:.1e}",
@@ -128,11 +168,11 @@ def _pairs(pairs: list[Pair]) -> list[Markup]:
         f"{agreeing} of {len(pairs)} comparisons of mirrored or exchanged set-ups agree within the sum of their errors; the "
         f"largest difference is {largest:.1e} of the value."
     )
-    return [title, page.finding(sentence), page.table(header, rows, text_columns=4)]
+    return [title, page.finding(sentence), page.table(header, rows, text_columns=5)]
 
 
 def _checks(rows: list[Row]) -> list[Markup]:
-    checked = [(row.reference, row.check) for row in rows if row.check is not None]
+    checked = [(row.known.field or row.reference, row.check) for row in rows if row.check is not None]
     title = page.heading("delta_self in two ways")
     if not checked:
         return [
@@ -190,16 +230,17 @@ def _widths(enclosed: list[ReferenceAnswer]) -> str:
 
 
 def failures(results: Results) -> Markup:
-    """Returns the cases without an answer, with the reason."""
-    if not results.failures:
+    """Returns the cases whose computation failed, with the reason; what is refused has sentences of its own."""
+    failed = [failure for failure in results.failures if not failure.refused]
+    if not failed:
         return Markup("")
     rows = [
         [results.cases[failure.case].name if failure.case else "", failure.stage, failure.reason]
-        for failure in results.failures
+        for failure in failed
     ]
     return page.section(
         "Failed cases",
-        page.finding(f"{len(results.failures)} answers are missing; the numbers above do not include them."),
+        page.finding(f"{len(failed)} answers are missing; the numbers above do not include them."),
         page.table(["case", "stage", "reason"], rows, text_columns=3),
     )
 
@@ -210,6 +251,7 @@ def all_rows(results: Results, rows: list[Row]) -> Markup:
         "case",
         "quantity",
         "reference (pF)",
+        "by",
         "exact model (pF)",
         "model error",
         "from",
@@ -230,6 +272,7 @@ def all_rows(results: Results, rows: list[Row]) -> Markup:
                 page.case_link(row.case.id, row.case.name),
                 f"{row.quantity} {row.reading}".strip(),
                 f"{row.reference.value / PICOFARAD:.5f} ± {row.reference.error / PICOFARAD:.5f}",
+                row.known.answered_by,
                 *by_model,
                 "yes" if row.reached else "no",
             ]
@@ -249,7 +292,7 @@ def reproduce(results: Results, rows: list[Row]) -> Markup:
     commands = [
         [
             page.case_link(case.id, case.name),
-            page.code(reference_command(results, case.id)) if results.error != NO_REFERENCE else "",
+            page.code(command) if (command := truth_command(results, case)) else "",
             page.code(model_command(results, case.id)) if case.family != EMPTY and knows(case.scene) else "",
         ]
         for case in results.cases.values()

@@ -43,24 +43,41 @@ class Level:
 
 
 @dataclass(frozen=True, eq=False)
-class ReferenceAnswer:
-    """The Maxwell matrix (n, n) in F with its error, sensors first in `conductors`.
-
-    Where the reference encloses the truth, from `lower` to `upper`, the error is the distance to the farther bound. `delta_self` and
-    the changes of `readings` are the reference's own values, from two solutions on the same mesh. Older answers have no readings.
-    """
+class MatrixAnswer:
+    """What both references answer: the Maxwell matrix (n, n) in F with its error, sensors first in `conductors`; for each sensor
+    `delta_self`, and for each reading its change. Older answers have no readings."""
 
     conductors: tuple[str, ...]
     maxwell: Array
     error: Array
-    lower: Array
-    upper: Array
     delta_self: dict[str, Estimate]
     readings: dict[str, ReadingAnswer]
-    levels: tuple[Level, ...]
     unknowns: int
     seconds: float
     reached: bool
+
+    def mutual(self, sensor: str, body: str) -> Estimate:
+        """Returns −M[sensor, body]: the charge on the grounded body per volt on the sensor."""
+        place = self.conductors.index(sensor), self.conductors.index(body)
+        return Estimate(float(-self.maxwell[place]), float(self.error[place]))
+
+    def self_capacitance(self, sensor: str) -> Estimate:
+        """Returns M[sensor, sensor]."""
+        place = self.conductors.index(sensor)
+        return Estimate(float(self.maxwell[place, place]), float(self.error[place, place]))
+
+
+@dataclass(frozen=True, eq=False)
+class ReferenceAnswer(MatrixAnswer):
+    """The field solver's answer.
+
+    Where it encloses the truth, from `lower` to `upper`, the error is the distance to the farther bound. `delta_self` and
+    the changes of `readings` are its own values, from two solutions on the same mesh.
+    """
+
+    lower: Array
+    upper: Array
+    levels: tuple[Level, ...]
     error_kind: str
     method: str
     versions: dict[str, str]
@@ -90,16 +107,6 @@ class ReferenceAnswer:
             method=document["method"],
             versions=document["versions"],
         )
-
-    def mutual(self, sensor: str, body: str) -> Estimate:
-        """Returns −M[sensor, body]: the charge on the grounded body per volt on the sensor."""
-        place = self.conductors.index(sensor), self.conductors.index(body)
-        return Estimate(float(-self.maxwell[place]), float(self.error[place]))
-
-    def self_capacitance(self, sensor: str) -> Estimate:
-        """Returns M[sensor, sensor]."""
-        place = self.conductors.index(sensor)
-        return Estimate(float(self.maxwell[place, place]), float(self.error[place, place]))
 
 
 def _readings(document: Document) -> dict[str, ReadingAnswer]:
@@ -131,18 +138,12 @@ def _interval(document: Document) -> tuple[Array, Array]:
 
 
 @dataclass(frozen=True, eq=False)
-class BoundaryAnswer:
-    """The Maxwell matrix (n, n) in F by boundary elements with its estimated error; `lower_bounds` says of each entry of the
-    diagonal whether it cannot exceed the truth. Sensors first in `conductors`."""
+class BoundaryAnswer(MatrixAnswer):
+    """The answer by boundary elements, which were asked for the relative accuracy `rtol`. Its errors are estimates; `lower_bounds` says
+    of each entry of the diagonal whether it cannot exceed the truth."""
 
-    conductors: tuple[str, ...]
-    maxwell: Array
-    error: Array
     lower_bounds: tuple[bool, ...]
-    delta_self: dict[str, Estimate]
-    readings: dict[str, ReadingAnswer]
-    reached: bool
-    seconds: float
+    rtol: float
 
     @staticmethod
     def of(document: Document) -> BoundaryAnswer:
@@ -154,8 +155,10 @@ class BoundaryAnswer:
             lower_bounds=tuple(document["lower_bounds"]),
             delta_self={name: Estimate(**change) for name, change in document["delta_self"].items()},
             readings=_readings(document),
-            reached=document["reached"],
+            unknowns=document["unknowns"],
             seconds=document["seconds"],
+            reached=document["reached"],
+            rtol=document["rtol"],
         )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.results.table import CHANGE, QUANTITIES, Row, compared
+from analysis.results.units import percent
 
 ALL_FAMILIES = "all"
 
@@ -66,7 +67,7 @@ def headline(found: list[Summary]) -> str:
     """Returns the summaries over all families as lines for a terminal."""
     return "\n".join(
         f"{s.quantity:<11} model error over {s.count} cases: rms {s.rms:.1%}, median {s.median:.1%}, worst {s.worst:+.1%}"
-        f" (the reference is sure to {s.sure_to:.2%})"
+        f" (the reference is sure to {percent(s.sure_to) if s.sure_to < 1 else 'no digit in one of them'})"
         for s in found
         if s.family == ALL_FAMILIES
     )

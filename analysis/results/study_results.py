@@ -11,10 +11,20 @@ from analysis.results import collision_measurements, machine, measurements, name
 from analysis.results.answers import BoundaryAnswer, ModelAnswer, ReferenceAnswer
 from analysis.results.set_up import SetUp, describe
 from analysis.results.store import Document, read_json, write_json
+from analysis.results.truth import Truth
 from geometries.common.errors import InputError
 from geometries.scene import reader
 from geometries.scene.scene import Scene
-from geometries.studies.study import EMPTY, Case, Parameter, Study, empty_case
+from geometries.studies.study import (
+    BOTH,
+    BOUNDARY_ELEMENTS,
+    EMPTY,
+    FIELD,
+    Case,
+    Parameter,
+    Study,
+    empty_case,
+)
 
 MANIFEST = "study.json"
 SCENE, REFERENCE, MODEL, SLICE = "scene.toml", "fem.json", "model.json", "slice.json"
@@ -25,17 +35,20 @@ COLLISION = ("collision_answers.json", "collision_times.json", "collision_scenes
 
 @dataclass(frozen=True)
 class Failure:
-    """A stage without an answer, and why. `case` is empty for measurements of the model by itself."""
+    """A stage without an answer, and why. `case` is empty for measurements of the model by itself; `refused` tells whether the stage
+    knows at once that it cannot answer such a case."""
 
     case: str
     stage: str
     reason: str
+    refused: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class CaseResult:
-    """One case with the answers that exist. `name` tells it in words, `empty` is the id of the case without objects; `refused` says why
-    there is no `boundary`, where boundary elements were asked."""
+    """One case with the answers that exist, of those methods that the study asks. `name` tells it in words, `reference` is the field
+    solver's; `empty` is the id of the case without objects; `refused` says why there is no `boundary`, where boundary elements were asked.
+    """
 
     id: str
     name: str
@@ -49,6 +62,12 @@ class CaseResult:
     slice: Document | None
     boundary: BoundaryAnswer | None
     refused: str
+
+    @cached_property
+    def truth(self) -> Truth | None:
+        """The best of both references; None where neither has answered."""
+        answered = self.reference is not None or self.boundary is not None
+        return Truth(self.reference, self.boundary) if answered else None
 
     @cached_property
     def set_up(self) -> SetUp | None:
@@ -66,6 +85,7 @@ class Results:
     rtol: float
     max_seconds: float
     error: str
+    reference_method: str
     methods: tuple[str, ...]
     machine: dict[str, str]
     failures: tuple[Failure, ...]
@@ -93,6 +113,7 @@ def write_manifest(folder: Path, study: Study, failures: list[Failure]) -> None:
         "rtol": study.rtol,
         "max_seconds": study.max_seconds,
         "error": study.error,
+        "reference_method": study.reference_method,
         "methods": list(study.methods),
         "machine": machine.description(),
         "failures": [asdict(failure) for failure in failures],
@@ -111,6 +132,7 @@ def load(folder: Path) -> Results:
     called = names.of_cases(
         [(document["family"], own) for document, own in zip(manifest["cases"], parameters)]
     )
+    reference_method = manifest.get("reference_method", BOTH)
     return Results(
         folder=folder,
         title=manifest["title"],
@@ -118,11 +140,12 @@ def load(folder: Path) -> Results:
         rtol=manifest["rtol"],
         max_seconds=manifest["max_seconds"],
         error=manifest["error"],
+        reference_method=reference_method,
         methods=tuple(manifest["methods"]),
         machine=manifest["machine"],
         failures=tuple(Failure(**failure) for failure in manifest["failures"]),
         cases={
-            document["id"]: _case_result(folder, document, name, own)
+            document["id"]: _case_result(folder, document, name, own, reference_method)
             for document, name, own in zip(manifest["cases"], called, parameters)
         },
         run_times=measurements.run_times(read_json(folder / RUN_TIMES)),
@@ -151,11 +174,13 @@ def _parameters(document: Document) -> dict[str, Parameter]:
 
 
 def _case_result(
-    results: Path, document: Document, name: str, parameters: dict[str, Parameter]
+    results: Path, document: Document, name: str, parameters: dict[str, Parameter], reference_method: str
 ) -> CaseResult:
     folder = case_folder(results, document["id"])
-    reference, model = read_json(folder / REFERENCE), read_json(folder / MODEL)
-    boundary = read_json(folder / BOUNDARY) or {}
+    model = read_json(folder / MODEL)
+    # Answers of a method that the study no longer asks may still be there.
+    reference = read_json(folder / REFERENCE) if reference_method != BOUNDARY_ELEMENTS else None
+    boundary = (read_json(folder / BOUNDARY) or {}) if reference_method != FIELD else {}
     return CaseResult(
         id=document["id"],
         name=name,

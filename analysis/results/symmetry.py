@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.results.answers import Estimate
+from analysis.results.answers import Estimate, MatrixAnswer
 from analysis.results.set_up import Rectangle, rectangles
 from analysis.results.study_results import CaseResult
 
@@ -24,12 +24,13 @@ _WALKS = [np.roll(order, shift) for order in ([0, 1, 2, 3], [3, 2, 1, 0]) for sh
 
 @dataclass(frozen=True)
 class Pair:
-    """Two cases that must agree in `quantity`, and what the reference says of each; farads."""
+    """Two cases that must agree in `quantity`, and what a method says of each; farads."""
 
     first: CaseResult
     second: CaseResult
     relation: str
     quantity: str
+    method: str
     first_value: Estimate
     second_value: Estimate
 
@@ -45,15 +46,17 @@ class Pair:
 
 
 def pairs(cases: list[CaseResult]) -> list[Pair]:
-    """Returns every pair of cases with answers that must agree: congruent set-ups in both quantities, exchanged ones in `mutual`."""
-    solved = [(case, plates) for case in cases if case.reference and (plates := rectangles(case.scene))]
+    """Returns every pair of cases with answers that must agree, by each method that has solved both: congruent set-ups in both
+    quantities, exchanged ones in `mutual`."""
+    solved = [(case, plates) for case in cases if case.truth and (plates := rectangles(case.scene))]
     found = []
     for one, other in _alike([plates for _, plates in solved]):
         (first, here), (second, there) = solved[one], solved[other]
         if _congruent(here, there):
-            found += [_pair(first, second, "mirrored or moved", name) for name in ("mutual", "delta_self")]
+            for name in ("mutual", "delta_self"):
+                found += _pairs(first, second, "mirrored or moved", name)
         elif _congruent(here, (there[1], there[0])):
-            found.append(_pair(first, second, "sensor and target exchanged", "mutual"))
+            found += _pairs(first, second, "sensor and target exchanged", "mutual")
     return found
 
 
@@ -93,13 +96,24 @@ def _distances(sensor: Array, target: Array) -> Array:
     return np.asarray(np.linalg.norm(points[:, None] - points[None], axis=2))
 
 
-def _pair(first: CaseResult, second: CaseResult, relation: str, quantity: str) -> Pair:
-    return Pair(first, second, relation, quantity, _value(first, quantity), _value(second, quantity))
+def _pairs(first: CaseResult, second: CaseResult, relation: str, quantity: str) -> list[Pair]:
+    assert first.truth is not None and second.truth is not None
+    here, there = first.truth.answers, second.truth.answers
+    return [
+        Pair(
+            first,
+            second,
+            relation,
+            quantity,
+            method,
+            _value(here[method], quantity),
+            _value(there[method], quantity),
+        )
+        for method in here
+        if method in there
+    ]
 
 
-def _value(case: CaseResult, quantity: str) -> Estimate:
-    assert case.reference is not None
-    sensor, target = case.reference.conductors
-    if quantity == "mutual":
-        return case.reference.mutual(sensor, target)
-    return case.reference.delta_self[sensor]
+def _value(answer: MatrixAnswer, quantity: str) -> Estimate:
+    sensor, target = answer.conductors
+    return answer.mutual(sensor, target) if quantity == "mutual" else answer.delta_self[sensor]

@@ -14,14 +14,19 @@ the targets. The columns of the model are empty where it knows no value, as of a
 | tilt_degrees | angle between the planes, 0 … 90 |
 | lateral_offset_over_size | distance of the centres along the sensor's plane over the sensor's size |
 | size_ratio | target's size over the sensor's |
-| reference_F, reference_error_F | the reference's value and the half-width of its interval |
-| reached | whether the reference reached the asked accuracy |
-| check_F, check_error_F | delta_self once more, as the difference of two separate solves |
+| reference_F, reference_error_F | the best truth at hand, by the method that states less error, and the half-width of its interval |
+| answered_by | that method: field solver, or boundary elements |
+| reference_error_kind | proven, if the interval is proven to hold the true value, or estimated |
+| field_F, field_error_F, field_error_kind | the field solver's value, whether or not it is the best |
+| boundary_F, boundary_error_F | the value of boundary elements, whose errors are estimates |
+| reached | whether a method reached the asked accuracy in this case, or the error of this value is within it |
+| check_F, check_error_F | delta_self once more, as the difference of two separate solves, by the field solver if it answered |
 | model_error | (exact model − reference)/reference |
 | model_error_low, model_error_high | the same for the ends of the reference's interval (ASME V&V 20: the comparison error, with the numerical uncertainty kept apart) |
-| reference_seconds, reference_unknowns | run time and unknowns of the reference |
+| reference_seconds, reference_unknowns | run time and unknowns of the method that answered |
+| field_seconds | run time of the field solver |
 | model_METHOD_F, model_METHOD_seconds | the model's value for each method (for delta_self the sum over the objects, for change over the targets) and its time |
-| command | recomputes the reference's answer |
+| command | recomputes the answer that is used |
 """
 
 from __future__ import annotations
@@ -33,11 +38,11 @@ import math
 from dataclasses import dataclass
 
 from analysis.results import changes
-from analysis.results.answers import Estimate, ModelAnswer, ReferenceAnswer
+from analysis.results.answers import Estimate, ModelAnswer
+from analysis.results.commands import COMPARED_METHOD, boundary_command, reference_command
 from analysis.results.set_up import SetUp
-from analysis.results.study_results import SCENE, CaseResult, Results
-from geometries.common import installation
-from geometries.common.installation import from_repository
+from analysis.results.study_results import CaseResult, Results
+from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN, Known, Truth
 from geometries.scene.readings import readings, targets
 from geometries.scene.scene import Scene
 from geometries.studies.machines import NONE
@@ -45,7 +50,6 @@ from geometries.studies.machines import NONE
 TABLE = "table.csv"
 MUTUAL, DELTA_SELF, CHANGE = "mutual", "delta_self", "change"
 QUANTITIES = (MUTUAL, DELTA_SELF, CHANGE)
-COMPARED_METHOD = "exact"
 
 
 @dataclass(frozen=True)
@@ -58,7 +62,7 @@ class Row:
     reading: str
     quantity: str
     set_up: SetUp | None
-    reference: Estimate
+    known: Known
     check: Estimate | None
     reached: bool
     reference_seconds: float
@@ -66,6 +70,11 @@ class Row:
     model: dict[str, float]
     model_seconds: dict[str, float]
     command: str
+
+    @property
+    def reference(self) -> Estimate:
+        """The best truth at hand."""
+        return self.known.best
 
     @property
     def is_compared(self) -> bool:
@@ -115,13 +124,24 @@ def error_interval(model: float, reference: Estimate) -> tuple[float, float]:
 def rows(results: Results) -> list[Row]:
     """Returns the rows of each case, in the study's order.
 
-    Rows of mutual and delta_self need both answers, rows of change the reference's alone.
+    Rows of mutual and delta_self need the model's answer and a reference's, rows of change a reference's alone.
     """
     found = []
     for case in results.compared():
-        if case.reference is not None:
-            found += _rows_of_case(results, case, case.reference)
+        if case.truth is not None:
+            found += _rows_of_case(results, case, case.truth)
     return found
+
+
+def short(results: Results, found: list[Row]) -> list[CaseResult]:
+    """Returns the cases that are short of the asked accuracy: a value of them, or where no row is of them the whole answer."""
+    by_rows: dict[str, bool] = {}
+    for row in found:
+        by_rows[row.case.id] = by_rows.get(row.case.id, True) and row.reached
+    solved = [case for case in results.cases.values() if case.truth is not None]
+    return [
+        case for case in solved if not by_rows.get(case.id, case.truth is not None and case.truth.reached)
+    ]
 
 
 def compared(found: list[Row]) -> list[Row]:
@@ -129,67 +149,54 @@ def compared(found: list[Row]) -> list[Row]:
     return [row for row in found if row.is_compared]
 
 
-def _rows_of_case(results: Results, case: CaseResult, reference: ReferenceAnswer) -> list[Row]:
-    # Answers of earlier versions have no readings.
-    if changes.is_delta_self(case.scene) or not reference.readings:
-        bodies = list(reference.conductors[len(case.scene.sensors) :])
-        felt = reference.delta_self
+def _rows_of_case(results: Results, case: CaseResult, truth: Truth) -> list[Row]:
+    if changes.is_delta_self(case.scene) or not truth.has_readings:
+        bodies = list(truth.conductors[len(case.scene.sensors) :])
+        felt = truth.sensors
     else:
-        bodies, felt = _targets(case.scene), {}
+        bodies, felt = _targets(case.scene), ()
     found = []
     if case.model is not None:
         for sensor in (sensor.name for sensor in case.scene.sensors):
-            found += _mutual(results, case, reference, case.model, sensor, bodies)
+            found += _mutual(results, case, truth, case.model, sensor, bodies)
             if sensor in felt:
-                found.append(_delta_self(results, case, reference, case.model, sensor))
-    return found if felt else found + _changes(results, case, reference)
+                found.append(_delta_self(results, case, truth, case.model, sensor))
+    return found if felt else found + _changes(results, case, truth)
 
 
 def _mutual(
-    results: Results,
-    case: CaseResult,
-    reference: ReferenceAnswer,
-    model: ModelAnswer,
-    sensor: str,
-    bodies: list[str],
+    results: Results, case: CaseResult, truth: Truth, model: ModelAnswer, sensor: str, bodies: list[str]
 ) -> list[Row]:
     return [
         _row(
             results,
             case,
-            reference,
             (sensor, body, "", MUTUAL),
-            reference.mutual(sensor, body),
+            truth.mutual(sensor, body),
             {method: sensors[sensor].objects[body] for method, sensors in model.values.items()},
         )
         for body in bodies
-        if body in reference.conductors and body in model.values[COMPARED_METHOD][sensor].objects
+        if body in truth.conductors and body in model.values[COMPARED_METHOD][sensor].objects
     ]
 
 
-def _delta_self(
-    results: Results, case: CaseResult, reference: ReferenceAnswer, model: ModelAnswer, sensor: str
-) -> Row:
+def _delta_self(results: Results, case: CaseResult, truth: Truth, model: ModelAnswer, sensor: str) -> Row:
     totals = {method: sensors[sensor].total for method, sensors in model.values.items()}
-    check = _difference(reference, results.cases.get(case.empty), sensor)
-    subject = (sensor, "", "", DELTA_SELF)
-    return _row(results, case, reference, subject, reference.delta_self[sensor], totals, check)
+    known = truth.delta_self(sensor)
+    checked_by = FIELD if known.field is not None else BOUNDARY
+    check = _difference(truth, results.cases.get(case.empty), sensor, checked_by)
+    return _row(results, case, (sensor, "", "", DELTA_SELF), known, totals, check)
 
 
-def _changes(results: Results, case: CaseResult, reference: ReferenceAnswer) -> list[Row]:
+def _changes(results: Results, case: CaseResult, truth: Truth) -> list[Row]:
     by_model = case.model.changes if case.model is not None else {}
-    return [
-        _row(
-            results,
-            case,
-            reference,
-            (reading.sense, "", reading.name, CHANGE),
-            reference.readings[reading.name].change,
-            {method: known[reading.name] for method, known in by_model.items() if reading.name in known},
-        )
-        for reading in readings(case.scene)
-        if reading.name in reference.readings
-    ]
+    found = []
+    for reading in readings(case.scene):
+        known = truth.change(reading.name)
+        if known is not None:
+            by_methods = {method: of[reading.name] for method, of in by_model.items() if reading.name in of}
+            found.append(_row(results, case, (reading.sense, "", reading.name, CHANGE), known, by_methods))
+    return found
 
 
 def _targets(scene: Scene) -> list[str]:
@@ -200,9 +207,8 @@ def _targets(scene: Scene) -> list[str]:
 def _row(
     results: Results,
     case: CaseResult,
-    reference: ReferenceAnswer,
     subject: tuple[str, str, str, str],
-    value: Estimate,
+    known: Known,
     model: dict[str, float],
     check: Estimate | None = None,
 ) -> Row:
@@ -210,6 +216,9 @@ def _row(
     sensor, body, reading, quantity = subject
     values = case.model.values if case.model is not None else {}
     seconds = {method: next(iter(sensors.values())).seconds for method, sensors in values.items()}
+    assert case.truth is not None
+    answer = case.truth.answers[known.answered_by]
+    command = reference_command if known.answered_by == FIELD else boundary_command
     return Row(
         case=case,
         sensor=sensor,
@@ -217,36 +226,23 @@ def _row(
         reading=reading,
         quantity=quantity,
         set_up=case.set_up,
-        reference=value,
+        known=known,
         check=check,
-        reached=reference.reached,
-        reference_seconds=reference.seconds,
-        reference_unknowns=reference.unknowns,
+        reached=case.truth.reached or known.best.error <= results.rtol * abs(known.best.value),
+        reference_seconds=answer.seconds,
+        reference_unknowns=answer.unknowns,
         model=model,
         model_seconds={method: seconds[method] for method in model},
-        command=reference_command(results, case.id),
+        command=command(results, case.id),
     )
 
 
-def _difference(reference: ReferenceAnswer, empty: CaseResult | None, sensor: str) -> Estimate | None:
-    """Returns M[s,s] − M0[s,s] from two separate solves, with the sum of their errors."""
-    if empty is None or empty.reference is None:
+def _difference(truth: Truth, empty: CaseResult | None, sensor: str, method: str) -> Estimate | None:
+    """Returns M[s,s] − M0[s,s] from two separate solves by one method, with the sum of their errors."""
+    if empty is None or empty.truth is None or method not in empty.truth.answers:
         return None
-    whole, alone = reference.self_capacitance(sensor), empty.reference.self_capacitance(sensor)
+    whole, alone = (each.answers[method].self_capacitance(sensor) for each in (truth, empty.truth))
     return Estimate(whole.value - alone.value, whole.error + alone.error)
-
-
-def reference_command(results: Results, case: str) -> str:
-    """Returns the command, from the repository's folder, that computes the reference's answer for a case."""
-    scene = from_repository(results.folder / "cases" / case / SCENE)
-    asked = f"--rtol {results.rtol:g} --max-seconds {results.max_seconds:g} --error {results.error}"
-    return f"{installation.command('fem_reference')} {scene} {asked}"
-
-
-def model_command(results: Results, case: str, method: str = COMPARED_METHOD) -> str:
-    """Returns the command, from the repository's folder, that computes the model's answer for a case."""
-    scene = from_repository(results.folder / "cases" / case / SCENE)
-    return f"{installation.model_command()} capacitance {scene} --method {method}"
 
 
 def to_csv(found: list[Row], methods: tuple[str, ...]) -> str:
@@ -276,16 +272,32 @@ def _record(row: Row, methods: tuple[str, ...]) -> dict[str, object]:
         "size_ratio": row.set_up.size_ratio if row.set_up else "",
         "reference_F": row.reference.value,
         "reference_error_F": row.reference.error,
+        "answered_by": row.known.answered_by,
+        "reference_error_kind": row.known.error_kind,
+        **_values("field", row.known.field),
+        "field_error_kind": _field_error_kind(row.known),
+        **_values("boundary", row.known.boundary),
         "reached": row.reached,
-        "check_F": row.check.value if row.check else "",
-        "check_error_F": row.check.error if row.check else "",
+        **_values("check", row.check),
         "model_error": row.model_error if row.is_compared else "",
         "model_error_low": low,
         "model_error_high": high,
         "reference_seconds": row.reference_seconds,
         "reference_unknowns": row.reference_unknowns,
+        "field_seconds": row.case.reference.seconds if row.case.reference else "",
     }
     for method in methods:
         record[f"model_{method}_F"] = row.model.get(method, "")
         record[f"model_{method}_seconds"] = row.model_seconds.get(method, "")
     return record | {"command": row.command}
+
+
+def _values(name: str, value: Estimate | None) -> dict[str, object]:
+    """Returns the two columns of a value, empty without one."""
+    return {f"{name}_F": value.value if value else "", f"{name}_error_F": value.error if value else ""}
+
+
+def _field_error_kind(known: Known) -> str:
+    if known.field is None:
+        return ""
+    return PROVEN if known.field_is_proven else ESTIMATED

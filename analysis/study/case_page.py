@@ -8,7 +8,6 @@ from dataclasses import asdict
 from markupsafe import Markup
 
 from analysis.pipeline import keys
-from analysis.pipeline.boundary_stage import boundary_command
 from analysis.pipeline.model_stage import knows, model_is_built
 from analysis.report import page, plot_of_parts, plots_in_space
 from analysis.report.page import is_current
@@ -17,11 +16,13 @@ from analysis.results.answers import BoundaryAnswer, Estimate, ReferenceAnswer
 from analysis.results.names import in_words
 from analysis.results.store import write_text
 from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, CaseResult, Results
-from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row, model_command, reference_command
+from analysis.results.commands import boundary_command, model_command, reference_command
+from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
+from analysis.results.truth import FIELD, Known
 from analysis.results.units import PICOFARAD, duration
 from analysis.topics.errors import section as errors_section
 from analysis.topics.errors.records import Entry
-from geometries.studies.study import EMPTY, NO_REFERENCE
+from geometries.studies.study import BOUNDARY_ELEMENTS, EMPTY, NO_REFERENCE
 
 _FILES = (SCENE, REFERENCE, MODEL, BOUNDARY, SLICE)
 _SCRIPT = f"../../{page.SCRIPT}"
@@ -51,14 +52,14 @@ def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | No
         page.link("../../report/set_ups.html", "all cases"),
     )
     head = [page.paragraph(f"{in_words(case.parameters)}."), *(page.finding(_finding(row)) for row in rows)]
-    if not rows and case.reference is not None:
+    if not rows and case.truth is not None:
         head += [
-            page.finding(_without_model(f"{DELTA_SELF} of {name}", value))
-            for name, value in case.reference.delta_self.items()
+            page.finding(_without_model(f"{DELTA_SELF} of {name}", case.truth.delta_self(name)))
+            for name in case.truth.sensors
         ]
     yield page.header(case.name, *head)
     yield page.figures(_panels(case))
-    if case.slice is None and results.error != NO_REFERENCE:
+    if case.slice is None and results.error != NO_REFERENCE and results.reference_method != BOUNDARY_ELEMENTS:
         yield page.paragraph("No slice of its potential is stored. This command computes one:")
         yield page.command(f"{reference_command(results, case.id)} --slice slice.json")
     if rows:
@@ -67,6 +68,8 @@ def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | No
         yield page.section("The parts of the model's error", *errors_section.of_one(apart))
     if case.reference is not None:
         yield page.section("Maxwell matrix", _matrix(case.reference), *_second_matrix(case.boundary))
+    elif case.boundary is not None:
+        yield page.section("Maxwell matrix", *_second_matrix(case.boundary))
     yield page.section("Reproduce", *_commands(results, case))
 
 
@@ -81,27 +84,31 @@ def _panels(case: CaseResult) -> list[Panel]:
 def _finding(row: Row) -> str:
     whose = f"{row.quantity} of {row.reading or row.sensor}" + (f" and {row.object}" if row.object else "")
     if not row.is_compared:
-        return _without_model(whose, row.reference)
+        return _without_model(whose, row.known)
     low, high = row.model_error_interval
     return (
-        f"{whose}: {row.reference.value / PICOFARAD:.5g} ± {row.reference.error / PICOFARAD:.1g} pF by the reference; the model is "
+        f"{whose}: {row.reference.value / PICOFARAD:.5g} ± {row.reference.error / PICOFARAD:.1g} pF by {_by(row.known)}; the model is "
         f"{row.model_error:+.1%} off ({low:+.1%} to {high:+.1%} over the reference's error bar)."
     )
 
 
-def _without_model(whose: str, value: Estimate) -> str:
-    return f"{whose}: {value.value / PICOFARAD:.5g} ± {value.error / PICOFARAD:.1g} pF by the reference; the model has no answer."
+def _without_model(whose: str, known: Known) -> str:
+    value = known.best
+    return f"{whose}: {value.value / PICOFARAD:.5g} ± {value.error / PICOFARAD:.1g} pF by {_by(known)}; the model has no answer."
+
+
+def _by(known: Known) -> str:
+    """Names the method of the best value, and the kind of its error."""
+    return f"{'the ' if known.answered_by == FIELD else ''}{known.answered_by} ({known.error_kind} error)"
 
 
 def _numbers(case: CaseResult, rows: list[Row]) -> list[Markup]:
     seconds = {method: each for row in rows for method, each in row.model_seconds.items()}
     header = ["method", *(_whose(row) for row in rows), "time"]
+    assert case.truth is not None
     lines = [
-        [
-            "reference (pF)",
-            *(f"{r.reference.value / PICOFARAD:.6g} ± {r.reference.error / PICOFARAD:.1g}" for r in rows),
-            duration(rows[0].reference_seconds),
-        ]
+        [f"{method} (pF)", *(_text(_value(r.known, method)) for r in rows), duration(answer.seconds)]
+        for method, answer in case.truth.answers.items()
     ]
     for method, taken in seconds.items():
         values = [f"{r.model[method] / PICOFARAD:.6g}" if method in r.model else "" for r in rows]
@@ -117,6 +124,14 @@ def _numbers(case: CaseResult, rows: list[Row]) -> list[Markup]:
         )
     )
     return parts
+
+
+def _value(known: Known, method: str) -> Estimate | None:
+    return known.field if method == FIELD else known.boundary
+
+
+def _text(value: Estimate | None) -> str:
+    return f"{value.value / PICOFARAD:.6g} ± {value.error / PICOFARAD:.1g}" if value is not None else ""
 
 
 def _whose(row: Row) -> str:
@@ -139,7 +154,7 @@ def _second_matrix(answer: BoundaryAnswer | None) -> list[Markup]:
         for name, change in answer.delta_self.items()
     ]
     note = f"{duration(answer.seconds)}, {'within' if answer.reached else 'short of'} the asked accuracy; {', '.join(changes)}."
-    return [page.heading("The same by boundary elements"), _entries(answer), page.soft(note)]
+    return [page.heading("By boundary elements"), _entries(answer), page.soft(note)]
 
 
 def _entries(answer: ReferenceAnswer | BoundaryAnswer) -> Markup:
@@ -158,7 +173,7 @@ def _entries(answer: ReferenceAnswer | BoundaryAnswer) -> Markup:
 
 def _commands(results: Results, case: CaseResult) -> list[Markup]:
     parts = [page.paragraph("From the project's folder:")]
-    if results.error != NO_REFERENCE:
+    if results.error != NO_REFERENCE and results.reference_method != BOUNDARY_ELEMENTS:
         parts.append(page.command(reference_command(results, case.id)))
     if case.family != EMPTY and knows(case.scene):
         parts.append(page.command(model_command(results, case.id)))

@@ -11,7 +11,7 @@ from analysis.pipeline.model_stage import knows
 from analysis.results import changes, set_up
 from analysis.results.store import is_current
 from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, case_folder
-from geometries.studies.study import EMPTY, NO_REFERENCE, Case, Study
+from geometries.studies.study import EMPTY, Case, Study
 
 # Approximate seconds per case on one core of 2020. Only their ratios matter, for the order and the progress bar.
 _SECONDS_EMPTY, _SECONDS_PAIR, _SECONDS_PER_SIZE_OVER_GAP, _SECONDS_SLICE = 4.0, 12.0, 1.0, 4.0
@@ -44,16 +44,15 @@ def missing(study: Study, cases: list[Case], folder: Path) -> list[Work]:
     """Returns what is to do so that every case is up to date in `folder`; nothing is changed there."""
     model, reference = keys.model_code(), keys.reference_code()
     there = _case_folders(folder)
-    pictured = set() if study.error == NO_REFERENCE else _pictured(cases)
+    pictured = _pictured(cases) if study.by_field else set()
     costs_vary = len(cases) < _MANY_CASES
     found = []
     for case in cases:
         wanted = {}
-        if study.error != NO_REFERENCE:
+        if study.by_field:
             wanted[REFERENCE] = keys.reference_key(case.identity, study, reference)
-            wanted[BOUNDARY] = keys.boundary_key(
-                case.identity, boundary_stage.rtol(study.rtol, case.scene), model
-            )
+        if study.by_boundary_elements:
+            wanted[BOUNDARY] = keys.boundary_key(case.identity, boundary_stage.rtol(study, case.scene), model)
         if case.family != EMPTY and knows(case.scene):
             wanted[MODEL] = keys.model_key(case.identity, study, model)
         if case.id in pictured:

@@ -34,7 +34,7 @@ from analysis.topics.experiments import section as experiments_section
 from analysis.topics.published import section as published_section
 from analysis.topics.trade_off import section as trade_off_section, stage as trade_off
 from analysis.topics.verification import page as verification_page
-from geometries.studies.study import NO_REFERENCE
+from geometries.studies.study import BOTH, NO_REFERENCE
 
 CROSS_CHECK = "cross_check"
 """The page that shows disagreements."""
@@ -120,7 +120,8 @@ def _reference(material: Material) -> list[Markup]:
 
 
 def _cross_check(material: Material) -> list[Markup]:
-    return [] if material.found.error == NO_REFERENCE else cross_check_section.sections(material.found)
+    both = material.found.error != NO_REFERENCE and material.found.reference_method == BOTH
+    return cross_check_section.sections(material.found) if both else []
 
 
 def _run_time(material: Material) -> list[Markup]:

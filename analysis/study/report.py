@@ -11,7 +11,8 @@ from markupsafe import Markup
 from analysis.pipeline import keys
 from analysis.report import faults_section, index_page, page, plot_of_changes, sections
 from analysis.report.index_page import Card
-from analysis.results import statistics, study_results as results, table
+from analysis.results import refusals, statistics, study_results as results, table
+from analysis.results.refusals import Refusal
 from analysis.results.store import Document, read_json, write_json, write_text
 from analysis.study import case_page, pages_of_set_ups
 from analysis.study.questions import CROSS_CHECK, QUESTIONS, Material
@@ -39,13 +40,15 @@ _HREF = re.compile(r'href="([^"#]+)"')
 
 @dataclass(frozen=True)
 class Report:
-    """The report's path, its summaries, the number of cases short of the asked accuracy, and the number of values on which the two
-    references disagree."""
+    """The report's path, its summaries, the number of cases short of the asked accuracy and of those without any reference, the number
+    of values on which the two references disagree, and what they refuse."""
 
     path: Path
     summaries: list[statistics.Summary]
     not_reached: int
+    unanswered: int
     disagreements: int
+    refusals: list[Refusal]
 
 
 def make(folder: Path) -> Report:
@@ -74,9 +77,14 @@ def make(folder: Path) -> Report:
         company = tuple(company_factors.entries(in_company, company_set_ups.all_set_ups()))
         material = Material(found, rows, summaries, verified, entries, corrected, faults, company)
         _write(material, nights, inputs, whole)
-    solved = [case.reference for case in found.cases.values() if case.reference is not None]
-    not_reached = sum(not answer.reached for answer in solved)
-    return Report(folder / page.REPORT, summaries, not_reached, agreement.contradictions(found))
+    return Report(
+        folder / page.REPORT,
+        summaries,
+        len(table.short(found, rows)),
+        len(refusals.unanswered(found)),
+        agreement.contradictions(found),
+        refusals.refusals(found),
+    )
 
 
 def _answers(folder: Path, found: results.Results) -> str:
@@ -107,7 +115,8 @@ def _write(material: Material, nights: list[Document], inputs: str, whole: str) 
             Card(history_page.HISTORY, "What has moved from night to night?", history_page.finding(nights))
         )
     headline = cross_check_section.warning(material.found, f"{PAGES}/{CROSS_CHECK}.html")
-    headline += sections.headline(material.found, material.summaries)
+    headline += sections.refused(material.found)
+    headline += sections.headline(material.found, material.rows, material.summaries)
     if any(row.is_change for row in table.compared(material.rows)):
         headline += page.plot_section(plot_of_changes.error_of_changes(material.rows), "cases")
     headline += trade_off_section.section(trade_off.load(folder), material.found, "cases")

@@ -71,10 +71,21 @@ def _array(items: Schema, length: int) -> Schema:
 
 def _reference() -> Schema:
     positive = {"type": "number", "exclusiveMinimum": 0}
-    asked = {"rtol": positive, "max_seconds": positive, "error": {"enum": list(study.ERROR_KINDS)}}
-    table = _table(asked, [])
+    asked = {
+        "method": {"enum": list(study.REFERENCE_METHODS), "default": study.BOTH},
+        "rtol": positive,
+        "max_seconds": positive,
+        "error": {"enum": list(study.ERROR_KINDS)},
+    }
     unasked = {"properties": {"error": {"const": study.NO_REFERENCE}}, "required": ["error"]}
-    return table | {"anyOf": [{"required": ["rtol", "max_seconds"]}, unasked]}
+    untimed = {
+        "properties": {
+            "method": {"const": study.BOUNDARY_ELEMENTS},
+            "error": {"not": {"const": "enclosure"}},
+        },
+        "required": ["method", "rtol"],
+    }
+    return _table(asked, []) | {"anyOf": [{"required": ["rtol", "max_seconds"]}, unasked, untimed]}
 
 
 def _swept(value: Schema, ranges: bool) -> Schema:

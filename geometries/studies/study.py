@@ -9,8 +9,9 @@ A file with every key there is::
                                     # of ours, "V" and "VI"; the report shows its section
 
     [reference]
-    rtol = 1e-3                     # relative accuracy asked of the field reference
-    max_seconds = 120               # per case
+    method = "both"                 # default; or "field": the field solver alone; or "boundary-elements" alone
+    rtol = 1e-3                     # relative accuracy asked of the reference
+    max_seconds = 120               # per case, for the field solver; not asked of boundary elements
     error = "estimate"              # default; or "enclosure": rtol is asked of proven intervals; or "none": the model alone,
                                     # without rtol and max_seconds
 
@@ -61,6 +62,8 @@ Parameter = float | Vector2 | str
 EMPTY = "empty"
 NO_REFERENCE = "none"
 ERROR_KINDS = ("estimate", "enclosure", NO_REFERENCE)
+FIELD, BOUNDARY_ELEMENTS, BOTH = "field", "boundary-elements", "both"
+REFERENCE_METHODS = (FIELD, BOUNDARY_ELEMENTS, BOTH)
 EXPERIMENTS = ("I", "II", "III", "IV", "V", "VI")
 
 _METHOD = re.compile(r"exact|split:\d{1,2}|gauss:\d{1,2}")
@@ -90,8 +93,8 @@ class Case:
 
 @dataclass(frozen=True)
 class Study:
-    """A study file, expanded. `rtol`, `max_seconds` and `error` are for the reference, `methods` for the model; `experiment` is
-    one of EXPERIMENTS or empty."""
+    """A study file, expanded. `rtol`, `max_seconds`, `error` and `reference_method` are for the reference, `methods` for the model;
+    `experiment` is one of EXPERIMENTS or empty."""
 
     name: str
     title: str
@@ -101,6 +104,17 @@ class Study:
     methods: tuple[str, ...]
     sweeps: tuple[Case, ...]
     experiment: str = ""
+    reference_method: str = BOTH
+
+    @property
+    def by_field(self) -> bool:
+        """Whether the field solver is asked."""
+        return self.error != NO_REFERENCE and self.reference_method != BOUNDARY_ELEMENTS
+
+    @property
+    def by_boundary_elements(self) -> bool:
+        """Whether boundary elements are asked."""
+        return self.error != NO_REFERENCE and self.reference_method != FIELD
 
     def cases(self) -> list[Case]:
         """Returns every case once, in the order of the file; then, for every distinct sensor, the sensor alone."""
@@ -143,17 +157,21 @@ def loads(text: str, source: str = "study") -> Study:
     root.known_format()
     reference = root.table("reference")
     model = root.table("model")
-    error = _error_kind(reference)
+    error, reference_method = _error_kind(reference), _reference_method(reference)
     unasked = 1.0 if error == NO_REFERENCE else None
+    untimed = 1.0 if reference_method == BOUNDARY_ELEMENTS else unasked
+    if error == "enclosure" and reference_method == BOUNDARY_ELEMENTS:
+        raise reference.error("error", "boundary elements prove no intervals: it must be estimate")
     study = Study(
         name=_folder_name(root),
         title=root.text("title"),
         rtol=_rtol(reference, unasked),
-        max_seconds=reference.positive("max_seconds", unasked),
+        max_seconds=reference.positive("max_seconds", untimed),
         error=error,
         methods=_methods(model),
         sweeps=tuple(case for sweep in root.tables("sweep") for case in _sweep(sweep)),
         experiment=_experiment(root),
+        reference_method=reference_method,
     )
     if not study.sweeps:
         raise root.error("sweep", "a study needs at least one sweep")
@@ -187,6 +205,13 @@ def _error_kind(reference: Table) -> str:
     if kind not in ERROR_KINDS:
         raise reference.error("error", f"must be one of {', '.join(ERROR_KINDS)}, not {kind!r}")
     return kind
+
+
+def _reference_method(reference: Table) -> str:
+    method = reference.text("method", BOTH)
+    if method not in REFERENCE_METHODS:
+        raise reference.error("method", f"must be one of {', '.join(REFERENCE_METHODS)}, not {method!r}")
+    return method
 
 
 def _rtol(reference: Table, otherwise: float | None) -> float:

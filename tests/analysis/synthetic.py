@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -82,7 +83,7 @@ def boundary_document(mutual: float, delta_self: float, error: float = 0.001, **
     """The boundary elements' answer for the same two conductors, in pF."""
     whole = reference_document(mutual, delta_self, error)
     names = ("conductors", "maxwell", "error", "delta_self", "unknowns", "seconds", "reached")
-    return {name: whole[name] for name in names} | {"lower_bounds": [True, True]} | more
+    return {name: whole[name] for name in names} | {"lower_bounds": [True, True], "rtol": 1e-4} | more
 
 
 def readings_document(change: float, error: float = 0.01) -> list[dict[str, Any]]:
@@ -223,14 +224,16 @@ def make_results(
     answers: dict[int, tuple[dict[str, Any] | None, dict[str, Any] | None]] | None = None,
     failures: list[Failure] | None = None,
     experiment: str = "",
+    reference_method: str = study.BOTH,
+    boundary: dict[int, dict[str, Any]] | None = None,
 ) -> Path:
-    """A folder of results; `answers` holds (reference, model) by the number of the case.
+    """A folder of results; `answers` holds (reference, model) by the number of the case, `boundary` the documents of boundary elements.
 
     `experiment` is the one that the study names, if any. Cases without given answers have mutual 2 pF, delta_self 1 pF, and a
     model value of 1.8 pF.
     """
     named = f'experiment = "{experiment}"\n' if experiment else ""
-    chosen = study.loads(named + HEAD + sweeps)
+    chosen = replace(study.loads(named + HEAD + sweeps), reference_method=reference_method)
     for number, case in enumerate(chosen.cases()):
         place = results.case_folder(folder, case.id)
         store.write_text(place / results.SCENE, canonical(case.scene))
@@ -240,6 +243,8 @@ def make_results(
         reference, model = (answers or {}).get(number, (reference_document(2, 1), model_document(1.8)))
         if reference is not None:
             store.write_json(place / results.REFERENCE, reference)
+        if boundary is not None and number in boundary:
+            store.write_json(place / results.BOUNDARY, boundary[number])
         if model is not None:
             store.write_json(place / results.MODEL, model)
     results.write_manifest(folder, chosen, failures or [])

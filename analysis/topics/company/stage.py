@@ -8,7 +8,7 @@ from time import perf_counter
 from analysis.pipeline import model_stage
 from analysis.pipeline.set_up_stages import SetUpStages
 from analysis.results.store import Document
-from analysis.results.table import COMPARED_METHOD
+from analysis.results.commands import COMPARED_METHOD
 from analysis.topics.company.set_ups import GUARD, SENSOR, SetUp
 from geometries.studies.families import GROUNDED
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from analysis.results.answers import Estimate
 from analysis.results.study_results import CaseResult, Results
-from analysis.results.table import COMPARED_METHOD
+from analysis.results.commands import COMPARED_METHOD
 from analysis.topics.experiments.divider import reference_delta_output
 from geometries.studies.study import Parameter
 
@@ -123,11 +123,11 @@ def with_flat_start(curve: Curve, flat: Curve) -> Curve:
 def _is_answered(results: Results, case: CaseResult) -> bool:
     empty = results.cases.get(case.empty)
     return (
-        case.reference is not None
+        case.truth is not None
         and case.model is not None
         and empty is not None
-        and empty.reference is not None
-        and case.scene.objects[0].name in case.reference.conductors
+        and empty.truth is not None
+        and case.scene.objects[0].name in case.truth.conductors
     )
 
 
@@ -137,14 +137,14 @@ def _same(case: CaseResult) -> dict[str, Parameter]:
 
 def _curve(results: Results, members: list[CaseResult]) -> Curve:
     first = members[0]
-    alone = results.cases[first.empty].reference
+    alone = results.cases[first.empty].truth
     assert alone is not None
     sensor = first.scene.sensors[0]
-    own = alone.self_capacitance(sensor.name)
+    own = alone.self_capacitance(sensor.name).best
     points = []
     for case in members:
-        assert case.reference is not None and case.model is not None
-        change = case.reference.delta_self[sensor.name]
+        assert case.truth is not None and case.model is not None
+        change = case.truth.delta_self(sensor.name).best
         at = case.parameters[_SWEPT[case.family]]
         assert isinstance(at, float)
         points.append(
@@ -153,7 +153,7 @@ def _curve(results: Results, members: list[CaseResult]) -> Curve:
                 at,
                 case.model.values[COMPARED_METHOD][sensor.name].total,
                 reference_delta_output(own, change, sensor.coupling_capacitance, sensor.input_voltage),
-                case.reference.mutual(sensor.name, case.scene.objects[0].name),
+                case.truth.mutual(sensor.name, case.scene.objects[0].name).best,
                 change,
             )
         )

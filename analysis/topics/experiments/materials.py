@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from analysis.results.answers import Estimate
 from analysis.results.study_results import CaseResult, Results
-from analysis.results.table import COMPARED_METHOD
+from analysis.results.commands import COMPARED_METHOD
 from geometries.studies.families import DIELECTRIC, GROUNDED
 
 _FAMILY = "box"
@@ -43,7 +43,7 @@ def materials(results: Results) -> list[Material]:
     """Returns every material that has answers, in the study's order."""
     found: dict[tuple[str, float | None], list[Point]] = {}
     for case in results.compared():
-        if case.family == _FAMILY and case.reference is not None:
+        if case.family == _FAMILY and case.truth is not None:
             found.setdefault(_material(case), []).append(_point(case))
     return [
         Material(name, permittivity, tuple(sorted(points, key=lambda point: point.gap)))
@@ -66,8 +66,8 @@ def _material(case: CaseResult) -> tuple[str, float | None]:
 
 
 def _point(case: CaseResult) -> Point:
-    assert case.reference is not None
+    assert case.truth is not None
     sensor, gap = case.scene.sensors[0].name, case.parameters["gap"]
     assert isinstance(gap, float)
     model = None if case.model is None else case.model.values[COMPARED_METHOD][sensor].total
-    return Point(case.id, gap, case.reference.delta_self[sensor], model)
+    return Point(case.id, gap, case.truth.delta_self(sensor).best, model)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from analysis.results.answers import Estimate, ReferenceAnswer
+from analysis.results.answers import Estimate
 from analysis.results.study_results import CaseResult, Results
-from analysis.results.table import COMPARED_METHOD
+from analysis.results.truth import Truth
+from analysis.results.commands import COMPARED_METHOD
 
 FAMILY, ALONE = "sensors", "parallel"
 NEAR, NEIGHBOUR = "sensor", "neighbour"
@@ -59,14 +60,14 @@ def series(results: Results) -> list[Series]:
 
 def _point(results: Results, case: CaseResult) -> Point | None:
     empty = results.cases.get(case.empty)
-    if case.reference is None or case.model is None or empty is None or empty.reference is None:
+    if case.truth is None or case.model is None or empty is None or empty.truth is None:
         return None
     target = case.scene.objects[0].name
     values = case.model.values[COMPARED_METHOD]
     near, neighbour = (
         Felt(
-            case.reference.delta_self[name],
-            case.reference.mutual(name, target),
+            case.truth.delta_self(name).best,
+            case.truth.mutual(name, target).best,
             values[name].objects[target],
         )
         for name in (NEAR, NEIGHBOUR)
@@ -76,14 +77,14 @@ def _point(results: Results, case: CaseResult) -> Point | None:
         gap=_number(case, "gap"),
         near=near,
         neighbour=neighbour,
-        coupling=_coupling(case.reference),
-        coupling_alone=_coupling(empty.reference),
+        coupling=_coupling(case.truth),
+        coupling_alone=_coupling(empty.truth),
         single=_single(results, case),
     )
 
 
-def _coupling(answer: ReferenceAnswer) -> Estimate:
-    return answer.mutual(NEAR, NEIGHBOUR)
+def _coupling(truth: Truth) -> Estimate:
+    return truth.mutual(NEAR, NEIGHBOUR).best
 
 
 def _single(results: Results, case: CaseResult) -> Estimate | None:
@@ -91,8 +92,8 @@ def _single(results: Results, case: CaseResult) -> Estimate | None:
     same = ("sensor_size", "target_size", "gap", "offset")
     for other in results.compared():
         alike = all(other.parameters.get(name) == case.parameters[name] for name in same)
-        if other.family == ALONE and alike and other.reference is not None:
-            return other.reference.delta_self[NEAR]
+        if other.family == ALONE and alike and other.truth is not None:
+            return other.truth.delta_self(NEAR).best
     return None
 
 

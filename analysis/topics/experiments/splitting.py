@@ -8,7 +8,7 @@ import numpy as np
 
 from analysis.results.set_up import Rectangle, rectangles
 from analysis.results.study_results import CaseResult, Results
-from analysis.results.table import COMPARED_METHOD
+from analysis.results.commands import COMPARED_METHOD
 
 IN_FRONT, BESIDE_EDGE, AT_CORNER, SEVERAL = "region I", "region II", "region III", "several regions"
 REGIONS = (IN_FRONT, BESIDE_EDGE, AT_CORNER, SEVERAL)

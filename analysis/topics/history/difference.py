@@ -1,6 +1,7 @@
 """Compares two tables of results: which values moved, which got slower, which are new or gone.
 
-A value of the reference has moved if its two intervals do not overlap, so that one of them must be wrong. The model has no error
+A value of a reference has moved if its two intervals do not overlap, so that one of them must be wrong: of the field solver, of
+boundary elements, and, where no method answered both times, of the best truth at hand. The model has no error
 bars except rounding: a value has moved if it changed by more than 1e-9 of itself. Run times depend on the machine, too: what got
 slower is reported, but does not count as drift.
 """
@@ -9,15 +10,18 @@ from __future__ import annotations
 
 import csv
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from analysis.results.answers import Estimate
 from analysis.results.store import Document
 from analysis.results.table import TABLE
+from analysis.results.truth import BOUNDARY, FIELD
 from geometries.common.errors import InputError
 
 REFERENCE = "reference"
+# The columns of the two methods; tables of earlier versions have neither.
+_METHODS = {FIELD: "field", BOUNDARY: "boundary"}
 # Relative change of the model's values that counts as moved: 1e5 times the rounding errors on any instruction set.
 _MODEL_ROUNDING = 1e-9
 # Slower means by this factor, and by these seconds, which a busy machine may add to a solve or to a microsecond.
@@ -32,13 +36,16 @@ _READING = "reading"
 
 @dataclass(frozen=True)
 class Line:
-    """One row of a table: the reference's value with its error, the model's by method where it knows one (F), and their seconds."""
+    """One row of a table: the best truth at hand with its error, the values of the methods that answered, the model's by method where it
+    knows one (F), and the seconds of the field solver, or of boundary elements where they answer alone, and of the model.
+    """
 
     family: str
     reference: Estimate
     reference_seconds: float
     model: dict[str, float]
     model_seconds: dict[str, float]
+    by_method: dict[str, Estimate] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -116,9 +123,14 @@ def _line(record: dict[str, str]) -> Line:
     return Line(
         record["family"],
         Estimate(float(record["reference_F"]), float(record["reference_error_F"])),
-        float(record["reference_seconds"]),
+        float(record.get("field_seconds") or record["reference_seconds"]),
         {method: float(record[f"model_{method}_F"]) for method in methods},
         {method: float(record.get(f"model_{method}_seconds") or "nan") for method in methods},
+        {
+            method: Estimate(float(record[f"{column}_F"]), float(record[f"{column}_error_F"]))
+            for method, column in _METHODS.items()
+            if record.get(f"{column}_F")
+        },
     )
 
 
@@ -142,8 +154,13 @@ def between(old: dict[RowName, Line], new: dict[RowName, Line]) -> Difference:
 
 
 def _changes(name: RowName, old: Line, new: Line) -> list[Change]:
+    references = [
+        (method, old.by_method[method], after)
+        for method, after in new.by_method.items()
+        if method in old.by_method
+    ] or [(REFERENCE, old.reference, new.reference)]
     values = [
-        (REFERENCE, old.reference.value, new.reference.value, old.reference.error + new.reference.error)
+        (who, before.value, after.value, before.error + after.error) for who, before, after in references
     ]
     for method in (method for method in new.model if method in old.model):
         before, after = old.model[method], new.model[method]

@@ -13,6 +13,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from analysis.results import table
+from analysis.results.commands import COMPARED_METHOD
 from analysis.results.store import Document, read_json, write_json, write_text
 from analysis.results.study_results import Failure
 from analysis.results.table import TABLE
@@ -89,9 +90,9 @@ def _figures(lines: dict[RowName, Line], night: Night) -> Document:
 
 def _worst(lines: dict[RowName, Line], quantity: str) -> float | None:
     errors = (
-        abs(table.relative_error(line.model[table.COMPARED_METHOD], line.reference.value))
+        abs(table.relative_error(line.model[COMPARED_METHOD], line.reference.value))
         for name, line in lines.items()
-        if name[-1] == quantity and table.COMPARED_METHOD in line.model
+        if name[-1] == quantity and COMPARED_METHOD in line.model
     )
     return max(errors, default=None)
 

@@ -51,5 +51,5 @@ def test_the_headline_tells_both_quantities_apart(
     summaries: dict[tuple[str, str], statistics.Summary]
 ) -> None:
     mutual, delta_self = statistics.headline(list(summaries.values())).splitlines()
-    assert mutual.startswith("mutual") and "worst +50.0%" in mutual and "2.50%" in mutual
+    assert mutual.startswith("mutual") and "worst +50.0%" in mutual and "2.5 %" in mutual
     assert delta_self.startswith("delta_self")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis.results import study_results as results, table
+from analysis.results import commands, study_results as results, table
 from analysis.results.answers import Estimate
 from tests.analysis.synthetic import PARALLEL, make_results, model_document, reference_document
 
@@ -89,7 +89,7 @@ def test_the_commands_name_the_scene_of_the_case_and_survive_spaces(tmp_path: Pa
     loaded = results.load(folder)
     case = loaded.compared()[0]
     scene = f"'{folder}/cases/{case.id}/scene.toml'"
-    assert table.reference_command(loaded, case.id) == (
+    assert commands.reference_command(loaded, case.id) == (
         f"python3 -m fem_reference {scene} --rtol 0.001 --max-seconds 60 --error estimate"
     )
-    assert table.model_command(loaded, case.id) == f"build/bin/fringe capacitance {scene} --method exact"
+    assert commands.model_command(loaded, case.id) == f"build/bin/fringe capacitance {scene} --method exact"

@@ -21,6 +21,7 @@ from tests.analysis.synthetic import (
 )
 
 TEXTS = {"case", "family", "parameters", "sensor", "object", "reading", "quantity", "command"}
+TEXTS |= {"answered_by", "reference_error_kind", "field_error_kind"}
 RATIOS = {
     "gap_over_size",
     "lateral_offset_over_size",

@@ -56,7 +56,7 @@ def test_the_headline_has_a_line_for_each_quantity_and_family(folder: Path) -> N
     text = report_text(folder)
     assert "mutual: the model is 10% off (rms over 5 cases), median 10%, worst -10%" in text
     assert "delta_self: the model is 80% off (rms over 5 cases), median 80%, worst +80%" in text
-    assert "sure to 0.50% or better" in text
+    assert "sure to 0.5 % or better" in text
 
 
 def pages_of(folder: Path) -> list[Path]:
@@ -116,7 +116,10 @@ def test_the_page_of_a_case_has_its_drawing_its_numbers_and_its_commands(folder:
     for case in results.load(folder).compared():
         page = (case.folder / "case.html").read_text()
         assert page.count("plotly-graph-div") == 1 and "No slice of its potential is stored" in page
-        assert "mutual of sensor and target: 2 ± 0.01 pF by the reference; the model is -10.0% off" in page
+        assert (
+            "mutual of sensor and target: 2 ± 0.01 pF by the field solver (estimated error); the model is -10.0% off"
+            in page
+        )
         assert f"cases/{case.id}/scene.toml --rtol 0.001 --max-seconds 60" in page
         assert f"cases/{case.id}/scene.toml --method exact" in page
         assert 'href="fem.json"' in page

@@ -90,6 +90,25 @@ def test_errors_are_estimated_unless_enclosures_are_asked_for() -> None:
         study.loads(asked.replace("enclosure", "guess") + SWEEP)
 
 
+def test_both_methods_are_the_reference_unless_one_is_asked_for() -> None:
+    usual = study.loads(HEAD + SWEEP)
+    assert (usual.reference_method, usual.by_field, usual.by_boundary_elements) == ("both", True, True)
+    field = study.loads(HEAD.replace("[reference]", '[reference]\nmethod = "field"') + SWEEP)
+    assert (field.by_field, field.by_boundary_elements) == (True, False)
+    with pytest.raises(InputError, match="reference.method.*field, boundary-elements, both.*'bem'"):
+        study.loads(HEAD.replace("[reference]", '[reference]\nmethod = "bem"') + SWEEP)
+
+
+def test_boundary_elements_alone_need_no_limit_of_time_and_prove_no_intervals() -> None:
+    alone = HEAD.replace("[reference]", '[reference]\nmethod = "boundary-elements"')
+    untimed = study.loads(alone.replace("max_seconds = 60\n", "") + SWEEP)
+    assert (untimed.by_field, untimed.by_boundary_elements) == (False, True)
+    with pytest.raises(InputError, match="reference.error.*prove no intervals"):
+        study.loads(alone.replace("max_seconds = 60", 'error = "enclosure"') + SWEEP)
+    with pytest.raises(InputError, match="reference.max_seconds.*missing"):
+        study.loads(HEAD.replace("max_seconds = 60\n", "") + SWEEP)
+
+
 def test_without_a_reference_nothing_is_asked_of_it() -> None:
     alone = HEAD.replace("rtol = 1e-3\n", "").replace("max_seconds = 60", 'error = "none"')
     assert alone != HEAD and study.loads(alone + SWEEP).error == "none"

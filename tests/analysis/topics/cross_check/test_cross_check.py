@@ -20,10 +20,13 @@ from geometries.scene import reader
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Sphere
 from geometries.scene.writer import canonical
-from geometries.studies import families
+from geometries.studies import families, study
+from geometries.studies.study import Study
 from tests.analysis.synthetic import (
+    HEAD,
     MACHINE_ANSWERS,
     MACHINES,
+    PARALLEL,
     PICO,
     boundary_document,
     machine_document,
@@ -143,11 +146,15 @@ def test_the_page_of_a_case_has_both_matrices(tmp_path: Path) -> None:
     case, *_ = with_boundary(folder, c0=boundary_document(2.25, 1)).compared()
     report.make(folder)
     page = (case.folder / "case.html").read_text()
-    assert "The same by boundary elements" in page and "-2.25 ± 0.001" in page and "boundary.json" in page
+    assert "By boundary elements" in page and "-2.25 ± 0.001" in page and "boundary.json" in page
     assert f"cases/{case.id}/scene.toml --method boundary-elements --rtol 0.0001" in page
 
 
-def stored(scene: Scene, folder: Path, asked: float = 1e-2) -> dict[str, Any]:
+BESIDE = replace(study.loads(HEAD + PARALLEL), rtol=1e-2)
+"""A study that asks both methods for 1 %."""
+
+
+def stored(scene: Scene, folder: Path, asked: Study = BESIDE) -> dict[str, Any]:
     """What the stage stores of a scene."""
     store.write_text(folder / "scene.toml", canonical(scene))
     return boundary_stage.answer(folder / "scene.toml", asked)
@@ -181,11 +188,16 @@ def test_boundary_elements_of_a_mesh_are_asked_for_the_field_solvers_tolerance(t
     scene = canonical(plates).split("[object.shape]")[0]
     store.write_text(tmp_path / "scene.toml", scene + '[object.shape]\ntype = "mesh"\nfile = "wall.obj"\n')
     mesh = reader.load(tmp_path / "scene.toml")
-    assert (boundary_stage.rtol(1e-2, plates), boundary_stage.rtol(1e-2, mesh)) == (1e-3, 1e-2)
+    assert (boundary_stage.rtol(BESIDE, plates), boundary_stage.rtol(BESIDE, mesh)) == (1e-3, 1e-2)
     answer = stored(mesh, tmp_path / "stored")
     assert answer["rtol"] == 1e-2 and answer["reached"]
 
 
+def test_boundary_elements_alone_are_asked_for_what_the_study_asks() -> None:
+    alone = replace(BESIDE, reference_method=study.BOUNDARY_ELEMENTS)
+    assert boundary_stage.rtol(alone, families.parallel((0.1, 0.1), (0.1, 0.1), 0.04)) == 1e-2
+
+
 def test_a_scene_that_is_gone_meanwhile_has_no_answer(tmp_path: Path) -> None:
     with pytest.raises(NoAnswer, match="scene.toml"):
-        boundary_stage.answer(tmp_path / "scene.toml", 1e-2)
+        boundary_stage.answer(tmp_path / "scene.toml", BESIDE)

@@ -80,7 +80,7 @@ def test_drift_ends_with_code_1_a_table_and_a_document(
     printed = capsys.readouterr().out
     assert "1 values moved by more than their errors" in printed and "+5.00e-02" in printed
     told = json.loads(document.read_text())
-    assert told["drifted"] and told["moved"][0]["who"] == "reference"
+    assert told["drifted"] and told["moved"][0]["who"] == "field solver"
     assert told["moved"][0]["over_errors"] == pytest.approx(5)
 
 

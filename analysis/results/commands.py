@@ -1,0 +1,42 @@
+"""The commands, from the repository's folder, that compute the answers of a case anew."""
+
+from __future__ import annotations
+
+from analysis.results.study_results import SCENE, CaseResult, Results
+from geometries.common import installation
+from geometries.common.installation import from_repository
+from geometries.studies.study import BOUNDARY_ELEMENTS, NO_REFERENCE
+
+COMPARED_METHOD = "exact"
+"""The method of the model that reports compare with the reference."""
+
+
+def reference_command(results: Results, case: str) -> str:
+    """Returns the command that computes the field solver's answer for a case."""
+    asked = f"--rtol {results.rtol:g} --max-seconds {results.max_seconds:g} --error {results.error}"
+    return f"{installation.command('fem_reference')} {_scene(results, case)} {asked}"
+
+
+def boundary_command(results: Results, case: str) -> str:
+    """Returns the command that computes the answer by boundary elements for a case that has one."""
+    answer = results.cases[case].boundary
+    assert answer is not None
+    return f"{model_command(results, case, 'boundary-elements')} --rtol {answer.rtol:g}"
+
+
+def truth_command(results: Results, case: CaseResult) -> str:
+    """Returns the command of a reference that the study asks: the field solver's, or else that of boundary elements; empty without one."""
+    if results.error == NO_REFERENCE:
+        return ""
+    if results.reference_method != BOUNDARY_ELEMENTS:
+        return reference_command(results, case.id)
+    return boundary_command(results, case.id) if case.boundary is not None else ""
+
+
+def model_command(results: Results, case: str, method: str = COMPARED_METHOD) -> str:
+    """Returns the command that computes the model's answer for a case."""
+    return f"{installation.model_command()} capacitance {_scene(results, case)} --method {method}"
+
+
+def _scene(results: Results, case: str) -> str:
+    return from_repository(results.folder / "cases" / case / SCENE)

@@ -1,0 +1,88 @@
+"""What a method refuses to answer in a study, and why: all cases with the same reason together."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from analysis.results.study_results import CaseResult, Results
+from analysis.results.truth import BOUNDARY, FIELD
+from geometries.studies.study import NO_REFERENCE
+
+# A line names so many of its cases.
+_MOST_NAMED = 3
+# Reasons that differ in numbers only, such as a distance in every frame of a motion, are the same reason.
+_NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """A method and its reason to refuse some cases; `answered` of them have the other method's answer."""
+
+    method: str
+    reason: str
+    cases: tuple[str, ...]
+    answered: int
+
+    @property
+    def sentence(self) -> str:
+        """One line that names the method, the first cases and the reason."""
+        count = len(self.cases)
+        cases = f"case {self.cases[0]}" if count == 1 else f"{count} cases ({named(self.cases)})"
+        verb = "refuses" if self.method == FIELD else "refuse"
+        return f"{_whole_name(self.method)} {verb} {cases}, {self._otherwise}: {self.reason}"
+
+    @property
+    def _otherwise(self) -> str:
+        other = _whole_name(BOUNDARY if self.method == FIELD else FIELD)
+        answers = "answer" if self.method == FIELD else "answers"
+        if self.answered == 0:
+            return "without another answer"
+        whole = self.answered == len(self.cases)
+        return f"{other} {answers}" if whole else f"{other} {answers} {self.answered} of them"
+
+
+def refusals(results: Results) -> list[Refusal]:
+    """Returns what the field solver and then what boundary elements refuse, the most frequent reason first."""
+    by_reason: dict[tuple[str, str], dict[str, str]] = {}
+    for failure in results.failures:
+        # The slice of a refused case is refused too.
+        if failure.refused and failure.case in results.cases:
+            by_reason.setdefault((FIELD, _words(failure.reason)), {}).setdefault(failure.case, failure.reason)
+    for case in results.cases.values():
+        if case.refused:
+            by_reason.setdefault((BOUNDARY, _words(case.refused)), {})[case.id] = case.refused
+    found = [
+        Refusal(
+            method, _common(cases), tuple(cases), sum(results.cases[case].truth is not None for case in cases)
+        )
+        for (method, _), cases in by_reason.items()
+    ]
+    return sorted(found, key=lambda refusal: (refusal.method != FIELD, -len(refusal.cases)))
+
+
+def _words(reason: str) -> str:
+    return _NUMBER.sub("#", reason)
+
+
+def _common(reasons: dict[str, str]) -> str:
+    """Returns the first of some reasons, and says if others have other numbers in it."""
+    distinct = list(dict.fromkeys(reasons.values()))
+    return distinct[0] + (" (in the others with other numbers)" if distinct[1:] else "")
+
+
+def unanswered(results: Results) -> list[CaseResult]:
+    """Returns the cases that no method has answered, if the study asks for references."""
+    if results.error == NO_REFERENCE:
+        return []
+    return [case for case in results.cases.values() if case.truth is None]
+
+
+def named(cases: tuple[str, ...]) -> str:
+    """Names the first of some cases."""
+    more = ", …" if len(cases) > _MOST_NAMED else ""
+    return ", ".join(cases[:_MOST_NAMED]) + more
+
+
+def _whole_name(method: str) -> str:
+    return f"the {method}" if method == FIELD else method

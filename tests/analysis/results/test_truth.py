@@ -1,0 +1,122 @@
+"""The best truth at hand: of two methods the one that states less error, value by value, and both are kept."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from pathlib import Path
+
+import pytest
+
+from analysis.results import study_results as results, table
+from analysis.results.answers import Estimate
+from analysis.results.table import Row
+from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN, Known
+from analysis.study import report
+from geometries.studies import study
+from tests.analysis.synthetic import (
+    PARALLEL,
+    PICO,
+    boundary_document,
+    make_results,
+    model_document,
+    reference_document,
+    report_text,
+)
+
+ONE_CASE = PARALLEL.replace("[0.01, 0.02, 0.04]", "0.02")
+
+
+def rows_of(folder: Path, field: float, boundary: float, method: str = study.BOTH) -> list[Row]:
+    """The rows of mutual 2 pF and delta_self 1 pF, with these errors (pF)."""
+    answers = {0: (reference_document(2, 1, error=field), model_document(1.8))}
+    documents = {0: boundary_document(2.001, 1.001, error=boundary)}
+    return table.rows(results.load(make_results(folder, ONE_CASE, answers, [], "", method, documents)))
+
+
+def record_of(rows: list[Row]) -> dict[str, str]:
+    return next(iter(csv.DictReader(io.StringIO(table.to_csv(rows, ("exact",))))))
+
+
+def test_the_method_that_states_less_error_answers(tmp_path: Path) -> None:
+    sure, unsure = rows_of(tmp_path / "a", 1.0, 0.004)[0], rows_of(tmp_path / "b", 0.004, 1.0)[0]
+    assert (sure.known.answered_by, unsure.known.answered_by) == (BOUNDARY, FIELD)
+    assert sure.reference == Estimate(2.001 * PICO, 0.004 * PICO)
+    assert unsure.reference == Estimate(2 * PICO, 0.004 * PICO)
+
+
+def test_each_value_is_answered_by_itself(tmp_path: Path) -> None:
+    document = reference_document(2, 1, error=0.01)
+    document["delta_self"]["sensor"]["error"] = 1e-5 * PICO
+    folder = make_results(
+        tmp_path, ONE_CASE, {0: (document, model_document(1.8))}, boundary={0: boundary_document(2, 1)}
+    )
+    mutual, delta_self = table.rows(results.load(folder))
+    assert (mutual.known.answered_by, delta_self.known.answered_by) == (BOUNDARY, FIELD)
+
+
+@pytest.mark.parametrize("error", [math.nan, math.inf])
+def test_an_error_that_is_unknown_never_answers_if_another_is_known(error: float) -> None:
+    unknown, known = Estimate(1.0, error), Estimate(2.0, 1.0)
+    assert Known(unknown, known).best == known and Known(known, unknown).best == known
+
+
+def test_a_proven_interval_is_kept_beside_a_smaller_estimate(tmp_path: Path) -> None:
+    document = reference_document(2, 1, error=0.01, error_kind="enclosure")
+    document |= {
+        name: [[value + side * PICO for value in row] for row in document["maxwell"]]
+        for name, side in (("lower", -0.2), ("upper", 0.1))
+    }
+    answers = {0: (document, model_document(1.8))}
+    folder = make_results(tmp_path, ONE_CASE, answers, boundary={0: boundary_document(2, 1)})
+    rows = table.rows(results.load(folder))
+    record = record_of(rows)
+    assert (rows[0].known.error_kind, record["reference_error_kind"]) == (ESTIMATED, "estimated")
+    assert record["field_error_kind"] == PROVEN
+    assert float(record["field_error_F"]) == pytest.approx(0.2e-12)
+    assert "The field solver proves wider intervals of 1 of them" in report_text(folder)
+
+
+def test_the_table_has_both_methods_and_names_the_one_that_answers(tmp_path: Path) -> None:
+    record = record_of(rows_of(tmp_path, 1.0, 0.004))
+    assert record["answered_by"] == "boundary elements" and record["reached"] == "True"
+    values = [float(record[name]) for name in ("field_F", "field_error_F", "boundary_F", "boundary_error_F")]
+    assert values == pytest.approx([2e-12, 1e-12, 2.001e-12, 0.004e-12])
+    assert "--method boundary-elements --rtol 0.0001" in record["command"]
+
+
+def test_a_value_is_never_called_sure_to_100_percent_when_the_other_method_knows_it(tmp_path: Path) -> None:
+    rows_of(tmp_path, 3.0, 0.004)
+    text = report_text(tmp_path)
+    assert "sure to 0.2 % or better" in text and "by boundary elements with estimated errors" in text
+    assert "sure to 300" not in text and "sure to 150" not in text
+
+
+def test_a_value_that_no_method_knows_is_called_unknown(tmp_path: Path) -> None:
+    rows_of(tmp_path, 3.0, 4.0)
+    text = report_text(tmp_path)
+    assert "no reference knows more than its order of magnitude" in text and "<td>unknown</td>" in text
+
+
+@pytest.mark.parametrize(
+    "method, answered_by", [(study.FIELD, FIELD), (study.BOUNDARY_ELEMENTS, BOUNDARY), (study.BOTH, FIELD)]
+)
+def test_a_method_that_the_study_does_not_ask_answers_nothing(
+    tmp_path: Path, method: str, answered_by: str
+) -> None:
+    mutual, _ = rows_of(tmp_path, 0.001, 0.004, method)
+    assert mutual.known.answered_by == answered_by
+    assert (mutual.known.field is None) == (method == study.BOUNDARY_ELEMENTS)
+    assert (mutual.known.boundary is None) == (method == study.FIELD)
+
+
+def test_a_study_by_boundary_elements_alone_has_rows_pages_and_no_field_solver(tmp_path: Path) -> None:
+    answers = {0: (None, model_document(1.8))}
+    documents = {0: boundary_document(2, 1)}
+    folder = make_results(tmp_path, ONE_CASE, answers, [], "", study.BOUNDARY_ELEMENTS, documents)
+    (found, *_) = results.load(folder).compared()
+    text = report_text(folder) + (found.folder / "case.html").read_text()
+    assert "by boundary elements" in text and "python3 -m fem_reference" not in text
+    assert len(report.make(folder).summaries) == 4
+    assert {row.quantity for row in table.rows(results.load(folder))} == {table.MUTUAL, table.DELTA_SELF}
