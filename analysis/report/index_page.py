@@ -71,7 +71,13 @@ def kinds(results: Results, cases: str) -> list[Kind]:
 
 
 def document(
-    title: str, inputs: str, headline: Markup, shown: list[Kind], cards: list[Card], rest: list[Markup]
+    title: str,
+    inputs: str,
+    warning: Markup,
+    headline: Markup,
+    shown: list[Kind],
+    cards: list[Card],
+    rest: list[Markup],
 ) -> str:
     """Returns the whole page. Its script is loaded only where the headline holds a figure."""
     own, others = ([card for card in cards if card.own == mine] for mine in (True, False))

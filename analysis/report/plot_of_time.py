@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 from analysis.report.plot import Panel, Plot, figure, power_axis, series_colour
 from analysis.results.commands import COMPARED_METHOD
 from analysis.results.table import MUTUAL, Row
-from analysis.results.units import duration
+from analysis.results.units import duration, percent
 
 
 @dataclass(frozen=True)
@@ -86,15 +86,15 @@ def time_against_error(rows: list[Row]) -> Plot:
 
 
 def _finding(exact: Point, integration: list[Point], splits: list[Point], levels: list[Point]) -> str:
-    sentence = f"The exact model takes {duration(exact.seconds)} and is {exact.error:.0%} off, the median of all cases"
+    sentence = f"The exact model takes {duration(exact.seconds)} and is {percent(exact.error)} off, the median of all cases"
     if splits:
         factor, finest = splits[-1].seconds / exact.seconds, splits[-1].label
         sentence += (
             f"; {finest} takes {factor:.0f} times as long, agrees with it to {integration[-1].error:.1g} and is"
-            f" {splits[-1].error:.0%} off all the same, so the formula is wrong and not its integration"
+            f" {percent(splits[-1].error)} off all the same, so the formula is wrong and not its integration"
         )
     if levels:
-        sentence += f"; the field solver's coarsest mesh is {levels[0].error:.2%} off after {duration(levels[0].seconds)}"
+        sentence += f"; the field solver's coarsest mesh is {percent(levels[0].error)} off after {duration(levels[0].seconds)}"
     return sentence + "."
 
 

@@ -13,7 +13,7 @@ from analysis.results.names import in_words
 from analysis.results.store import Document
 from analysis.results.study_results import CaseResult
 from analysis.results.table import MUTUAL, Row
-from analysis.results.units import CENTIMETRE, PICOFARAD
+from analysis.results.units import CENTIMETRE, PICOFARAD, percent
 from geometries.scene.poses import Transform
 from geometries.scene.readings import targets
 from geometries.scene.scene import Object, Scene
@@ -95,7 +95,7 @@ def _picture(row: Row) -> Plot:
     mutual = row.reference.value / PICOFARAD
     finding = (
         f"In the case {case.name} the grounded target carries {mutual:.3g} pC for each volt on the sensor (mutual, reference);"
-        f" the model's value is {abs(row.model_error):.0%} too {'high' if row.model_error > 0 else 'low'}."
+        f" the model's value is {percent(abs(row.model_error))} too {'high' if row.model_error > 0 else 'low'}."
     )
     return Plot(f"Family {case.family}", finding, panels(case), f"{in_words(case.parameters)}.")
 

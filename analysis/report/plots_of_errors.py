@@ -14,7 +14,7 @@ from analysis.results.names import in_words
 from analysis.results.set_up import SetUp
 from analysis.results.commands import COMPARED_METHOD
 from analysis.results.table import QUANTITIES, Row
-from analysis.results.units import PICOFARAD
+from analysis.results.units import PICOFARAD, signed_percent
 
 PERCENT = 100.0
 
@@ -32,7 +32,7 @@ def model_against_reference(rows: list[Row]) -> Plot:
         "Model against reference",
         f"The exact model's value is {' and '.join(shares)}.",
         panels,
-        "Each point is a case; on the line both agree. Horizontal bars: the reference's own error, mostly too small to see.",
+        "Each point is a case; on the line both agree. Horizontal bars: the reference's own error.",
     )
 
 
@@ -174,7 +174,9 @@ def _finding(described: list[tuple[float, Row]], name: str) -> str:
     for quantity in _quantities([row for _, row in described]):
         below = [row.model_error for x, row in described if row.quantity == quantity and x <= low]
         above = [row.model_error for x, row in described if row.quantity == quantity and x >= high]
-        changes.append(f"from {np.median(below):+.0%} to {np.median(above):+.0%} in {quantity}")
+        changes.append(
+            f"from {signed_percent(float(np.median(below)))} to {signed_percent(float(np.median(above)))} in {quantity}"
+        )
     return (
         f"Between the cases whose {name} is at most {low:.3g} and those where it is at least {high:.3g}, the median model "
         f"error goes {' and '.join(changes)}."

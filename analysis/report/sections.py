@@ -11,12 +11,11 @@ from analysis.results.answers import ReferenceAnswer
 from analysis.results.statistics import ALL_FAMILIES, Summary
 from analysis.results.study_results import Results
 from analysis.results.symmetry import Pair
-from analysis.results import units
 from analysis.results.commands import COMPARED_METHOD, model_command, truth_command
 from analysis.results.refusals import refusals
 from analysis.results.table import CHANGE, QUANTITIES, Row
 from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN
-from analysis.results.units import PICOFARAD
+from analysis.results.units import PICOFARAD, percent, signed_percent
 from geometries.studies.study import EMPTY, NO_REFERENCE
 
 
@@ -82,10 +81,10 @@ def headline(results: Results, rows: list[Row], summaries: list[Summary]) -> Mar
         before = " before machines" if quantity == CHANGE else ""
         parts.append(
             page.finding(
-                f"{quantity}{before}: the model is {summary.rms:.0%} off (rms over {summary.count} cases), median {summary.median:.0%}, "
-                f"worst {summary.worst:+.0%}; the reference is sure to {units.percent(summary.sure_to)} or better."
+                f"{quantity}{before}: the model is {percent(summary.rms)} off (rms over {summary.count} cases), median {percent(summary.median)}, "
+                f"worst {signed_percent(summary.worst)}; the reference is sure to {percent(summary.sure_to)} or better."
                 if summary.sure_to < 1
-                else f"worst {summary.worst:+.0%}; of at least one of them no reference knows more than its order of magnitude."
+                else f"worst {signed_percent(summary.worst)}; of at least one of them no reference knows more than its order of magnitude."
             )
         )
     parts.append(page.paragraph(_QUANTITIES))
@@ -109,10 +108,10 @@ def headline(results: Results, rows: list[Row], summaries: list[Summary]) -> Mar
             s.quantity,
             s.family,
             str(s.count),
-            f"{s.rms:.1%}",
-            f"{s.median:.1%}",
-            f"{s.worst:+.1%}",
-            units.percent(s.sure_to) if s.sure_to < 1 else "unknown",
+            percent(s.rms),
+            percent(s.median),
+            signed_percent(s.worst),
+            percent(s.sure_to) if s.sure_to < 1 else "unknown",
             page.case_link(s.worst_case, results.cases[s.worst_case].name, "cases"),
         ]
         for s in summaries
@@ -265,7 +264,7 @@ def all_rows(results: Results, rows: list[Row]) -> Markup:
             errors = (row.model_error, *row.model_error_interval)
             by_model = [
                 f"{row.model[COMPARED_METHOD] / PICOFARAD:.5f}",
-                *(f"{error:+.2%}" for error in errors),
+                *(signed_percent(error, 2) for error in errors),
             ]
         lines.append(
             [

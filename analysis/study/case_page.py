@@ -19,7 +19,7 @@ from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SL
 from analysis.results.commands import boundary_command, model_command, reference_command
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
 from analysis.results.truth import FIELD, Known
-from analysis.results.units import PICOFARAD, duration
+from analysis.results.units import PICOFARAD, duration, signed_percent
 from analysis.topics.errors import section as errors_section
 from analysis.topics.errors.records import Entry
 from geometries.studies.study import BOUNDARY_ELEMENTS, EMPTY, NO_REFERENCE
@@ -88,7 +88,7 @@ def _finding(row: Row) -> str:
     low, high = row.model_error_interval
     return (
         f"{whose}: {row.reference.value / PICOFARAD:.5g} ± {row.reference.error / PICOFARAD:.1g} pF by {_by(row.known)}; the model is "
-        f"{row.model_error:+.1%} off ({low:+.1%} to {high:+.1%} over the reference's error bar)."
+        f"{signed_percent(row.model_error, 2)} off ({signed_percent(low, 2)} to {signed_percent(high, 2)} over the reference's error bar)."
     )
 
 

@@ -114,8 +114,8 @@ def _write(material: Material, nights: list[Document], inputs: str, whole: str) 
         cards.append(
             Card(history_page.HISTORY, "What has moved from night to night?", history_page.finding(nights))
         )
-    headline = cross_check_section.warning(material.found, f"{PAGES}/{CROSS_CHECK}.html")
-    headline += sections.refused(material.found)
+    warning = cross_check_section.warning(material.found, f"{PAGES}/{CROSS_CHECK}.html")
+    headline = sections.refused(material.found)
     headline += sections.headline(material.found, material.rows, material.summaries)
     if any(row.is_change for row in table.compared(material.rows)):
         headline += page.plot_section(plot_of_changes.error_of_changes(material.rows), "cases")
@@ -123,7 +123,8 @@ def _write(material: Material, nights: list[Document], inputs: str, whole: str) 
     rest = [sections.failures(material.found), page.soft(sections.FILES)]
     shown = index_page.kinds(material.found, "cases")
     write_text(
-        folder / page.REPORT, index_page.document(material.found.title, whole, headline, shown, cards, rest)
+        folder / page.REPORT,
+        index_page.document(material.found.title, whole, warning, headline, shown, cards, rest),
     )
 
 

@@ -8,7 +8,7 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, series_colour
 from analysis.results.answers import Estimate
-from analysis.results.units import PICOFARAD
+from analysis.results.units import PICOFARAD, percent, signed_percent
 from analysis.topics.company.field_check import QUANTITIES, Comparison
 
 ABSENT = "None of these set-ups has a reading by the field solver."
@@ -47,7 +47,7 @@ def finding(found: list[Comparison]) -> str:
         of_quantity = [each for each in found if each.quantity == quantity]
         worst = max(each.over_errors for each in of_quantity)
         farthest = max((each.difference for each in of_quantity), key=abs)
-        phrases.append(f"{quantity} {worst:.2f} of the errors and {farthest:+.2%} of the value")
+        phrases.append(f"{quantity} {worst:.2f} of the errors and {signed_percent(farthest)} of the value")
     sentence = (
         f"In {set_ups} set-ups that the field solver computes, too, {agreeing} of {len(found)} values agree within the errors that both "
         f"methods state. The largest differences, boundary elements less field solver, are: {'; '.join(phrases)}."
@@ -94,8 +94,8 @@ def _rows(found: list[Comparison]) -> list[list[str]]:
             each.quantity,
             _picofarad(each.field),
             _picofarad(each.boundary),
-            f"{each.difference:+.2%}",
-            f"{each.allowed:.2%}",
+            signed_percent(each.difference),
+            percent(each.allowed),
             f"{each.over_errors:.2f}",
         ]
         for each in found

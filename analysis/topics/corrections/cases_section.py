@@ -12,7 +12,7 @@ from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, family_marker, figure, log_axis
 from analysis.report.set_ups_page import Around, Shown
 from analysis.results.store import Document
-from analysis.results.units import CENTIMETRE, PICOFARAD, signed_percent
+from analysis.results.units import CENTIMETRE, PICOFARAD, percent, signed_percent
 from analysis.topics.corrections.truths import RTOL
 from geometries.scene import reader
 from geometries.scene.scene import Scene
@@ -45,7 +45,7 @@ def finding(cases: list[Document]) -> str:
     near = sum(abs(_error(case, best)) <= _WITHIN for case in cases)
     worst = {name: max(cases, key=lambda case: abs(_error(case, name))) for name in SHOWN}
     return (
-        f"The {best} is within {_WITHIN:.0%} in {near} of {len(cases)} set-ups and worst in {_told_worst(worst[best], best)}; "
+        f"The {best} is within {percent(_WITHIN)} in {near} of {len(cases)} set-ups and worst in {_told_worst(worst[best], best)}; "
         f"{recommended} is worst in {_told_worst(worst[recommended], recommended)}."
     )
 

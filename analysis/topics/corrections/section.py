@@ -45,7 +45,7 @@ def finding(document: Document) -> str:
         f"{percent(best['sealed']['worst'])} at worst, where the plain model is {percent(plain['sealed']['rms'])} and "
         f"{percent(plain['sealed']['worst'])}, at {min(ratios.values()):.1f} to {max(ratios.values()):.1f} times its time per "
         f"triangle; a Gaussian process on top leaves {percent(statistical['sealed']['rms'])}, and its 95 % intervals hold the "
-        f"truth in {statistical['sealed_coverage']:.0%}. Recommended is the reduced method, which has no fitted constant: "
+        f"truth in {percent(statistical['sealed_coverage'])}. Recommended is the reduced method, which has no fitted constant: "
         f"{percent(recommended['all']['rms'])} off (rms) and {percent(recommended['all']['worst'])} at worst in all "
         f"{recommended['all']['count']}."
     )
@@ -168,7 +168,7 @@ def _explanation(document: Document) -> str:
         f"{document['set_ups']} set-ups with truths by boundary elements to 1e-4 ({document['truths']}); {document['sealed']} of them are sealed "
         "by a hash of their names: no constant was fitted on them. Errors are relative to the truth. Family left out: each family with "
         "the formula's constants fitted to the others, recommended as it is; for the rest, with the others' mean factor divided out. The process' row has the open set-ups in the places of all, each "
-        f"predicted from the other folds; there its 95 % intervals hold the truth in {both['open_coverage']:.0%}. Times: one "
+        f"predicted from the other folds; there its 95 % intervals hold the truth in {percent(both['open_coverage'])}. Times: one "
         f"core, one run, new pose each time; those without a time failed and are not in the product. Repeat: {stage.COMMAND}."
     )
 

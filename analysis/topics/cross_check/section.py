@@ -9,7 +9,7 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import INK, Panel, family_marker, figure, power_axis, series_colour
 from analysis.results.study_results import Results
-from analysis.results.units import PICOFARAD, duration
+from analysis.results.units import PICOFARAD, duration, percent
 from analysis.topics.cross_check import agreement
 from analysis.topics.cross_check.agreement import Bracket, Comparison
 
@@ -58,9 +58,7 @@ def finding(found: list[Comparison]) -> str:
     place = f"{worst.what} of {worst.case.name}"
     if wrong:
         return f"{sentence}; {len(wrong)} disagree, {place} by {worst.over_errors:.2g} times what the errors allow."
-    return (
-        f"{sentence}; the largest difference is {worst.over_errors:.0%} of what the errors allow ({place})."
-    )
+    return f"{sentence}; the largest difference is {percent(worst.over_errors)} of what the errors allow ({place})."
 
 
 def _reached(results: Results) -> str:

@@ -8,7 +8,7 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import Panel
 from analysis.results.table import DELTA_SELF, MUTUAL
-from analysis.results.units import PICOFARAD, signed_percent
+from analysis.results.units import PICOFARAD, percent, signed_percent
 from analysis.topics.errors import parts, plots, records
 from analysis.topics.errors.parts import PARTS
 from analysis.topics.errors.records import Entry, Statistics
@@ -65,14 +65,14 @@ def _parts_of_one(entry: Entry, quantity: str) -> Markup:
         [
             name,
             f"{value * true / PICOFARAD:+.5f}",
-            f"{value:+.2%}",
-            f"{effects[name].least / true:+.2%} to {effects[name].greatest / true:+.2%}"
+            signed_percent(value),
+            f"{signed_percent(effects[name].least / true)} to {signed_percent(effects[name].greatest / true)}"
             if name in effects
             else "",
         ]
         for name, value in entry.parts(quantity).items()
     ]
-    rows.append(["model − truth", f"{error * true / PICOFARAD:+.5f}", f"{error:+.2%}", ""])
+    rows.append(["model − truth", f"{error * true / PICOFARAD:+.5f}", signed_percent(error), ""])
     header = ["part", "pF", f"of {quantity}", "by the order"]
     return page.lines([page.heading(quantity), page.table(header, rows, strong=frozenset({len(rows) - 1}))])
 
@@ -94,9 +94,9 @@ def finding(found: list[Entry], quantity: str) -> str:
     middle = float(np.median([abs(entry.error(quantity)) for entry in found]))
     sure = float(np.median([entry.uncertainty(quantity) for entry in found]))
     return (
-        f"{quantity}: over {len(found)} set-ups the model is {middle:.0%} off (median size); the greatest part is {first.name} in "
-        f"{first.largest_in} of them ({first.size_there:.0%} of the truth there, median size), {second.name} in "
-        f"{second.largest_in} ({second.size_there:.0%}); the parts are known to {sure:.1e} (median)."
+        f"{quantity}: over {len(found)} set-ups the model is {percent(middle)} off (median size); the greatest part is {first.name} in "
+        f"{first.largest_in} of them ({percent(first.size_there)} of the truth there, median size), {second.name} in "
+        f"{second.largest_in} ({percent(second.size_there)}); the parts are known to {sure:.1e} (median)."
     )
 
 
@@ -107,8 +107,8 @@ def map_finding(group: str, found: list[Entry]) -> str:
         worst = max(_on(group, found), key=lambda entry: abs(entry.error(quantity)))
         signs = sorted(entry.error(quantity) for entry in _on(group, found))
         phrases.append(
-            f"in {quantity} from {signs[0]:+.0%} to {signs[-1]:+.0%}, farthest off at {_place(group, worst)}, mostly by "
-            f"{worst.largest(quantity)} ({worst.parts(quantity)[worst.largest(quantity)]:+.0%})"
+            f"in {quantity} from {signed_percent(signs[0])} to {signed_percent(signs[-1])}, farthest off at {_place(group, worst)}, mostly by "
+            f"{worst.largest(quantity)} ({signed_percent(worst.parts(quantity)[worst.largest(quantity)])})"
         )
     return f"The error goes {'; '.join(phrases)}."
 
@@ -144,12 +144,12 @@ def _parts(found: list[Entry], cases: str) -> Markup:
 def quantity_finding(found: list[Entry]) -> str:
     """Tells which parts make up the difference between the two quantities."""
     own = [entry.true(DELTA_SELF).value for entry in found]
-    drawn = np.median([parts.drawn_from_infinity(e.truth) / value for e, value in zip(found, own)])
-    raised = np.median([parts.polarisation(e.truth) / value for e, value in zip(found, own)])
-    whole = np.median([entry.parts(DELTA_SELF)[parts.QUANTITY] for entry in found])
+    drawn = float(np.median([parts.drawn_from_infinity(e.truth) / value for e, value in zip(found, own)]))
+    raised = float(np.median([parts.polarisation(e.truth) / value for e, value in zip(found, own)]))
+    whole = float(np.median([entry.parts(DELTA_SELF)[parts.QUANTITY] for entry in found]))
     return (
-        f"mutual differs from delta_self by {whole:+.0%} of it (median over the set-ups): {drawn:+.0%} is charge that the grounded "
-        f"target draws without pushing as much back to the sensor, {raised:+.0%} what even the floating target adds to the sensor."
+        f"mutual differs from delta_self by {signed_percent(whole)} of it (median over the set-ups): {signed_percent(drawn)} is charge that the grounded "
+        f"target draws without pushing as much back to the sensor, {signed_percent(raised)} what even the floating target adds to the sensor."
     )
 
 
@@ -164,10 +164,10 @@ def _cells(each: Statistics, count: int, cases: str) -> list[str]:
         each.name,
         signed_percent(each.median),
         signed_percent(each.mean),
-        f"{each.rms:.1%}",
-        f"{each.worst:+.0%}",
+        percent(each.rms),
+        signed_percent(each.worst),
         f"{each.largest_in} of {count}",
-        f"{each.spread:.1%}" if each.name in parts.EFFECTS else "",
+        percent(each.spread) if each.name in parts.EFFECTS else "",
         page.case_link(each.worst_case.id, each.worst_case.name, cases),
     ]
 

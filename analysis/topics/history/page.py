@@ -15,6 +15,7 @@ from analysis.report.plot import Panel, axis, figure, power_axis, series_colour
 from analysis.results import study_results as results
 from analysis.results.store import Document, write_text
 from analysis.results.table import QUANTITIES
+from analysis.results.units import percent
 from analysis.topics.history import nights as history
 
 HISTORY = "history.html"
@@ -182,4 +183,4 @@ def _number(value: float | None) -> str:
 
 
 def _percent(value: float | None) -> str:
-    return "" if value is None else f"{value:.1%}"
+    return "" if value is None else percent(value)

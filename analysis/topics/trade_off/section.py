@@ -51,7 +51,7 @@ def finding(found: list[Point], document: Document, results: Results) -> str:
     best = min(corrections, key=lambda point: point.error)
     seconds = [point.seconds for point in found]
     sentence = (
-        f"Over {len(document['truths'])} set-ups the plain model takes {duration(exact.seconds, 2)} and is {exact.error:.0%} off in mutual "
+        f"Over {len(document['truths'])} set-ups the plain model takes {duration(exact.seconds, 2)} and is {percent(exact.error)} off in mutual "
         f"(medians), the correction {best.name} {duration(best.seconds, 2)} and {percent(best.error)}, {fast.name} "
         f"{duration(fast.seconds, 2)} and {percent(fast.error)}"
     )

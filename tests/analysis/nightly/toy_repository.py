@@ -46,6 +46,8 @@ import os
 import numpy as np
 from tests.analysis.synthetic import boundary_document, model_document
 __version__ = "toy"
+def plate_integral(triangles, corner, edge_u, edge_v):
+    return np.ones(len(triangles))
 class Scene:
     @staticmethod
     def load(path):

@@ -29,6 +29,7 @@ def test_plain_text_is_escaped_in_every_part() -> None:
         page.filled(
             "index.html",
             title=HOSTILE,
+            warning="",
             headline="",
             kinds=[index_page.Kind(HOSTILE, Markup(""), HOSTILE, 1)],
             own=[index_page.Card(HOSTILE, HOSTILE, HOSTILE)],

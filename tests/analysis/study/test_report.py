@@ -54,8 +54,8 @@ def test_every_plot_has_a_figure_and_a_finding(folder: Path, title: str) -> None
 
 def test_the_headline_has_a_line_for_each_quantity_and_family(folder: Path) -> None:
     text = report_text(folder)
-    assert "mutual: the model is 10% off (rms over 5 cases), median 10%, worst -10%" in text
-    assert "delta_self: the model is 80% off (rms over 5 cases), median 80%, worst +80%" in text
+    assert "mutual: the model is 10 % off (rms over 5 cases), median 10 %, worst −10 %" in text
+    assert "delta_self: the model is 80 % off (rms over 5 cases), median 80 %, worst +80 %" in text
     assert "sure to 0.5 % or better" in text
 
 
@@ -66,14 +66,26 @@ def pages_of(folder: Path) -> list[Path]:
 
 def test_every_question_has_a_page_that_the_report_leads_to_with_its_finding(folder: Path) -> None:
     text = report.make(folder).path.read_text()
-    cards = re.findall(r'<li><a href="(.*?)">(.*?)</a><p>(.*?)</p></li>', text)
-    titles = [
-        escape(question.title) for question in QUESTIONS if question.name not in ("experiment", "faults")
-    ]
-    assert [title for _, title, _ in cards] == titles
+    asked = [question for question in QUESTIONS if question.name not in ("experiment", "faults")]
+    cards = re.findall(r'<a href="(report/[^"]*)">([^<]*)</a><p>(.*?)</p></li>', text)
+    assert [title for _, title, _ in cards] == [escape(question.title) for question in asked if question.own]
     for target, title, finding in cards:
         page = (folder / target).read_text()
         assert f"<h1>{title}</h1>" in page and finding in page
+    (others,) = re.findall(r"<h2>Other set-ups, measured once</h2>(.*?)</section>", text, re.DOTALL)
+    for question in asked:
+        assert (f'href="report/{question.name}.html"' in others) != question.own
+
+
+def test_the_first_page_draws_each_family_and_leads_to_its_first_case(folder: Path) -> None:
+    text = report.make(folder).path.read_text()
+    (drawn,) = re.findall(r"<header>(.*?)</header>", text, re.DOTALL)
+    compared = results.load(folder).compared()
+    families = list(dict.fromkeys(case.family for case in compared))
+    assert drawn.count("<svg") == len(families)
+    for family in families:
+        first = next(case for case in compared if case.family == family)
+        assert f'href="cases/{first.id}/case.html"' in drawn and f'aria-label="{first.name}"' in drawn
 
 
 def test_every_page_leads_only_to_files_that_are_there(folder: Path) -> None:
@@ -117,7 +129,7 @@ def test_the_page_of_a_case_has_its_drawing_its_numbers_and_its_commands(folder:
         page = (case.folder / "case.html").read_text()
         assert page.count("plotly-graph-div") == 1 and "No slice of its potential is stored" in page
         assert (
-            "mutual of sensor and target: 2 ± 0.01 pF by the field solver (estimated error); the model is -10.0% off"
+            "mutual of sensor and target: 2 ± 0.01 pF by the field solver (estimated error); the model is −10.00 % off"
             in page
         )
         assert f"cases/{case.id}/scene.toml --rtol 0.001 --max-seconds 60" in page
@@ -198,10 +210,12 @@ def test_a_night_changes_the_report_alone(folder: Path) -> None:
 
 
 def test_failed_cases_are_listed_with_their_reason(tmp_path: Path) -> None:
-    failure = Failure("0123456789abcdef", "reference", "exit code 2: <no mesh>")
-    text = report_text(make_results(tmp_path, answers={0: (None, model_document(1))}, failures=[failure]))
+    answers = {0: (None, model_document(1))}
+    case, *_ = results.load(make_results(tmp_path, answers=answers)).compared()
+    failure = Failure(case.id, "reference", "exit code 2: <no mesh>")
+    text = report_text(make_results(tmp_path, answers=answers, failures=[failure]))
     assert "Failed cases" in text
-    assert "0123456789abcdef" in text and "exit code 2: &lt;no mesh&gt;" in text
+    assert f'<td class="text">{case.name}</td>' in text and "exit code 2: &lt;no mesh&gt;" in text
 
 
 def test_without_failures_there_is_no_such_section(folder: Path) -> None:

@@ -69,7 +69,7 @@ def test_a_difference_beyond_the_errors_is_told_with_its_set_up() -> None:
     assert [each.over_errors for each in agreeing] == pytest.approx([0, 0, 0.5])
     assert agreeing[2].difference == pytest.approx(0.00375) and agreeing[2].allowed == pytest.approx(0.0075)
     assert "3 of 3 values agree" in field_section.finding(agreeing)
-    assert "change 0.50 of the errors and +0.38% of the value" in field_section.finding(agreeing)
+    assert "change 0.50 of the errors and +0.38 % of the value" in field_section.finding(agreeing)
     told = field_section.finding(apart)
     assert "2 of 3 values agree" in told
     assert told.endswith(f"Beyond their errors: change of set-up {apart[2].set_up.id} (2.00).")

@@ -23,9 +23,9 @@ def test_the_section_tells_the_errors_and_the_times() -> None:
     assert (
         "2.1 % off (rms)" in told
         and "at 2.2 to 2.2 times" in told
-        and "94%" in told
+        and "94 %" in told
         and "2 % off (rms) and 7 % at worst in all 9" in told
     )
     text = section.section(document, SET_UPS)
     assert "f &lt; g" in text and stage.COMMAND in text and text.count(f'data-set-ups="{SET_UPS}"') == 2
-    assert "within 5% in 1 of 2 set-ups and worst in parallel-001, -6 % at 0.2 sensor sizes" in text
+    assert "within 5 % in 1 of 2 set-ups and worst in parallel-001, −6 % at 0.2 sensor sizes" in text

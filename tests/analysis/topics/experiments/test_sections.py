@@ -93,7 +93,7 @@ def test_other_sizes_are_held_beside_the_thesis(tmp_path: Path) -> None:
         errors = tuned / true - 1
         return float(errors[np.argmax(np.abs(errors))])
 
-    assert f"{100 * off(0.85):+.1f} % for 5 cm × 5 cm" in finding and "24 % on a smaller plate" in finding
+    assert f"−{-100 * off(0.85):.1f} % for 5 cm × 5 cm" in finding and "24 % on a smaller plate" in finding
     assert f"{100 * off(0.5):+.0f} % for 15 cm × 15 cm" in finding and "10 % on a larger plate" in finding
     assert finding.endswith("that is so for all of them here.")
     assert "<td>yes</td>" in text and "<td>no</td>" in text
