@@ -102,7 +102,9 @@ def _numbers(case: CaseResult, rows: list[Row]) -> list[Markup]:
     ]
     for method, duration in seconds.items():
         values = [f"{r.model[method] / PICOFARAD:.6g}" if method in r.model else "" for r in rows]
-        lines.append([page.code(method), *values, f"{1e6 * duration:.3g}"])
+        answered_by = {row.model_answered_by.get(method, method) for row in rows} - {method}
+        chosen = f" ({', '.join(sorted(answered_by))})" if answered_by else ""
+        lines.append([page.code(method + chosen), *values, f"{1e6 * duration:.3g}"])
     parts = [page.table(header, lines)]
     described = case.set_up
     if described is not None:
