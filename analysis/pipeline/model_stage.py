@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import importlib
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
 from analysis.results import changes
+from analysis.results.commands import COMPARED_METHOD
 from analysis.results.store import Document
 from geometries.common.installation import module_folders
 from geometries.scene.scene import Scene
 from geometries.studies.families import GROUNDED
 
 NAME = "model"
-# Evaluations per method. Each takes about a microsecond, so the smallest of many times is stored.
-_REPEATS = 25
+# Evaluations per method. One of an integral takes about a microsecond, so the smallest of many times is stored; methods that take
+# longer end with the evaluation during which these seconds pass.
+_REPEATS, _MOST_SECONDS = 25, 1.0
+_CORRECTION = "formula"
+# The option that a rule after "+" belongs to.
+_RULES = {"nearest": "plates", "facing": "faces"}
 
 
 def model_module() -> Any:
@@ -43,14 +49,33 @@ def knows(scene: Scene) -> bool:
 
 
 def answer(scene: Path, methods: tuple[str, ...]) -> Document:
-    """Evaluates a scene file by every method."""
+    """Evaluates a scene file by every method. Of a method that refuses it the reason is stored; "exact" must have an answer."""
     module = model_module()
-    answers = {method: _timed(module, scene, method) for method in methods}
+    answers = {method: _answer_or_refusal(module, scene, method) for method in methods}
     return {"format": 1, "version": str(module.__version__), "methods": answers}
 
 
-def _timed(module: Any, scene: Path, method: str) -> Document:
-    # Each scene is loaded anew, because a scene keeps the results of what has not moved.
-    answers = [module.Scene.load(str(scene)).capacitance(method=method) for _ in range(_REPEATS)]
+def options(method: str) -> dict[str, str]:
+    """Returns the options of the model for a method as a study names it (`geometries.studies.study.METHODS`)."""
+    name, *rules = method.split("+")
+    named = {"correction": name} if name == _CORRECTION else {"method": name}
+    return named | {_RULES[rule]: rule for rule in rules}
+
+
+def _answer_or_refusal(module: Any, scene: Path, method: str) -> Document:
+    try:
+        return _timed(module, scene, options(method))
+    except ValueError as error:
+        if method == COMPARED_METHOD:
+            raise
+        return {"refused": str(error).removeprefix(f"{scene}: ")}
+
+
+def _timed(module: Any, scene: Path, asked: dict[str, str]) -> Document:
+    answers: list[Document] = []
+    start = time.monotonic()
+    while not answers or (len(answers) < _REPEATS and time.monotonic() - start < _MOST_SECONDS):
+        # Each scene is loaded anew, because a scene keeps the results of what has not moved.
+        answers.append(module.Scene.load(str(scene)).capacitance(**asked))
     kept = {name: answers[0][name] for name in ("sensors", "readings")}
     return {"seconds": min(answer["seconds"] for answer in answers), **kept}

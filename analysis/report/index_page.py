@@ -82,7 +82,14 @@ def document(
     """Returns the whole page. Its script is loaded only where the headline holds a figure."""
     own, others = ([card for card in cards if card.own == mine] for mine in (True, False))
     body = page.filled(
-        "index.html", title=title, warning=warning, headline=headline, kinds=shown, own=own, others=others, rest=rest
+        "index.html",
+        title=title,
+        warning=warning,
+        headline=headline,
+        kinds=shown,
+        own=own,
+        others=others,
+        rest=rest,
     )
     return page.document(title, inputs, [body], page.SCRIPT if page.PLOT in headline else "")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,9 @@ from analysis.report.plot import Panel, Plot, figure, power_axis, series_colour
 from analysis.results.commands import COMPARED_METHOD
 from analysis.results.table import MUTUAL, Row
 from analysis.results.units import duration, percent
+
+
+_SPLIT = re.compile(r"split:\d+")
 
 
 @dataclass(frozen=True)
@@ -24,21 +28,31 @@ class Point:
 
 def split_methods(rows: list[Row]) -> list[str]:
     """Returns the thesis' methods among those evaluated, from coarse to fine."""
-    methods = {method for row in rows for method in row.model if method.startswith("split:")}
+    methods = {method for row in rows for method in row.model if _SPLIT.fullmatch(method)}
     return sorted(methods, key=lambda method: int(method.removeprefix("split:")))
 
 
 def integration_errors(rows: list[Row]) -> list[Point]:
     """Returns |split − exact|/exact: the error of dividing into small triangles, with the same formula."""
     return [
-        _point(method, rows, [abs(row.model[method] / row.model[COMPARED_METHOD] - 1) for row in rows])
+        _point(method, known, [abs(row.model[method] / row.model[COMPARED_METHOD] - 1) for row in known])
         for method in split_methods(rows)
+        if (known := _known(rows, method))
     ]
 
 
 def total_errors(rows: list[Row], methods: list[str]) -> list[Point]:
     """Returns |method − reference|/reference."""
-    return [_point(m, rows, [abs(row.model[m] / row.reference.value - 1) for row in rows]) for m in methods]
+    return [
+        _point(method, known, [abs(row.model[method] / row.reference.value - 1) for row in known])
+        for method in methods
+        if (known := _known(rows, method))
+    ]
+
+
+def _known(rows: list[Row], method: str) -> list[Row]:
+    """Returns the rows that a method has a value of: one may refuse a case."""
+    return [row for row in rows if method in row.model]
 
 
 def level_errors(rows: list[Row]) -> list[Point]:

@@ -164,41 +164,84 @@ class BoundaryAnswer(MatrixAnswer):
 
 @dataclass(frozen=True)
 class ModelValue:
-    """What one method of the model says of one sensor: F for each object, their sum, and the seconds it took."""
+    """What one method of the model says of one sensor: F for each object; `total` in place of delta_self, their sum or what the method itself
+    says of delta_self; the errors that it states, if any (F); which method answered; and the seconds it took.
+    """
 
     objects: dict[str, float]
     total: float
+    errors: dict[str, float]
+    total_error: float | None
+    answered_by: str
     seconds: float
+
+    @staticmethod
+    def of(sensor: Document, method: str, seconds: float) -> ModelValue:
+        """Returns what a method's document says of a sensor."""
+        own = "delta_self" in sensor
+        errors = {body["name"]: body.get("error") for body in sensor["objects"]}
+        answered_by = dict.fromkeys(body.get("answered_by", method) for body in sensor["objects"])
+        return ModelValue(
+            objects={body["name"]: float(body["capacitance"]) for body in sensor["objects"]},
+            total=float(sensor["delta_self" if own else "total"]),
+            errors={name: float(error) for name, error in errors.items() if error is not None},
+            total_error=float(sensor["delta_self_error"]) if own else None,
+            answered_by=" and ".join(answered_by),
+            seconds=seconds,
+        )
+
+
+@dataclass(frozen=True)
+class ModelChange:
+    """A change of a reading (F) by a method of the model, the error that it states, if any, and the method that answered."""
+
+    value: float
+    error: float | None
+    answered_by: str
+
+    @staticmethod
+    def of(reading: Document, method: str) -> ModelChange:
+        """Returns the change in the document of a reading."""
+        error = reading.get("error", {}).get("change")
+        return ModelChange(
+            float(reading["change"]),
+            None if error is None else float(error),
+            reading.get("answered_by", method),
+        )
 
 
 @dataclass(frozen=True)
 class ModelAnswer:
-    """The model's values by method and sensor, and its changes of readings (F) by method and reading, where it knows them."""
+    """The model's values by method and sensor, its changes of readings by method and reading, where it knows them, and the reasons of
+    the methods that refuse the case."""
 
     values: dict[str, dict[str, ModelValue]]
-    changes: dict[str, dict[str, float]]
+    changes: dict[str, dict[str, ModelChange]]
+    refused: dict[str, str]
     version: str
 
     @staticmethod
     def of(document: Document) -> ModelAnswer:
         """Returns the answer in a stored `model.json`; KeyError when a part is missing."""
+        answered = {
+            method: answer for method, answer in document["methods"].items() if "refused" not in answer
+        }
         values = {
             method: {
-                sensor["name"]: ModelValue(
-                    {body["name"]: float(body["capacitance"]) for body in sensor["objects"]},
-                    float(sensor["total"]),
-                    float(answer["seconds"]),
-                )
+                sensor["name"]: ModelValue.of(sensor, method, float(answer["seconds"]))
                 for sensor in answer["sensors"]
             }
-            for method, answer in document["methods"].items()
+            for method, answer in answered.items()
         }
         changes = {
             method: {
-                reading["name"]: float(reading["change"])
+                reading["name"]: ModelChange.of(reading, method)
                 for reading in answer.get("readings", [])
                 if reading["change"] is not None
             }
-            for method, answer in document["methods"].items()
+            for method, answer in answered.items()
         }
-        return ModelAnswer(values, changes, document["version"])
+        refused = {
+            method: answer["refused"] for method, answer in document["methods"].items() if "refused" in answer
+        }
+        return ModelAnswer(values, changes, refused, document["version"])

@@ -17,7 +17,8 @@ _NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
 
 @dataclass(frozen=True)
 class Refusal:
-    """A method and its reason to refuse some cases; `answered` of them have the other method's answer."""
+    """A method and its reason to refuse some cases; `answered` of them have the other method's answer. The method is one of the two
+    references or one of the model's."""
 
     method: str
     reason: str
@@ -29,6 +30,8 @@ class Refusal:
         """One line that names the method, the first cases and the reason."""
         count = len(self.cases)
         cases = f"case {self.cases[0]}" if count == 1 else f"{count} cases ({named(self.cases)})"
+        if self.method not in (FIELD, BOUNDARY):
+            return f"the model's {self.method} refuses {cases}: {self.reason}"
         verb = "refuses" if self.method == FIELD else "refuse"
         return f"{_whole_name(self.method)} {verb} {cases}, {self._otherwise}: {self.reason}"
 
@@ -43,7 +46,8 @@ class Refusal:
 
 
 def refusals(results: Results) -> list[Refusal]:
-    """Returns what the field solver and then what boundary elements refuse, the most frequent reason first."""
+    """Returns what the field solver, then what boundary elements and then what methods of the model refuse, the most frequent reason
+    first."""
     by_reason: dict[tuple[str, str], dict[str, str]] = {}
     for failure in results.failures:
         # The slice of a refused case is refused too.
@@ -52,13 +56,16 @@ def refusals(results: Results) -> list[Refusal]:
     for case in results.cases.values():
         if case.refused:
             by_reason.setdefault((BOUNDARY, _words(case.refused)), {})[case.id] = case.refused
+        for method, reason in (case.model.refused if case.model is not None else {}).items():
+            by_reason.setdefault((method, _words(reason)), {})[case.id] = reason
     found = [
         Refusal(
             method, _common(cases), tuple(cases), sum(results.cases[case].truth is not None for case in cases)
         )
         for (method, _), cases in by_reason.items()
     ]
-    return sorted(found, key=lambda refusal: (refusal.method != FIELD, -len(refusal.cases)))
+    order = {FIELD: 0, BOUNDARY: 1}
+    return sorted(found, key=lambda refusal: (order.get(refusal.method, 2), -len(refusal.cases)))
 
 
 def _words(reason: str) -> str:

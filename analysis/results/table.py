@@ -26,6 +26,7 @@ the targets. The columns of the model are empty where it knows no value, as of a
 | reference_seconds, reference_unknowns | run time and unknowns of the method that answered |
 | field_seconds | run time of the field solver |
 | model_METHOD_F, model_METHOD_seconds | the model's value for each method (for delta_self the sum over the objects, for change over the targets) and its time |
+| model_METHOD_error_F, model_METHOD_answered_by | for methods that state errors: the error, and which method answered, as `recommended` chooses one |
 | command | recomputes the answer that is used |
 """
 
@@ -38,7 +39,7 @@ import math
 from dataclasses import dataclass
 
 from analysis.results import changes
-from analysis.results.answers import Estimate, ModelAnswer
+from analysis.results.answers import Estimate, ModelAnswer, ModelChange, ModelValue
 from analysis.results.commands import COMPARED_METHOD, boundary_command, reference_command
 from analysis.results.set_up import SetUp
 from analysis.results.study_results import CaseResult, Results
@@ -54,7 +55,8 @@ QUANTITIES = (MUTUAL, DELTA_SELF, CHANGE)
 
 @dataclass(frozen=True)
 class Row:
-    """One comparison; farads, seconds, relative errors. Where the model knows no value, `model` is empty and there is no error."""
+    """One comparison; farads, seconds, relative errors. Where the model knows no value, `model` is empty and there is no error.
+    `model_errors` are those that methods of the model state themselves."""
 
     case: CaseResult
     sensor: str
@@ -68,6 +70,8 @@ class Row:
     reference_seconds: float
     reference_unknowns: int
     model: dict[str, float]
+    model_errors: dict[str, float]
+    model_answered_by: dict[str, str]
     model_seconds: dict[str, float]
     command: str
 
@@ -173,15 +177,27 @@ def _mutual(
             case,
             (sensor, body, "", MUTUAL),
             truth.mutual(sensor, body),
-            {method: sensors[sensor].objects[body] for method, sensors in model.values.items()},
+            {
+                method: ModelChange(of.objects[body], of.errors.get(body), of.answered_by)
+                for method, of in _of_sensor(model, sensor).items()
+                if body in of.objects
+            },
         )
         for body in bodies
         if body in truth.conductors and body in model.values[COMPARED_METHOD][sensor].objects
     ]
 
 
+def _of_sensor(model: ModelAnswer, sensor: str) -> dict[str, ModelValue]:
+    """Returns what each method of the model says of a sensor."""
+    return {method: sensors[sensor] for method, sensors in model.values.items()}
+
+
 def _delta_self(results: Results, case: CaseResult, truth: Truth, model: ModelAnswer, sensor: str) -> Row:
-    totals = {method: sensors[sensor].total for method, sensors in model.values.items()}
+    totals = {
+        method: ModelChange(of.total, of.total_error, of.answered_by)
+        for method, of in _of_sensor(model, sensor).items()
+    }
     known = truth.delta_self(sensor)
     checked_by = FIELD if known.field is not None else BOUNDARY
     check = _difference(truth, results.cases.get(case.empty), sensor, checked_by)
@@ -209,7 +225,7 @@ def _row(
     case: CaseResult,
     subject: tuple[str, str, str, str],
     known: Known,
-    model: dict[str, float],
+    model: dict[str, ModelChange],
     check: Estimate | None = None,
 ) -> Row:
     """Makes the row of a sensor, an object, a reading and a quantity, by their names."""
@@ -231,7 +247,9 @@ def _row(
         reached=case.truth.reached or known.best.error <= results.rtol * abs(known.best.value),
         reference_seconds=answer.seconds,
         reference_unknowns=answer.unknowns,
-        model=model,
+        model={method: said.value for method, said in model.items()},
+        model_errors={method: said.error for method, said in model.items() if said.error is not None},
+        model_answered_by={method: said.answered_by for method, said in model.items()},
         model_seconds={method: seconds[method] for method in model},
         command=command(results, case.id),
     )
@@ -248,7 +266,8 @@ def _difference(truth: Truth, empty: CaseResult | None, sensor: str, method: str
 def to_csv(found: list[Row], methods: tuple[str, ...]) -> str:
     """Returns the rows as CSV text with a header; numbers in full."""
     text = io.StringIO()
-    records = [_record(row, methods) for row in found]
+    stating = {method for row in found for method in row.model_errors}
+    records = [_record(row, methods, stating) for row in found]
     header = list(records[0]) if records else ["case"]
     writer = csv.DictWriter(text, header, lineterminator="\n")
     writer.writeheader()
@@ -256,7 +275,7 @@ def to_csv(found: list[Row], methods: tuple[str, ...]) -> str:
     return text.getvalue()
 
 
-def _record(row: Row, methods: tuple[str, ...]) -> dict[str, object]:
+def _record(row: Row, methods: tuple[str, ...], stating: set[str]) -> dict[str, object]:
     low, high = row.model_error_interval if row.is_compared else ("", "")
     record: dict[str, object] = {
         "case": row.case.id,
@@ -288,6 +307,9 @@ def _record(row: Row, methods: tuple[str, ...]) -> dict[str, object]:
     }
     for method in methods:
         record[f"model_{method}_F"] = row.model.get(method, "")
+        if method in stating:
+            record[f"model_{method}_error_F"] = row.model_errors.get(method, "")
+            record[f"model_{method}_answered_by"] = row.model_answered_by.get(method, "")
         record[f"model_{method}_seconds"] = row.model_seconds.get(method, "")
     return record | {"command": row.command}
 

@@ -112,7 +112,9 @@ def _numbers(case: CaseResult, rows: list[Row]) -> list[Markup]:
     ]
     for method, taken in seconds.items():
         values = [f"{r.model[method] / PICOFARAD:.6g}" if method in r.model else "" for r in rows]
-        lines.append([page.code(method), *values, duration(taken)])
+        answered_by = {row.model_answered_by.get(method, method) for row in rows} - {method}
+        chosen = f" ({', '.join(sorted(answered_by))})" if answered_by else ""
+        lines.append([page.code(method + chosen), *values, duration(taken)])
     parts = [page.table(header, lines)]
     described = case.set_up
     if described is not None:

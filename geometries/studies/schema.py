@@ -18,6 +18,7 @@ Schema = dict[str, Any]
 
 def schema() -> Schema:
     """Returns the schema of a study as JSON would hold it."""
+    method = {"type": "string", "pattern": f"^({study.METHOD_PATTERN})$"}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "$id": "urn:fringe:study:1",
@@ -32,7 +33,7 @@ def schema() -> Schema:
             "experiment": {"enum": list(study.EXPERIMENTS)},
             "reference": _reference(),
             "model": _table(
-                {"methods": {"type": "array", "items": {"type": "string"}, "contains": {"const": "exact"}}},
+                {"methods": {"type": "array", "items": method, "contains": {"const": "exact"}}},
                 ["methods"],
             ),
             "sweep": {

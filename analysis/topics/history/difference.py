@@ -2,7 +2,7 @@
 
 A value of a reference has moved if its two intervals do not overlap, so that one of them must be wrong: of the field solver, of
 boundary elements, and, where no method answered both times, of the best truth at hand. The model has no error
-bars except rounding: a value has moved if it changed by more than 1e-9 of itself. Run times depend on the machine, too: what got
+bars except rounding and what some of its methods state: a value has moved if it changed by more than that and 1e-9 of itself. Run times depend on the machine, too: what got
 slower is reported, but does not count as drift.
 """
 
@@ -28,6 +28,8 @@ _MODEL_ROUNDING = 1e-9
 _SLOWER_FACTOR, _SLOWER_SOLVE, _SLOWER_MODEL = 1.5, 5.0, 20e-6
 _MOST_LINES = 20
 
+_MODEL_ERROR = "_error_F"
+
 RowName = tuple[str, str, str, str, str]
 _NAME = ("case", "sensor", "object", "reading", "quantity")
 # Tables of earlier versions have no readings.
@@ -46,6 +48,7 @@ class Line:
     model: dict[str, float]
     model_seconds: dict[str, float]
     by_method: dict[str, Estimate] = field(default_factory=dict)
+    model_errors: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -131,11 +134,16 @@ def _line(record: dict[str, str]) -> Line:
             for method, column in _METHODS.items()
             if record.get(f"{column}_F")
         },
+        {
+            method: float(record[f"model_{method}{_MODEL_ERROR}"])
+            for method in methods
+            if record.get(f"model_{method}{_MODEL_ERROR}")
+        },
     )
 
 
 def _is_model_value(column: str) -> bool:
-    return column.startswith("model_") and column.endswith("_F")
+    return column.startswith("model_") and column.endswith("_F") and not column.endswith(_MODEL_ERROR)
 
 
 def between(old: dict[RowName, Line], new: dict[RowName, Line]) -> Difference:
@@ -164,7 +172,10 @@ def _changes(name: RowName, old: Line, new: Line) -> list[Change]:
     ]
     for method in (method for method in new.model if method in old.model):
         before, after = old.model[method], new.model[method]
-        values.append((f"model {method}", before, after, _MODEL_ROUNDING * max(abs(before), abs(after))))
+        stated = old.model_errors.get(method, 0.0) + new.model_errors.get(method, 0.0)
+        values.append(
+            (f"model {method}", before, after, stated + _MODEL_ROUNDING * max(abs(before), abs(after)))
+        )
     return [
         Change(name, new.family, who, before, after, _over(before, after, error))
         for who, before, after, error in values

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,10 +11,13 @@ from analysis.pipeline import model_stage
 from analysis.results import store
 from analysis.results.answers import ModelAnswer
 from analysis.results.study_results import SCENE
+from geometries.common.errors import InputError
+from geometries.scene.poses import Pose
 from geometries.scene.scene import Scene
 from geometries.scene.writer import canonical
-from geometries.studies import families
+from geometries.studies import families, study
 from geometries.studies.machines import GUARD, MACHINES
+from tests.analysis.synthetic import HEAD, PARALLEL
 
 SENSOR = (0.1, 0.1)
 
@@ -44,9 +48,8 @@ def test_its_change_is_that_of_the_target_whatever_stays(machine: str, tmp_path:
     store.write_text(tmp_path / SCENE, canonical(box(machine=machine)))
     found = ModelAnswer.of({"key": "", **model_stage.answer(tmp_path / SCENE, ("exact", "split:2"))})
     for method, sensors in found.values.items():
-        assert found.changes[method] == {
-            "sensor": pytest.approx(sensors["sensor"].objects["target"], rel=1e-12)
-        }
+        (change,) = found.changes[method].values()
+        assert change.value == pytest.approx(sensors["sensor"].objects["target"], rel=1e-12)
 
 
 def test_it_says_of_a_floating_target_that_it_does_not_know_the_change(tmp_path: Path) -> None:
@@ -54,3 +57,72 @@ def test_it_says_of_a_floating_target_that_it_does_not_know_the_change(tmp_path:
     found = ModelAnswer.of({"key": "", **model_stage.answer(tmp_path / SCENE, ("exact", "split:2"))})
     assert found.changes == {"exact": {}, "split:2": {}}
     assert set(found.values["exact"]["sensor"].objects) == {"housing"}
+
+
+EVERY = (
+    *(
+        "exact",
+        "split:0",
+        "split:10",
+        "gauss:1",
+        "gauss:64",
+        "exact+nearest",
+        "split:2+facing",
+        "gauss:3+nearest+facing",
+    ),
+    *("formula", "reduced:1", "reduced:3", "boundary-elements", "recommended"),
+)
+"""Methods of every form that a study may name, with the ends of their numbers."""
+
+
+@pytest.mark.parametrize("method", EVERY)
+def test_every_method_of_a_study_is_one_of_the_model(method: str, tmp_path: Path) -> None:
+    assert study.loads(study_of(method)).methods == ("exact", method)
+    store.write_text(tmp_path / SCENE, canonical(families.parallel(SENSOR, SENSOR, 0.1)))
+    scene = model_stage.model_module().Scene.load(str(tmp_path / SCENE))
+    assert scene.capacitance(**model_stage.options(method))["sensors"]
+
+
+@pytest.mark.parametrize(
+    "method",
+    [
+        *("split:11", "gauss:0", "gauss:65", "reduced", "reduced:4", "facing", "bem", "none", ""),
+        *("formula+facing", "exact+facing+nearest", "reduced:1+nearest", "exact+sum"),
+    ],
+)
+def test_other_methods_are_refused_with_a_list_of_those_that_there_are(method: str) -> None:
+    with pytest.raises(InputError, match="model.methods.*must be.*reduced:K.*recommended.*, not"):
+        study.loads(study_of(method))
+
+
+def study_of(method: str) -> str:
+    return HEAD.replace('["exact", "split:0", "split:4"]', f'["exact", "{method}"]') + PARALLEL
+
+
+def test_methods_that_solve_for_delta_self_state_it_with_its_error_and_who_answered(tmp_path: Path) -> None:
+    """Two plates of 10 cm at 4 cm: the sum over the objects is mutual, 3.1 pF, and not delta_self, 1.7 pF."""
+    store.write_text(tmp_path / SCENE, canonical(families.parallel(SENSOR, SENSOR, 0.04)))
+    methods = ("exact", "recommended", "boundary-elements", "formula")
+    found = ModelAnswer.of({"key": "", **model_stage.answer(tmp_path / SCENE, methods)})
+    by = {method: sensors["sensor"] for method, sensors in found.values.items()}
+    truth = by["boundary-elements"]
+    assert truth.total < 0.6 * truth.objects["target"]
+    assert by["recommended"].answered_by.startswith("reduced:")
+    for name in ("recommended", "boundary-elements"):
+        error = by[name].total_error
+        assert error is not None and abs(by[name].total - truth.total) <= error + (truth.total_error or 0)
+        assert set(by[name].errors) == {"target"}
+    for name in ("exact", "formula"):
+        assert by[name].total == by[name].objects["target"] and by[name].total_error is None
+        assert by[name].answered_by == name
+
+
+def test_a_method_that_refuses_a_case_does_not_take_the_others_answers(tmp_path: Path) -> None:
+    plates = families.parallel(SENSOR, SENSOR, 0.04)
+    ground = replace(plates.objects[0], name="ground", pose=Pose())
+    store.write_text(tmp_path / SCENE, canonical(replace(plates, objects=(*plates.objects, ground))))
+    found = ModelAnswer.of(
+        {"key": "", **model_stage.answer(tmp_path / SCENE, ("exact", "boundary-elements"))}
+    )
+    assert set(found.values) == {"exact"} and "touch or cross" in found.refused["boundary-elements"]
+    assert str(tmp_path) not in found.refused["boundary-elements"]

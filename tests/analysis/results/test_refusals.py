@@ -14,7 +14,14 @@ from analysis.results.refusals import refusals, unanswered
 from analysis.results.study_results import Failure
 from analysis.study import workflow
 from geometries.studies import study
-from tests.analysis.synthetic import PARALLEL, boundary_document, make_results, model_document, report_text
+from tests.analysis.synthetic import (
+    PARALLEL,
+    boundary_document,
+    make_results,
+    model_document,
+    reference_document,
+    report_text,
+)
 
 REASON = "links a and b touch"
 
@@ -57,6 +64,17 @@ def test_reasons_that_differ_in_numbers_make_one_line(tmp_path: Path) -> None:
     assert len(refusal.cases) == 3 and refusal.sentence.endswith(
         "the field solver answers: moved by 0.5e-3 m along (0, 0, 1) (in the others with other numbers)"
     )
+
+
+def test_a_method_of_the_model_that_refuses_has_a_line_too(tmp_path: Path) -> None:
+    document = model_document(1.8)
+    document["methods"]["split:0"] = {"refused": "too far"}
+    make_results(tmp_path, PARALLEL, {0: (reference_document(2, 1), document)})
+    (refusal,) = refusals(results.load(tmp_path))
+    assert refusal.sentence.startswith("the model's split:0 refuses case") and refusal.sentence.endswith(
+        ": too far"
+    )
+    assert "split:4" in report_text(tmp_path)
 
 
 @pytest.mark.parametrize("answered, status", [(True, 0), (False, 1)])

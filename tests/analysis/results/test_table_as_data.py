@@ -71,6 +71,7 @@ def test_every_column_is_described(frame: pandas.DataFrame) -> None:
     described = set(
         re.findall(r"\w+", " ".join(re.findall(r"^\| ([\w, ]+) \|", table.__doc__ or "", re.MULTILINE)))
     )
+    described -= {"model_METHOD_error_F", "model_METHOD_answered_by"}  # only of methods that state errors
     names = {re.sub(r"^model_(exact|split:\d+)_", "model_METHOD_", name) for name in frame.columns}
     assert names == described - {"column"}
 
