@@ -14,7 +14,7 @@ def percent(value: float) -> str:
 def signed_percent(value: float, decimals: int | None = None) -> str:
     """Writes a relative difference with its sign, and unless told otherwise with two decimals at most: +12 %, +1.2 %, +0.12 %."""
     if decimals is None:
-        decimals = 0 if abs(value) >= 0.1 else 1 if abs(value) >= 0.01 else 2
+        decimals = 0 if abs(value) >= 0.0995 else 1 if abs(value) >= 0.00995 else 2
     # The sum turns -0.0 into 0.0.
     return f"{round(100 * value, decimals) + 0.0:+.{decimals}f} %"
 

@@ -105,7 +105,7 @@ def test_the_neighbours_share_and_the_coupling_by_hand(tmp_path: Path) -> None:
     )
     assert "(model: 22 % and 90 %)" in text
     assert "coupled by 2 pF, which the object at 1 cm changes by −40 %" in text
-    assert "differs from that of a sensor alone by up to -50 %, at 16 cm" in text
+    assert "differs from that of a sensor alone by up to −50 %, at 16 cm" in text
     assert text.count("plotly-graph-div") == 2
 
 
