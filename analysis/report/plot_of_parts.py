@@ -52,7 +52,8 @@ def coloured(scene: Scene) -> Panel:
         }
         traces.append(mesh(name, pieces, intensity=density.round(_DIGITS), intensitymode="cell", **looks))
     share = f" to {sensor.name}" if scene.sensors[1:] else ""
-    caption = f"sensor (blue), and what each part of the target adds{share} by the model (fF/cm²)"
+    machine = ", machine (grey)" if len(hit) < len(scene.objects) else ""
+    caption = f"sensor (blue){machine}, and what each part of the target adds{share} by the model (fF/cm²)"
     return Panel(caption, figure_in_space(traces, bodies))
 
 
