@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 PICOFARAD = 1e-12
 CENTIMETRE = 1e-2
 
@@ -16,3 +18,22 @@ def signed_percent(value: float) -> str:
     decimals = 0 if abs(value) >= 0.1 else 1 if abs(value) >= 0.01 else 2
     # The sum turns -0.0 into 0.0.
     return f"{round(100 * value, decimals) + 0.0:+.{decimals}f} %"
+
+
+def measured(value: float, error: float) -> str:
+    """Writes a value with its error, both to two digits of the error: 2.4914 ± 0.0011. Of a value that is smaller than an error of a
+    hundred or more no digit is known: unknown ± 2.7e+14. The command `fringe` writes its tables so, too (model/cli/measured.cpp).
+    """
+    if not (math.isfinite(value) and math.isfinite(error)):
+        return "unknown"
+    if error >= _LARGE and error > abs(value):
+        return f"unknown ± {error:.2g}"
+    if error == 0:
+        return f"{value:.6g} ± 0"
+    # The exponent after rounding to two digits: 0.0996 is 0.10.
+    places = min(max(1 - int(f"{error:.1e}".partition("e")[2]), 0), _MOST_PLACES)
+    shown = f"{error:.1e}" if error < _LEAST else f"{error:.{places}f}"
+    return f"{value:.{places}f} ± {shown}"
+
+
+_LARGE, _LEAST, _MOST_PLACES = 100.0, 1e-8, 9
