@@ -20,7 +20,7 @@ def main(arguments: list[str] | None = None) -> int:
     options = _parser(installation.command("analysis")).parse_args(arguments)
     before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        continue_with("plotly" if options.command == "show" else "dolfinx")
+        continue_with("plotly" if options.command in ("show", "sweep") else "dolfinx")
         # The packages that commands import are slow, and this interpreter may lack them until here.
         from analysis.commands import run_command
 
@@ -40,7 +40,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=program,
         description="Run studies and report them, also night by night; compare results; verify the reference; study the model's error, "
-        "its corrections, and readings in company; show a scene.",
+        "its corrections, and readings in company; show a scene, or its readings over a motion.",
         epilog="Exit status: 0 answered; 2 wrong input; 3 a case is short of the asked accuracy, its wider errors are "
         "reported; 1 a case failed or has no answer by any method, a value moved, or anything else.",
     )
@@ -116,7 +116,40 @@ def _parser(program: str) -> argparse.ArgumentParser:
     show.add_argument(
         "--output", type=Path, metavar="FILE", help="the page (default: results/show/<scene>.html)"
     )
+    _add_sweep(commands)
     return parser
+
+
+def _add_sweep(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    sweep = commands.add_parser(
+        "sweep",
+        help="write a table and a page of the readings in every frame of a motion, and where they cross their thresholds",
+    )
+    sweep.add_argument("scene", metavar="SCENE", help="a name in geometries/scenes, or a file")
+    sweep.add_argument(
+        "--motion",
+        type=Path,
+        metavar="FILE",
+        help="the frames of its motion (default: SCENE.motion.toml beside it)",
+    )
+    sweep.add_argument(
+        "--method",
+        metavar="A,B,…",
+        help="methods of fringe sweep (default: exact,formula,recommended,boundary-elements)",
+    )
+    sweep.add_argument(
+        "--rtol",
+        type=float,
+        metavar="R",
+        help="relative error asked of those methods that state one (default: 1e-2)",
+    )
+    sweep.add_argument(
+        "--output",
+        type=Path,
+        metavar="FILE.html",
+        help="the page, with the table beside it; frames that the table holds are not computed again (default: "
+        "results/sweep/<scene>.html)",
+    )
 
 
 def _add_nightly(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

@@ -18,6 +18,7 @@ from analysis.results.store import InUse, exclusive
 from analysis.results.study_results import Failure
 from analysis.show import make as show
 from analysis.study import report, workflow
+from analysis.sweep import make as sweep
 from analysis.topics.company import page as company_page, set_ups as company_set_ups, stage as company_stage
 from analysis.topics.corrections import (
     page as corrections_page,
@@ -231,6 +232,15 @@ def _show(scene: str, motion: Path | None, target: Path | None) -> int:
     return ANSWERED
 
 
+def _sweep(options: argparse.Namespace) -> int:
+    methods = options.method or sweep.METHODS
+    asked = sweep.Options(methods, sweep.rtol_for(methods, options.rtol))
+    made = sweep.make(options.scene, options.motion, options.output, asked)
+    if made.is_made:
+        print("\n".join([*made.findings, f"page: {made.page}"]))
+    return made.status
+
+
 def _table(answers: Path | None, target: Path | None, jobs: int | None) -> int:
     place, output = (
         answers or installation.results_folder() / published_stage.FOLDER,
@@ -263,4 +273,5 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "table": lambda options: _table(options.answers, options.output, options.jobs),
     "documentation": lambda options: _documentation(options.output),
     "show": lambda options: _show(options.scene, options.motion, options.output),
+    "sweep": _sweep,
 }

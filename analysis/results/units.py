@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 PICOFARAD = 1e-12
 CENTIMETRE = 1e-2
+
+_LARGE, _LEAST, _MOST_PLACES = 100.0, 1e-8, 9
+"""The error from which on values of its size are unknown, the error below which it is written with an exponent, and the most decimals."""
 
 
 def percent(value: float) -> str:
@@ -25,3 +30,19 @@ def duration(seconds: float, digits: int = 3) -> str:
         if seconds >= unit:
             break
     return f"{float(f'{seconds / unit:.{digits}g}'):,g} {name}"
+
+
+def measured(value: float, error: float) -> str:
+    """Writes a value with its error, both to two digits of the error: 2.4914 ± 0.0011. Of a value that is smaller than an error of a
+    hundred or more no digit is known: unknown ± 2.7e+14. The command `fringe` writes its tables so, too (model/cli/measured.cpp).
+    """
+    if not (math.isfinite(value) and math.isfinite(error)):
+        return "unknown"
+    if error >= _LARGE and error > abs(value):
+        return f"unknown ± {error:.2g}"
+    if error == 0:
+        return f"{value:.6g} ± 0"
+    # The exponent after rounding to two digits: 0.0996 is 0.10.
+    places = min(max(1 - int(f"{error:.1e}".partition("e")[2]), 0), _MOST_PLACES)
+    shown = f"{error:.1e}" if error < _LEAST else f"{error:.{places}f}"
+    return f"{value:.{places}f} ± {shown}"

@@ -24,11 +24,9 @@ def make(name: str, motion_file: Path | None, target: Path | None) -> Path:
     Without a motion file the one beside the scene is taken, SCENE.motion.toml for SCENE.toml, or else the scene as it
     stands. InputError for files that cannot be used.
     """
-    path = _find(name)
+    path = find_scene(name)
     scene = reader.load(path)
-    if motion_file is None:
-        beside = path.with_suffix("").with_suffix(MOTION_SUFFIX)
-        motion_file = beside if is_file(beside) else None
+    motion_file = motion_file or motion_beside(path)
     frames = motion.load(motion_file, scene) if motion_file else (motion.at_rest(scene),)
     data = show_data.collect(path, scene, frames, model_module())
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
@@ -38,7 +36,14 @@ def make(name: str, motion_file: Path | None, target: Path | None) -> Path:
     return page
 
 
-def _find(name: str) -> Path:
+def motion_beside(scene: Path) -> Path | None:
+    """Returns the motion file beside a scene, SCENE.motion.toml for SCENE.toml; None if there is none."""
+    beside = scene.with_suffix("").with_suffix(MOTION_SUFFIX)
+    return beside if is_file(beside) else None
+
+
+def find_scene(name: str) -> Path:
+    """Returns the file of a scene given by its path or by its name in geometries/scenes; InputError when there is none."""
     if Path(name).suffix == ".toml":
         return Path(name)
     path = SCENES / f"{name}.toml"

@@ -32,6 +32,11 @@ def model_command() -> str:
     return "fringe" if is_installed() else "build/bin/fringe"
 
 
+def model_program() -> Path:
+    """Returns where the command `fringe` is."""
+    return (ROOT.parents[1] if is_installed() else ROOT / "build") / "bin" / "fringe"
+
+
 def wrap_program() -> Path:
     """Returns where the program is that wraps meshes for the field reference."""
     folder = ROOT.parents[1] / "libexec" / "fringe" if is_installed() else ROOT / "build" / "bin"

@@ -6,21 +6,19 @@
 
 #include <fmt/format.h>
 
+#include "measured.hpp"
 #include "units.hpp"
 
 namespace fringe::cli {
 namespace {
 
 /// Width of an entry, as `entry` writes it.
-constexpr std::size_t entry_width = 24;
+constexpr std::size_t entry_width = 26;
 
-/// Formats a value with its error (F). Decimals say nothing where the error is larger than any capacitance
-/// here.
+/// Formats a value with its error (F) in `entry_width` columns.
 std::string entry(double value, double error) {
-  constexpr double large = 1e2;
-  const double value_pf = value * picofarads_per_farad, error_pf = error * picofarads_per_farad;
-  return error_pf < large ? fmt::format("{:>12.6f} ± {:<9.6f}", value_pf, error_pf)
-                          : fmt::format("{:>12.3g} ± {:<9.2g}", value_pf, error_pf);
+  return fmt::format("{:>{}}", measured(value * picofarads_per_farad, error * picofarads_per_farad),
+                     entry_width);
 }
 
 /// Returns the width of the columns: no name runs into the next one.

@@ -1,16 +1,57 @@
 #include "method_options.hpp"
 
+#include <algorithm>
+
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "fringe/error.hpp"
 
 namespace fringe::cli {
+namespace {
+
+/// Sets an option that a method is written with. Throws InputError if it is given in both ways.
+void set(std::optional<std::string>& option, const std::string& method, const char* name, const char* value) {
+  if (option && *option != value)
+    throw InputError(fmt::format("method '{}' and --{} {} contradict each other", method, name, *option));
+  option = value;
+}
+
+/// Returns a request whose method is written out by options: "formula" as the correction of that name,
+/// "+nearest" and "+facing" as plates and faces.
+MethodRequest expanded(const MethodRequest& written) {
+  MethodRequest request = written;
+  const auto ends_with = [&](const std::string& rule) {
+    const bool found = request.method.ends_with(rule);
+    if (found)
+      request.method.resize(request.method.size() - rule.size());
+    return found;
+  };
+  if (ends_with("+facing"))
+    set(request.faces, written.method, "faces", "facing");
+  if (ends_with("+nearest"))
+    set(request.plates, written.method, "plates", "nearest");
+  if (request.method == "formula") {
+    set(request.correction, written.method, "correction", "formula");
+    request.method = "exact";
+  }
+  return request;
+}
+
+}  // namespace
 
 void add_method_options(CLI::App& command, MethodRequest& request) {
   command
       .add_option("--method", request.method,
                   "exact, split:N or gauss:K; or boundary-elements, for every shape, or reduced:K, the same "
                   "in microseconds for moving scenes; or recommended, the first of reduced:K, "
-                  "boundary-elements and the correction formula that states the error asked for")
+                  "boundary-elements and the correction formula that states the error asked for; or formula; "
+                  "+nearest and +facing after a method stand for --plates and --faces")
       ->capture_default_str();
+  add_refining_options(command, request);
+}
+
+void add_refining_options(CLI::App& command, MethodRequest& request) {
   command
       .add_option("--plates", request.plates,
                   "sum: every plate of a sensor counts every point; nearest: only the nearest plate does")
@@ -34,7 +75,8 @@ void add_method_options(CLI::App& command, MethodRequest& request) {
       "0.001), reduced:1, 2, 3 (0.01, 0.001, 0.0003) and recommended (0.01)");
 }
 
-EvaluationOptions options_of(const MethodRequest& request) {
+EvaluationOptions options_of(const MethodRequest& written) {
+  const MethodRequest request = expanded(written);
   EvaluationOptions options{.method = parse_method(request.method)};
   if (request.plates)
     options.plates = parse_plate_rule(*request.plates);
@@ -46,6 +88,27 @@ EvaluationOptions options_of(const MethodRequest& request) {
   options.rtol = request.rtol;
   validate(options);
   return options;
+}
+
+std::vector<MethodRequest> requests_of(const std::vector<std::string>& methods,
+                                       const MethodRequest& options) {
+  std::vector<MethodRequest> requests;
+  std::vector<bool> integral;
+  for (const std::string& method : methods) {
+    requests.push_back(options);
+    requests.back().method = method;
+    integral.push_back(is_integral(parse_method(expanded({.method = method}).method)));
+  }
+  const bool any_integral = std::ranges::count(integral, true) > 0;
+  const bool any_other = std::ranges::count(integral, false) > 0;
+  for (std::size_t k = 0; k < requests.size(); ++k) {
+    if (integral[k] && any_other)
+      requests[k].rtol.reset();
+    if (!integral[k] && any_integral)
+      requests[k] = {.method = requests[k].method, .rtol = requests[k].rtol};
+    options_of(requests[k]);
+  }
+  return requests;
 }
 
 }  // namespace fringe::cli

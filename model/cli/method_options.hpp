@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "fringe/evaluation.hpp"
 
@@ -24,7 +25,16 @@ struct MethodRequest {
 /// Adds the options to a command, which fills in a request.
 void add_method_options(CLI::App& command, MethodRequest& request);
 
-/// Reads the options. Throws InputError for those that are unknown or cannot be combined.
+/// Adds the options that refine a method, without `--method` itself.
+void add_refining_options(CLI::App& command, MethodRequest& request);
+
+/// Reads the options. A method may be written with what refines it, as in studies: "exact+nearest+facing" is
+/// exact with these plates and faces, "formula" the correction. Throws InputError for those that are unknown
+/// or cannot be combined.
 EvaluationOptions options_of(const MethodRequest& request);
+
+/// Returns the requests of several methods, each with those options that belong to it. Throws InputError for
+/// an option that belongs to none of them.
+std::vector<MethodRequest> requests_of(const std::vector<std::string>& methods, const MethodRequest& options);
 
 }  // namespace fringe::cli

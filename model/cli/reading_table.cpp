@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "measured.hpp"
 #include "units.hpp"
 
 namespace fringe::cli {
@@ -15,11 +16,7 @@ std::string text_of(const Estimate& estimate) {
   const double value = *estimate.value * picofarads_per_farad;
   if (!estimate.error)
     return fmt::format("{:.6f}", value);
-  const double error = *estimate.error * picofarads_per_farad;
-  // Decimals say nothing of a value whose error is that large.
-  constexpr double large = 1e2;
-  return error < large ? fmt::format("{:.6f} ± {:.6f}", value, error)
-                       : fmt::format("{:.3g} ± {:.2g}", value, error);
+  return measured(value, *estimate.error * picofarads_per_farad);
 }
 
 /// Appends blanks up to a width; "±" is one character of two bytes.

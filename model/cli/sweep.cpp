@@ -1,14 +1,14 @@
 #include "sweep.hpp"
 
-#include <cmath>
+#include <algorithm>
 #include <cstdio>
 #include <unistd.h>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include "csv_text.hpp"
 #include "fringe/error.hpp"
 #include "fringe/live_scene.hpp"
 #include "fringe/motion.hpp"
@@ -16,6 +16,7 @@
 #include "fringe/scene_reader.hpp"
 #include "fringe/version.hpp"
 #include "program.hpp"
+#include "sweep_table.hpp"
 #include "units.hpp"
 #include "whole_files.hpp"
 
@@ -24,87 +25,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* header =
-    "frame,name,reading,answered_by,value_F,value_error_F,background_F,background_error_F,change_F,"
-    "change_error_F,delta_voltage_V,threshold_F,noticed\n";
-
-/// Tells whether a change is noticed.
-enum class Noticed { no, yes, unsure, not_known };
-
-std::string to_string(Noticed noticed) {
-  switch (noticed) {
-  case Noticed::no:
-    return "no";
-  case Noticed::yes:
-    return "yes";
-  case Noticed::unsure:
-    return "unsure";
-  default:
-    return "";
-  }
-}
-
-/// Compares the size of a change with a threshold; `unsure` if the error decides.
-Noticed noticed(const Estimate& change, const std::optional<double>& threshold) {
-  if (!threshold || !change.value)
-    return Noticed::not_known;
-  const double error = change.error.value_or(0), size = std::abs(*change.value);
-  if (size - error > *threshold)
-    return Noticed::yes;
-  return size + error > *threshold ? Noticed::unsure : Noticed::no;
-}
-
-/// Returns by how much the targets lower the output of the divider, if the reading is that of a sensor alone.
-std::optional<double> delta_voltage(const Scene& scene, const Reading& reading, const ReadingAnswer& answer) {
-  if (!answer.value.value || !answer.background.value || reading.drive != std::vector{reading.sense})
-    return std::nullopt;
-  for (const Sensor& sensor : scene.sensors)
-    if (sensor.name == reading.sense)
-      return divider_voltage(sensor, *answer.background.value) - divider_voltage(sensor, *answer.value.value);
-  return std::nullopt;
-}
-
-std::string text_of(const std::optional<double>& number) {
-  return number ? fmt::format("{}", *number) : std::string();
-}
-
-/// The table of the frames evaluated so far, and which of their changes are noticed.
-struct Sweep {
-  std::string table = header;
-  std::vector<std::vector<Noticed>> noticed;  ///< for every frame and reading
+/// A method of the sweep and what it says, frame by frame.
+struct Sweeper {
+  MethodRequest request;
+  EvaluationOptions options;
+  std::vector<std::vector<Noticed>> noticed = {};  ///< for every frame and reading
   bool reached = true;
+  std::vector<std::size_t> refused = {};  ///< numbers of the frames without an answer
+  std::string reason = {};                ///< why the first of these has none
 };
 
-/// Adds the rows of a frame.
-void add_frame(const Scene& scene, std::size_t number, const std::string& name, const Evaluation& answer,
-               Sweep& sweep) {
-  const std::vector<Reading> described = readings(scene);
-  std::vector<Noticed>& of_frame = sweep.noticed.emplace_back();
-  for (std::size_t k = 0; k < described.size(); ++k) {
-    const ReadingAnswer& reading = answer.readings[k];
-    of_frame.push_back(noticed(reading.change, described[k].threshold));
-    sweep.table += fmt::format(
-        "{},{},{},{},{},{},{},{},{},{},{},{},{}\n", number, csv_field(name), csv_field(reading.name),
-        reading.answered_by, text_of(reading.value.value), text_of(reading.value.error),
-        text_of(reading.background.value), text_of(reading.background.error), text_of(reading.change.value),
-        text_of(reading.change.error), text_of(delta_voltage(scene, described[k], reading)),
-        text_of(described[k].threshold), to_string(of_frame.back()));
-  }
-  sweep.reached = sweep.reached && answer.reached;
-}
-
 /// Returns a line for every reading with a threshold: in which frames it is noticed.
-std::string summary(const Scene& scene, const std::vector<Frame>& motion, const Sweep& sweep) {
+std::string summary(const Scene& scene, const std::vector<Frame>& motion, const Sweeper& sweeper,
+                    bool names_method) {
   std::string text;
   const std::vector<Reading> described = readings(scene);
   for (std::size_t k = 0; k < described.size(); ++k) {
     if (!described[k].threshold)
       continue;
-    text += fmt::format("{}, threshold {:.6g} fF:", described[k].name,
-                        *described[k].threshold * femtofarads_per_farad);
+    text += fmt::format("{}, threshold {:.6g} fF{}:", described[k].name,
+                        *described[k].threshold * femtofarads_per_farad,
+                        names_method ? ", by " + sweeper.request.method : "");
     std::string before;
     for (std::size_t frame = 0; frame < motion.size(); ++frame) {
-      const Noticed now = sweep.noticed[frame][k];
+      const Noticed now = sweeper.noticed[frame][k];
       const std::string words = now == Noticed::yes      ? "noticed"
                                 : now == Noticed::no     ? "not noticed"
                                 : now == Noticed::unsure ? "not sure"
@@ -117,6 +61,26 @@ std::string summary(const Scene& scene, const std::vector<Frame>& motion, const 
     text += "\n";
   }
   return text;
+}
+
+/// Shows on a terminal what is being computed.
+void show_progress(std::size_t frame, std::size_t frames, const std::string& method) {
+  // Blanks cover what the longest name of a method has left behind.
+  if (isatty(STDERR_FILENO) != 0)
+    fmt::print(stderr, "\rfringe: frame {} of {}, {:<24}", frame, frames, method);
+}
+
+/// Says on standard error what was refused, and which errors were not reached.
+void tell(const std::string& scene, const std::vector<Sweeper>& sweepers) {
+  for (const Sweeper& sweeper : sweepers) {
+    const std::string by = sweepers.size() > 1 ? fmt::format("{}: ", sweeper.request.method) : "";
+    if (!sweeper.refused.empty())
+      fmt::print(stderr, "fringe: {}: {}no answer in frames {}: {}\n", scene, by,
+                 fmt::join(sweeper.refused, ", "), sweeper.reason);
+    if (!sweeper.reached)
+      fmt::print(stderr, "fringe: {}: {}an error of {} was not reached in every frame\n", scene, by,
+                 rtol_of(sweeper.options));
+  }
 }
 
 }  // namespace
@@ -132,47 +96,92 @@ CLI::App* add_sweep_command(CLI::App& program, SweepRequest& request) {
   command->add_option("SCENE", request.scene, "The scene file (TOML)")->required();
   command->add_option("--motion", request.motion, "The motion file (if not given, SCENE.motion.toml)")
       ->type_name("FILE");
-  add_method_options(*command, request.method);
+  command
+      ->add_option(
+          "--method", request.methods,
+          "One or more methods of fringe capacitance, separated by commas or each with its --method; "
+          "the other options go to those methods that have them")
+      ->delimiter(',')
+      ->default_str("exact");
+  add_refining_options(*command, request.options);
   command
       ->add_option("--output", request.output,
-                   "Write the CSV to this file, after every frame, and print a summary. Missing folders are "
-                   "made")
+                   "Write the CSV to this file, after every frame, and print a summary. Frames that it "
+                   "holds already, of the same scene, poses and options, are not computed again. Missing "
+                   "folders are made")
       ->type_name("FILE.csv");
   return command;
 }
 
 int run_sweep(const SweepRequest& request) {
-  const EvaluationOptions options = options_of(request.method);
+  std::vector<Sweeper> sweepers;
+  for (const MethodRequest& method : requests_of(request.methods, request.options))
+    sweepers.push_back({.request = method, .options = options_of(method)});
   LiveScene live(load_scene(request.scene));
   const std::vector<Frame> motion = load_motion(motion_file(request.scene, request.motion), live.scene());
+  const SweepKey key(request.scene, live.scene());
+  EarlierRows earlier;
   std::optional<MissingFolders> folders;
-  if (request.output)
+  if (request.output) {
+    earlier = EarlierRows(*request.output);
     folders.emplace(fs::absolute(*request.output).parent_path());
-  Sweep sweep;
+  }
+  std::string table = sweep_header;
+  std::size_t kept = 0;
   for (std::size_t frame = 0; frame < motion.size(); ++frame) {
-    if (isatty(STDERR_FILENO) != 0)
-      fmt::print(stderr, "\rfringe: frame {} of {}  ", frame + 1, motion.size());
+    const std::string& name = motion[frame].name;
+    const auto of_frame = [&](const InputError& error) {
+      return InputError(fmt::format("{}: frame {} ({}): {}", request.scene, frame + 1, name, error.what()));
+    };
     try {
       live.set_poses(motion[frame].poses);
-      add_frame(live.scene(), frame + 1, motion[frame].name, live.evaluate(options), sweep);
     } catch (const InputError& error) {
-      throw InputError(
-          fmt::format("{}: frame {} ({}): {}", request.scene, frame + 1, motion[frame].name, error.what()));
+      throw of_frame(error);
     }
+    std::size_t refused = 0, found = 0;
+    for (Sweeper& sweeper : sweepers) {
+      const std::string& method = sweeper.request.method;
+      const std::string own = key.of(motion[frame], sweeper.request);
+      std::optional<FrameRows> rows = earlier.find(live.scene(), frame + 1, name, method, own);
+      found += rows.has_value() ? 1 : 0;
+      show_progress(frame + 1, motion.size(), method);
+      try {
+        if (!rows)
+          rows = answered_rows(live.scene(), frame + 1, name, method, live.evaluate(sweeper.options), own);
+      } catch (const InputError& error) {
+        // The other methods may still answer.
+        if (++refused == sweepers.size())
+          throw of_frame(error);
+        if (sweeper.refused.empty())
+          sweeper.reason = error.what();
+        sweeper.refused.push_back(frame + 1);
+        rows = refused_rows(live.scene(), frame + 1, name, method);
+      }
+      table += rows->text;
+      sweeper.noticed.push_back(rows->noticed);
+      sweeper.reached = sweeper.reached && rows->reached;
+    }
+    kept += found == sweepers.size() ? 1 : 0;
     if (request.output) {
-      write_whole({{*request.output, sweep.table}});
+      write_whole({{*request.output, table}});
       folders->keep();
     }
   }
   if (isatty(STDERR_FILENO) != 0)
     fmt::print(stderr, "\n");
-  if (!sweep.reached)
-    fmt::print(stderr, "fringe: {}: an error of {} was not reached in every frame\n", request.scene,
-               rtol_of(options));
-  print(request.output ? fmt::format("{}: {} frames\n{}", request.output->string(), motion.size(),
-                                     summary(live.scene(), motion, sweep))
-                       : sweep.table);
-  return sweep.reached ? answered : not_reached;
+  if (!earlier.empty() && kept == 0)
+    fmt::print(stderr, "fringe: {}: its frames were of another scene, motion or options, and are replaced\n",
+               request.output->string());
+  tell(request.scene, sweepers);
+  std::string text = table;
+  if (request.output) {
+    text = fmt::format("{}: {} frames{}\n", request.output->string(), motion.size(),
+                       kept > 0 ? fmt::format(", {} of which were there", kept) : "");
+    for (const Sweeper& sweeper : sweepers)
+      text += summary(live.scene(), motion, sweeper, sweepers.size() > 1);
+  }
+  print(text);
+  return std::ranges::all_of(sweepers, &Sweeper::reached) ? answered : not_reached;
 }
 
 }  // namespace fringe::cli

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "method_options.hpp"
 
@@ -16,7 +17,8 @@ namespace fringe::cli {
 struct SweepRequest {
   std::string scene;
   std::optional<std::string> motion;  ///< default: beside the scene
-  MethodRequest method;
+  std::vector<std::string> methods = {"exact"};
+  MethodRequest options;  ///< of the methods, without their names
   std::optional<std::filesystem::path> output;
 };
 
@@ -27,10 +29,12 @@ std::filesystem::path motion_file(const std::filesystem::path& scene,
 /// Adds the subcommand, which fills in a request.
 CLI::App* add_sweep_command(CLI::App& program, SweepRequest& request);
 
-/// Evaluates the readings in every frame of a motion. Prints a table as CSV; or writes it to a file, whole
-/// after every frame, and prints between which frames a reading crosses its threshold. Returns the exit
-/// status: `not_reached` when one of the answers is less accurate than asked for. Throws InputError when the
-/// input cannot be used, std::runtime_error when the file cannot be written.
+/// Evaluates the readings in every frame of a motion by one or more methods. Prints a table as CSV; or writes
+/// it to a file, whole after every frame, and prints between which frames a reading crosses its threshold.
+/// Rows that the file holds already under the same key are kept. Of several methods, one without an answer in
+/// a frame leaves the row empty. Returns the exit status: `not_reached` when one of the answers is less
+/// accurate than asked for. Throws InputError when the input cannot be used or no method answers in a frame,
+/// std::runtime_error when the file cannot be written.
 int run_sweep(const SweepRequest& request);
 
 }  // namespace fringe::cli

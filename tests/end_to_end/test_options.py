@@ -20,6 +20,10 @@ from analysis.__main__ import main
 ROOT = Path(__file__).resolve().parents[2]
 MODEL, REFERENCE = "model/test_command_line.py", "fem_reference/test_command_line.py"
 SWEEP = "model/test_sweep.py"
+PAGE_OF_A_SWEEP = (
+    "analysis/sweep/test_sweep_page.py",
+    "test_the_command_makes_a_page_and_its_table_from_its_options",
+)
 HERE, IMPORT = "end_to_end/test_options.py", "end_to_end/test_import.py"
 EXPORTED = ("end_to_end/test_export.py", "test_the_method_and_the_error_asked_for_are_the_users")
 TABLE = ("analysis/topics/published/test_table.py", "test_the_options_of_the_command_reach_what_they_are_for")
@@ -123,6 +127,13 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
         "--help": SAID,
         "--motion": ("analysis/show/test_show.py", "test_a_wrong_motion_is_refused"),
         "--output": ("analysis/show/test_show.py", "test_the_example_is_shown_by_its_name"),
+    },
+    ("analysis", "sweep"): {
+        "--help": SAID,
+        "--motion": PAGE_OF_A_SWEEP,
+        "--method": PAGE_OF_A_SWEEP,
+        "--rtol": PAGE_OF_A_SWEEP,
+        "--output": PAGE_OF_A_SWEEP,
     },
 }  # fmt: skip
 SCENE = """

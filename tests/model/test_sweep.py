@@ -139,6 +139,121 @@ def test_an_error_around_the_threshold_leaves_it_open(fringe_command: Command, s
     assert [row["noticed"] for row in found] == ["no", "unsure", "yes"]
 
 
+METHODS = "exact,formula,exact+facing"
+
+
+def test_several_methods_have_a_row_each_in_every_frame(fringe_command: Command, scene: Path) -> None:
+    done = fringe_command(
+        "sweep", scene, "--method", METHODS, "--method", "recommended,boundary-elements", "--rtol", "0.03"
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    found = rows(done.stdout)
+    asked = [*METHODS.split(","), "recommended", "boundary-elements"]
+    assert [row["method"] for row in found] == 3 * asked
+    for options in ({}, {"correction": "formula"}, {"faces": "facing"}):
+        expected = fringe.Scene.load(str(scene)).sweep(str(scene.with_name("scene.motion.toml")), **options)
+        own = found[[{}, {"correction": "formula"}, {"faces": "facing"}].index(options) :: len(asked)]
+        assert [float(row["change_F"]) for row in own] == [
+            readings["self, front"].change for _, readings in expected
+        ]
+    assert {row["answered_by"] for row in found if row["method"] == "recommended"} == {"reduced:1"}
+    assert {row["reached"] for row in found} == {"yes"}
+
+
+def test_a_stopped_sweep_is_completed_and_its_rows_are_kept(fringe_command: Command, scene: Path) -> None:
+    target = scene.with_name("sweep.csv")
+    asked = ("sweep", scene, "--method", METHODS, "--output", target)
+    whole = fringe_command(*asked) and target.read_text()
+    header, *lines = whole.splitlines()
+    # A number that no computation gives shows that the row is not computed again.
+    kept = [line.replace(line.split(",")[-7], "1.5", 1) for line in lines[:4]]
+    target.write_text("\n".join([header, *kept]) + "\n")
+    done = fringe_command(*asked)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "3 frames, 1 of which were there" in done.stdout
+    assert target.read_text().splitlines() == [header, *kept, *lines[4:]]
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [("size = [0.08, 0.1, 0.02]", "size = [0.08, 0.1, 0.03]"), ("100e-15", "90e-15")]
+)
+def test_rows_of_another_scene_are_computed_again(
+    fringe_command: Command, scene: Path, old: str, new: str
+) -> None:
+    target = scene.with_name("sweep.csv")
+    fringe_command("sweep", scene, "--output", target)
+    before = rows(target.read_text())
+    scene.write_text(SCENE.replace(old, new))
+    done = fringe_command("sweep", scene, "--output", target)
+    assert done.returncode == 0 and "of another scene, motion or options, and are replaced" in done.stderr
+    assert not {row["key"] for row in before} & {row["key"] for row in rows(target.read_text())}
+
+
+def test_a_mesh_that_changed_is_another_scene(fringe_command: Command, scene: Path) -> None:
+    mesh, target = scene.with_name("hand.obj"), scene.with_name("sweep.csv")
+    scene.write_text(
+        SCENE.replace('type = "cuboid", size = [0.08, 0.1, 0.02]', 'type = "mesh", file = "hand.obj"')
+    )
+    for height in (0.0, 0.01):
+        mesh.write_text(f"v 0 0 {height}\nv .05 0 0\nv .05 .05 0\nv 0 .05 0\nf 1 2 3 4\n")
+        done = fringe_command("sweep", scene, "--output", target)
+    assert "are replaced" in done.stderr
+
+
+def test_frames_that_moved_are_computed_again_and_the_others_kept(
+    fringe_command: Command, scene: Path
+) -> None:
+    target = scene.with_name("sweep.csv")
+    fringe_command("sweep", scene, "--output", target)
+    before = rows(target.read_text())
+    scene.with_name("scene.motion.toml").write_text(MOTION.replace("0.03", "0.04"))
+    assert "3 frames, 2 of which were there" in fringe_command("sweep", scene, "--output", target).stdout
+    after = rows(target.read_text())
+    assert after[:2] == before[:2] and after[2] != before[2]
+
+
+def test_a_kept_row_that_is_less_accurate_than_asked_for_still_ends_with_status_3(
+    fringe_command: Command, scene: Path
+) -> None:
+    asked = ("sweep", scene, "--method", "reduced:1", "--rtol", "1e-4", "--output", scene.with_name("s.csv"))
+    assert fringe_command(*asked).returncode == 3
+    again = fringe_command(*asked)
+    assert again.returncode == 3 and "3 of which were there" in again.stdout
+
+
+def test_a_method_without_an_answer_leaves_its_row_empty_and_says_why_once(
+    fringe_command: Command, scene: Path
+) -> None:
+    scene.with_name("scene.motion.toml").write_text(MOTION.replace("0.03", "-0.005").replace("0.1]", "0]"))
+    done = fringe_command("sweep", scene, "--method", "exact,boundary-elements", "--rtol", "0.1")
+    assert done.returncode == 0
+    (line,) = done.stderr.splitlines()
+    assert "boundary-elements: no answer in frames 2, 3: " in line
+    of_bem = [row for row in rows(done.stdout) if row["method"] == "boundary-elements"]
+    assert [row["answered_by"] for row in of_bem] == ["boundary-elements", "", ""]
+    assert of_bem[1]["change_F"] == of_bem[1]["key"] == ""
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        (("--method", "exact,bem"), "method 'bem' is not known: it must be exact, split:N"),
+        (
+            ("--method", "exact,formula", "--rtol", "0.1"),
+            "rtol is an option of the methods boundary-elements",
+        ),
+        (("--method", "formula+facing"), "correction formula: method, plates, faces"),
+        (("--method", "exact+facing", "--faces", "all"), "'exact+facing' and --faces all contradict"),
+    ],
+)
+def test_methods_that_are_none_and_options_of_none_are_refused(
+    fringe_command: Command, scene: Path, options: tuple[str, ...], reason: str
+) -> None:
+    done = fringe_command("sweep", scene, *options)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert reason in done.stderr
+
+
 @pytest.mark.parametrize("frame", ["far", "1"])
 def test_capacitance_answers_in_one_frame(fringe_command: Command, scene: Path, frame: str) -> None:
     of_frame = json.loads(fringe_command("capacitance", scene, "--frame", frame, "--json").stdout)

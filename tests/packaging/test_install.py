@@ -145,7 +145,17 @@ def options_of(program: Path, *command: str) -> set[str]:
 
 COMMANDS = {
     "fringe": ("capacitance", "collide", "export", "info", "sense", "sweep"),
-    "fringe-analysis": ("run", "nightly", "diff", "report", "verify", "errors", "corrections", "show"),
+    "fringe-analysis": (
+        "run",
+        "nightly",
+        "diff",
+        "report",
+        "verify",
+        "errors",
+        "corrections",
+        "show",
+        "sweep",
+    ),
     "fringe-geometries": ("convert", "expand"),
     "fringe-reference": (),
 }

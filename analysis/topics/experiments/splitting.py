@@ -68,5 +68,5 @@ def _errors(case: CaseResult) -> dict[int, float]:
     return {
         int(method.removeprefix(_SPLIT)): values[sensor].total / exact - 1
         for method, values in case.model.values.items()
-        if method.startswith(_SPLIT)
+        if method.startswith(_SPLIT) and method.removeprefix(_SPLIT).isdecimal()
     }

@@ -1,0 +1,1 @@
+"""A page on the readings over the frames of a motion."""

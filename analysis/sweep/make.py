@@ -1,0 +1,82 @@
+"""`python3 -m analysis sweep SCENE`: runs `fringe sweep` and makes the page of its table."""
+
+from __future__ import annotations
+
+import hashlib
+import shlex
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis.report.page import provide_script
+from analysis.results.store import write_text
+from analysis.show.make import find_scene, motion_beside
+from analysis.sweep import page, series
+from geometries.common import installation
+from geometries.common.errors import InputError
+from geometries.scene import motion, reader
+
+METHODS = "exact,formula,recommended,boundary-elements"
+"""The model, its correction, and what states an error."""
+RTOL = 1e-2
+_STATING = ("recommended", "boundary-elements", "reduced")
+_ANSWERED, _NOT_REACHED = 0, 3
+
+
+@dataclass(frozen=True)
+class Options:
+    """The methods, separated by commas; the relative error asked of those that state one, None for none that does."""
+
+    methods: str = METHODS
+    rtol: float | None = RTOL
+
+
+@dataclass(frozen=True)
+class Made:
+    """The page and its findings; whether every method reached the error asked for; or the exit status of a sweep that failed."""
+
+    page: Path
+    findings: list[str]
+    status: int
+
+    @property
+    def is_made(self) -> bool:
+        return self.status in (_ANSWERED, _NOT_REACHED)
+
+
+def rtol_for(methods: str, asked: float | None) -> float | None:
+    """Returns the relative error to ask for: the one given, else RTOL if a method states errors."""
+    states = any(name.startswith(_STATING) for name in methods.split(","))
+    return asked if asked is not None or not states else RTOL
+
+
+def make(name: str, motion_file: Path | None, target: Path | None, options: Options) -> Made:
+    """Runs the sweep of a scene, a file or a name in geometries/scenes, and writes its page, with the table beside it under the same
+    name. Frames that the table holds already are not computed again. InputError for files that cannot be used.
+    """
+    path = find_scene(name)
+    scene = reader.load(path)
+    moved = motion_file or motion_beside(path)
+    if moved is None:
+        raise InputError(str(path), "", "has no motion beside it: name one by --motion")
+    frames = motion.load(moved, scene)
+    place = target or installation.results_folder() / "sweep" / f"{path.stem}.html"
+    table = place.with_suffix(".csv")
+    arguments = ["sweep", str(path), "--motion", str(moved), "--method", options.methods]
+    if options.rtol is not None:
+        arguments += ["--rtol", f"{options.rtol:g}"]
+    command = [*arguments, "--output", str(table)]
+    # Its progress and its messages go to the terminal.
+    status = subprocess.run(
+        [installation.model_program(), *command], stdout=subprocess.DEVNULL, check=False
+    ).returncode
+    if status not in (_ANSWERED, _NOT_REACHED):
+        return Made(place, [], status)
+    found = series.read(table)
+    text = table.read_text(encoding="utf-8")
+    digest = hashlib.sha256(text.encode()).hexdigest()
+    title = f"{path.stem.replace('_', ' ')}: readings over {len(frames)} frames"
+    shown = shlex.join([installation.model_command(), *command])
+    provide_script(place.parent)
+    write_text(place, page.document(title, digest, found, frames, table.name, shown))
+    return Made(place, page.findings(found, frames), status)

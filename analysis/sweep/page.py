@@ -1,0 +1,281 @@
+"""The page of a sweep: plots of the changes and the readings over the frames, where thresholds are crossed, and every number."""
+
+from __future__ import annotations
+
+import math
+
+import plotly.graph_objects as go
+from markupsafe import Markup
+
+from analysis.report import page
+from analysis.report.plot import INK, Panel, axis, figure, power_axis, series_colour
+from analysis.results.answers import Estimate
+from analysis.results.units import measured
+from analysis.sweep.crossings import Crossing, crossings
+from analysis.sweep.places import place_words
+from analysis.sweep.series import Series, Sweep
+from geometries.scene.motion import Frame
+
+_FEMTO, _PICO, _MILLI = 1e-15, 1e-12, 1e-3
+_TRUTH = "best truth at hand"
+_ERRORS = (
+    "The band is the error that the best answer states, an estimate: of all methods that state an error, the answer with the least is "
+    "taken in every frame. Methods without a band state none. Changes are shown by their size; between frames nothing was computed."
+)
+_CROSSING = (
+    "Where a threshold is crossed is interpolated between two frames, by the logarithms of the sizes; the interval is where the ends of "
+    "the error band cross it."
+)
+
+
+def document(
+    title: str, inputs: str, sweep: Sweep, motion: tuple[Frame, ...], table: str, command: str
+) -> str:
+    """Returns the whole page; plotly.js is to be beside it (`page.provide_script`). `table` is the CSV file as seen from the page, `command` makes it anew."""
+    body = [
+        page.header(title, *(page.finding(sentence) for sentence in findings(sweep, motion))),
+        *(_section(series, sweep.frames) for series in sweep.series),
+        page.section(
+            "Numbers and command",
+            page.paragraph(
+                Markup("{}: every frame, reading and method, in full.").format(page.link(table, table))
+            ),
+            page.command(command),
+            page.soft(_ERRORS),
+            page.soft(_CROSSING),
+        ),
+    ]
+    return page.document(title, inputs, body, page.SCRIPT)
+
+
+def findings(sweep: Sweep, motion: tuple[Frame, ...]) -> list[str]:
+    """Returns a sentence for each reading with a threshold, by the best truth at hand."""
+    found = []
+    for series in sweep.series:
+        if series.threshold is None:
+            continue
+        truth = series.truth
+        places = _crossings(series)
+        subject = f"{series.reading}, threshold {series.threshold / _FEMTO:.4g} fF: "
+        if places:
+            found.append(subject + "; ".join(_crossing(each, sweep, motion) for each in places) + ".")
+        else:
+            noticed = {said.noticed for said in truth if said is not None}
+            found.append(f"{subject}{_never_crossed(noticed)}.")
+    return found
+
+
+def _crossings(series: Series) -> list[Crossing]:
+    """Returns where the best truth at hand crosses the threshold."""
+    if series.threshold is None:
+        return []
+    known = [said.change if said is not None else None for said in series.truth]
+    return crossings(
+        [change.value if change is not None else None for change in known],
+        [change.error if change is not None else 0.0 for change in known],
+        series.threshold,
+    )
+
+
+def _never_crossed(noticed: set[str]) -> str:
+    if not noticed:
+        return "no method states an error, so it is not known where it is noticed"
+    if noticed == {"yes"}:
+        return "noticed in every frame"
+    return (
+        "not noticed in any frame"
+        if noticed == {"no"}
+        else "not crossed, but in some frames the error decides"
+    )
+
+
+def _crossing(crossing: Crossing, sweep: Sweep, motion: tuple[Frame, ...]) -> str:
+    before = "frame 1" if crossing.first is None else f"frame {crossing.first:.2f}"
+    after = f"frame {len(sweep.frames)}" if crossing.last is None else f"frame {crossing.last:.2f}"
+    beyond = " and beyond" if crossing.first is None or crossing.last is None else ""
+    number = math.floor(crossing.at)
+    between = f"between {sweep.frames[number - 1]} and {sweep.frames[number]}"
+    place = place_words(motion, crossing.at)
+    return (
+        f"{'noticed' if crossing.rises else 'no longer noticed'} from frame {crossing.at:.2f} on, {between}"
+        f"{f', {place}' if place else ''} (the error allows {before} to {after}{beyond})"
+    )
+
+
+def _section(series: Series, frames: tuple[str, ...]) -> Markup:
+    panels = [Panel("size of the change (fF), all methods", _changes(series, frames))]
+    if any(said is not None and said.value is not None for said in series.truth):
+        panels.append(
+            Panel("the reading and its background without the targets (pF)", _readings(series, frames))
+        )
+    if any(said is not None and said.delta_voltage is not None for said in series.truth):
+        panels.append(Panel("what the targets take from the output (mV)", _voltages(series, frames)))
+    return page.section(
+        f"Reading {series.reading}",
+        page.figures(panels),
+        page.folded("Show the numbers", _numbers(series, frames)),
+    )
+
+
+def _frames_axis(frames: tuple[str, ...]) -> dict[str, object]:
+    return axis("frame", tickvals=list(range(1, len(frames) + 1)), ticktext=list(frames))
+
+
+def _changes(series: Series, frames: tuple[str, ...]) -> go.Figure:
+    truth = [said.change if said is not None else None for said in series.truth]
+    traces = _band(truth, _FEMTO, is_size=True)
+    for number, (method, said) in enumerate(series.methods.items()):
+        values = [_size(each.change) for each in said]
+        if not any(values):
+            continue
+        answered_by = [each.answered_by or "no answer" for each in said]
+        traces.append(
+            go.Scatter(
+                x=list(range(1, len(frames) + 1)),
+                y=values,
+                mode="lines+markers",
+                name=method,
+                text=answered_by,
+                line={"color": series_colour(number)},
+                hovertemplate="%{y:.5g} fF by %{text}<extra>" + method + "</extra>",
+            )
+        )
+    if series.threshold is not None:
+        height = series.threshold / _FEMTO
+        traces.append(
+            go.Scatter(
+                x=[1, len(frames)],
+                y=[height, height],
+                mode="lines",
+                line={"color": INK, "dash": "dash"},
+                name=f"threshold {height:.4g} fF",
+                hoverinfo="skip",
+            )
+        )
+        traces += _marks(_crossings(series), height, len(frames))
+    return figure(traces, _frames_axis(frames), power_axis("size of the change (fF)"), height=460)
+
+
+def _marks(places: list[Crossing], height: float, count: int) -> list[go.Scatter]:
+    """Returns a mark where the threshold is crossed, with a bar along the frames that the error allows."""
+    if not places:
+        return []
+    ends = [(each.first or 1.0, each.last or float(count)) for each in places]
+    return [
+        go.Scatter(
+            x=[each.at for each in places],
+            y=[height for _ in places],
+            error_x={
+                "type": "data",
+                "array": [last - each.at for each, (_, last) in zip(places, ends)],
+                "arrayminus": [each.at - first for each, (first, _) in zip(places, ends)],
+            },
+            mode="markers",
+            name="crossed here",
+            marker={"color": INK, "symbol": "diamond", "size": 10},
+            hovertemplate="crossed at frame %{x:.2f}<extra></extra>",
+        )
+    ]
+
+
+def _size(change: Estimate | None) -> float | None:
+    """Returns the size of a change in fF; a logarithmic axis has no zero and no infinity."""
+    if change is None or change.value == 0 or not math.isfinite(change.value):
+        return None
+    return abs(change.value) / _FEMTO
+
+
+def _band(values: list[Estimate | None], unit: float, is_size: bool = False) -> list[go.Scatter]:
+    """Returns the band from each value less its error to the value and its error, over the frames where they are known."""
+    known = [
+        (number, abs(each.value) if is_size else each.value, each.error)
+        for number, each in enumerate(values, start=1)
+        if each is not None and math.isfinite(each.error)
+    ]
+    if not known:
+        return []
+    # On a logarithmic axis the lower end stays above zero.
+    least = 1e-3 if is_size else -math.inf
+    low = [max(value - error, least * abs(value)) / unit for _, value, error in known]
+    high = [(value + error) / unit for _, value, error in known]
+    numbers = [number for number, _, _ in known]
+    return [
+        go.Scatter(
+            x=[*numbers, *reversed(numbers)],
+            y=[*high, *reversed(low)],
+            fill="toself",
+            fillcolor="rgba(36, 41, 47, 0.18)",
+            line={"width": 0},
+            mode="lines",
+            name=f"error of the {_TRUTH}",
+            hoverinfo="skip",
+        )
+    ]
+
+
+def _readings(series: Series, frames: tuple[str, ...]) -> go.Figure:
+    traces: list[go.Scatter] = []
+    for number, (name, part) in enumerate((("reading", "value"), ("background", "background"))):
+        values = [getattr(said, part) if said is not None else None for said in series.truth]
+        traces += _line(values, name, number)
+    return figure(traces, _frames_axis(frames), axis("pF"), height=360)
+
+
+def _line(values: list[Estimate | None], name: str, number: int) -> list[go.Scatter]:
+    return [
+        go.Scatter(
+            x=list(range(1, len(values) + 1)),
+            y=[None if each is None else each.value / _PICO for each in values],
+            error_y={
+                "type": "data",
+                "array": [
+                    0 if each is None or math.isnan(each.error) else each.error / _PICO for each in values
+                ],
+            },
+            mode="lines+markers",
+            name=f"{name}, {_TRUTH}",
+            line={"color": series_colour(number), "dash": "solid" if number == 0 else "dot"},
+        )
+    ]
+
+
+def _voltages(series: Series, frames: tuple[str, ...]) -> go.Figure:
+    values = [
+        None if said is None or said.delta_voltage is None else said.delta_voltage / _MILLI
+        for said in series.truth
+    ]
+    traces = [
+        go.Scatter(
+            x=list(range(1, len(frames) + 1)),
+            y=values,
+            mode="lines+markers",
+            name=_TRUTH,
+            line={"color": series_colour(0)},
+            hovertemplate="%{y:.4g} mV<extra></extra>",
+        )
+    ]
+    return figure(traces, _frames_axis(frames), axis("mV"), height=320)
+
+
+def _numbers(series: Series, frames: tuple[str, ...]) -> Markup:
+    header = ["frame", "best change (fF)", "by", "noticed", *(f"{method} (fF)" for method in series.methods)]
+    rows = []
+    for number, name in enumerate(frames):
+        best = series.truth[number]
+        rows.append(
+            [
+                f"{number + 1} {name}",
+                _text(best.change if best is not None else None),
+                best.answered_by if best is not None else "",
+                best.noticed if best is not None else "",
+                *(_text(said[number].change) for said in series.methods.values()),
+            ]
+        )
+    return page.table(header, rows)
+
+
+def _text(change: Estimate | None) -> str:
+    if change is None:
+        return ""
+    value, error = change.value / _FEMTO, change.error / _FEMTO
+    return f"{value:.5g}" if math.isnan(error) else measured(value, error)

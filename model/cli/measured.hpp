@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+namespace fringe::cli {
+
+/// Returns the number of decimals that an error leaves: two of its digits. Zero for errors of ten and more,
+/// at most 9.
+int decimals(double error);
+
+/// Writes a value with its error, both to two digits of the error, as in "2.4914 ± 0.0011". Of a value that
+/// is smaller than an error of a hundred or more, no digit is known: "unknown ± 2.7e+14". An error that is
+/// not a number, or infinite, makes the value unknown too.
+std::string measured(double value, double error);
+
+}  // namespace fringe::cli

@@ -1,0 +1,40 @@
+#include "measured.hpp"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace fringe::cli {
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+TEST(Measured, HasTheDigitsThatTheErrorLeaves) {
+  EXPECT_EQ(measured(2.491424123, 0.000757), "2.49142 ± 0.00076");
+  EXPECT_EQ(measured(-3.857, 0.0021), "-3.8570 ± 0.0021");
+  EXPECT_EQ(measured(11.514, 4.51), "11.5 ± 4.5");
+  EXPECT_EQ(measured(1234.56, 17.3), "1235 ± 17");
+}
+
+TEST(Measured, RoundsTheErrorBeforeItCountsDigits) {
+  EXPECT_EQ(measured(1.23456, 0.0996), "1.23 ± 0.10");
+  EXPECT_EQ(measured(1.23456, 9.96), "1 ± 10");
+}
+
+TEST(Measured, KnowsNoDigitOfAValueBelowALargeError) {
+  EXPECT_EQ(measured(20.297973, 274176794320547.46875), "unknown ± 2.7e+14");
+  EXPECT_EQ(measured(20.0, unknown), "unknown");
+  EXPECT_EQ(measured(20.0, std::numeric_limits<double>::infinity()), "unknown");
+}
+
+TEST(Measured, KeepsAValueThatIsZeroWithinASmallError) {
+  EXPECT_EQ(measured(-0.0001, 0.0025), "-0.0001 ± 0.0025");
+}
+
+TEST(Measured, WritesTheSmallestErrorsAsPowersOfTen) {
+  EXPECT_EQ(measured(2.5, 3.21e-11), "2.500000000 ± 3.2e-11");
+  EXPECT_EQ(measured(2.5, 0), "2.5 ± 0");
+}
+
+}  // namespace
+}  // namespace fringe::cli
