@@ -156,11 +156,11 @@ def conductors(
     Scaled, a scene of twice the size or in another place gives the same mesh and the same numbers, except for the unit. Grounded bodies
     that touch or overlap are one conductor, and so are objects with the same `conductor`. With `columns` only the conductors named there have a row,
     and the others are grounded. `geometry` says which bodies are wrapped. Raises InputError for scenes that cannot be solved: without
-    a sensor, with a column that names no conductor, with a shape or material unknown to the solver, or where bodies touch that may
+    a sensor or an electrode, with a column that names no conductor, with a shape or material unknown to the solver, or where bodies touch that may
     have different potentials. Raises RuntimeError when a body cannot be wrapped.
     """
-    if not scene.sensors:
-        raise InputError(source, "sensor", "nothing to solve: the scene has no capacitive sensor")
+    if not scene.sensors and all(body.potential != "electrode" for body in scene.objects):
+        raise InputError(source, "sensor", "nothing to solve: the scene has no capacitive sensor and no electrode")
     solid = [body for body in scene.objects if body.relative_permittivity is None]
     dielectric = [body for body in scene.objects if body.relative_permittivity is not None]
     sensors = [sensor.name for sensor in scene.sensors]
