@@ -160,7 +160,9 @@ def conductors(
     have different potentials. Raises RuntimeError when a body cannot be wrapped.
     """
     if not scene.sensors and all(body.potential != "electrode" for body in scene.objects):
-        raise InputError(source, "sensor", "nothing to solve: the scene has no capacitive sensor and no electrode")
+        raise InputError(
+            source, "sensor", "nothing to solve: the scene has no capacitive sensor and no electrode"
+        )
     solid = [body for body in scene.objects if body.relative_permittivity is None]
     dielectric = [body for body in scene.objects if body.relative_permittivity is not None]
     sensors = [sensor.name for sensor in scene.sensors]

@@ -3,7 +3,7 @@
 Most bodies are symmetric about the coordinate planes of their own frame, so that a distance depends only on the absolute values of a
 point's coordinates. Inside spheres, cylinders, cones and ellipsoids the expression is the distance to the surface, so that the mesh
 coarsens towards their middle; inside cuboids and arcs it is 0, and within a swept box the ball's radius. The distance to an ellipsoid
-is one of first order, and that to a polygon too small beyond its acute corners: both only steer the size of cells.
+is one of first order: it only steers the size of cells.
 """
 
 from __future__ import annotations
@@ -149,8 +149,13 @@ def _ellipsoid_curvature_radius(ellipsoid: Ellipsoid) -> str:
 
 
 def _polygon_distance(polygon: PlanePolygon) -> str:
-    """Distance to the nearest of the triangles, beside each of which it is that to the farthest of its sides' lines."""
+    """Distance to a polygon: beside it, in its plane, that to its outline.
+
+    A point is beside it if it is beyond a side of each of its triangles. How far it is beyond the farthest side's line is less than
+    the distance, but no less than a share of it: 1e3 times as much decides where the outline's distance counts, and is 0 within.
+    """
     x, y, z = _local(polygon)
+    steep = 1e3
     beside = []
     for corners in polygon.ears:
         lines = ["0"]
@@ -162,12 +167,17 @@ def _polygon_distance(polygon: PlanePolygon) -> str:
         for line in lines[1:]:
             farthest = f"max({farthest},{line})"
         beside.append(farthest)
-    return f"sqrt({minimum(beside)}^2+({z})^2)"
+    return f"sqrt(min({steep}*{minimum(beside)},{_outline_distance_in_plane(polygon)})^2+({z})^2)"
 
 
 def _outline_distance(polygon: PlanePolygon) -> str:
     """Distance to the nearest side of a polygon."""
-    x, y, z = _local(polygon)
+    return f"sqrt({_outline_distance_in_plane(polygon)}^2+({_local(polygon)[2]})^2)"
+
+
+def _outline_distance_in_plane(polygon: PlanePolygon) -> str:
+    """Distance of a point's projection into the plane to the nearest side of a polygon."""
+    x, y, _ = _local(polygon)
     squares = []
     for (ax, ay), (bx, by) in zip(polygon.outline.tolist(), np.roll(polygon.outline, -1, axis=0).tolist()):
         length = math.hypot(bx - ax, by - ay)
@@ -175,7 +185,7 @@ def _outline_distance(polygon: PlanePolygon) -> str:
         along = f"(({u!r})*({x})+({v!r})*({y})-({u * ax + v * ay!r}))"
         across = f"(({u!r})*({y})-({v!r})*({x})-({u * ay - v * ax!r}))"
         squares.append(f"max(max(-{along},{along}-{length!r}),0)^2+{across}^2")
-    return f"sqrt({minimum(squares)}+({z})^2)"
+    return f"sqrt({minimum(squares)})"
 
 
 def _local(body: Sheet | Cuboid | Ellipsoid | Swept | Cylinder | Cone | Arc) -> list[str]:

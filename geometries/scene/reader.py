@@ -163,7 +163,11 @@ def _sensor(table: Table) -> Sensor:
 def _plate(table: Table) -> Plate:
     for key in ("corner", "edge_u", "edge_v"):
         if not table.has(key):
-            raise table.error(key, "is missing: a plate is a rectangle with corner, edge_u and edge_v")
+            raise table.error(
+                key,
+                "is missing: a plate is a rectangle with corner, edge_u and edge_v; an electrode of another shape is an object with "
+                'potential = "electrode"',
+            )
     plate = Plate(table.vector3("corner"), _direction(table, "edge_u"), _direction(table, "edge_v"))
     cosine = np.dot(unit(plate.edge_u), unit(plate.edge_v))
     if abs(cosine) > _RIGHT_ANGLE_TOLERANCE:

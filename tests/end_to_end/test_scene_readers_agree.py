@@ -295,6 +295,11 @@ def reading_of(sense: str, *drive: str) -> str:
             object_of("a", FLOATING) + object_of("b", FLOATING + "target = true"),
             'object "b": target: all objects of a floating conductor are targets or none is, but "b" is and "a" is not',
         ),
+        (
+            '[[sensor]]\nname = "round"\nplates = [ { centre = [0, 0, 0], radius = 0.1 } ]\n',
+            "plates[0].corner: is missing: a plate is a rectangle with corner, edge_u and edge_v; an electrode of another shape is an object "
+            'with potential = "electrode"',
+        ),
         ('[[reading]]\nname = "r"\ndrive = ["front"]', 'reading "r": sense: is missing'),
         ('[[reading]]\nname = "r"\nsense = "front"', 'reading "r": drive: is missing'),
         (reading_of("front"), 'reading "r": drive: must not be empty'),
@@ -317,7 +322,7 @@ def test_both_refuse_conductors_and_readings_with_the_same_words(
     for load in (reader.load, lambda path: model_module().Scene.load(str(path))):
         with pytest.raises(ValueError) as refused:
             load(path)
-        assert str(refused.value).endswith(f": {message}")
+        assert str(refused.value).endswith(f" {message}")
 
 
 @pytest.mark.parametrize(

@@ -149,7 +149,8 @@ bool read_room(TableReader& root) {
 Rectangle read_rectangle(TableReader& table) {
   for (const char* key : {"corner", "edge_u", "edge_v"})
     if (!table.has(key))
-      table.fail(key, "is missing: a plate is a rectangle with corner, edge_u and edge_v");
+      table.fail(key, "is missing: a plate is a rectangle with corner, edge_u and edge_v; an electrode of "
+                      "another shape is an object with potential = \"electrode\"");
   Rectangle rectangle{table.vector("corner"), table.nonzero_vector("edge_u"), table.nonzero_vector("edge_v")};
   table.finish();
   try {

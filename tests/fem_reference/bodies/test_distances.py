@@ -114,9 +114,9 @@ def test_the_distance_given_to_gmsh_is_the_distance(body: TextBody) -> None:
     assert ratio.max() < 1.001 and ratio.min() > (0.5 if narrow else 0.999)
 
 
-def test_the_distances_given_to_gmsh_of_ellipsoids_and_polygons_are_nearly_right() -> None:
+def test_the_distances_given_to_gmsh_of_ellipsoids_and_polygons() -> None:
     """That to an ellipsoid is one of first order: exact to first order at the surface, and along its axes far away. That to a
-    polygon is never too large, and right above it and beside the middle of its sides."""
+    polygon is right."""
     random = np.random.default_rng(4)
     ellipsoid = Ellipsoid("ellipsoid", CENTRE, TURNED, (0.3, 0.5, 1.0))
     directions = random.normal(size=(60, 3))
@@ -136,8 +136,8 @@ def test_the_distances_given_to_gmsh_of_ellipsoids_and_polygons_are_nearly_right
     assert np.isfinite(evaluated(surface_distance(ellipsoid), CENTRE[None])).all()
     true = np.array([distance(SHEET, Sphere("point", point, 1e-9)) for point in far])
     ratio = evaluated(surface_distance(SHEET), far) / true
-    assert ratio.max() < 1.001 and ratio.min() > 0.3
-    places = np.array([[0.5, 0.5, 0.7], [1.0, -0.4, 0.0], [1.5, 1.9, -0.2]])
+    assert ratio.max() < 1.001 and ratio.min() > 0.999
+    places = np.array([[0.5, 0.5, 0.7], [1.0, -0.4, 0.0], [1.5, 1.9, -0.2]])  # above, beside and below
     np.testing.assert_allclose(evaluated(surface_distance(SHEET), CENTRE + places @ TURNED), [0.7, 0.4, 0.2])
     text = edge_distance(SHEET)
     assert text is not None
