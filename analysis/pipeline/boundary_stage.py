@@ -10,7 +10,7 @@ from analysis.results.store import Document
 from geometries.common.errors import InputError
 from geometries.scene import reader
 from geometries.scene.scene import Scene
-from geometries.scene.shapes import Arc, Cone, Cylinder, MeshShape, Sphere
+from geometries.scene.shapes import ROUND_SHAPES, MeshShape
 from geometries.studies.study import Study
 
 NAME = "boundary elements"
@@ -43,7 +43,7 @@ def answer(scene: Path, study: Study) -> Document:
 
 
 def _answer_or_refusal(scene: Path, described: Scene, wanted: float) -> Document:
-    if any(isinstance(body.shape, Arc | Cone | Cylinder | Sphere) for body in described.objects):
+    if any(isinstance(body.shape, ROUND_SHAPES) for body in described.objects):
         return {"refused": _ROUND}
     try:
         solved: Document = model_stage.model_module().Scene.load(str(scene)).maxwell(rtol=wanted)

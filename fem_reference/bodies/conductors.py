@@ -13,7 +13,7 @@ from scipy.constants import epsilon_0
 from fem_reference.bodies.contacts import refuse_contact, refuse_outside
 from fem_reference.bodies.parts import Part, merged, meshable, object_part
 from fem_reference.bodies.polyhedron import Polyhedron
-from fem_reference.bodies.shapes import Body, Cuboid, Rectangle, bounding_sphere, rectangle
+from fem_reference.bodies.shapes import Body, Cuboid, PlanePolygon, Rectangle, bounding_sphere, rectangle
 from fem_reference.bodies.symmetry import Plane
 from fem_reference.bodies.wrapping import Geometry, Wrap, member_names
 from geometries.common.errors import InputError
@@ -123,7 +123,9 @@ class Conductors:
     def curved(self) -> tuple[str, ...]:
         """Names of the bodies with curved surfaces."""
         return tuple(
-            body.name for body in self.bodies if not isinstance(body, Rectangle | Cuboid | Polyhedron)
+            body.name
+            for body in self.bodies
+            if not isinstance(body, Rectangle | PlanePolygon | Cuboid | Polyhedron)
         )
 
     @property
@@ -154,11 +156,13 @@ def conductors(
     Scaled, a scene of twice the size or in another place gives the same mesh and the same numbers, except for the unit. Grounded bodies
     that touch or overlap are one conductor, and so are objects with the same `conductor`. With `columns` only the conductors named there have a row,
     and the others are grounded. `geometry` says which bodies are wrapped. Raises InputError for scenes that cannot be solved: without
-    a sensor, with a column that names no conductor, with a shape or material unknown to the solver, or where bodies touch that may
+    a sensor or an electrode, with a column that names no conductor, with a shape or material unknown to the solver, or where bodies touch that may
     have different potentials. Raises RuntimeError when a body cannot be wrapped.
     """
-    if not scene.sensors:
-        raise InputError(source, "sensor", "nothing to solve: the scene has no capacitive sensor")
+    if not scene.sensors and all(body.potential != "electrode" for body in scene.objects):
+        raise InputError(
+            source, "sensor", "nothing to solve: the scene has no capacitive sensor and no electrode"
+        )
     solid = [body for body in scene.objects if body.relative_permittivity is None]
     dielectric = [body for body in scene.objects if body.relative_permittivity is not None]
     sensors = [sensor.name for sensor in scene.sensors]
@@ -304,8 +308,13 @@ def moved(body: Body, centre: Array, unit: float) -> Body:
         return replace(body, centre=origin, half_widths=(a / unit, b / unit))
     if isinstance(body, Cuboid):
         return moved_cuboid(body, centre, unit)
+    if isinstance(body, PlanePolygon):
+        return replace(body, centre=origin, outline=body.outline / unit, ears=body.ears / unit)
     lengths = ("radius", "height", "inner_radius", "outer_radius")
     scaled = {name: getattr(body, name) / unit for name in lengths if hasattr(body, name)}
+    for name in ("core", "semi_axes"):
+        if hasattr(body, name):
+            scaled[name] = tuple(length / unit for length in getattr(body, name))
     return replace(body, centre=origin, **scaled)
 
 

@@ -1,6 +1,6 @@
 """Distances between bodies, and tests whether one contains another.
 
-Every body is a union of convex pieces, each the convex hull of points and circles, thickened by a radius. The distance between two
+Every body is a union of convex pieces, each the convex hull of points, circles and ellipsoids, thickened by a radius. The distance between two
 convex pieces is the distance of their Minkowski difference from the origin. It is found from a growing set of extreme points of the
 difference (Wolfe 1976; with one point at a time it is the method of Gilbert, Johnson & Keerthi). The point nearest to the origin in
 the convex hull of the points so far bounds the distance from above, and the plane through the next extreme point from below.
@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 from scipy.spatial.distance import cdist
 
-from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle, separation
+from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon, Rectangle, separation
 from fem_reference.bodies.polyhedron import Polyhedron
-from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
 from fem_reference.bodies.soup import Soup, Surface
 from fem_reference.bodies.triangle_distances import soup_distance
 
@@ -48,15 +48,15 @@ ARC_TOLERANCE = 1e-4
 
 @dataclass(frozen=True)
 class Piece:
-    """The convex hull of points (n, 3) and circles (centre, two radius vectors), thickened by `radius`."""
+    """The convex hull of points (n, 3), circles (centre, two radius vectors) and ellipsoids (centre, three), thickened by `radius`."""
 
     points: Vector
-    circles: tuple[tuple[Vector, Vector, Vector], ...] = ()
+    circles: tuple[tuple[Vector, ...], ...] = ()
     radius: float = 0.0
 
     @property
     def centre(self) -> Vector:
-        """The mean of the points and of the circles' centres."""
+        """The mean of the points and of the centres of circles and ellipsoids."""
         centres = [self.points, *(circle[0][None] for circle in self.circles)]
         return np.asarray(np.concatenate(centres).mean(axis=0))
 
@@ -65,24 +65,26 @@ class Piece:
         """The bounding radius: that of a sphere about `centre` that contains the piece."""
         middle = self.centre
         far = [float(np.linalg.norm(self.points - middle, axis=1).max())] if len(self.points) else []
-        far += [float(np.linalg.norm(c - middle) + np.linalg.norm(u)) for c, u, _ in self.circles]
+        for centre, *radii in self.circles:
+            far.append(float(np.linalg.norm(centre - middle) + max(np.linalg.norm(u) for u in radii)))
         return max(far) + self.radius
 
     def extreme(self, direction: Vector) -> Vector:
         """The support point: the point of the hull, not thickened, that is farthest in a direction."""
         found = [self.points[np.argmax(self.points @ direction)]] if len(self.points) else []
-        for centre, u, v in self.circles:
-            a, b = float(u @ direction), float(v @ direction)
-            length = math.hypot(a, b)
-            found.append(centre + (a * u + b * v) / length if length > 0 else centre + u)
+        for centre, *radii in self.circles:
+            along = [float(u @ direction) for u in radii]
+            length = math.hypot(*along)
+            tip = sum(a * u for a, u in zip(along, radii)) / length if length > 0 else radii[0]
+            found.append(centre + tip)
         return max(found, key=lambda point: float(point @ direction))
 
     def ends_in_face(self, direction: Vector) -> bool:
         """Whether the points farthest in a unit direction form a plane face rather than a line or a point."""
         tolerance = FLAT * self.reach
         farthest = float(self.extreme(direction) @ direction)
-        for centre, u, v in self.circles:
-            tilt = math.hypot(float(u @ direction), float(v @ direction))
+        for centre, *radii in self.circles:
+            tilt = math.hypot(*(float(u @ direction) for u in radii))
             if tilt <= tolerance and farthest - float(centre @ direction) <= tolerance:
                 return True
         face = self.points[self.points @ direction >= farthest - tolerance]
@@ -117,6 +119,8 @@ def triangles_of(body: Surface) -> Vector | None:
         return body.triangles
     if isinstance(body, Polyhedron):
         return np.asarray(body.vertices[body.triangles])
+    if isinstance(body, PlanePolygon):
+        return body.triangles
     if isinstance(body, Rectangle):
         return np.asarray(body.corners[[[0, 1, 2], [0, 2, 3]]])
     if isinstance(body, Cuboid):
@@ -164,10 +168,9 @@ def touch_with_faces(first: Surface, second: Surface) -> bool:
         tuple(
             (
                 second.centre + (1 - SHRINKING) * (centre - second.centre),
-                (1 - SHRINKING) * u,
-                (1 - SHRINKING) * v,
+                *((1 - SHRINKING) * u for u in radii),
             )
-            for centre, u, v in other.circles
+            for centre, *radii in other.circles
         ),
     )
     apart, direction = _distance_and_direction(one, shrunk)
@@ -226,8 +229,15 @@ def pieces(body: Surface) -> list[Piece]:
         return [Piece(triangle) for triangle in body.vertices[body.triangles]]
     if isinstance(body, Soup):
         return [Piece(triangle) for triangle in body.triangles]
+    if isinstance(body, PlanePolygon):
+        return [Piece(triangle) for triangle in body.triangles]
     if isinstance(body, Arc):
         return _arc_pieces(body)
+    if isinstance(body, Swept):
+        return [Piece(body.core_corners, radius=body.radius)]
+    if isinstance(body, Ellipsoid):
+        radii = np.array(body.semi_axes)[:, None] * body.axes
+        return [Piece(np.empty((0, 3)), ((body.centre, *radii),))]
     u, v = body.radius * body.axes[:2]
     nowhere = np.empty((0, 3))
     if isinstance(body, Disc):

@@ -13,17 +13,17 @@ from fem_reference.bodies.boxes import cuboid_of
 from fem_reference.bodies.contacts import groups, meet, refuse_contact
 from fem_reference.bodies.distances import triangles_of
 from fem_reference.bodies.polyhedron import NotASolid, Polyhedron, polyhedron
-from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
-from fem_reference.bodies.shapes import Body, Cuboid, Rectangle
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
+from fem_reference.bodies.shapes import SHEETS, Body, Cuboid, Disc, PlanePolygon, Rectangle
 from fem_reference.bodies.soup import Soup, Surface
 from fem_reference.bodies.wrapping import Geometry, containing_triangles, wrap
 from geometries.common.errors import InputError
-from geometries.scene import shapes
+from geometries.scene import polygons, shapes
 from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import MeshShape, PlateShape
 
 Array = NDArray[np.float64]
-ClosedFormShape = PlateShape | shapes.Cuboid | shapes.Sphere | shapes.Cylinder | shapes.Cone | shapes.Arc
+ClosedFormShape = PlateShape | shapes.Polygon | shapes.Cuboid | shapes.RoundShape
 
 MOST_TRIANGLES = 5000
 """Largest number of triangles of a clean mesh that is meshed as it is unless `exact` is asked for. Every triangle of a round surface
@@ -62,8 +62,8 @@ def object_part(scene: Scene, body: Object, geometry: Geometry, source: str) -> 
     """
     key = f'object "{body.name}"'
     dielectric = body.relative_permittivity is not None
-    if dielectric and isinstance(body.shape, PlateShape):
-        raise InputError(source, f"{key}: shape.type", "a plate has no volume that could be dielectric")
+    if dielectric and isinstance(body.shape, shapes.SHEETS):
+        raise InputError(source, f"{key}: shape.type", "a sheet has no volume that could be dielectric")
     rotation, translation = scene.pose_of_object(body.name)
     surface: Surface
     if isinstance(body.shape, MeshShape):
@@ -149,7 +149,7 @@ def meshable(
 def _needs_wrap(own: Sequence[Part], geometry: Geometry, source: str) -> bool:
     """Whether bodies that touch have to be wrapped. Raises InputError if they have to, but must not be."""
     if geometry.kind == "wrapped":
-        return any(not isinstance(part.surface, Rectangle) for part in own)
+        return any(not isinstance(part.surface, SHEETS) for part in own)
     for part in own:
         if isinstance(part.surface, Soup) and geometry.kind == "exact":
             raise InputError(
@@ -216,3 +216,14 @@ def _body_of_shape(name: str, shape: ClosedFormShape, axes: Array, centre: Array
         case shapes.Arc():
             half_angle = np.radians(shape.degrees) / 2
             return Arc(name, centre, axes, shape.inner_radius, shape.outer_radius, shape.height, half_angle)
+        case shapes.Ellipsoid():
+            return Ellipsoid(name, centre, axes, shape.semi_axes)
+        case shapes.Capsule():
+            return Swept(name, centre, axes, shape.core, shape.radius)
+        case shapes.RoundedCuboid():
+            return Swept(name, centre, axes, shape.core, shape.rounding)
+        case shapes.Disc():
+            return Disc(name, centre, axes, shape.radius)
+        case shapes.Polygon():
+            outline = polygons.anticlockwise(shape.vertices)
+            return PlanePolygon(name, centre, axes, np.array(outline), np.array(polygons.ears(outline)))

@@ -1,4 +1,4 @@
-"""Round solids in the world frame: spheres, cylinders, cones and arcs, whose surfaces are meshed curved, not faceted.
+"""Round solids in the world frame: spheres, ellipsoids, cylinders, cones, arcs and what a ball sweeps; they are meshed curved, not faceted.
 
 The rows of `axes` are the axes of the body's own frame. The axis of rotation is axes[2]; an arc is symmetric about axes[0].
 """
@@ -34,6 +34,59 @@ class Sphere:
     def corners(self) -> Vector:
         """The corners (8, 3) of the cube around the ball."""
         return _box(self.centre, np.eye(3), (self.radius, self.radius, self.radius))
+
+
+@dataclass(frozen=True)
+class Ellipsoid:
+    """A solid ellipsoid with semi_axes[i] along axes[i]; lengths in metres."""
+
+    name: str
+    centre: Vector
+    axes: Vector
+    semi_axes: tuple[float, float, float]
+
+    @property
+    def is_solid(self) -> bool:
+        return True
+
+    @property
+    def size(self) -> float:
+        return 2 * min(self.semi_axes)
+
+    @property
+    def corners(self) -> Vector:
+        """The corners (8, 3) of the box around the ellipsoid."""
+        return _box(self.centre, self.axes, self.semi_axes)
+
+
+@dataclass(frozen=True)
+class Swept:
+    """A box, centre ± core[i]·axes[i], swept by a ball; some of `core` may be 0, and a segment gives a capsule. Lengths in metres."""
+
+    name: str
+    centre: Vector
+    axes: Vector
+    core: tuple[float, float, float]
+    radius: float
+
+    @property
+    def is_solid(self) -> bool:
+        return True
+
+    @property
+    def size(self) -> float:
+        return 2 * (min(self.core) + self.radius)
+
+    @property
+    def corners(self) -> Vector:
+        """The corners (8, 3) of the box around the body."""
+        x, y, z = self.core
+        return _box(self.centre, self.axes, (x + self.radius, y + self.radius, z + self.radius))
+
+    @property
+    def core_corners(self) -> Vector:
+        """The corners (n, 3) of the box that the ball sweeps: eight, four, two or one."""
+        return np.unique(_box(self.centre, self.axes, self.core), axis=0)
 
 
 @dataclass(frozen=True)
@@ -105,7 +158,7 @@ class Arc:
         return _box(middle, self.axes, ((self.outer_radius - low) / 2, high, self.height / 2))
 
 
-RoundBody = Sphere | Cylinder | Cone | Arc
+RoundBody = Sphere | Ellipsoid | Swept | Cylinder | Cone | Arc
 
 
 def _box(centre: Vector, axes: Vector, half_widths: tuple[float, float, float]) -> Vector:

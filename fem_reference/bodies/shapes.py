@@ -1,4 +1,4 @@
-"""The bodies of the field problem in the world frame: rectangles and discs without thickness, and solids.
+"""The bodies of the field problem in the world frame: rectangles, discs and polygons without thickness, and solids.
 
 Every body has a size, corners, and, where the charge density is singular, edges. In the frame of a body that is symmetric about its
 coordinate planes, the distance of a point depends on the absolute values of its coordinates only. The mesh generator gets the
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from fem_reference.bodies.polyhedron import Polyhedron
-from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
+from fem_reference.bodies.round_bodies import RoundBody
 
 Vector = NDArray[np.float64]
 
@@ -89,6 +89,51 @@ class Disc:
 
 
 @dataclass(frozen=True)
+class PlanePolygon:
+    """A simple polygon without thickness, with the normal axes[2]; lengths in metres."""
+
+    name: str
+    centre: Vector
+    axes: Vector
+    outline: Vector
+    """The vertices (n, 2), anticlockwise, along axes[0] and axes[1] from `centre`."""
+    ears: Vector
+    """The triangles (n − 2, 3, 2) that it consists of, in the same coordinates."""
+
+    @property
+    def is_solid(self) -> bool:
+        return False
+
+    @property
+    def size(self) -> float:
+        """The diameter (m) of the circle with as much area over perimeter: a narrow polygon is as wide as twice this ratio."""
+        u, v = self.ears[:, 1] - self.ears[:, 0], self.ears[:, 2] - self.ears[:, 0]
+        doubled = float(np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum())
+        sides = np.roll(self.outline, -1, axis=0) - self.outline
+        return 2 * doubled / float(np.linalg.norm(sides, axis=1).sum())
+
+    @property
+    def corners(self) -> Vector:
+        """The vertices (n, 3)."""
+        return np.asarray(self.centre + self.outline @ self.axes[:2])
+
+    @property
+    def triangles(self) -> Vector:
+        """The triangles (n − 2, 3, 3)."""
+        return np.asarray(self.centre + self.ears @ self.axes[:2])
+
+    def edge_distance(self, points: Vector) -> Vector:
+        """Distance (n,) of points (n, 3) to the outline."""
+        starts = self.corners
+        sides = np.roll(starts, -1, axis=0) - starts
+        nearest = np.full(len(points), np.inf)
+        for start, side in zip(starts, sides):
+            share = np.clip((points - start) @ side / (side @ side), 0, 1)
+            nearest = np.minimum(nearest, np.linalg.norm(points - start - share[:, None] * side, axis=1))
+        return nearest
+
+
+@dataclass(frozen=True)
 class Cuboid:
     """A solid box: centre ± half_widths[i]·axes[i]; lengths in metres."""
 
@@ -118,7 +163,10 @@ class Cuboid:
         return np.array([origin + a * u + b * v + c * w for c in (0, 1) for b in (0, 1) for a in (0, 1)])
 
 
-Body = Rectangle | Disc | Cuboid | Sphere | Cylinder | Cone | Arc | Polyhedron
+Sheet = Rectangle | Disc | PlanePolygon
+SHEETS = (Rectangle, Disc, PlanePolygon)
+"""The bodies without thickness."""
+Body = Sheet | Cuboid | RoundBody | Polyhedron
 
 
 def rectangle(name: str, corner: Vector, edge_u: Vector, edge_v: Vector) -> Rectangle:

@@ -13,9 +13,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
+from fem_reference.bodies.shapes import SHEETS, Body, Cuboid, Disc, PlanePolygon, Rectangle
 from fem_reference.bodies.polyhedron import Polyhedron
-from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
 
 Array = NDArray[np.float64]
 
@@ -135,7 +135,7 @@ def _bisectors(bodies: Sequence[Body]) -> Iterator[Plane]:
 
 def _contains_a_plate(plane: Plane, bodies: Sequence[Body]) -> bool:
     """Whether a plate lies in the plane."""
-    plates = [body for body in bodies if isinstance(body, Rectangle | Disc)]
+    plates = [body for body in bodies if isinstance(body, SHEETS)]
     return any(np.abs(plate.corners @ plane.normal - plane.offset).max() < TOLERANCE for plate in plates)
 
 
@@ -164,8 +164,8 @@ def _images(plane: Plane, bodies: Sequence[Body], owner: Sequence[int]) -> dict[
 
 
 def _is_image(body: Body, other: Body, plane: Plane) -> bool:
-    """Whether `other` is the mirror image of `body`; False for triangle meshes, for which this is not examined."""
-    if type(body) is not type(other) or isinstance(body, Polyhedron):
+    """Whether `other` is the mirror image of `body`; False for triangle meshes and polygons, for which this is not examined."""
+    if type(body) is not type(other) or isinstance(body, Polyhedron | PlanePolygon):
         return False
     corners, wanted = plane.mirrored(body.corners), other.corners
     if isinstance(body, Sphere):
@@ -175,8 +175,10 @@ def _is_image(body: Body, other: Body, plane: Plane) -> bool:
     distances = np.linalg.norm(corners[:, None] - wanted[None], axis=2)
     if distances.min(axis=1).max() > TOLERANCE:
         return False
-    if isinstance(body, Rectangle | Cuboid):
+    if isinstance(body, Rectangle | Cuboid | Ellipsoid):
         return True
+    if isinstance(body, Swept):
+        return _same_lengths(body, other)
     # Round bodies with the same bounding box may still have different axes, so that the axes have to correspond too.
     assert isinstance(other, Disc | Cylinder | Cone | Arc)
     axis, wanted_axis = plane.turned(body.axes[2]), other.axes[2]

@@ -185,9 +185,24 @@ def containing_triangles(shape: Shape, tolerance: float) -> Vector:
         case shapes.Cylinder() | shapes.Cone():
             n = sides(shape.radius)
             return replace(shape, radius=shape.radius / math.cos(math.pi / n), segments=n).triangles()
+        case shapes.Disc():
+            n = sides(shape.radius)
+            return replace(shape, radius=shape.radius / math.cos(math.pi / n), segments=n).triangles()
         case shapes.Sphere():
             n = 2 * math.ceil(sides(shape.radius) / 2)
             return replace(shape, radius=shape.radius / math.cos(math.pi / n) ** 2, segments=n).triangles()
+        case shapes.Ellipsoid():
+            n = 2 * math.ceil(sides(max(shape.semi_axes)) / 2)
+            x, y, z = (length / math.cos(math.pi / n) ** 2 for length in shape.semi_axes)
+            return replace(shape, semi_axes=(x, y, z), segments=n).triangles()
+        case shapes.Capsule():
+            n = 4 * math.ceil(sides(shape.radius) / 4)
+            return replace(shape, radius=shape.radius / math.cos(math.pi / n) ** 2, segments=n).triangles()
+        case shapes.RoundedCuboid():
+            n = 4 * math.ceil(sides(shape.rounding) / 4)
+            radius = shape.rounding / math.cos(math.pi / n) ** 2
+            x, y, z = (length + 2 * (radius - shape.rounding) for length in shape.size)
+            return replace(shape, size=(x, y, z), rounding=radius, segments=n).triangles()
         case shapes.Arc():
             n = sides(shape.outer_radius, shape.degrees)
             outer = shape.outer_radius / math.cos(math.radians(shape.degrees) / (2 * n))

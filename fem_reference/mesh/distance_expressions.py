@@ -1,8 +1,9 @@
 """Distances from bodies as expressions in x, y, z for gmsh's MathEval.
 
 Most bodies are symmetric about the coordinate planes of their own frame, so that a distance depends only on the absolute values of a
-point's coordinates. Inside spheres, cylinders and cones the expression is the distance to the surface, so that the mesh coarsens
-towards their middle; inside cuboids and arcs it is 0.
+point's coordinates. Inside spheres, cylinders, cones and ellipsoids the expression is the distance to the surface, so that the mesh
+coarsens towards their middle; inside cuboids and arcs it is 0, and within a swept box the ball's radius. The distance to an ellipsoid
+is one of first order: it only steers the size of cells.
 """
 
 from __future__ import annotations
@@ -13,10 +14,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_reference.bodies.shapes import Cuboid, Disc, Rectangle
-from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
+from fem_reference.bodies.shapes import Cuboid, Disc, PlanePolygon, Rectangle, Sheet
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, RoundBody, Sphere, Swept
 
-TextBody = Rectangle | Disc | Cuboid | Sphere | Cylinder | Cone | Arc
+TextBody = Sheet | Cuboid | RoundBody
 """The bodies whose distances have closed forms."""
 
 
@@ -24,7 +25,15 @@ def surface_distance(body: TextBody) -> str:
     """Distance to the body."""
     if isinstance(body, Sphere):
         return f"abs({_radius_from_centre(body)}-{body.radius!r})"
+    if isinstance(body, PlanePolygon):
+        return _polygon_distance(body)
+    if isinstance(body, Ellipsoid):
+        stretched, gradient = _ellipsoid_norms(body)
+        return f"({stretched}*abs({stretched}-1)/{gradient})"
     x, y, z = _folded(body)
+    if isinstance(body, Swept):
+        squares = "+".join(f"{_beyond(c, w)}^2" for c, w in zip((x, y, z), body.core))
+        return f"abs(sqrt({squares})-{body.radius!r})"
     if isinstance(body, Disc):
         return f"sqrt({_beyond(f'sqrt({x}^2+{y}^2)', body.radius)}^2+{z}^2)"
     if isinstance(body, Cylinder):
@@ -53,8 +62,10 @@ def wall_distance(room: Cuboid) -> str:
 
 def edge_distance(body: TextBody) -> str | None:
     """Distance to the nearest edge or apex of the body; None when it has none."""
-    if isinstance(body, Sphere):
+    if isinstance(body, Sphere | Ellipsoid | Swept):
         return None
+    if isinstance(body, PlanePolygon):
+        return _outline_distance(body)
     x, y, z = _folded(body)
     if isinstance(body, Disc):
         return f"sqrt((sqrt({x}^2+{y}^2)-{body.radius!r})^2+{z}^2)"
@@ -66,24 +77,33 @@ def edge_distance(body: TextBody) -> str | None:
         return f"sqrt(min({rim},({x})^2+({y})^2+({z}-{body.height / 2!r})^2))"
     if isinstance(body, Arc):
         return _arc_edge_distance(body)
-    past = [f"({c}-{w!r})^2" for c, w in zip((x, y, z), body.half_widths)]
-    outside = [f"{_beyond(c, w)}^2" for c, w in zip((x, y, z), body.half_widths)]
     if isinstance(body, Cuboid):
-        along = ["+".join(outside[k] if k == axis else past[k] for k in range(3)) for axis in range(3)]
-        return f"sqrt({minimum(along)})"
+        return _box_edge_distance((x, y, z), body.half_widths)
+    past = [f"({c}-{w!r})^2" for c, w in zip((x, y), body.half_widths)]
+    outside = [f"{_beyond(c, w)}^2" for c, w in zip((x, y), body.half_widths)]
     return f"sqrt(min({outside[0]}+{past[1]},{past[0]}+{outside[1]})+{z}^2)"
 
 
 def curvature_radius(body: TextBody) -> str | None:
     """The smaller principal radius of curvature of the surface near a point; None for bodies with plane faces only."""
-    if isinstance(body, Sphere | Cylinder):
+    if isinstance(body, Sphere | Cylinder | Swept):
         return repr(body.radius)
+    if isinstance(body, Ellipsoid):
+        return _ellipsoid_curvature_radius(body)
     if isinstance(body, Cone):
         _, _, z = _local(body)
         return f"(max({body.height / 2!r}-({z}),0)*{body.radius / body.height!r})"
     if isinstance(body, Arc):
         x, y, _ = _folded(body)
         return f"max(sqrt({x}^2+{y}^2),{body.inner_radius!r})"
+    return None
+
+
+def curved_distance(body: TextBody) -> str | None:
+    """Distance to the curved part of the surface of a body that has plane faces, too; None for other bodies."""
+    if isinstance(body, Swept):
+        x, y, z = _folded(body)
+        return f"abs({_box_edge_distance((x, y, z), body.core)}-{body.radius!r})"
     return None
 
 
@@ -95,7 +115,80 @@ def minimum(expressions: Sequence[str]) -> str:
     return f"min({minimum(expressions[:half])},{minimum(expressions[half:])})"
 
 
-def _local(body: Rectangle | Disc | Cuboid | Cylinder | Cone | Arc) -> list[str]:
+def _box_edge_distance(folded: tuple[str, str, str], half_widths: tuple[float, float, float]) -> str:
+    """Distance to the edges of a box, by the absolute values of the coordinates."""
+    past = [f"({c}-{w!r})^2" for c, w in zip(folded, half_widths)]
+    outside = [f"{_beyond(c, w)}^2" for c, w in zip(folded, half_widths)]
+    along = ["+".join(outside[k] if k == axis else past[k] for k in range(3)) for axis in range(3)]
+    return f"sqrt({minimum(along)})"
+
+
+def _ellipsoid_norms(ellipsoid: Ellipsoid) -> tuple[str, str]:
+    """|(x/a, y/b, z/c)|, which is 1 on the surface, and |(x/a², y/b², z/c²)|; both above 0 at the centre."""
+    least = 1e-9
+    parts = list(zip(_local(ellipsoid), ellipsoid.semi_axes))
+    stretched = "+".join(f"(({c})/{a!r})^2" for c, a in parts)
+    gradient = "+".join(f"(({c})/{a * a!r})^2" for c, a in parts)
+    small = least / min(ellipsoid.semi_axes)
+    return f"sqrt({stretched}+{least**2!r})", f"sqrt({gradient}+{small**2!r})"
+
+
+def _ellipsoid_curvature_radius(ellipsoid: Ellipsoid) -> str:
+    """The smaller principal radius at the point of the surface on the same ray from the centre.
+
+    With the distance h of the tangent plane from the centre, P = (abc)² and S = a² + b² + c², the mean curvature is
+    h³(S − |p|²)/2P and the Gaussian one h⁴/P.
+    """
+    stretched, gradient = _ellipsoid_norms(ellipsoid)
+    squares = [a * a for a in ellipsoid.semi_axes]
+    product = squares[0] * squares[1] * squares[2]
+    radius = "+".join(f"({c})^2" for c in _local(ellipsoid))
+    height = f"({stretched}/{gradient})"
+    mean = f"({height}^3*({sum(squares)!r}-({radius})/{stretched}^2)/{2 * product!r})"
+    return f"(1/({mean}+sqrt(max({mean}^2-{height}^4/{product!r},0))))"
+
+
+def _polygon_distance(polygon: PlanePolygon) -> str:
+    """Distance to a polygon: beside it, in its plane, that to its outline.
+
+    A point is beside it if it is beyond a side of each of its triangles. How far it is beyond the farthest side's line is less than
+    the distance, but no less than a share of it: 1e3 times as much decides where the outline's distance counts, and is 0 within.
+    """
+    x, y, z = _local(polygon)
+    steep = 1e3
+    beside = []
+    for corners in polygon.ears:
+        lines = ["0"]
+        for (ax, ay), (bx, by) in zip(corners.tolist(), np.roll(corners, -1, axis=0).tolist()):
+            length = math.hypot(bx - ax, by - ay)
+            u, v = (by - ay) / length, (ax - bx) / length
+            lines.append(f"({u!r})*({x})+({v!r})*({y})-({u * ax + v * ay!r})")
+        farthest = lines[0]
+        for line in lines[1:]:
+            farthest = f"max({farthest},{line})"
+        beside.append(farthest)
+    return f"sqrt(min({steep}*{minimum(beside)},{_outline_distance_in_plane(polygon)})^2+({z})^2)"
+
+
+def _outline_distance(polygon: PlanePolygon) -> str:
+    """Distance to the nearest side of a polygon."""
+    return f"sqrt({_outline_distance_in_plane(polygon)}^2+({_local(polygon)[2]})^2)"
+
+
+def _outline_distance_in_plane(polygon: PlanePolygon) -> str:
+    """Distance of a point's projection into the plane to the nearest side of a polygon."""
+    x, y, _ = _local(polygon)
+    squares = []
+    for (ax, ay), (bx, by) in zip(polygon.outline.tolist(), np.roll(polygon.outline, -1, axis=0).tolist()):
+        length = math.hypot(bx - ax, by - ay)
+        u, v = (bx - ax) / length, (by - ay) / length
+        along = f"(({u!r})*({x})+({v!r})*({y})-({u * ax + v * ay!r}))"
+        across = f"(({u!r})*({y})-({v!r})*({x})-({u * ay - v * ax!r}))"
+        squares.append(f"max(max(-{along},{along}-{length!r}),0)^2+{across}^2")
+    return f"sqrt({minimum(squares)})"
+
+
+def _local(body: Sheet | Cuboid | Ellipsoid | Swept | Cylinder | Cone | Arc) -> list[str]:
     """The three coordinates in the body's frame."""
     return [
         "+".join(f"({axis[k]!r})*({name}-({body.centre[k]!r}))" for k, name in enumerate("xyz"))
@@ -103,7 +196,7 @@ def _local(body: Rectangle | Disc | Cuboid | Cylinder | Cone | Arc) -> list[str]
     ]
 
 
-def _folded(body: Rectangle | Disc | Cuboid | Cylinder | Cone | Arc) -> list[str]:
+def _folded(body: Rectangle | Disc | Cuboid | Swept | Cylinder | Cone | Arc) -> list[str]:
     """The absolute values of the three coordinates in the body's frame."""
     return [f"abs({coordinate})" for coordinate in _local(body)]
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import product
 
 import gmsh
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
+from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon, Rectangle
 from fem_reference.bodies.plane_faces import plane_faces
 from fem_reference.bodies.polyhedron import Polyhedron
-from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, RoundBody, Sphere
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, RoundBody, Sphere, Swept
 from fem_reference.bodies.symmetry import Plane
 
 Vector = NDArray[np.float64]
@@ -30,6 +31,9 @@ def add_body(body: Body) -> list[Entity]:
         return [_disc(body)]
     if isinstance(body, Polyhedron):
         return _polyhedron(body)
+    if isinstance(body, PlanePolygon):
+        points = [gmsh.model.occ.addPoint(*corner) for corner in body.corners]
+        return [(2, _polygon([points], {}))]
     if isinstance(body, Rectangle | Cuboid):
         return [_parallelotope(body)]
     return _round(body)
@@ -132,10 +136,14 @@ def _polyhedron(body: Polyhedron) -> list[Entity]:
 
 
 def _round(body: RoundBody) -> list[Entity]:
-    """Add a round body: OpenCASCADE's primitive around the z axis, rotated and moved to its place."""
+    """Add a round body: OpenCASCADE's primitives around the z axis, rotated and moved to their place."""
     occ = gmsh.model.occ
     if isinstance(body, Sphere):
         return [(3, occ.addSphere(*body.centre, body.radius))]
+    if isinstance(body, Ellipsoid | Swept):
+        entities = _swept(body) if isinstance(body, Swept) else _ellipsoid(body)
+        _place(entities, body.axes, body.centre)
+        return entities
     bottom = (0, 0, -body.height / 2, 0, 0, body.height)
     if isinstance(body, Cylinder):
         entities = [(3, occ.addCylinder(*bottom, body.radius))]
@@ -145,6 +153,60 @@ def _round(body: RoundBody) -> list[Entity]:
         entities = [_sector(body)]
     _place(entities, body.axes, body.centre)
     return entities
+
+
+def _ellipsoid(body: Ellipsoid) -> list[Entity]:
+    """Add an ellipsoid around the origin: the octants of a ball, stretched."""
+    octants = [_octant(signs, 1.0) for signs in product((-1, 1), repeat=3)]
+    gmsh.model.occ.dilate(octants, 0, 0, 0, *body.semi_axes)
+    return united(octants[:1], octants[1:])
+
+
+def _swept(body: Swept) -> list[Entity]:
+    """Add a box around the origin swept by a ball: octants of the ball, quarters of cylinders, slabs and the box."""
+    occ = gmsh.model.occ
+    radius, core = body.radius, np.array(body.core)
+    pieces = []
+    for signs in product((-1, 0, 1), repeat=3):
+        flat = [k for k in range(3) if signs[k] == 0]
+        if any(core[k] == 0 for k in flat):
+            continue
+        low = [-core[k] if k in flat else min(signs[k], 0) * radius for k in range(3)]
+        corner = [signs[k] * core[k] for k in range(3)]
+        if len(flat) == 0:
+            piece = _octant(signs, radius)
+        elif len(flat) == 1:
+            piece = _quarter_cylinder(signs, flat[0], radius, float(core[flat[0]]))
+        else:
+            piece = (3, occ.addBox(*low, *(2 * core[k] if k in flat else radius for k in range(3))))
+        occ.translate([piece], *corner)
+        pieces.append(piece)
+    return united(pieces[:1], pieces[1:])
+
+
+def _octant(signs: Sequence[int], radius: float) -> Entity:
+    """Add the part of a ball around the origin whose coordinates have these signs."""
+    occ = gmsh.model.occ
+    lowest = 0.0 if signs[2] > 0 else -math.pi / 2
+    octant = (3, occ.addSphere(0, 0, 0, radius, -1, lowest, lowest + math.pi / 2, math.pi / 2))
+    occ.rotate([octant], 0, 0, 0, 0, 0, 1, _quadrant(signs[0], signs[1]) * math.pi / 2)
+    return octant
+
+
+def _quarter_cylinder(signs: Sequence[int], along: int, radius: float, half_height: float) -> Entity:
+    """Add a quarter of a cylinder around a coordinate axis through the origin; its other two coordinates have these signs."""
+    occ = gmsh.model.occ
+    first, second = (along + 1) % 3, (along + 2) % 3
+    quarter = (3, occ.addCylinder(0, 0, -half_height, 0, 0, 2 * half_height, radius, angle=math.pi / 2))
+    occ.rotate([quarter], 0, 0, 0, 0, 0, 1, _quadrant(signs[first], signs[second]) * math.pi / 2)
+    # A third of a turn about the diagonal takes z to x, and y to z.
+    occ.rotate([quarter], 0, 0, 0, 1, 1, 1, 2 * math.pi / 3 * ((along + 1) % 3))
+    return quarter
+
+
+def _quadrant(first: int, second: int) -> int:
+    """The number, from 0, of the quadrant of points whose coordinates have these signs."""
+    return {(1, 1): 0, (-1, 1): 1, (-1, -1): 2, (1, -1): 3}[first, second]
 
 
 def _cone_in_sectors(cone: Cone) -> list[Entity]:

@@ -15,7 +15,7 @@ import basix
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_reference.bodies.shapes import Body, Disc, Rectangle
+from fem_reference.bodies.shapes import SHEETS, Body
 
 Array = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ def vertices_on_edges(nodes: Array, cells: NDArray[np.int32], bodies: Sequence[B
     vertices = np.unique(cells[:, :4])
     on_edge = np.zeros(len(nodes), dtype=bool)
     for body in bodies:
-        if isinstance(body, Rectangle | Disc):
+        if isinstance(body, SHEETS):
             on_edge[vertices] |= body.edge_distance(nodes[vertices]) < 1e-7 * body.size
     return np.asarray(on_edge[cells[:, :4]])
 

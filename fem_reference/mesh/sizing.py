@@ -20,10 +20,11 @@ from itertools import combinations
 import gmsh
 
 from fem_reference.mesh import gmsh_fields
-from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
+from fem_reference.bodies.shapes import SHEETS, Body, Cuboid
 from fem_reference.mesh.distance_expressions import (
     TextBody,
     curvature_radius,
+    curved_distance,
     edge_distance,
     minimum,
     surface_distance,
@@ -99,7 +100,7 @@ def _is_plane_faced(body: Body) -> bool:
     """
     if isinstance(body, Polyhedron):
         return not body.rounded.any()
-    return isinstance(body, Rectangle | Disc | Cuboid)
+    return isinstance(body, (*SHEETS, Cuboid))
 
 
 def _in_gap(first: Body, second: Body, sizing: Sizing) -> float:
@@ -115,7 +116,7 @@ def _sizes_of_body(body: TextBody, at_edges: str, surface: str, sizing: Sizing) 
     if radius is not None:
         least = f"{AT_APEX}*{at_edges}+" if isinstance(body, Cone) else ""
         curved = f"{sizing.curvature / sizing.refinement**0.5!r}*{radius}"
-        sizes.append(f"{least}{curved}+{sizing.growth}*{surface}")
+        sizes.append(f"{least}{curved}+{sizing.growth}*{curved_distance(body) or surface}")
     return sizes
 
 

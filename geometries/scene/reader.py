@@ -14,6 +14,7 @@ import numpy as np
 from geometries.common.errors import InputError
 from geometries.common.tables import LARGEST_NUMBER, Table, parse, read_text
 from geometries.scene.conductor_checks import check_conductors, check_readings, check_targets
+from geometries.scene import polygons
 from geometries.scene.joints import Joint, Mimic, resolved
 from geometries.scene.meshes import SCENE_FORMATS, read_triangles
 from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Rotation, Vector3, unit
@@ -33,11 +34,16 @@ from geometries.scene.scene import (
 from geometries.scene.shapes import (
     DEFAULT_SEGMENTS,
     Arc,
+    Capsule,
     Cone,
     Cuboid,
     Cylinder,
+    Disc,
+    Ellipsoid,
     MeshShape,
     PlateShape,
+    Polygon,
+    RoundedCuboid,
     Shape,
     Sphere,
 )
@@ -157,7 +163,11 @@ def _sensor(table: Table) -> Sensor:
 def _plate(table: Table) -> Plate:
     for key in ("corner", "edge_u", "edge_v"):
         if not table.has(key):
-            raise table.error(key, "is missing: a plate is a rectangle with corner, edge_u and edge_v")
+            raise table.error(
+                key,
+                "is missing: a plate is a rectangle with corner, edge_u and edge_v; an electrode of another shape is an object with "
+                'potential = "electrode"',
+            )
     plate = Plate(table.vector3("corner"), _direction(table, "edge_u"), _direction(table, "edge_v"))
     cosine = np.dot(unit(plate.edge_u), unit(plate.edge_v))
     if abs(cosine) > _RIGHT_ANGLE_TOLERANCE:
@@ -282,11 +292,11 @@ def _shape(table: Table) -> Shape:
     return shape
 
 
-def _size(table: Table, length: int) -> tuple[float, ...]:
-    size = table.vector("size", length)
+def _size(table: Table, length: int, key: str = "size") -> tuple[float, ...]:
+    size = table.vector(key, length)
     for index, value in enumerate(size):
         if value <= 0:
-            raise table.error(f"size[{index}]", f"must be greater than 0, not {value!r}")
+            raise table.error(f"{key}[{index}]", f"must be greater than 0, not {value!r}")
     return size
 
 
@@ -294,12 +304,27 @@ def _segments(table: Table, most: int) -> int:
     return table.integer("segments", DEFAULT_SEGMENTS, at_least=3, at_most=most)
 
 
+def _segments_of_grid(table: Table) -> int:
+    """Reads the segments of a shape whose triangles are about as many as their square."""
+    return _segments(table, math.isqrt(_MOST_TRIANGLES))
+
+
 def _plate_shape(table: Table) -> PlateShape:
     return PlateShape(cast(tuple[float, float], _size(table, 2)))
 
 
-def _cuboid(table: Table) -> Cuboid:
-    return Cuboid(cast(Vector3, _size(table, 3)))
+def _cuboid(table: Table) -> Cuboid | RoundedCuboid:
+    size = cast(Vector3, _size(table, 3))
+    return _rounded(table, size) if table.has("rounding") else Cuboid(size)
+
+
+def _rounded(table: Table, size: Vector3) -> Cuboid | RoundedCuboid:
+    rounding, segments = table.number("rounding"), _segments_of_grid(table)
+    if not 0 <= rounding <= min(size) / 2:
+        raise table.error(
+            "rounding", f"must be from 0 to half the smallest size, {min(size) / 2:g}, not {rounding!r}"
+        )
+    return RoundedCuboid(size, rounding, segments) if rounding > 0 else Cuboid(size)
 
 
 def _cube(table: Table) -> Cuboid:
@@ -326,8 +351,32 @@ def _arc(table: Table) -> Arc:
 
 
 def _sphere(table: Table) -> Sphere:
-    # The number of triangles is about its square.
-    return Sphere(table.positive("radius"), _segments(table, math.isqrt(_MOST_TRIANGLES)))
+    return Sphere(table.positive("radius"), _segments_of_grid(table))
+
+
+def _ellipsoid(table: Table) -> Ellipsoid:
+    return Ellipsoid(cast(Vector3, _size(table, 3, "semi_axes")), _segments_of_grid(table))
+
+
+def _capsule(table: Table) -> Capsule:
+    return Capsule(table.positive("radius"), table.positive("length"), _segments_of_grid(table))
+
+
+def _disc(table: Table) -> Disc:
+    return Disc(table.positive("radius"), _segments(table, _MOST_TRIANGLES))
+
+
+def _polygon(table: Table) -> Polygon:
+    given = table.value("vertices")
+    if not isinstance(given, list):
+        raise table.error("vertices", f"must be a list of [x, y], not {given!r}")
+    vertices = tuple(
+        cast(polygons.Point, table.as_vector(f"vertices[{k}]", vertex, 2)) for k, vertex in enumerate(given)
+    )
+    defect = polygons.defect(vertices)
+    if defect:
+        raise table.error("vertices", defect)
+    return Polygon(vertices)
 
 
 def _mesh(table: Table) -> MeshShape:
@@ -357,6 +406,10 @@ _SHAPES: dict[str, Callable[[Table], Shape]] = {
     "cone": _cone,
     "arc": _arc,
     "sphere": _sphere,
+    "ellipsoid": _ellipsoid,
+    "capsule": _capsule,
+    "disc": _disc,
+    "polygon": _polygon,
     "mesh": _mesh,
 }
 

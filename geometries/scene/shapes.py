@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from geometries.scene import polygons
+
 Array = NDArray[np.float64]
 
 DEFAULT_SEGMENTS = 48
@@ -138,17 +140,81 @@ class Sphere:
 
     def triangles(self) -> Array:
         """Returns 2·segments·(bands − 1) triangles (n, 3, 3), from the north pole southwards."""
-        n = self.segments
-        bands = max(2, n // 2)
-        polar = [math.pi * j / bands for j in range(1, bands)]
-        rings = [_ring(self.radius * math.sin(angle), self.radius * math.cos(angle), n) for angle in polar]
-        following = [np.roll(ring, -1, axis=0) for ring in rings]
-        north, south = _repeated((0, 0, self.radius), n), _repeated((0, 0, -self.radius), n)
-        parts = [_interleaved([(north, rings[0], following[0])])]
-        for upper, upper_next, lower, lower_next in zip(rings, following, rings[1:], following[1:]):
-            parts.append(_interleaved([(upper, lower, lower_next), (upper, lower_next, upper_next)]))
-        parts.append(_interleaved([(south, following[-1], rings[-1])]))
-        return np.concatenate(parts)
+        return _ball(self.radius, self.segments)
+
+
+@dataclass(frozen=True)
+class Ellipsoid:
+    """A solid ellipsoid with its axes along x, y and z; `semi_axes` in metres; meridians and bands as those of a sphere."""
+
+    semi_axes: tuple[float, float, float]
+    segments: int = DEFAULT_SEGMENTS
+
+    def triangles(self) -> Array:
+        """Returns as many triangles (n, 3, 3) as a sphere has, in their order."""
+        return np.asarray(_ball(1.0, self.segments) * np.asarray(self.semi_axes))
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A disc without thickness in z = 0, normal +z; metres; `segments` sides inscribed."""
+
+    radius: float
+    segments: int = DEFAULT_SEGMENTS
+
+    def triangles(self) -> Array:
+        """Returns `segments` triangles (n, 3, 3) with the centre as their first vertex."""
+        rim = _ring(self.radius, 0.0, self.segments)
+        return _interleaved([(_repeated((0, 0, 0), self.segments), rim, np.roll(rim, -1, axis=0))])
+
+
+@dataclass(frozen=True)
+class Polygon:
+    """A simple polygon without thickness in z = 0, normal +z; `vertices` (x, y) in metres, anticlockwise or clockwise."""
+
+    vertices: tuple[polygons.Point, ...]
+
+    def triangles(self) -> Array:
+        """Returns n − 2 triangles (n − 2, 3, 3) for n vertices."""
+        flat = np.array(polygons.ears(polygons.anticlockwise(self.vertices)))
+        return np.concatenate([flat, np.zeros((*flat.shape[:2], 1))], axis=2)
+
+
+@dataclass(frozen=True)
+class Capsule:
+    """A segment along z swept by a ball; metres. `length` is that of the segment, without the two half balls at its ends."""
+
+    radius: float
+    length: float
+    segments: int = DEFAULT_SEGMENTS
+
+    @property
+    def core(self) -> tuple[float, float, float]:
+        """Half the sizes (x, y, z) of what the ball sweeps."""
+        return 0.0, 0.0, self.length / 2
+
+    def triangles(self) -> Array:
+        """Returns (4·(segments div 4))² triangles (n, 3, 3), from the top downwards."""
+        return _swept(self.core, self.radius, self.segments)
+
+
+@dataclass(frozen=True)
+class RoundedCuboid:
+    """A cuboid of outer `size` (x, y, z) whose edges and corners are round: a smaller cuboid swept by a ball of radius `rounding`; metres."""
+
+    size: tuple[float, float, float]
+    rounding: float
+    segments: int = DEFAULT_SEGMENTS
+
+    @property
+    def core(self) -> tuple[float, float, float]:
+        """Half the sizes (x, y, z) of what the ball sweeps; 0 where the rounding is half the size."""
+        x, y, z = self.size
+        return x / 2 - self.rounding, y / 2 - self.rounding, z / 2 - self.rounding
+
+    def triangles(self) -> Array:
+        """Returns the triangles (n, 3, 3), from the top downwards."""
+        return _swept(self.core, self.rounding, self.segments)
 
 
 @dataclass(frozen=True)
@@ -169,13 +235,67 @@ class MeshShape:
         return np.asarray(self.scale * self.surface)
 
 
-Shape = PlateShape | Cuboid | Cylinder | Cone | Arc | Sphere | MeshShape
+RoundShape = Cylinder | Cone | Arc | Sphere | Ellipsoid | Capsule | RoundedCuboid | Disc
+ROUND_SHAPES = (Cylinder, Cone, Arc, Sphere, Ellipsoid, Capsule, RoundedCuboid, Disc)
+"""The shapes whose triangles are only inscribed in the true surface."""
+SHEETS = (PlateShape, Disc, Polygon)
+"""The shapes without thickness."""
+Shape = PlateShape | Cuboid | Polygon | RoundShape | MeshShape
 
 
 def _ring(radius: float, height: float, segments: int) -> Array:
     """Returns `segments` points on a circle about z, from the x axis anticlockwise."""
     angles = 2 * np.pi * np.arange(segments) / segments
     return np.column_stack([radius * np.cos(angles), radius * np.sin(angles), np.full(segments, height)])
+
+
+def _ball(radius: float, segments: int) -> Array:
+    """Returns the triangles of a sphere."""
+    bands = max(2, segments // 2)
+    polar = [math.pi * j / bands for j in range(1, bands)]
+    rings = [_ring(radius * math.sin(angle), radius * math.cos(angle), segments) for angle in polar]
+    following = [np.roll(ring, -1, axis=0) for ring in rings]
+    north, south = _repeated((0, 0, radius), segments), _repeated((0, 0, -radius), segments)
+    parts = [_interleaved([(north, rings[0], following[0])])]
+    for upper, upper_next, lower, lower_next in zip(rings, following, rings[1:], following[1:]):
+        parts.append(_interleaved([(upper, lower, lower_next), (upper, lower_next, upper_next)]))
+    parts.append(_interleaved([(south, following[-1], rings[-1])]))
+    return np.concatenate(parts)
+
+
+def _swept(core: tuple[float, float, float], radius: float, segments: int) -> Array:
+    """Returns the triangles of a box with these half sizes, some of which may be 0, swept by a ball: the order is that of SCENE.md.
+
+    A row of the grid has one polar angle, a column one azimuth; each octant of the ball stands at a corner of the box. Triangles
+    without area, at the poles of the octants and across sides of the box without length, are left out.
+    """
+    q = max(1, segments // 4)
+    cosine = np.cos(np.pi / 2 * np.arange(q + 1) / q)
+    cosine[q] = 0.0
+    sine = cosine[::-1]
+    along, beside = np.concatenate([sine, cosine]), np.concatenate([cosine, -sine])
+    x = np.repeat([core[0], -core[0], -core[0], core[0]], q + 1)
+    y = np.repeat([core[1], core[1], -core[1], -core[1]], q + 1)
+    z = np.repeat([core[2], -core[2]], q + 1)
+    rows, columns = 2 * q + 2, 4 * q + 4
+    grid = np.empty((rows, columns, 3))
+    grid[..., 0] = x + radius * along[:, None] * np.concatenate([cosine, -sine, -cosine, sine])
+    grid[..., 1] = y + radius * along[:, None] * np.concatenate([sine, cosine, -sine, -cosine])
+    grid[..., 2] = (z + radius * beside)[:, None]
+    grid += 0.0  # The sum turns -0.0 into 0.0, so that equal corners have equal bits.
+    following = np.roll(grid, -1, axis=1)
+    p, t, r, s = grid[:-1], grid[1:], following[1:], following[:-1]
+    quads = np.stack([np.stack([p, t, r], axis=2), np.stack([p, r, s], axis=2)], axis=2)
+    i, j = np.arange(rows - 1)[:, None], np.arange(columns)
+    across = np.array([core[0], core[1], core[0], core[1]])[j // (q + 1)]
+    is_across = j % (q + 1) == q
+    has_area = (~is_across | (across > 0)) & ((i != q) | (core[2] > 0))
+    kept = np.stack([has_area & (is_across | (i < 2 * q)), has_area & (is_across | (i > 0))], axis=2)
+    a, b, c, d = 0, q + 1, 2 * q + 2, 3 * q + 3
+    caps = core[0] > 0 and core[1] > 0
+    top = grid[0, [[a, b, c], [a, c, d]]][: caps * 2]
+    bottom = grid[-1, [[a, c, b], [a, d, c]]][: caps * 2]
+    return np.concatenate([top, quads[kept], bottom])
 
 
 def _repeated(point: tuple[float, float, float], count: int) -> Array:

@@ -13,7 +13,20 @@ import tomli_w
 from geometries.scene.joints import Joint
 from geometries.scene.poses import AxisRotation, Pose
 from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Reading, Room, Scene, Sensor
-from geometries.scene.shapes import Arc, Cone, Cuboid, Cylinder, MeshShape, PlateShape, Shape
+from geometries.scene.shapes import (
+    Arc,
+    Capsule,
+    Cone,
+    Cuboid,
+    Cylinder,
+    Disc,
+    Ellipsoid,
+    MeshShape,
+    PlateShape,
+    Polygon,
+    RoundedCuboid,
+    Shape,
+)
 
 MeshSource = Callable[[MeshShape], dict[str, str]]
 
@@ -179,4 +192,18 @@ def _shape(shape: Shape, mesh_source: MeshSource) -> dict[str, Any]:
         }
     if isinstance(shape, MeshShape):
         return {"type": "mesh", **mesh_source(shape), "scale": shape.scale}
-    return {"type": "sphere", "radius": shape.radius, "segments": shape.segments}
+    if isinstance(shape, Polygon):
+        return {"type": "polygon", "vertices": shape.vertices}
+    if isinstance(shape, RoundedCuboid):
+        return {"type": "cuboid", "size": shape.size, "rounding": shape.rounding, "segments": shape.segments}
+    if isinstance(shape, Ellipsoid):
+        return {"type": "ellipsoid", "semi_axes": shape.semi_axes, "segments": shape.segments}
+    if isinstance(shape, Capsule):
+        return {
+            "type": "capsule",
+            "radius": shape.radius,
+            "length": shape.length,
+            "segments": shape.segments,
+        }
+    kind = "disc" if isinstance(shape, Disc) else "sphere"
+    return {"type": kind, "radius": shape.radius, "segments": shape.segments}

@@ -96,6 +96,13 @@ WHOLE: dict[str, Any] = {
             "conductor": "mast",
         },
         {"name": "sheet", "shape": {"type": "plate", "size": [0.1, 0.2]}},
+        {
+            "name": "limb",
+            "shape": {"type": "capsule", "radius": 0.05, "length": 0.3, "segments": 8},
+        },
+        {"name": "head", "shape": {"type": "ellipsoid", "semi_axes": [0.1, 0.1, 0.2], "segments": 8}},
+        {"name": "soap", "shape": {"type": "box", "size": [0.1, 0.1, 0.2], "rounding": 0.05, "segments": 8}},
+        {"name": "coin", "shape": {"type": "disc", "radius": 0.1, "segments": 8}},
         {"name": "box", "shape": {"type": "cuboid", "size": [0.1, 0.2, 0.3]}},
         {"name": "die", "shape": {"type": "cube", "size": 0.1}},
         {
@@ -114,13 +121,13 @@ Path = tuple[str | int, ...]
 OPTIONAL = {
     "medium", "relative_permittivity of medium", "room", "translation", "rotation", "quaternion", "parent", "link",
     "joint", "position", "lower", "upper", "mimic", "multiplier", "offset",
-    "input_voltage", "coupling_capacitance", "distance_sensor", "potential", "conductor", "collides", "material", "segments",
+    "input_voltage", "coupling_capacitance", "distance_sensor", "potential", "conductor", "collides", "material", "segments", "rounding",
     "to_ground", "target", "reading", "noise", "threshold",
 }  # fmt: skip
 # Those that have to be greater than 0; each number of a vector has.
 POSITIVE = {
     "relative_permittivity", "size", "input_voltage", "coupling_capacitance", "full_angle_degrees", "range", "radius",
-    "height", "inner_radius", "outer_radius", "segments", "to_ground", "noise", "threshold",
+    "height", "length", "semi_axes", "inner_radius", "outer_radius", "segments", "to_ground", "noise", "threshold",
 }  # fmt: skip
 NONZERO = {"axis", "quaternion", "edge_u", "edge_v", "direction"}
 

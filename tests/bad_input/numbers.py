@@ -24,6 +24,10 @@ def _sizes() -> list[Case]:
             f'sphere", radius = {size}',
             f'cylinder", radius = {size}, height = 1',
             f'cone", radius = 1, height = {size}',
+            f'capsule", radius = {size}, length = 1',
+            f'ellipsoid", semi_axes = [1, {size}, {size}]',
+            f'disc", radius = {size}',
+            f'polygon", vertices = [[0, 0], [{size}, 0], [0, {size}]]',
         ):
             kind = shape.split('"')[0]
             made.append(from_text(f"{kind} of {size}", SENSOR + body(f'type = "{shape}'), None))

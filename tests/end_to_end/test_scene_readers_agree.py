@@ -52,6 +52,15 @@ SHAPES = {
     "sphere": 'type = "sphere", radius = 0.05',
     "sphere of 3": 'type = "sphere", radius = 0.05, segments = 3',
     "sphere of 5": 'type = "sphere", radius = 0.05, segments = 5',
+    "ellipsoid": 'type = "ellipsoid", semi_axes = [0.05, 0.02, 0.03], segments = 7',
+    "capsule": 'type = "capsule", radius = 0.03, length = 0.1',
+    "capsule of 3": 'type = "capsule", radius = 0.03, length = 0.1, segments = 3',
+    "rounded": 'type = "box", size = [0.1, 0.2, 0.3], rounding = 0.02, segments = 13',
+    "stadium": 'type = "cuboid", size = [0.1, 0.2, 0.3], rounding = 0.05, segments = 8',
+    "not rounded": 'type = "cuboid", size = [0.1, 0.2, 0.3], rounding = 0',
+    "disc": 'type = "disc", radius = 0.03, segments = 9',
+    "polygon": 'type = "polygon", vertices = [[0, 0], [0.2, 0], [0.2, 0.2], [0.1, 0.2], [0.1, 0.1], [0, 0.1]]',
+    "clockwise": 'type = "polygon", vertices = [[0, 0.1], [0.1, 0.13], [0.1, 0.2], [0.2, 0.2], [0.2, 0], [0.1, 0]]',
     "obj": 'type = "mesh", file = "body.obj", scale = 0.001',
     "stl": 'type = "mesh", file = "body.stl"',
     "ply": 'type = "mesh", file = "body.ply", scale = 2',
@@ -185,6 +194,22 @@ def test_the_canonical_text_of_poses_and_links(folder: Path) -> None:
         SENSOR + '[[object]]\nname = "o"\nshape = { type = "plate", size = [0.1, 0] }\n',
         SENSOR + '[[object]]\nname = "o"\nshape = { type = "plate", size = [0.1, nan] }\n',
         SENSOR + '[[object]]\nname = "o"\nshape = { type = "sphere", radius = 1, segments = 2 }\n',
+        *(
+            SENSOR + f'[[object]]\nname = "o"\nshape = {{ type = {shape} }}\n'
+            for shape in (
+                '"ellipsoid", semi_axes = [1, 0, 1]',
+                '"ellipsoid", radius = 1',
+                '"capsule", radius = 1',
+                '"capsule", radius = 1, length = 0',
+                '"disc", radius = -1',
+                '"box", size = [1, 2, 3], rounding = 0.51',
+                '"box", size = [1, 2, 3], rounding = -0.1',
+                '"box", size = [1, 2, 3], segments = 8',
+                '"polygon", vertices = 3',
+                '"polygon", vertices = [[0, 0], [1, 0], [1, 1, 1]]',
+                '"polygon", vertices = [[0, 0], [1, 0], [1, inf]]',
+            )
+        ),
         SENSOR + '[[object]]\nname = "o"\nshape = { type = "mesh", file = "missing.stl" }\n',
         SENSOR + '[[object]]\nname = "o"\nshape = { type = "cube", size = 1 }\nquaternion = [0, 0, 0, 0]\n',
         SENSOR
@@ -270,6 +295,11 @@ def reading_of(sense: str, *drive: str) -> str:
             object_of("a", FLOATING) + object_of("b", FLOATING + "target = true"),
             'object "b": target: all objects of a floating conductor are targets or none is, but "b" is and "a" is not',
         ),
+        (
+            '[[sensor]]\nname = "round"\nplates = [ { centre = [0, 0, 0], radius = 0.1 } ]\n',
+            "plates[0].corner: is missing: a plate is a rectangle with corner, edge_u and edge_v; an electrode of another shape is an object "
+            'with potential = "electrode"',
+        ),
         ('[[reading]]\nname = "r"\ndrive = ["front"]', 'reading "r": sense: is missing'),
         ('[[reading]]\nname = "r"\nsense = "front"', 'reading "r": drive: is missing'),
         (reading_of("front"), 'reading "r": drive: must not be empty'),
@@ -292,7 +322,28 @@ def test_both_refuse_conductors_and_readings_with_the_same_words(
     for load in (reader.load, lambda path: model_module().Scene.load(str(path))):
         with pytest.raises(ValueError) as refused:
             load(path)
-        assert str(refused.value).endswith(f": {message}")
+        assert str(refused.value).endswith(f" {message}")
+
+
+@pytest.mark.parametrize(
+    ("shape", "message"),
+    [
+        ("[[0, 0], [1, 0]]", "must have 3 to 500 vertices, not 2"),
+        ("[[0, 0], [1, 0], [1, 1], [1, 0]]", "vertex 3 repeats vertex 1"),
+        ("[[0, 0], [1, 1], [2, 2]]", "the vertices lie on a line, and enclose no area"),
+        (
+            "[[0, 0], [1, 1], [1, 0], [0, 1]]",
+            "edge 0 (from vertex 0) meets edge 2: the outline must not cross or touch itself",
+        ),
+    ],
+)
+def test_both_refuse_polygons_with_the_same_words(folder: Path, shape: str, message: str) -> None:
+    path = folder / "scene.toml"
+    path.write_text(SENSOR + f'[[object]]\nname = "o"\nshape = {{ type = "polygon", vertices = {shape} }}\n')
+    for load in (reader.load, lambda path: model_module().Scene.load(str(path))):
+        with pytest.raises(ValueError) as refused:
+            load(path)
+        assert str(refused.value).endswith(f'object "o": shape.vertices: {message}')
 
 
 def test_conductors_of_several_objects_and_electrodes_are_read_by_both(folder: Path) -> None:

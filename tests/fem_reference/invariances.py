@@ -32,21 +32,27 @@ from geometries.common.errors import InputError  # noqa: E402
 from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Transform, Vector3  # noqa: E402
 from geometries.scene.reader import load  # noqa: E402
 from geometries.scene.scene import Link, Object, Plate, Room, Scene, Sensor  # noqa: E402
-from geometries.scene.shapes import (
+from geometries.scene.shapes import (  # noqa: E402
+    ROUND_SHAPES,
+    SHEETS,
     Arc,
+    Capsule,
     Cone,
     Cuboid,
     Cylinder,
+    Disc,
+    Ellipsoid,
     MeshShape,
     PlateShape,
+    RoundedCuboid,
     Shape,
     Sphere,
-)  # noqa: E402
+)
 from geometries.scene.writer import canonical  # noqa: E402
 
 Array = NDArray[np.float64]
 MIRROR = np.diag([1.0, -1.0, 1.0])
-"""The reflection in y, which maps every shape of the scene format, in its own frame, to itself."""
+"""The reflection in y, which maps every shape of the scene format but polygons, in its own frame, to itself."""
 
 RTOL = 1e-2
 MOST_UNKNOWNS = {"enclosure": 1.0, "estimate": 1e5}
@@ -131,9 +137,13 @@ def _shape(random: np.random.Generator, prism: MeshShape) -> Shape:
         Cone(a / 2, b),
         Arc(0.7 * a, a, b, float(random.choice([120.0, 360.0]))),
         prism,
+        Ellipsoid((a / 2, b / 2, c / 2)),
+        Capsule(a / 2, b),
+        RoundedCuboid((a, b, c), 0.4 * min(a, b, c)),
+        Disc(a / 2),
     ]
     # Cones and arcs have by far the finest meshes.
-    weights = np.array([4, 4, 2, 3, 2, 0.5, 0.5, 3])
+    weights = np.array([4, 4, 2, 3, 2, 0.5, 0.5, 3, 1, 1, 1, 2])
     return shapes[int(random.choice(len(shapes), p=weights / weights.sum()))]
 
 
@@ -146,7 +156,7 @@ def _object(random: np.random.Generator, name: str, shape: Shape, pose: Pose) ->
     draw = random.random()
     if draw < 0.2:
         return Object(name, shape, "all", pose, potential="floating")
-    if draw < 0.35 and not isinstance(shape, PlateShape):
+    if draw < 0.35 and not isinstance(shape, SHEETS):
         return Object(name, shape, "all", pose, relative_permittivity=float(random.choice([0.5, 4.0])))
     return Object(name, shape, "all", pose)
 
@@ -323,7 +333,7 @@ def compared(scene: Scene, number: int, folder: Path) -> Compared | None:
             if found is not None:
                 answers[words] = found
     names = answers["field"].names
-    round_bodies = any(isinstance(body.shape, Sphere | Cylinder | Cone | Arc) for body in scene.objects)
+    round_bodies = any(isinstance(body.shape, ROUND_SHAPES) for body in scene.objects)
     pairs = [
         (a, b)
         for a, b in combinations(answers, 2)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.constants import epsilon_0
 
-from analysis.topics.verification.truths import LEKNER
+from analysis.topics.verification.truths import LEKNER, UNIT_SQUARE_PLATE, UNIT_SQUARE_PLATE_ERROR
 from analysis.topics.verification.truths_of_revolution import (
     body_of_revolution,
     dielectric,
@@ -20,10 +20,13 @@ from analysis.topics.verification.truths_of_revolution import (
     grounded,
     two_balls,
 )
-from fem_reference.bodies.shapes import Body
+from scipy.special import elliprf
+
+from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon
 from fem_reference.answer.reference import solve_conductors
-from fem_reference.bodies.round_bodies import Cone, Cylinder, Sphere
+from fem_reference.bodies.round_bodies import Cone, Cylinder, Ellipsoid, Sphere, Swept
 from fem_reference.bodies.conductors import Dielectric, normalised
+from geometries.scene import polygons
 from geometries.scene.poses import AxisRotation
 
 TURNED = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T
@@ -94,3 +97,65 @@ def test_bodies_of_revolution(body: Body, outline: list[tuple[float, float]]) ->
     found = solve_conductors(normalised([body.name], 1, [body], [0]), error="estimate").maxwell
     truth = UNIT * body_of_revolution(outline)
     check(body.name, found.value[0, 0], found.error[0, 0], truth, 1e-3)
+
+
+SQUARE = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
+AT_ORIGIN = np.zeros(3)
+
+
+@pytest.mark.parametrize(
+    "body, truth, exactness, widest",
+    [
+        # 1/R_F(a², b², c²), which is (1/2)∫ds/√((a² + s)(b² + s)(c² + s)) over 0 … ∞, inverted.
+        (
+            Ellipsoid("ellipsoid", AT_ORIGIN, TURNED, (1.0, 0.7, 0.5)),
+            1 / elliprf(1.0, 0.49, 0.25),
+            0,
+            1e-3,
+        ),
+        (Swept("swept point", AT_ORIGIN, TURNED, (0.0, 0.0, 0.0), 1.0), 1.0, 0, 3e-4),
+        (Disc("disc", AT_ORIGIN, TURNED, 1.0), 2 / np.pi, 0, 1e-3),
+        (
+            PlanePolygon("square", AT_ORIGIN, TURNED, np.array(SQUARE), np.array(polygons.ears(SQUARE))),
+            UNIT_SQUARE_PLATE,
+            UNIT_SQUARE_PLATE_ERROR,
+            1e-3,
+        ),
+    ],
+    ids=lambda value: getattr(value, "name", ""),
+)
+def test_the_capacitance_of_one_body(body: Body, truth: float, exactness: float, widest: float) -> None:
+    found = solve_conductors(normalised([body.name], 1, [body], [0]), error="estimate").maxwell
+    error = found.error[0, 0] + exactness * UNIT * truth
+    check(body.name, found.value[0, 0], error, UNIT * truth, widest)
+
+
+def test_a_capsule_is_that_of_rings_of_charge() -> None:
+    """The outline of the rings is inscribed in the capsule's; two polygons give the limit of infinitely many sides."""
+
+    def inscribed(sides: int) -> float:
+        angles = np.linspace(0, np.pi / 2, sides + 1)
+        lower = [(float(np.sin(a)), float(-1 - np.cos(a))) for a in angles]
+        return body_of_revolution([*lower, *((rho, -z) for rho, z in reversed(lower))])
+
+    coarse, fine = inscribed(4), inscribed(8)
+    truth = fine + (fine - coarse) / 3
+    capsule = Swept("capsule", AT_ORIGIN, TURNED, (0.0, 0.0, 1.0), 1.0)
+    found = solve_conductors(normalised(["capsule"], 1, [capsule], [0]), error="estimate").maxwell
+    error = found.error[0, 0] + 0.1 * (fine - coarse) * UNIT
+    check("capsule", found.value[0, 0], error, UNIT * truth, 1e-3)
+
+
+def test_a_cuboid_with_round_edges_lies_between_the_cuboids_around_it_and_within_it() -> None:
+    """A conductor that contains another one has the larger capacitance, and a large rounding makes a clear difference."""
+    rounded = Swept("rounded", AT_ORIGIN, TURNED, (0.25, 0.25, 0.0), 0.25)
+    found = solve_conductors(normalised(["rounded"], 1, [rounded], [0]), error="estimate").maxwell
+    value, error = found.value[0, 0], found.error[0, 0]
+
+    def capacitance_of(body: Body) -> float:
+        solved = solve_conductors(normalised([body.name], 1, [body], [0]), error="estimate").maxwell
+        return float(solved.value[0, 0])
+
+    around = capacitance_of(Cuboid("around", AT_ORIGIN, TURNED, (0.5, 0.5, 0.25)))
+    within = capacitance_of(Cuboid("within", AT_ORIGIN, TURNED, (0.25, 0.25, 0.25)))
+    assert within < value - error and value + error < around and error < 1e-3 * value

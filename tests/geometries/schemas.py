@@ -27,6 +27,11 @@ SHAPES: list[Document] = [
     {"type": "cone", "radius": 0.1, "height": 0.2, "segments": 7},
     {"type": "arc", "inner_radius": 0.1, "outer_radius": 0.2, "height": 0.2, "degrees": 90, "segments": 7},
     {"type": "sphere", "radius": 0.05, "segments": 7},
+    {"type": "cuboid", "size": [0.1, 0.2, 0.3], "rounding": 0.02, "segments": 7},
+    {"type": "ellipsoid", "semi_axes": [0.1, 0.2, 0.3], "segments": 7},
+    {"type": "capsule", "radius": 0.05, "length": 0.1, "segments": 7},
+    {"type": "disc", "radius": 0.05, "segments": 7},
+    {"type": "polygon", "vertices": [[0, 0], [0.1, 0], [0, 0.1]]},
     {"type": "mesh", "file": "body.obj", "scale": 0.5},
 ]
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
@@ -169,7 +174,7 @@ NAMED: tuple[Place, ...] = (
     ("link", 0, "joint", "name"),
     ("sensor",),
     ("object",),
-    ("object", 11, "potential"),
+    ("object", 16, "potential"),
 )
 
 
@@ -216,7 +221,7 @@ OUT_OF_RANGE: list[tuple[Place, Any]] = [
     (("object", 0, "to_ground"), 1e-10),
     (("object", 1, "to_ground"), 0),
     (("object", 1, "to_ground"), -1e-12),
-    (("object", 11, "target"), True),
+    (("object", 16, "target"), True),
     (("reading", 0, "sense"), ""),
     (("reading", 0, "drive"), []),
     (("reading", 0, "drive"), ["front", "front"]),
@@ -225,11 +230,19 @@ OUT_OF_RANGE: list[tuple[Place, Any]] = [
     (("reading", 0, "threshold"), -1e-15),
     (("object", 1, "conductor"), ""),
     (("object", 2, "shape", "size"), [0.1, 0]),
-    (("object", 2, "shape", "type"), "disc"),
+    (("object", 2, "shape", "type"), "torus"),
     (("object", 5, "shape", "size"), -1),
     (("object", 6, "shape", "segments"), 2),
     (("object", 6, "shape", "segments"), 7.5),
     (("object", 8, "shape", "degrees"), 361),
-    (("object", 10, "shape", "scale"), 0),
-    (("object", 10, "shape", "file"), "body.dae"),
+    (("object", 10, "shape", "rounding"), -0.1),
+    (("object", 10, "shape", "segments"), 2),
+    (("object", 11, "shape", "semi_axes"), [0.1, 0, 0.1]),
+    (("object", 12, "shape", "length"), 0),
+    (("object", 13, "shape", "radius"), -1),
+    (("object", 14, "shape", "vertices"), [[0, 0], [1, 0]]),
+    (("object", 14, "shape", "vertices"), [[0, 0], [1, 0], [0, 0]]),
+    (("object", 14, "shape", "vertices"), [[0, 0], [1, 0], [0, 1, 1]]),
+    (("object", 15, "shape", "scale"), 0),
+    (("object", 15, "shape", "file"), "body.dae"),
 ]

@@ -105,8 +105,12 @@ def hand(random: np.random.Generator, width: float) -> str:
     shape = box(sizes)
     if kind < 0.3:
         shape = plate(sizes[:2])
-    elif kind < 0.5:
+    elif kind < 0.4:
         shape = f'{{ type = "sphere", radius = {sizes[0] / 2}, segments = 12 }}'
+    elif kind < 0.45:
+        shape = f'{{ type = "ellipsoid", semi_axes = {(sizes / 2).tolist()}, segments = 12 }}'
+    elif kind < 0.5:
+        shape = f'{{ type = "box", size = {sizes.tolist()}, rounding = {sizes.min() / 3}, segments = 8 }}'
     distance = np.exp(random.uniform(np.log(0.005), np.log(0.3)))
     centre = [
         *random.uniform(-1.2, 1.2, 2) * width,

@@ -9,6 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.constants import epsilon_0
+from scipy.special import elliprf
+
+from geometries.scene.shapes import Sphere
 
 fringe = pytest.importorskip("fringe")
 
@@ -204,3 +208,66 @@ def test_an_error_that_is_not_reached_is_status_3_and_answered(
     answer = json.loads(done.stdout)
     assert not answer["reached"]
     assert answer["error"][0][0] > 1e-3 * answer["maxwell"][0][0] > 0
+
+
+def own_capacitance(shape: str, folder: Path, rtol: float = 1e-3) -> tuple[float, float]:
+    """The capacitance (F) of one body and its error."""
+    path = folder / "scene.toml"
+    path.write_text(f'[[object]]\nname = "body"\npotential = "electrode"\nshape = {{ {shape} }}\n')
+    answer = fringe.Scene.load(path).maxwell(rtol=rtol)
+    assert answer["reached"]
+    return float(answer["maxwell"][0, 0]), float(answer["error"][0, 0])
+
+
+def inner_radius(segments: int) -> float:
+    """The radius of the largest ball in the polyhedron of a sphere of radius 1."""
+    triangles = Sphere(1.0, segments).triangles()
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    return float((np.einsum("ij,ij->i", normals, triangles[:, 0]) / np.linalg.norm(normals, axis=1)).min())
+
+
+BALL = 4 * math.pi * epsilon_0
+"""Capacitance (F) of a ball of radius 1 m."""
+
+
+@pytest.mark.parametrize(
+    "shape, within, around",
+    [
+        # The polyhedron of an ellipsoid is that of a ball, stretched: it contains the ellipsoid of a smaller scale.
+        (
+            'type = "ellipsoid", semi_axes = [1, 0.6, 0.3], segments = 32',
+            inner_radius(32) * BALL / elliprf(1, 0.36, 0.09),
+            BALL / elliprf(1, 0.36, 0.09),
+        ),
+        ('type = "disc", radius = 1, segments = 24', math.cos(math.pi / 24) * 8 * epsilon_0, 8 * epsilon_0),
+        ('type = "box", size = [2, 2, 2], rounding = 1, segments = 32', math.cos(math.pi / 32) ** 2 * BALL, BALL),
+        # A short capsule contains a ball, and lies in a larger one.
+        (
+            'type = "capsule", radius = 1, length = 0.01, segments = 32',
+            math.cos(math.pi / 32) ** 2 * BALL,
+            1.005 * BALL,
+        ),
+    ],
+)  # fmt: skip
+def test_a_round_body_has_less_than_what_is_around_it_and_more_than_what_is_within(
+    shape: str, within: float, around: float, tmp_path: Path
+) -> None:
+    """The answer is that of the polyhedron of triangles, and the capacitance of a conductor within another one is smaller."""
+    value, error = own_capacitance(shape, tmp_path)
+    assert within - error <= value <= around + error
+    assert around - within < 0.02 * around
+
+
+def test_a_square_polygon_is_a_plate(tmp_path: Path) -> None:
+    corners = "[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [0, 0.5], [-0.5, 0.5]]"
+    value, error = own_capacitance(f'type = "polygon", vertices = {corners}', tmp_path)
+    truth, unsure = own_capacitance('type = "plate", size = [1, 1]', tmp_path, 1e-5)
+    assert abs(value - truth) <= error + unsure
+
+
+def test_a_box_that_is_hardly_rounded_is_nearly_a_box(tmp_path: Path) -> None:
+    """One that is rounded lies within the box, and contains the inner box that the ball sweeps."""
+    value, error = own_capacitance('type = "box", size = [1, 1, 1], rounding = 0.01, segments = 8', tmp_path)
+    cube, unsure = own_capacitance('type = "cube", size = 1', tmp_path, 1e-4)
+    smaller = 1 - 2 * 0.01
+    assert smaller * cube - unsure - error <= value <= cube + unsure + error

@@ -9,7 +9,7 @@ import numpy as np
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.results.units import PICOFARAD, percent
+from analysis.results.units import PICOFARAD, measured, percent
 from analysis.topics.company import field_section, plots
 from analysis.topics.company.factors import (
     CONNECTIONS,
@@ -190,7 +190,7 @@ def _numbers(found: list[Entry]) -> Markup:
     for entry in found:
         made = entry.set_up
         numbers = [
-            f"{each.value / PICOFARAD:.6f} ± {each.error / PICOFARAD:.1g}"
+            measured(each.value / PICOFARAD, each.error / PICOFARAD)
             for each in (entry.background, entry.change)
         ]
         model = f"{entry.model / PICOFARAD:.4f}" if entry.model is not None else ""

@@ -11,7 +11,7 @@ from markupsafe import Markup
 from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, family_marker, figure, log_axis
 from analysis.report.set_ups_page import Around, Shown
-from analysis.results.units import CENTIMETRE
+from analysis.results.units import CENTIMETRE, measured
 from analysis.topics.published import files, rows, stage, table
 from analysis.topics.published.files import Check
 from analysis.topics.published.page import COMMAND, check_finding, headline
@@ -106,14 +106,14 @@ def _gaps(members: list[Row]) -> list[float]:
 
 def _shown(row: Row, case: Case) -> Shown:
     mutual = row.values[MUTUAL]
-    finding = f"mutual: {mutual.best:.7g} ± {mutual.error:.1g} pF, proven to lie in [{mutual.low:.7g}, {mutual.high:.7g}]."
+    finding = f"mutual: {measured(mutual.best, mutual.error)} pF, proven to lie in [{mutual.low:.7g}, {mutual.high:.7g}]."
     numbers = []
     for quantity in QUANTITIES:
         value = row.values[quantity]
         numbers.append(
             (
                 quantity,
-                f"{value.best:.7g} ± {value.error:.1g}",
+                measured(value.best, value.error),
                 f"{value.low:.7g}",
                 f"{value.high:.7g}",
             )

@@ -32,6 +32,13 @@ class ConvexShape {
   /// Makes a cone. The base lies at z = −height/2, the apex at +height/2.
   static ConvexShape cone(double radius, double height);
 
+  /// Makes a box swept by a ball. `core` are the sides of the box, which may be zero: a segment gives a
+  /// capsule. Throws InputError for a radius of zero.
+  static ConvexShape rounded_cuboid(const Eigen::Vector3d& core, double radius);
+
+  /// Makes an ellipsoid with its axes along x, y and z. Throws InputError for a semi-axis of zero.
+  static ConvexShape ellipsoid(const Eigen::Vector3d& semi_axes);
+
   /// Makes the convex hull of a sector of a ring about z, from −degrees/2 to +degrees/2. Its outer surface is
   /// round, the surface between its inner ends flat. Throws InputError unless 0 < degrees < 180 and
   /// inner_radius ≤ outer_radius.

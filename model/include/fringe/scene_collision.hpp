@@ -56,12 +56,12 @@ std::vector<ObjectPair> all_pairs(const SceneCollision& answer, const Scene& sce
 /// data for closer tests of an object is computed when another object first comes close to it, which takes a
 /// minute for millions of triangles; an object that cannot collide with any other costs nothing.
 ///
-/// Cylinders, cones, spheres and the outside of arcs are truly round here, whatever `segments` says; the
-/// inside of an arc is flat between its segments. A mesh whose triangles bound a volume includes its inside;
-/// any other mesh is its surface only. Between objects whose surfaces are flat the answer is exact for the
-/// poses in the world as rounded (fringe/convex_shape.hpp states what holds for round ones). The bounding
-/// boxes are oriented ones, the smallest that are known; they count as meeting if they are less than 1e-8 of
-/// their size and distance apart.
+/// All shapes with `segments` are truly round here, whatever it says, except the inside of arcs: the inside
+/// of an arc is flat between its segments. A mesh whose triangles bound a volume includes its inside; any
+/// other mesh is its surface only. Between objects whose surfaces are flat the answer is exact for the poses
+/// in the world as rounded (fringe/convex_shape.hpp states what holds for round ones). The bounding boxes are
+/// oriented ones, the smallest that are known; they count as meeting if they are less than 1e-8 of their size
+/// and distance apart.
 class CollisionDetector {
  public:
   explicit CollisionDetector(const Scene& scene);

@@ -4,6 +4,8 @@
 #include <variant>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "fringe/triangle.hpp"
 
 /// The shapes of a scene (geometries/SCENE.md), each in its own frame: centred at the origin, with z as its
@@ -50,6 +52,41 @@ struct Sphere {
   int segments;
 };
 
+struct Ellipsoid {
+  double semi_axis_x;
+  double semi_axis_y;
+  double semi_axis_z;
+  int segments;
+};
+
+/// A segment along z swept by a ball. `length` is that of the segment, without the half balls at its ends.
+struct Capsule {
+  double radius;
+  double length;
+  int segments;
+};
+
+/// A box with these outer sizes whose edges and corners are round: a smaller box swept by a ball of radius
+/// `rounding`, which is at most half the smallest size.
+struct RoundedCuboid {
+  double size_x;
+  double size_y;
+  double size_z;
+  double rounding;
+  int segments;
+};
+
+/// A one-sided disc in z = 0: each of its points counts once.
+struct Disc {
+  double radius;
+  int segments;
+};
+
+/// A one-sided simple polygon in z = 0, its vertices in either order.
+struct Polygon {
+  std::vector<Eigen::Vector2d> vertices;
+};
+
 /// A triangle mesh read from a file, already scaled.
 struct Mesh {
   std::filesystem::path file;
@@ -57,6 +94,16 @@ struct Mesh {
   std::vector<Triangle> triangles;
 };
 
-using Shape = std::variant<Plate, Cuboid, Cylinder, Cone, Arc, Sphere, Mesh>;
+using Shape = std::variant<Plate, Cuboid, Cylinder, Cone, Arc, Sphere, Mesh, Ellipsoid, Capsule,
+                           RoundedCuboid, Disc, Polygon>;
+
+/// Returns half the sizes of the segment or box that a ball sweeps; 0 where it has no length.
+inline Eigen::Vector3d core_of(const Capsule& capsule) {
+  return {0, 0, capsule.length / 2};
+}
+inline Eigen::Vector3d core_of(const RoundedCuboid& cuboid) {
+  return {cuboid.size_x / 2 - cuboid.rounding, cuboid.size_y / 2 - cuboid.rounding,
+          cuboid.size_z / 2 - cuboid.rounding};
+}
 
 }  // namespace fringe

@@ -100,6 +100,11 @@ Rational height_from_above(const RationalShape& placed, const RationalVector& di
       highest = std::max(highest, radius * root_from_above(flat));
     return highest + half_height * upright;
   }
+  case ShapeKind::rounded_box:
+    return rational(Vector3d(shape.size)).dot(direction.unaryExpr(&abs)) +
+           Rational(shape.ends[0]) * root_from_above(direction.squaredNorm());
+  case ShapeKind::ellipsoid:
+    return root_from_above(rational(Vector3d(shape.size)).cwiseProduct(direction).squaredNorm());
   case ShapeKind::box:
   case ShapeKind::hull:
     break;
@@ -147,6 +152,16 @@ bool contains(const RationalShape& placed, const Vector3d& point) {
     return flat <= radius * radius && abs(p.z()) <= half_height && abs(p.y()) * x <= y * p.x() &&
            p.x() >= inner * x;
   }
+  case ShapeKind::rounded_box: {
+    Rational square;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const Rational beside = std::max(Rational(), abs(p[i]) - Rational(shape.size[i]));
+      square += beside * beside;
+    }
+    return square <= Rational(shape.ends[0]) * Rational(shape.ends[0]);
+  }
+  case ShapeKind::ellipsoid:
+    return p.cwiseQuotient(rational(Vector3d(shape.size))).squaredNorm() <= 1;
   case ShapeKind::box:
     return (point.cwiseAbs().array() <= Vector3d(shape.size).array()).all();
   case ShapeKind::hull:

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "fringe/triangle.hpp"
+#include "fringe/triangulation.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -56,6 +57,29 @@ AlignedBox3d box_of(const Sphere& sphere) {
   return centred_box(sphere.radius, sphere.radius, sphere.radius);
 }
 
+AlignedBox3d box_of(const Ellipsoid& ellipsoid) {
+  return centred_box(ellipsoid.semi_axis_x, ellipsoid.semi_axis_y, ellipsoid.semi_axis_z);
+}
+
+AlignedBox3d box_of(const Capsule& capsule) {
+  return centred_box(capsule.radius, capsule.radius, capsule.length / 2 + capsule.radius);
+}
+
+AlignedBox3d box_of(const RoundedCuboid& cuboid) {
+  return centred_box(cuboid.size_x / 2, cuboid.size_y / 2, cuboid.size_z / 2);
+}
+
+AlignedBox3d box_of(const Disc& disc) {
+  return centred_box(disc.radius, disc.radius, 0);
+}
+
+AlignedBox3d box_of(const Polygon& polygon) {
+  AlignedBox3d box;
+  for (const Eigen::Vector2d& vertex : polygon.vertices)
+    box.extend(Vector3d(vertex.x(), vertex.y(), 0));
+  return enlarged(box);
+}
+
 AlignedBox3d box_of(const Arc& arc) {
   return sector_box(arc.inner_radius, arc.outer_radius, arc.height, arc.degrees / 2 * std::numbers::pi / 180);
 }
@@ -96,6 +120,22 @@ ConvexShape convex_shape_of(const Sphere& sphere) {
   return ConvexShape::ball(sphere.radius);
 }
 
+ConvexShape convex_shape_of(const Ellipsoid& ellipsoid) {
+  return ConvexShape::ellipsoid({ellipsoid.semi_axis_x, ellipsoid.semi_axis_y, ellipsoid.semi_axis_z});
+}
+
+ConvexShape convex_shape_of(const Capsule& capsule) {
+  return ConvexShape::rounded_cuboid(2 * core_of(capsule), capsule.radius);
+}
+
+ConvexShape convex_shape_of(const RoundedCuboid& cuboid) {
+  return ConvexShape::rounded_cuboid(2 * core_of(cuboid), cuboid.rounding);
+}
+
+ConvexShape convex_shape_of(const Disc& disc) {
+  return ConvexShape::cylinder(disc.radius, 0);
+}
+
 /// Takes a convex shape as one piece.
 template <typename Convex>
 ConvexPieces pieces_of(const Convex& convex) {
@@ -123,16 +163,26 @@ ConvexPieces pieces_of(const Arc& arc) {
   return pieces;
 }
 
-ConvexPieces pieces_of(const Mesh& mesh) {
+/// Takes every triangle as a piece.
+ConvexPieces pieces_of(const std::vector<Triangle>& triangles) {
   ConvexPieces pieces;
   std::vector<AlignedBox3d> boxes;
-  for (const Triangle& triangle : mesh.triangles) {
+  for (const Triangle& triangle : triangles) {
     pieces.pieces.push_back({ConvexShape::hull(triangle)});
     boxes.push_back(axis_aligned_box(triangle));
   }
   pieces.tree = BoxTree(boxes);
+  return pieces;
+}
+
+ConvexPieces pieces_of(const Mesh& mesh) {
+  ConvexPieces pieces = pieces_of(mesh.triangles);
   pieces.bounds_volume = is_closed(mesh.triangles);
   return pieces;
+}
+
+ConvexPieces pieces_of(const Polygon& polygon) {
+  return pieces_of(triangulate(polygon));
 }
 
 }  // namespace

@@ -26,6 +26,12 @@ void check_length(double length, std::string_view name) {
     throw InputError(fmt::format("{} must be finite and not negative, not {}", name, length));
 }
 
+/// Refuses a radius that is zero, too: a point on a surface without volume cannot be moved inwards.
+void check_radius(double length, std::string_view name) {
+  if (!std::isfinite(length) || length <= 0)
+    throw InputError(fmt::format("{} must be finite and greater than zero, not {}", name, length));
+}
+
 /// Creates the data of a shape that its kind and sizes describe completely.
 std::shared_ptr<ConvexShapeData> sized(ShapeKind kind, const Vector3d& size, double bounding_radius) {
   auto data = std::make_shared<ConvexShapeData>();
@@ -105,6 +111,26 @@ ConvexShape ConvexShape::cone(double radius, double height) {
   check_length(radius, "the radius of a cone");
   check_length(height, "the height of a cone");
   return ConvexShape(sized(ShapeKind::cone, {radius, height / 2, 0}, std::hypot(radius, height / 2)));
+}
+
+ConvexShape ConvexShape::rounded_cuboid(const Vector3d& core, double radius) {
+  for (const double side : core)
+    check_length(side, "a side of a rounded cuboid");
+  check_radius(radius, "the radius of a rounded cuboid");
+  const Vector3d half = core / 2;
+  auto data = sized(ShapeKind::rounded_box, half, half.stableNorm() + radius);
+  data->support.ends[0] = radius;
+  return ConvexShape(std::move(data));
+}
+
+ConvexShape ConvexShape::ellipsoid(const Vector3d& semi_axes) {
+  for (const double length : semi_axes)
+    check_radius(length, "a semi-axis of an ellipsoid");
+  const double largest = semi_axes.maxCoeff();
+  auto data = sized(ShapeKind::ellipsoid, semi_axes, largest);
+  for (Eigen::Index i = 0; i < 3; ++i)
+    data->support.ends[i] = semi_axes[i] / largest;
+  return ConvexShape(std::move(data));
 }
 
 ConvexShape ConvexShape::arc_piece(double inner_radius, double outer_radius, double height, double degrees) {

@@ -99,6 +99,45 @@ GjkDistance common_point(const ConvexPair& pair, const GjkAnswer& answer) {
   return {0, 0, Vector3d::Zero(), solved.witness_a, solved.witness_b, !pair.is_round()};
 }
 
+/// A shape as what a ball sweeps: a box, which may be a segment or a point; other shapes with a ball of
+/// radius zero.
+struct Swept {
+  ConvexShape core;
+  double radius;
+};
+
+Swept swept(const ConvexShape& shape) {
+  const detail::SupportShape& support = shape.data().support;
+  if (support.kind == detail::ShapeKind::rounded_box)
+    return {ConvexShape::cuboid(2 * Vector3d(support.size)), support.ends[0]};
+  if (support.kind == detail::ShapeKind::ball)
+    return {ConvexShape::cuboid(Vector3d::Zero()), support.size[0]};
+  return {shape, 0};
+}
+
+/// Tests whether a distance is found better between what balls sweep: many points of a rounded edge are
+/// almost equally far away, and the search among them ends early.
+bool is_rounded(const ConvexShape& shape) {
+  return shape.data().support.kind == detail::ShapeKind::rounded_box;
+}
+
+/// Computes the distance of swept shapes from that of what balls sweep; nothing if they meet, or nearly do.
+std::optional<GjkDistance> distance_of_swept(const ConvexShape& a, const Isometry3d& pose_a,
+                                             const ConvexShape& b, const Isometry3d& pose_b,
+                                             double rounding) {
+  const Swept of_a = swept(a), of_b = swept(b);
+  GjkDistance found = gjk_distance(of_a.core, pose_a, of_b.core, pose_b);
+  const double radii = of_a.radius + of_b.radius;
+  if (!(found.lower_bound - radii > rounding))
+    return std::nullopt;
+  found.distance -= radii;
+  found.lower_bound -= radii + rounding;
+  found.witness_a += of_a.radius * found.direction;
+  found.witness_b -= of_b.radius * found.direction;
+  found.exact = false;
+  return found;
+}
+
 void check_pose(const Isometry3d& pose) {
   if (!pose.matrix().allFinite())
     throw InputError("a pose must be finite");
@@ -147,6 +186,9 @@ GjkDistance gjk_distance(const ConvexShape& a, const Isometry3d& pose_a, const C
     throw InputError(
         "the sizes and the offset of round shapes must add up to a length between 2^-170 and 2^170");
   }
+  if (is_rounded(a) || is_rounded(b))
+    if (const std::optional<GjkDistance> found = distance_of_swept(a, pose_a, b, pose_b, pair.rounding()))
+      return *found;
   detail::RoundedDifference difference(pair);
   const Simplex reached = detail::gjk<double>(difference, pair.start()).simplex;
   if (difference.is_converged())

@@ -28,14 +28,16 @@ struct DirectionCells {
   const std::uint32_t* indices;  ///< indices of these vertices among the hull's
 };
 
-enum class ShapeKind : int { hull, box, ball, cylinder, cone, sector };
+enum class ShapeKind : int { hull, box, ball, cylinder, cone, sector, rounded_box, ellipsoid };
 
 /// A convex shape in its own frame, given by the numbers that its support mapping needs.
 struct SupportShape {
   ShapeKind kind;
-  double size[3];  ///< box: half the sides; ball: radius; cylinder, cone and sector: (outer) radius, half the
-                   ///< height, inner radius
-  double ends[4];  ///< sector: the unit vectors (x, y) of its two ends, anticlockwise, less than half a turn
+  double size[3];  ///< box: half the sides, of a rounded one those of the box that the ball sweeps; ball:
+                   ///< radius; cylinder, cone and sector: (outer) radius, half the height, inner radius;
+                   ///< ellipsoid: semi-axes
+  double ends[4];  ///< sector: the unit vectors (x, y) of its two ends, anticlockwise, less than half a turn;
+                   ///< rounded box: the ball's radius; ellipsoid: semi-axes over the largest
   double centre[3];        ///< a point of the shape, up to rounding
   double bounding_radius;  ///< of a ball around the frame's origin that contains the shape
   VertexBlocks vertices;

@@ -53,6 +53,11 @@ Vector3d moved_inwards(const PlacedConvex& placed, const Vector3d& point) {
     // The inner point of a thin piece is close to its flat sides, so the fraction must be larger.
     const double thickness = (shape.size[0] - shape.size[2] * shape.ends[0]) / shape.size[0];
     share = std::min(1.0, least_share / std::min(thickness, shape.ends[3]));
+  } else if (shape.kind == ShapeKind::rounded_box || shape.kind == ShapeKind::ellipsoid) {
+    // So must that of a long one: the inner point is as far from the surface as the shape is thick.
+    const double rounding = shape.kind == ShapeKind::rounded_box ? shape.ends[0] : 0;
+    const double inner_radius = *std::min_element(shape.size, shape.size + 3) + rounding;
+    share = std::min(1.0, least_share * shape.bounding_radius / inner_radius);
   }
   return point + share * (inner_point(shape) - point);
 }

@@ -161,11 +161,30 @@ struct SupportFor {
     return {x * factor, y * factor, z};
   }
 
-  static Local ball_support(const SupportShape& shape, const Vec& d) {
+  /// Returns the point of a sphere around the origin that is farthest along d.
+  static Vec on_sphere(double radius, const Vec& d) {
     const Vec across = on_circle(1, d, 0);
     const double horizontal = fused(across.x, d.x, across.y * d.y);
-    const Vec tilted = on_circle(shape.size[0], {horizontal, d.z, 0}, 0);
-    return {{across.x * tilted.x, across.y * tilted.x, tilted.y}, 0};
+    const Vec tilted = on_circle(radius, {horizontal, d.z, 0}, 0);
+    return {across.x * tilted.x, across.y * tilted.x, tilted.y};
+  }
+
+  static Local ball_support(const SupportShape& shape, const Vec& d) {
+    return {on_sphere(shape.size[0], d), 0};
+  }
+
+  static Local rounded_box_support(const SupportShape& shape, const Vec& d) {
+    const Vec corner{__builtin_copysign(shape.size[0], d.x), __builtin_copysign(shape.size[1], d.y),
+                     __builtin_copysign(shape.size[2], d.z)};
+    return {plus(corner, on_sphere(shape.ends[0], d)), 0};
+  }
+
+  /// Finds an ellipsoid's support point: the unit sphere's, for the direction stretched by the semi-axes,
+  /// stretched in the same way.
+  static Local ellipsoid_support(const SupportShape& shape, const Vec& d) {
+    const double* share = shape.ends;
+    const Vec unit = on_sphere(1, {share[0] * d.x, share[1] * d.y, share[2] * d.z});
+    return {{shape.size[0] * unit.x, shape.size[1] * unit.y, shape.size[2] * unit.z}, 0};
   }
 
   static Local cone_support(const SupportShape& shape, const Vec& d) {
@@ -211,6 +230,10 @@ struct SupportFor {
         return {on_circle(shape.size[0], d, __builtin_copysign(shape.size[1], d.z)), 0};
       case ShapeKind::cone:
         return cone_support(shape, d);
+      case ShapeKind::rounded_box:
+        return rounded_box_support(shape, d);
+      case ShapeKind::ellipsoid:
+        return ellipsoid_support(shape, d);
       default:
         return sector_support(shape, d);
       }

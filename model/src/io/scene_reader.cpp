@@ -10,6 +10,7 @@
 
 #include "fringe/error.hpp"
 #include "fringe/mesh_file.hpp"
+#include "geometry/polygon.hpp"
 #include "io/conductor_checks.hpp"
 #include "io/pose_reader.hpp"
 #include "io/table_reader.hpp"
@@ -148,7 +149,8 @@ bool read_room(TableReader& root) {
 Rectangle read_rectangle(TableReader& table) {
   for (const char* key : {"corner", "edge_u", "edge_v"})
     if (!table.has(key))
-      table.fail(key, "is missing: a plate is a rectangle with corner, edge_u and edge_v");
+      table.fail(key, "is missing: a plate is a rectangle with corner, edge_u and edge_v; an electrode of "
+                      "another shape is an object with potential = \"electrode\"");
   Rectangle rectangle{table.vector("corner"), table.nonzero_vector("edge_u"), table.nonzero_vector("edge_v")};
   table.finish();
   try {
@@ -193,9 +195,8 @@ int read_segments(TableReader& table, int each) {
   return table.whole_number_or("segments", fewest_segments, most_triangles / each, default_segments);
 }
 
-/// Reads the number of segments of a sphere. It has half as many bands as segments, and hence about the
-/// square of that number of triangles.
-int read_segments_of_sphere(TableReader& table) {
+/// Reads the number of segments of a shape whose triangles form a grid, of about the square of that number.
+int read_segments_of_grid(TableReader& table) {
   const auto most = static_cast<int>(std::sqrt(static_cast<double>(most_triangles)));
   return table.whole_number_or("segments", fewest_segments, most, default_segments);
 }
@@ -208,6 +209,27 @@ Arc read_arc(TableReader& table) {
   if (arc.degrees > 360)
     table.fail("degrees", "must be at most 360");
   return arc;
+}
+
+/// Reads a cuboid, whose edges are round if there is a `rounding` above zero.
+Shape read_cuboid(TableReader& table) {
+  const std::vector<double> size = table.positive_numbers("size", 3);
+  if (!table.has("rounding"))
+    return Cuboid{size[0], size[1], size[2]};
+  const double rounding = table.number("rounding"), most = *std::ranges::min_element(size) / 2;
+  if (rounding < 0 || rounding > most)
+    table.fail("rounding", fmt::format("must be from 0 to half the smallest size, {:g}", most));
+  const int segments = read_segments_of_grid(table);
+  if (rounding == 0)
+    return Cuboid{size[0], size[1], size[2]};
+  return RoundedCuboid{size[0], size[1], size[2], rounding, segments};
+}
+
+Polygon read_polygon(TableReader& table) {
+  Polygon polygon{table.points("vertices")};
+  if (const std::optional<std::string> defect = detail::defect_of_polygon(polygon.vertices))
+    table.fail("vertices", *defect);
+  return polygon;
 }
 
 Mesh read_mesh(TableReader& table, const std::filesystem::path& folder) {
@@ -232,10 +254,8 @@ Shape read_shape(TableReader& table, const std::filesystem::path& folder) {
     const std::vector<double> size = table.positive_numbers("size", 2);
     return Plate{size[0], size[1]};
   }
-  if (type == "cuboid" || type == "box") {
-    const std::vector<double> size = table.positive_numbers("size", 3);
-    return Cuboid{size[0], size[1], size[2]};
-  }
+  if (type == "cuboid" || type == "box")
+    return read_cuboid(table);
   if (type == "cube") {
     const double size = table.positive_number("size");
     return Cuboid{size, size, size};
@@ -248,12 +268,23 @@ Shape read_shape(TableReader& table, const std::filesystem::path& folder) {
   if (type == "arc")
     return read_arc(table);
   if (type == "sphere")
-    return Sphere{table.positive_number("radius"), read_segments_of_sphere(table)};
+    return Sphere{table.positive_number("radius"), read_segments_of_grid(table)};
+  if (type == "ellipsoid") {
+    const std::vector<double> axes = table.positive_numbers("semi_axes", 3);
+    return Ellipsoid{axes[0], axes[1], axes[2], read_segments_of_grid(table)};
+  }
+  if (type == "capsule")
+    return Capsule{table.positive_number("radius"), table.positive_number("length"),
+                   read_segments_of_grid(table)};
+  if (type == "disc")
+    return Disc{table.positive_number("radius"), read_segments(table, 1)};
+  if (type == "polygon")
+    return read_polygon(table);
   if (type == "mesh")
     return read_mesh(table, folder);
   table.fail("type",
              fmt::format("\"{}\" is not a known shape; there are plate (or plane), cuboid (or box), cube, "
-                         "cylinder, cone, arc, sphere and mesh",
+                         "cylinder, cone, arc, sphere, ellipsoid, capsule, disc, polygon and mesh",
                          type));
 }
 

@@ -144,6 +144,21 @@ std::vector<double> TableReader::positive_numbers(std::string_view key, std::siz
   return values;
 }
 
+std::vector<Eigen::Vector2d> TableReader::points(std::string_view key) {
+  const auto* array = require(key).as_array();
+  if (array == nullptr)
+    fail(key, "must be an array of [x, y]");
+  std::vector<Eigen::Vector2d> values;
+  for (const toml::node& element : *array) {
+    const auto* pair = element.as_array();
+    const std::string place = fmt::format("{}[{}]", key, values.size());
+    if (pair == nullptr || pair->size() != 2)
+      fail(place, "must be an array of 2 numbers");
+    values.emplace_back(finite(place, *pair->get(0)), finite(place, *pair->get(1)));
+  }
+  return values;
+}
+
 Eigen::Vector3d TableReader::vector(std::string_view key) {
   return Eigen::Vector3d(numbers(key, 3).data());
 }

@@ -41,6 +41,8 @@ class TableReader {
   int whole_number_or(std::string_view key, int least, int most, int otherwise);
   std::vector<double> numbers(std::string_view key, std::size_t count);
   std::vector<double> positive_numbers(std::string_view key, std::size_t count);
+  /// Returns the points of a list of pairs of numbers.
+  std::vector<Eigen::Vector2d> points(std::string_view key);
   Eigen::Vector3d vector(std::string_view key);
   Eigen::Vector3d vector_or_zero(std::string_view key);
   Eigen::Vector3d nonzero_vector(std::string_view key);

@@ -168,7 +168,7 @@ def test_plates_of_one_plane_that_do_not_touch_are_solved() -> None:
         (target('{ type = "cylinder", radius = 0.02, height = 0.05 }'), "touch or cross"),
         (
             target('{ type = "plate", size = [1, 1] }', DIELECTRIC),
-            'object "target": shape.type: a plate has no',
+            'object "target": shape.type: a sheet has no',
         ),
         (target('{ type = "cuboid", size = [0.1, 0.1, 0.05] }', DIELECTRIC), "inside"),
         (target('{ type = "sphere", radius = 0.02 }', DIELECTRIC), "touch elsewhere than with plane faces"),

@@ -5,12 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fem_reference.bodies.shapes import Body, Cuboid, Rectangle
-from fem_reference.mesh.distance_expressions import TextBody, edge_distance, evaluated, surface_distance
+from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon, Rectangle
+from fem_reference.mesh.distance_expressions import (
+    TextBody,
+    curvature_radius,
+    edge_distance,
+    evaluated,
+    surface_distance,
+)
 from fem_reference.bodies.distances import distance, holds, touch_with_faces
 from fem_reference.bodies.polyhedron import polyhedron
-from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
-from geometries.scene import shapes
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
+from geometries.scene import polygons, shapes
 from geometries.scene.poses import AxisRotation
 
 TURNED = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T
@@ -18,6 +24,8 @@ LYING = AxisRotation((1.0, 0.0, 0.0), 90.0).matrix().T
 UPSIDE_DOWN = AxisRotation((1.0, 0.0, 0.0), 180.0).matrix().T
 CENTRE = np.array([0.1, -0.2, 0.3])
 PLATE = Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))
+L_SHAPE = ((0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (1.0, 2.0), (1.0, 1.0), (0.0, 1.0))
+SHEET = PlanePolygon("L", CENTRE, TURNED, np.array(L_SHAPE), np.array(polygons.ears(L_SHAPE)))
 
 
 def above(height: float) -> np.ndarray:
@@ -36,6 +44,15 @@ def above(height: float) -> np.ndarray:
             1.5,
         ),  # its ends, beside the axis
         (Sphere("crossing", above(0.1), 0.2), 0.0),
+        (Ellipsoid("standing", above(1.0), np.eye(3), (0.1, 0.2, 0.4)), 0.6),
+        (Ellipsoid("lying", above(1.0), LYING, (0.1, 0.2, 0.4)), 0.8),
+        (Swept("capsule", above(1.0), np.eye(3), (0.0, 0.0, 0.3), 0.2), 0.5),
+        (Swept("lying capsule", above(1.0), LYING, (0.0, 0.0, 0.3), 0.2), 0.8),
+        (
+            Swept("rounded", np.array([0.9, 0, 0.5]), np.eye(3), (0.1, 0.2, 0.1), 0.3),
+            0.2,
+        ),  # 3-4-5 from the edge
+        (Disc("disc", np.array([1.0, 0, 0.4]), np.eye(3), 0.2), 0.5),
     ],
 )
 def test_distance_to_a_plate(body: Body, expected: float) -> None:
@@ -50,6 +67,23 @@ def test_a_ring_has_a_hole() -> None:
     assert 0.3 - 1e-4 * ring.size <= found <= 0.3
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_the_distance_of_an_ellipsoid_and_a_plane_is_that_of_its_lowest_point(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    semi_axes = tuple(random.uniform(0.02, 0.3, 3).tolist())
+    axes = AxisRotation(tuple(random.normal(size=3).tolist()), random.uniform(0, 180)).matrix()
+    reach = float(np.linalg.norm(np.array(semi_axes) * axes[:, 2]))
+    body = Ellipsoid("ellipsoid", above(reach + 0.1), axes, semi_axes)  # type: ignore[arg-type]
+    assert distance(PLATE, body) == pytest.approx(0.1, rel=1e-5)
+
+
+def test_the_hollow_of_a_polygon_is_empty() -> None:
+    hollow, inside = (CENTRE + np.array(place) @ TURNED for place in ([0.5, 1.5, 0.0], [0.5, 0.5, 0.3]))
+    assert distance(SHEET, Sphere("ball", hollow, 0.2)) == pytest.approx(0.3, rel=1e-5)
+    assert distance(SHEET, Sphere("ball", inside, 0.2)) == pytest.approx(0.1, rel=1e-5)
+    assert not holds(SHEET, Sphere("ball", inside, 0.01))
+
+
 def test_a_mesh_is_as_far_as_the_solid_it_describes() -> None:
     cuboid = Cuboid("cuboid", CENTRE, TURNED, (0.1, 0.2, 0.3))
     mesh = polyhedron("mesh", shapes.Cuboid((0.2, 0.4, 0.6)).triangles() @ TURNED + CENTRE)
@@ -62,6 +96,9 @@ ROUND: list[TextBody] = [
     Sphere("sphere", CENTRE, 0.8),
     Cylinder("cylinder", CENTRE, TURNED, 1.0, 2.0),
     Cone("cone", CENTRE, TURNED, 0.7, 2.0),
+    Swept("capsule", CENTRE, TURNED, (0.0, 0.0, 0.8), 0.4),
+    Swept("stadium", CENTRE, TURNED, (0.5, 0.0, 0.8), 0.4),
+    Swept("rounded", CENTRE, TURNED, (0.5, 0.7, 0.8), 0.1),
     *(Arc("arc", CENTRE, TURNED, 1.0, 1.6, 0.8, half) for half in (0.1, 0.6, 1.7, 3.0, np.pi)),
 ]
 
@@ -77,7 +114,53 @@ def test_the_distance_given_to_gmsh_is_the_distance(body: TextBody) -> None:
     assert ratio.max() < 1.001 and ratio.min() > (0.5 if narrow else 0.999)
 
 
-@pytest.mark.parametrize("body", ROUND[1:], ids=lambda body: f"{body.name}")
+def test_the_distances_given_to_gmsh_of_ellipsoids_and_polygons() -> None:
+    """That to an ellipsoid is one of first order: exact to first order at the surface, and along its axes far away. That to a
+    polygon is right."""
+    random = np.random.default_rng(4)
+    ellipsoid = Ellipsoid("ellipsoid", CENTRE, TURNED, (0.3, 0.5, 1.0))
+    directions = random.normal(size=(60, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    # Points on the surface, and their normals.
+    surface = directions * ellipsoid.semi_axes
+    normals = directions / np.array(ellipsoid.semi_axes)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    for away in (1e-3, -1e-3):
+        points = CENTRE + (surface + away * normals) @ TURNED
+        np.testing.assert_allclose(evaluated(surface_distance(ellipsoid), points), abs(away), rtol=0.05)
+    far = random.uniform(-3, 3, (60, 3))
+    far = far[[not holds(ellipsoid, Sphere("point", point, 1e-9)) for point in far]]
+    true = np.array([distance(ellipsoid, Sphere("point", point, 1e-9)) for point in far])
+    ratio = evaluated(surface_distance(ellipsoid), far) / true
+    assert 0.3 < ratio.min() and ratio.max() < 1.7
+    assert np.isfinite(evaluated(surface_distance(ellipsoid), CENTRE[None])).all()
+    true = np.array([distance(SHEET, Sphere("point", point, 1e-9)) for point in far])
+    ratio = evaluated(surface_distance(SHEET), far) / true
+    assert ratio.max() < 1.001 and ratio.min() > 0.999
+    places = np.array([[0.5, 0.5, 0.7], [1.0, -0.4, 0.0], [1.5, 1.9, -0.2]])  # above, beside and below
+    np.testing.assert_allclose(evaluated(surface_distance(SHEET), CENTRE + places @ TURNED), [0.7, 0.4, 0.2])
+    text = edge_distance(SHEET)
+    assert text is not None
+    np.testing.assert_allclose(evaluated(text, far), SHEET.edge_distance(far), rtol=1e-9)
+
+
+def test_the_radius_of_curvature_of_an_ellipsoid_is_the_smaller_one_at_its_tips() -> None:
+    """At the end of the semi-axis a the two radii are b²/a and c²/a."""
+    semi_axes = (0.3, 0.5, 1.0)
+    ellipsoid = Ellipsoid("ellipsoid", CENTRE, TURNED, semi_axes)
+    text = curvature_radius(ellipsoid)
+    assert text is not None
+    tips = CENTRE + np.diag(semi_axes) @ TURNED
+    expected = [0.5**2 / 0.3, 0.3**2 / 0.5, 0.3**2 / 1.0]
+    np.testing.assert_allclose(evaluated(text, tips), expected, rtol=1e-6)
+    ball = curvature_radius(Ellipsoid("ball", CENTRE, TURNED, (0.4, 0.4, 0.4)))
+    assert ball is not None
+    np.testing.assert_allclose(evaluated(ball, tips), 0.4, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "body", [body for body in ROUND if edge_distance(body) is not None], ids=lambda body: f"{body.name}"
+)
 def test_the_edges_given_to_gmsh_are_on_the_surface(body: TextBody) -> None:
     """An edge belongs to the surface, so that it is never nearer than the surface; and the distance is 0 at points of the edges."""
     points = np.random.default_rng(2).uniform(-3, 3, (200, 3))

@@ -7,9 +7,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from fem_reference.bodies.shapes import Body, Cuboid, Rectangle
+from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
 from fem_reference.solve.level import solve_level
-from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
 from fem_reference.bodies.conductors import Conductors, normalised
 from fem_reference.mesh.size_rules import Sizing
 from fem_reference.bodies.symmetry import Plane, exchanges, mirror_planes
@@ -41,6 +41,11 @@ def planes(*bodies: Body, owner: list[int] | None = None) -> tuple[Plane, ...]:
         (Cylinder("target", np.array([0.7, 0, 0.9]), np.eye(3)[[1, 2, 0]], 0.3, 0.2), 1),
         (Cone("target", np.array([0, 0, 0.9]), np.eye(3)[[1, 2, 0]], 0.3, 0.2), 1),
         (Arc("target", np.array([0, 0, 0.9]), np.eye(3), 0.2, 0.3, 0.1, 0.5), 1),
+        (Ellipsoid("target", np.array([0, 0, 0.9]), np.eye(3), (0.2, 0.3, 0.1)), 2),
+        (Ellipsoid("target", np.array([0, 0, 0.9]), TURNED, (0.2, 0.3, 0.1)), 0),
+        (Swept("target", np.array([0, 0, 0.9]), np.eye(3), (0.0, 0.0, 0.1), 0.1), 2),
+        (Swept("target", np.array([0.4, 0, 0.9]), np.eye(3)[[1, 2, 0]], (0.1, 0.0, 0.2), 0.1), 1),
+        (Disc("target", np.array([0.4, 0, 0.9]), np.eye(3), 0.2), 1),
     ],
 )
 def test_the_planes_of_a_sensor_and_a_target(target: Body, number: int) -> None:

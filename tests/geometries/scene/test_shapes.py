@@ -7,7 +7,20 @@ import math
 import numpy as np
 import pytest
 
-from geometries.scene.shapes import Arc, Cone, Cuboid, Cylinder, PlateShape, Shape, Sphere
+from geometries.scene.shapes import (
+    Arc,
+    Capsule,
+    Cone,
+    Cuboid,
+    Cylinder,
+    Disc,
+    Ellipsoid,
+    PlateShape,
+    Polygon,
+    RoundedCuboid,
+    Shape,
+    Sphere,
+)
 
 SEGMENTS = 96
 
@@ -104,6 +117,49 @@ def test_a_sphere_has_its_vertices_on_the_sphere_and_approaches_its_area_and_vol
     assert -3e-3 < volume(triangles) / (4 / 3 * math.pi * radius**3) - 1 < 0
 
 
+SWEPT: list[Capsule | RoundedCuboid] = [
+    Capsule(0.05, 0.2, SEGMENTS),
+    RoundedCuboid((0.5, 0.7, 0.9), 0.125, SEGMENTS),
+    RoundedCuboid((0.5, 0.75, 1.0), 0.25, SEGMENTS),
+    RoundedCuboid((0.75, 1.0, 0.5), 0.25, SEGMENTS),
+    RoundedCuboid((0.5, 1.0, 0.5), 0.25, SEGMENTS),
+    RoundedCuboid((0.5, 0.5, 0.5), 0.25, SEGMENTS),
+]
+
+
+@pytest.mark.parametrize("shape", SWEPT)
+def test_a_swept_box_has_its_vertices_on_the_surface_and_approaches_its_volume(
+    shape: Capsule | RoundedCuboid,
+) -> None:
+    """The volume is that of Steiner's formula."""
+    triangles = shape.triangles()
+    radius = shape.radius if isinstance(shape, Capsule) else shape.rounding
+    core = np.array(shape.core)
+    beside = np.maximum(np.abs(triangles) - core, 0)
+    np.testing.assert_allclose(np.linalg.norm(beside, axis=2), radius, rtol=1e-14)
+    x, y, z = 2 * core
+    true = x * y * z + 2 * radius * (x * y + y * z + z * x) + math.pi * radius**2 * (x + y + z)
+    true += 4 / 3 * math.pi * radius**3
+    assert -3e-3 < volume(triangles) / true - 1 < 0
+    edges = triangles[:, 1:] - triangles[:, :1]
+    assert np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1).min() > 1e-6 * radius**2
+
+
+def test_an_ellipsoid_is_a_ball_stretched() -> None:
+    triangles = Ellipsoid((0.05, 0.02, 0.08), 12).triangles()
+    np.testing.assert_array_equal(triangles, Sphere(1.0, 12).triangles() * [0.05, 0.02, 0.08])
+
+
+def test_a_disc_and_a_polygon_face_up() -> None:
+    disc = Disc(0.05, 7).triangles()
+    assert disc.shape == (7, 3, 3) and area(disc) == pytest.approx(polygon_area(0.05, 7), rel=1e-14)
+    outline = Polygon(((0, 0), (0, 1), (1, 1), (1, 2), (2, 2), (2, 0))).triangles()
+    assert outline.shape == (4, 3, 3) and area(outline) == 3
+    for sheet in (disc, outline):
+        assert not sheet[:, :, 2].any()
+        assert (np.cross(sheet[:, 1] - sheet[:, 0], sheet[:, 2] - sheet[:, 0])[:, 2] > 0).all()
+
+
 @pytest.mark.parametrize("segments", [3, 4, 5, 48])
 @pytest.mark.parametrize(
     "make",
@@ -113,8 +169,12 @@ def test_a_sphere_has_its_vertices_on_the_sphere_and_approaches_its_area_and_vol
         lambda n: Arc(0.05, 0.08, 0.02, 200.0, n),
         lambda n: Arc(0.05, 0.08, 0.02, 360.0, n),
         lambda n: Sphere(0.05, n),
+        lambda n: Ellipsoid((0.05, 0.02, 0.08), n),
+        lambda n: Capsule(0.05, 0.2, n),
+        lambda n: RoundedCuboid((0.1, 0.2, 0.3), 0.02, n),
+        lambda n: RoundedCuboid((0.1, 0.2, 0.3), 0.05, n),
     ],
-    ids=["cylinder", "cone", "arc", "ring", "sphere"],
+    ids=["cylinder", "cone", "arc", "ring", "sphere", "ellipsoid", "capsule", "rounded", "stadium"],
 )
 def test_solid_shapes_are_closed_with_outward_normals(make, segments: int) -> None:  # type: ignore[no-untyped-def]
     shape: Shape = make(segments)

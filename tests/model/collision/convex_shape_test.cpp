@@ -30,7 +30,7 @@ Isometry3d moved_by(const Vector3d& translation) {
 /// Returns a random shape of any kind with sizes from 0.2 to 1.
 ConvexShape any_primitive(Random& random) {
   const auto length = [&] { return random.uniform(0.2, 1); };
-  switch (test::below(random, 7)) {
+  switch (test::below(random, 9)) {
   case 0:
     return ConvexShape::cuboid({length(), length(), length()});
   case 1:
@@ -45,6 +45,14 @@ ConvexShape any_primitive(Random& random) {
     const double inner = length();
     return ConvexShape::arc_piece(inner, inner + length(), length(), random.uniform(1, 170));
   }
+  case 6: {
+    // A side of zero gives a stadium, two of them a capsule.
+    const auto side = [&] { return random.uniform(0, 1) < 0.4 ? 0 : length(); };
+    const double x = side(), y = side();
+    return ConvexShape::rounded_cuboid({x, y, length()}, length() / 2);
+  }
+  case 7:
+    return ConvexShape::ellipsoid({length(), length(), length()});
   default:
     return ConvexShape::hull(test::any_shape(random, 60));
   }
@@ -120,9 +128,14 @@ TEST(GjkFilter, ContradictsNoCertifiedAnswerWithAnyInstructionSet) {
 
 /// Tests gaps and overlaps of known sizes along z, between shapes whose poles or faces meet there.
 TEST(ConvexShapes, WithRoundSurfacesAreDecidedDownToRounding) {
-  const std::vector<ConvexShape> shapes{ConvexShape::ball(0.5), ConvexShape::cylinder(0.3, 1),
-                                        ConvexShape::cone(0.4, 1), ConvexShape::cuboid({1, 2, 1}),
-                                        ConvexShape::arc_piece(0, 0.6, 1, 80)};
+  const std::vector<ConvexShape> shapes{ConvexShape::ball(0.5),
+                                        ConvexShape::cylinder(0.3, 1),
+                                        ConvexShape::cone(0.4, 1),
+                                        ConvexShape::cuboid({1, 2, 1}),
+                                        ConvexShape::arc_piece(0, 0.6, 1, 80),
+                                        ConvexShape::rounded_cuboid({0.4, 0.6, 0.6}, 0.2),
+                                        ConvexShape::rounded_cuboid({0, 0, 0.6}, 0.2),
+                                        ConvexShape::ellipsoid({0.3, 0.4, 0.5})};
   Random random(14);
   for (const ConvexShape& a : shapes)
     for (const ConvexShape& b : shapes) {
@@ -133,6 +146,23 @@ TEST(ConvexShapes, WithRoundSurfacesAreDecidedDownToRounding) {
         EXPECT_TRUE(meet(a, turn, b, turn * moved_by({0, 0, 1 - share}))) << share;
       }
     }
+}
+
+TEST(ConvexShapes, ThatAreLongAndThinProveTheirAnswers) {
+  Random random(19);
+  constexpr int pairs = draws(500);
+  for (int i = 0; i < pairs; ++i) {
+    const double thickness = std::pow(10, random.uniform(-6, -1));
+    const ConvexShape needle = ConvexShape::ellipsoid({thickness, 1, thickness}),
+                      rod = ConvexShape::rounded_cuboid({0, 0, 2}, thickness);
+    const Isometry3d pose_a = moved_by(random.in_box({-1, -1, -1}, {1, 1, 1})) * random.rigid_motion(),
+                     pose_b = random.rigid_motion();
+    meet(needle, pose_a, rod, pose_b);
+    meet(rod, pose_a, needle, pose_b);
+    // Crossing at their middles, they meet.
+    const Isometry3d turned(Eigen::AngleAxisd(random.uniform(0, 3), Vector3d::UnitX()));
+    EXPECT_TRUE(meet(needle, pose_a, rod, pose_a * turned));
+  }
 }
 
 TEST(ConvexShapes, StateWhenRoundingHidesWhetherTheyIntersect) {
@@ -261,6 +291,18 @@ TEST(ConvexShapes, RefuseWrongInputWithAReason) {
   }
   EXPECT_EQ(message([] { return ConvexShape::ball(-1); }),
             "the radius of a ball must be finite and not negative, not -1");
+  EXPECT_EQ(message([] {
+              return ConvexShape::rounded_cuboid({1, -1, 1}, 1);
+            }),
+            "a side of a rounded cuboid must be finite and not negative, not -1");
+  EXPECT_EQ(message([] {
+              return ConvexShape::rounded_cuboid({1, 1, 1}, 0);
+            }),
+            "the radius of a rounded cuboid must be finite and greater than zero, not 0");
+  EXPECT_EQ(message([] {
+              return ConvexShape::ellipsoid({1, 0, 1});
+            }),
+            "a semi-axis of an ellipsoid must be finite and greater than zero, not 0");
   EXPECT_EQ(message([] { return ConvexShape::arc_piece(1, 2, 1, 180); }),
             "a convex piece of an arc must span more than 0 and less than 180 degrees, not 180");
   EXPECT_EQ(message([] { return ConvexShape::arc_piece(2, 1, 1, 20); }),

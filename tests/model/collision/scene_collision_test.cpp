@@ -61,6 +61,30 @@ TEST(Collide, TreatsRoundShapesAsTrulyRound) {
   EXPECT_EQ(status_of(Cylinder{1, 1, 6}, Cylinder{1, 1, 6}, half_a_segment), PairStatus::collision);
 }
 
+TEST(Collide, TreatsDiscsCapsulesEllipsoidsAndRoundEdgesAsTrulyRound) {
+  const Isometry3d half_a_segment = pose_from_axis({0, 0, 1}, 30, {1.98, 0, 0});
+  EXPECT_EQ(status_of(Disc{1, 6}, Disc{1, 6}, half_a_segment), PairStatus::collision);
+  EXPECT_EQ(status_of(Capsule{1, 1, 4}, Capsule{1, 1, 4}, half_a_segment), PairStatus::collision);
+  EXPECT_EQ(status_of(Ellipsoid{1, 1, 2, 6}, Ellipsoid{1, 1, 2, 6}, half_a_segment), PairStatus::collision);
+  EXPECT_EQ(status_of(Ellipsoid{1, 1, 2, 6}, Ellipsoid{1, 1, 2, 6}, moved_by(1.5, 0, 2.7)),
+            PairStatus::bounds);
+  // Beyond the corner at 45 degrees the rounding takes away 1.414 - 1 of its radius.
+  const Shape rounded = RoundedCuboid{2, 2, 1, 0.5, 4}, thin = Cuboid{0.01, 4, 0.2};
+  const auto beside_corner = [](double gap) {
+    const double away = 0.5 * std::sqrt(2) + 0.5 + gap + 0.005;
+    return pose_from_axis({0, 0, 1}, 45, {away * std::sqrt(0.5), away * std::sqrt(0.5), 0});
+  };
+  EXPECT_EQ(status_of(rounded, thin, beside_corner(1e-9)), PairStatus::bounds);
+  EXPECT_EQ(status_of(rounded, thin, beside_corner(-1e-9)), PairStatus::collision);
+}
+
+TEST(Collide, FindsNoCollisionInTheHollowOfAPolygon) {
+  const Shape l_shape = Polygon{{{0, 0}, {2, 0}, {2, 2}, {1, 2}, {1, 1}, {0, 1}}};
+  EXPECT_EQ(status_of(l_shape, Sphere{0.4, 12}, moved_by(0.5, 1.5, 0)), PairStatus::bounds);
+  EXPECT_EQ(status_of(l_shape, Sphere{0.6, 12}, moved_by(0.5, 1.5, 0)), PairStatus::collision);
+  EXPECT_EQ(status_of(l_shape, Sphere{0.4, 12}, moved_by(1.5, 1.5, 0.3)), PairStatus::collision);
+}
+
 TEST(Collide, FindsNoCollisionInTheHollowOfAConcaveShape) {
   const Shape arc = Arc{1, 1.2, 1, 270, 27};
   EXPECT_EQ(status_of(arc, Sphere{0.9, 12}, Isometry3d::Identity()), PairStatus::bounds);

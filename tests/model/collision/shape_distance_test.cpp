@@ -175,6 +175,130 @@ TEST(GjkDistance, OfRoundShapesEqualsClosedForms) {
   }
 }
 
+/// Checks that the two bounds enclose the truth, up to the rounding of positions of this size, and are close
+/// to each other.
+void expect_enclosed(const GjkDistance& found, double truth, double size, int number) {
+  const double rounding = 1e-14 * size, positive = std::max(truth, 0.0);
+  EXPECT_LE(found.lower_bound, positive + rounding) << number;
+  EXPECT_GE(found.distance, positive - rounding) << number;
+  EXPECT_LE(found.distance - found.lower_bound, 1e-11 * size) << number;
+}
+
+using RealVector = Eigen::Matrix<Real, 3, 1>;
+
+/// Computes the squared distance of two segments: the least of where both derivatives vanish, if that is
+/// within both, and of each end to the other segment.
+Real squared_distance(const RealVector& a, const RealVector& to_b, const RealVector& c,
+                      const RealVector& to_d) {
+  const auto to_segment = [](const RealVector& point, const RealVector& start, const RealVector& along) {
+    const Real share = (point - start).dot(along) / along.squaredNorm();
+    const Real within = std::min<Real>(1, std::max<Real>(0, share));
+    return Real((start + within * along - point).squaredNorm());
+  };
+  Real least = std::min({to_segment(a, c, to_d), to_segment(a + to_b, c, to_d), to_segment(c, a, to_b),
+                         to_segment(c + to_d, a, to_b)});
+  const RealVector offset = a - c;
+  const Real bb = to_b.squaredNorm(), dd = to_d.squaredNorm(), bd = to_b.dot(to_d), ob = offset.dot(to_b),
+             od = offset.dot(to_d), determinant = bb * dd - bd * bd;
+  if (determinant > 0) {
+    const Real s = (bd * od - dd * ob) / determinant, t = (bb * od - bd * ob) / determinant;
+    if (s >= 0 && s <= 1 && t >= 0 && t <= 1)
+      least = std::min<Real>(least, (offset + s * to_b - t * to_d).squaredNorm());
+  }
+  return least;
+}
+
+TEST(GjkDistance, OfCapsulesIsThatOfTheirSegmentsLessTheirRadii) {
+  Random random(7);
+  int apart = 0;
+  for (int i = 0; i < 500; ++i) {
+    const double length_a = random.uniform(0.1, 2), length_b = random.uniform(0.1, 2),
+                 radius_a = random.uniform(0.01, 0.5), radius_b = random.uniform(0.01, 0.5);
+    const Isometry3d pose_a = random.rigid_motion(),
+                     pose_b = Isometry3d(Eigen::Translation3d(random.in_box({-2, -2, -2}, {2, 2, 2}))) *
+                              random.rigid_motion();
+    const auto start = [](const Isometry3d& pose, double length) {
+      return RealVector((pose * Vector3d(0, 0, -length / 2)).cast<Real>());
+    };
+    const auto along = [](const Isometry3d& pose, double length) {
+      return RealVector((pose.linear() * Vector3d(0, 0, length)).cast<Real>());
+    };
+    const Real between = sqrt(squared_distance(start(pose_a, length_a), along(pose_a, length_a),
+                                               start(pose_b, length_b), along(pose_b, length_b)));
+    const double truth = static_cast<double>(between - radius_a - radius_b);
+    const GjkDistance found = gjk_distance(ConvexShape::rounded_cuboid({0, 0, length_a}, radius_a), pose_a,
+                                           ConvexShape::rounded_cuboid({0, 0, length_b}, radius_b), pose_b);
+    expect_enclosed(found, truth, 1 + pose_a.translation().norm() + pose_b.translation().norm(), i);
+    apart += truth > 0;
+  }
+  EXPECT_GT(apart, 100);
+}
+
+/// Computes the distance of a point outside of an ellipsoid: the nearest point is aᵢ²pᵢ/(aᵢ² + t) with the
+/// positive t for which it lies on the surface.
+Real distance_to_ellipsoid(const Vector3d& semi_axes, const Vector3d& point) {
+  const RealVector p = point.cast<Real>(), squares = semi_axes.cast<Real>().cwiseAbs2();
+  const auto nearest = [&](const Real& t) {
+    return RealVector(squares.cwiseProduct(p).cwiseQuotient(squares + RealVector::Constant(t)));
+  };
+  const auto is_outside = [&](const Real& t) {
+    return nearest(t).cwiseAbs2().cwiseQuotient(squares).sum() > 1;
+  };
+  Real low = 0, high = 1;
+  while (is_outside(high))
+    high *= 2;
+  for (int i = 0; i < 150; ++i) {
+    const Real middle = (low + high) / 2;
+    (is_outside(middle) ? low : high) = middle;
+  }
+  return (p - nearest(low)).norm();
+}
+
+TEST(GjkDistance, OfAnEllipsoidAndABallIsThatOfThePointLessTheRadius) {
+  Random random(8);
+  for (int i = 0; i < 200; ++i) {
+    const Vector3d semi_axes = random.in_box({0.05, 0.05, 0.05}, {1, 1, 1}),
+                   outwards = random.in_box({-1, -1, -1}, {1, 1, 1}).normalized();
+    const Vector3d centre = random.uniform(1.2, 3) * outwards;
+    const double from_centre = static_cast<double>(distance_to_ellipsoid(semi_axes, centre));
+    const double radius = from_centre * random.uniform(0.1, 0.9);
+    const Isometry3d motion = random.rigid_motion();
+    const GjkDistance found = gjk_distance(ConvexShape::ellipsoid(semi_axes), motion,
+                                           ConvexShape::ball(radius), motion * Eigen::Translation3d(centre));
+    expect_enclosed(found, from_centre - radius, 3 + motion.translation().norm(), i);
+  }
+}
+
+/// The height of the lowest point of an ellipsoid is that of its centre less √Σ(aᵢnᵢ)².
+TEST(GjkDistance, OfAnEllipsoidAndAPlateIsThatOfItsLowestPoint) {
+  Random random(9);
+  for (int i = 0; i < 200; ++i) {
+    const Vector3d semi_axes = random.in_box({0.05, 0.05, 0.05}, {1, 1, 1});
+    Isometry3d pose = random.rigid_motion();
+    const double reach = semi_axes.cwiseProduct(pose.linear().row(2).transpose()).norm();
+    const double gap = random.uniform(0.01, 1);
+    pose.translation() = Vector3d(0, 0, reach + gap);
+    const GjkDistance found = gjk_distance(ConvexShape::ellipsoid(semi_axes), pose,
+                                           ConvexShape::cuboid({20, 20, 0}), Isometry3d::Identity());
+    expect_enclosed(found, gap, 20, i);
+  }
+}
+
+TEST(GjkDistance, OfARoundedCuboidAndABallIsThatOfTheInnerBoxLessBothRadii) {
+  Random random(10);
+  for (int i = 0; i < 300; ++i) {
+    Vector3d core = random.in_box({0, 0, 0}, {1, 1, 1});
+    core[static_cast<Eigen::Index>(test::below(random, 3))] = 0;
+    const double rounding = random.uniform(0.01, 0.3), radius = random.uniform(0.01, 0.3);
+    const Vector3d centre = random.in_box({-3, -3, -3}, {3, 3, 3});
+    const double truth = (centre.cwiseAbs() - core / 2).cwiseMax(0).matrix().norm() - rounding - radius;
+    const Isometry3d motion = random.rigid_motion();
+    const GjkDistance found = gjk_distance(ConvexShape::rounded_cuboid(core, rounding), motion,
+                                           ConvexShape::ball(radius), motion * Eigen::Translation3d(centre));
+    expect_enclosed(found, truth, 5 + motion.translation().norm(), i);
+  }
+}
+
 TEST(GjkDistance, IsZeroForShapesThatIntersect) {
   const ConvexShape cone = ConvexShape::cone(1, 2), cuboid = ConvexShape::cuboid({1, 1, 1});
   Isometry3d beside = Isometry3d::Identity();

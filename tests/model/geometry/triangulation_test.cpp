@@ -1,6 +1,7 @@
 #include "fringe/triangulation.hpp"
 
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <vector>
 
@@ -118,6 +119,61 @@ TEST(Triangulation, OfASphereIsInscribedAndConvergesToIt) {
   const double coarse = volume - signed_volume(triangulate(Sphere{r, 48}));
   const double fine = volume - signed_volume(triangulate(Sphere{r, 96}));
   EXPECT_NEAR(coarse / fine, 4, 0.02);
+}
+
+TEST(Triangulation, OfAnEllipsoidIsAStretchedBall) {
+  const Vector3d semi_axes(0.7, 0.2, 0.4);
+  const std::vector<Triangle> triangles = triangulate(Ellipsoid{0.7, 0.2, 0.4, 10}),
+                              ball = triangulate(Sphere{1, 10});
+  ASSERT_EQ(triangles.size(), ball.size());
+  for (std::size_t k = 0; k < ball.size(); ++k)
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_EQ(triangles[k][i], ball[k][i].cwiseProduct(semi_axes));
+  EXPECT_TRUE(is_closed(triangles));
+}
+
+/// Computes the volume of a box with these sides swept by a ball (Steiner's formula).
+double swept_volume(const Vector3d& sides, double r) {
+  const double faces = sides.x() * sides.y() + sides.y() * sides.z() + sides.z() * sides.x();
+  return sides.prod() + 2 * r * faces + pi * r * r * sides.sum() + 4 * pi / 3 * r * r * r;
+}
+
+/// Checks that triangles are those of a swept box: closed, outward, with area, on its surface, and with a
+/// volume too small by an amount proportional to 1/n².
+void expect_swept(const Vector3d& core, double r, const std::function<Shape(int)>& make) {
+  for (const int n : {3, 4, 11, 48}) {
+    const std::vector<Triangle> triangles = triangulate(make(n));
+    EXPECT_TRUE(is_closed(triangles)) << n;
+    expect_outward(triangles, {0, 0, 0});
+    for (const Triangle& triangle : triangles)
+      for (const Vector3d& vertex : triangle)
+        EXPECT_NEAR((vertex.cwiseAbs() - core).cwiseMax(0).norm(), r, 1e-15);
+  }
+  const double volume = swept_volume(2 * core, r);
+  const double coarse = volume - signed_volume(triangulate(make(48)));
+  const double fine = volume - signed_volume(triangulate(make(96)));
+  EXPECT_NEAR(coarse / fine, 4, 0.02);
+}
+
+TEST(Triangulation, OfACapsuleIsInscribedAndConvergesToIt) {
+  expect_swept({0, 0, 0.5}, 0.3, [](int n) { return Capsule{0.3, 1, n}; });
+  EXPECT_EQ(triangulate(Capsule{0.3, 1, 51}).size(), 48U * 48U);
+}
+
+TEST(Triangulation, OfARoundedCuboidIsInscribedWhateverSidesAreLeftFlat) {
+  expect_swept({1, 0.5, 0.75}, 0.25, [](int n) { return RoundedCuboid{2.5, 1.5, 2, 0.25, n}; });
+  expect_swept({1, 0.5, 0}, 0.25, [](int n) { return RoundedCuboid{2.5, 1.5, 0.5, 0.25, n}; });
+  expect_swept({0, 0.5, 0.75}, 0.25, [](int n) { return RoundedCuboid{0.5, 1.5, 2, 0.25, n}; });
+  expect_swept({0, 0.5, 0}, 0.25, [](int n) { return RoundedCuboid{0.5, 1.5, 0.5, 0.25, n}; });
+  expect_swept({0, 0, 0}, 0.25, [](int n) { return RoundedCuboid{0.5, 0.5, 0.5, 0.25, n}; });
+}
+
+TEST(Triangulation, OfADiscIsARegularPolygonThatFacesUp) {
+  const std::vector<Triangle> triangles = triangulate(Disc{0.3, 7});
+  EXPECT_EQ(triangles.size(), 7U);
+  EXPECT_NEAR(area(triangles), polygon_area(0.3, 7), 1e-15);
+  for (const auto& [a, b, c] : triangles)
+    EXPECT_GT((b - a).cross(c - a).z(), 0);
 }
 
 TEST(Triangulation, OfAMeshIsTheMesh) {

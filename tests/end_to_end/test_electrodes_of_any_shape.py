@@ -1,0 +1,62 @@
+"""Electrodes that are no rectangles: boundary elements and the field solver agree on their readings, and the model has none."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+
+import numpy as np
+
+from analysis.pipeline.model_stage import model_module
+from fem_reference.answer.reference import solve_conductors
+from fem_reference.bodies.conductors import conductors
+from geometries.scene import reader
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLE = ROOT / "geometries" / "scenes" / "round_electrode.toml"
+# Without round bodies, so that both solve the same.
+SCENE = """
+[[object]]
+name = "electrode"
+potential = "electrode"
+shape = { type = "polygon", vertices = [[0, 0], [0.04, 0], [0.04, 0.04], [0.02, 0.04], [0.02, 0.02], [0, 0.02]] }
+[[object]]
+name = "triangle"
+potential = "electrode"
+shape = { type = "polygon", vertices = [[0, 0], [0.03, 0.01], [-0.01, 0.03]] }
+translation = [-0.01, 0.03, 0.01]
+[[object]]
+name = "target"
+target = true
+shape = { type = "box", size = [0.05, 0.04, 0.03] }
+translation = [0.02, 0.02, 0.05]
+[[reading]]
+name = "own"
+sense = "electrode"
+drive = ["electrode"]
+[[reading]]
+name = "transmitted"
+sense = "electrode"
+drive = ["triangle"]
+"""
+
+
+def test_boundary_elements_and_the_field_solver_agree_on_polygons(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    boundary = model_module().Scene.load(str(path)).maxwell(rtol=3e-3)
+    field = solve_conductors(conductors(reader.load(path)), rtol=3e-3, error="estimate")
+    apart = np.abs(boundary["maxwell"][:2, :2] - field.maxwell.value[:2, :2])
+    assert np.all(apart <= boundary["error"][:2, :2] + field.maxwell.error[:2, :2])
+    assert np.all(boundary["error"][:2, :2] <= 3e-3 * np.abs(boundary["maxwell"][:2, :2]))
+
+
+def test_the_example_has_readings_of_electrodes_and_the_model_none() -> None:
+    command = [str(ROOT / "build" / "bin" / "fringe"), "capacitance", str(EXAMPLE), "--json"]
+    model = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    assert [reading["change"] for reading in model["readings"]] == [None, None]
+    more = ["--method", "boundary-elements", "--rtol", "3e-2"]
+    answer = json.loads(subprocess.run(command + more, capture_output=True, text=True, check=True).stdout)
+    own, transmitted = answer["readings"]
+    assert own["change"] > own["error"]["change"] and transmitted["change"] < -transmitted["error"]["change"]
