@@ -16,7 +16,7 @@ from analysis.results.commands import COMPARED_METHOD, model_command, truth_comm
 from analysis.results.refusals import refusals
 from analysis.results.table import CHANGE, QUANTITIES, Row
 from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN
-from analysis.results.units import PICOFARAD
+from analysis.results.units import PICOFARAD, picofarads
 from geometries.studies.study import EMPTY, NO_REFERENCE
 
 
@@ -156,8 +156,8 @@ def _pairs(pairs: list[Pair]) -> list[Markup]:
             pair.relation,
             pair.quantity,
             pair.method,
-            f"{pair.first_value.value / PICOFARAD:.5f} ± {pair.first_value.error / PICOFARAD:.5f}",
-            f"{pair.second_value.value / PICOFARAD:.5f} ± {pair.second_value.error / PICOFARAD:.5f}",
+            picofarads(pair.first_value.value, pair.first_value.error),
+            picofarads(pair.second_value.value, pair.second_value.error),
             f"{pair.difference:.1e}",
             "yes" if pair.agrees else "no",
         ]
@@ -264,14 +264,14 @@ def all_rows(results: Results, rows: list[Row]) -> Markup:
             errors = (row.model_error, *row.model_error_interval)
             by_model = [
                 f"{row.model[COMPARED_METHOD] / PICOFARAD:.5f}",
-                *(f"{error:+.2%}" for error in errors),
+                *(units.signed_percent(error) for error in errors),
             ]
         lines.append(
             [
                 row.case.family,
                 page.case_link(row.case.id),
                 f"{row.quantity} {row.reading}".strip(),
-                f"{row.reference.value / PICOFARAD:.5f} ± {row.reference.error / PICOFARAD:.5f}",
+                picofarads(row.reference.value, row.reference.error),
                 row.known.answered_by,
                 *by_model,
                 "yes" if row.reached else "no",

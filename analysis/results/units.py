@@ -6,6 +6,8 @@ import math
 
 PICOFARAD = 1e-12
 CENTIMETRE = 1e-2
+# Of values in a unit that suits them: an error that leaves no digit of a smaller value, and the smallest that is written out.
+_LARGE, _LEAST, _MOST_PLACES = 100.0, 1e-8, 9
 
 
 def percent(value: float) -> str:
@@ -14,7 +16,9 @@ def percent(value: float) -> str:
 
 
 def signed_percent(value: float) -> str:
-    """Writes a relative difference with its sign, and with two decimals at most: +12 %, +1.2 %, +0.12 %."""
+    """Writes a relative difference with its sign, and with two decimals at most: +12 %, +1.2 %, +0.12 %; in words if it is infinite."""
+    if math.isinf(value):
+        return "without limit"
     decimals = 0 if abs(value) >= 0.1 else 1 if abs(value) >= 0.01 else 2
     # The sum turns -0.0 into 0.0.
     return f"{round(100 * value, decimals) + 0.0:+.{decimals}f} %"
@@ -36,4 +40,6 @@ def measured(value: float, error: float) -> str:
     return f"{value:.{places}f} ± {shown}"
 
 
-_LARGE, _LEAST, _MOST_PLACES = 100.0, 1e-8, 9
+def picofarads(value: float, error: float) -> str:
+    """Writes a capacitance with its error, both given in farads, in pF."""
+    return measured(value / PICOFARAD, error / PICOFARAD)

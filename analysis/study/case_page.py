@@ -17,7 +17,7 @@ from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SL
 from analysis.results.commands import boundary_command, model_command, reference_command
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
 from analysis.results.truth import FIELD, Known
-from analysis.results.units import PICOFARAD
+from analysis.results.units import PICOFARAD, picofarads, signed_percent
 from analysis.topics.errors import section as errors_section
 from analysis.topics.errors.records import Entry
 from geometries.studies.study import BOUNDARY_ELEMENTS, EMPTY, NO_REFERENCE
@@ -77,14 +77,14 @@ def _finding(row: Row) -> str:
         return _without_model(whose, row.known)
     low, high = row.model_error_interval
     return (
-        f"{whose}: {row.reference.value / PICOFARAD:.5g} ± {row.reference.error / PICOFARAD:.1g} pF by {_by(row.known)}; the model is "
-        f"{row.model_error:+.1%} off ({low:+.1%} to {high:+.1%} over the reference's error bar)."
+        f"{whose}: {picofarads(row.reference.value, row.reference.error)} pF by {_by(row.known)}; the model is "
+        f"{signed_percent(row.model_error)} off ({signed_percent(low)} to {signed_percent(high)} over the reference's error bar)."
     )
 
 
 def _without_model(whose: str, known: Known) -> str:
     value = known.best
-    return f"{whose}: {value.value / PICOFARAD:.5g} ± {value.error / PICOFARAD:.1g} pF by {_by(known)}; the model has no answer."
+    return f"{whose}: {picofarads(value.value, value.error)} pF by {_by(known)}; the model has no answer."
 
 
 def _by(known: Known) -> str:
@@ -123,7 +123,7 @@ def _value(known: Known, method: str) -> Estimate | None:
 
 
 def _text(value: Estimate | None) -> str:
-    return f"{value.value / PICOFARAD:.6g} ± {value.error / PICOFARAD:.1g}" if value is not None else ""
+    return picofarads(value.value, value.error) if value is not None else ""
 
 
 def _whose(row: Row) -> str:
@@ -142,7 +142,7 @@ def _second_matrix(answer: BoundaryAnswer | None) -> list[Markup]:
     if answer is None:
         return []
     changes = [
-        f"{DELTA_SELF} of {name} {change.value / PICOFARAD:.6g} ± {change.error / PICOFARAD:.1g} pF"
+        f"{DELTA_SELF} of {name} {picofarads(change.value, change.error)} pF"
         for name, change in answer.delta_self.items()
     ]
     note = f"{1e3 * answer.seconds:.3g} ms, {'within' if answer.reached else 'short of'} the asked accuracy; {', '.join(changes)}."
@@ -153,10 +153,7 @@ def _entries(answer: ReferenceAnswer | BoundaryAnswer) -> Markup:
     rows = [
         [
             name,
-            *(
-                f"{answer.maxwell[i, j] / PICOFARAD:.6g} ± {answer.error[i, j] / PICOFARAD:.1g}"
-                for j in range(len(answer.conductors))
-            ),
+            *(picofarads(answer.maxwell[i, j], answer.error[i, j]) for j in range(len(answer.conductors))),
         ]
         for i, name in enumerate(answer.conductors)
     ]

@@ -8,7 +8,7 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, log_axis, power_axis, series_colour
 from analysis.results.answers import Estimate
-from analysis.results.units import CENTIMETRE, PICOFARAD, percent, signed_percent
+from analysis.results.units import CENTIMETRE, PICOFARAD, percent, picofarads, signed_percent
 from analysis.topics.experiments.neighbours import Felt, Point, Series
 
 _WHAT = (
@@ -181,7 +181,7 @@ def _table(found: list[Series]) -> Markup:
 
 
 def _estimate(value: Estimate) -> str:
-    return f"{value.value / PICOFARAD:.5f} ± {value.error / PICOFARAD:.5f}"
+    return picofarads(value.value, value.error)
 
 
 def _centimetres(length: float) -> str:

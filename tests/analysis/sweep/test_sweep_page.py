@@ -173,4 +173,3 @@ def test_a_scene_without_a_motion_is_refused(scene: Path, capsys: pytest.Capture
     scene.with_name("arm.motion.toml").unlink()
     assert command_line.main(["sweep", str(scene)]) == 2
     assert "has no motion beside it: name one by --motion" in capsys.readouterr().err
-
