@@ -78,7 +78,8 @@ def test_every_page_is_made_where_the_model_knows_no_value(folder: Path) -> None
         in pages[3].read_text()
     )
     assert (
-        "change of sensor: 0.9 ± 0.01 pF by the reference; the model has no answer." in pages[2].read_text()
+        "change of sensor: 0.900 ± 0.010 pF by the field solver (estimated error); the model has no answer."
+        in pages[2].read_text()
     )
     assert "machine (grey)" in pages[1].read_text() and "machine (grey)" not in pages[0].read_text()
     assert "to ground 100 pF, machine housing" in pages[3].read_text()
