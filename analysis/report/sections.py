@@ -15,7 +15,7 @@ from analysis.results.commands import COMPARED_METHOD, model_command, truth_comm
 from analysis.results.refusals import refusals
 from analysis.results.table import CHANGE, QUANTITIES, Row
 from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN
-from analysis.results.units import PICOFARAD, measured, percent, signed_percent
+from analysis.results.units import PICOFARAD, percent, picofarads, signed_percent
 from geometries.studies.study import EMPTY, NO_REFERENCE
 
 
@@ -156,8 +156,8 @@ def _pairs(pairs: list[Pair]) -> list[Markup]:
             pair.relation,
             pair.quantity,
             pair.method,
-            measured(pair.first_value.value / PICOFARAD, pair.first_value.error / PICOFARAD),
-            measured(pair.second_value.value / PICOFARAD, pair.second_value.error / PICOFARAD),
+            picofarads(pair.first_value.value, pair.first_value.error),
+            picofarads(pair.second_value.value, pair.second_value.error),
             f"{pair.difference:.1e}",
             "yes" if pair.agrees else "no",
         ]
@@ -270,7 +270,7 @@ def all_rows(results: Results, rows: list[Row]) -> Markup:
             [
                 page.case_link(row.case.id, row.case.name),
                 f"{row.quantity} {row.reading}".strip(),
-                measured(row.reference.value / PICOFARAD, row.reference.error / PICOFARAD),
+                picofarads(row.reference.value, row.reference.error),
                 row.known.answered_by,
                 *by_model,
                 "yes" if row.reached else "no",

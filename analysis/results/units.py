@@ -17,7 +17,10 @@ def percent(value: float) -> str:
 
 
 def signed_percent(value: float, decimals: int | None = None) -> str:
-    """Writes a relative difference with its sign, and unless told otherwise with two decimals at most: +12 %, +1.2 %, +0.12 %."""
+    """Writes a relative difference with its sign, and unless told otherwise with two decimals at most: +12 %, +1.2 %, +0.12 %; in words if it
+    is infinite."""
+    if math.isinf(value):
+        return "without limit"
     if decimals is None:
         decimals = 0 if abs(value) >= 0.0995 else 1 if abs(value) >= 0.00995 else 2
     # The sum turns -0.0 into 0.0.
@@ -46,3 +49,8 @@ def measured(value: float, error: float) -> str:
     places = min(max(1 - int(f"{error:.1e}".partition("e")[2]), 0), _MOST_PLACES)
     shown = f"{error:.1e}" if error < _LEAST else f"{error:.{places}f}"
     return f"{value:.{places}f} ± {shown}"
+
+
+def picofarads(value: float, error: float) -> str:
+    """Writes a capacitance with its error, both given in farads, in pF."""
+    return measured(value / PICOFARAD, error / PICOFARAD)

@@ -19,7 +19,7 @@ from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SL
 from analysis.results.commands import boundary_command, model_command, reference_command
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
 from analysis.results.truth import FIELD, Known
-from analysis.results.units import PICOFARAD, duration, measured, signed_percent
+from analysis.results.units import PICOFARAD, duration, picofarads, signed_percent
 from analysis.topics.errors import section as errors_section
 from analysis.topics.errors.records import Entry
 from geometries.studies.study import BOUNDARY_ELEMENTS, EMPTY, NO_REFERENCE
@@ -87,14 +87,14 @@ def _finding(row: Row) -> str:
         return _without_model(whose, row.known)
     low, high = row.model_error_interval
     return (
-        f"{whose}: {measured(row.reference.value / PICOFARAD, row.reference.error / PICOFARAD)} pF by {_by(row.known)}; the model is "
+        f"{whose}: {picofarads(row.reference.value, row.reference.error)} pF by {_by(row.known)}; the model is "
         f"{signed_percent(row.model_error, 2)} off ({signed_percent(low, 2)} to {signed_percent(high, 2)} over the reference's error bar)."
     )
 
 
 def _without_model(whose: str, known: Known) -> str:
     value = known.best
-    return f"{whose}: {measured(value.value / PICOFARAD, value.error / PICOFARAD)} pF by {_by(known)}; the model has no answer."
+    return f"{whose}: {picofarads(value.value, value.error)} pF by {_by(known)}; the model has no answer."
 
 
 def _by(known: Known) -> str:
@@ -133,7 +133,7 @@ def _value(known: Known, method: str) -> Estimate | None:
 
 
 def _text(value: Estimate | None) -> str:
-    return measured(value.value / PICOFARAD, value.error / PICOFARAD) if value is not None else ""
+    return picofarads(value.value, value.error) if value is not None else ""
 
 
 def _whose(row: Row) -> str:
@@ -152,7 +152,7 @@ def _second_matrix(answer: BoundaryAnswer | None) -> list[Markup]:
     if answer is None:
         return []
     changes = [
-        f"{DELTA_SELF} of {name} {measured(change.value / PICOFARAD, change.error / PICOFARAD)} pF"
+        f"{DELTA_SELF} of {name} {picofarads(change.value, change.error)} pF"
         for name, change in answer.delta_self.items()
     ]
     note = f"{duration(answer.seconds)}, {'within' if answer.reached else 'short of'} the asked accuracy; {', '.join(changes)}."
@@ -163,10 +163,7 @@ def _entries(answer: ReferenceAnswer | BoundaryAnswer) -> Markup:
     rows = [
         [
             name,
-            *(
-                measured(answer.maxwell[i, j] / PICOFARAD, answer.error[i, j] / PICOFARAD)
-                for j in range(len(answer.conductors))
-            ),
+            *(picofarads(answer.maxwell[i, j], answer.error[i, j]) for j in range(len(answer.conductors))),
         ]
         for i, name in enumerate(answer.conductors)
     ]

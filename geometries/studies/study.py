@@ -1,39 +1,6 @@
 """Reads study files: the set-ups to compare, the accuracy of the reference, and the methods of the model.
 
-A file with every key there is::
-
-    format = 1                      # optional: the version of the format
-    name = "gap"
-    title = "The gap between two equal plates"
-    experiment = "II"               # optional: one of the thesis' chapter 6, "I" to "IV", or one
-                                    # of ours, "V" and "VI"; the report shows its section
-
-    [reference]
-    method = "both"                 # default; or "field": the field solver alone; or "boundary-elements" alone
-    rtol = 1e-3                     # relative accuracy asked of the reference
-    max_seconds = 120               # per case, for the field solver; not asked of boundary elements
-    error = "estimate"              # default; or "enclosure": rtol is asked of proven intervals; or "none": the model alone,
-                                    # without rtol and max_seconds
-
-    [model]
-    methods = ["exact", "split:4"]  # always with "exact", which the report compares; others are in `METHODS`
-
-    [[sweep]]
-    family = "parallel"             # a function of `families`; the other keys are its parameters
-    sensor_size = [0.1, 0.1]        # a number, a vector, a text: the same in every case
-    target_size = [[0.1, 0.1], [0.05, 0.05]]               # a list of them: swept
-    gap = { geomspace = [0.005, 0.2, 5] }                  # or linspace = [first, last, number]
-    machine = ["none", "housing", "housing+guard", "table"]    # optional: what stays when the target goes (`machines`)
-    material = "floating"           # optional: "grounded" (default), "floating" or, of the family "box", "dielectric"
-    to_ground = 1e-10               # optional, F: of floating targets, connected to the ground through this capacitance
-    combine = "product"             # default; or "zip": the swept lists are walked through together
-
-    [[sweep]]
-    family = "scene"                # a scene of one's own
-    file = "arm.toml"               # beside the study file, as
-    motion = "arm.motion.toml"      # optional: a case for every frame
-
-Before a machine, and in scenes with readings, electrodes or objects marked as targets, the change of every reading is compared.
+geometries/STUDY.md describes every key.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, series_colour
 from analysis.results.answers import Estimate
-from analysis.results.units import PICOFARAD, measured, percent, signed_percent
+from analysis.results.units import percent, picofarads, signed_percent
 from analysis.topics.company.field_check import QUANTITIES, Comparison
 
 ABSENT = "None of these set-ups has a reading by the field solver."
@@ -103,4 +103,4 @@ def _rows(found: list[Comparison]) -> list[list[str]]:
 
 
 def _picofarad(estimate: Estimate) -> str:
-    return measured(estimate.value / PICOFARAD, estimate.error / PICOFARAD)
+    return picofarads(estimate.value, estimate.error)

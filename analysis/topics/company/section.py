@@ -9,7 +9,7 @@ import numpy as np
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.results.units import PICOFARAD, measured, percent
+from analysis.results.units import PICOFARAD, percent, picofarads
 from analysis.topics.company import field_section, plots
 from analysis.topics.company.factors import (
     CONNECTIONS,
@@ -189,10 +189,7 @@ def _numbers(found: list[Entry]) -> Markup:
     rows = []
     for entry in found:
         made = entry.set_up
-        numbers = [
-            measured(each.value / PICOFARAD, each.error / PICOFARAD)
-            for each in (entry.background, entry.change)
-        ]
+        numbers = [picofarads(each.value, each.error) for each in (entry.background, entry.change)]
         model = f"{entry.model / PICOFARAD:.4f}" if entry.model is not None else ""
         rows.append([page.code(made.id), str(made.number), made.machine, made.ground, *numbers, model])
     return page.table(header, rows, text_columns=4)

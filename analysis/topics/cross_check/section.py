@@ -9,7 +9,7 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import INK, Panel, family_marker, figure, power_axis, series_colour
 from analysis.results.study_results import Results
-from analysis.results.units import PICOFARAD, duration, measured, percent
+from analysis.results.units import PICOFARAD, duration, percent, picofarads
 from analysis.topics.cross_check import agreement
 from analysis.topics.cross_check.agreement import Bracket, Comparison
 
@@ -145,7 +145,7 @@ def _table(found: list[Comparison]) -> Markup:
             f"{c.reference / PICOFARAD:.6f}",
             f"{c.low / PICOFARAD:.6f}",
             f"{c.high / PICOFARAD:.6f}",
-            measured(c.boundary.value / PICOFARAD, c.boundary.error / PICOFARAD),
+            picofarads(c.boundary.value, c.boundary.error),
             f"{c.difference:+.1e}",
             f"{c.allowed:.1e}",
             page.yes_or_no(c.agrees),

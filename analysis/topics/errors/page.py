@@ -12,7 +12,7 @@ from analysis.report import page, plots_in_space
 from analysis.report.page import is_current
 from analysis.results.set_up import describe
 from analysis.results.store import write_text
-from analysis.results.units import PICOFARAD, measured, signed_percent
+from analysis.results.units import picofarads, signed_percent
 from analysis.topics.errors import records, section, set_ups, stage
 from analysis.topics.errors.parts import PARTS
 from analysis.topics.errors.records import Entry
@@ -55,7 +55,7 @@ def _case(folder: Path, entry: Entry) -> Iterable[Markup]:
         true = entry.true(quantity)
         head.append(
             page.finding(
-                f"{quantity}: {measured(true.value / PICOFARAD, true.error / PICOFARAD)} pF by boundary elements; the model is "
+                f"{quantity}: {picofarads(true.value, true.error)} pF by boundary elements; the model is "
                 f"{signed_percent(entry.error(quantity))} off, mostly by {entry.largest(quantity)}."
             )
         )

@@ -10,7 +10,7 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import INK, Panel, axis, figure, log_axis, power_axis, series_colour
 from analysis.results.study_results import Results
-from analysis.results.units import CENTIMETRE, PICOFARAD, measured
+from analysis.results.units import CENTIMETRE, PICOFARAD, picofarads
 from analysis.topics.experiments.curves import DISTANCE
 from analysis.topics.experiments.materials import Material, materials, ratios
 from analysis.topics.experiments.tables import place
@@ -127,7 +127,7 @@ def _table(found: list[Material], grounded: Material) -> Markup:
                 [
                     each.label,
                     page.case_link(point.case, place(point.gap, DISTANCE)),
-                    measured(true.value / PICOFARAD, true.error / PICOFARAD),
+                    picofarads(true.value, true.error),
                     f"{100 * ratio:.2f} %",
                     "" if point.model is None else f"{point.model / PICOFARAD:.5f}",
                 ]

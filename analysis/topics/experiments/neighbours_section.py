@@ -8,7 +8,7 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, log_axis, power_axis, series_colour
 from analysis.results.answers import Estimate
-from analysis.results.units import CENTIMETRE, PICOFARAD, measured, percent, signed_percent
+from analysis.results.units import CENTIMETRE, PICOFARAD, measured, percent, picofarads, signed_percent
 from analysis.topics.experiments.neighbours import Felt, Point, Series
 
 _WHAT = (
@@ -179,7 +179,7 @@ def _table(found: list[Series]) -> Markup:
 
 
 def _estimate(value: Estimate) -> str:
-    return measured(value.value / PICOFARAD, value.error / PICOFARAD)
+    return picofarads(value.value, value.error)
 
 
 def _centimetres(length: float) -> str:

@@ -74,11 +74,11 @@ def test_every_page_is_made_where_the_model_knows_no_value(folder: Path) -> None
     text = report_text(folder)
     pages = [case.folder / "case.html" for case in results.load(folder).compared()]
     assert (
-        "change of sensor: 0.1 ± 0.01 pF by the field solver (estimated error); the model has no answer."
+        "change of sensor: 0.100 ± 0.010 pF by the field solver (estimated error); the model has no answer."
         in pages[3].read_text()
     )
     assert (
-        "change of sensor: 0.9 ± 0.01 pF by the field solver (estimated error); the model has no answer."
+        "change of sensor: 0.900 ± 0.010 pF by the field solver (estimated error); the model has no answer."
         in pages[2].read_text()
     )
     # Where the model has an answer, targets are coloured by what each part adds.

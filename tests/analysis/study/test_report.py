@@ -129,7 +129,7 @@ def test_the_page_of_a_case_has_its_drawing_its_numbers_and_its_commands(folder:
         page = (case.folder / "case.html").read_text()
         assert page.count("plotly-graph-div") == 1 and "No slice of its potential is stored" in page
         assert (
-            "mutual of sensor and target: 2 ± 0.01 pF by the field solver (estimated error); the model is −10.00 % off"
+            "mutual of sensor and target: 2.000 ± 0.010 pF by the field solver (estimated error); the model is −10.00 % off"
             in page
         )
         assert f"cases/{case.id}/scene.toml --rtol 0.001 --max-seconds 60" in page

@@ -77,7 +77,7 @@ def test_a_difference_beyond_the_errors_is_told_with_its_set_up() -> None:
 
 def test_the_section_shows_the_comparison_or_says_that_there_is_none() -> None:
     text = "".join(field_section.parts(made_up(0.5)))
-    assert text.count("plotly-graph-div") == 1 and "2.00000 ± 0.01" in text and "<td>0.50</td>" in text
+    assert text.count("plotly-graph-div") == 1 and "2.000 ± 0.010" in text and "<td>0.50</td>" in text
     assert [field_section.ABSENT in each for each in field_section.parts([])] == [True]
 
 

@@ -146,7 +146,7 @@ def test_the_page_of_a_case_has_both_matrices(tmp_path: Path) -> None:
     case, *_ = with_boundary(folder, c0=boundary_document(2.25, 1)).compared()
     report.make(folder)
     page = (case.folder / "case.html").read_text()
-    assert "By boundary elements" in page and "−2.25 ± 0.001" in page and "boundary.json" in page
+    assert "By boundary elements" in page and "−2.2500 ± 0.0010" in page and "boundary.json" in page
     assert f"cases/{case.id}/scene.toml --method boundary-elements --rtol 0.0001" in page
 
 
