@@ -13,14 +13,14 @@ namespace fringe::detail {
 namespace {
 
 using Eigen::Vector2d;
-using Points = std::span<const Vector2d>;
+using Outline = std::span<const Vector2d>;
 
 /// Largest number of vertices: the time to check and divide a polygon grows with its square.
 constexpr std::size_t most_vertices = 500;
 
 /// Returns 1 if the way from a over b to c turns left, −1 if it turns right, and 0 if the points lie on a
 /// line.
-int turn(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
+int orientation(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   /// Bound of the rounding error, over the sum of the magnitudes of the two products (Shewchuk 1997).
   constexpr double rounding = 4 * 0x1p-53;
   constexpr double underflow = 1e-290;  ///< below this a product may have lost digits
@@ -35,24 +35,24 @@ int turn(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
 /// Tests whether a point is on the segment from a to b.
 bool is_on(const Vector2d& point, const Vector2d& a, const Vector2d& b) {
   return (a.cwiseMin(b).array() <= point.array()).all() && (point.array() <= a.cwiseMax(b).array()).all() &&
-         turn(a, b, point) == 0;
+         orientation(a, b, point) == 0;
 }
 
 /// Tests whether the edges that begin at vertices i < j have a point in common, besides the vertex of
 /// neighbours.
-bool edges_meet(Points vertices, std::size_t i, std::size_t j) {
+bool edges_meet(Outline vertices, std::size_t i, std::size_t j) {
   const std::size_t n = vertices.size();
   const Vector2d &a = vertices[i], &b = vertices[(i + 1) % n], &c = vertices[j], &d = vertices[(j + 1) % n];
   if (j == i + 1)
     return is_on(d, a, b) || is_on(a, c, d);
   if (i == 0 && j == n - 1)
     return is_on(c, a, b) || is_on(b, c, d);
-  if (turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0)
+  if (orientation(a, b, c) * orientation(a, b, d) < 0 && orientation(c, d, a) * orientation(c, d, b) < 0)
     return true;
   return is_on(c, a, b) || is_on(d, a, b) || is_on(a, c, d) || is_on(b, c, d);
 }
 
-std::optional<std::string> repetition_in(Points vertices) {
+std::optional<std::string> repetition_in(Outline vertices) {
   for (std::size_t k = 0; k < vertices.size(); ++k)
     for (std::size_t earlier = 0; earlier < k; ++earlier)
       if (vertices[k] == vertices[earlier])
@@ -61,7 +61,7 @@ std::optional<std::string> repetition_in(Points vertices) {
 }
 
 /// Returns the vertices of a simple polygon anticlockwise: in their order, or reversed.
-std::vector<Vector2d> anticlockwise(Points vertices) {
+std::vector<Vector2d> made_anticlockwise(Outline vertices) {
   // The turn at the least vertex, which is a corner of the convex hull, is that of the polygon.
   const auto is_less = [](const Vector2d& p, const Vector2d& q) {
     return p.x() < q.x() || (p.x() == q.x() && p.y() < q.y());
@@ -69,32 +69,32 @@ std::vector<Vector2d> anticlockwise(Points vertices) {
   const std::size_t n = vertices.size();
   const auto k = static_cast<std::size_t>(std::ranges::min_element(vertices, is_less) - vertices.begin());
   std::vector<Vector2d> result(vertices.begin(), vertices.end());
-  if (turn(vertices[(k + n - 1) % n], vertices[k], vertices[(k + 1) % n]) < 0)
+  if (orientation(vertices[(k + n - 1) % n], vertices[k], vertices[(k + 1) % n]) < 0)
     std::ranges::reverse(result);
   return result;
 }
 
 /// Tests whether the outline turns left at a vertex whose triangle with its neighbours contains no other
 /// vertex, not even on its sides.
-bool is_ear(Points vertices, std::size_t k) {
+bool is_ear(Outline vertices, std::size_t k) {
   const std::size_t n = vertices.size();
   const Vector2d &a = vertices[(k + n - 1) % n], &b = vertices[k], &c = vertices[(k + 1) % n];
-  return turn(a, b, c) > 0 && std::ranges::none_of(vertices, [&](const Vector2d& p) {
-           return p != a && p != b && p != c && turn(a, b, p) >= 0 && turn(b, c, p) >= 0 &&
-                  turn(c, a, p) >= 0;
+  return orientation(a, b, c) > 0 && std::ranges::none_of(vertices, [&](const Vector2d& p) {
+           return p != a && p != b && p != c && orientation(a, b, p) >= 0 && orientation(b, c, p) >= 0 &&
+                  orientation(c, a, p) >= 0;
          });
 }
 
 }  // namespace
 
-std::optional<std::string> defect_of_polygon(Points vertices) {
+std::optional<std::string> defect_of_polygon(Outline vertices) {
   const std::size_t n = vertices.size();
   if (n < 3 || n > most_vertices)
     return fmt::format("must have 3 to {} vertices, not {}", most_vertices, n);
   if (std::optional<std::string> repetition = repetition_in(vertices))
     return repetition;
   if (std::ranges::all_of(vertices,
-                          [&](const Vector2d& p) { return turn(vertices[0], vertices[1], p) == 0; }))
+                          [&](const Vector2d& p) { return orientation(vertices[0], vertices[1], p) == 0; }))
     return "the vertices lie on a line, and enclose no area";
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j)
@@ -104,10 +104,10 @@ std::optional<std::string> defect_of_polygon(Points vertices) {
   return std::nullopt;
 }
 
-std::vector<Triangle> triangles_of_polygon(Points vertices) {
+std::vector<Triangle> triangles_of_polygon(Outline vertices) {
   if (const std::optional<std::string> defect = defect_of_polygon(vertices))
     throw InputError(fmt::format("a polygon's vertices: {}", *defect));
-  std::vector<Vector2d> left = anticlockwise(vertices);
+  std::vector<Vector2d> left = made_anticlockwise(vertices);
   const auto lifted = [](const Vector2d& p) { return Eigen::Vector3d(p.x(), p.y(), 0); };
   std::vector<Triangle> triangles;
   while (left.size() > 3) {
