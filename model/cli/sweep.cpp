@@ -15,6 +15,7 @@
 #include "fringe/reading.hpp"
 #include "fringe/scene_reader.hpp"
 #include "fringe/version.hpp"
+#include "interruption.hpp"
 #include "program.hpp"
 #include "units.hpp"
 #include "whole_files.hpp"
@@ -103,7 +104,7 @@ std::string summary(const Scene& scene, const std::vector<Frame>& motion, const 
     text += fmt::format("{}, threshold {:.6g} fF:", described[k].name,
                         *described[k].threshold * femtofarads_per_farad);
     std::string before;
-    for (std::size_t frame = 0; frame < motion.size(); ++frame) {
+    for (std::size_t frame = 0; frame < sweep.noticed.size(); ++frame) {
       const Noticed now = sweep.noticed[frame][k];
       const std::string words = now == Noticed::yes      ? "noticed"
                                 : now == Noticed::no     ? "not noticed"
@@ -149,12 +150,19 @@ int run_sweep(const SweepRequest& request) {
   if (request.output)
     folders.emplace(fs::absolute(*request.output).parent_path());
   Sweep sweep;
-  for (std::size_t frame = 0; frame < motion.size(); ++frame) {
+  const CommandInterruption limit(std::nullopt);
+  for (std::size_t frame = 0; frame < motion.size() && !limit.status(); ++frame) {
     if (isatty(STDERR_FILENO) != 0)
       fmt::print(stderr, "\rfringe: frame {} of {}  ", frame + 1, motion.size());
     try {
       live.set_poses(motion[frame].poses);
-      add_frame(live.scene(), frame + 1, motion[frame].name, live.evaluate(options), sweep);
+      const Evaluation& answer = live.evaluate(options);
+      // An answer that Ctrl-C cut short is none of the sweep's.
+      if (limit.status() && !answer.reached)
+        throw Interrupted();
+      add_frame(live.scene(), frame + 1, motion[frame].name, answer, sweep);
+    } catch (const Interrupted&) {
+      break;
     } catch (const InputError& error) {
       throw InputError(
           fmt::format("{}: frame {} ({}): {}", request.scene, frame + 1, motion[frame].name, error.what()));
@@ -166,13 +174,17 @@ int run_sweep(const SweepRequest& request) {
   }
   if (isatty(STDERR_FILENO) != 0)
     fmt::print(stderr, "\n");
+  const std::size_t evaluated = sweep.noticed.size();
+  if (limit.status())
+    fmt::print(stderr, "fringe: {}: {} after {} of {} frames\n", request.scene, limit.reason(), evaluated,
+               motion.size());
   if (!sweep.reached)
     fmt::print(stderr, "fringe: {}: an error of {} was not reached in every frame\n", request.scene,
                rtol_of(options));
-  print(request.output ? fmt::format("{}: {} frames\n{}", request.output->string(), motion.size(),
+  print(request.output ? fmt::format("{}: {} frames\n{}", request.output->string(), evaluated,
                                      summary(live.scene(), motion, sweep))
                        : sweep.table);
-  return sweep.reached ? answered : not_reached;
+  return limit.status().value_or(sweep.reached ? answered : not_reached);
 }
 
 }  // namespace fringe::cli

@@ -29,8 +29,9 @@ CLI::App* add_sweep_command(CLI::App& program, SweepRequest& request);
 
 /// Evaluates the readings in every frame of a motion. Prints a table as CSV; or writes it to a file, whole
 /// after every frame, and prints between which frames a reading crosses its threshold. Returns the exit
-/// status: `not_reached` when one of the answers is less accurate than asked for. Throws InputError when the
-/// input cannot be used, std::runtime_error when the file cannot be written.
+/// status: `not_reached` when one of the answers is less accurate than asked for; after Ctrl-C, with the
+/// frames that are finished, `interrupted`. Throws InputError when the input cannot be used,
+/// std::runtime_error when the file cannot be written.
 int run_sweep(const SweepRequest& request);
 
 }  // namespace fringe::cli
