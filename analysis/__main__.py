@@ -48,7 +48,10 @@ def _parser(program: str) -> argparse.ArgumentParser:
     run = commands.add_parser("run", help="compute a study's missing answers, then report")
     run.add_argument("study", metavar="STUDY", help="a name in geometries/studies, or a file")
     run.add_argument(
-        "--results", type=Path, metavar="DIR", help="where to keep the results (default: results/<study>)"
+        "--results",
+        type=Path,
+        metavar="DIR",
+        help="where to keep the results (default: results/<study>, in the current folder for a study that is not the repository's)",
     )
     _add_jobs(run, "solves")
     run.add_argument(
@@ -114,7 +117,10 @@ def _parser(program: str) -> argparse.ArgumentParser:
         help="the frames of its motion (default: SCENE.motion.toml beside it, if any)",
     )
     show.add_argument(
-        "--output", type=Path, metavar="FILE", help="the page (default: results/show/<scene>.html)"
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="the page (default: <scene>.html in the current folder; results/show/<scene>.html for scenes of the repository)",
     )
     _add_sweep(commands)
     return parser

@@ -112,8 +112,9 @@ def _diff(old: Path, new: Path, output: Path | None) -> int:
 
 
 def _study(name: str, folder: Path | None) -> tuple[Study, Path]:
-    chosen = study.load(study.find(name))
-    return chosen, folder or installation.results_folder() / chosen.name
+    file = study.find(name)
+    chosen = study.load(file)
+    return chosen, folder or installation.results_folder(file) / chosen.name
 
 
 def _verified(options: argparse.Namespace, target: Path) -> list[Failure]:

@@ -66,8 +66,8 @@ def _parser(program: str) -> argparse.ArgumentParser:
         type=_positive,
         default=math.inf,
         metavar="S",
-        help="start no level that is predicted to end later than this many seconds after the start, and end one that does (default: "
-        "no limit); the first level is solved in any case",
+        help="start no level that is predicted to end later than this many seconds after the start, and end one that does, the first "
+        "one too (default: no limit)",
     )
     parser.add_argument(
         "--max-unknowns",

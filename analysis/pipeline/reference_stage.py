@@ -24,7 +24,11 @@ def answer(scene: Path, study: Study, processes: Processes) -> Document:
 
 def solve(scene: Path, processes: Processes, *asked: str) -> Document:
     """Solves a scene file with options of the field solver's command; NoAnswer if there is none."""
-    return parsed(_run(processes, scene, *asked, "--json").output)
+    finished = _run(processes, scene, *asked, "--json")
+    document = parsed(finished.output)
+    if not document["levels"]:
+        raise NoAnswer(finished.reason)
+    return document
 
 
 def answer_slice(scene: Path, target: Path, processes: Processes) -> Document:

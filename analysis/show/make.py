@@ -10,7 +10,7 @@ from analysis.pipeline.model_stage import model_module
 from analysis.results.store import write_text
 from analysis.show import data as show_data, page as show_page
 from geometries.common.errors import InputError
-from geometries.common.installation import ROOT, results_folder
+from geometries.common.installation import ROOT, is_own, results_folder
 from geometries.common.tables import is_file
 from geometries.scene import motion, reader
 
@@ -21,6 +21,7 @@ MOTION_SUFFIX = ".motion.toml"
 def make(name: str, motion_file: Path | None, target: Path | None) -> Path:
     """Writes the page of a scene, a file or a name in geometries/scenes; returns where it is.
 
+    The page of a scene of the repository is in its results, of any other scene in the current folder, unless `target` names it.
     Without a motion file the one beside the scene is taken, SCENE.motion.toml for SCENE.toml, or else the scene as it
     stands. InputError for files that cannot be used.
     """
@@ -31,7 +32,7 @@ def make(name: str, motion_file: Path | None, target: Path | None) -> Path:
     data = show_data.collect(path, scene, frames, model_module())
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     digest = hashlib.sha256(text.encode()).hexdigest()
-    page = target or results_folder() / "show" / f"{path.stem}.html"
+    page = target or (results_folder() / "show" if is_own(path) else Path.cwd()) / f"{path.stem}.html"
     write_text(page, show_page.document(path.stem.replace("_", " "), digest, text, data))
     return page
 

@@ -38,10 +38,10 @@ Array = NDArray[np.float64]
 ErrorKind = Literal["enclosure", "estimate"]
 
 LEVELS_BEFORE_CHECK = 3
-"""Number of levels that the ratio of two differences takes: with fewer no accuracy counts as reached."""
+"""Number of levels that the ratio of two differences takes: with fewer no estimate counts as reached."""
 LARGE = 200_000
-"""Number of unknowns from which on an enclosure counts on any level. Below it three levels, which take seconds, also show the order in which
-delta_self and the changes of readings converge, which have no interval of their own."""
+"""Number of unknowns from which on an enclosure counts whatever the errors of delta_self and of the changes of readings, which have no
+interval of their own. Below it as many levels as LEVELS_BEFORE_CHECK, which take seconds, show the order in which these converge."""
 MOST_LEVELS = 6
 """Largest number of levels; after it the answer is returned even if its errors are above `rtol`."""
 GROWTH_OF_TIME = 3.2
@@ -105,9 +105,13 @@ class Reference:
 
     @property
     def reached(self) -> bool:
-        """Whether every error is at most `rtol`, rests on enough levels, and is contradicted by no check."""
-        large = self.enclosure is not None and self.levels[-1].unknowns >= LARGE
-        enough = large or len(self.levels) >= LEVELS_BEFORE_CHECK
+        """Whether every error is at most `rtol`, rests on enough levels, and is contradicted by no check.
+
+        An enclosure needs no further level for itself, only for delta_self and the changes of readings, if their errors are larger.
+        """
+        enclosed = self.enclosure is not None
+        proven = enclosed and (self.levels[-1].unknowns >= LARGE or self.worst_of_changes <= self.rtol)
+        enough = proven or len(self.levels) >= LEVELS_BEFORE_CHECK
         return enough and self.worst <= self.rtol and self.contradicted is None
 
     @property
@@ -123,11 +127,15 @@ class Reference:
         """
         if self.enclosure is not None:
             return float(np.max(self.enclosure.half_width / np.abs(self.maxwell.value)))
-        pairs = [self.maxwell]
+        return max(float(np.max(self.maxwell.error / np.abs(self.maxwell.value))), self.worst_of_changes)
+
+    @property
+    def worst_of_changes(self) -> float:
+        """The largest relative error of delta_self and of the changes of readings; 0 if there are none."""
+        errors = [reading.relative_error_of_change for reading in self.readings]
         if self.has_objects and self.sensors:
-            pairs.append(self.delta_self)
-        of_readings = [reading.relative_error_of_change for reading in self.readings]
-        return float(max([np.max(pair.error / np.abs(pair.value)) for pair in pairs] + of_readings))
+            errors.append(float(np.max(self.delta_self.error / np.abs(self.delta_self.value))))
+        return float(max(errors, default=0.0))
 
     @property
     def charges(self) -> tuple[Array, ...]:

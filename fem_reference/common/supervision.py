@@ -30,6 +30,8 @@ class AnswerSoFar:
     text: str
     message: str
     seconds_left: float
+    is_answer: bool = True
+    """False before the first answer: `text` and `message` then say that the time was too short for one."""
 
 
 Report = Callable[[AnswerSoFar], None]
@@ -79,8 +81,10 @@ def _watched(child: int, reports: Connection, wakes: int, unreached: int) -> int
         print("", file=sys.stderr)
     elif status >= 0:
         return status
-    if latest is not None and (interrupted or status == -signal.SIGKILL and time.monotonic() >= ends):
-        print(latest.text, flush=True)
+    out_of_time = not interrupted and status == -signal.SIGKILL and time.monotonic() >= ends
+    if latest is not None and (out_of_time or interrupted and latest.is_answer):
+        if latest.text:
+            print(latest.text, flush=True)
         print(latest.message, file=sys.stderr)
         return INTERRUPTED if interrupted else unreached
     if interrupted:

@@ -70,11 +70,13 @@ def answer(
         if not is_first:
             return
         if not as_json:
-            _print_level(so_far.levels[-1], so_far.worst)
+            _print_level(so_far)
         stopped = replace(so_far, stopped_by="it was stopped before the next level ended")
         left = max(0.0, limits.seconds - so_far.seconds) + _GRACE
         report(AnswerSoFar(_text(stopped, as_json), _shortfall(path, stopped), left))
 
+    if is_first and math.isfinite(limits.seconds):
+        report(_no_answer(path, as_json, rtol, limits.seconds))
     reference = maxwell(
         scene,
         rtol=rtol,
@@ -102,6 +104,15 @@ def answer(
                 f"fem_reference: {path}: do not rely on the errors: {reference.contradicted}", file=sys.stderr
             )
     return status
+
+
+def _no_answer(path: Path, as_json: bool, rtol: float, seconds: float) -> AnswerSoFar:
+    """What to say when the limit of time ends the first level."""
+    reason = f"no level was finished within {seconds:g} s"
+    document = {"format": FORMAT, "rtol": rtol, "reached": False, "stopped_by": reason, "levels": []}
+    advice = "the first one has the coarsest mesh: give more time, or simplify the scene's meshes"
+    message = f"fem_reference: {path}: {reason}; {advice}"
+    return AnswerSoFar(json.dumps(document) if as_json else "", message, seconds + _GRACE, is_answer=False)
 
 
 def _text(reference: Reference, as_json: bool) -> str:
@@ -270,11 +281,14 @@ def write_field(path: Path, target: Path) -> None:
     write_field_file(load(path), target, str(path))
 
 
-def _print_level(level: Level, worst: float) -> None:
-    """Print a line about a finished level to standard error."""
+def _print_level(so_far: Reference) -> None:
+    """Print a line about the level that has just been finished to standard error."""
+    level = so_far.levels[-1]
+    lacking = so_far.worst <= so_far.rtol and not so_far.reached and so_far.contradicted is None
     print(
         f"edge size {level.edge_size * 1e3:.3g} mm: {level.unknowns} unknowns, {level.seconds:.1f} s, "
-        f"largest relative error so far {worst:.2e}",
+        f"largest relative error so far {so_far.worst:.2e}"
+        + (f", of changes {so_far.worst_of_changes:.2e}" if lacking else ""),
         file=sys.stderr,
         flush=True,
     )

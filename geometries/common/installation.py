@@ -64,9 +64,14 @@ def cache_folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fringe"
 
 
-def results_folder() -> Path:
-    """Returns the default folder of results: in the repository, or in the current folder."""
-    return (Path.cwd() if is_installed() else ROOT) / "results"
+def is_own(path: Path) -> bool:
+    """Tells whether a file lies within the repository, and so may have its results there."""
+    return not is_installed() and path.resolve().is_relative_to(ROOT)
+
+
+def results_folder(source: Path = ROOT) -> Path:
+    """Returns the default folder of what is made from a file: in the repository if the file is, else in the current folder."""
+    return (ROOT if is_own(source) else Path.cwd()) / "results"
 
 
 def how_to_get(module: str) -> str:

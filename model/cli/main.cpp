@@ -23,6 +23,7 @@
 #include "fringe/scene_sensing.hpp"
 #include "fringe/version.hpp"
 #include "import_program.hpp"
+#include "interruption.hpp"
 #include "maxwell_table.hpp"
 #include "method_options.hpp"
 #include "program.hpp"
@@ -44,6 +45,7 @@ struct Request {
   cli::MethodRequest method;
   std::optional<std::string> frame;
   std::optional<std::string> motion;
+  std::optional<double> most_seconds;
   std::string cone_method = "field_of_view";
   std::optional<std::string> output;
   bool json = false;
@@ -68,10 +70,10 @@ decltype(auto) of_file(const std::string& file, const Action& action) {
   }
 }
 
-/// The text of an answer, and whether the requested error was reached.
+/// The text of an answer, and the exit status that goes with it.
 struct Answer {
   std::string text;
-  bool reached = true;
+  int status = answered;
 };
 
 /// Formats an evaluation as a table.
@@ -103,18 +105,33 @@ Answer answer_capacitance(const Request& request) {
   if (request.output && !is_integral(options.method))
     throw InputError(fmt::format("--output is an option of the triangle-integral methods, not of {}",
                                  to_string(options.method)));
+  if (request.most_seconds && is_integral(options.method))
+    throw InputError(
+        fmt::format("--max-seconds is no option of {}, which answers at once", to_string(options.method)));
   LiveScene live = live_scene(request);
+  // The others answer before one could press Ctrl-C, which ends them as it ends any program.
+  std::optional<cli::CommandInterruption> limit;
+  if (!is_integral(options.method))
+    limit.emplace(request.most_seconds);
   const auto start = std::chrono::steady_clock::now();
-  const Evaluation& answer =
-      of_file(request.scene, [&]() -> const Evaluation& { return live.evaluate(options); });
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  if (request.output)
-    cli::write_vtu(live.scene(), integral_options(options), *request.output);
-  if (!answer.reached)
-    fmt::print(stderr, "fringe: {}: an error of {} was not reached\n", request.scene, rtol_of(options));
-  return {request.json ? json_text(capacitance_answer(answer, options, elapsed.count()))
-                       : table_of(answer, options, elapsed.count()),
-          answer.reached};
+  try {
+    const Evaluation& answer =
+        of_file(request.scene, [&]() -> const Evaluation& { return live.evaluate(options); });
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    if (request.output)
+      cli::write_vtu(live.scene(), integral_options(options), *request.output);
+    const std::string text = request.json ? json_text(capacitance_answer(answer, options, elapsed.count()))
+                                          : table_of(answer, options, elapsed.count());
+    if (answer.reached)
+      return {text, answered};
+    const std::optional<int> ended = limit ? limit->status() : std::nullopt;
+    fmt::print(stderr, "fringe: {}: {}an error of {} was not reached\n", request.scene,
+               ended ? limit->reason() + ": " : "", rtol_of(options));
+    return {text, ended.value_or(not_reached)};
+  } catch (const Interrupted&) {
+    fmt::print(stderr, "fringe: {}: {} before there was an answer\n", request.scene, limit->reason());
+    return {"", limit->status().value_or(cli::failed)};
+  }
 }
 
 std::string answer_collide(const Request& request) {
@@ -153,6 +170,12 @@ int run(int argument_count, char** arguments) {
       ->add_option("--motion", request.motion,
                    "The motion file (if not given, SCENE.motion.toml); only with --frame")
       ->type_name("FILE");
+  capacitance_command
+      ->add_option("--max-seconds", request.most_seconds,
+                   "End after this time with the best matrix so far, as Ctrl-C does; only with "
+                   "boundary-elements, reduced:K and recommended")
+      ->type_name("S")
+      ->check(CLI::PositiveNumber);
   capacitance_command
       ->add_option("--output", request.output,
                    "Also write the triangles with what each adds to every sensor's capacitance, for ParaView")
@@ -194,9 +217,10 @@ int run(int argument_count, char** arguments) {
   if (sweep_command->parsed())
     return cli::run_sweep(sweep_request);
   if (capacitance_command->parsed()) {
-    const auto [text, reached] = answer_capacitance(request);
-    print(text);
-    return reached ? answered : not_reached;
+    const auto [text, status] = answer_capacitance(request);
+    if (!text.empty())
+      print(text);
+    return status;
   }
   print(collide_command->parsed() ? answer_collide(request)
         : sense_command->parsed() ? answer_sense(request)

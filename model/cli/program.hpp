@@ -5,7 +5,7 @@
 namespace fringe::cli {
 
 /// The exit status of the programs, which are the same for all subcommands.
-enum ExitCode { answered = 0, failed = 1, wrong_input = 2, not_reached = 3 };
+enum ExitCode { answered = 0, failed = 1, wrong_input = 2, not_reached = 3, interrupted = 130 };
 
 /// Prints an answer on standard output, with a line end. Throws std::runtime_error when it cannot be written.
 void print(std::string answer);

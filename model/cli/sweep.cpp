@@ -15,6 +15,7 @@
 #include "fringe/reading.hpp"
 #include "fringe/scene_reader.hpp"
 #include "fringe/version.hpp"
+#include "interruption.hpp"
 #include "program.hpp"
 #include "sweep_table.hpp"
 #include "units.hpp"
@@ -47,7 +48,7 @@ std::string summary(const Scene& scene, const std::vector<Frame>& motion, const 
                         *described[k].threshold * femtofarads_per_farad,
                         names_method ? ", by " + sweeper.request.method : "");
     std::string before;
-    for (std::size_t frame = 0; frame < motion.size(); ++frame) {
+    for (std::size_t frame = 0; frame < sweeper.noticed.size(); ++frame) {
       const Noticed now = sweeper.noticed[frame][k];
       const std::string words = now == Noticed::yes      ? "noticed"
                                 : now == Noticed::no     ? "not noticed"
@@ -68,6 +69,48 @@ void show_progress(std::size_t frame, std::size_t frames, const std::string& met
   // Blanks cover what the longest name of a method has left behind.
   if (isatty(STDERR_FILENO) != 0)
     fmt::print(stderr, "\rfringe: frame {} of {}, {:<24}", frame, frames, method);
+}
+
+/// What the methods say of one frame, one answer for each; those that were there already are counted.
+struct FrameAnswers {
+  std::vector<FrameRows> rows;
+  std::size_t found = 0;
+  std::size_t refused = 0;
+};
+
+/// Answers one frame by every method, or takes what earlier rows hold; nothing if it was interrupted.
+std::optional<FrameAnswers> answer_frame(LiveScene& live, const std::vector<Sweeper>& sweepers,
+                                         const EarlierRows& earlier, const SweepKey& key,
+                                         const std::vector<Frame>& motion, std::size_t frame,
+                                         const CommandInterruption& limit) {
+  const std::string& name = motion[frame].name;
+  live.set_poses(motion[frame].poses);
+  FrameAnswers answers;
+  for (const Sweeper& sweeper : sweepers) {
+    const std::string& method = sweeper.request.method;
+    const std::string own = key.of(motion[frame], sweeper.request);
+    std::optional<FrameRows> rows = earlier.find(live.scene(), frame + 1, name, method, own);
+    answers.found += rows.has_value() ? 1 : 0;
+    show_progress(frame + 1, motion.size(), method);
+    try {
+      if (!rows) {
+        const Evaluation& answer = live.evaluate(sweeper.options);
+        // An answer that Ctrl-C cut short is none of the sweep's.
+        if (limit.status() && !answer.reached)
+          return std::nullopt;
+        rows = answered_rows(live.scene(), frame + 1, name, method, answer, own);
+      }
+    } catch (const Interrupted&) {
+      return std::nullopt;
+    } catch (const InputError& error) {
+      // The other methods may still answer.
+      ++answers.refused;
+      rows = refused_rows(live.scene(), frame + 1, name, method);
+      rows->refused = error.what();
+    }
+    answers.rows.push_back(*std::move(rows));
+  }
+  return answers;
 }
 
 /// Says on standard error what was refused, and which errors were not reached.
@@ -127,41 +170,34 @@ int run_sweep(const SweepRequest& request) {
     folders.emplace(fs::absolute(*request.output).parent_path());
   }
   std::string table = sweep_header;
-  std::size_t kept = 0;
-  for (std::size_t frame = 0; frame < motion.size(); ++frame) {
-    const std::string& name = motion[frame].name;
-    const auto of_frame = [&](const InputError& error) {
-      return InputError(fmt::format("{}: frame {} ({}): {}", request.scene, frame + 1, name, error.what()));
-    };
+  std::size_t kept = 0, finished = 0;
+  const CommandInterruption limit(std::nullopt);
+  for (std::size_t frame = 0; frame < motion.size() && !limit.status(); ++frame) {
     try {
-      live.set_poses(motion[frame].poses);
-    } catch (const InputError& error) {
-      throw of_frame(error);
-    }
-    std::size_t refused = 0, found = 0;
-    for (Sweeper& sweeper : sweepers) {
-      const std::string& method = sweeper.request.method;
-      const std::string own = key.of(motion[frame], sweeper.request);
-      std::optional<FrameRows> rows = earlier.find(live.scene(), frame + 1, name, method, own);
-      found += rows.has_value() ? 1 : 0;
-      show_progress(frame + 1, motion.size(), method);
-      try {
-        if (!rows)
-          rows = answered_rows(live.scene(), frame + 1, name, method, live.evaluate(sweeper.options), own);
-      } catch (const InputError& error) {
-        // The other methods may still answer.
-        if (++refused == sweepers.size())
-          throw of_frame(error);
-        if (sweeper.refused.empty())
-          sweeper.reason = error.what();
-        sweeper.refused.push_back(frame + 1);
-        rows = refused_rows(live.scene(), frame + 1, name, method);
+      const std::optional<FrameAnswers> answers =
+          answer_frame(live, sweepers, earlier, key, motion, frame, limit);
+      if (!answers)
+        break;
+      // Of several methods, some may refuse a frame.
+      if (answers->refused == sweepers.size())
+        throw InputError(answers->rows.back().refused);
+      for (std::size_t k = 0; k < sweepers.size(); ++k) {
+        const FrameRows& rows = answers->rows[k];
+        table += rows.text;
+        sweepers[k].noticed.push_back(rows.noticed);
+        sweepers[k].reached = sweepers[k].reached && rows.reached;
+        if (!rows.refused.empty()) {
+          if (sweepers[k].refused.empty())
+            sweepers[k].reason = rows.refused;
+          sweepers[k].refused.push_back(frame + 1);
+        }
       }
-      table += rows->text;
-      sweeper.noticed.push_back(rows->noticed);
-      sweeper.reached = sweeper.reached && rows->reached;
+      kept += answers->found == sweepers.size() ? 1 : 0;
+      ++finished;
+    } catch (const InputError& error) {
+      throw InputError(
+          fmt::format("{}: frame {} ({}): {}", request.scene, frame + 1, motion[frame].name, error.what()));
     }
-    kept += found == sweepers.size() ? 1 : 0;
     if (request.output) {
       write_whole({{*request.output, table}});
       folders->keep();
@@ -172,16 +208,19 @@ int run_sweep(const SweepRequest& request) {
   if (!earlier.empty() && kept == 0)
     fmt::print(stderr, "fringe: {}: its frames were of another scene, motion or options, and are replaced\n",
                request.output->string());
+  if (limit.status())
+    fmt::print(stderr, "fringe: {}: {} after {} of {} frames\n", request.scene, limit.reason(), finished,
+               motion.size());
   tell(request.scene, sweepers);
   std::string text = table;
   if (request.output) {
-    text = fmt::format("{}: {} frames{}\n", request.output->string(), motion.size(),
+    text = fmt::format("{}: {} frames{}\n", request.output->string(), finished,
                        kept > 0 ? fmt::format(", {} of which were there", kept) : "");
     for (const Sweeper& sweeper : sweepers)
       text += summary(live.scene(), motion, sweeper, sweepers.size() > 1);
   }
   print(text);
-  return std::ranges::all_of(sweepers, &Sweeper::reached) ? answered : not_reached;
+  return limit.status().value_or(std::ranges::all_of(sweepers, &Sweeper::reached) ? answered : not_reached);
 }
 
 }  // namespace fringe::cli

@@ -22,6 +22,7 @@ struct FrameRows {
   std::string text;              ///< a line for every reading
   std::vector<Noticed> noticed;  ///< for every reading
   bool reached = true;           ///< whether the error asked for was reached
+  std::string refused = {};      ///< why there is no answer; empty if there is one
 };
 
 /// The first line of the table of a sweep. `key` is a hash of all that the row depends on.

@@ -1,62 +1,34 @@
-#include <algorithm>
-#include <chrono>
 #include <cstdint>
-#include <filesystem>
-#include <map>
-#include <memory>
-#include <mutex>
 #include <optional>
-#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
-#include "answers/answers.hpp"
-#include "answers/scene_roles.hpp"
+#include "arrays.hpp"
 #include "fringe/bounding_volume.hpp"
-#include "fringe/conductors.hpp"
 #include "fringe/correction.hpp"
 #include "fringe/distance_sensor.hpp"
 #include "fringe/error.hpp"
-#include "fringe/evaluation.hpp"
 #include "fringe/gjk.hpp"
-#include "fringe/live_scene.hpp"
-#include "fringe/motion.hpp"
 #include "fringe/plate_integral.hpp"
-#include "fringe/pose.hpp"
-#include "fringe/scene_info.hpp"
-#include "fringe/scene_reader.hpp"
 #include "fringe/thesis.hpp"
 #include "fringe/version.hpp"
-#include "python_object.hpp"
+#include "scene_module.hpp"
 
 namespace py = pybind11;
 
 namespace {
 
 using namespace fringe;
-using namespace fringe::answers;
-using fringe::python::python_object;
 using namespace pybind11::literals;
-
-/// Any array of numbers. Its shape is checked here, so that a wrong one raises ValueError.
-using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using python::Array, python::vector3;
 
 static_assert(sizeof(Triangle) == 9 * sizeof(double), "triangles lie in memory like an (n, 3, 3) array");
-
-Eigen::Vector3d vector3(const Array& array, const char* name) {
-  if (array.ndim() != 1 || array.shape(0) != 3)
-    throw InputError(fmt::format("{} must have shape (3,)", name));
-  return Eigen::Vector3d(array.data());
-}
 
 std::vector<Triangle> triangles_of(const Array& array) {
   if (array.ndim() != 3 || array.shape(1) != 3 || array.shape(2) != 3)
@@ -150,15 +122,6 @@ py::object cone_closest_of(const Array& triangles, const Array& apex, const Arra
   return py::make_tuple(seen->distance, seen->point, seen->triangle);
 }
 
-Array array_of(const std::vector<Triangle>& triangles) {
-  Array array({static_cast<py::ssize_t>(triangles.size()), py::ssize_t{3}, py::ssize_t{3}});
-  double* target = array.mutable_data();
-  for (const Triangle& triangle : triangles)
-    for (const Eigen::Vector3d& vertex : triangle)
-      target = std::copy(vertex.begin(), vertex.end(), target);
-  return array;
-}
-
 Array plate_integral_of(const Array& triangles, const Array& corner, const Array& edge_u, const Array& edge_v,
                         const std::string& method) {
   const std::vector<Triangle> surface = triangles_of(triangles);
@@ -177,261 +140,6 @@ py::list corrections_list() {
     list.append(py::dict("name"_a = info.name, "formula"_a = info.formula, "source"_a = info.source,
                          "constants"_a = info.constants, "cost"_a = info.cost));
   return list;
-}
-
-py::dict dictionary(const FormulaTerms& terms) {
-  return py::dict("own_of_sensor"_a = terms.own_of_sensor, "own_of_object"_a = terms.own_of_object,
-                  "potential"_a = terms.potential, "drawn"_a = terms.drawn, "flux"_a = terms.flux,
-                  "soft_flux"_a = terms.soft_flux, "tilted_excess"_a = terms.tilted_excess,
-                  "facing_area"_a = terms.facing_area,
-                  "on_sensor"_a = py::make_tuple(terms.on_sensor.linear, terms.on_sensor.quadratic,
-                                                 terms.on_sensor.remaining),
-                  "on_object"_a = py::make_tuple(terms.on_object.linear, terms.on_object.quadratic,
-                                                 terms.on_object.remaining));
-}
-
-/// A scene that several Python threads may ask: one answer is computed at a time.
-class SharedScene {
- public:
-  explicit SharedScene(Scene scene) : live_(std::move(scene)) {}
-
-  const Scene& scene() const { return live_.scene(); }
-
-  /// Runs an action on the scene while no other thread does, and other Python threads run on.
-  template <typename Action>
-  auto locked(const Action& action) {
-    const py::gil_scoped_release unlocked;
-    const std::lock_guard lock(mutex_);
-    return action(live_);
-  }
-
- private:
-  LiveScene live_;
-  std::mutex mutex_;
-};
-
-/// Evaluates a scene and describes the answer by `describe`, a function of the evaluation and the seconds it
-/// took.
-template <typename Describe>
-py::dict described_evaluation(SharedScene& shared, const EvaluationOptions& options,
-                              const Describe& describe) {
-  validate(options);
-  return python_object(shared.locked([&](LiveScene& live) {
-    const auto start = std::chrono::steady_clock::now();
-    const Evaluation& answer = live.evaluate(options);
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    return describe(answer, elapsed.count());
-  }));
-}
-
-py::dict maxwell_of(SharedScene& scene, const std::string& method, std::optional<double> rtol) {
-  const EvaluationOptions options{.method = parse_method(method), .rtol = rtol, .entries = Entries::all};
-  if (is_integral(options.method) || std::holds_alternative<Recommended>(options.method))
-    throw InputError(fmt::format(
-        "method '{}' finds no Maxwell matrix: it must be boundary-elements or reduced:K", method));
-  return described_evaluation(scene, options, [&](const Evaluation& answer, double seconds) {
-    return maxwell_answer(answer, rtol_of(options), seconds);
-  });
-}
-
-/// Reads the options of the triangle-integral methods.
-EvaluationOptions options_of(const std::string& method, const std::optional<std::string>& plates,
-                             const std::optional<std::string>& faces, std::optional<double> tolerance,
-                             std::optional<double> rtol, const std::optional<std::string>& correction) {
-  EvaluationOptions options{.method = parse_method(method), .tolerance = tolerance, .rtol = rtol};
-  if (plates)
-    options.plates = parse_plate_rule(*plates);
-  if (faces)
-    options.faces = parse_face_rule(*faces);
-  if (correction)
-    options.correction = parse_correction(*correction);
-  return options;
-}
-
-py::dict capacitance_of(SharedScene& scene, const std::string& method,
-                        const std::optional<std::string>& plates, const std::optional<std::string>& faces,
-                        std::optional<double> tolerance, std::optional<double> rtol,
-                        const std::optional<std::string>& correction) {
-  const EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction);
-  return described_evaluation(scene, options, [&](const Evaluation& answer, double seconds) {
-    return capacitance_answer(answer, options, seconds);
-  });
-}
-
-/// The answer of a reading as an object of Python: `Reading`.
-struct PythonReading {
-  std::optional<double> value, background, change;
-  std::map<std::string, std::optional<double>> error;
-  std::string answered_by;
-};
-
-/// Readings by their names.
-using PythonReadings = std::map<std::string, PythonReading>;
-
-PythonReadings python_readings(const Evaluation& answer) {
-  PythonReadings result;
-  for (const ReadingAnswer& reading : answer.readings)
-    result[reading.name] = {reading.value.value,
-                            reading.background.value,
-                            reading.change.value,
-                            {{"value", reading.value.error},
-                             {"background", reading.background.error},
-                             {"change", reading.change.error}},
-                            reading.answered_by};
-  return result;
-}
-
-PythonReadings readings_of(SharedScene& scene, const std::string& method,
-                           const std::optional<std::string>& plates, const std::optional<std::string>& faces,
-                           std::optional<double> tolerance, std::optional<double> rtol,
-                           const std::optional<std::string>& correction) {
-  const EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction);
-  validate(options);
-  return scene.locked([&](LiveScene& live) { return python_readings(live.evaluate(options)); });
-}
-
-/// A frame of a sweep as a tuple of Python: its name and its readings.
-using PythonFrame = std::tuple<std::string, PythonReadings>;
-
-std::vector<PythonFrame> sweep_of(SharedScene& scene, const std::string& motion, const std::string& method,
-                                  const std::optional<std::string>& plates,
-                                  const std::optional<std::string>& faces, std::optional<double> tolerance,
-                                  std::optional<double> rtol, const std::optional<std::string>& correction) {
-  const EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction);
-  validate(options);
-  std::vector<PythonFrame> frames;
-  std::vector<Frame> poses;
-  scene.locked([&](const LiveScene& live) { poses = load_motion(motion, live.scene()); });
-  for (const Frame& frame : poses) {
-    // Ctrl-C ends the sweep between two frames.
-    if (PyErr_CheckSignals() != 0)
-      throw py::error_already_set();
-    scene.locked([&](LiveScene& live) {
-      live.set_poses(frame.poses);
-      frames.emplace_back(frame.name, python_readings(live.evaluate(options)));
-    });
-  }
-  return frames;
-}
-
-py::dict sense_of(SharedScene& scene, const std::string& method) {
-  const ConeMethod how = parse_cone_method(method);
-  return python_object(scene.locked([&](LiveScene& live) { return sensing_answer(live.sense(how)); }));
-}
-
-py::dict collide_of(SharedScene& scene) {
-  return python_object(
-      scene.locked([](LiveScene& live) { return collision_answer(live.collide(), live.scene()); }));
-}
-
-py::dict conductors_of(const SharedScene& scene) {
-  std::vector<Conductor> surfaces;
-  {
-    const py::gil_scoped_release unlocked;
-    surfaces = conductors(scene.scene());
-  }
-  py::dict result;
-  for (const auto& [name, triangles] : surfaces)
-    result[py::str(name)] = array_of(triangles);
-  return result;
-}
-
-py::dict info_of(SharedScene& scene) {
-  return python_object(
-      scene.locked([](LiveScene& live) { return info_answer(scene_info(live.scene()), live.scene()); }));
-}
-
-py::dict roles_of(SharedScene& scene) {
-  return python_object(scene.locked([](LiveScene& live) { return scene_roles(live.scene()); }));
-}
-
-/// Returns the pose in a (4, 4) matrix.
-Eigen::Isometry3d pose_of(const Array& array) {
-  const Eigen::Matrix4d matrix = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>(array.data());
-  if (matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
-    throw InputError("the last row of a (4, 4) pose must be 0, 0, 0, 1");
-  return pose_from_matrix(matrix.topLeftCorner<3, 3>(), matrix.topRightCorner<3, 1>());
-}
-
-/// Returns the pose of a rotation, a matrix or a quaternion, and a translation.
-Eigen::Isometry3d pose_of(const Eigen::Vector3d& translation, const Array& rotation) {
-  if (rotation.ndim() == 2 && rotation.shape(0) == 3 && rotation.shape(1) == 3)
-    return pose_from_matrix(Eigen::Matrix<double, 3, 3, Eigen::RowMajor>(rotation.data()), translation);
-  if (rotation.ndim() != 1 || rotation.shape(0) != 4)
-    throw InputError("rotation must be a matrix of shape (3, 3) or a quaternion (w, x, y, z) of shape (4,)");
-  const double* wxyz = rotation.data();
-  const Eigen::Quaterniond quaternion(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
-  if (!quaternion.coeffs().allFinite() || !translation.allFinite())
-    throw InputError("a pose must be finite");
-  if (quaternion.coeffs().isZero(0))
-    throw InputError("a quaternion must not be zero");
-  return pose_from_quaternion(quaternion, translation);
-}
-
-/// Returns the link of this name. Throws InputError when there is none.
-const Link& link_of(const Scene& scene, const std::string& name) {
-  const auto link = std::ranges::find(scene.links, name, &Link::name);
-  if (link == scene.links.end())
-    throw InputError(fmt::format("there is no link \"{}\"", name));
-  return *link;
-}
-
-void set_link_pose(SharedScene& scene, const std::string& link, const Array& translation,
-                   const std::optional<Array>& rotation) {
-  const bool is_pose = translation.ndim() == 2 && translation.shape(0) == 4 && translation.shape(1) == 4;
-  if (is_pose && rotation)
-    throw InputError("a (4, 4) pose has its rotation: leave `rotation` out");
-  if (is_pose || rotation) {
-    const Eigen::Isometry3d pose =
-        is_pose ? pose_of(translation) : pose_of(vector3(translation, "translation"), *rotation);
-    scene.locked([&](LiveScene& live) { live.set_pose(link, pose); });
-    return;
-  }
-  const Eigen::Vector3d shifted = vector3(translation, "translation");
-  if (!shifted.allFinite())
-    throw InputError("a pose must be finite");
-  scene.locked([&](LiveScene& live) {
-    Eigen::Isometry3d pose = link_of(live.scene(), link).pose;
-    pose.translation() = shifted;
-    live.set_pose(link, pose);
-  });
-}
-
-Eigen::Matrix4d link_pose(SharedScene& scene, const std::string& link) {
-  return scene.locked(
-      [&](const LiveScene& live) { return Eigen::Matrix4d(link_of(live.scene(), link).pose.matrix()); });
-}
-
-/// Returns the names of a scene's links, sensors or objects.
-template <auto elements>
-std::vector<std::string> names_of(const SharedScene& scene) {
-  std::vector<std::string> names;
-  for (const auto& element : scene.scene().*elements)
-    names.push_back(element.name);
-  return names;
-}
-
-std::vector<std::string> joint_names(const SharedScene& scene) {
-  std::vector<std::string> names;
-  for (const Link& link : scene.scene().links)
-    if (link.joint)
-      names.push_back(link.joint->name);
-  return names;
-}
-
-/// Returns a scene of its own in the same poses.
-std::unique_ptr<SharedScene> copy_of(SharedScene& scene) {
-  return scene.locked([](const LiveScene& live) { return std::make_unique<SharedScene>(live.scene()); });
-}
-
-std::string representation(const SharedScene& shared) {
-  const Scene& scene = shared.scene();
-  return fmt::format("<fringe.Scene of {} links, {} sensors, {} objects, {} readings>", scene.links.size(),
-                     scene.sensors.size(), scene.objects.size(), scene.readings.size());
-}
-
-void set_joint_position(SharedScene& scene, const std::string& joint, double position) {
-  scene.locked([&](LiveScene& live) { live.set_joint(joint, position); });
 }
 
 }  // namespace
@@ -500,150 +208,5 @@ method.)");
              "The registry of corrections: a list of dictionaries with \"name\", \"formula\", \"source\", "
              "\"constants\" and \"cost\".");
 
-  py::class_<PythonReading>(module, "Reading",
-                            "The answer of a reading (F); None is what the method does not know.")
-      .def_readonly("value", &PythonReading::value)
-      .def_readonly("background", &PythonReading::background)
-      .def_readonly("change", &PythonReading::change)
-      .def_readonly("error", &PythonReading::error,
-                    R"(Estimates of the errors: {"value", "background", "change"}.)")
-      .def_readonly("answered_by", &PythonReading::answered_by, "The method.");
-
-  py::class_<SharedScene>(module, "Scene", "A scene of links, sensors and objects (geometries/SCENE.md).")
-      .def_static(
-          "load",
-          [](const std::filesystem::path& path) { return std::make_unique<SharedScene>(load_scene(path)); },
-          "path"_a, py::call_guard<py::gil_scoped_release>(),
-          "Reads a scene file and the mesh files it names. Raises InputError for a wrong one.")
-      .def_static(
-          "loads",
-          [](const std::string& text, const std::filesystem::path& folder) {
-            return std::make_unique<SharedScene>(parse_scene(text, folder));
-          },
-          "text"_a, "folder"_a = ".", py::call_guard<py::gil_scoped_release>(),
-          "Reads the text of a scene file; mesh files are looked for in `folder`. Raises InputError for a "
-          "wrong one.")
-      .def_property_readonly("links", &names_of<&Scene::links>,
-                             "Names of the links, in the order of the scene.")
-      .def_property_readonly("joints", &joint_names, "Names of the joints, in the order of their links.")
-      .def_property_readonly("sensors", &names_of<&Scene::sensors>, "Names of the sensors.")
-      .def_property_readonly("objects", &names_of<&Scene::objects>, "Names of the objects.")
-      .def(
-          "pose", &link_pose, "link"_a,
-          "The present pose of a link relative to its parent, (4, 4). Raises InputError for an unknown link.")
-      .def("copy", &copy_of, "A scene of its own, in the same poses.")
-      .def("__copy__", &copy_of)
-      .def("__deepcopy__", [](SharedScene& scene, const py::dict& /*memo*/) { return copy_of(scene); })
-      .def("__repr__", &representation)
-      .def("capacitance", &capacitance_of, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
-           "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
-           "correction"_a = py::none(),
-           R"(What every sensor feels, as the dictionary that `fringe capacitance --json` prints; F and V.
-
-method: "exact", "split:N" or "gauss:K", as for plate_integral; or "boundary-elements", for every shape, or "reduced:K",
-the same in microseconds for moving scenes; or "recommended", the first of "reduced:K", "boundary-elements" (1,000 unknowns
-at most) and the correction "formula" that states the error asked for.
-plates: "sum", every plate of a sensor counts every point of a surface; "nearest", only the plate nearest to it does.
-faces: "all", or "facing": only triangles whose outward side sees the plate, and those in contact with it.
-tolerance: what may be left out of a sensor's total, relative to it; each object's "bound" says how much of it was left
-out at most. 0: nothing is left out but by "nearest", 1e-12. Only with the method "exact".
-rtol: the error of every entry in the sensors' rows of the Maxwell matrix to be reached. Only with "boundary-elements" (if not given 1e-3),
-"reduced:1", 2, 3 (1e-2, 1e-3, 3e-4) and "recommended" (1e-2, of the sensors' own entries and the objects' capacitances).
-correction: "none", or what takes the place of the integral, "formula" or "recommended" (fringe.corrections()).
-
-plates, faces, tolerance and correction are options of "exact", "split:N" and "gauss:K"; None is the first value named.
-Asked again with the same options, only what moved since is evaluated; "counts" says what that was.
-
-Raises InputError (a ValueError) for unknown or inconsistent options and for objects that are not grounded.)")
-      .def("readings", &readings_of, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
-           "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
-           "correction"_a = py::none(),
-           R"(What the scene's readings measure, {name: Reading}; options as for capacitance(). F.
-
-A scene without readings has one for every sensor, which senses and drives it. A reading's value is the charge on what it
-senses per volt on what it drives, times -1 if it does not drive that, too; background is the same without the targets,
-the objects that are marked as such, or all but electrodes; change is value - background. "boundary-elements" finds both
-on the same elements, so that errors common to both cancel; the triangle-integral methods and the formula know only the
-change of a reading that drives the sensor it senses, the sum over the targets.
-
-Raises InputError as capacitance() does.)")
-      .def(
-          "sweep", &sweep_of, "motion"_a, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
-          "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
-          "correction"_a = py::none(),
-          R"(The readings in every frame of a motion file: a list of (name of the frame, {name: Reading}); options as for readings().
-
-The scene stays in the poses of the last frame, and begins in those that it has. Raises InputError for a file that cannot
-be used with the scene, and as readings() does.)")
-      .def("maxwell", &maxwell_of, py::kw_only(), "method"_a = "boundary-elements", "rtol"_a = py::none(),
-           R"(The Maxwell matrix of the sensors and objects in free space, by boundary elements. F.
-
-method: "boundary-elements"; or "reduced:K", K from 1 to 3, which seeks every body's charge among few distributions that
-follow its pose. What it prepares of a body, in milliseconds, of triangles in seconds, is kept while set_pose moves
-links; a pose takes microseconds.
-rtol: the error to be reached in every entry, relative to it (to 1e-3 of the geometric mean of its diagonal entries
-where that is larger); from 1e-6 to 0.5, if not given 1e-3. With "reduced:K" from
-1e-4, if not given 1e-2, 1e-3 and 3e-4 for K = 1, 2 and 3.
-
-Returns "conductors" (names, the sensors first), "maxwell" and "error" (n, n): charge on the row's conductor per volt on
-the column's, and an estimate of its error; "delta_self" by sensor, its own entry less what it is without the objects;
-"lower_bounds", which entries of the diagonal are not above the truth; "floating", objects without charge and so without
-a row; "reached", whether the errors are within rtol; "unknowns", "seconds"; "members", the sensor or the objects of each
-conductor, and "charges", for each conductor the charges on its members (rows) per volt on each conductor.
-
-Grounded objects that touch, overlap or contain each other are one conductor. "reduced:K" prepares them together, again
-for every pose in which they have moved relative to each other, which takes seconds.
-
-Round shapes are the polyhedra of their triangles here. Raises InputError (a ValueError) for dielectric objects and
-conductors that may have different potentials and touch, cross or are inside each other, with "reduced:K" for bodies of
-more than 2,000 triangles, those that touch them included.)")
-      .def(
-          "formula_terms",
-          [](SharedScene& shared) {
-            py::list sensors;
-            const auto terms_of = [](LiveScene& live) { return formula_terms(live.scene()); };
-            for (const std::vector<FormulaTerms>& of_sensor : shared.locked(terms_of)) {
-              py::list objects;
-              for (const FormulaTerms& terms : of_sensor)
-                objects.append(dictionary(terms));
-              sensors.append(objects);
-            }
-            return sensors;
-          },
-          "What the correction \"formula\" is combined from, for every sensor and object "
-          "(model/CORRECTIONS.md).")
-      .def(
-          "sense", &sense_of, "method"_a = "field_of_view",
-          R"(The closest point that every distance sensor sees, as the dictionary that `fringe sense --json` prints.
-
-For each sensor "distance" (m), "point" (world frame), "object" and "triangle", the index into conductors()[object]; all
-None when nothing is in its cone. Every object is seen, whatever it is made of and also on the sensor's own link.
-method: as for cone_closest.)")
-      .def("collide", &collide_of,
-           R"(Which objects collide, as the dictionary that `fringe collide --json` prints.
-
-Of each pair that can collide, "status" is "clear", "bounds" when only the bounding boxes meet, or "collision"; touching
-counts. Objects of the same link and those with collides = false are left out. Asked again, only what moved since is
-looked at; "tests" says how many bounding boxes ("broad") and convex shapes ("narrow") were tested.)")
-      .def("conductors", &conductors_of,
-           "Name to (n, 3, 3) triangles in the world frame, the sensors first, each in the file's order.")
-      .def("set_pose", &set_link_pose, "link"_a, "translation"_a, "rotation"_a = py::none(),
-           R"(Replaces a link's pose relative to its parent.
-
-translation: (3,), m; or the whole pose, (4, 4), without `rotation`. rotation: a (3, 3) rotation matrix or a quaternion
-(w, x, y, z) of any length but zero; if not given, it stays as it is. Raises InputError for an unknown link or a pose that
-is none.)")
-      .def(
-          "set_joint", &set_joint_position, "joint"_a, "position"_a,
-          "Moves the link of a joint, and the links of all joints that follow it, to a position in rad or m. "
-          "Limits are not "
-          "checked. Raises InputError for a joint that does not exist or follows another one.")
-      .def("roles", &roles_of,
-           R"(What each object is to the readings, and what is measured, with the defaults filled in.
-
-"objects" by name: "potential" ("grounded", "floating", "electrode", or "dielectric" with its "relative_permittivity"),
-"conductor", "to_ground" (F, None if not connected through a capacitance) and "target". "readings" by name: "sense" and
-"drive", names of sensors and of electrodes' conductors, "noise" and "threshold" (F or None).)")
-      .def("info", &info_of,
-           "Counts, areas (m2), volumes (m3, None for open surfaces) and bounding boxes (m).");
+  python::add_scene(module);
 }

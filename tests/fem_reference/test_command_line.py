@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import time
 from pathlib import Path
 
+import jsonschema
 import meshio
 import numpy as np
 import pytest
@@ -51,7 +53,7 @@ def test_json_is_one_document_with_the_whole_answer(scene: Path) -> None:
 
 
 def test_the_whole_of_space_is_meshed_when_symmetry_is_not_to_be_used(scene: Path) -> None:
-    short = ("--json", "--error", "estimate", "--max-seconds", "0.1")
+    short = ("--json", "--error", "estimate", "--max-unknowns", "1000")
     half, whole = (json.loads(command(scene, *short, *more).stdout) for more in ((), ("--no-symmetry",)))
     assert len(half["symmetry_planes"]) == 1 and whole["symmetry_planes"] == []
     assert whole["unknowns"] > 1.5 * half["unknowns"]
@@ -59,7 +61,7 @@ def test_the_whole_of_space_is_meshed_when_symmetry_is_not_to_be_used(scene: Pat
 
 
 def test_an_estimate_is_checked_by_bounds_on_the_coarsest_mesh(scene: Path) -> None:
-    done = command(scene, "--json", "--error", "estimate", "--max-seconds", "0.1")
+    done = command(scene, "--json", "--error", "estimate", "--max-unknowns", "1000")
     first = json.loads(done.stdout)["levels"][0]
     assert json.loads(done.stdout)["contradicted"] is None
     lower, upper, value = (
@@ -68,9 +70,9 @@ def test_an_estimate_is_checked_by_bounds_on_the_coarsest_mesh(scene: Path) -> N
     assert np.all(lower <= value) and np.all(value <= upper * (1 + 1e-4))
 
 
-def test_when_time_is_short_the_answer_admits_it(scene: Path) -> None:
+def test_an_answer_of_one_level_admits_it(scene: Path) -> None:
     """One level says nothing about its own error: 100 %, and exit status 3."""
-    done = command(scene, "--json", "--error", "estimate", "--max-seconds", "0.1")
+    done = command(scene, "--json", "--error", "estimate", "--max-unknowns", "1000")
     assert done.returncode == 3
     found = json.loads(done.stdout)
     assert not found["reached"] and len(found["levels"]) == 1
@@ -78,9 +80,7 @@ def test_when_time_is_short_the_answer_admits_it(scene: Path) -> None:
     assert "asked 0.001, reached" in done.stderr
 
 
-@pytest.mark.parametrize(
-    "limit", [("--max-seconds", "0.1"), ("--max-unknowns", "1000"), ("--max-memory", "0.01")]
-)
+@pytest.mark.parametrize("limit", [("--max-unknowns", "1000"), ("--max-memory", "0.01")])
 def test_one_level_under_a_limit_still_encloses_the_truth(scene: Path, limit: tuple[str, str]) -> None:
     done = command(scene, "--json", "--rtol", "5e-4", *limit)
     assert done.returncode == 3 and "the next level would" in done.stderr
@@ -94,8 +94,35 @@ def test_one_level_under_a_limit_still_encloses_the_truth(scene: Path, limit: tu
     assert 500 < found["memory_per_unknown"] < 50_000
 
 
+@pytest.mark.parametrize("as_json", [False, True])
+def test_the_limit_of_time_ends_the_first_level_too(tmp_path: Path, as_json: bool) -> None:
+    """A gap of 0.1 mm takes the mesher more than the limit and the two seconds that the solver may end in by itself."""
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE.replace("0, 0.03]", "0, 0.0001]"))
+    begun = time.monotonic()
+    done = command(path, "--max-seconds", "0.1", *(["--json"] if as_json else []))
+    assert time.monotonic() - begun < 60
+    assert done.returncode == 3 and "no level was finished within 0.1 s; " in done.stderr
+    if as_json:
+        document = json.loads(done.stdout)
+        jsonschema.validate(
+            document, json.loads((ROOT / "geometries/schemas/reference-1.schema.json").read_text())
+        )
+        assert document["stopped_by"] == "no level was finished within 0.1 s" and not document["reached"]
+    else:
+        assert done.stdout == ""
+
+
+def test_no_level_follows_when_everything_is_as_accurate_as_asked(scene: Path) -> None:
+    """Proven intervals need no second level."""
+    found = json.loads(command(scene, "--json", "--rtol", "2e-2").stdout)
+    assert found["reached"] and len(found["levels"]) == 1
+    change = found["delta_self"]["front"]
+    assert change["error"] <= 2e-2 * change["value"]
+
+
 def test_columns_left_out_are_named_and_unknown_ones_refused(scene: Path) -> None:
-    done = command(scene, "--json", "--error", "estimate", "--max-seconds", "0.1", "--columns", "front")
+    done = command(scene, "--json", "--error", "estimate", "--max-unknowns", "1000", "--columns", "front")
     found = json.loads(done.stdout)
     assert found["conductors"] == ["front"] and found["not_asked"] == ["target"]
     assert list(found["delta_self"]) == ["front"] and found["delta_self"]["front"]["value"] > 0
@@ -104,7 +131,7 @@ def test_columns_left_out_are_named_and_unknown_ones_refused(scene: Path) -> Non
 
 
 def test_people_get_a_table_with_errors_and_a_line_per_level(scene: Path) -> None:
-    done = command(scene, "--max-seconds", "0.1")
+    done = command(scene, "--max-unknowns", "1000")
     assert "delta_self, pF" in done.stdout and "±" in done.stdout and "proven to lie in" in done.stdout
     assert done.stderr.startswith("edge size")
 
@@ -177,7 +204,7 @@ def test_the_field_is_written_for_paraview(scene: Path, tmp_path: Path) -> None:
         + 'potential = "floating"\n[[object]]\nname = "ball"\ntranslation = [0, 0, -0.06]\n'
         + 'shape = { type = "sphere", radius = 0.02 }\nmaterial = { relative_permittivity = 3 }\n'
     )
-    done = command(scene, "--json", "--max-seconds", "0.1", "--output", tmp_path / "field.vtu")
+    done = command(scene, "--json", "--max-unknowns", "1000", "--output", tmp_path / "field.vtu")
     assert done.returncode == 3, done.stderr
     document = json.loads(done.stdout)
     assert document["conductors"] == ["front"] and document["floating"] == ["target"]

@@ -44,7 +44,8 @@ class LiveScene {
   void set_joint(std::string_view joint, double position);
 
   /// Evaluates every sensor as fringe::evaluate() does; valid until the next call. The counts are the work of
-  /// this call. Boundary elements begin anew every time.
+  /// this call. Boundary elements begin anew every time. After an interruption (InterruptionScope) the
+  /// preparations of the reduced method are made again.
   const Evaluation& evaluate(const EvaluationOptions& options = {});
 
   /// Finds the objects that collide, as fringe::collide() does; valid until the next call.

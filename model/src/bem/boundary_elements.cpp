@@ -19,6 +19,8 @@
 #include "bem/readings.hpp"
 #include "bem/simplification.hpp"
 #include "fringe/error.hpp"
+#include "fringe/interruption.hpp"
+#include "numeric/infinity.hpp"
 
 namespace fringe {
 namespace {
@@ -140,6 +142,13 @@ void write_readings(const PanelSolution& solution, const ChargedBodies& bodies, 
                                             geometry.size() > 0 ? 0 : quadrature_part, bodies);
 }
 
+/// Writes that nothing is known about what the objects add to the sensors' own entries.
+void write_no_delta_self(MaxwellMatrix& answer) {
+  const auto sensors = static_cast<Index>(answer.sensors);
+  answer.delta_self = VectorXd::Zero(sensors);
+  answer.delta_self_errors = VectorXd::Constant(sensors, detail::infinity);
+}
+
 /// Writes what the objects add to the sensors' own entries, in metres. The errors at a sensor's edges, which
 /// are the same without the objects, cancel in this difference.
 void write_delta_self(const PanelSystem& system, const PanelSolution& solution, const ChargedBodies& bodies,
@@ -152,7 +161,13 @@ void write_delta_self(const PanelSystem& system, const PanelSolution& solution, 
   VectorXd others = quadrature_errors(solution, tolerance, sensors).diagonal() +
                     solution.iteration_error.diagonal().head(sensors) + geometry.diagonal().head(sensors);
   if (detail::sensors_have_panels(bodies)) {
-    const PanelSolution again = system.solve_sensors(accuracy);
+    PanelSolution again;
+    try {
+      again = system.solve_sensors(accuracy);
+    } catch (const Interrupted&) {
+      write_no_delta_self(answer);
+      return;
+    }
     require_positive_definite(again);
     alone = again.all;
     others += quadrature_errors(again, tolerance, sensors).diagonal() + again.iteration_error.diagonal();
@@ -309,8 +324,14 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplific
                                   VectorXd::Zero(static_cast<Index>(bodies.readings.size()))};
   double change_part = bodies.readings.empty() ? 1 : first_change_part;
   while (true) {
-    system.refine(functions, tolerance);
-    solution = system.solve(accuracy * change_part);
+    try {
+      system.refine(functions, tolerance);
+      solution = system.solve(accuracy * change_part);
+    } catch (const Interrupted&) {
+      if (answer.unknowns == 0)
+        throw;
+      break;
+    }
     if (!solution.positive_definite) {
       if (tolerance < finest_tolerance)
         require_positive_definite(solution);
@@ -370,10 +391,14 @@ MaxwellMatrix solve_as_needed(const Simplification& simplification, const Bounda
   constexpr double useless = 1e-2;
   if (largest_error(answer, bodies) <= std::max(useless, options.rtol))
     return answer;
-  if (const auto others = detail::with_triangles_beyond(bodies, features(options), detail::most_functions))
-    if (MaxwellMatrix other = solve_in_triangles(*others, simplification, options);
-        largest_error(other, bodies) < largest_error(answer, bodies))
-      return other;
+  try {
+    if (const auto others = detail::with_triangles_beyond(bodies, features(options), detail::most_functions))
+      if (MaxwellMatrix other = solve_in_triangles(*others, simplification, options);
+          largest_error(other, bodies) < largest_error(answer, bodies))
+        return other;
+  } catch (const Interrupted&) {
+    return answer;
+  }
   return answer;
 }
 

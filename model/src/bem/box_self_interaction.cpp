@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bem/face_self_interaction.hpp"
+#include "numeric/interruption.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -27,6 +28,7 @@ struct BoxNodes {
     correlation.resize(pairs.size(), count);
     function.resize(functions, count);
     for (Eigen::Index q = 0; q < count; ++q) {
+      check_interruption();
       const auto at = static_cast<std::size_t>(q);
       const double left = 2 * rule.from_left[at], right = 2 * rule.from_right[at];
       const double weight = 2 * rule.weights[at];
@@ -109,6 +111,7 @@ Eigen::MatrixXd adjacent_faces(FaceFunctions first, FaceFunctions second, double
   Eigen::MatrixXd across(first.v * second.v, nodes.distance.size());
   Eigen::MatrixXd kernel(nodes.distance.size(), nodes.distance.size());
   for (Eigen::Index q = 0; q < nodes.distance.size(); ++q) {
+    check_interruption();
     const double square = (shared * nodes.distance[q]) * (shared * nodes.distance[q]);
     for (Eigen::Index r = 0; r < nodes.distance.size(); ++r)
       kernel.col(r) = (first_square + (square + second_square[r])).rsqrt();

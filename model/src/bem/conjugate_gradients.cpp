@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "bem/group_densities.hpp"
+#include "numeric/interruption.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -26,6 +28,7 @@ void leave_out_dependent(MatrixXd& matrix, double dependence) {
   constexpr double infinite = 1e30;
   MatrixXd factor = MatrixXd::Zero(matrix.rows(), matrix.cols());
   for (Index k = 0; k < matrix.rows(); ++k) {
+    check_interruption();
     const Index rest = matrix.rows() - k;
     VectorXd column = matrix.col(k).tail(rest);
     column -= factor.bottomLeftCorner(rest, k) * factor.row(k).head(k).transpose();
@@ -42,20 +45,20 @@ void leave_out_dependent(MatrixXd& matrix, double dependence) {
 
 /// Factorises a matrix, of which the lower triangle is read. Functions that depend on earlier ones are left
 /// out if the tolerance of the quadratures is so fine that these are not the reason.
-Eigen::LLT<MatrixXd> factorised(MatrixXd matrix, double tolerance) {
+Cholesky factorised(MatrixXd matrix, double tolerance) {
   /// Tolerance of the quadratures above which a matrix that is not positive definite calls for better ones.
   constexpr double sufficient = 1e-5;
   /// Least energy that a function adds to earlier ones, relative to its own: of a panel between others it is
   /// about the ratio of the gap to the panel.
   constexpr double least_energy = 1e-6;
-  Eigen::LLT<MatrixXd> factor(matrix);
+  Cholesky factor(matrix);
   const auto is_regular = [&] {
-    return factor.info() == Eigen::Success &&
-           (factor.matrixLLT().diagonal().array().square() > least_energy * matrix.diagonal().array()).all();
+    return factor.is_positive_definite() &&
+           (factor.factor().diagonal().array().square() > least_energy * matrix.diagonal().array()).all();
   };
   if (!is_regular() && tolerance <= sufficient) {
     leave_out_dependent(matrix, std::max(least_energy, 10 * tolerance));
-    factor.compute(matrix);
+    factor = Cholesky(std::move(matrix));
   }
   return factor;
 }
@@ -75,6 +78,7 @@ bool conjugate_gradients(const PanelEquations& equations, const TwoLevelPrecondi
   VectorXd step = preconditioner.apply(column.residual);
   double product = column.residual.dot(step);
   for (int iteration = 0; iteration < most_iterations && product > 0; ++iteration) {
+    check_interruption();
     const VectorXd potential = equations.apply(step);
     const double energy = step.dot(potential);
     if (!(energy > 0)) {
@@ -102,10 +106,11 @@ TwoLevelPreconditioner::TwoLevelPreconditioner(const PanelEquations& equations, 
     : equations_(equations), group_count_(index_of(equations.mesh.groups().size())),
       coarse_(index_of(equations.unknowns.coarse.size())), shares_(area_shares(equations.mesh)) {
   factor_ = factorised(matrix(), tolerance);
-  is_positive_definite_ = factor_.info() == Eigen::Success;
+  is_positive_definite_ = factor_.is_positive_definite();
   for (const PanelGroup& group : equations.mesh.groups()) {
+    check_interruption();
     groups_.push_back(factorised(matrix_of_group(group, equations.panels), tolerance));
-    is_positive_definite_ &= groups_.back().info() == Eigen::Success;
+    is_positive_definite_ &= groups_.back().is_positive_definite();
   }
 }
 
@@ -176,9 +181,9 @@ VectorXd TwoLevelPreconditioner::prolonged(const VectorXd& coarse) const {
 
 VectorXd TwoLevelPreconditioner::solve(const VectorXd& right_side, VectorXd& energy_roots) const {
   VectorXd charge = restricted(right_side);
-  factor_.matrixL().solveInPlace(charge);
+  factor_.lower().solveInPlace(charge);
   energy_roots = charge.head(coarse_ + group_count_);
-  factor_.matrixU().solveInPlace(charge);
+  factor_.upper().solveInPlace(charge);
   return prolonged(charge);
 }
 

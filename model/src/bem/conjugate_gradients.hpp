@@ -2,10 +2,10 @@
 
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "bem/panel_equations.hpp"
+#include "numeric/cholesky.hpp"
 
 namespace fringe::detail {
 
@@ -41,8 +41,8 @@ class TwoLevelPreconditioner {
   Eigen::Index group_count_;
   Eigen::Index coarse_;
   Eigen::VectorXd shares_;
-  std::vector<Eigen::LLT<Eigen::MatrixXd>> groups_;  ///< the diagonal block of each group's panels
-  Eigen::LLT<Eigen::MatrixXd> factor_;
+  std::vector<Cholesky> groups_;  ///< the diagonal block of each group's panels
+  Cholesky factor_;
   bool is_positive_definite_ = true;
 };
 

@@ -14,6 +14,7 @@
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
 #include "geometry/winding_number.hpp"
+#include "numeric/interruption.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -61,6 +62,7 @@ bool hulls_meet(std::span<const ConvexHull> a, std::span<const ConvexHull> b, do
     return one.squaredExteriorDistance(other) <= tolerance * tolerance;
   };
   for (std::size_t k = 0; k < a.size(); ++k) {
+    check_interruption();
     if (!are_near(boxes_a[k], all_b))
       continue;
     for (std::size_t l = 0; l < b.size(); ++l)

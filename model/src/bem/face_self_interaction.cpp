@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "numeric/interruption.hpp"
+
 namespace fringe::detail {
 namespace {
 
@@ -94,6 +96,7 @@ FaceSelfInteraction::FaceSelfInteraction(EdgeKind edge, int functions, double mo
   }
   for (std::size_t t = 0; t < slopes.weights.size(); ++t) {
     for (Eigen::Index q = 0; q < count; ++q) {
+      check_interruption();
       const auto at = static_cast<std::size_t>(q);
       const double u = 2 * differences.from_left[at] * slopes.from_left[t];
       // 2 − ut from distances, which keep their relative accuracy near 0.

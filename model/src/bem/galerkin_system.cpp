@@ -5,13 +5,14 @@
 #include <cmath>
 #include <numeric>
 #include <span>
-
-#include <Eigen/Cholesky>
+#include <utility>
 
 #include "bem/face_self_interaction.hpp"
 #include "bem/maxwell_matrix.hpp"
 #include "bem/readings.hpp"
 #include "bem/single_layer_faces.hpp"
+#include "numeric/cholesky.hpp"
+#include "numeric/interruption.hpp"
 
 namespace fringe::detail {
 
@@ -159,6 +160,7 @@ GalerkinSystem::Solved GalerkinSystem::solve(std::span<const std::size_t> faces,
     const std::size_t a = faces[first];
     charges(places[a][0], static_cast<Index>(conductor(a))) = net_charge(a);
     for (const std::size_t b : faces.subspan(first)) {
+      check_interruption();
       const MatrixXd& values = block(a, b);
       for (Index k = 0; k < values.cols(); ++k)
         for (Index i = 0; i < values.rows(); ++i) {
@@ -168,16 +170,16 @@ GalerkinSystem::Solved GalerkinSystem::solve(std::span<const std::size_t> faces,
         }
     }
   }
-  const Eigen::LLT<Eigen::Ref<MatrixXd>> factor(matrix);
-  if (factor.info() != Eigen::Success) {
+  const Cholesky factor(std::move(matrix));
+  if (!factor.is_positive_definite()) {
     solved.positive_definite = false;
     return solved;
   }
-  factor.matrixL().solveInPlace(charges);
+  factor.lower().solveInPlace(charges);
   const auto coarse = charges.topRows(coarse_size);
   solved.matrix.coarse = coarse.transpose() * coarse;
   solved.matrix.fine = charges.transpose() * charges;
-  factor.matrixU().solveInPlace(charges);
+  factor.upper().solveInPlace(charges);
   return solved;
 }
 

@@ -12,6 +12,7 @@
 #include "bem/panel.hpp"
 #include "bem/single_layer_panels.hpp"
 #include "geometry/surface_mesh.hpp"
+#include "numeric/interruption.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -169,6 +170,7 @@ std::vector<Triangle> graded_triangles(std::span<const Triangle> triangles, doub
   std::vector<GradedPiece> pieces;
   double energy = 0, charge = 0, largest = 0;
   for (std::size_t k = 0; k < triangles.size(); ++k) {
+    check_interruption();
     const GradedPiece& piece = pieces.emplace_back(grading.piece(triangles[k], k));
     energy += piece.energy;
     charge += piece.charges.sum();
@@ -186,6 +188,7 @@ std::vector<Triangle> graded_triangles(std::span<const Triangle> triangles, doub
     std::vector<GradedPiece> finer;
     energy = charge = 0;
     for (const GradedPiece& piece : pieces) {
+      check_interruption();
       if (piece.energy < about * largest)
         finer.push_back(piece);
       else

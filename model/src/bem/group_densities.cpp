@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "bem/panel_equations.hpp"
+#include "numeric/interruption.hpp"
 
 namespace fringe::detail {
 
@@ -44,6 +45,7 @@ MatrixXd group_matrix(const PanelMesh& mesh, const VectorXd& shares, const Matri
   const std::vector<PanelGroup>& groups = mesh.groups();
   MatrixXd matrix(index_of(groups.size()), index_of(groups.size()));
   for (std::size_t g = 0; g < groups.size(); ++g) {
+    check_interruption();
     const auto first = index_of(groups[g].first), count = index_of(groups[g].count);
     const auto own_shares = shares.segment(first, count);
     // The earlier groups: whole columns above the diagonal.

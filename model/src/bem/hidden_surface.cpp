@@ -8,6 +8,7 @@
 #include "fringe/gjk.hpp"
 #include "geometry/surface_mesh.hpp"
 #include "geometry/winding_number.hpp"
+#include "numeric/interruption.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -99,6 +100,7 @@ HiddenSurface::Place HiddenSurface::place(const Triangle& shifted, const Body& b
 bool HiddenSurface::contains(const Triangle& part, std::size_t body) const {
   if (around_[body].empty())
     return false;
+  check_interruption();
   const std::array<Triangle, 2> sides{beside(part, 1), beside(part, -1)};
   std::array<bool, 2> is_inside{false, false};
   for (const std::size_t k : around_[body]) {

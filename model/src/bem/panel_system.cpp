@@ -14,6 +14,7 @@
 #include "bem/proximity_refinement.hpp"
 #include "bem/readings.hpp"
 #include "bem/single_layer_panels.hpp"
+#include "numeric/interruption.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -80,8 +81,10 @@ void PanelSystem::refine_by_proximity(std::size_t most_panels) {
   };
   while (mesh_.panels().size() < most_panels) {
     std::vector<bool> marked;
-    for (const PanelGroup& group : mesh_.groups())
+    for (const PanelGroup& group : mesh_.groups()) {
+      check_interruption();
       marked.push_back(is_too_large(group));
+    }
     if (std::find(marked.begin(), marked.end(), true) == marked.end())
       break;
     // With equal charges, triangles are halved across their longest sides.

@@ -10,6 +10,7 @@
 
 #include "bem/charge_kernels.hpp"
 #include "bem/patch_distance.hpp"
+#include "numeric/interruption.hpp"
 #include "simd/dispatch.hpp"
 
 namespace fringe::detail {
@@ -294,6 +295,7 @@ Eigen::MatrixXd integral(const ChargedFace& outer, FaceFunctions outer_functions
   Eigen::MatrixXd along_v = Eigen::MatrixXd::Zero(count, rule.v.nodes.size());
   Eigen::MatrixXd summed(count * outer_functions.v, lines);
   for (Index first = 0; first < rule.u.nodes.size(); first += lines) {
+    check_interruption();
     const Index here = std::min(lines, rule.u.nodes.size() - first);
     summed.setZero();
     for (Index i = 0; i < here; ++i) {
@@ -333,8 +335,10 @@ Eigen::MatrixXd face_potentials(const ChargedFace& face, FaceFunctions functions
                                 std::span<const Vector3d> points, double tolerance) {
   InnerPotential potential(face, functions, digits_for(tolerance));
   Eigen::MatrixXd result(functions.count(), static_cast<Index>(points.size()));
-  for (Index k = 0; k < result.cols(); ++k)
+  for (Index k = 0; k < result.cols(); ++k) {
+    check_interruption();
     potential.at(points[static_cast<std::size_t>(k)], result.col(k).data());
+  }
   return result;
 }
 

@@ -12,6 +12,7 @@
 #include "bem/patch_distance.hpp"
 #include "bem/single_layer_faces.hpp"
 #include "integral/batch/kernels.hpp"
+#include "numeric/interruption.hpp"
 #include "numeric/triangle_rules.hpp"
 #include "simd/dispatch.hpp"
 
@@ -289,6 +290,7 @@ class MatrixRows {
   /// The row is complete after flush().
   template <class IsKnown>
   void fill(const Panel& panel, std::size_t count, double* row, const IsKnown& is_known) {
+    check_interruption();
     far_.fill(panel, count, row);
     for (std::size_t j = 0; j < count; ++j) {
       const Panel& other = panels_[j];

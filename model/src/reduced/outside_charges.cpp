@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "geometry/winding_number.hpp"
+#include "numeric/interruption.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -70,6 +71,7 @@ std::vector<OutsideCharge> outside_charges(std::span<const TriangleSurface> surf
         candidates.emplace_back(panel.centre + side * shell.distance * normal);
     }
     std::erase_if(candidates, [&](const Vector3d& point) {
+      check_interruption();
       return surface_distance(panels, point) < least_distance * shell.distance;
     });
     std::vector<Vector3d> points = spread_out(candidates, shell.distance, 2 * shell.most);

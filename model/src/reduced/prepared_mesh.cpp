@@ -7,6 +7,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "numeric/interruption.hpp"
 #include "reduced/outside_charges.hpp"
 #include "reduced/single_body_system.hpp"
 
@@ -32,9 +33,11 @@ RowVectorXd potentials_at(const Vector3d& point, const std::vector<OutsideCharge
 /// Computes the mean potentials on panels, by their quarters' centres.
 MatrixXd potentials_on(const std::vector<Panel>& panels, const std::vector<OutsideCharge>& charges) {
   MatrixXd potentials = MatrixXd::Zero(static_cast<Index>(panels.size()), static_cast<Index>(charges.size()));
-  for (std::size_t k = 0; k < panels.size(); ++k)
+  for (std::size_t k = 0; k < panels.size(); ++k) {
+    check_interruption();
     for (const auto& [a, b, c] : quarters(panels[k].corners))
       potentials.row(static_cast<Index>(k)) += potentials_at((a + b + c) / 3, charges) / 4;
+  }
   return potentials;
 }
 
@@ -47,8 +50,8 @@ struct Loads {
 /// Computes the loads to which the body's responses are orthonormal: first the constant, then the principal
 /// ones of the outside charges, by a principal component analysis in the energy.
 Loads principal_loads(const SingleBodySystem& panels, const MatrixXd& potentials, Index most) {
-  const VectorXd alone = panels.factor.matrixL().solve(VectorXd::Ones(potentials.rows()));
-  const MatrixXd all = panels.factor.matrixL().solve(potentials);
+  const VectorXd alone = panels.factor.lower().solve(VectorXd::Ones(potentials.rows()));
+  const MatrixXd all = panels.factor.solve_lower(potentials);
   const RowVectorXd common = alone.transpose() * all / alone.squaredNorm();
   const MatrixXd others = all - alone * common;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(others.transpose() * others);

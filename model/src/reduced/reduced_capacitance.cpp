@@ -17,6 +17,7 @@
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
 #include "fringe/reading.hpp"
+#include "numeric/interruption.hpp"
 #include "reduced/arrangement.hpp"
 #include "reduced/reduced_readings.hpp"
 #include "reduced/reduced_system.hpp"
@@ -24,6 +25,7 @@
 namespace fringe {
 namespace {
 
+using detail::check_interruption;
 using detail::PreparedShape;
 using detail::ReducedSolution;
 using detail::RigidBody;
@@ -295,6 +297,7 @@ class ReducedEvaluator::Implementation {
         const std::array<int, 2> functions{of_a, of_b};
         if (functions_[a * count() + b] == functions && digits == digits_)
           continue;
+        check_interruption();
         functions_[a * count() + b] = functions;
         if (b < bodies_.machine_bodies().value_or(count()))
           system_->forget_machine();

@@ -25,9 +25,8 @@ constexpr double tolerance_per_accuracy = 0.2;
 
 /// Returns the energies of the charges in the coarse space, which has one density on each group.
 MatrixXd coarse_energies(const SingleBodySystem& panels, const VectorXd& shares, const MatrixXd& potentials) {
-  const MatrixXd reached = group_matrix(panels.mesh, shares, panels.matrix)
-                               .llt()
-                               .matrixL()
+  const MatrixXd reached = Cholesky(group_matrix(panels.mesh, shares, panels.matrix))
+                               .lower()
                                .solve(group_means(panels.mesh, shares, potentials));
   return reached.transpose() * reached;
 }
@@ -45,9 +44,9 @@ bool factorise_as_it_is(SingleBodySystem& panels) {
   /// Least energy that a panel adds to earlier ones, relative to its own: of a panel between others it is
   /// about the ratio of the gap to the panel. Less means that panels coincide.
   constexpr double least_energy = 1e-6;
-  panels.factor.compute(panels.matrix.transpose());
-  return panels.factor.info() == Eigen::Success &&
-         (panels.factor.matrixLLT().diagonal().array().square() >
+  panels.factor = Cholesky(panels.matrix.transpose());
+  return panels.factor.is_positive_definite() &&
+         (panels.factor.factor().diagonal().array().square() >
           std::max(least_energy, panels.tolerance) * panels.matrix.diagonal().array())
              .all();
 }
@@ -59,8 +58,8 @@ bool factorise_as_it_is(SingleBodySystem& panels) {
 bool factorise_with_ridge(SingleBodySystem& panels, double ridge) {
   panels.ridge = ridge;
   panels.matrix.diagonal() *= 1 + panels.ridge;
-  panels.factor.compute(panels.matrix.transpose());
-  if (panels.factor.info() == Eigen::Success)
+  panels.factor = Cholesky(panels.matrix.transpose());
+  if (panels.factor.is_positive_definite())
     return true;
   panels.matrix.diagonal() /= 1 + panels.ridge;
   panels.ridge = 0;

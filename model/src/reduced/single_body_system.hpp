@@ -3,11 +3,11 @@
 #include <functional>
 #include <span>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "bem/bodies.hpp"
 #include "bem/panel_mesh.hpp"
+#include "numeric/cholesky.hpp"
 
 /// The solution for a single body of triangles (model/BOUNDARY_ELEMENTS.md, sections 8 and 9).
 namespace fringe::detail {
@@ -16,7 +16,7 @@ namespace fringe::detail {
 struct SingleBodySystem {
   PanelMesh mesh;
   Eigen::MatrixXd matrix;
-  Eigen::LLT<Eigen::MatrixXd> factor;
+  Cholesky factor;
   double tolerance;  ///< of the quadratures for the matrix elements
   double ridge = 0;  ///< part that the diagonal has in excess, to make matrices of coincident panels regular
 };

@@ -38,12 +38,16 @@ class LiveScene::Implementation {
   }
 
   const Evaluation& evaluate(const EvaluationOptions& options) {
-    if (is_integral(options.method))
-      integrate(options);
-    else if (std::holds_alternative<Recommended>(options.method))
-      choose(options);
-    else
-      find_matrix(options);
+    try {
+      choose_method(options);
+    } catch (const InputError&) {
+      throw;
+    } catch (...) {
+      // What was interrupted is half prepared.
+      reduced_.reset();
+      recommended_.reset();
+      throw;
+    }
     return answer_;
   }
 
@@ -62,6 +66,15 @@ class LiveScene::Implementation {
   }
 
  private:
+  void choose_method(const EvaluationOptions& options) {
+    if (is_integral(options.method))
+      integrate(options);
+    else if (std::holds_alternative<Recommended>(options.method))
+      choose(options);
+    else
+      find_matrix(options);
+  }
+
   /// Answers by a triangle-integral method or a correction.
   void integrate(const EvaluationOptions& asked) {
     const CapacitanceOptions options = integral_options(asked);

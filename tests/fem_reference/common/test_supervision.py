@@ -85,6 +85,16 @@ def test_when_the_time_is_over_the_answer_so_far_is_printed() -> None:
     assert (status, output, errors) == (UNREACHED, "begun\nthe first answer\n", "not accurate\n")
 
 
+def test_when_the_time_is_over_before_the_first_answer_that_is_said() -> None:
+    waiting = f'report(AnswerSoFar("", "too little time", 0.2, is_answer=False))\nprint("begun", flush=True)\n{BUSY}'
+    assert finished(started(waiting)) == (UNREACHED, "begun\n", "too little time\n")
+    process = started(waiting.replace("0.2", "60"))
+    assert process.stdout is not None and process.stdout.readline() == "begun\n"
+    os.kill(process.pid, signal.SIGINT)
+    status, output, errors = finished(process)
+    assert (status, output, errors.strip()) == (130, "", "fem_reference: interrupted before the first answer")
+
+
 def test_a_command_that_is_killed_says_by_what() -> None:
     status, output, errors = finished(
         started(

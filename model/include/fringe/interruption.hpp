@@ -1,0 +1,30 @@
+#pragma once
+
+#include <functional>
+#include <stdexcept>
+
+namespace fringe {
+
+/// A computation ended because it was asked to, before it had an answer.
+class Interrupted : public std::runtime_error {
+ public:
+  Interrupted();
+};
+
+/// While it exists, boundary elements and the reduced method, on the thread that made it, ask a function many
+/// times a second whether to end. They do when it returns true, which it must then do for good: maxwell()
+/// returns the best matrix so far with its estimated errors, everything else throws Interrupted. What the
+/// function throws passes through. The innermost scope counts.
+class InterruptionScope {
+ public:
+  explicit InterruptionScope(std::function<bool()> is_to_end);
+  ~InterruptionScope();
+  InterruptionScope(const InterruptionScope&) = delete;
+  InterruptionScope& operator=(const InterruptionScope&) = delete;
+
+ private:
+  std::function<bool()> is_to_end_;
+  const std::function<bool()>* outer_;
+};
+
+}  // namespace fringe

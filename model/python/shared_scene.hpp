@@ -1,0 +1,74 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <pybind11/pybind11.h>
+
+#include "fringe/interruption.hpp"
+#include "fringe/live_scene.hpp"
+
+namespace fringe::python {
+
+/// Returns a question for an InterruptionScope that lets Python handle the signals that came, some times a
+/// second. It never says to end, but throws what their handlers raise: KeyboardInterrupt after Ctrl-C.
+std::function<bool()> signal_handling();
+
+/// A scene that several Python threads may ask: one answer is computed at a time. It remembers its text, so
+/// that it can be pickled, and objects can be hidden, shown and added.
+class SharedScene {
+ public:
+  /// Reads the text of a scene file; mesh files are looked for in the folder.
+  SharedScene(std::string text, std::filesystem::path folder);
+  /// Reads a scene file.
+  static std::unique_ptr<SharedScene> load(const std::filesystem::path& path);
+
+  /// What makes a scene again: its text and folder, and what was done to it.
+  struct State {
+    std::string text;
+    std::filesystem::path folder;
+    std::set<std::string> hidden;
+    std::vector<Eigen::Isometry3d> poses;  ///< of the links
+  };
+  State state();
+  static std::unique_ptr<SharedScene> from(const State& state);
+  std::unique_ptr<SharedScene> copy();
+
+  /// Hides an object, which is then as if it were not there, or shows it again.
+  /// @throws InputError when no object has the name, for an electrode, which readings need, and when neither
+  /// sensors nor objects would be left.
+  void set_hidden(const std::string& object, bool is_hidden);
+
+  /// Adds what the text of a scene file describes: objects, sensors, links, readings. Links stay where they
+  /// are.
+  /// @throws InputError as for a scene file that ends with this text.
+  void add(const std::string& text);
+
+  /// Runs an action on the scene while no other thread does, and other Python threads run on. Ctrl-C ends it
+  /// with KeyboardInterrupt.
+  template <typename Action>
+  auto locked(const Action& action) {
+    const pybind11::gil_scoped_release unlocked;
+    const std::lock_guard lock(mutex_);
+    const InterruptionScope scope(signal_handling());
+    return action(live_);
+  }
+
+ private:
+  SharedScene(std::string text, std::filesystem::path folder, Scene scene);
+  void begin_again(Scene whole, const std::set<std::string>& hidden);
+
+  std::string text_;
+  std::filesystem::path folder_;
+  Scene whole_;  ///< with the hidden objects
+  std::set<std::string> hidden_;
+  LiveScene live_;
+  std::mutex mutex_;
+};
+
+}  // namespace fringe::python

@@ -1,0 +1,209 @@
+"""Ctrl-C and limits of time end the methods that take long, at once and with what is known so far."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+import fringe
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+COMMAND = ROOT / "build/bin/fringe"
+Command = Callable[..., subprocess.CompletedProcess[str]]
+# The longest that ending may take: a second, and time for a busy machine.
+PROMPT_SECONDS = 4.0
+
+SENSOR = """
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.03, -0.02, 0], edge_u = [0.06, 0, 0], edge_v = [0, 0.04, 0] } ]
+"""
+# Minutes by every method at its finest.
+LONG = (
+    SENSOR
+    + """
+[[object]]
+name = "arm"
+shape = { type = "cylinder", radius = 0.06, height = 0.5, segments = 48 }
+rotation = { axis = [1, 0, 0], degrees = 90 }
+translation = [0, 0.25, -0.062]
+[[object]]
+name = "hand"
+shape = { type = "sphere", radius = 0.05, segments = 32 }
+translation = [0, 0, 0.17]
+"""
+)
+# A second by the reduced method.
+SHORT = (
+    SENSOR
+    + """
+[[object]]
+name = "hand"
+shape = { type = "sphere", radius = 0.05, segments = 16 }
+translation = [0, 0, 0.17]
+"""
+)
+# A first matrix in about a second, and three times as long to an error of 1e-3.
+REFINED = (
+    SENSOR
+    + """
+[[object]]
+name = "a"
+shape = { type = "cone", radius = 0.05, height = 0.1, segments = 6 }
+translation = [0, 0, 0.07]
+[[object]]
+name = "b"
+shape = { type = "cylinder", radius = 0.05, height = 0.1, segments = 12 }
+translation = [0.15, 0, 0.07]
+[[object]]
+name = "c"
+shape = { type = "cylinder", radius = 0.05, height = 0.1, segments = 12 }
+translation = [-0.15, 0, 0.07]
+"""
+)
+MOTION = """
+[[frame]]
+name = "first"
+[[frame]]
+name = "second"
+"""
+
+
+@contextmanager
+def alarm(seconds: float) -> Iterator[None]:
+    """Raises TimeoutError after some seconds, as Ctrl-C raises KeyboardInterrupt."""
+
+    def ring(_: int, __: FrameType | None) -> None:
+        raise TimeoutError
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+CALLS: dict[str, Callable[[fringe.Scene, Path], object]] = {
+    "maxwell": lambda scene, _: scene.maxwell(rtol=1e-4),
+    "readings": lambda scene, _: scene.readings("boundary-elements", rtol=1e-4),
+    "capacitance": lambda scene, _: scene.capacitance("reduced:3"),
+    "sweep": lambda scene, motion: scene.sweep(motion, "boundary-elements", rtol=1e-4),
+}
+
+
+@pytest.mark.parametrize("call", CALLS)
+@pytest.mark.parametrize("seconds", [0.1, 1.0])
+def test_a_signal_ends_a_call_in_python(call: str, seconds: float, tmp_path: Path) -> None:
+    motion = tmp_path / "motion.toml"
+    motion.write_text(MOTION)
+    scene = fringe.Scene.loads(LONG)
+    begun = time.monotonic()
+    with alarm(seconds), pytest.raises(TimeoutError):
+        CALLS[call](scene, motion)
+    assert time.monotonic() - begun < seconds + PROMPT_SECONDS
+
+
+def test_ctrl_c_is_a_keyboard_interrupt() -> None:
+    program = (
+        "import fringe, sys\n"
+        "scene = fringe.Scene.loads(sys.argv[1])\n"
+        "try:\n    print('begun', flush=True)\n    scene.maxwell(rtol=1e-4)\n"
+        "except KeyboardInterrupt:\n    print('ended')"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, LONG],
+        stdout=subprocess.PIPE,
+        text=True,
+        env={"PYTHONPATH": str(ROOT / "build/python")},
+    )
+    assert process.stdout is not None and process.stdout.readline() == "begun\n"
+    process.send_signal(signal.SIGINT)
+    assert process.communicate(timeout=PROMPT_SECONDS)[0] == "ended\n"
+
+
+def test_an_interrupted_scene_answers_as_if_nothing_had_been() -> None:
+    scene = fringe.Scene.loads(SHORT)
+    with alarm(0.1), pytest.raises(TimeoutError):
+        scene.maxwell(method="reduced:2")
+    expected = fringe.Scene.loads(SHORT).maxwell(method="reduced:2")["maxwell"]
+    np.testing.assert_array_equal(scene.maxwell(method="reduced:2")["maxwell"], expected)
+
+
+def test_after_the_limit_of_time_the_best_matrix_is_printed(fringe_command: Command, tmp_path: Path) -> None:
+    """Its errors are those reached, and hold what the finest matrix is."""
+    path = tmp_path / "scene.toml"
+    path.write_text(REFINED)
+    words = ("capacitance", path, "--method", "boundary-elements", "--json")
+    exact = json.loads(fringe_command(*words).stdout)
+    # How long the first matrix takes depends on the machine.
+    seconds = 0.4
+    while not (done := fringe_command(*words, "--max-seconds", f"{seconds:g}")).stdout:
+        seconds *= 1.3
+    assert done.returncode == 3
+    assert done.stderr == f"fringe: {path}: stopped after {seconds:g} s: an error of 0.001 was not reached\n"
+    found = json.loads(done.stdout)
+    assert found["seconds"] < seconds + PROMPT_SECONDS
+    assert not found["reached"]
+    differences = np.abs(np.array(found["maxwell"]) - exact["maxwell"])
+    assert np.all(differences <= np.array(found["error"]) + exact["error"])
+
+
+def test_after_ctrl_c_the_command_prints_the_best_matrix(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(REFINED)
+    words = [COMMAND, "capacitance", path, "--method", "boundary-elements"]
+    seconds, output = 0.4, ""
+    while not output:
+        process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(seconds)
+        process.send_signal(signal.SIGINT)
+        output, errors = process.communicate(timeout=PROMPT_SECONDS)
+        assert process.returncode == 130
+        seconds *= 1.3
+    assert "NOT reached" in output
+    assert errors == f"fringe: {path}: interrupted: an error of 0.001 was not reached\n"
+
+
+def test_without_a_matrix_so_far_the_command_says_so(fringe_command: Command, tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(LONG)
+    done = fringe_command("capacitance", path, "--method", "reduced:3", "--max-seconds", "0.1")
+    assert (done.returncode, done.stdout) == (3, "")
+    assert done.stderr == f"fringe: {path}: stopped after 0.1 s before there was an answer\n"
+
+
+def test_the_integral_has_no_limit_of_time(fringe_command: Command, tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(SHORT)
+    done = fringe_command("capacitance", path, "--max-seconds", "1")
+    assert done.returncode == 2 and "--max-seconds is no option of exact" in done.stderr
+
+
+def test_an_interrupted_sweep_keeps_the_frames_that_are_finished(tmp_path: Path) -> None:
+    path, frames = tmp_path / "scene.toml", 400
+    path.write_text(SHORT)
+    path.with_suffix(".motion.toml").write_text("[[frame]]\n" * frames)
+    process = subprocess.Popen(
+        [COMMAND, "sweep", path, "--method", "boundary-elements"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    time.sleep(4)
+    process.send_signal(signal.SIGINT)
+    output, errors = process.communicate(timeout=PROMPT_SECONDS)
+    assert process.returncode == 130
+    finished = len(output.splitlines()) - 1
+    assert 0 < finished < frames
+    assert errors == f"fringe: {path}: interrupted after {finished} of {frames} frames\n"

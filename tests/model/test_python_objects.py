@@ -1,0 +1,173 @@
+"""The Python module: scenes in other processes, objects that come and go, entries by their names, and the stubs of the types."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import fringe
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+STUBS = ROOT / "model/python/fringe-stubs"
+SCENE = """
+[[link]]
+name = "arm"
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+[[object]]
+name = "hand"
+link = "arm"
+shape = { type = "mesh", file = "hand.obj" }
+[[object]]
+name = "table"
+shape = { type = "plate", size = [0.3, 0.3] }
+translation = [0, 0, -0.1]
+"""
+TRIANGLE = "v -0.03 -0.03 0\nv 0.03 -0.03 0\nv 0 0.03 0\nf 1 2 3\n"
+BALL = '[[object]]\nname = "ball"\nshape = { type = "sphere", radius = 0.02, segments = 8 }\ntranslation = [0, 0, 0.2]\n'
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> fringe.Scene:
+    (tmp_path / "hand.obj").write_text(TRIANGLE)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    scene = fringe.Scene.load(tmp_path / "scene.toml")
+    scene.set_pose("arm", [0.01, 0, 0.08], [1, 0.1, 0.2, 0.3])
+    return scene
+
+
+def total(scene: fringe.Scene) -> float:
+    return float(scene.capacitance()["sensors"][0]["total"])
+
+
+def test_a_pickled_scene_has_its_poses_and_what_was_done_to_it(scene: fringe.Scene) -> None:
+    scene.hide("table")
+    scene.add(BALL)
+    again = pickle.loads(pickle.dumps(scene))
+    assert again.objects == scene.objects == ["hand", "ball"]
+    np.testing.assert_array_equal(again.pose("arm"), scene.pose("arm"))
+    assert total(again) == total(scene)
+    again.show("table")
+    assert again.objects == ["hand", "table", "ball"]
+
+
+def test_scenes_are_answered_in_other_processes(scene: fringe.Scene) -> None:
+    other = scene.copy()
+    other.set_pose("arm", [0, 0, 0.3])
+    # Threads of this process may hold locks that a fork would copy.
+    with multiprocessing.get_context("spawn").Pool(2) as pool:
+        assert pool.map(total, [scene, other]) == [total(scene), total(other)]
+
+
+def test_what_is_hidden_is_as_if_it_were_not_there(scene: fringe.Scene) -> None:
+    whole, without = total(scene), fringe.Scene.loads(SCENE.split("[[object]]")[0])
+    scene.hide("table")
+    scene.hide("table")
+    assert scene.objects == ["hand"] and total(scene) < whole
+    scene.hide("hand")
+    assert total(scene) == total(without) == 0
+    for name in ("table", "hand"):
+        scene.show(name)
+    assert total(scene) == whole
+
+
+def test_a_baseline_is_the_background_of_the_reading(tmp_path: Path, scene: fringe.Scene) -> None:
+    scene.add(
+        '[[object]]\nname = "target"\nshape = { type = "cube", size = 0.05 }\ntranslation = [0, 0, 0.3]\ntarget = true\n'
+    )
+    with_target = scene.readings("boundary-elements", rtol=1e-2)["front"]
+    scene.hide("target")
+    baseline = scene.maxwell(rtol=1e-2)["maxwell"][0, 0]
+    assert with_target.background is not None and with_target.error["background"] is not None
+    assert abs(baseline - with_target.background) <= 2 * with_target.error["background"]
+
+
+def test_what_is_added_stands_in_the_scene_as_it_is_now(scene: fringe.Scene) -> None:
+    pose = scene.pose("arm")
+    scene.add('[[object]]\nname = "watch"\nlink = "arm"\nshape = { type = "cube", size = 0.01 }\n')
+    np.testing.assert_array_equal(scene.pose("arm"), pose)
+    np.testing.assert_allclose(scene.conductors()["watch"].mean(axis=(0, 1)), pose[:3, 3], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text, words",
+    [
+        ('[[object]]\nname = "hand"\nshape = { type = "cube", size = 1 }\n', "hand"),
+        ('[[object]]\nname = "b"\nlink = "leg"\nshape = { type = "cube", size = 1 }\n', "leg"),
+        ("[[object", "scene:"),
+    ],
+)
+def test_a_wrong_addition_leaves_the_scene_as_it_was(scene: fringe.Scene, text: str, words: str) -> None:
+    before = total(scene)
+    with pytest.raises(fringe.InputError, match=words):
+        scene.add(text)
+    assert scene.objects == ["hand", "table"] and total(scene) == before
+
+
+def test_what_cannot_be_hidden_is_named(scene: fringe.Scene) -> None:
+    with pytest.raises(fringe.InputError, match='there is no object "nobody"'):
+        scene.hide("nobody")
+    scene.add(
+        '[[object]]\nname = "pad"\npotential = "electrode"\nshape = { type = "cube", size = 0.01 }\ntranslation = [1, 0, 0]\n'
+    )
+    with pytest.raises(fringe.InputError, match='"pad" is an electrode'):
+        scene.hide("pad")
+    alone = fringe.Scene.loads('[[object]]\nname = "ball"\nshape = { type = "cube", size = 1 }\n')
+    with pytest.raises(fringe.InputError, match="at least one"):
+        alone.hide("ball")
+    assert alone.objects == ["ball"]
+
+
+def test_entries_by_their_names(scene: fringe.Scene) -> None:
+    sensors = fringe.by_name(scene.capacitance()["sensors"])
+    assert list(sensors) == ["front"] and list(fringe.by_name(sensors["front"]["objects"])) == [
+        "hand",
+        "table",
+    ]
+
+
+def test_the_stubs_are_those_of_the_module(tmp_path: Path) -> None:
+    """As mypy's own test of stubs sees it, in a folder like the one where both are installed."""
+    for module in (ROOT / "build/python").glob("fringe.*.so"):
+        (tmp_path / module.name).symlink_to(module)
+    (tmp_path / "fringe-stubs").symlink_to(STUBS)
+    # What classes of C++ have in place of a constructor and of `type`.
+    allowed = (f"fringe.{name}{part}" for name in ("Reading", "Scene") for part in ("", ".__init__"))
+    (tmp_path / "allowed").write_text("\n".join(allowed))
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "mypy.stubtest",
+            "fringe",
+            "--ignore-positional-only",
+            "--allowlist",
+            "allowed",
+        ],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(tmp_path), "MYPYPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_stubs_name_every_argument() -> None:
+    """Which mypy's test of stubs cannot see of a module of C++."""
+    stubs = (STUBS / "__init__.pyi").read_text()
+    for owner in (fringe, fringe.Scene):
+        for name, member in vars(owner).items():
+            signature = (getattr(member, "__doc__", None) or "").split("->")[0]
+            if name.startswith("_") or not signature.startswith(f"{name}("):
+                continue
+            stub = stubs.split(f"def {name}(")[1].split("->")[0]
+            for word in signature.split("(", 1)[1].split(","):
+                argument = word.strip(" ()").split(":")[0]
+                assert argument in ("", "self", "*") or f"{argument}:" in stub, (name, argument)
