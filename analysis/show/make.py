@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
+import sys
 from pathlib import Path
 
 from analysis.pipeline.model_stage import model_module
 from analysis.results.store import write_text
 from analysis.show import data as show_data, page as show_page
+from fem_reference.bodies.remarks import remarks
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT, results_folder
 from geometries.common.tables import is_file
@@ -22,10 +24,12 @@ def make(name: str, motion_file: Path | None, target: Path | None) -> Path:
     """Writes the page of a scene, a file or a name in geometries/scenes; returns where it is.
 
     Without a motion file the one beside the scene is taken, SCENE.motion.toml for SCENE.toml, or else the scene as it
-    stands. InputError for files that cannot be used.
+    stands. Prints remarks on the scene on standard error. InputError for files that cannot be used.
     """
     path = _find(name)
     scene = reader.load(path)
+    for remark in remarks(scene):
+        print(f"analysis: remark: {remark}", file=sys.stderr)
     if motion_file is None:
         beside = path.with_suffix("").with_suffix(MOTION_SUFFIX)
         motion_file = beside if is_file(beside) else None

@@ -13,6 +13,7 @@
 #include "fringe/live_scene.hpp"
 #include "fringe/motion.hpp"
 #include "fringe/reading.hpp"
+#include "fringe/remarks.hpp"
 #include "fringe/scene_reader.hpp"
 #include "fringe/version.hpp"
 #include "program.hpp"
@@ -154,7 +155,11 @@ int run_sweep(const SweepRequest& request) {
       fmt::print(stderr, "\rfringe: frame {} of {}  ", frame + 1, motion.size());
     try {
       live.set_poses(motion[frame].poses);
-      add_frame(live.scene(), frame + 1, motion[frame].name, live.evaluate(options), sweep);
+      const Evaluation& answer = live.evaluate(options);
+      add_frame(live.scene(), frame + 1, motion[frame].name, answer, sweep);
+      // Not on every frame: that may take longer than its answer.
+      if (frame == 0)
+        print_remarks(remarks(live.scene(), options, answer));
     } catch (const InputError& error) {
       throw InputError(
           fmt::format("{}: frame {} ({}): {}", request.scene, frame + 1, motion[frame].name, error.what()));
