@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
+import sys
 from pathlib import Path
 
 from analysis.pipeline.model_stage import model_module
 from analysis.results.store import write_text
 from analysis.show import data as show_data, page as show_page
+from fem_reference.bodies.remarks import remarks
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT, is_own, results_folder
 from geometries.common.tables import is_file
@@ -23,10 +25,12 @@ def make(name: str, motion_file: Path | None, target: Path | None) -> Path:
 
     The page of a scene of the repository is in its results, of any other scene in the current folder, unless `target` names it.
     Without a motion file the one beside the scene is taken, SCENE.motion.toml for SCENE.toml, or else the scene as it
-    stands. InputError for files that cannot be used.
+    stands. Prints remarks on the scene on standard error. InputError for files that cannot be used.
     """
     path = find_scene(name)
     scene = reader.load(path)
+    for remark in remarks(scene):
+        print(f"analysis: remark: {remark}", file=sys.stderr)
     motion_file = motion_file or motion_beside(path)
     frames = motion.load(motion_file, scene) if motion_file else (motion.at_rest(scene),)
     data = show_data.collect(path, scene, frames, model_module())

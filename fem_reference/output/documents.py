@@ -26,6 +26,7 @@ from fem_reference.common.supervision import AnswerSoFar, Report
 from fem_reference.output.potential_slice import potential_slice
 from fem_reference.answer.wrapped import GeometryError
 from fem_reference.answer.reference import ErrorKind, Reference, maxwell
+from fem_reference.bodies.remarks import remarks
 from fem_reference.bodies.wrapping import Geometry
 from geometries.common.files import whole_file
 from geometries.scene.reader import load
@@ -65,6 +66,10 @@ def answer(
     """Solve a scene file and print the answer; returns the exit status. `report` gets the answer so far after every level."""
     scene = load(path)
     is_first = MPI.COMM_WORLD.rank == 0
+    found = remarks(scene)
+    if is_first:
+        for remark in found:
+            print(f"fem_reference: remark: {remark}", file=sys.stderr, flush=True)
 
     def progress(so_far: Reference) -> None:
         if not is_first:
@@ -73,10 +78,10 @@ def answer(
             _print_level(so_far)
         stopped = replace(so_far, stopped_by="it was stopped before the next level ended")
         left = max(0.0, limits.seconds - so_far.seconds) + _GRACE
-        report(AnswerSoFar(_text(stopped, as_json), _shortfall(path, stopped), left))
+        report(AnswerSoFar(_text(stopped, as_json, found), _shortfall(path, stopped), left))
 
     if is_first and math.isfinite(limits.seconds):
-        report(_no_answer(path, as_json, rtol, limits.seconds))
+        report(_no_answer(path, as_json, rtol, limits.seconds, found))
     reference = maxwell(
         scene,
         rtol=rtol,
@@ -93,7 +98,7 @@ def answer(
     status = ANSWERED if reference.reached else NOT_REACHED
     if not is_first:
         return status
-    text = _text(reference, as_json)
+    text = _text(reference, as_json, found)
     # Nothing ends the command any more while it prints.
     report(AnswerSoFar(text, _shortfall(path, reference), math.inf))
     print(text)
@@ -106,17 +111,24 @@ def answer(
     return status
 
 
-def _no_answer(path: Path, as_json: bool, rtol: float, seconds: float) -> AnswerSoFar:
+def _no_answer(path: Path, as_json: bool, rtol: float, seconds: float, found: Sequence[str]) -> AnswerSoFar:
     """What to say when the limit of time ends the first level."""
     reason = f"no level was finished within {seconds:g} s"
-    document = {"format": FORMAT, "rtol": rtol, "reached": False, "stopped_by": reason, "levels": []}
+    document = {
+        "format": FORMAT,
+        "rtol": rtol,
+        "reached": False,
+        "stopped_by": reason,
+        "levels": [],
+        "remarks": list(found),
+    }
     advice = "the first one has the coarsest mesh: give more time, or simplify the scene's meshes"
     message = f"fem_reference: {path}: {reason}; {advice}"
     return AnswerSoFar(json.dumps(document) if as_json else "", message, seconds + _GRACE, is_answer=False)
 
 
-def _text(reference: Reference, as_json: bool) -> str:
-    return json.dumps(document(reference)) if as_json else table(reference)
+def _text(reference: Reference, as_json: bool, found: Sequence[str]) -> str:
+    return json.dumps(document(reference, found)) if as_json else table(reference)
 
 
 def _shortfall(path: Path, reference: Reference) -> str:
@@ -127,8 +139,9 @@ def _shortfall(path: Path, reference: Reference) -> str:
     )
 
 
-def document(reference: Reference) -> dict[str, Any]:
-    """The answer as data for JSON: farads, metres, seconds, bytes; matrices row by row in the order of `conductors`."""
+def document(reference: Reference, found: Sequence[str] = ()) -> dict[str, Any]:
+    """The answer, with the remarks on the scene, as data for JSON: farads, metres, seconds, bytes; matrices row by row in the order of
+    `conductors`."""
     sensors = reference.names[: reference.sensors]
     result: dict[str, Any] = {
         "format": FORMAT,
@@ -180,6 +193,7 @@ def document(reference: Reference) -> dict[str, Any]:
         "seconds": reference.seconds,
         "processes": MPI.COMM_WORLD.size,
         "versions": versions(),
+        "remarks": list(found),
     }
 
 

@@ -13,6 +13,8 @@ from geometries.common.errors import InputError
 
 Vector3 = tuple[float, float, float]
 
+# The units that a document's lengths may have, by how many make a metre.
+UNITS_PER_METRE = {"m": 1.0, "mm": 1000.0}
 # Largest size of a number: beyond it, products of lengths in the integrals overflow.
 LARGEST_NUMBER = 1e30
 _LINE = re.compile(r"\(at line (\d+), column \d+\)")
@@ -58,12 +60,17 @@ class Table:
     """One table of a TOML document, read key by key.
 
     `label` is what stands before a key in an error: empty, a key path such as `object[2].shape`, or `object "target":`
-    with the name. Keys that were never asked for are refused by `finish`.
+    with the name. Keys that were never asked for are refused by `finish`. Lengths are divided by `units_per_metre`, which tables within
+    this one have, too; what is returned is in metres.
     """
 
-    def __init__(self, values: dict[str, Any], source: str, label: str = "") -> None:
+    def __init__(
+        self, values: dict[str, Any], source: str, label: str = "", units_per_metre: float = 1.0
+    ) -> None:
         self._values = values
+        self.units_per_metre = units_per_metre
         self._asked: set[str] = set()
+        self._known: set[str] = set()
         self.source = source
         self.label = label
 
@@ -77,6 +84,7 @@ class Table:
         return InputError(self.source, self.key(name) if name else self.label, reason)
 
     def has(self, name: str) -> bool:
+        self._known.add(name)
         return name in self._values
 
     def keys(self) -> tuple[str, ...]:
@@ -85,22 +93,31 @@ class Table:
     def value(self, name: str) -> Any:
         """Returns the value of a key, whatever its type; InputError when the key is missing."""
         self._asked.add(name)
+        self._known.add(name)
         if name not in self._values:
             meant = get_close_matches(name, self._values, n=1)
             raise self.error(name, f"is missing; is it written as {meant[0]!r}?" if meant else "is missing")
         return self._values[name]
 
     def finish(self) -> None:
-        """Refuses every key that was not requested."""
+        """Refuses every key that was not requested, with a list of those that were looked for."""
         for name in self._values:
             if name not in self._asked:
-                raise self.error(name, "unknown key")
+                raise self.error(name, f"unknown key; there are {', '.join(sorted(self._known))}")
 
     def known_format(self, known: int = 1) -> None:
         """Refuses a document whose format version is not `known`."""
         version = self.integer("format", known, at_least=1, at_most=1_000_000)
         if version != known:
             raise self.error("format", f"is {version}, and this program knows {known} only")
+
+    def read_units(self) -> None:
+        """Reads the unit of the document's lengths, metres if there is none."""
+        if self.has("units"):
+            units = self.text("units")
+            if units not in UNITS_PER_METRE:
+                raise self.error("units", f'must be "m" or "mm", not "{units}"')
+            self.units_per_metre = UNITS_PER_METRE[units]
 
     def text(self, name: str, default: str | None = None) -> str:
         if default is not None and not self.has(name):
@@ -163,6 +180,27 @@ class Table:
     def vector3(self, name: str, default: Vector3 | None = None) -> Vector3:
         return cast(Vector3, self.vector(name, 3, default))
 
+    def length(self, name: str) -> float:
+        """Returns a length in metres."""
+        return self.number(name) / self.units_per_metre
+
+    def positive_length(self, name: str) -> float:
+        """Returns a length > 0 in metres."""
+        value = self.length(name)
+        if value <= 0:
+            raise self.error(name, f"must be greater than 0, not {value!r}")
+        return value
+
+    def lengths(self, name: str, length: int) -> tuple[float, ...]:
+        """Returns a list of lengths in metres."""
+        return self.as_lengths(name, self.value(name), length)
+
+    def position(self, name: str, default: Vector3 | None = None) -> Vector3:
+        """Returns a point or a translation in metres; the default is in metres, too."""
+        if default is not None and not self.has(name):
+            return default
+        return cast(Vector3, self.lengths(name, 3))
+
     def as_number(self, name: str, value: Any) -> float:
         """Returns `value`, found at `name`, as a finite number."""
         if not isinstance(value, (int, float)) or isinstance(value, bool):
@@ -182,14 +220,18 @@ class Table:
             raise self.error(name, f"must be a list of {length} numbers, not {value!r}")
         return tuple(self.as_number(f"{name}[{index}]", item) for index, item in enumerate(value))
 
+    def as_lengths(self, name: str, value: Any, length: int) -> tuple[float, ...]:
+        """Returns `value`, found at `name`, as a list of `length` lengths in metres."""
+        return tuple(number / self.units_per_metre for number in self.as_vector(name, value, length))
+
     def table(self, name: str, required: bool = True) -> Table:
         """Returns a table within this one; an empty one when it is absent and not required."""
         if not required and not self.has(name):
-            return Table({}, self.source, self.key(name))
+            return Table({}, self.source, self.key(name), self.units_per_metre)
         value = self.value(name)
         if not isinstance(value, dict):
             raise self.error(name, f"must be a table, not {value!r}")
-        return Table(value, self.source, self.key(name))
+        return Table(value, self.source, self.key(name), self.units_per_metre)
 
     def tables(self, name: str) -> list[Table]:
         """Returns a list of tables within this one; none when it is absent. Tables with a name are labelled by it."""
@@ -198,7 +240,10 @@ class Table:
         value = self.value(name)
         if not isinstance(value, list) or not all(isinstance(item, dict) for item in value):
             raise self.error(name, "must be a list of tables")
-        return [Table(item, self.source, self._label(name, index, item)) for index, item in enumerate(value)]
+        return [
+            Table(item, self.source, self._label(name, index, item), self.units_per_metre)
+            for index, item in enumerate(value)
+        ]
 
     def _label(self, name: str, index: int, item: dict[str, Any]) -> str:
         given = item.get("name")

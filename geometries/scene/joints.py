@@ -12,6 +12,10 @@ import numpy as np
 from geometries.scene.poses import AxisRotation, Pose, Vector3, product, unit
 
 
+# The kind of a joint whose position is a length.
+PRISMATIC = "prismatic"
+
+
 @dataclass(frozen=True)
 class Mimic:
     """The position follows that of another joint: multiplier·position + offset."""
@@ -39,7 +43,7 @@ class Joint:
         """Returns the pose of the joint's link relative to its parent."""
         if position == 0:
             return self.rest
-        if self.kind == "prismatic":
+        if self.kind == PRISMATIC:
             shift = self.rest.rotation.matrix() @ (position * unit(self.axis))
             moved = np.asarray(self.rest.translation) + shift
             return Pose(cast(Vector3, tuple(moved.tolist())), self.rest.rotation)

@@ -8,7 +8,7 @@ from pathlib import Path
 from geometries.common.errors import InputError
 from geometries.common.tables import Table, parse, read_text
 from geometries.scene import reader
-from geometries.scene.joints import Joint, resolved
+from geometries.scene.joints import PRISMATIC, Joint, resolved
 from geometries.scene.poses import Pose
 from geometries.scene.scene import Scene
 
@@ -30,6 +30,7 @@ def loads(text: str, scene: Scene, source: str = "motion") -> tuple[Frame, ...]:
     """Returns the frames in a text; `source` stands for it in errors."""
     root = parse(text, source)
     root.known_format()
+    root.read_units()
     poses = at_rest(scene).poses
     joints = {link.joint.name: link.joint for link in scene.links if link.joint}
     link_of = {link.joint.name: link.name for link in scene.links if link.joint}
@@ -69,7 +70,7 @@ def _moved(frame: Table, before: dict[str, Pose]) -> dict[str, Pose]:
             raise table.error("link", f"{link!r} has a pose in this frame already")
         turns = table.has("rotation") or table.has("quaternion")
         moved[link] = Pose(
-            table.vector3("translation", before[link].translation),
+            table.position("translation", before[link].translation),
             reader.rotation(table) if turns else before[link].rotation,
         )
         table.finish()
@@ -80,7 +81,7 @@ def _turned(frame: Table, joints: dict[str, Joint]) -> dict[str, Joint]:
     """Returns the joints that a frame moves, with those that follow them."""
     asked: dict[str, Joint] = {}
     for table in frame.tables("joints"):
-        name, position = table.text("joint"), table.number("position")
+        name = table.text("joint")
         if name not in joints:
             choices = ", ".join(joint.name for joint in joints.values() if joint.mimic is None)
             raise table.error("joint", f"there is no joint {name!r}; there are: {choices or 'none'}")
@@ -89,6 +90,8 @@ def _turned(frame: Table, joints: dict[str, Joint]) -> dict[str, Joint]:
             raise table.error("joint", f"{name!r} follows {mimic.joint!r} and cannot be set")
         if name in asked:
             raise table.error("joint", f"{name!r} has a position in this frame already")
+        is_length = joints[name].kind == PRISMATIC
+        position = table.length("position") if is_length else table.number("position")
         asked[name] = replace(joints[name], position=position)
         table.finish()
     try:

@@ -15,9 +15,15 @@ from geometries.common.errors import InputError
 from geometries.common.tables import LARGEST_NUMBER, Table, parse, read_text
 from geometries.scene.conductor_checks import check_conductors, check_readings, check_targets
 from geometries.scene import polygons
-from geometries.scene.joints import Joint, Mimic, resolved
+from geometries.scene.joints import PRISMATIC, Joint, Mimic, resolved
 from geometries.scene.meshes import SCENE_FORMATS, read_triangles
-from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Rotation, Vector3, unit
+from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Rotation, Vector3
+from geometries.scene.rectangles import (
+    LARGEST_COSINE_OF_ROUNDING,
+    LARGEST_COSINE_SQUARED,
+    cosine_between_edges,
+    squared,
+)
 from geometries.scene.scene import (
     DEFAULT_COUPLING_CAPACITANCE,
     DEFAULT_INPUT_VOLTAGE,
@@ -48,12 +54,10 @@ from geometries.scene.shapes import (
     Sphere,
 )
 
-# Largest |cos| of the angle between a plate's edges: allows for coordinates with ten digits.
-_RIGHT_ANGLE_TOLERANCE = 1e-9
 # Largest number of triangles of a shape: a mesh of as many takes half a gigabyte.
 _MOST_TRIANGLES = 10_000_000
 _POTENTIALS = ("grounded", "floating", "electrode")
-_JOINTS = ("revolute", "prismatic")
+_JOINTS = ("revolute", PRISMATIC)
 
 
 def load(path: Path | str) -> Scene:
@@ -65,17 +69,20 @@ def loads(text: str, source: str = "scene") -> Scene:
     """Returns the scene in a text; `source` stands for it in errors, and mesh files are relative to its folder."""
     root = parse(text, source)
     root.known_format()
+    root.read_units()
     medium = root.table("medium", required=False)
     room = _room(root.table("room")) if root.has("room") else None
+    changes: list[str] = []
     scene = Scene(
         medium=Medium(medium.positive("relative_permittivity", 1.0)),
         links=_placed(tuple(_link(table) for table in root.tables("link")), root),
-        sensors=tuple(_sensor(table) for table in root.tables("sensor")),
+        sensors=tuple(_sensor(table, changes) for table in root.tables("sensor")),
         distance_sensors=tuple(_distance_sensor(table) for table in root.tables("distance_sensor")),
         objects=tuple(_object(table) for table in root.tables("object")),
         room=room,
         readings=tuple(_reading(table) for table in root.tables("reading")),
     )
+    scene = replace(scene, changes=tuple(changes))
     medium.finish()
     root.finish()
     _check_names(scene, source)
@@ -106,8 +113,9 @@ def _joint(table: Table, rest: Pose) -> Joint:
     name, kind = table.text("name"), table.text("type")
     if kind not in _JOINTS:
         raise table.error("type", f"must be one of {', '.join(_JOINTS)}, not {kind!r}")
-    lower = table.number("lower") if table.has("lower") else None
-    upper = table.number("upper") if table.has("upper") else None
+    units = table.units_per_metre if kind == PRISMATIC else 1.0
+    lower = table.number("lower") / units if table.has("lower") else None
+    upper = table.number("upper") / units if table.has("upper") else None
     if lower is not None and upper is not None and upper < lower:
         raise table.error("upper", "must not be less than lower")
     mimic = None
@@ -115,13 +123,31 @@ def _joint(table: Table, rest: Pose) -> Joint:
         if table.has("position"):
             raise table.error("position", "excludes mimic")
         inner = table.table("mimic")
-        mimic = Mimic(inner.text("joint"), inner.number("multiplier", 1.0), inner.number("offset", 0.0))
+        mimic = Mimic(
+            inner.text("joint"), inner.number("multiplier", 1.0), inner.number("offset", 0.0) / units
+        )
         inner.finish()
     joint = Joint(
-        name, kind, _direction(table, "axis"), rest, table.number("position", 0.0), lower, upper, mimic
+        name,
+        kind,
+        _direction(table, "axis"),
+        rest,
+        table.number("position", 0.0) / units,
+        lower,
+        upper,
+        mimic,
     )
     table.finish()
     return joint
+
+
+def _with_metric_multiplier(joint: Joint, joints: dict[str, Joint], units_per_metre: float) -> Joint:
+    """Returns the joint with the multiplier in SI units: if it follows one of the other kind, it is in units of length per rad or the inverse."""
+    if joint.mimic is None or joint.mimic.joint not in joints or joints[joint.mimic.joint].kind == joint.kind:
+        return joint
+    multiplier = joint.mimic.multiplier
+    converted = multiplier / units_per_metre if joint.kind == PRISMATIC else multiplier * units_per_metre
+    return replace(joint, mimic=replace(joint.mimic, multiplier=converted))
 
 
 def _placed(links: tuple[Link, ...], root: Table) -> tuple[Link, ...]:
@@ -132,6 +158,9 @@ def _placed(links: tuple[Link, ...], root: Table) -> tuple[Link, ...]:
             raise root.error(f'link "{link.name}": joint.name', f'"{link.joint.name}" is taken')
         if link.joint:
             joints[link.joint.name] = link.joint
+    joints = {
+        name: _with_metric_multiplier(joint, joints, root.units_per_metre) for name, joint in joints.items()
+    }
     try:
         joints = resolved(joints)
     except ValueError as error:
@@ -143,9 +172,14 @@ def _placed(links: tuple[Link, ...], root: Table) -> tuple[Link, ...]:
     return tuple(placed)
 
 
-def _sensor(table: Table) -> Sensor:
+def _sensor(table: Table, changes: list[str]) -> Sensor:
     name = table.text("name")
-    plates = tuple(_plate(plate) for plate in table.tables("plates"))
+    squares = [
+        _plate(plate, f'sensor "{name}": plates[{index}]')
+        for index, plate in enumerate(table.tables("plates"))
+    ]
+    plates = tuple(plate for plate, _ in squares)
+    changes += (sentence for _, sentences in squares for sentence in sentences)
     sensor = Sensor(
         name=name,
         plates=plates,
@@ -160,7 +194,8 @@ def _sensor(table: Table) -> Sensor:
     return sensor
 
 
-def _plate(table: Table) -> Plate:
+def _plate(table: Table, place: str) -> tuple[Plate, list[str]]:
+    """Returns a plate, and a sentence about it if its edges were nearly at right angles and are now."""
     for key in ("corner", "edge_u", "edge_v"):
         if not table.has(key):
             raise table.error(
@@ -168,25 +203,37 @@ def _plate(table: Table) -> Plate:
                 "is missing: a plate is a rectangle with corner, edge_u and edge_v; an electrode of another shape is an object with "
                 'potential = "electrode"',
             )
-    plate = Plate(table.vector3("corner"), _direction(table, "edge_u"), _direction(table, "edge_v"))
-    cosine = np.dot(unit(plate.edge_u), unit(plate.edge_v))
-    if abs(cosine) > _RIGHT_ANGLE_TOLERANCE:
+    plate = Plate(table.position("corner"), _edge(table, "edge_u"), _edge(table, "edge_v"))
+    cosine = cosine_between_edges(plate)
+    if abs(cosine) > LARGEST_COSINE_SQUARED:
         raise table.error(
             "edge_v",
-            f"is not at a right angle to edge_u, so that this is not a rectangle: the cosine of the angle between them is {cosine:.2g}, and at most "
-            f"{_RIGHT_ANGLE_TOLERANCE:g} is taken for rounding",
+            f"edge_u and edge_v are not at right angles: the angle between them is {math.degrees(math.acos(cosine)):.6g} degrees, "
+            f"its cosine {cosine:.2g}, and at most {LARGEST_COSINE_SQUARED:g} is squared",
         )
     table.finish()
-    return plate
+    if abs(cosine) <= LARGEST_COSINE_OF_ROUNDING:
+        return plate, []
+    off = math.degrees(math.asin(abs(cosine)))
+    return squared(plate), [
+        f"{place}: edge_u and edge_v are {off:.2g} degrees off the right angle and are squared"
+    ]
+
+
+def _edge(table: Table, name: str) -> Vector3:
+    edge = table.position(name)
+    if not any(edge):
+        raise table.error(name, "must have a length greater than 0")
+    return edge
 
 
 def _distance_sensor(table: Table) -> DistanceSensor:
     sensor = DistanceSensor(
         name=table.text("name"),
-        apex=table.vector3("apex"),
+        apex=table.position("apex"),
         direction=_direction(table, "direction"),
         full_angle_degrees=_angle(table, "full_angle_degrees", 180.0),
-        range=table.positive("range"),
+        range=table.positive_length("range"),
         link=_optional_link(table),
     )
     table.finish()
@@ -219,6 +266,7 @@ def _object(table: Table) -> Object:
         conductor=table.text("conductor") if table.has("conductor") else None,
         to_ground=table.positive("to_ground") if table.has("to_ground") else 0.0,
         target=table.boolean("target", False),
+        collides_with_parent=table.boolean("collides_with_parent", False),
     )
     table.finish()
     return body
@@ -237,7 +285,7 @@ def _reading(table: Table) -> Reading:
 
 
 def _pose(table: Table) -> Pose:
-    return Pose(table.vector3("translation", (0.0, 0.0, 0.0)), rotation(table))
+    return Pose(table.position("translation", (0.0, 0.0, 0.0)), rotation(table))
 
 
 def rotation(table: Table) -> Rotation:
@@ -293,7 +341,7 @@ def _shape(table: Table) -> Shape:
 
 
 def _size(table: Table, length: int, key: str = "size") -> tuple[float, ...]:
-    size = table.vector(key, length)
+    size = table.lengths(key, length)
     for index, value in enumerate(size):
         if value <= 0:
             raise table.error(f"{key}[{index}]", f"must be greater than 0, not {value!r}")
@@ -319,7 +367,7 @@ def _cuboid(table: Table) -> Cuboid | RoundedCuboid:
 
 
 def _rounded(table: Table, size: Vector3) -> Cuboid | RoundedCuboid:
-    rounding, segments = table.number("rounding"), _segments_of_grid(table)
+    rounding, segments = table.length("rounding"), _segments_of_grid(table)
     if not 0 <= rounding <= min(size) / 2:
         raise table.error(
             "rounding", f"must be from 0 to half the smallest size, {min(size) / 2:g}, not {rounding!r}"
@@ -328,30 +376,36 @@ def _rounded(table: Table, size: Vector3) -> Cuboid | RoundedCuboid:
 
 
 def _cube(table: Table) -> Cuboid:
-    side = table.positive("size")
+    side = table.positive_length("size")
     return Cuboid((side, side, side))
 
 
 def _cylinder(table: Table) -> Cylinder:
     return Cylinder(
-        table.positive("radius"), table.positive("height"), _segments(table, _MOST_TRIANGLES // 4)
+        table.positive_length("radius"),
+        table.positive_length("height"),
+        _segments(table, _MOST_TRIANGLES // 4),
     )
 
 
 def _cone(table: Table) -> Cone:
-    return Cone(table.positive("radius"), table.positive("height"), _segments(table, _MOST_TRIANGLES // 2))
+    return Cone(
+        table.positive_length("radius"),
+        table.positive_length("height"),
+        _segments(table, _MOST_TRIANGLES // 2),
+    )
 
 
 def _arc(table: Table) -> Arc:
-    inner, outer = table.positive("inner_radius"), table.positive("outer_radius")
+    inner, outer = table.positive_length("inner_radius"), table.positive_length("outer_radius")
     if outer <= inner:
         raise table.error("outer_radius", "must be greater than inner_radius")
     segments = _segments(table, _MOST_TRIANGLES // 8)
-    return Arc(inner, outer, table.positive("height"), _angle(table, "degrees", 360.0), segments)
+    return Arc(inner, outer, table.positive_length("height"), _angle(table, "degrees", 360.0), segments)
 
 
 def _sphere(table: Table) -> Sphere:
-    return Sphere(table.positive("radius"), _segments_of_grid(table))
+    return Sphere(table.positive_length("radius"), _segments_of_grid(table))
 
 
 def _ellipsoid(table: Table) -> Ellipsoid:
@@ -359,11 +413,11 @@ def _ellipsoid(table: Table) -> Ellipsoid:
 
 
 def _capsule(table: Table) -> Capsule:
-    return Capsule(table.positive("radius"), table.positive("length"), _segments_of_grid(table))
+    return Capsule(table.positive_length("radius"), table.positive_length("length"), _segments_of_grid(table))
 
 
 def _disc(table: Table) -> Disc:
-    return Disc(table.positive("radius"), _segments(table, _MOST_TRIANGLES))
+    return Disc(table.positive_length("radius"), _segments(table, _MOST_TRIANGLES))
 
 
 def _polygon(table: Table) -> Polygon:
@@ -371,7 +425,7 @@ def _polygon(table: Table) -> Polygon:
     if not isinstance(given, list):
         raise table.error("vertices", f"must be a list of [x, y], not {given!r}")
     vertices = tuple(
-        cast(polygons.Point, table.as_vector(f"vertices[{k}]", vertex, 2)) for k, vertex in enumerate(given)
+        cast(polygons.Point, table.as_lengths(f"vertices[{k}]", vertex, 2)) for k, vertex in enumerate(given)
     )
     defect = polygons.defect(vertices)
     if defect:
@@ -389,7 +443,7 @@ def _mesh(table: Table) -> MeshShape:
         surface = read_triangles(file)
     except InputError as error:
         raise table.error("file", f"{error.file}: {error.reason}") from error
-    scale = table.positive("scale", 1.0)
+    scale = table.positive("scale", 1.0 / table.units_per_metre)
     if np.abs(surface).max() * scale > LARGEST_NUMBER:
         raise table.error("file", f"{file}: the mesh is larger than {LARGEST_NUMBER:g}")
     digest = hashlib.sha256(file.read_bytes()).hexdigest()
@@ -440,7 +494,8 @@ def _check_links(scene: Scene, source: str) -> None:
     references += [(f'object "{body.name}": link', body.link) for body in scene.objects]
     for key, name in references:
         if name is not None and name not in parents:
-            raise InputError(source, key, f"there is no link {name!r}")
+            known = f"there are {', '.join(sorted(parents))}" if parents else "the scene has none"
+            raise InputError(source, key, f"there is no link {name!r}; {known}")
     rooted: set[str] = set()
     for start in parents:
         # A dictionary keeps the order and finds a name quickly.

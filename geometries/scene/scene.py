@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,6 +83,7 @@ class Object:
     Bodies with the same `conductor` are one conductor of that name; without it a body is a conductor of its own. An electrode may be
     driven and sensed, as a sensor may. A floating body is connected to the ground through the capacitance `to_ground` (F; 0: not at
     all). A `target` comes and goes, the other bodies belong to the machine; if none is marked, all are targets but electrodes.
+    With `collides_with_parent` it is checked for collisions with the bodies of the link above its own.
     """
 
     name: str
@@ -95,6 +96,7 @@ class Object:
     conductor: str | None = None
     to_ground: float = 0.0
     target: bool = False
+    collides_with_parent: bool = False
 
 
 @dataclass(frozen=True)
@@ -123,6 +125,8 @@ class Scene:
     objects: tuple[Object, ...] = ()
     room: Room | None = None
     readings: tuple[Reading, ...] = ()
+    changes: tuple[str, ...] = field(default=(), compare=False)
+    """What the reader mended, in sentences."""
 
     def transform_of_link(self, name: str | None) -> Transform:
         """Returns the transform from a link's frame to the world; the identity for None, the world itself."""

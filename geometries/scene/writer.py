@@ -152,6 +152,7 @@ def _object(body: Object, mesh_source: MeshSource) -> dict[str, Any]:
         "conductor": body.conductor,
         "target": body.target or None,
         "collides": body.collides,
+        "collides_with_parent": body.collides_with_parent or None,
         "material": {"relative_permittivity": body.relative_permittivity} if dielectric else None,
         "shape": _shape(body.shape, mesh_source),
     }

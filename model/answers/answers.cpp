@@ -230,6 +230,11 @@ Json sensing_answer(const std::vector<DistanceReading>& readings) {
   return {{"distance_sensors", std::move(sensors)}};
 }
 
+Json with_remarks(Json answer, const std::vector<std::string>& remarks) {
+  answer["remarks"] = remarks;
+  return answer;
+}
+
 Json info_answer(const SceneInfo& info, const Scene& scene) {
   const Json roles = scene_roles(scene);
   Json objects = Json::array();

@@ -45,6 +45,9 @@ Json collision_answer(const SceneCollision& answer, const Scene& scene);
 /// Describes the readings of the distance sensors; all values are null where nothing is in a cone.
 Json sensing_answer(const std::vector<DistanceReading>& readings);
 
+/// Adds the remarks on a scene or an evaluation to an answer.
+Json with_remarks(Json answer, const std::vector<std::string>& remarks);
+
 /// Describes the counts, the geometry and the electrical roles of a scene.
 Json info_answer(const SceneInfo& info, const Scene& scene);
 

@@ -17,6 +17,7 @@
 #include "fringe/error.hpp"
 #include "fringe/live_scene.hpp"
 #include "fringe/motion.hpp"
+#include "fringe/remarks.hpp"
 #include "fringe/scene_collision.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
@@ -70,6 +71,13 @@ decltype(auto) of_file(const std::string& file, const Action& action) {
   }
 }
 
+/// Prints the remarks on a scene, and adds them to an answer about it.
+Json with_printed_remarks(Json answer, const Scene& scene) {
+  const std::vector<std::string> found = remarks(scene);
+  cli::print_remarks(found);
+  return with_remarks(std::move(answer), found);
+}
+
 /// The text of an answer, and the exit status that goes with it.
 struct Answer {
   std::string text;
@@ -120,8 +128,11 @@ Answer answer_capacitance(const Request& request) {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     if (request.output)
       cli::write_vtu(live.scene(), integral_options(options), *request.output);
-    const std::string text = request.json ? json_text(capacitance_answer(answer, options, elapsed.count()))
-                                          : table_of(answer, options, elapsed.count());
+    const std::vector<std::string> found = remarks(live.scene(), options, answer);
+    cli::print_remarks(found);
+    const std::string text =
+        request.json ? json_text(with_remarks(capacitance_answer(answer, options, elapsed.count()), found))
+                     : table_of(answer, options, elapsed.count());
     if (answer.reached)
       return {text, answered};
     const std::optional<int> ended = limit ? limit->status() : std::nullopt;
@@ -137,19 +148,22 @@ Answer answer_capacitance(const Request& request) {
 std::string answer_collide(const Request& request) {
   const Scene scene = load_scene(request.scene);
   const SceneCollision answer = collide(scene);
-  return request.json ? json_text(collision_answer(answer, scene)) : cli::collision_table(answer, scene);
+  const Json described = with_printed_remarks(collision_answer(answer, scene), scene);
+  return request.json ? json_text(described) : cli::collision_table(answer, scene);
 }
 
 std::string answer_info(const Request& request) {
   const Scene scene = load_scene(request.scene);
   const SceneInfo info = scene_info(scene);
-  return request.json ? json_text(info_answer(info, scene)) : cli::info_table(info, scene);
+  const Json described = with_printed_remarks(info_answer(info, scene), scene);
+  return request.json ? json_text(described) : cli::info_table(info, scene);
 }
 
 std::string answer_sense(const Request& request) {
-  const std::vector<DistanceReading> readings =
-      sense(load_scene(request.scene), parse_cone_method(request.cone_method));
-  return request.json ? json_text(sensing_answer(readings)) : cli::readings_table(readings);
+  const Scene scene = load_scene(request.scene);
+  const std::vector<DistanceReading> readings = sense(scene, parse_cone_method(request.cone_method));
+  const Json described = with_printed_remarks(sensing_answer(readings), scene);
+  return request.json ? json_text(described) : cli::readings_table(readings);
 }
 
 int run(int argument_count, char** arguments) {

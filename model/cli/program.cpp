@@ -19,6 +19,11 @@ void print(std::string answer) {
     throw std::runtime_error("the answer could not be written");
 }
 
+void print_remarks(const std::vector<std::string>& remarks) {
+  for (const std::string& remark : remarks)
+    fmt::print(stderr, "fringe: remark: {}\n", remark);
+}
+
 int run_program(int (*run)(int, char**), int argument_count, char** arguments) {
   try {
     return run(argument_count, arguments);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace fringe::cli {
 
@@ -9,6 +10,9 @@ enum ExitCode { answered = 0, failed = 1, wrong_input = 2, not_reached = 3, inte
 
 /// Prints an answer on standard output, with a line end. Throws std::runtime_error when it cannot be written.
 void print(std::string answer);
+
+/// Prints remarks on standard error, a line each.
+void print_remarks(const std::vector<std::string>& remarks);
 
 /// Calls `run` with the arguments of main() and returns its exit status. Prints the message of an exception
 /// on standard error and returns `wrong_input` for an InputError and `failed` for any other.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <set>
 #include <unistd.h>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "fringe/live_scene.hpp"
 #include "fringe/motion.hpp"
 #include "fringe/reading.hpp"
+#include "fringe/remarks.hpp"
 #include "fringe/scene_reader.hpp"
 #include "fringe/version.hpp"
 #include "interruption.hpp"
@@ -76,6 +78,7 @@ struct FrameAnswers {
   std::vector<FrameRows> rows;
   std::size_t found = 0;
   std::size_t refused = 0;
+  std::set<std::string> remarks = {};  ///< on the first frame
 };
 
 /// Answers one frame by every method, or takes what earlier rows hold; nothing if it was interrupted.
@@ -99,6 +102,10 @@ std::optional<FrameAnswers> answer_frame(LiveScene& live, const std::vector<Swee
         if (limit.status() && !answer.reached)
           return std::nullopt;
         rows = answered_rows(live.scene(), frame + 1, name, method, answer, own);
+        // Not on every frame: that may take longer than its answer.
+        if (frame == 0)
+          for (std::string& remark : remarks(live.scene(), sweeper.options, answer))
+            answers.remarks.insert(std::move(remark));
       }
     } catch (const Interrupted&) {
       return std::nullopt;
@@ -192,6 +199,7 @@ int run_sweep(const SweepRequest& request) {
           sweepers[k].refused.push_back(frame + 1);
         }
       }
+      print_remarks({answers->remarks.begin(), answers->remarks.end()});
       kept += answers->found == sweepers.size() ? 1 : 0;
       ++finished;
     } catch (const InputError& error) {

@@ -110,6 +110,11 @@ std::string readings_table(const std::vector<DistanceReading>& readings) {
 
 std::string collision_table(const SceneCollision& answer, const Scene& scene) {
   const std::vector<ObjectPair> pairs = all_pairs(answer, scene);
+  if (pairs.empty())
+    return fmt::format("nothing to check among {} objects: not looked at are objects of one link, those of a "
+                       "link and its parent "
+                       "unless collides_with_parent = true, those with collides = false, and sensors\n",
+                       scene.objects.size());
   std::string text =
       fmt::format("{} pairs, {} of them clear; {} tests of bounding boxes, {} of convex shapes\n",
                   pairs.size(), pairs.size() - answer.marked.size(), answer.tests.broad, answer.tests.narrow);

@@ -27,8 +27,9 @@ using Contributions = std::vector<std::vector<double>>;
 
 /// Appends the contributions of an object's triangles. Each triangle is evaluated as an object of its own, so
 /// that every option has the same meaning as for the whole scene.
-void add_contributions(const Scene& scene, const Object& object, const CapacitanceOptions& options,
+void add_contributions(const Scene& scene, const Object& object, CapacitanceOptions options,
                        Contributions& contributions) {
+  options.faces = rule_for(object.shape, options.faces);
   const std::vector<Triangle> triangles = triangulate(object.shape);
   Scene part{scene.medium, scene.has_room, scene.links, scene.sensors, {}, {}};
   for (std::size_t first = 0; first < triangles.size(); first += triangles_at_once) {

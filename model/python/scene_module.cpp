@@ -28,6 +28,7 @@
 #include "fringe/evaluation.hpp"
 #include "fringe/motion.hpp"
 #include "fringe/pose.hpp"
+#include "fringe/remarks.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
 #include "python_object.hpp"
@@ -62,7 +63,10 @@ py::dict described_evaluation(SharedScene& shared, const EvaluationOptions& opti
     const auto start = std::chrono::steady_clock::now();
     const Evaluation& answer = live.evaluate(options);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    return describe(answer, elapsed.count());
+    const std::string faces = to_string(options.faces.value_or(FaceRule::all));
+    return with_remarks(describe(answer, elapsed.count()),
+                        shared.remarks_once(answer.answered_by + " " + faces,
+                                            [&] { return remarks(live.scene(), options, answer); }));
   }));
 }
 
@@ -156,14 +160,26 @@ std::vector<PythonFrame> sweep_of(SharedScene& scene, const std::filesystem::pat
   return frames;
 }
 
+/// Describes an answer by `describe`, a function of the scene, with the remarks on the scene.
+template <typename Describe>
+py::dict described_geometry(SharedScene& shared, const Describe& describe) {
+  return python_object(shared.locked([&](LiveScene& live) {
+    return with_remarks(describe(live), shared.remarks_once("", [&] { return remarks(live.scene()); }));
+  }));
+}
+
+std::vector<std::string> remarks_of(SharedScene& scene) {
+  return scene.locked([](LiveScene& live) { return remarks(live.scene()); });
+}
+
 py::dict sense_of(SharedScene& scene, const std::string& method) {
   const ConeMethod how = parse_cone_method(method);
-  return python_object(scene.locked([&](LiveScene& live) { return sensing_answer(live.sense(how)); }));
+  return described_geometry(scene, [&](LiveScene& live) { return sensing_answer(live.sense(how)); });
 }
 
 py::dict collide_of(SharedScene& scene) {
-  return python_object(
-      scene.locked([](LiveScene& live) { return collision_answer(live.collide(), live.scene()); }));
+  return described_geometry(scene,
+                            [](LiveScene& live) { return collision_answer(live.collide(), live.scene()); });
 }
 
 py::dict conductors_of(SharedScene& scene) {
@@ -175,8 +191,8 @@ py::dict conductors_of(SharedScene& scene) {
 }
 
 py::dict info_of(SharedScene& scene) {
-  return python_object(
-      scene.locked([](LiveScene& live) { return info_answer(scene_info(live.scene()), live.scene()); }));
+  return described_geometry(
+      scene, [](LiveScene& live) { return info_answer(scene_info(live.scene()), live.scene()); });
 }
 
 py::dict roles_of(SharedScene& scene) {
@@ -363,7 +379,8 @@ method: "exact", "split:N" or "gauss:K", as for plate_integral; or "boundary-ele
 the same in microseconds for moving scenes; or "recommended", the first of "reduced:K", "boundary-elements" (1,000 unknowns
 at most) and the correction "formula" that states the error asked for.
 plates: "sum", every plate of a sensor counts every point of a surface; "nearest", only the plate nearest to it does.
-faces: "all", or "facing": only triangles whose outward side sees the plate, and those in contact with it.
+faces: "all", or "facing": only triangles whose outward side sees the plate, and those in contact with it; of the shape
+"plate" the side that faces.
 tolerance: what may be left out of a sensor's total, relative to it; each object's "bound" says how much of it was left
 out at most. 0: nothing is left out but by "nearest", 1e-12. Only with the method "exact".
 rtol: the error of every entry in the sensors' rows of the Maxwell matrix to be reached. Only with "boundary-elements" (if not given 1e-3),
@@ -442,7 +459,8 @@ method: as for cone_closest.)")
            R"(Which objects collide, as the dictionary that `fringe collide --json` prints.
 
 Of each pair that can collide, "status" is "clear", "bounds" when only the bounding boxes meet, or "collision"; touching
-counts. Objects of the same link and those with collides = false are left out. Asked again, only what moved since is
+counts. Left out are objects of the same link, those of a link and its parent (unless the former has
+collides_with_parent = true) and those with collides = false. Asked again, only what moved since is
 looked at; "tests" says how many bounding boxes ("broad") and convex shapes ("narrow") were tested.)")
       .def("conductors", &conductors_of,
            "Name to (n, 3, 3) triangles in the world frame, the sensors first, each in the file's order.")
@@ -463,6 +481,11 @@ is none.)")
 "objects" by name: "potential" ("grounded", "floating", "electrode", or "dielectric" with its "relative_permittivity"),
 "conductor", "to_ground" (F, None if not connected through a capacitance) and "target". "readings" by name: "sense" and
 "drive", names of sensors and of electrodes' conductors, "noise" and "threshold" (F or None).)")
+      .def_property_readonly("remarks", &remarks_of,
+                             R"(Remarks on the scene in its present poses, a list of sentences.
+
+They are on what can be answered, but is probably not what was meant. Answers have those on the scene and on themselves
+under "remarks"; they are looked for once for every method.)")
       .def("info", &info_of,
            "Counts, areas (m2), volumes (m3, None for open surfaces) and bounding boxes (m).");
 }

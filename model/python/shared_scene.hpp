@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -59,6 +60,14 @@ class SharedScene {
     return action(live_);
   }
 
+  /// Returns the remarks of the first answer of this kind, which `find` looks for; call it while locked. To
+  /// look for them in every pose may take longer than the answer.
+  template <typename Find>
+  const std::vector<std::string>& remarks_once(const std::string& kind, const Find& find) {
+    const auto known = remarks_.find(kind);
+    return known != remarks_.end() ? known->second : remarks_.emplace(kind, find()).first->second;
+  }
+
  private:
   SharedScene(std::string text, std::filesystem::path folder, Scene scene);
   void begin_again(Scene whole, const std::set<std::string>& hidden);
@@ -68,6 +77,7 @@ class SharedScene {
   Scene whole_;  ///< with the hidden objects
   std::set<std::string> hidden_;
   LiveScene live_;
+  std::map<std::string, std::vector<std::string>> remarks_;  ///< by the kind of answer
   std::mutex mutex_;
 };
 

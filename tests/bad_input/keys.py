@@ -14,6 +14,7 @@ from tests.bad_input.case import Case, from_text
 
 _VECTOR = [0.1, 0.2, 0.3]
 WHOLE: dict[str, Any] = {
+    "units": "m",
     "medium": {"relative_permittivity": 1.0},
     "room": {"size": [4.0, 3.0, 2.5], "translation": [0.0, 0.0, 1.25]},
     "link": [
@@ -71,6 +72,7 @@ WHOLE: dict[str, Any] = {
             "to_ground": 1e-10,
             "target": True,
             "collides": True,
+            "collides_with_parent": True,
         },
         {
             "name": "ring",
@@ -121,7 +123,7 @@ Path = tuple[str | int, ...]
 OPTIONAL = {
     "medium", "relative_permittivity of medium", "room", "translation", "rotation", "quaternion", "parent", "link",
     "joint", "position", "lower", "upper", "mimic", "multiplier", "offset",
-    "input_voltage", "coupling_capacitance", "distance_sensor", "potential", "conductor", "collides", "material", "segments", "rounding",
+    "input_voltage", "coupling_capacitance", "distance_sensor", "potential", "conductor", "collides", "collides_with_parent", "material", "segments", "rounding", "units",
     "to_ground", "target", "reading", "noise", "threshold",
 }  # fmt: skip
 # Those that have to be greater than 0; each number of a vector has.

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from analysis.pipeline.model_stage import model_module
+from fem_reference.bodies.remarks import remarks
 from geometries.common.errors import InputError
 from geometries.scene import reader
 from tests.bad_input.case import Case, as_root
@@ -97,7 +98,13 @@ def test_the_readers_agree_and_the_commands_say_so(tmp_path: Path, case: Case) -
     for command in case.commands:
         done = _command(command, scene)
         if case.place is None:
-            assert (done.returncode, done.stderr) == (0, "")
+            assert done.returncode == 0
+            told = done.stderr.splitlines()
+            expected = [f"fringe: remark: {remark}" for remark in remarks(reader.load(scene))]
+            # Those on what is measured are the command's own.
+            assert told[: len(expected)] == expected
+            assert command == "capacitance" or len(told) == len(expected)
+            assert all(line.startswith("fringe: remark: ") for line in told)
             assert "nan" not in done.stdout.replace("nan", "", case.name.count("nan"))
         else:
             assert (done.returncode, done.stdout) == (2, "")

@@ -127,13 +127,21 @@ def test_packages_are_found_by_a_path(robot: Path, tmp_path: Path) -> None:
 def test_a_sensor_added_as_the_comment_says_makes_a_scene(robot: Path) -> None:
     imported(robot)
     path = robot.with_name("scene.toml")
-    lines = path.read_text().splitlines()
-    example = next(line for line in lines if line.startswith("# sensor = "))
-    path.write_text("\n".join([example.removeprefix("# "), *lines]))
-    (sensor,) = reader.load(path).sensors
-    assert sensor.link == "finger"
-    done = subprocess.run([ROOT / "build/bin/fringe", "info", path], capture_output=True, check=False)
-    assert done.returncode == 0
+    text = path.read_text()
+    example = text[text.index("# [[sensor]]") :].split("\n\n")[0]
+    pasted = example.replace("# ", "")
+    another = pasted.replace("front", "back")
+    for changed, names in (
+        (text.replace(example, pasted), ["front"]),
+        (text + "\n" + pasted + "\n" + another, ["front", "back"]),
+        (text.replace(example, pasted) + "\n" + another, ["front", "back"]),
+    ):
+        path.write_text(changed)
+        sensors = reader.load(path).sensors
+        assert [sensor.name for sensor in sensors] == names
+        assert {sensor.link for sensor in sensors} == {"finger"}
+        done = subprocess.run([ROOT / "build/bin/fringe", "info", path], capture_output=True, check=False)
+        assert done.returncode == 0
 
 
 WRONG_ROBOTS = {

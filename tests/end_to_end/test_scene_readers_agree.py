@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from analysis.pipeline.model_stage import model_module
+from fem_reference.bodies.remarks import remarks
 from geometries.scene import reader
 from geometries.scene.writer import canonical
 from geometries.studies import families, study
@@ -127,6 +128,54 @@ def test_every_shape_in_every_pose(folder: Path, shape: str, pose: str) -> None:
     assert_same_conductors(folder / "scene.toml")
 
 
+@pytest.mark.parametrize("shape", SHAPES)
+def test_every_shape_in_millimetres(folder: Path, shape: str) -> None:
+    body = f'[[object]]\nname = "body"\nshape = {{ {SHAPES[shape]} }}\n{POSES["on a link"]}\n'
+    (folder / "scene.toml").write_text('units = "mm"\n' + SENSOR + LINKS + body)
+    assert_same_conductors(folder / "scene.toml")
+    (folder / "canonical.toml").write_text(canonical(reader.load(folder / "scene.toml")))
+    assert_same_conductors(folder / "canonical.toml")
+
+
+def test_squared_plates_have_the_same_bits(folder: Path) -> None:
+    random = np.random.default_rng(7)
+    plates = []
+    for _ in range(300):
+        frame, scale = np.linalg.qr(random.normal(size=(3, 3)))[0], 10 ** random.uniform(-4, 1, 2)
+        lean = random.choice([-1, 1]) * 10 ** random.uniform(-8.5, -4.1)
+        u, v = scale[0] * frame[0], scale[1] * (frame[1] + lean * frame[0])
+        plates.append(f"{{ corner = [0, 0, 0], edge_u = {u.tolist()}, edge_v = {v.tolist()} }}")
+    (folder / "scene.toml").write_text(f'[[sensor]]\nname = "front"\nplates = [{", ".join(plates)}]\n')
+    here, there = reader.load(folder / "scene.toml"), model_module().Scene.load(str(folder / "scene.toml"))
+    assert np.array_equal(here.conductors()["front"], there.conductors()["front"])
+    assert len(here.changes) == 300
+    assert list(here.changes) == there.remarks == remarks(here)
+
+
+@pytest.mark.parametrize(
+    "objects",
+    [
+        '[[object]]\nname = "hand"\nshape = { type = "mesh", file = "body.obj" }\ntranslation = [0, 0, 1]\n',
+        '[[object]]\nname = "hand"\nshape = { type = "mesh", file = "body.obj", scale = 100 }\n',
+        '[[object]]\nname = "hand"\nshape = { type = "mesh", file = "inward.obj" }\n',
+        '[[object]]\nname = "hand"\nshape = { type = "mesh", file = "twice.obj" }\n',
+        '[[object]]\nname = "arm"\nshape = { type = "cube", size = 30 }\n'
+        + "".join(
+            f'[[object]]\nname = "{name}"\nshape = {{ type = "sphere", radius = 1 }}\n' for name in "abcde"
+        ),
+    ],
+)
+def test_both_make_the_same_remarks(folder: Path, objects: str) -> None:
+    tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+    (folder / "inward.obj").write_text(tetrahedron + "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n")
+    (folder / "twice.obj").write_text(tetrahedron + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nf 1 1 2\nf 3 2 1\n")
+    for units in ("", 'units = "mm"\n'):
+        (folder / "scene.toml").write_text(units + SENSOR + objects)
+        found = remarks(reader.load(folder / "scene.toml"))
+        assert found == model_module().Scene.load(str(folder / "scene.toml")).remarks
+        assert found or "translation" in objects
+
+
 @pytest.mark.parametrize("shape", ["obj", "stl", "ply"])
 def test_mesh_files_with_decimal_coordinates_agree_to_single_precision(folder: Path, shape: str) -> None:
     for name in ("body.obj", "body.stl", "body.ply"):
@@ -217,6 +266,8 @@ def test_the_canonical_text_of_poses_and_links(folder: Path) -> None:
         + "rotation = { axis = [0, 0, 1], degrees = 1 }\n",
         "[medium]\nrelative_permittivity = 0\n" + SENSOR,
         "[room]\nsize = [1, 2]\n" + SENSOR,
+        'units = "inch"\n' + SENSOR,
+        SENSOR.replace("edge_v = [0, 0.1, 0]", "edge_v = [2e-5, 0.1, 0]"),
         "[room]\nsize = [1, 2, 0]\n" + SENSOR,
         '[room]\nsize = [1, 2, 3]\nlink = "hand"\n' + SENSOR + LINKS,
         "",

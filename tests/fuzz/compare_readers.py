@@ -41,6 +41,7 @@ WORDS = [
     b"potential", b'"floating"', b'"electrode"', b"conductor", b'conductor = "body"\n', b'potential = "electrode"\n',
     b"joint", b"mimic", b'"revolute"', b'"prismatic"', b"axis", b"position", b"multiplier", b"upper",
     b'mimic = { joint = "elbow" }', b"position = 1e30,",
+    b"units", b'units = "mm"\n', b'"m"', b'"mm"', b"collides_with_parent = true\n", b"edge_v = [1e-6, 0.1, 0]",
     b"to_ground", b"to_ground = 1e-10\n", b"target", b"target = true\n", b"target = false\n", b"sense", b"drive", b"noise", b"threshold",
     b'"front"', b'"guard"', b'["front", "guard"]', b'[[reading]]\nname = "r"\nsense = "front"\ndrive = ["front"]\n',
 ]  # fmt: skip

@@ -38,6 +38,7 @@ OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 # Every key of the format at least once.
 SCENE: Document = {
     "format": 1,
+    "units": "m",
     "medium": {"relative_permittivity": 2},
     "room": {"size": [4, 3, 2.5], "translation": [0, 0, 1], "rotation": {"axis": [0, 0, 1], "degrees": 3}},
     "link": [
@@ -96,6 +97,7 @@ SCENE: Document = {
             "conductor": "pendulum",
             "target": True,
             "collides": False,
+            "collides_with_parent": True,
         },
         *({"name": f"shape {number}", "shape": shape} for number, shape in enumerate(SHAPES)),
         {"name": "guard", "shape": BALL, "potential": "electrode", "target": False},
@@ -106,6 +108,7 @@ SCENE: Document = {
 }
 MOTION: Document = {
     "format": 1,
+    "units": "mm",
     "frame": [
         {
             "name": "lowering",

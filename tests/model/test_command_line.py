@@ -45,7 +45,7 @@ def test_capacitance_as_json(fringe_command: Command, scene: Path) -> None:
     answer = json.loads(done.stdout)
     expected = VACUUM_PERMITTIVITY * 0.01 / 0.02  # epsilon A / d
     voltage = 5e-12 / (5e-12 + expected) * 2.5
-    assert set(answer) == {"format", "options", "seconds", "counts", "sensors", "readings"}
+    assert set(answer) == {"format", "options", "seconds", "counts", "sensors", "readings", "remarks"}
     assert answer["options"] == {
         "method": "exact",
         "plates": "sum",
@@ -153,10 +153,24 @@ def test_plates_count_every_point_or_the_nearest_ones(fringe_command: Command, t
 
 def test_faces(fringe_command: Command, two_plates: Path) -> None:
     command = ("capacitance", two_plates, "--json", "--faces", "facing")
-    done = json.loads(fringe_command(*command).stdout)
+    every = json.loads(fringe_command("capacitance", two_plates, "--json").stdout)["sensors"][0]["total"]
+    assert (
+        json.loads(fringe_command(*command).stdout)["sensors"][0]["total"] == every > 0
+    ), "a plate has two sides"
+    two_plates.with_name("sheet.obj").write_text("v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nf 1 2 3 4\n")
+    two_plates.write_text(
+        two_plates.read_text().replace(
+            'type = "plate", size = [0.1, 0.1]', 'type = "mesh", file = "sheet.obj"'
+        )
+    )
+    ran = fringe_command(*command)
+    done = json.loads(ran.stdout)
     assert done["options"]["faces"] == "facing"
     assert done["sensors"][0]["total"] == 0
     assert done["counts"]["triangles_evaluated"] == 0
+    (remark,) = done["remarks"]
+    assert ran.stderr == f"fringe: remark: {remark}\n"
+    assert remark.startswith('sensor "front" sees only backs of the triangles of "sheet"')
     two_plates.write_text(two_plates.read_text() + "rotation = { axis = [1, 0, 0], degrees = 180 }\n")
     turned = json.loads(fringe_command(*command).stdout)["sensors"][0]["total"]
     every = json.loads(fringe_command("capacitance", two_plates, "--json").stdout)["sensors"][0]["total"]
@@ -265,8 +279,9 @@ def test_collide(fringe_command: Command, tmp_path: Path) -> None:
     path = tmp_path / "bodies.toml"
     path.write_text(BODIES)
     done = fringe_command("collide", path, "--json")
-    assert (done.returncode, done.stderr) == (0, "")
     answer = json.loads(done.stdout)
+    assert answer["remarks"][0].startswith('object "air" contains "ball", "box" and "ring": ')
+    assert (done.returncode, done.stderr) == (0, f"fringe: remark: {answer['remarks'][0]}\n")
     assert answer["pairs"] == [
         {"a": "ball", "b": "box", "status": "collision"},
         {"a": "ball", "b": "ring", "status": "bounds"},
@@ -277,6 +292,41 @@ def test_collide(fringe_command: Command, tmp_path: Path) -> None:
     table = fringe_command("collide", path).stdout
     assert "collision  ball and box" in table
     assert "bounds     ball and ring" in table
+
+
+def test_collide_says_why_there_is_nothing_to_check(fringe_command: Command, tmp_path: Path) -> None:
+    path = tmp_path / "arm.toml"
+    body = '[[link]]\nname = "{0}"\n{1}\n[[object]]\nname = "{0}"\nlink = "{0}"\nshape = {{ type = "cube", size = 1 }}\n'
+    path.write_text(body.format("upper", "") + body.format("lower", 'parent = "upper"'))
+    done = fringe_command("collide", path)
+    assert done.stdout.startswith("nothing to check among 2 objects: not looked at are objects of one link")
+    path.write_text(path.read_text() + "collides_with_parent = true\n")
+    assert "collision  upper and lower" in fringe_command("collide", path).stdout
+
+
+def test_remarks_are_printed_once_and_stand_in_every_answer(
+    fringe_command: Command, tmp_path: Path, scene: Path
+) -> None:
+    path = tmp_path / "long.toml"
+    path.write_text(
+        scene.read_text() + '[[object]]\nname = "long"\nshape = { type = "cuboid", size = [50, 1, 1] }\n'
+    )
+    path.write_text(path.read_text() + "translation = [0, 0, -9]\n")
+    path.with_suffix(".motion.toml").write_text("[[frame]]\n[[frame]]\n")
+    for command in ("capacitance", "collide", "sense", "info", "sweep"):
+        done = fringe_command(command, path, *(["--json"] if command != "sweep" else []))
+        assert done.returncode == 0
+        assert done.stderr.count('fringe: remark: object "long" is 50 m long: is it in millimetres?') == 1
+        if command != "sweep":
+            assert json.loads(done.stdout)["remarks"][0].startswith('object "long" is 50 m long')
+
+
+def test_a_scene_without_sensors_is_remarked_on(fringe_command: Command, tmp_path: Path) -> None:
+    path = tmp_path / "robot.toml"
+    path.write_text('[[object]]\nname = "arm"\nshape = { type = "cube", size = 1 }\n')
+    done = fringe_command("capacitance", path)
+    assert done.returncode == 0
+    assert done.stderr.startswith("fringe: remark: the scene has no sensor")
 
 
 @pytest.mark.parametrize("command", [(), ("capacitance",), ("collide",), ("sense",), ("info",)])

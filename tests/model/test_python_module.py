@@ -98,7 +98,7 @@ def test_conductors_are_in_the_world_frame_and_the_sensors_come_first(scene: fri
 
 def test_capacitance_has_the_form_of_the_command_lines_json(scene: fringe.Scene) -> None:
     answer = scene.capacitance()
-    assert set(answer) == {"options", "seconds", "counts", "sensors", "readings"}
+    assert set(answer) == {"options", "seconds", "counts", "sensors", "readings", "remarks"}
     assert answer["options"] == {
         "method": "exact",
         "plates": "sum",
@@ -137,11 +137,41 @@ def test_capacitance_takes_the_options_of_the_command_line(scene: fringe.Scene) 
         "tolerance": 1e-6,
         "correction": "none",
     }
-    # The target turns its back on the sensor.
-    assert answer["sensors"][0]["total"] == 0
-    scene.set_pose("arm", [0, 0, 0.02], np.diag([1.0, -1, -1]))
-    total = scene.capacitance(plates="nearest", faces="facing")["sensors"][0]["total"]
-    assert total == pytest.approx(8.8541878128e-12 * 0.5, rel=1e-14)
+    for rotation in (np.eye(3), np.diag([1.0, -1, -1])):
+        scene.set_pose("arm", [0, 0, 0.02], rotation)
+        total = scene.capacitance(plates="nearest", faces="facing")["sensors"][0]["total"]
+        assert total == pytest.approx(8.8541878128e-12 * 0.5, rel=1e-14), "one of its sides faces"
+
+
+def test_remarks_are_in_the_answers_and_those_on_the_present_poses_at_hand(tmp_path: Path) -> None:
+    text = """
+[[link]]
+name = "arm"
+[[sensor]]
+name = "front"
+plates = [ { corner = [0, 0, -1], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+[[object]]
+name = "box"
+shape = { type = "cube", size = 1 }
+[[object]]
+name = "hand"
+link = "arm"
+shape = { type = "sphere", radius = 0.1, segments = 8 }
+"""
+    scene = fringe.Scene.loads(text)
+    (remark,) = scene.remarks
+    assert remark.startswith('object "box" contains "hand": ')
+    for answer in (
+        scene.capacitance(),
+        scene.maxwell(rtol=0.1),
+        scene.collide(),
+        scene.sense(),
+        scene.info(),
+    ):
+        assert remark in answer["remarks"]
+    assert len(scene.capacitance()["remarks"]) == 2, "the box is in between, too"
+    scene.set_pose("arm", [0, 0, 2])
+    assert scene.remarks == []
 
 
 @pytest.mark.parametrize(

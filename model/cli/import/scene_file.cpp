@@ -129,26 +129,27 @@ std::string stl(const std::vector<Triangle>& triangles) {
   return bytes;
 }
 
-/// Returns what the head of the scene file says of sensors: an example, unless there are electrodes.
+/// Returns the comment on sensors: an example, which counts when its marks # are taken away, or is copied,
+/// unless there are electrodes.
 std::string about_sensors(const Scene& scene) {
   const auto is_electrode = [](const Object& object) {
     return std::holds_alternative<Electrode>(object.role);
   };
   if (std::any_of(scene.objects.begin(), scene.objects.end(), is_electrode))
-    return "Its conductors are electrodes, which may be driven\n# and sensed as sensors may.\n";
+    return "# Its conductors are electrodes, which may be driven and sensed as sensors may.\n";
   const std::string link =
-      scene.links.empty() ? "" : fmt::format("link = {}, ", quoted(scene.links.back().name));
-  return fmt::format("What is missing are the sensors, for instance:\n"
-                     "# sensor = [ {{ name = \"front\", {}plates = [ {{ corner = [0, 0, 0], edge_u = [0.1, "
-                     "0, 0], edge_v = [0, "
-                     "0.1, 0] }} ] }} ]\n",
+      scene.links.empty() ? "" : fmt::format("# link = {}\n", quoted(scene.links.back().name));
+  return fmt::format("# What is missing are the sensors, for instance:\n"
+                     "# [[sensor]]\n# name = \"front\"\n{}"
+                     "# plates = [ {{ corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] }} ]\n",
                      link);
 }
 
 /// Returns the head of the scene file: where it is from, and the medium.
 std::string heading(const Scene& scene, const std::string& source) {
+  // The example stands below the format: it begins a table, in which the format would be another key.
   std::string text =
-      fmt::format("# From {}, by fringe import. {}format = 1\n", quoted(source), about_sensors(scene));
+      fmt::format("# From {}, by fringe import.\nformat = 1\n\n{}", quoted(source), about_sensors(scene));
   if (scene.medium.relative_permittivity != 1)
     text += fmt::format("\n[medium]\nrelative_permittivity = {}\n", scene.medium.relative_permittivity);
   return text;

@@ -30,6 +30,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* unknown_geometry = "unknown geometry type; there are box, cylinder, sphere and mesh";
+
 /// Collects the parser's error messages about a file, which it writes to its console only.
 class Told final : public console_bridge::OutputHandler {
  public:
@@ -256,7 +258,7 @@ class Reader {
                   const urdf::Pose& origin) {
     const std::string what = fmt::format("link \"{}\"", link);
     if (!geometry)
-      fail(what, "unknown geometry type");
+      fail(what, unknown_geometry);
     scene_.objects.push_back({names_.take(link), index, shape_of(*geometry, what), pose_of(origin)});
   }
 
@@ -278,7 +280,7 @@ class Reader {
     case urdf::Geometry::MESH:
       return mesh_of(static_cast<const urdf::Mesh&>(geometry), what);
     }
-    fail(what, "unknown geometry type");
+    fail(what, unknown_geometry);
   }
 
   /// Returns a size; throws InputError unless it is positive and finite.

@@ -23,9 +23,15 @@ enum class PlateRule {
 
 /// The rule that selects the faces that count for a plate.
 enum class FaceRule {
-  all,    ///< every triangle (thesis 5.3.4)
-  facing  ///< the triangles from whose outward side some point of the plate is seen, and those in contact
+  all,  ///< every triangle (thesis 5.3.4)
+  /// The triangles from whose outward side some point of the plate is seen, and those in contact. Of a shape
+  /// without thickness, Plate, the side counts that faces.
+  facing
 };
+
+/// Returns the rule by which the triangles of a shape count: all of them for one of which some side always
+/// faces, so that each of its points counts once.
+FaceRule rule_for(const Shape& shape, FaceRule rule);
 
 /// Reads "sum" or "nearest". Throws InputError for anything else.
 PlateRule parse_plate_rule(std::string_view text);

@@ -78,6 +78,8 @@ struct Object {
   /// Marks an object that comes and goes, so that readings detect it; the other objects belong to the
   /// machine. If no object of a scene is marked, all are targets but electrodes.
   bool target = false;
+  /// Whether it is checked for collisions with the objects of the link above its own.
+  bool collides_with_parent = false;
 };
 
 /// A measurement of the electronics: the charge on one conductor while some are driven at 1 V and all others
@@ -99,7 +101,8 @@ struct Scene {
   std::vector<Sensor> sensors;
   std::vector<DistanceSensor> distance_sensors;
   std::vector<Object> objects;
-  std::vector<Reading> readings = {};  ///< none: one for every sensor, which drives and senses it
+  std::vector<Reading> readings = {};     ///< none: one for every sensor, which drives and senses it
+  std::vector<std::string> changes = {};  ///< what the reader mended, in sentences
 };
 
 }  // namespace fringe

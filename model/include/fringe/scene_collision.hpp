@@ -43,9 +43,10 @@ struct SceneCollision {
   std::vector<ObjectPair> marked;  ///< all pairs that are not clear, in the order of their indices
 };
 
-/// Tests whether two objects of a scene are checked for collisions: both have `collides` set, and they are
-/// not fixed to the same link. Objects without a link count as separate bodies.
-bool can_collide(const Object& a, const Object& b);
+/// Tests whether two objects on a scene's links are checked for collisions: both have `collides` set, they
+/// are not fixed to the same link, and neither is on the link above that of the other, unless the lower one
+/// has `collides_with_parent` set. Objects without a link count as separate bodies.
+bool can_collide(const std::vector<Link>& links, const Object& a, const Object& b);
 
 /// Returns all pairs of a scene's objects that can collide, clear ones included, in the order of their
 /// indices.

@@ -40,6 +40,11 @@ AlignedBox3d enclosing(const OrientedBox& box) {
   return {box.centre - reach - margin, box.centre + reach + margin};
 }
 
+/// Tests whether an object touches one of the link above because the links are joined there.
+bool is_joined(const std::vector<Link>& links, const Object& below, const Object& above) {
+  return !below.collides_with_parent && below.link && above.link && links[*below.link].parent == above.link;
+}
+
 /// An object that can collide with another one.
 struct Body {
   std::size_t index;  ///< index of the object in the scene
@@ -142,8 +147,9 @@ std::string_view to_string(PairStatus status) {
   return "collision";
 }
 
-bool can_collide(const Object& a, const Object& b) {
-  return a.collides && b.collides && (!a.link || a.link != b.link);
+bool can_collide(const std::vector<Link>& links, const Object& a, const Object& b) {
+  return a.collides && b.collides && (!a.link || a.link != b.link) && !is_joined(links, a, b) &&
+         !is_joined(links, b, a);
 }
 
 std::vector<ObjectPair> all_pairs(const SceneCollision& answer, const Scene& scene) {
@@ -151,7 +157,7 @@ std::vector<ObjectPair> all_pairs(const SceneCollision& answer, const Scene& sce
   auto marked = answer.marked.begin();
   for (std::size_t a = 0; a < scene.objects.size(); ++a)
     for (std::size_t b = a + 1; b < scene.objects.size(); ++b) {
-      if (!can_collide(scene.objects[a], scene.objects[b]))
+      if (!can_collide(scene.links, scene.objects[a], scene.objects[b]))
         continue;
       const bool is_marked = marked != answer.marked.end() && marked->a == a && marked->b == b;
       pairs.push_back(is_marked ? *marked++ : ObjectPair{a, b, PairStatus::clear});
@@ -161,11 +167,12 @@ std::vector<ObjectPair> all_pairs(const SceneCollision& answer, const Scene& sce
 
 class CollisionDetector::Implementation {
  public:
-  Implementation(const Scene& scene, std::shared_ptr<detail::LinkPoses> poses) : motion_(std::move(poses)) {
+  Implementation(const Scene& scene, std::shared_ptr<detail::LinkPoses> poses)
+      : links_(scene.links), motion_(std::move(poses)) {
     const std::vector<Object>& objects = scene.objects;
     for (std::size_t i = 0; i < objects.size(); ++i) {
       const auto is_partner = [&](const Object& other) {
-        return &other != &objects[i] && can_collide(objects[i], other);
+        return &other != &objects[i] && can_collide(links_, objects[i], other);
       };
       if (std::any_of(objects.begin(), objects.end(), is_partner))
         bodies_.push_back(body_of(i, objects[i]));
@@ -245,7 +252,7 @@ class CollisionDetector::Implementation {
     }
     const std::size_t other = tree_.item(node);
     if (other != body && !done[other] && can_have_changed(body, other) &&
-        can_collide(bodies_[body].object, bodies_[other].object))
+        can_collide(links_, bodies_[body].object, bodies_[other].object))
       look_at(std::min(body, other), std::max(body, other));
   }
 
@@ -285,6 +292,7 @@ class CollisionDetector::Implementation {
       answer_.marked.push_back({bodies_[pair.first].index, bodies_[pair.second].index, status});
   }
 
+  std::vector<Link> links_;
   detail::LinkMotion motion_;
   std::vector<Body> bodies_;
   BoxTree tree_;  ///< bounding volume hierarchy over the bodies' boxes in the world

@@ -36,7 +36,10 @@ void move_joints(TableReader& frame, std::vector<Link>& links, Names& moved) {
   Names asked;
   for (TableReader& table : frame.tables("joints")) {
     const std::string name = table.text("joint");
-    const double position = table.number("position");
+    const auto moving =
+        std::ranges::find_if(links, [&](const Link& link) { return link.joint && link.joint->name == name; });
+    const bool shifts = moving != links.end() && moving->joint->kind == Joint::Kind::prismatic;
+    const double position = shifts ? table.length("position") : table.number("position");
     if (!asked.insert(name).second)
       table.fail("joint", fmt::format("\"{}\" has a position in this frame already", name));
     std::vector<LinkPose> poses;
@@ -50,9 +53,7 @@ void move_joints(TableReader& frame, std::vector<Link>& links, Names& moved) {
         frame.fail("joints", fmt::format("\"{}\" has a pose in this frame already", links[link].name));
       links[link].pose = pose;
     }
-    for (Link& link : links)
-      if (link.joint && link.joint->name == name)
-        link.joint->position = position;
+    moving->joint->position = position;
     table.finish();
   }
 }
@@ -63,6 +64,7 @@ std::vector<Frame> load_motion(const std::filesystem::path& path, const Scene& s
   const toml::table document = detail::parse_document(path);
   TableReader root(document, path.string(), "");
   detail::require_known_format(root);
+  detail::read_units(root);
   std::vector<Link> links = scene.links;
   std::vector<Frame> frames;
   for (TableReader& table : root.tables("frame")) {

@@ -21,7 +21,7 @@ Eigen::Isometry3d read_quaternion(TableReader& table, const Vector3d& translatio
 
 Eigen::Isometry3d read_pose(TableReader& table, const Eigen::Isometry3d& otherwise) {
   const Vector3d translation =
-      table.has("translation") ? table.vector("translation") : Vector3d(otherwise.translation());
+      table.has("translation") ? table.position("translation") : Vector3d(otherwise.translation());
   if (table.has("quaternion")) {
     if (table.has("rotation"))
       table.fail("quaternion", "cannot be combined with rotation");

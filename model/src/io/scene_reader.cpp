@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "fringe/error.hpp"
 #include "fringe/mesh_file.hpp"
@@ -25,6 +27,7 @@ using Eigen::Vector3d;
 
 using LinkIndices = std::map<std::string, std::size_t, std::less<>>;
 
+constexpr double degrees_per_radian = 180 / std::numbers::pi;
 constexpr int default_segments = 48;
 constexpr int fewest_segments = 3;
 /// Largest number of triangles of a shape: a mesh of as many takes half a gigabyte, and more would exhaust
@@ -40,6 +43,16 @@ std::string read_name(TableReader& table, std::string_view kind, Names& used_nam
   return name;
 }
 
+/// Lists the names of the links for a message.
+std::string listed(const LinkIndices& links) {
+  if (links.empty())
+    return "the scene has none";
+  std::vector<std::string> names;
+  for (const auto& [name, index] : links)
+    names.push_back(name);
+  return fmt::format("there are {}", fmt::join(names, ", "));
+}
+
 std::optional<std::size_t> read_link_reference(TableReader& table, std::string_view key,
                                                const LinkIndices& links) {
   if (!table.has(key))
@@ -47,7 +60,7 @@ std::optional<std::size_t> read_link_reference(TableReader& table, std::string_v
   const std::string name = table.text(key);
   const auto link = links.find(name);
   if (link == links.end())
-    table.fail(key, fmt::format("there is no link \"{}\"", name));
+    table.fail(key, fmt::format("there is no link \"{}\"; {}", name, listed(links)));
   return link->second;
 }
 
@@ -73,10 +86,11 @@ Joint read_joint(TableReader table, const Eigen::Isometry3d& rest, Names& taken)
   joint.kind = type == "revolute" ? Joint::Kind::revolute : Joint::Kind::prismatic;
   joint.axis = table.nonzero_vector("axis");
   joint.rest = rest;
+  const double units = joint.kind == Joint::Kind::prismatic ? table.units_per_metre() : 1;
   if (table.has("lower"))
-    joint.lower = table.number("lower");
+    joint.lower = table.number("lower") / units;
   if (table.has("upper"))
-    joint.upper = table.number("upper");
+    joint.upper = table.number("upper") / units;
   if (joint.lower && joint.upper && *joint.upper < *joint.lower)
     table.fail("upper", "must not be less than lower");
   if (table.has("mimic")) {
@@ -87,13 +101,33 @@ Joint read_joint(TableReader table, const Eigen::Isometry3d& rest, Names& taken)
     if (mimic.has("multiplier"))
       joint.mimic->multiplier = mimic.number("multiplier");
     if (mimic.has("offset"))
-      joint.mimic->offset = mimic.number("offset");
+      joint.mimic->offset = mimic.number("offset") / units;
     mimic.finish();
   } else if (table.has("position")) {
-    joint.position = table.number("position");
+    joint.position = table.number("position") / units;
   }
   table.finish();
   return joint;
+}
+
+/// Converts the multipliers of joints that follow one of the other kind, which are in units of length per rad
+/// or the inverse.
+void convert_multipliers(std::vector<Link>& links, double units_per_metre) {
+  std::map<std::string, Joint::Kind, std::less<>> kinds;
+  for (const Link& link : links)
+    if (link.joint)
+      kinds[link.joint->name] = link.joint->kind;
+  for (Link& link : links) {
+    if (!link.joint || !link.joint->mimic)
+      continue;
+    const auto leader = kinds.find(link.joint->mimic->joint);
+    if (leader == kinds.end() || leader->second == link.joint->kind)
+      continue;
+    if (link.joint->kind == Joint::Kind::prismatic)
+      link.joint->mimic->multiplier /= units_per_metre;
+    else
+      link.joint->mimic->multiplier *= units_per_metre;
+  }
 }
 
 std::vector<Link> read_links(TableReader& root, LinkIndices& indices) {
@@ -109,6 +143,7 @@ std::vector<Link> read_links(TableReader& root, LinkIndices& indices) {
       link.joint = read_joint(table.table("joint"), link.pose, joints);
     links.push_back(std::move(link));
   }
+  convert_multipliers(links, root.units_per_metre());
   // Parents are resolved last, because a link may refer to a parent that is described later.
   for (std::size_t i = 0; i < links.size(); ++i) {
     links[i].parent = read_link_reference(tables[i], "parent", indices);
@@ -140,19 +175,33 @@ bool read_room(TableReader& root) {
   if (!root.has("room"))
     return false;
   TableReader table = root.table("room");
-  table.positive_numbers("size", 3);
+  table.positive_lengths("size", 3);
   read_pose(table);
   table.finish();
   return true;
 }
 
-Rectangle read_rectangle(TableReader& table) {
+/// Reads a plate. One whose edges are nearly at right angles is squared, which a sentence in `changes` tells.
+Rectangle read_rectangle(TableReader& table, const std::string& place, std::vector<std::string>& changes) {
   for (const char* key : {"corner", "edge_u", "edge_v"})
     if (!table.has(key))
       table.fail(key, "is missing: a plate is a rectangle with corner, edge_u and edge_v; an electrode of "
                       "another shape is an object with potential = \"electrode\"");
-  Rectangle rectangle{table.vector("corner"), table.nonzero_vector("edge_u"), table.nonzero_vector("edge_v")};
+  Rectangle rectangle{table.position("corner"), table.edge("edge_u"), table.edge("edge_v")};
   table.finish();
+  const double cosine = cosine_between_edges(rectangle), size = std::abs(cosine);
+  if (size > largest_cosine_squared)
+    table.fail(
+        "edge_v",
+        fmt::format("edge_u and edge_v are not at right angles: the angle between them is {:.6g} degrees, "
+                    "its cosine {:.2g}, and at most {:g} is squared",
+                    degrees_per_radian * std::acos(cosine), cosine, largest_cosine_squared));
+  if (size > largest_cosine_of_rounding) {
+    rectangle = squared(rectangle);
+    changes.push_back(
+        fmt::format("{}: edge_u and edge_v are {:.2g} degrees off the right angle and are squared", place,
+                    degrees_per_radian * std::asin(size)));
+  }
   try {
     validate(rectangle);
   } catch (const InputError& error) {
@@ -161,14 +210,16 @@ Rectangle read_rectangle(TableReader& table) {
   return rectangle;
 }
 
-Sensor read_sensor(TableReader& table, const LinkIndices& links, Names& used_names) {
+Sensor read_sensor(TableReader& table, const LinkIndices& links, Names& used_names,
+                   std::vector<std::string>& changes) {
   Sensor sensor;
   sensor.name = read_name(table, "sensor", used_names);
   sensor.link = read_link_reference(table, "link", links);
   sensor.input_voltage = table.positive_number_or("input_voltage", sensor.input_voltage);
   sensor.coupling_capacitance = table.positive_number_or("coupling_capacitance", sensor.coupling_capacitance);
   for (TableReader& plate : table.tables("plates"))
-    sensor.plates.push_back(read_rectangle(plate));
+    sensor.plates.push_back(read_rectangle(
+        plate, fmt::format("sensor \"{}\": plates[{}]", sensor.name, sensor.plates.size()), changes));
   // First, because a plate may have been written with keys that belong into `plates`.
   table.finish();
   if (sensor.plates.empty())
@@ -180,12 +231,12 @@ DistanceSensor read_distance_sensor(TableReader& table, const LinkIndices& links
   DistanceSensor sensor;
   sensor.name = read_name(table, "distance_sensor", used_names);
   sensor.link = read_link_reference(table, "link", links);
-  sensor.apex = table.vector("apex");
+  sensor.apex = table.position("apex");
   sensor.direction = table.nonzero_vector("direction");
   sensor.full_angle_degrees = table.positive_number("full_angle_degrees");
   if (sensor.full_angle_degrees > 180)
     table.fail("full_angle_degrees", "must be at most 180");
-  sensor.range = table.positive_number("range");
+  sensor.range = table.positive_length("range");
   table.finish();
   return sensor;
 }
@@ -202,8 +253,8 @@ int read_segments_of_grid(TableReader& table) {
 }
 
 Arc read_arc(TableReader& table) {
-  const Arc arc{table.positive_number("inner_radius"), table.positive_number("outer_radius"),
-                table.positive_number("height"), table.positive_number("degrees"), read_segments(table, 8)};
+  const Arc arc{table.positive_length("inner_radius"), table.positive_length("outer_radius"),
+                table.positive_length("height"), table.positive_number("degrees"), read_segments(table, 8)};
   if (arc.outer_radius <= arc.inner_radius)
     table.fail("outer_radius", "must be greater than inner_radius");
   if (arc.degrees > 360)
@@ -213,10 +264,10 @@ Arc read_arc(TableReader& table) {
 
 /// Reads a cuboid, whose edges are round if there is a `rounding` above zero.
 Shape read_cuboid(TableReader& table) {
-  const std::vector<double> size = table.positive_numbers("size", 3);
+  const std::vector<double> size = table.positive_lengths("size", 3);
   if (!table.has("rounding"))
     return Cuboid{size[0], size[1], size[2]};
-  const double rounding = table.number("rounding"), most = *std::ranges::min_element(size) / 2;
+  const double rounding = table.length("rounding"), most = *std::ranges::min_element(size) / 2;
   if (rounding < 0 || rounding > most)
     table.fail("rounding", fmt::format("must be from 0 to half the smallest size, {:g}", most));
   const int segments = read_segments_of_grid(table);
@@ -233,7 +284,7 @@ Polygon read_polygon(TableReader& table) {
 }
 
 Mesh read_mesh(TableReader& table, const std::filesystem::path& folder) {
-  Mesh mesh{folder / table.name("file"), table.positive_number_or("scale", 1), {}};
+  Mesh mesh{folder / table.name("file"), table.positive_number_or("scale", 1 / table.units_per_metre()), {}};
   try {
     mesh.triangles = read_mesh_file(mesh.file);
   } catch (const InputError& error) {
@@ -251,33 +302,33 @@ Mesh read_mesh(TableReader& table, const std::filesystem::path& folder) {
 Shape read_shape(TableReader& table, const std::filesystem::path& folder) {
   const std::string type = table.text("type");
   if (type == "plate" || type == "plane") {
-    const std::vector<double> size = table.positive_numbers("size", 2);
+    const std::vector<double> size = table.positive_lengths("size", 2);
     return Plate{size[0], size[1]};
   }
   if (type == "cuboid" || type == "box")
     return read_cuboid(table);
   if (type == "cube") {
-    const double size = table.positive_number("size");
+    const double size = table.positive_length("size");
     return Cuboid{size, size, size};
   }
   if (type == "cylinder")
-    return Cylinder{table.positive_number("radius"), table.positive_number("height"),
+    return Cylinder{table.positive_length("radius"), table.positive_length("height"),
                     read_segments(table, 4)};
   if (type == "cone")
-    return Cone{table.positive_number("radius"), table.positive_number("height"), read_segments(table, 2)};
+    return Cone{table.positive_length("radius"), table.positive_length("height"), read_segments(table, 2)};
   if (type == "arc")
     return read_arc(table);
   if (type == "sphere")
-    return Sphere{table.positive_number("radius"), read_segments_of_grid(table)};
+    return Sphere{table.positive_length("radius"), read_segments_of_grid(table)};
   if (type == "ellipsoid") {
-    const std::vector<double> axes = table.positive_numbers("semi_axes", 3);
+    const std::vector<double> axes = table.positive_lengths("semi_axes", 3);
     return Ellipsoid{axes[0], axes[1], axes[2], read_segments_of_grid(table)};
   }
   if (type == "capsule")
-    return Capsule{table.positive_number("radius"), table.positive_number("length"),
+    return Capsule{table.positive_length("radius"), table.positive_length("length"),
                    read_segments_of_grid(table)};
   if (type == "disc")
-    return Disc{table.positive_number("radius"), read_segments(table, 1)};
+    return Disc{table.positive_length("radius"), read_segments(table, 1)};
   if (type == "polygon")
     return read_polygon(table);
   if (type == "mesh")
@@ -323,6 +374,7 @@ Object read_object(TableReader& table, const LinkIndices& links, Names& used_nam
   if (table.has("conductor"))
     object.conductor = table.name("conductor");
   object.target = table.boolean_or("target", false);
+  object.collides_with_parent = table.boolean_or("collides_with_parent", false);
   table.finish();
   return object;
 }
@@ -344,6 +396,7 @@ Scene read_scene(const toml::table& document, const std::string& source,
                  const std::filesystem::path& folder) {
   TableReader root(document, source, "");
   require_known_format(root);
+  read_units(root);
   Scene scene;
   scene.medium = read_medium(root);
   scene.has_room = read_room(root);
@@ -351,7 +404,7 @@ Scene read_scene(const toml::table& document, const std::string& source,
   scene.links = read_links(root, links);
   Names used_names;
   for (TableReader& table : root.tables("sensor"))
-    scene.sensors.push_back(read_sensor(table, links, used_names));
+    scene.sensors.push_back(read_sensor(table, links, used_names, scene.changes));
   for (TableReader& table : root.tables("distance_sensor"))
     scene.distance_sensors.push_back(read_distance_sensor(table, links, used_names));
   std::vector<TableReader> objects = root.tables("object");

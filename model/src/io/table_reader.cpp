@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "fringe/error.hpp"
 #include "io/input_file.hpp"
@@ -19,8 +20,9 @@ std::string located_message(std::string_view file, unsigned line, std::string_vi
   return message + fmt::format(": {}", reason);
 }
 
-TableReader::TableReader(const toml::table& table, std::string file, std::string prefix)
-    : table_(&table), file_(std::move(file)), prefix_(std::move(prefix)) {}
+TableReader::TableReader(const toml::table& table, std::string file, std::string prefix,
+                         double units_per_metre)
+    : table_(&table), file_(std::move(file)), prefix_(std::move(prefix)), units_per_metre_(units_per_metre) {}
 
 void TableReader::fail(std::string_view key, std::string_view reason) const {
   const toml::node* node = table_->get(key);
@@ -30,7 +32,7 @@ void TableReader::fail(std::string_view key, std::string_view reason) const {
 }
 
 const toml::node* TableReader::find(std::string_view key) {
-  requested_.emplace(key);
+  requested_.emplace_back(key);
   return table_->get(key);
 }
 
@@ -136,11 +138,20 @@ std::vector<double> TableReader::numbers(std::string_view key, std::size_t count
   return values;
 }
 
-std::vector<double> TableReader::positive_numbers(std::string_view key, std::size_t count) {
+double TableReader::positive_length(std::string_view key) {
+  const double value = length(key);
+  if (value <= 0)
+    fail(key, "must be greater than zero");
+  return value;
+}
+
+std::vector<double> TableReader::positive_lengths(std::string_view key, std::size_t count) {
   std::vector<double> values = numbers(key, count);
-  for (const double value : values)
+  for (double& value : values) {
+    value /= units_per_metre_;
     if (value <= 0)
       fail(key, "must be greater than zero");
+  }
   return values;
 }
 
@@ -154,7 +165,8 @@ std::vector<Eigen::Vector2d> TableReader::points(std::string_view key) {
     const std::string place = fmt::format("{}[{}]", key, values.size());
     if (pair == nullptr || pair->size() != 2)
       fail(place, "must be an array of 2 numbers");
-    values.emplace_back(finite(place, *pair->get(0)), finite(place, *pair->get(1)));
+    values.emplace_back(Eigen::Vector2d(finite(place, *pair->get(0)), finite(place, *pair->get(1))) /
+                        units_per_metre_);
   }
   return values;
 }
@@ -174,11 +186,18 @@ Eigen::Vector3d TableReader::nonzero_vector(std::string_view key) {
   return value;
 }
 
+Eigen::Vector3d TableReader::edge(std::string_view key) {
+  Eigen::Vector3d value = position(key);
+  if (value.isZero(0))
+    fail(key, "must not be zero");
+  return value;
+}
+
 TableReader TableReader::table(std::string_view key) {
   const auto* value = require(key).as_table();
   if (value == nullptr)
     fail(key, "must be a table");
-  return {*value, file_, fmt::format("{}{}.", prefix_, key)};
+  return {*value, file_, fmt::format("{}{}.", prefix_, key), units_per_metre_};
 }
 
 std::vector<TableReader> TableReader::tables(std::string_view key) {
@@ -192,15 +211,20 @@ std::vector<TableReader> TableReader::tables(std::string_view key) {
   for (const toml::node& element : *array) {
     if (!element.is_table())
       fail(key, "must be an array of tables");
-    readers.emplace_back(*element.as_table(), file_, fmt::format("{}{}[{}].", prefix_, key, readers.size()));
+    readers.emplace_back(*element.as_table(), file_, fmt::format("{}{}[{}].", prefix_, key, readers.size()),
+                         units_per_metre_);
   }
   return readers;
 }
 
 void TableReader::finish() const {
-  for (const auto& [key, node] : *table_)
-    if (!requested_.contains(key.str()))
-      fail(key.str(), "is not a known key");
+  for (const auto& [key, node] : *table_) {
+    if (std::ranges::find(requested_, key.str()) != requested_.end())
+      continue;
+    Names known(requested_.begin(), requested_.end());
+    known.insert(looked_for_.begin(), looked_for_.end());
+    fail(key.str(), fmt::format("is not a known key; there are {}", fmt::join(known, ", ")));
+  }
 }
 
 toml::table parse_document(const std::filesystem::path& path) {
@@ -222,6 +246,17 @@ void require_known_format(TableReader& root) {
   const int format = root.whole_number_or("format", 1, most_formats, known);
   if (format != known)
     root.fail("format", fmt::format("is {}, and this program knows {} only", format, known));
+}
+
+void read_units(TableReader& root) {
+  if (!root.has("units"))
+    return;
+  const std::string units = root.text("units");
+  constexpr double millimetres_per_metre = 1000;
+  if (units == "mm")
+    root.set_units(millimetres_per_metre);
+  else if (units != "m")
+    root.fail("units", fmt::format(R"(must be "m" or "mm", not "{}")", units));
 }
 
 }  // namespace fringe::detail

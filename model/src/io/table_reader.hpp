@@ -26,9 +26,12 @@ using Names = std::set<std::string, std::less<>>;
 class TableReader {
  public:
   /// `prefix` stands before every key in messages, for instance `object "target": `.
-  TableReader(const toml::table& table, std::string file, std::string prefix);
+  TableReader(const toml::table& table, std::string file, std::string prefix, double units_per_metre = 1);
 
-  bool has(std::string_view key) const { return table_->contains(key); }
+  bool has(std::string_view key) {
+    looked_for_.emplace_back(key);
+    return table_->contains(key);
+  }
 
   std::string name(std::string_view key);
   /// Returns the names of a list, which has at least one of them and none twice.
@@ -40,12 +43,21 @@ class TableReader {
   double positive_number_or(std::string_view key, double otherwise);
   int whole_number_or(std::string_view key, int least, int most, int otherwise);
   std::vector<double> numbers(std::string_view key, std::size_t count);
-  std::vector<double> positive_numbers(std::string_view key, std::size_t count);
-  /// Returns the points of a list of pairs of numbers.
+  /// Returns the points of a list of pairs of lengths.
   std::vector<Eigen::Vector2d> points(std::string_view key);
   Eigen::Vector3d vector(std::string_view key);
   Eigen::Vector3d vector_or_zero(std::string_view key);
   Eigen::Vector3d nonzero_vector(std::string_view key);
+
+  /// Sets the unit of lengths, here and in the tables within.
+  void set_units(double per_metre) { units_per_metre_ = per_metre; }
+  double units_per_metre() const { return units_per_metre_; }
+  // Lengths in metres: the numbers divided by the units per metre, which rounds once, and checked then.
+  double length(std::string_view key) { return number(key) / units_per_metre_; }
+  double positive_length(std::string_view key);
+  std::vector<double> positive_lengths(std::string_view key, std::size_t count);
+  Eigen::Vector3d position(std::string_view key) { return vector(key) / units_per_metre_; }
+  Eigen::Vector3d edge(std::string_view key);
 
   TableReader table(std::string_view key);
   /// Returns the tables of an array; none when the key is missing.
@@ -54,7 +66,7 @@ class TableReader {
   /// Sets the prefix of messages to the table's name instead of its position in the file.
   void rename(std::string prefix) { prefix_ = std::move(prefix); }
 
-  /// Throws InputError for a key that was never read.
+  /// Throws InputError, with the keys that were looked for, for a key that was never read.
   void finish() const;
 
   /// Throws InputError about a key of this table, or about the table itself when the table has no such key.
@@ -68,7 +80,10 @@ class TableReader {
   const toml::table* table_;
   std::string file_;
   std::string prefix_;
-  Names requested_;
+  double units_per_metre_ = 1;
+  // Lists, because a scene has many tables of few keys.
+  std::vector<std::string> requested_;
+  std::vector<std::string> looked_for_;
 };
 
 /// Returns the document of a TOML file. Throws InputError when the file cannot be read or is not TOML.
@@ -80,6 +95,9 @@ toml::table parse_text(std::string_view text, const std::string& source);
 
 /// Throws InputError for a document of a version of the format other than the first. The version is optional.
 void require_known_format(TableReader& root);
+
+/// Reads the unit of the lengths in a document, "m" if there is none.
+void read_units(TableReader& root);
 
 /// Composes "FILE:LINE: KEY: REASON"; omits the line when it is 0 and the key when it is empty.
 std::string located_message(std::string_view file, unsigned line, std::string_view key,

@@ -32,6 +32,10 @@ std::string to_string(PlateRule rule) {
   return rule == PlateRule::sum ? "sum" : "nearest";
 }
 
+FaceRule rule_for(const Shape& shape, FaceRule rule) {
+  return std::holds_alternative<Plate>(shape) ? FaceRule::all : rule;
+}
+
 std::string to_string(FaceRule rule) {
   return rule == FaceRule::all ? "all" : "facing";
 }

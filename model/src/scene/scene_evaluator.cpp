@@ -88,6 +88,7 @@ struct PlacedObject {
   std::optional<std::size_t> link;
   Eigen::Isometry3d on_link;
   Surface surface;
+  FaceRule faces;
   Eigen::Isometry3d from_world = Eigen::Isometry3d::Identity();
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
 };
@@ -110,7 +111,8 @@ class SceneEvaluator::Implementation {
         motion_(poses), sensors_(scene.sensors), placed_sensors_(scene.sensors.size()) {
     validate(options);
     for (const Object& object : scene.objects)
-      objects_.push_back({object.link, object.pose, surface_of(object, options)});
+      objects_.push_back(
+          {object.link, object.pose, surface_of(object, options), rule_for(object.shape, options.faces)});
     pairs_.resize(sensors_.size() * objects_.size());
     for (const Sensor& sensor : sensors_) {
       SensorCapacitance felt{sensor.name, 0, 0, 0, false, {}};
@@ -222,6 +224,7 @@ class SceneEvaluator::Implementation {
       if (lumps() && answers_ > 0 && !surface.tree)
         surface.tree.emplace(surface.triangles);
       CapacitanceOptions options = options_;
+      options.faces = object.faces;
       if (lumps() && options_.faces == FaceRule::all)
         options.tolerance /= 2;
       in_object_frame_.clear();

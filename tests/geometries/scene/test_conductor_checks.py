@@ -98,7 +98,11 @@ def test_a_part_of_a_grounded_conductor_may_be_a_target() -> None:
         ('sense = "s"\ndrive = ["s", "s"]', "drive", '"s" is named twice'),
         ('sense = "s"\ndrive = ["s"]\nnoise = 0', "noise", "must be greater than 0, not 0.0"),
         ('sense = "s"\ndrive = ["s"]\nthreshold = -1', "threshold", "must be greater than 0, not -1.0"),
-        ('sense = "s"\ndrive = ["s"]\ncolour = 1', "colour", "unknown key"),
+        (
+            'sense = "s"\ndrive = ["s"]\ncolour = 1',
+            "colour",
+            "unknown key; there are drive, name, noise, sense, threshold",
+        ),
     ],
 )
 def test_a_reading_senses_one_and_drives_some(keys: str, key: str, reason: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from geometries.common.errors import InputError
@@ -126,6 +127,26 @@ def test_a_wrong_joint_is_refused_by_key_and_reason(text: str, message: str) -> 
     assert str(caught.value) == message
 
 
+def test_lengths_are_in_the_motions_own_units() -> None:
+    text = """
+        [[frame]]
+        poses = [ { link = "finger", translation = [0, 0, 400] } ]
+        joints = [ { joint = "lift", position = 20 } ]
+        """
+    (in_metres,) = motion.loads(text, JOINTED)
+    (in_millimetres,) = motion.loads('units = "mm"' + text, JOINTED)
+    assert in_metres.poses["finger"].translation == (0, 0, 400)
+    assert in_millimetres.poses["finger"].translation == (0, 0, 0.4)
+    lifted = [
+        np.subtract(frame.poses["arm"].translation, JOINTED.links[0].joint.rest.translation)
+        for frame in (in_metres, in_millimetres)
+    ]
+    assert np.linalg.norm(lifted[0]) == pytest.approx(20)
+    assert np.linalg.norm(lifted[1]) == pytest.approx(0.02)
+    with pytest.raises(InputError, match='units: must be "m" or "mm", not "inch"'):
+        motion.loads('units = "inch"' + text, JOINTED)
+
+
 def test_at_rest_is_the_scene() -> None:
     assert motion.at_rest(SCENE).poses == {"base": Pose(), "arm": REST}
 
@@ -134,9 +155,9 @@ def test_at_rest_is_the_scene() -> None:
     ("text", "message"),
     [
         ("", "motion: frame: a motion needs at least one frame"),
-        ("[[frames]]", "motion: frames: unknown key"),
+        ("[[frames]]", "motion: frames: unknown key; there are format, frame, units"),
         ("frame = 3", "motion: frame: must be a list of tables"),
-        ("[[frame]]\nlinks = []", "motion: frame[0].links: unknown key"),
+        ("[[frame]]\nlinks = []", "motion: frame[0].links: unknown key; there are joints, name, poses"),
         ('[[frame]]\nname = ""', "motion: frame[0].name: must not be empty"),
         ("[[frame]]\nposes = [ {} ]", "motion: frame[0].poses[0].link: is missing"),
         (
@@ -157,7 +178,7 @@ def test_at_rest_is_the_scene() -> None:
         ),
         (
             '[[frame]]\nposes = [ { link = "arm", pose = 1 } ]',
-            "motion: frame[0].poses[0].pose: unknown key",
+            "motion: frame[0].poses[0].pose: unknown key; there are link, quaternion, rotation, translation",
         ),
     ],
 )

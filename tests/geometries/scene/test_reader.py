@@ -7,10 +7,11 @@ from pathlib import Path
 import pytest
 
 from geometries.common.errors import InputError
-from geometries.scene import reader
+from geometries.scene import reader, rectangles
 from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation
 from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Plate, Reading, Room, Sensor
 from geometries.scene.shapes import Arc, Cone, Cuboid, Cylinder, PlateShape, Shape, Sphere
+from geometries.scene.writer import canonical
 
 PLATE = "{ corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] }"
 SENSOR = f'[[sensor]]\nname = "s"\nplates = [{PLATE}]\n'
@@ -148,7 +149,11 @@ EYE = "apex = [0, 0, 0]\ndirection = [0, 0, 1]\n"
         (SENSOR + "input_voltage = nan", 'sensor "s": input_voltage', "must be finite"),
         (SENSOR + "input_voltage = true", 'sensor "s": input_voltage', "must be a number"),
         (SENSOR.replace("0.1, 0, 0", "0, 0, 0"), 'sensor "s": plates[0].edge_u', "length greater than 0"),
-        (SENSOR.replace("[0, 0.1, 0]", "[0.01, 0.1, 0]"), 'sensor "s": plates[0].edge_v', "not a rectangle"),
+        (
+            SENSOR.replace("[0, 0.1, 0]", "[0.01, 0.1, 0]"),
+            'sensor "s": plates[0].edge_v',
+            "not at right angles",
+        ),
         (SENSOR.replace("edge_u", "edge_w"), 'sensor "s": plates[0].edge_u', "is missing"),
         (
             SENSOR.replace("corner = [0, 0, 0]", "corner = [0, 0]"),
@@ -158,8 +163,8 @@ EYE = "apex = [0, 0, 0]\ndirection = [0, 0, 1]\n"
         (SENSOR.replace("[0, 0, 0]", "[0, inf, 0]"), 'sensor "s": plates[0].corner[1]', "must be finite"),
         (SENSOR + SENSOR, 'sensor "s": name', "already used"),
         (SENSOR + object_with(BODY, name="s"), 'object "s": name', "already used"),
-        (SENSOR + 'link = "arm"', 'sensor "s": link', "there is no link 'arm'"),
-        (SENSOR + link("a", "b"), 'link "a": parent', "there is no link 'b'"),
+        (SENSOR + 'link = "arm"', 'sensor "s": link', "there is no link 'arm'; the scene has none"),
+        (SENSOR + link("a", "b"), 'link "a": parent', "there is no link 'b'; there are a"),
         (SENSOR + link("a", "b") + link("b", "a"), 'link "a": parent', "cycle: a → b → a"),
         (SENSOR + link("a", "a"), 'link "a": parent', "cycle: a → a"),
         ('[[distance_sensor]]\nname = "e"\n' + EYE, 'distance_sensor "e": full_angle_degrees', "is missing"),
@@ -309,7 +314,10 @@ def test_an_error_reads_file_key_reason(tmp_path: Path) -> None:
     path.write_text(SENSOR + "voltage = 3")
     with pytest.raises(InputError) as caught:
         reader.load(path)
-    assert str(caught.value) == f'{path}: sensor "s": voltage: unknown key'
+    assert str(caught.value) == (
+        f'{path}: sensor "s": voltage: unknown key; '
+        "there are coupling_capacitance, input_voltage, link, name, plates"
+    )
 
 
 def test_a_file_that_is_missing_or_no_text_is_refused(tmp_path: Path) -> None:
@@ -318,3 +326,125 @@ def test_a_file_that_is_missing_or_no_text_is_refused(tmp_path: Path) -> None:
     (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match="not UTF-8"):
         reader.load(tmp_path / "binary.toml")
+
+
+IN_METRES = """
+[room]
+size = [4, 3, 2.5]
+translation = [0, 0, 1.25]
+[[link]]
+name = "arm"
+translation = [0, 0, 0.5]
+joint = { name = "slide", type = "prismatic", axis = [0, 0, 1], position = 0.02, lower = -0.03, upper = 0.04 }
+[[link]]
+name = "wheel"
+joint = { name = "turn", type = "revolute", axis = [0, 0, 1], mimic = { joint = "slide", multiplier = 500, offset = 0.25 } }
+[[link]]
+name = "rack"
+joint = { name = "push", type = "prismatic", axis = [0, 0, 1], mimic = { joint = "turn", multiplier = 0.008, offset = 0.003 } }
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, 0.001, 0.002], edge_u = [0.1, 0, 0], edge_v = [0, 0.03, 0] } ]
+[[distance_sensor]]
+name = "eye"
+apex = [0.001, 0.002, 0.003]
+direction = [0, 0, 2]
+full_angle_degrees = 40
+range = 0.8
+[[object]]
+name = "ball"
+shape = { type = "sphere", radius = 0.05 }
+translation = [0, 0, 0.02]
+[[object]]
+name = "ring"
+shape = { type = "arc", inner_radius = 0.03, outer_radius = 0.04, height = 0.1, degrees = 100 }
+[[object]]
+name = "sheet"
+shape = { type = "plate", size = [0.1, 0.2] }
+[[object]]
+name = "die"
+shape = { type = "cube", size = 0.07 }
+"""
+IN_MILLIMETRES = """
+units = "mm"
+[room]
+size = [4000, 3000, 2500]
+translation = [0, 0, 1250]
+[[link]]
+name = "arm"
+translation = [0, 0, 500]
+joint = { name = "slide", type = "prismatic", axis = [0, 0, 1], position = 20, lower = -30, upper = 40 }
+[[link]]
+name = "wheel"
+joint = { name = "turn", type = "revolute", axis = [0, 0, 1], mimic = { joint = "slide", multiplier = 0.5, offset = 0.25 } }
+[[link]]
+name = "rack"
+joint = { name = "push", type = "prismatic", axis = [0, 0, 1], mimic = { joint = "turn", multiplier = 8, offset = 3 } }
+[[sensor]]
+name = "front"
+plates = [ { corner = [-50, 1, 2], edge_u = [100, 0, 0], edge_v = [0, 30, 0] } ]
+[[distance_sensor]]
+name = "eye"
+apex = [1, 2, 3]
+direction = [0, 0, 2]
+full_angle_degrees = 40
+range = 800
+[[object]]
+name = "ball"
+shape = { type = "sphere", radius = 50 }
+translation = [0, 0, 20]
+[[object]]
+name = "ring"
+shape = { type = "arc", inner_radius = 30, outer_radius = 40, height = 100, degrees = 100 }
+[[object]]
+name = "sheet"
+shape = { type = "plate", size = [100, 200] }
+[[object]]
+name = "die"
+shape = { type = "cube", size = 70 }
+"""
+
+
+def test_lengths_may_be_in_millimetres() -> None:
+    assert reader.loads(IN_MILLIMETRES) == reader.loads(IN_METRES)
+    assert reader.loads('units = "m"\n' + IN_METRES) == reader.loads(IN_METRES)
+
+
+def test_a_scene_in_millimetres_is_written_in_metres() -> None:
+    assert canonical(reader.loads(IN_MILLIMETRES)) == canonical(reader.loads(IN_METRES))
+
+
+def test_a_mesh_is_in_the_units_of_the_scene_unless_it_has_a_scale(tmp_path: Path) -> None:
+    (tmp_path / "body.obj").write_text("v 0 0 0\nv 30 0 0\nv 0 30 0\nf 1 2 3\n")
+
+    def size(more: str) -> float:
+        mesh = f'[[object]]\nname = "o"\nshape = {{ type = "mesh", file = "body.obj"{more} }}\n'
+        scene = reader.loads('units = "mm"\n' + mesh, str(tmp_path / "scene.toml"))
+        return float(scene.objects[0].shape.triangles()[0, 1, 0])
+
+    assert size("") == 0.03
+    assert size(", scale = 0.5") == 15
+
+
+def test_a_plate_that_is_nearly_a_rectangle_is_squared_and_one_that_is_not_is_refused() -> None:
+    def plate(edge_v: str) -> str:
+        return f'[[sensor]]\nname = "s"\nplates = [{{ corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = {edge_v} }}]\n'
+
+    scene = reader.loads(plate("[9e-6, 0.1, 0]"))
+    assert scene.changes == (
+        'sensor "s": plates[0]: edge_u and edge_v are 0.0052 degrees off the right angle and are squared',
+    )
+    assert abs(rectangles.cosine_between_edges(scene.sensors[0].plates[0])) < 1e-15
+    again = reader.loads(canonical(scene))
+    assert again == scene and again.changes == ()
+    assert reader.loads(plate("[9e-11, 0.1, 0]")).sensors[0].plates[0].edge_v == (9e-11, 0.1, 0.0)
+    with pytest.raises(InputError, match="89.9885 degrees, its cosine 0.0002, and at most 0.0001 is squared"):
+        reader.loads(plate("[2e-5, 0.1, 0]"))
+
+
+def test_objects_may_ask_for_collisions_with_the_parent_of_their_link() -> None:
+    body = '[[object]]\nname = "o"\nshape = { type = "cube", size = 1 }\n'
+    assert not reader.loads(body).objects[0].collides_with_parent
+    asked = reader.loads(body + "collides_with_parent = true\n")
+    assert asked.objects[0].collides_with_parent
+    assert reader.loads(canonical(asked)) == asked

@@ -131,6 +131,23 @@ TEST(Collide, IgnoresObjectsOfOneLinkAndObjectsThatDoNotCollide) {
   EXPECT_THAT(all_pairs(collide(scene), scene), IsEmpty());
 }
 
+TEST(Collide, IgnoresObjectsOfALinkAndItsParentUnlessTheLowerOneAsks) {
+  Scene scene = three_cubes();
+  scene.links[1].parent = 0;
+  EXPECT_THAT(collide(scene).marked, SizeIs(2)) << "the cube in the world stays";
+  scene.objects[0].collides_with_parent = true;
+  EXPECT_THAT(collide(scene).marked, SizeIs(2)) << "the upper one has no parent";
+  scene.objects[1].collides_with_parent = true;
+  EXPECT_THAT(collide(scene).marked, SizeIs(3));
+}
+
+TEST(Collide, ChecksObjectsOfALinkAndTheParentOfItsParent) {
+  Scene scene = three_cubes();
+  scene.links = {{"left", std::nullopt}, {"right", 2}, {"between", 0}};
+  scene.objects.pop_back();
+  EXPECT_THAT(collide(scene).marked, SizeIs(1));
+}
+
 /// Computes the tight box of a mesh of two triangles.
 OrientedBox tight_box(const Mesh& mesh, const Isometry3d& pose) {
   std::vector<Vector3d> corners;

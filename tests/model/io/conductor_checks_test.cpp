@@ -162,7 +162,8 @@ const std::vector<BadReading> bad_readings{
     {"sense = \"front\"\ndrive = [\"front\"]\nnoise = -1e-15", "noise: must be greater than zero"},
     {"sense = \"front\"\ndrive = [\"front\"]\nthreshold = 0", "threshold: must be greater than zero"},
     {"sense = \"front\"\ndrive = [\"front\"]\nthreshold = -1", "threshold: must be greater than zero"},
-    {"sense = \"front\"\ndrive = [\"front\"]\ncolour = 1", "colour: is not a known key"},
+    {"sense = \"front\"\ndrive = [\"front\"]\ncolour = 1",
+     "colour: is not a known key; there are drive, name, noise, sense, threshold"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Keys, BadReadings, testing::ValuesIn(bad_readings));

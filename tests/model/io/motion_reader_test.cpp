@@ -131,6 +131,22 @@ TEST_F(MotionReader, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(error_of("[[frame"), HasSubstr("scene.motion.toml:1: "));
 }
 
+TEST_F(MotionReader, ReadsLengthsInUnitsOfItsOwn) {
+  constexpr auto frame = R"([[frame]]
+poses = [ { link = "arm", translation = [0, 0, 400] } ]
+joints = [ { joint = "knuckle", position = 20 } ]
+)";
+  const Scene base = scene(jointed);
+  const std::vector<Frame> in_metres = read(frame, base);
+  const std::vector<Frame> in_millimetres = read("units = \"mm\"\n" + std::string(frame), base);
+  EXPECT_EQ(in_metres[0].poses[0].translation(), Vector3d(0, 0, 400));
+  EXPECT_EQ(in_metres[0].poses[2].translation(), Vector3d(0, 20, 0));
+  EXPECT_EQ(in_millimetres[0].poses[0].translation(), Vector3d(0, 0, 0.4));
+  EXPECT_EQ(in_millimetres[0].poses[2].translation(), Vector3d(0, 0.02, 0));
+  EXPECT_THAT(error_of("units = \"inch\"\n" + std::string(frame)),
+              HasSubstr("units: must be \"m\" or \"mm\", not \"inch\""));
+}
+
 TEST_F(MotionReader, FindsAFrameByItsNameElseByItsNumber) {
   const std::vector<Frame> motion{{"near", {}}, {"3", {}}, {"twice", {}}, {"twice", {}}};
   EXPECT_EQ(find_frame(motion, "near"), 0U);

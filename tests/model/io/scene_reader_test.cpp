@@ -138,6 +138,78 @@ TEST_F(SceneReader, ReadsEveryKey) {
   EXPECT_FALSE(scene.objects[4].conductor.has_value());
 }
 
+TEST_F(SceneReader, ReadsLengthsInMillimetres) {
+  const Scene scene = read(R"(
+    units = "mm"
+    [[link]]
+    name = "arm"
+    translation = [0, 0, 500]
+    joint = { name = "slide", type = "prismatic", axis = [0, 0, 1], position = 20, lower = -30, upper = 40 }
+    [[link]]
+    name = "wheel"
+    joint = { name = "turn", type = "revolute", axis = [0, 0, 1], mimic = { joint = "slide", multiplier = 0.5, offset = 0.25 } }
+    [[link]]
+    name = "rack"
+    joint = { name = "push", type = "prismatic", axis = [0, 0, 1], mimic = { joint = "turn", multiplier = 8, offset = 3 } }
+    [[sensor]]
+    name = "s"
+    plates = [ { corner = [-50, 1, 2], edge_u = [100, 0, 0], edge_v = [0, 30, 0] } ]
+    [[distance_sensor]]
+    name = "eye"
+    apex = [1, 2, 3]
+    direction = [0, 0, 2]
+    full_angle_degrees = 40
+    range = 800
+    [[object]]
+    name = "ball"
+    shape = { type = "sphere", radius = 50 }
+    translation = [0, 0, 20]
+    [[object]]
+    name = "sheet"
+    shape = { type = "plate", size = [100, 200] }
+  )");
+  EXPECT_EQ(scene.links[0].joint->rest.translation(), Vector3d(0, 0, 0.5));
+  EXPECT_EQ(scene.links[0].joint->position, 0.02);
+  EXPECT_EQ(scene.links[0].joint->lower, -0.03);
+  EXPECT_EQ(scene.links[0].joint->upper, 0.04);
+  // 0.5 rad per mm, and 8 mm per rad.
+  EXPECT_DOUBLE_EQ(scene.links[1].joint->position, 0.5 * 20 + 0.25);
+  EXPECT_DOUBLE_EQ(scene.links[2].joint->position, 1e-3 * (8 * (0.5 * 20 + 0.25) + 3));
+  EXPECT_EQ(scene.sensors[0].plates[0].corner, Vector3d(-0.05, 0.001, 0.002));
+  EXPECT_EQ(scene.sensors[0].plates[0].edge_v, Vector3d(0, 0.03, 0));
+  EXPECT_EQ(scene.distance_sensors[0].apex, Vector3d(0.001, 0.002, 0.003));
+  EXPECT_EQ(scene.distance_sensors[0].direction, Vector3d(0, 0, 2)) << "which has no length";
+  EXPECT_EQ(scene.distance_sensors[0].range, 0.8);
+  EXPECT_EQ(std::get<Sphere>(scene.objects[0].shape).radius, 0.05);
+  EXPECT_EQ(scene.objects[0].pose.translation(), Vector3d(0, 0, 0.02));
+  EXPECT_EQ(std::get<Plate>(scene.objects[1].shape).size_y, 0.2);
+}
+
+TEST_F(SceneReader, ReadsAMeshInTheUnitsOfTheSceneUnlessItHasAScale) {
+  write("body.obj", "v 0 0 0\nv 30 0 0\nv 0 30 0\nf 1 2 3\n");
+  const auto size = [&](const std::string& more) {
+    const Scene scene = read("units = \"mm\"\n[[object]]\nname = \"o\"\n"
+                             "shape = { type = \"mesh\", file = \"body.obj\"" +
+                             more + " }\n");
+    return std::get<Mesh>(scene.objects[0].shape).triangles[0][1].x();
+  };
+  EXPECT_EQ(size(""), 0.03);
+  EXPECT_EQ(size(", scale = 0.5"), 15) << "metres";
+}
+
+TEST_F(SceneReader, SquaresAPlateThatIsNearlyARectangle) {
+  const Scene scene = read(R"(
+    [[sensor]]
+    name = "s"
+    plates = [ { corner = [0, 0, 0], edge_u = [0.034286, 0.020602, 0], edge_v = [-0.020602, 0.034287, 0] } ]
+  )");
+  EXPECT_NO_THROW(validate(scene.sensors[0].plates[0]));
+  EXPECT_THAT(
+      scene.changes,
+      testing::ElementsAre("sensor \"s\": plates[0]: edge_u and edge_v are 0.00074 degrees off the right "
+                           "angle and are squared"));
+}
+
 TEST_F(SceneReader, FillsInDefaults) {
   const Scene scene = read(R"(
     [[sensor]]
@@ -300,10 +372,14 @@ const std::vector<BadScene> bad_scenes{
     {"plate that is not a rectangle",
      FRINGE_SENSOR("{ corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0.1, 1, 0] }"), "plates[0].edge_v",
      "right angles"},
+    {"plate whose edges are 2e-4 off the right angle",
+     FRINGE_SENSOR("{ corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [2e-4, 1, 0] }"), "plates[0].edge_v",
+     "the angle between them is 89.9885 degrees, its cosine 0.0002, and at most 0.0001 is squared"},
+    {"unknown units", "units = \"inch\"\n", "units", "must be \"m\" or \"mm\", not \"inch\""},
     {"plate that is nan", FRINGE_SENSOR("{ corner = [nan, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }"),
      "plates[0].corner", "finite"},
     {"sensor on an unknown link", "[[sensor]]\nname = \"s\"\nlink = \"l\"\n", "sensor \"s\": link",
-     "no link \"l\""},
+     "no link \"l\"; the scene has none"},
     {"negative voltage", "[[sensor]]\nname = \"s\"\ninput_voltage = -1\n", "input_voltage",
      "greater than zero"},
     {"coupling capacitance of zero", "[[sensor]]\nname = \"s\"\ncoupling_capacitance = 0.0\n",
@@ -311,7 +387,8 @@ const std::vector<BadScene> bad_scenes{
     {"unknown key of a sensor",
      "[[sensor]]\nname = \"s\"\ncolour = 1\nplates = [{ corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, "
      "1, 0] }]\n",
-     "sensor \"s\": colour", "not a known key"},
+     "sensor \"s\": colour",
+     "is not a known key; there are coupling_capacitance, input_voltage, link, name, plates"},
 
     {"distance sensor of 181 degrees",
      "[[distance_sensor]]\nname = \"d\"\napex = [0, 0, 0]\ndirection = [0, 0, 1]\nfull_angle_degrees = "
@@ -416,6 +493,9 @@ const std::vector<BadScene> bad_scenes{
     {"collides that is a number",
      "[[object]]\nname = \"o\"\nshape = { type = \"cube\", size = 1 }\ncollides = 1\n", "collides",
      "true or false"},
+    {"collides_with_parent that is a number",
+     "[[object]]\nname = \"o\"\nshape = { type = \"cube\", size = 1 }\ncollides_with_parent = 1\n",
+     "collides_with_parent", "true or false"},
     {"object name that a sensor has",
      FRINGE_SENSOR(
          "{ corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }") "[[object]]\nname = \"s\"\n",

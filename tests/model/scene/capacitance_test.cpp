@@ -10,6 +10,7 @@
 
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
+#include "fringe/triangulation.hpp"
 
 namespace fringe {
 namespace {
@@ -19,6 +20,13 @@ using Eigen::Vector3d;
 Object plate_at(const std::string& name, double size, double height) {
   return {name,       std::nullopt, Plate{size, size}, pose_from_axis({0, 0, 1}, 0, {0, 0, height}),
           Grounded{}, true};
+}
+
+/// Returns the plate as a mesh, which has one outward side, up.
+Object sheet_at(const std::string& name, double size, double height) {
+  Object sheet = plate_at(name, size, height);
+  sheet.shape = Mesh{"", 1, triangulate(sheet.shape)};
+  return sheet;
 }
 
 /// Returns a scene with a sensor of 10 cm × 10 cm and plates of the same size 2 cm in front of it and 4 cm
@@ -223,19 +231,33 @@ TEST(Capacitance, OfFacingFacesLeavesOutTheBackOfABody) {
   EXPECT_NEAR(capacitance(scene).sensors.at(0).total, all, 1e-13 * all);
 }
 
-TEST(Capacitance, OfFacingFacesSeesTheFrontOfAOneSidedPlateOnly) {
-  // Both plates of the sandwich have their normal along +z: the plate above the sensor faces away from it,
-  // the one below faces it.
+TEST(Capacitance, OfFacingFacesSeesTheFrontOfASheetOnly) {
+  // Both sheets have their normal along +z: the one above the sensor faces away from it, the one below faces
+  // it.
+  Scene scene = sandwich();
+  scene.objects = {sheet_at("near", 0.1, 0.02), sheet_at("behind", 0.1, -0.04)};
   const SensorCapacitance felt =
-      capacitance(sandwich(), {Exact{}, PlateRule::sum, FaceRule::facing}).sensors.at(0);
+      capacitance(scene, {Exact{}, PlateRule::sum, FaceRule::facing}).sensors.at(0);
   EXPECT_EQ(felt.objects.at(0).capacitance, 0);
   EXPECT_DOUBLE_EQ(felt.objects.at(1).capacitance, vacuum_permittivity * 0.01 / 0.04);
+}
+
+TEST(Capacitance, OfFacingFacesCountsThatSideOfAPlateThatFaces) {
+  for (const PlateRule plates : {PlateRule::sum, PlateRule::nearest})
+    for (const double degrees : {0, 70, 90, 180, 250}) {
+      Scene scene = sandwich();
+      scene.objects[0].pose = pose_from_axis({1, 0, 0}, degrees, {0.01, 0.02, 0.08});
+      const SensorCapacitance all = capacitance(scene, {Exact{}, plates}).sensors.at(0);
+      const SensorCapacitance facing = capacitance(scene, {Exact{}, plates, FaceRule::facing}).sensors.at(0);
+      EXPECT_EQ(facing.objects.at(0).capacitance, all.objects.at(0).capacitance) << degrees;
+      EXPECT_EQ(facing.objects.at(1).capacitance, all.objects.at(1).capacitance) << degrees;
+    }
 }
 
 TEST(Capacitance, OfFacingFacesIsInfiniteOnContactFromAnySide) {
   for (const PlateRule rule : {PlateRule::sum, PlateRule::nearest}) {
     Scene scene = divided_sensor();
-    scene.objects = {plate_at("lying", 0.02, 0)};
+    scene.objects = {sheet_at("lying", 0.02, 0)};
     EXPECT_TRUE(capacitance(scene, {Exact{}, rule, FaceRule::facing}).sensors.at(0).contact);
     // The object lies in the plate's plane beside the plate: it neither sees nor touches it.
     scene.objects[0].pose = pose_from_axis({0, 0, 1}, 0, {0.2, 0, 0});
@@ -246,7 +268,7 @@ TEST(Capacitance, OfFacingFacesIsInfiniteOnContactFromAnySide) {
 TEST(Capacitance, OfTheNearestFacingPlateLooksAmongThoseAFaceSees) {
   // The plate behind the object is nearer but not seen, so the one in front counts.
   Scene scene = sandwich();
-  scene.objects = {plate_at("between", 0.1, 0.06)};
+  scene.objects = {sheet_at("between", 0.1, 0.06)};
   scene.sensors[0].plates.push_back({{-0.05, -0.05, 0.16}, {0.1, 0, 0}, {0, 0.1, 0}});
   const double below = vacuum_permittivity * 0.01 / 0.06, above = vacuum_permittivity * 0.01 / 0.1;
   for (const Method& method : {Method{Exact{}}, Method{Split{2}}}) {

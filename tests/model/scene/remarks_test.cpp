@@ -1,0 +1,136 @@
+#include "fringe/remarks.hpp"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "fringe/pose.hpp"
+#include "fringe/triangulation.hpp"
+
+namespace fringe {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+Object object_of(const std::string& name, const Shape& shape, const Eigen::Vector3d& place) {
+  return {name, std::nullopt, shape, pose_from_axis({0, 0, 1}, 0, place), Grounded{}, true};
+}
+
+/// Returns a square sensor of 10 cm and a box of as many 5 cm above it.
+Scene sensor_and_box() {
+  Scene scene;
+  Sensor sensor;
+  sensor.name = "front";
+  sensor.plates = {{{-0.05, -0.05, 0}, {0.1, 0, 0}, {0, 0.1, 0}}};
+  scene.sensors = {sensor};
+  scene.objects = {object_of("hand", Cuboid{0.1, 0.1, 0.1}, {0, 0, 0.1})};
+  return scene;
+}
+
+std::vector<std::string> remarks_on(const Scene& scene, const EvaluationOptions& options) {
+  return remarks(scene, options, evaluate(scene, options));
+}
+
+std::vector<Triangle> reversed(std::vector<Triangle> triangles) {
+  for (Triangle& triangle : triangles)
+    std::swap(triangle[1], triangle[2]);
+  return triangles;
+}
+
+TEST(Remarks, AreNoneOnASoundScene) {
+  EXPECT_THAT(remarks(sensor_and_box()), IsEmpty());
+  for (const char* method : {"exact", "split:2", "reduced:1", "boundary-elements", "recommended"})
+    EXPECT_THAT(remarks_on(sensor_and_box(), {.method = parse_method(method)}), IsEmpty()) << method;
+}
+
+TEST(Remarks, AskAboutLengthsThatMayBeInMillimetres) {
+  Scene scene = sensor_and_box();
+  scene.sensors[0].plates.push_back({{100, 0, 0}, {40, 0, 0}, {0, 30, 0}});
+  scene.objects.push_back(object_of("arm", Mesh{"", 1, triangulate(Cuboid{1, 179, 1})}, {300, 0, 0}));
+  EXPECT_THAT(
+      remarks(scene),
+      ElementsAre("sensor \"front\": plates[1] is 40 m long: is it in millimetres? Then write units = \"mm\" "
+                  "at the top of the scene",
+                  "object \"arm\" is 179 m long: is it in millimetres? Then write units = \"mm\" at the top "
+                  "of the scene, or scale = 0.001 in the object's shape"));
+}
+
+TEST(Remarks, AskAboutASceneThatIsTiny) {
+  Scene scene = sensor_and_box();
+  scene.sensors[0].plates = {{{0, 0, 0}, {1e-4, 0, 0}, {0, 1e-4, 0}}};
+  scene.objects = {object_of("hand", Sphere{5e-5, 8}, {0, 0, 2e-4})};
+  EXPECT_THAT(remarks(scene), ElementsAre(StartsWith("all of the scene is 0.00025 m long")));
+  scene.objects.push_back(object_of("table", Plate{1, 1}, {0, 0, -0.1}));
+  EXPECT_THAT(remarks(scene), IsEmpty());
+}
+
+TEST(Remarks, NameTrianglesThatDoNotCountAndMeshesThatFaceInwards) {
+  Scene scene = sensor_and_box();
+  std::vector<Triangle> triangles = triangulate(Cuboid{0.1, 0.1, 0.1});
+  const Triangle line{triangles[0][0], triangles[0][0], triangles[0][1]};
+  triangles.insert(triangles.end(), {triangles[3], line, triangles[3], line, line});
+  scene.objects[0].shape = Mesh{"", 1, triangles};
+  EXPECT_THAT(remarks(scene),
+              ElementsAre("object \"hand\": triangles without area: 3, triangles that repeat others: "
+                          "2; they are left out"));
+  scene.objects[0].shape = Mesh{"", 1, reversed(triangulate(Cuboid{0.1, 0.1, 0.1}))};
+  EXPECT_THAT(remarks(scene), ElementsAre(StartsWith("object \"hand\": its triangles face inwards:")));
+}
+
+TEST(Remarks, NameObjectsInsideOthers) {
+  Scene scene = sensor_and_box();
+  for (const char* name : {"a", "b", "c", "d", "e"})
+    scene.objects.push_back(object_of(name, Sphere{0.01, 8}, {0, 0, 0.1}));
+  scene.objects[5].pose = pose_from_axis({0, 0, 1}, 0, {0, 0, 0.145});
+  EXPECT_THAT(remarks(scene),
+              ElementsAre(HasSubstr("object \"hand\" contains \"a\", \"b\", \"c\" and 1 more: ")))
+      << "one reaches through the surface";
+  // In the hollow of a ring.
+  scene.objects = {object_of("ring", Arc{0.05, 0.06, 0.1, 360, 24}, {0, 0, 0.1}),
+                   object_of("ball", Sphere{0.01, 8}, {0, 0, 0.1})};
+  EXPECT_THAT(remarks(scene), IsEmpty());
+}
+
+TEST(Remarks, SayThatThereIsNoSensor) {
+  Scene scene = sensor_and_box();
+  scene.sensors.clear();
+  EXPECT_THAT(remarks(scene), IsEmpty());
+  EXPECT_THAT(remarks_on(scene, {}), ElementsAre(StartsWith("the scene has no sensor")));
+  EXPECT_THAT(remarks_on(scene, {.method = BoundaryElements{}}), IsEmpty())
+      << "which finds the object's own capacitance";
+}
+
+TEST(Remarks, NameSheetsOfWhichOnlyBacksAreSeen) {
+  Scene scene = sensor_and_box();
+  scene.objects = {object_of("sheet", Mesh{"", 1, triangulate(Plate{0.1, 0.1})}, {0, 0, 0.05})};
+  EXPECT_THAT(remarks_on(scene, {.faces = FaceRule::facing}),
+              ElementsAre(StartsWith("sensor \"front\" sees only backs of the triangles of \"sheet\"")));
+  EXPECT_THAT(remarks_on(scene, {}), IsEmpty());
+  scene.objects[0].shape = Plate{0.1, 0.1};
+  EXPECT_THAT(remarks_on(scene, {.faces = FaceRule::facing}), IsEmpty()) << "a plate has two sides";
+}
+
+TEST(Remarks, NameObjectsThatShieldOthersWhereTheMethodDoesNotKnowIt) {
+  Scene scene = sensor_and_box();
+  scene.objects.push_back(object_of("arm", Cuboid{0.2, 0.1, 0.1}, {0, 0, -0.052}));
+  const auto remark =
+      StartsWith("sensor \"front\": \"arm\" is close to it or in between, and the method exact knows "
+                 "nothing of shielding: what it says of \"hand\" may");
+  EXPECT_THAT(remarks_on(scene, {}), ElementsAre(remark));
+  EXPECT_THAT(remarks_on(scene, {.method = BoundaryElements{}, .rtol = 0.05}), IsEmpty());
+  // Far from the sensor, but in between.
+  scene.objects[0].pose = pose_from_axis({0, 0, 1}, 0, {0, 0, 1});
+  scene.objects[1].pose = pose_from_axis({0, 0, 1}, 0, {0, 0, 0.5});
+  EXPECT_THAT(remarks_on(scene, {}), ElementsAre(remark));
+  // Far from the sensor, and beside.
+  scene.objects[1].pose = pose_from_axis({0, 0, 1}, 0, {0.5, 0, 0.5});
+  EXPECT_THAT(remarks_on(scene, {}), IsEmpty());
+}
+
+}  // namespace
+}  // namespace fringe
