@@ -31,7 +31,7 @@ void add_refining_options(CLI::App& command, MethodRequest& request);
 /// Reads the options. A method may be written with what refines it, as in studies: "exact+nearest+facing" is
 /// exact with these plates and faces, "formula" the correction. Throws InputError for those that are unknown
 /// or cannot be combined.
-EvaluationOptions options_of(const MethodRequest& request);
+EvaluationOptions options_of(const MethodRequest& written);
 
 /// Returns the requests of several methods, each with those options that belong to it. Throws InputError for
 /// an option that belongs to none of them.

@@ -147,10 +147,10 @@ CLI::App* add_sweep_command(CLI::App& program, SweepRequest& request) {
   command->add_option("--motion", request.motion, "The motion file (if not given, SCENE.motion.toml)")
       ->type_name("FILE");
   command
-      ->add_option(
-          "--method", request.methods,
-          "One or more methods of fringe capacitance, separated by commas or each with its --method; "
-          "the other options go to those methods that have them")
+      ->add_option("--method", request.methods,
+                   "One or more methods of fringe capacitance, separated by commas or each with a --method "
+                   "of its own; "
+                   "the other options go to those methods that have them")
       ->delimiter(',')
       ->default_str("exact");
   add_refining_options(*command, request.options);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from geometries.scene.writer import canonical
 from geometries.studies import families, study
 from geometries.studies.machines import GUARD, MACHINES
 from tests.analysis.synthetic import HEAD, PARALLEL
+from tests.geometries import schemas
 
 SENSOR = (0.1, 0.1)
 
@@ -126,3 +128,12 @@ def test_a_method_that_refuses_a_case_does_not_take_the_others_answers(tmp_path:
     )
     assert set(found.values) == {"exact"} and "touch or cross" in found.refused["boundary-elements"]
     assert str(tmp_path) not in found.refused["boundary-elements"]
+
+
+def test_answers_of_every_method_and_refusals_are_what_the_schema_says(tmp_path: Path) -> None:
+    plates = families.parallel(SENSOR, SENSOR, 0.1)
+    ground = replace(plates.objects[0], name="ground", pose=Pose())
+    for name, objects in (("apart", plates.objects), ("touching", (*plates.objects, ground))):
+        store.write_text(tmp_path / name / SCENE, canonical(replace(plates, objects=objects)))
+        document = model_stage.answer(tmp_path / name / SCENE, EVERY)
+        schemas.validator("model").validate(json.loads(json.dumps({"key": "k", **document})))
