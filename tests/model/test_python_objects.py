@@ -142,7 +142,15 @@ def test_the_stubs_are_those_of_the_module(tmp_path: Path) -> None:
     allowed = (f"fringe.{name}{part}" for name in ("Reading", "Scene") for part in ("", ".__init__"))
     (tmp_path / "allowed").write_text("\n".join(allowed))
     done = subprocess.run(
-        [sys.executable, "-m", "mypy.stubtest", "fringe", "--ignore-positional-only", "--allowlist", "allowed"],
+        [
+            sys.executable,
+            "-m",
+            "mypy.stubtest",
+            "fringe",
+            "--ignore-positional-only",
+            "--allowlist",
+            "allowed",
+        ],
         cwd=tmp_path,
         env=os.environ | {"PYTHONPATH": str(tmp_path), "MYPYPATH": str(tmp_path)},
         capture_output=True,
