@@ -24,7 +24,8 @@ include_patterns = [
     "tests/clean/*.md",
 ]
 html_theme = "furo"
-html_title = "fringe"
+html_title = "fringe: documentation"
+html_show_copyright = False
 autodoc_default_options = {"members": True}
 autodoc_typehints = "description"
 myst_enable_extensions = ["dollarmath"]

@@ -112,3 +112,9 @@ def test_no_headers_include_each_other_in_a_circle() -> None:
 def test_a_circle_is_found() -> None:
     assert circle({"a": ["b"], "b": ["c"], "c": ["a"]})
     assert not circle({"a": ["b", "c"], "b": ["c"], "c": []})
+
+
+def test_one_header_includes_all_public_ones() -> None:
+    public = sorted(f"fringe/{path.name}" for path in (HEADERS / "fringe").glob("*.hpp"))
+    public.remove("fringe/fringe.hpp")
+    assert includes(HEADERS / "fringe/fringe.hpp") == public

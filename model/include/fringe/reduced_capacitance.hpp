@@ -45,8 +45,8 @@ double rtol_of(const ReducedOptions& options);
 class ReducedEvaluator {
  public:
   /// Prepares the scene. Plates and boxes take some milliseconds. A body of triangles, including round ones
-  /// and bodies in contact, takes 0.1 s for 100 triangles, and a second or two for those that become the
-  /// most panels, 2,000; bodies of equal shape are prepared once. What is refused is refused before that.
+  /// and bodies in contact, takes one to two seconds, since few triangles are refined until they are many;
+  /// bodies of equal shape are prepared once. What is refused is refused before that.
   ///
   /// @throws InputError for the scenes that maxwell() refuses, except those whose conductors touch, for
   /// bodies of more than 2,000 triangles, alone or together with those they touch, and for options out of
