@@ -98,13 +98,6 @@ WHOLE: dict[str, Any] = {
             "conductor": "mast",
         },
         {"name": "sheet", "shape": {"type": "plate", "size": [0.1, 0.2]}},
-        {
-            "name": "limb",
-            "shape": {"type": "capsule", "radius": 0.05, "length": 0.3, "segments": 8},
-        },
-        {"name": "head", "shape": {"type": "ellipsoid", "semi_axes": [0.1, 0.1, 0.2], "segments": 8}},
-        {"name": "soap", "shape": {"type": "box", "size": [0.1, 0.1, 0.2], "rounding": 0.05, "segments": 8}},
-        {"name": "coin", "shape": {"type": "disc", "radius": 0.1, "segments": 8}},
         {"name": "box", "shape": {"type": "cuboid", "size": [0.1, 0.2, 0.3]}},
         {"name": "die", "shape": {"type": "cube", "size": 0.1}},
         {
@@ -113,6 +106,13 @@ WHOLE: dict[str, Any] = {
             "potential": "electrode",
             "conductor": "shield",
         },
+        {
+            "name": "limb",
+            "shape": {"type": "capsule", "radius": 0.05, "length": 0.3, "segments": 8},
+        },
+        {"name": "head", "shape": {"type": "ellipsoid", "semi_axes": [0.1, 0.1, 0.2], "segments": 8}},
+        {"name": "soap", "shape": {"type": "box", "size": [0.1, 0.1, 0.2], "rounding": 0.05}},
+        {"name": "coin", "shape": {"type": "disc", "radius": 0.1, "segments": 8}},
     ],
     "reading": [
         {"name": "near", "sense": "front", "drive": ["front", "shield"], "noise": 1e-15, "threshold": 1e-14}

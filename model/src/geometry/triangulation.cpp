@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "geometry/polygon.hpp"
 
@@ -146,8 +147,8 @@ std::vector<Triangle> triangles_of(const Ellipsoid& ellipsoid) {
 /// octant of the ball stands at a corner of the box.
 class SweptGrid {
  public:
-  SweptGrid(const Vector3d& core, double radius, int quarter)
-      : core_(core), radius_(radius), quarter_(quarter) {
+  SweptGrid(Vector3d core, double radius, int quarter)
+      : core_(std::move(core)), radius_(radius), quarter_(quarter) {
     for (int k = 0; k < quarter; ++k)
       cosines_.push_back(std::cos(pi / 2 * k / quarter));
     cosines_.push_back(0);
@@ -240,6 +241,7 @@ std::vector<Triangle> triangles_of(const RoundedCuboid& cuboid) {
 
 std::vector<Triangle> triangles_of(const Disc& disc) {
   std::vector<Triangle> triangles;
+  triangles.reserve(static_cast<std::size_t>(disc.segments));
   for (int k = 0; k < disc.segments; ++k)
     triangles.push_back({Vector3d(0, 0, 0), on_circle(disc.radius, k, disc.segments, 0),
                          on_circle(disc.radius, k + 1, disc.segments, 0)});
