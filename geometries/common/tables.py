@@ -99,6 +99,12 @@ class Table:
             raise self.error(name, f"is missing; is it written as {meant[0]!r}?" if meant else "is missing")
         return self._values[name]
 
+    def allow_only(self, known: tuple[str, ...]) -> None:
+        """Refuses every other key, with a list of these."""
+        for name in self._values:
+            if name not in known:
+                raise self.error(name, f"unknown key; there are {', '.join(known)}")
+
     def finish(self) -> None:
         """Refuses every key that was not requested, with a list of those that were looked for."""
         for name in self._values:

@@ -297,6 +297,8 @@ def rotation(table: Table) -> Rotation:
     if not table.has("rotation"):
         return AxisRotation()
     inner = table.table("rotation")
+    # Before a key is missed: other forms of a rotation have other keys.
+    inner.allow_only(("axis", "degrees", "quaternion"))
     if inner.has("quaternion"):
         quaternion = _quaternion(inner)
         inner.finish()

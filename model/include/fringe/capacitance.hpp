@@ -25,7 +25,7 @@ enum class PlateRule {
 enum class FaceRule {
   all,  ///< every triangle (thesis 5.3.4)
   /// The triangles from whose outward side some point of the plate is seen, and those in contact. Of a shape
-  /// without thickness, Plate, the side counts that faces.
+  /// without thickness, Plate, Disc and Polygon, the side counts that faces.
   facing
 };
 

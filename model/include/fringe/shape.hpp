@@ -12,7 +12,7 @@
 /// axis, in metres.
 namespace fringe {
 
-/// A one-sided rectangle in z = 0: each of its points counts once.
+/// A rectangle in z = 0: each of its points counts once.
 struct Plate {
   double size_x;
   double size_y;
@@ -76,13 +76,13 @@ struct RoundedCuboid {
   int segments;
 };
 
-/// A one-sided disc in z = 0: each of its points counts once.
+/// A disc in z = 0: each of its points counts once.
 struct Disc {
   double radius;
   int segments;
 };
 
-/// A one-sided simple polygon in z = 0, its vertices in either order.
+/// A simple polygon in z = 0, each of whose points counts once, its vertices in either order.
 struct Polygon {
   std::vector<Eigen::Vector2d> vertices;
 };

@@ -31,7 +31,8 @@ Reader reader_for(const std::filesystem::path& path) {
     return detail::read_obj;
   if (extension == ".ply")
     return detail::read_ply;
-  throw InputError("a mesh file must be .stl, .obj or .ply");
+  throw InputError(
+      "a mesh file must be .stl, .obj or .ply; `fringe import` makes scenes of .dae, .3mf, .step and .gltf");
 }
 
 }  // namespace

@@ -33,6 +33,8 @@ Eigen::Isometry3d read_pose(TableReader& table, const Eigen::Isometry3d& otherwi
     return moved;
   }
   TableReader rotation = table.table("rotation");
+  // Before a key is missed: other forms of a rotation have other keys.
+  rotation.allow_only({"axis", "degrees", "quaternion"});
   Eigen::Isometry3d pose;
   if (rotation.has("quaternion")) {
     pose = read_quaternion(rotation, translation);

@@ -217,6 +217,12 @@ std::vector<TableReader> TableReader::tables(std::string_view key) {
   return readers;
 }
 
+void TableReader::allow_only(std::initializer_list<std::string_view> known) const {
+  for (const auto& [key, node] : *table_)
+    if (std::ranges::find(known, key.str()) == known.end())
+      fail(key.str(), fmt::format("is not a known key; there are {}", fmt::join(known, ", ")));
+}
+
 void TableReader::finish() const {
   for (const auto& [key, node] : *table_) {
     if (std::ranges::find(requested_, key.str()) != requested_.end())

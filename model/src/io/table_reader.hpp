@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <set>
 #include <string>
 #include <string_view>
@@ -65,6 +66,9 @@ class TableReader {
 
   /// Sets the prefix of messages to the table's name instead of its position in the file.
   void rename(std::string prefix) { prefix_ = std::move(prefix); }
+
+  /// Throws InputError, with these keys, for any other key.
+  void allow_only(std::initializer_list<std::string_view> known) const;
 
   /// Throws InputError, with the keys that were looked for, for a key that was never read.
   void finish() const;

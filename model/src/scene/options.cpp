@@ -33,7 +33,9 @@ std::string to_string(PlateRule rule) {
 }
 
 FaceRule rule_for(const Shape& shape, FaceRule rule) {
-  return std::holds_alternative<Plate>(shape) ? FaceRule::all : rule;
+  const bool is_sheet = std::holds_alternative<Plate>(shape) || std::holds_alternative<Disc>(shape) ||
+                        std::holds_alternative<Polygon>(shape);
+  return is_sheet ? FaceRule::all : rule;
 }
 
 std::string to_string(FaceRule rule) {

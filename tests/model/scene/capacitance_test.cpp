@@ -254,6 +254,23 @@ TEST(Capacitance, OfFacingFacesCountsThatSideOfAPlateThatFaces) {
     }
 }
 
+TEST(Capacitance, OfFacingFacesCountsDiscsAndPolygonsFromEitherSide) {
+  const Polygon triangle{{{-0.02, -0.02}, {0.03, -0.02}, {0, 0.04}}};
+  for (const Shape& sheet : {Shape(Disc{0.03, 16}), Shape(triangle)})
+    for (const double degrees : {0, 180}) {
+      Scene scene = sandwich();
+      scene.objects[0].shape = sheet;
+      scene.objects[0].pose = pose_from_axis({1, 0, 0}, degrees, {0.01, 0.02, 0.08});
+      const double all = capacitance(scene, {}).sensors.at(0).objects.at(0).capacitance;
+      const double facing = capacitance(scene, {Exact{}, PlateRule::sum, FaceRule::facing})
+                                .sensors.at(0)
+                                .objects.at(0)
+                                .capacitance;
+      EXPECT_GT(all, 0);
+      EXPECT_EQ(facing, all) << degrees;
+    }
+}
+
 TEST(Capacitance, OfFacingFacesIsInfiniteOnContactFromAnySide) {
   for (const PlateRule rule : {PlateRule::sum, PlateRule::nearest}) {
     Scene scene = divided_sensor();
