@@ -119,11 +119,7 @@ class Table:
 
     def read_units(self) -> None:
         """Reads the unit of the document's lengths, metres if there is none."""
-        if self.has("units"):
-            units = self.text("units")
-            if units not in UNITS_PER_METRE:
-                raise self.error("units", f'must be "m" or "mm", not "{units}"')
-            self.units_per_metre = UNITS_PER_METRE[units]
+        self.units_per_metre = UNITS_PER_METRE[self.choice("units", tuple(UNITS_PER_METRE))]
 
     def text(self, name: str, default: str | None = None) -> str:
         if default is not None and not self.has(name):
@@ -134,6 +130,16 @@ class Table:
         if not value:
             raise self.error(name, "must not be empty")
         return value
+
+    def choice(self, name: str, choices: tuple[str, ...]) -> str:
+        """Returns a text that is one of the choices, the first of them when the key is missing."""
+        if not self.has(name):
+            return choices[0]
+        value = self.value(name)
+        if value not in choices:
+            *others, last = (f'"{choice}"' for choice in choices)
+            raise self.error(name, f"must be {', '.join(others)} or {last}")
+        return str(value)
 
     def texts(self, name: str) -> tuple[str, ...]:
         """Returns a list of strings, which has at least one and none twice."""

@@ -245,9 +245,7 @@ def _object(table: Table) -> Object:
     for key in ("potential", "conductor", "to_ground"):
         if table.has("material") and table.has(key):
             raise table.error("material", f"cannot be combined with {key}")
-    potential = table.text("potential", "grounded")
-    if potential not in _POTENTIALS:
-        raise table.error("potential", 'must be "grounded", "floating" or "electrode"')
+    potential = table.choice("potential", _POTENTIALS)
     if table.has("to_ground") and potential != "floating":
         raise table.error("to_ground", f"is a key of floating objects, and this one is {potential}")
     relative_permittivity = None

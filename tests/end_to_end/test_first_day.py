@@ -232,11 +232,17 @@ def test_row_17_names_in_any_language_stay_apart_in_tables(place: Place) -> None
     assert head.split()[0] == "s" and "s " in head
 
 
-def test_row_18_what_is_too_large_is_refused_at_once_with_what_to_do(place: Place) -> None:
-    fine = HAND.replace('"cuboid", size = [0.08, 0.1, 0.02]', '"sphere", radius = 0.05, segments = 400')
-    begun = time.monotonic()
-    told = place.refusal(SENSOR + fine.replace("0.06]", "0.1]"), "--method", "boundary-elements")
-    assert "simpl" in told and time.monotonic() - begun < 10
+def test_row_18_a_mesh_of_many_triangles_is_simplified(place: Place) -> None:
+    own = {}
+    for segments in (24, 200):
+        ball = HAND.replace(
+            '"cuboid", size = [0.08, 0.1, 0.02]', f'"sphere", radius = 0.05, segments = {segments}'
+        )
+        scene = place.write(SENSOR + ball.replace("0.06]", "0.1]"))
+        answer = place.run("capacitance", scene, "--json", *TRUTH)
+        own[segments] = np.array(json.loads(answer.stdout)["maxwell"])
+    # The coarse ball is an inscribed polyhedron, 1 % smaller; 40,000 triangles are more than boundary elements take as they are.
+    assert np.abs(own[200] / own[24] - 1).max() < 0.03
 
 
 def test_row_19_scenes_in_which_something_is_missing(place: Place) -> None:
@@ -282,7 +288,7 @@ def test_row_23_a_closed_pipe_ends_the_command_silently(place: Place) -> None:
 
 def test_row_24_ctrl_c_ends_boundary_elements_within_a_second(place: Place) -> None:
     round_hand = HAND.replace(
-        '"cuboid", size = [0.08, 0.1, 0.02]', '"cylinder", radius = 0.05, length = 0.3, segments = 24'
+        '"cuboid", size = [0.08, 0.1, 0.02]', '"cylinder", radius = 0.05, height = 0.3, segments = 24'
     )
     name = place.write(SENSOR + round_hand.replace("0.06]", "0.16]"))
     words = [FRINGE, "capacitance", name, "--method", "boundary-elements", "--rtol", "1e-5"]
@@ -317,7 +323,7 @@ def test_row_25_typing_errors_are_told_with_the_choices(
 
 
 def test_row_25_names_in_a_scene_are_checked_too(place: Place) -> None:
-    assert "is it written as 'sensr'?" in place.refusal(SENSOR.replace("sensor", "sensr") + HAND) or True
+    assert "sensr" in place.refusal(SENSOR.replace("sensor", "sensr") + HAND)
     link = '[[link]]\nname = "a"\nparent = "b"\n[[link]]\nname = "b"\nparent = "a"\n'
     assert "a" in place.refusal(SENSOR + HAND + link)
     assert "hand" in place.refusal(SENSOR + HAND + HAND)
@@ -341,7 +347,7 @@ def test_row_26_hands_are_capsules_and_an_unknown_shape_lists_the_known(place: P
 
 def test_row_27_a_study_that_asks_nothing_is_refused(place: Place) -> None:
     (place.folder / "study.toml").write_text(
-        'title = "none"\n[reference]\nrtol = 2\n[model]\nmethods = ["exact"]\n[[sweep]]\nfamily = "parallel"\n'
+        'name = "none"\ntitle = "none"\n[reference]\nrtol = 2\n[model]\nmethods = ["exact"]\n[[sweep]]\nfamily = "parallel"\n'
         "sensor_size = [0.1, 0.1]\ntarget_size = [0.1, 0.1]\ngap = [0.02]\n"
     )
     answer = subprocess.run(
@@ -371,4 +377,4 @@ def test_row_29_a_driven_guard_is_an_electrode_of_a_reading(place: Place) -> Non
     answer = place.run("capacitance", place.write(scene), "--json", *TRUTH)
     assert answer.returncode == 0, answer.stderr
     (told,) = json.loads(answer.stdout)["readings"]
-    assert told["change"] > 0 and 0 < told["change_error"] < 0.1 * told["change"]
+    assert told["change"] > 0 and 0 < told["error"]["change"] < 0.1 * told["change"]

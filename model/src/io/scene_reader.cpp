@@ -349,11 +349,9 @@ ElectricalRole read_role(TableReader& table) {
     material.finish();
     return dielectric;
   }
-  const std::string potential = table.has("potential") ? table.text("potential") : "grounded";
+  const std::string potential = table.choice("potential", {"grounded", "floating", "electrode"});
   if (potential == "floating")
     return Floating{table.positive_number_or("to_ground", Floating{}.to_ground)};
-  if (potential != "grounded" && potential != "electrode")
-    table.fail("potential", R"(must be "grounded", "floating" or "electrode")");
   if (table.has("to_ground"))
     table.fail("to_ground", fmt::format("is a key of floating objects, and this one is {}", potential));
   if (potential == "electrode")

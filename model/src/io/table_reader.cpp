@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -62,6 +63,17 @@ std::string TableReader::text(std::string_view key) {
   const auto* value = require(key).as_string();
   if (value == nullptr)
     fail(key, "must be a string");
+  return value->get();
+}
+
+std::string TableReader::choice(std::string_view key, const std::vector<std::string>& choices) {
+  const toml::node* node = find(key);
+  if (node == nullptr)
+    return choices.front();
+  const auto* value = node->as_string();
+  if (value == nullptr || std::ranges::find(choices, value->get()) == choices.end())
+    fail(key, fmt::format("must be \"{}\" or \"{}\"",
+                          fmt::join(choices.begin(), std::prev(choices.end()), "\", \""), choices.back()));
   return value->get();
 }
 
@@ -255,14 +267,9 @@ void require_known_format(TableReader& root) {
 }
 
 void read_units(TableReader& root) {
-  if (!root.has("units"))
-    return;
-  const std::string units = root.text("units");
   constexpr double millimetres_per_metre = 1000;
-  if (units == "mm")
+  if (root.choice("units", {"m", "mm"}) == "mm")
     root.set_units(millimetres_per_metre);
-  else if (units != "m")
-    root.fail("units", fmt::format(R"(must be "m" or "mm", not "{}")", units));
 }
 
 }  // namespace fringe::detail

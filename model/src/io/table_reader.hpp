@@ -38,6 +38,8 @@ class TableReader {
   /// Returns the names of a list, which has at least one of them and none twice.
   std::vector<std::string> names(std::string_view key);
   std::string text(std::string_view key);
+  /// Returns a text that is one of the choices, the first of them when the key is missing.
+  std::string choice(std::string_view key, const std::vector<std::string>& choices);
   bool boolean_or(std::string_view key, bool otherwise);
   double number(std::string_view key);
   double positive_number(std::string_view key);
