@@ -26,7 +26,7 @@ def solve(scene: Path, processes: Processes, *asked: str) -> Document:
     """Solves a scene file with options of the field solver's command; NoAnswer if there is none."""
     finished = _run(processes, scene, *asked, "--json")
     document = parsed(finished.output)
-    if not document["levels"]:
+    if "maxwell" not in document:
         raise NoAnswer(finished.reason)
     return document
 

@@ -41,7 +41,7 @@ CommandInterruption::~CommandInterruption() {
 std::optional<int> CommandInterruption::status() const {
   if (was_asked_to_end != 0)
     return interrupted;
-  return is_late != 0 ? std::optional<int>(not_reached) : std::nullopt;
+  return most_seconds_ && is_late != 0 ? std::optional<int>(not_reached) : std::nullopt;
 }
 
 std::string CommandInterruption::reason() const {

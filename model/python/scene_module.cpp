@@ -320,7 +320,7 @@ void add_scene(py::module_& module) {
         return result;
       },
       "entries"_a,
-      "The entries of a list of an answer by their names: fringe.by_name(answer[\"sensors\"])[\"front\"].");
+      R"(The entries of a list of an answer by their names: fringe.by_name(answer["sensors"])["front"].)");
 
   py::class_<PythonReading>(module, "Reading",
                             "The answer of a reading (F); None is what the method does not know.")

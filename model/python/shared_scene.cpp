@@ -29,11 +29,11 @@ std::function<bool()> signal_handling() {
   };
 }
 
-SharedScene::SharedScene(std::string text, std::filesystem::path folder, Scene scene)
+SharedScene::SharedScene(std::string text, const std::filesystem::path& folder, Scene scene)
     : text_(std::move(text)), folder_(std::filesystem::absolute(folder)), whole_(std::move(scene)),
       live_(whole_) {}
 
-SharedScene::SharedScene(std::string text, std::filesystem::path folder)
+SharedScene::SharedScene(const std::string& text, const std::filesystem::path& folder)
     : SharedScene(text, folder, parse_scene(text, folder)) {}
 
 std::unique_ptr<SharedScene> SharedScene::load(const std::filesystem::path& path) {

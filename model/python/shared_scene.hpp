@@ -25,7 +25,7 @@ std::function<bool()> signal_handling();
 class SharedScene {
  public:
   /// Reads the text of a scene file; mesh files are looked for in the folder.
-  SharedScene(std::string text, std::filesystem::path folder);
+  SharedScene(const std::string& text, const std::filesystem::path& folder);
   /// Reads a scene file.
   static std::unique_ptr<SharedScene> load(const std::filesystem::path& path);
 
@@ -69,7 +69,7 @@ class SharedScene {
   }
 
  private:
-  SharedScene(std::string text, std::filesystem::path folder, Scene scene);
+  SharedScene(std::string text, const std::filesystem::path& folder, Scene scene);
   void begin_again(Scene whole, const std::set<std::string>& hidden);
 
   std::string text_;

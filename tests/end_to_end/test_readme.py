@@ -129,9 +129,9 @@ def test_there_are_as_many_set_ups_corrected_as_is_told(file: str) -> None:
     assert f"{len(chosen)} set-ups, {sum(set_up.sealed for set_up in chosen)} of them" in text
 
 
-def test_the_corpus_of_bad_input_is_of_a_thousand() -> None:
-    assert "a corpus of a thousand" in CONTRIBUTING
-    assert round(len(corpus.cases()), -3) == 1000
+def test_the_corpus_of_bad_input_is_of_more_than_a_thousand() -> None:
+    assert "a corpus of more than a thousand" in CONTRIBUTING
+    assert 1000 < len(corpus.cases()) < 2000
 
 
 def test_the_differences_that_the_readme_states_follow_from_its_numbers() -> None:

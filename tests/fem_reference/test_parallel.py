@@ -47,9 +47,9 @@ def run(processes: list[str], *arguments: str | Path) -> subprocess.CompletedPro
 
 
 def answer(scene: Path, processes: list[str]) -> dict[str, Any]:
-    """The answer after one level, which does not reach the requested accuracy, so that mpirun ends with status 3."""
-    done = run(processes, scene, "--json", "--error", "estimate", "--max-seconds", "0.1")
-    assert done.returncode == 3, done.stderr
+    """The answer by as few levels as there may be, without a limit of time, which would make their number depend on the machine."""
+    done = run(processes, scene, "--json", "--error", "estimate", "--rtol", "0.3")
+    assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
     assert isinstance(found, dict)
     return found

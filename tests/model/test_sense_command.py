@@ -61,6 +61,7 @@ def test_a_scene_without_distance_sensors_has_no_readings(fringe_command: Comman
     assert json.loads(fringe_command("sense", scene, "--json").stdout) == {
         "format": 1,
         "distance_sensors": [],
+        "remarks": [],
     }
     assert fringe_command("sense", scene).stdout == "the scene has no distance sensors\n"
 

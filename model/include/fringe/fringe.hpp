@@ -25,6 +25,7 @@
 #include "fringe/reading_answer.hpp"
 #include "fringe/rectangle.hpp"
 #include "fringe/reduced_capacitance.hpp"
+#include "fringe/remarks.hpp"
 #include "fringe/scene.hpp"
 #include "fringe/scene_collision.hpp"
 #include "fringe/scene_evaluator.hpp"

@@ -72,8 +72,8 @@ std::string TableReader::choice(std::string_view key, const std::vector<std::str
     return choices.front();
   const auto* value = node->as_string();
   if (value == nullptr || std::ranges::find(choices, value->get()) == choices.end())
-    fail(key, fmt::format("must be \"{}\" or \"{}\"",
-                          fmt::join(choices.begin(), std::prev(choices.end()), "\", \""), choices.back()));
+    fail(key, fmt::format(R"(must be "{}" or "{}")",
+                          fmt::join(choices.begin(), std::prev(choices.end()), R"(", ")"), choices.back()));
   return value->get();
 }
 
