@@ -32,6 +32,7 @@
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
 #include "python_object.hpp"
+#include "scene_text.hpp"
 #include "shared_scene.hpp"
 
 namespace py = pybind11;
@@ -336,12 +337,15 @@ void add_scene(py::module_& module) {
                   "Reads a scene file and the mesh files it names. Raises InputError for a wrong one.")
       .def_static(
           "loads",
-          [](const std::string& text, const std::filesystem::path& folder) {
+          [](const py::object& description, const std::filesystem::path& folder) {
+            const std::string text = scene_text(description);
+            const py::gil_scoped_release unlocked;
             return std::make_unique<SharedScene>(text, folder);
           },
-          "text"_a, "folder"_a = ".", py::call_guard<py::gil_scoped_release>(),
-          "Reads the text of a scene file; mesh files are looked for in `folder`. Raises InputError for a "
-          "wrong one.")
+          "description"_a, "folder"_a = ".",
+          "Reads the text of a scene file, or a dictionary with its keys, as tomllib.loads makes it of such "
+          "a "
+          "text; mesh files are looked for in `folder`. Raises InputError for a wrong one.")
       .def_property_readonly("links", &names_of<&Scene::links>,
                              "Names of the links, in the order of the scene.")
       .def_property_readonly("joints", &joint_names, "Names of the joints, in the order of their links.")
@@ -365,8 +369,11 @@ InputError for an unknown object, for an electrode, and when nothing would be le
           "show", [](SharedScene& scene, const std::string& object) { scene.set_hidden(object, false); },
           "object"_a, "Shows a hidden object again. Raises InputError for an unknown object.")
       .def(
-          "add", &SharedScene::add, "text"_a,
-          R"(Adds objects, or anything else that a scene file may contain, by its text: `[[object]]` tables, for example.
+          "add",
+          [](SharedScene& scene, const py::object& description) { scene.add(scene_text(description)); },
+          "description"_a,
+          R"(Adds objects, or anything else that a scene file may contain, by its text or dictionary: `[[object]]` tables, or
+{"object": [{…}]}, for example.
 
 Links stay where they are. Raises InputError, with the scene as it was, for a text with which the scene would be wrong.)")
       .def("__repr__", &representation)

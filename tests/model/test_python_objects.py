@@ -7,6 +7,7 @@ import os
 import pickle
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import fringe
@@ -171,3 +172,37 @@ def test_the_stubs_name_every_argument() -> None:
             for word in signature.split("(", 1)[1].split(","):
                 argument = word.strip(" ()").split(":")[0]
                 assert argument in ("", "self", "*") or f"{argument}:" in stub, (name, argument)
+
+
+def test_a_dictionary_is_a_scene_as_its_text_is(tmp_path: Path, scene: fringe.Scene) -> None:
+    described = tomllib.loads(SCENE)
+    described["sensor"][0]["plates"][0]["edge_u"] = np.array([0.1, 0, 0])
+    described["object"][1]["collides"] = np.bool_(True)
+    made = fringe.Scene.loads(described, tmp_path)
+    made.set_pose("arm", scene.pose("arm"))
+    assert made.conductors().keys() == scene.conductors().keys()
+    for name, triangles in made.conductors().items():
+        np.testing.assert_array_equal(triangles, scene.conductors()[name])
+    made.add(tomllib.loads(BALL))
+    scene.add(BALL)
+    assert total(made) == total(scene)
+
+
+def test_names_of_all_characters_survive_a_dictionary() -> None:
+    name = 'a "quoted"\\ 左\t\x7f'
+    made = fringe.Scene.loads({"object": [{"name": name, "shape": {"type": "cube", "size": 1}}]})
+    assert made.objects == [name]
+
+
+@pytest.mark.parametrize(
+    ("description", "words"),
+    [
+        ({"object": [{"name": None}]}, r"object\[0\].name: must be a text"),
+        ({"sensor": [{"name": "s", "plates": [{"corner": [0, 0, {1}]}]}]}, r"corner\[2\]: must be a text"),
+        (["object"], "must be a text or a dictionary"),
+        ({"object": [{"name": "a", "shape": {"type": "cube", "size": float("nan")}}]}, "size"),
+    ],
+)
+def test_a_wrong_dictionary_is_refused_with_its_key(description: object, words: str) -> None:
+    with pytest.raises(fringe.InputError, match=words):
+        fringe.Scene.loads(description)  # type: ignore[arg-type]

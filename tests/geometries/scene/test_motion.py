@@ -143,7 +143,7 @@ def test_lengths_are_in_the_motions_own_units() -> None:
     ]
     assert np.linalg.norm(lifted[0]) == pytest.approx(20)
     assert np.linalg.norm(lifted[1]) == pytest.approx(0.02)
-    with pytest.raises(InputError, match='units: must be "m" or "mm", not "inch"'):
+    with pytest.raises(InputError, match='units: must be "m" or "mm"'):
         motion.loads('units = "inch"' + text, JOINTED)
 
 

@@ -375,7 +375,7 @@ const std::vector<BadScene> bad_scenes{
     {"plate whose edges are 2e-4 off the right angle",
      FRINGE_SENSOR("{ corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [2e-4, 1, 0] }"), "plates[0].edge_v",
      "the angle between them is 89.9885 degrees, its cosine 0.0002, and at most 0.0001 is squared"},
-    {"unknown units", "units = \"inch\"\n", "units", "must be \"m\" or \"mm\", not \"inch\""},
+    {"unknown units", "units = \"inch\"\n", "units", "must be \"m\" or \"mm\""},
     {"plate that is nan", FRINGE_SENSOR("{ corner = [nan, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }"),
      "plates[0].corner", "finite"},
     {"sensor on an unknown link", "[[sensor]]\nname = \"s\"\nlink = \"l\"\n", "sensor \"s\": link",
