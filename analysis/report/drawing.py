@@ -6,9 +6,8 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from analysis.report.plot import MACHINE_COLOUR, SENSOR_COLOUR, TARGET_COLOUR
-from analysis.report.plots_in_space import EYE, triangles
-from geometries.scene.readings import targets
+from analysis.report.plot import SENSOR_COLOUR
+from analysis.report.plots_in_space import EYE, colours, triangles
 from geometries.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -24,9 +23,7 @@ _DARKEST = 0.62
 
 def of_scene(scene: Scene, label: str) -> Markup:
     """Draws a scene as the figures in space show it: sensors blue, targets orange, the machine grey. `label` describes it in words."""
-    colours = {each.name: SENSOR_COLOUR for each in scene.sensors}
-    for body, target in zip(scene.objects, targets(scene)):
-        colours[body.name] = TARGET_COLOUR if target else MACHINE_COLOUR
+    colour_of = colours(scene, SENSOR_COLOUR)
     bodies = triangles(scene)
     everything = np.concatenate(list(bodies.values()))
     longest = float(np.ptp(everything.reshape(-1, 3), axis=0).max()) / _PIECES
@@ -34,7 +31,7 @@ def of_scene(scene: Scene, label: str) -> Markup:
     for name, own in bodies.items():
         small = cut(own, longest)
         pieces.append(small)
-        paint += [_shaded(colours[name], triangle) for triangle in small]
+        paint += [_shaded(colour_of[name], triangle) for triangle in small]
     corners = np.concatenate(pieces)
     towards, across, up = _axes()
     depth = (corners @ towards).mean(axis=1)

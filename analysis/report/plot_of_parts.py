@@ -7,14 +7,12 @@ import plotly.graph_objects as go
 
 from analysis.pipeline.model_stage import model_module
 from analysis.report.drawing import cut
-from analysis.report.plot import MACHINE_COLOUR, SENSOR_COLOUR, Panel
-from analysis.report.plots_in_space import Array, figure_in_space, mesh, triangles
-from analysis.results.units import CENTIMETRE
+from analysis.report.plot import SENSOR_COLOUR, Panel
+from analysis.report.plots_in_space import Array, colours, figure_in_space, mesh, triangles
+from analysis.results.units import CENTIMETRE, VACUUM_PERMITTIVITY
 from geometries.scene.readings import targets
 from geometries.scene.scene import Scene
 
-PERMITTIVITY = 8.8541878128e-12
-"""Permittivity of vacuum (F/m), CODATA 2018."""
 _FEMTOFARAD = 1e-15
 _PIECES = 24
 """Parts of a scene's longest side that no edge of a coloured piece exceeds: finer than the eye distinguishes in a figure of half a page."""
@@ -36,19 +34,20 @@ def coloured(scene: Scene) -> Panel:
     traces: list[object] = []
     for name, own in bodies.items():
         if name not in hit:
-            is_sensor = any(each.name == name for each in scene.sensors)
-            traces.append(mesh(name, own, color=SENSOR_COLOUR if is_sensor else MACHINE_COLOUR))
+            traces.append(mesh(name, own, color=colours(scene, SENSOR_COLOUR)[name]))
             continue
         pieces = cut(own, longest) if len(own) < _MOST else own
         added = np.zeros(len(pieces))
         for corner, edge_u, edge_v in scene.sensor_rectangles(sensor.name):
             added += module.plate_integral(pieces, corner, edge_u, edge_v)
-        density = PERMITTIVITY * added / areas(pieces) * CENTIMETRE**2 / _FEMTOFARAD
+        permittivity = VACUUM_PERMITTIVITY * scene.medium.relative_permittivity
+        density = permittivity * added / areas(pieces) * CENTIMETRE**2 / _FEMTOFARAD
         looks = {
             "colorscale": "YlOrRd",
             "colorbar": {"title": "fF/cm²", "thickness": 12},
             "cmin": 0,
-            "cmax": density[np.isfinite(density)].max(),
+            # Parts in contact have no finite value.
+            "cmax": density[np.isfinite(density)].max(initial=0.0),
         }
         traces.append(mesh(name, pieces, intensity=density.round(_DIGITS), intensitymode="cell", **looks))
     share = f" to {sensor.name}" if scene.sensors[1:] else ""

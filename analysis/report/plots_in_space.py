@@ -100,7 +100,7 @@ def _picture(row: Row) -> Plot:
     return Plot(f"Family {case.family}", finding, panels(case), f"{in_words(case.parameters)}.")
 
 
-def _colours(scene: Scene, sensor: str) -> dict[str, str]:
+def colours(scene: Scene, sensor: str) -> dict[str, str]:
     """Returns the colour of every sensor, which is given, and of every object."""
     found = {each.name: sensor for each in scene.sensors}
     for body, target in zip(scene.objects, targets(scene)):
@@ -109,10 +109,10 @@ def _colours(scene: Scene, sensor: str) -> dict[str, str]:
 
 
 def _space(scene: Scene) -> go.Figure:
-    colours = _colours(scene, SENSOR_COLOUR)
+    colour_of = colours(scene, SENSOR_COLOUR)
     bodies = triangles(scene)
     traces: list[object] = [
-        mesh(name, own, color=colours[name], opacity=0.75) for name, own in bodies.items()
+        mesh(name, own, color=colour_of[name], opacity=0.75) for name, own in bodies.items()
     ]
     return figure_in_space(traces, bodies)
 
@@ -168,7 +168,7 @@ def _slice(case: CaseResult, slice_of: Document) -> go.Figure:
 
 def _cuts(case: CaseResult, origin: Array, direction: Array) -> list[go.Scatter]:
     """Returns the lines in which the conductors' triangles intersect the plane."""
-    colours = _colours(case.scene, INK)
+    colour_of = colours(case.scene, INK)
     across_plane = np.array([-direction[1], direction[0]])
     traces = []
     for name, own in triangles(case.scene).items():
@@ -182,7 +182,7 @@ def _cuts(case: CaseResult, origin: Array, direction: Array) -> list[go.Scatter]
                 ends = np.array([min(crossings), max(crossings)]) / CENTIMETRE
                 along += [ends[0, 0], ends[1, 0], None]
                 upwards += [ends[0, 1], ends[1, 1], None]
-        line = {"color": colours[name], "width": 4}
+        line = {"color": colour_of[name], "width": 4}
         traces.append(go.Scatter(x=along, y=upwards, mode="lines", line=line, name=name, hoverinfo="name"))
     return traces
 

@@ -6,6 +6,8 @@ import math
 
 PICOFARAD = 1e-12
 CENTIMETRE = 1e-2
+VACUUM_PERMITTIVITY = 8.8541878128e-12
+"""Permittivity of empty space (F/m), CODATA 2018."""
 
 _LARGE, _LEAST, _MOST_PLACES = 100.0, 1e-8, 9
 """The error from which on values of its size are unknown, the error below which it is written with an exponent, and the most decimals."""

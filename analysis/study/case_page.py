@@ -43,7 +43,10 @@ def _inputs(results: Results, case: CaseResult, apart: Entry | None) -> str:
     files = [path for path in (case.folder / name for name in _FILES) if path.is_file()]
     answers = keys.hash_of_files(files, results.folder)
     asked = [results.title, results.rtol, results.max_seconds, results.error, case.parameters]
-    return keys.page_inputs(answers, asked, asdict(apart.split) if apart is not None else None)
+    # Without the model's module a page shows no parts.
+    return keys.page_inputs(
+        answers, asked, model_is_built(), asdict(apart.split) if apart is not None else None
+    )
 
 
 def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | None) -> Iterable[Markup]:

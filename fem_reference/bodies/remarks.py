@@ -106,7 +106,7 @@ def _on_triangles(body: Object) -> list[str]:
     if not isinstance(body.shape, MeshShape):
         return []
     triangles = body.shape.triangles()
-    sound = triangles[_areas(triangles) > 0]
+    sound = triangles[_doubled_areas(triangles) > 0]
     without_area, repeated = len(triangles) - len(sound), len(sound) - _different(sound)
     found, left_out = [], []
     if without_area:
@@ -143,7 +143,7 @@ def _listed(names: list[str]) -> str:
     return " and ".join(filter(None, [", ".join(quoted[:-1]), quoted[-1]]))
 
 
-def _areas(triangles: Vector) -> Vector:
+def _doubled_areas(triangles: Vector) -> Vector:
     """Returns twice the areas (n,), from the two shorter edges, which carry the smallest rounding error into the cross product."""
     edges = triangles[:, [2, 0, 1]] - triangles[:, [1, 2, 0]]
     longest = np.argmax(np.einsum("ijk,ijk->ij", edges, edges), axis=1)

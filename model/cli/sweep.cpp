@@ -73,7 +73,7 @@ void show_progress(std::size_t frame, std::size_t frames, const std::string& met
     fmt::print(stderr, "\rfringe: frame {} of {}, {:<24}", frame, frames, method);
 }
 
-/// What the methods say of one frame, one answer for each; those that were there already are counted.
+/// The answers of all methods for one frame, and how many of them were kept from earlier or refused.
 struct FrameAnswers {
   std::vector<FrameRows> rows;
   std::size_t found = 0;
@@ -185,7 +185,7 @@ int run_sweep(const SweepRequest& request) {
           answer_frame(live, sweepers, earlier, key, motion, frame, limit);
       if (!answers)
         break;
-      // Of several methods, some may refuse a frame.
+      // A frame needs the answer of at least one method.
       if (answers->refused == sweepers.size())
         throw InputError(answers->rows.back().refused);
       for (std::size_t k = 0; k < sweepers.size(); ++k) {

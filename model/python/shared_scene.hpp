@@ -29,7 +29,7 @@ class SharedScene {
   /// Reads a scene file.
   static std::unique_ptr<SharedScene> load(const std::filesystem::path& path);
 
-  /// What makes a scene again: its text and folder, and what was done to it.
+  /// All that is needed to make a scene again: its text, its folder, its hidden objects and its poses.
   struct State {
     std::string text;
     std::filesystem::path folder;

@@ -40,7 +40,7 @@ def test_the_commands_print_what_the_tutorial_shows(
     installation: tuple[Path, set[Path]], tmp_path: Path
 ) -> None:
     prefix, installed = installation
-    # What the field solver compiles is there already.
+    # The cache of the build holds the forms that the field solver would otherwise compile first.
     environment = os.environ | {
         "PATH": f"{prefix / 'bin'}:{os.environ['PATH']}",
         "PYTHONPATH": str(next(prefix.glob("lib/python3*/dist-packages"))),

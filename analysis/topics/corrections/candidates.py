@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.topics.corrections.fit import VACUUM_PERMITTIVITY
+from analysis.results.units import VACUUM_PERMITTIVITY
 from analysis.topics.corrections.quadrature import adaptive_integral
 from geometries.scene.scene import Scene
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from analysis.pipeline.model_stage import model_module
+from analysis.results.units import VACUUM_PERMITTIVITY
 from analysis.topics.corrections.set_ups import SetUp, set_ups
 from analysis.topics.corrections.truths import load
 from geometries.scene.writer import canonical
@@ -31,7 +32,6 @@ NAMES = (
     "fringe_near",
 )
 _START = (2.0, 2.0, 8.0, 1.0, 4.0, 0.2, 0.7, -1.0)
-VACUUM_PERMITTIVITY = 8.8541878128e-12
 
 
 def terms(module: Any, chosen: Sequence[SetUp]) -> tuple[dict[str, Array], Array]:

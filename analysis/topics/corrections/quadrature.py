@@ -7,6 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.report.plot_of_parts import areas
+
 Array = NDArray[np.float64]
 
 # Error of each triangle's integral, relative to its value at a distance of the triangle's own size.
@@ -21,7 +23,7 @@ def adaptive_integral(triangles: Array, function: Callable[[Array], Array]) -> f
     Divides a triangle by halving its sides until this changes its integral by no more than 1e-3 of the root of its area.
     """
     parts = triangles
-    allowed = _TOLERANCE * np.sqrt(_areas(parts))
+    allowed = _TOLERANCE * np.sqrt(areas(parts))
     for _ in range(_FIRST_LEVEL):
         parts, allowed = _quarters(parts), np.repeat(allowed / 2, 4)
     values = _rule(parts, function)
@@ -45,7 +47,7 @@ def adaptive_integral(triangles: Array, function: Callable[[Array], Array]) -> f
 def _rule(parts: Array, function: Callable[[Array], Array]) -> Array:
     """Returns each triangle's integral by the three points halfway from its centroid to its corners."""
     points = (parts.sum(axis=1, keepdims=True) + 3 * parts) / 6
-    return np.asarray(_areas(parts) / 3 * function(points.reshape(-1, 3)).reshape(-1, 3).sum(axis=1))
+    return np.asarray(areas(parts) / 3 * function(points.reshape(-1, 3)).reshape(-1, 3).sum(axis=1))
 
 
 def _quarters(parts: Array) -> Array:
@@ -53,9 +55,3 @@ def _quarters(parts: Array) -> Array:
     ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
     four = [np.stack(corners, axis=1) for corners in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (bc, ca, ab))]
     return np.asarray(np.stack(four, axis=1).reshape(-1, 3, 3))
-
-
-def _areas(parts: Array) -> Array:
-    return np.asarray(
-        np.linalg.norm(np.cross(parts[:, 1] - parts[:, 0], parts[:, 2] - parts[:, 0]), axis=1) / 2
-    )

@@ -78,7 +78,8 @@ struct Object {
   /// Marks an object that comes and goes, so that readings detect it; the other objects belong to the
   /// machine. If no object of a scene is marked, all are targets but electrodes.
   bool target = false;
-  /// Whether it is checked for collisions with the objects of the link above its own.
+  /// Asks for collisions with the objects of the parent of its link, which are joined to it and left out
+  /// otherwise.
   bool collides_with_parent = false;
 };
 

@@ -43,7 +43,7 @@ class LiveScene::Implementation {
     } catch (const InputError&) {
       throw;
     } catch (...) {
-      // What was interrupted is half prepared.
+      // An interrupted preparation is incomplete and must not serve the next answer.
       reduced_.reset();
       recommended_.reset();
       throw;

@@ -11,6 +11,7 @@ import pytest
 from analysis.pipeline.model_stage import model_module
 from analysis.results.store import Document
 from analysis.results.units import percent
+from analysis.results.units import VACUUM_PERMITTIVITY
 from analysis.topics.corrections import (
     cases,
     cases_section,
@@ -120,7 +121,7 @@ def test_the_constant_is_the_open_set_ups_mean(found: estimates.Estimates) -> No
 def test_the_formula_written_a_second_time_agrees_and_its_constants_are_those_of_the_fit(
     found: estimates.Estimates, terms: tuple[dict[str, Array], Array]
 ) -> None:
-    by_hand = fit.formula(terms[0], fit.fit(*terms)) * fit.VACUUM_PERMITTIVITY
+    by_hand = fit.formula(terms[0], fit.fit(*terms)) * VACUUM_PERMITTIVITY
     assert np.allclose(by_hand, found.by_correction["formula"][~found.sealed], rtol=5e-3)
 
 
