@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "bem/face_self_interaction.hpp"
 #include "numeric/interruption.hpp"
@@ -9,52 +10,30 @@
 namespace fringe::detail {
 namespace {
 
-/// Half the range of the tanh-sinh rules in their variable t.
-constexpr double reach = 3.3;
-
-/// Returns the number of quadrature points, as in face_self_interaction.cpp; here the nodes cluster at the
-/// shared edge and its ends.
-int points_of(int functions) {
-  return 40 + 3 * functions;
-}
-
-/// Quadrature nodes that suffice for a number of functions.
-struct BoxNodes {
-  explicit BoxNodes(int functions) {
-    const TanhSinhRule rule = tanh_sinh_rule(points_of(functions), reach), overlap = overlap_rule(functions);
-    const EvenPairs pairs(functions);
-    const auto count = static_cast<Eigen::Index>(rule.weights.size());
-    distance.resize(count);
-    correlation.resize(pairs.size(), count);
-    function.resize(functions, count);
-    for (Eigen::Index q = 0; q < count; ++q) {
-      check_interruption();
-      const auto at = static_cast<std::size_t>(q);
-      const double left = 2 * rule.from_left[at], right = 2 * rule.from_right[at];
-      const double weight = 2 * rule.weights[at];
-      distance[q] = left;
-      correlation.col(q) =
-          weight * correlations(EdgeKind::right_angle, pairs, functions, left, right, overlap);
-      weighted_polynomials(EdgeKind::right_angle).evaluate(left - 1, functions, function.col(q).data());
-      function.col(q) *= weight * edge_weight(EdgeKind::right_angle, left, right);
-    }
+/// The sum Σ_m factor_m·exp(−τ_m²r²), which is 1/r for all distances r that matter in a box whose half
+/// diagonal is one: the trapezoidal rule for (2/√π)·∫exp(−τ²r²) dτ, where ln τ falls doubly exponentially
+/// towards τ = 0.
+struct GaussianSum {
+  GaussianSum() {
+    constexpr int points = 140;
+    constexpr double from = -2.5, to = 7.05, step = (to - from) / (points - 1);
+    const Eigen::ArrayXd t = Eigen::ArrayXd::LinSpaced(points, from, to);
+    const Eigen::ArrayXd grow = 0.0125 * t.exp(), fall = 2 * (-t).exp();
+    tau = (1.6 * t + grow - fall).exp();
+    factor = 2 / std::sqrt(std::numbers::pi) * step * tau * (1.6 + grow + fall);
   }
-  Eigen::ArrayXd distance;      ///< in [0, 2]: between two points along an edge, or of a point from an edge
-  Eigen::MatrixXd correlation;  ///< of every even pair, times the weights
-  Eigen::MatrixXd function;     ///< values of every function, times the weights
+  Eigen::ArrayXd tau;
+  Eigen::ArrayXd factor;
 };
 
-const BoxNodes& box_nodes(int functions) {
-  if (functions <= 7) {
-    static const BoxNodes few(7);
-    return few;
-  }
-  if (functions <= 15) {
-    static const BoxNodes more(15);
-    return more;
-  }
-  static const BoxNodes all(most_functions);
-  return all;
+/// Returns the sums Σ_q values(·, q)·exp(−(width·distance_q)²τ²), a column for every τ.
+Eigen::MatrixXd gaussian_transform(const Eigen::Ref<const Eigen::MatrixXd>& values,
+                                   const Eigen::ArrayXd& distance, double width, const Eigen::ArrayXd& tau) {
+  const Eigen::ArrayXd square = -(width * distance).square();
+  Eigen::MatrixXd gaussians(distance.size(), tau.size());
+  for (Eigen::Index m = 0; m < tau.size(); ++m)
+    gaussians.col(m) = (square * (tau[m] * tau[m])).exp();
+  return values * gaussians;
 }
 
 /// Returns the sign that f_k takes when its face is mirrored.
@@ -79,46 +58,25 @@ std::array<ChargedFace, box_faces> faces_of_box(const Eigen::Vector3d& half_side
   return faces;
 }
 
-Eigen::MatrixXd opposite_faces(FaceFunctions first, FaceFunctions second, double a, double b,
-                               double distance) {
-  const int along_u = std::max(first.u, second.u), along_v = std::max(first.v, second.v);
-  const BoxNodes& nodes = box_nodes(std::max(along_u, along_v));
-  const Eigen::Index count_u = EvenPairs(along_u).size(), count_v = EvenPairs(along_v).size();
-  const Eigen::ArrayXd across = (b * nodes.distance).square() + distance * distance;
-  Eigen::MatrixXd kernel(nodes.distance.size(), nodes.distance.size());
-  for (Eigen::Index q = 0; q < nodes.distance.size(); ++q)
-    kernel.col(q) = (across + (a * nodes.distance[q]) * (a * nodes.distance[q])).rsqrt();
-  const Eigen::MatrixXd sums = nodes.correlation.topRows(count_u) * kernel.transpose() *
-                               nodes.correlation.topRows(count_v).transpose();
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(first.count(), second.count());
-  for (int i = 0; i < first.u; ++i)
-    for (int k = i % 2; k < second.u; k += 2)
-      for (int j = 0; j < first.v; ++j)
-        for (int l = j % 2; l < second.v; l += 2)
-          result(i * first.v + j, k * second.v + l) =
-              4 * sums(EvenPairs::index(i, k), EvenPairs::index(j, l));
-  return result;
-}
-
 Eigen::MatrixXd adjacent_faces(FaceFunctions first, FaceFunctions second, double shared, double first_width,
                                double second_width) {
+  check_interruption();
+  static const GaussianSum inverse;
   const int along = std::max(first.u, second.u);
-  const BoxNodes& nodes = box_nodes(std::max({along, first.v, second.v}));
-  const Eigen::Index pairs = EvenPairs(along).size();
-  const auto rows = nodes.function.topRows(first.v), columns = nodes.function.topRows(second.v);
-  const Eigen::ArrayXd first_square = (first_width * nodes.distance).square();
-  const Eigen::ArrayXd second_square = (second_width * nodes.distance).square();
-  Eigen::MatrixXd across(first.v * second.v, nodes.distance.size());
-  Eigen::MatrixXd kernel(nodes.distance.size(), nodes.distance.size());
-  for (Eigen::Index q = 0; q < nodes.distance.size(); ++q) {
-    check_interruption();
-    const double square = (shared * nodes.distance[q]) * (shared * nodes.distance[q]);
-    for (Eigen::Index r = 0; r < nodes.distance.size(); ++r)
-      kernel.col(r) = (first_square + (square + second_square[r])).rsqrt();
-    Eigen::Map<Eigen::MatrixXd>(across.col(q).data(), first.v, second.v).noalias() =
-        rows * kernel * columns.transpose();
-  }
-  const Eigen::MatrixXd sums = 2 * nodes.correlation.topRows(pairs) * across.transpose();
+  const DistanceRule& rule = distance_rule(EdgeKind::right_angle, std::max({along, first.v, second.v}));
+  const double size = std::hypot(shared, first_width, second_width);
+  const Eigen::ArrayXd tau = inverse.tau / size;
+  const Eigen::MatrixXd rows =
+      gaussian_transform(rule.function.topRows(first.v), rule.distance, first_width, tau);
+  const Eigen::MatrixXd columns =
+      gaussian_transform(rule.function.topRows(second.v), rule.distance, second_width, tau);
+  Eigen::MatrixXd across(first.v * second.v, tau.size());
+  for (Eigen::Index m = 0; m < tau.size(); ++m)
+    Eigen::Map<Eigen::MatrixXd>(across.col(m).data(), first.v, second.v) =
+        (2 * inverse.factor[m] / size) * rows.col(m) * columns.col(m).transpose();
+  const Eigen::MatrixXd sums =
+      gaussian_transform(rule.correlation.topRows(EvenPairs(along).size()), rule.distance, shared, tau) *
+      across.transpose();
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(first.count(), second.count());
   for (int s = 0; s < first.u; ++s)
     for (int t = s % 2; t < second.u; t += 2)
@@ -195,16 +153,15 @@ Eigen::MatrixXd box_self_interaction(const Eigen::Vector3d& half_sides,
     result.block(starts[a], starts[b], block.rows(), block.cols()) = block;
     result.block(starts[b], starts[a], block.cols(), block.rows()) = block.transpose();
   };
-  for (std::size_t face = 0; face < box_faces; ++face) {
-    const auto [u, v] = functions[face];
-    place(face, face,
-          face_self_interaction(EdgeKind::right_angle, std::max(u, v))
-              .matrix(u, v, faces[face].half_u, faces[face].half_v));
-  }
+  for (std::size_t face = 0; face < box_faces; ++face)
+    place(face, face, face_self_interaction(faces[face], functions[face]));
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::size_t low = 2 * axis, high = low + 1;
+    const DistanceRule& rule =
+        distance_rule(EdgeKind::right_angle,
+                      std::max({functions[low].u, functions[low].v, functions[high].u, functions[high].v}));
     place(low, high,
-          opposite_faces(functions[low], functions[high], faces[low].half_u, faces[low].half_v,
+          parallel_faces(rule, functions[low], functions[high], faces[low].half_u, faces[low].half_v,
                          2 * half_sides[static_cast<Eigen::Index>(axis)]));
     for (std::size_t other = axis + 1; other < 3; ++other) {
       const AdjacentFaces adjacent(half_sides, faces, functions, axis, other);

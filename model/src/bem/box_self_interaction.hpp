@@ -16,11 +16,6 @@ constexpr std::size_t box_faces = 6;
 /// of z.
 std::array<ChargedFace, box_faces> faces_of_box(const Eigen::Vector3d& half_sides);
 
-/// Computes the single-layer block of two opposite faces with half sides a and b, `distance` apart; rows and
-/// columns as in FaceSelfInteraction::matrix.
-Eigen::MatrixXd opposite_faces(FaceFunctions first, FaceFunctions second, double a, double b,
-                               double distance);
-
 /// Computes the single-layer block of two faces at right angles that share an edge of half length `shared`.
 /// The first face extends from it by 2·first_width, the second by 2·second_width. Rows are (s, j), with s
 /// along the edge and j across it; columns are (t, l) likewise. Across the edge, x = −1 lies on it.

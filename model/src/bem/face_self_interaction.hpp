@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "bem/jacobi_basis.hpp"
+#include "bem/face.hpp"
 
 /// The single-layer interaction of a rectangular face with itself (model/BOUNDARY_ELEMENTS.md, section 3).
 namespace fringe::detail {
@@ -24,31 +24,28 @@ class EvenPairs {
   std::vector<std::pair<int, int>> pairs_;
 };
 
-/// Computes the autocorrelations A_ik(u) = ∫f_i(x)·f_k(x − u) dx for 0 < u < 2, one for each even pair of so
-/// many functions, by a quadrature rule over the x of the overlap. `rest` is 2 − u.
-Eigen::VectorXd correlations(EdgeKind edge, const EvenPairs& pairs, int functions, double u, double rest,
-                             const TanhSinhRule& overlap);
+/// A quadrature rule for the distance, in half sides, of two points of a face along a direction, or of a
+/// point from an edge. Its nodes are dense at the distance 0.
+struct DistanceRule {
+  /// `more_points` scales the numbers of points of all quadratures, to measure their errors.
+  DistanceRule(EdgeKind edge, int functions, double more_points = 1);
 
-/// Returns a rule that suffices for the correlations of so many functions.
-TanhSinhRule overlap_rule(int functions);
-
-/// The cached self-interaction of faces of any size with one kind of edge.
-class FaceSelfInteraction {
- public:
-  /// Evaluates the table. `more_points` scales the numbers of points of all quadratures, to measure their
-  /// errors.
-  FaceSelfInteraction(EdgeKind edge, int functions, double more_points = 1);
-
-  /// Returns ∫∫∫∫ f_i(x)f_j(y)·f_k(x')f_l(y')/√(a²(x − x')² + b²(y − y')²), rows (i, j) and columns (k, l)
-  /// with j and l running fastest; `a` and `b` are half the face's sides.
-  Eigen::MatrixXd matrix(int functions_u, int functions_v, double a, double b) const;
-
- private:
-  std::vector<double> slopes_;            ///< t: the nodes of the integral over v/u
-  std::vector<Eigen::MatrixXd> moments_;  ///< weight·∫A_p(u)·A_q(ut) du for every t
+  Eigen::ArrayXd distance;  ///< the nodes, in [0, 2]
+  /// (even pairs, nodes): weight·A_ik(u), with the autocorrelations A_ik(u) = ∫f_i(x)·f_k(x − u) dx
+  Eigen::MatrixXd correlation;
+  Eigen::MatrixXd function;  ///< (functions, nodes): weight·f_k(u − 1)
 };
 
-/// Returns the table for at least so many functions. It is made by the first call that asks for it.
-const FaceSelfInteraction& face_self_interaction(EdgeKind edge, int functions);
+/// Returns the rule for so many functions, or one more. It is made by the first call that asks for it.
+const DistanceRule& distance_rule(EdgeKind edge, int functions);
+
+/// Computes ∫∫∫∫ f_i(x)f_j(y)·f_k(x')f_l(y')/√(a²(x − x')² + b²(y − y')² + distance²), the block of two equal
+/// faces of half sides a and b, one straight above the other, or, for the distance 0, of a face with itself.
+/// Rows are (i, j) and columns (k, l), with j and l running fastest.
+Eigen::MatrixXd parallel_faces(const DistanceRule& rule, FaceFunctions first, FaceFunctions second, double a,
+                               double b, double distance);
+
+/// Computes the single-layer block of a face with itself.
+Eigen::MatrixXd face_self_interaction(const ChargedFace& face, FaceFunctions functions);
 
 }  // namespace fringe::detail

@@ -106,11 +106,8 @@ void GalerkinSystem::refine_body(std::size_t body) {
     return;
   const auto* box = std::get_if<BoxSurface>(&surface);
   if (box == nullptr) {
-    const auto [u, v] = functions_[first];
-    const ChargedFace& face = faces_[first];
-    blocks_[pair(first, first)] = {
-        functions_[first], functions_[first], 0,
-        face_self_interaction(face.edge, std::max(u, v)).matrix(u, v, face.half_u, face.half_v)};
+    blocks_[pair(first, first)] = {functions_[first], functions_[first], 0,
+                                   face_self_interaction(faces_[first], functions_[first])};
     return;
   }
   std::array<FaceFunctions, box_faces> functions{};

@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "bem/charge_kernels.hpp"
+#include "numeric/lazy_array.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -36,21 +37,15 @@ double diagonal(int k, double right, double left) {
 /// The ends of [−1, 1] that a panel touches.
 enum class Touches { none, left, right };
 
-/// Returns the rules for panels that touch an end, by their number of points.
-std::vector<JacobiRule> panel_rules(EdgeKind edge, Touches touches) {
-  const double exponent = edge_exponent(edge);
-  std::vector<JacobiRule> rules;
-  for (int points = 1; points <= most_points; ++points)
-    rules.push_back(jacobi_rule(points, touches == Touches::right ? exponent : 0,
-                                touches == Touches::left ? exponent : 0));
-  return rules;
-}
-
+/// Returns the rule for panels that touch an end.
 template <EdgeKind edge>
 const JacobiRule& panel_rule(Touches touches, int points) {
-  static const std::array<std::vector<JacobiRule>, 3> rules{
-      panel_rules(edge, Touches::none), panel_rules(edge, Touches::left), panel_rules(edge, Touches::right)};
-  return rules[static_cast<std::size_t>(touches)][static_cast<std::size_t>(points - 1)];
+  static std::array<LazyArray<JacobiRule, most_points>, 3> rules;
+  const double exponent = edge_exponent(edge);
+  return rules[static_cast<std::size_t>(touches)].at(static_cast<std::size_t>(points - 1), [&] {
+    return jacobi_rule(points, touches == Touches::right ? exponent : 0,
+                       touches == Touches::left ? exponent : 0);
+  });
 }
 
 DirectionRule make_whole_rule(EdgeKind edge, int points) {
@@ -66,13 +61,8 @@ DirectionRule make_whole_rule(EdgeKind edge, int points) {
 
 template <EdgeKind edge>
 const DirectionRule& whole_rule_of(int points) {
-  static const std::vector<DirectionRule> rules = [] {
-    std::vector<DirectionRule> made;
-    for (int count = 1; count <= most_points; ++count)
-      made.push_back(make_whole_rule(edge, count));
-    return made;
-  }();
-  return rules[static_cast<std::size_t>(points - 1)];
+  static LazyArray<DirectionRule, most_points> rules;
+  return rules.at(static_cast<std::size_t>(points - 1), [&] { return make_whole_rule(edge, points); });
 }
 
 }  // namespace

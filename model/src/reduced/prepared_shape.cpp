@@ -64,7 +64,7 @@ Vector3d half_sides_of(const BoxSurface& box) {
 
 MatrixXd self_interaction(const FlatPlate& plate, int functions) {
   const ChargedFace& face = plate.face;
-  return face_self_interaction(face.edge, functions).matrix(functions, functions, face.half_u, face.half_v);
+  return face_self_interaction(face, {functions, functions});
 }
 
 MatrixXd self_interaction(const BoxSurface& box, int functions) {

@@ -54,20 +54,22 @@ TEST(JacobiBasis, IsIntegratedByPanelsAsByTheWholeRule) {
 }
 
 TEST(FaceSelfInteraction, DoesNotChangeWithMoreQuadraturePoints) {
-  constexpr int functions = 9;
-  for (const EdgeKind edge : edge_kinds)
-    for (const double aspect : {1.0, 0.05, 40.0}) {
-      const Eigen::MatrixXd usual =
-          FaceSelfInteraction(edge, functions).matrix(functions, functions, 1, aspect);
-      const Eigen::MatrixXd finer =
-          FaceSelfInteraction(edge, functions, 1.5).matrix(functions, functions, 1, aspect);
-      EXPECT_LT((usual - finer).cwiseAbs().maxCoeff(), 1e-9 * finer.cwiseAbs().maxCoeff()) << aspect;
-    }
+  for (const int functions : {5, 9, 31})
+    for (const EdgeKind edge : edge_kinds)
+      for (const double aspect : {1.0, 0.05, 40.0}) {
+        const auto matrix = [&](double more_points) {
+          return parallel_faces(DistanceRule(edge, functions, more_points), {functions, functions},
+                                {functions, functions}, 1, aspect, 0);
+        };
+        const Eigen::MatrixXd usual = matrix(1), finer = matrix(1.5);
+        EXPECT_LT((usual - finer).cwiseAbs().maxCoeff(), 5e-10 * finer.cwiseAbs().maxCoeff()) << aspect;
+      }
 }
 
 TEST(FaceSelfInteraction, TurnsWithTheFace) {
-  const FaceSelfInteraction& table = face_self_interaction(EdgeKind::thin, 5);
-  const Eigen::MatrixXd upright = table.matrix(4, 5, 1, 3), lying = table.matrix(5, 4, 3, 1);
+  const DistanceRule& rule = distance_rule(EdgeKind::thin, 5);
+  const Eigen::MatrixXd upright = parallel_faces(rule, {4, 5}, {4, 5}, 1, 3, 0);
+  const Eigen::MatrixXd lying = parallel_faces(rule, {5, 4}, {5, 4}, 3, 1, 0);
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 5; ++j)
       for (int k = 0; k < 4; ++k)
@@ -77,7 +79,8 @@ TEST(FaceSelfInteraction, TurnsWithTheFace) {
 
 TEST(BoxSelfInteraction, OfOppositeFacesFarApartIsThatOfTwoPointCharges) {
   const double net = weighted_polynomials(EdgeKind::right_angle).net_charge();
-  const Eigen::MatrixXd far = opposite_faces({1, 1}, {1, 1}, 1, 1, 1e6);
+  const Eigen::MatrixXd far =
+      parallel_faces(distance_rule(EdgeKind::right_angle, 1), {1, 1}, {1, 1}, 1, 1, 1e6);
   EXPECT_NEAR(far(0, 0), std::pow(net, 4) / 1e6, 1e-15);
 }
 
