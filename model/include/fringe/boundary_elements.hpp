@@ -16,7 +16,8 @@ namespace fringe {
 /// The entries of a Maxwell matrix that are refined until their errors are as small as asked.
 enum class Entries {
   all,
-  of_sensors  ///< in rows of sensors and electrodes; all where there are none
+  of_sensors  ///< in rows of sensors and electrodes, where targets are marked only those with each other and
+              ///< with targets; all where there are no sensors and electrodes
 };
 
 struct BoundaryElementOptions {
@@ -26,6 +27,8 @@ struct BoundaryElementOptions {
   Entries entries = Entries::all;
   /// Refinement stops at this number of unknowns: a dense matrix of this size takes 3 GiB.
   std::size_t most_unknowns = 20'000;
+  /// Number of threads; 0: as many as this process may run at once. The answer does not depend on it.
+  std::size_t threads = 0;
 };
 
 /// Throws InputError for options that are out of range.

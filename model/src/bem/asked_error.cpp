@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "bem/readings.hpp"
 
@@ -17,11 +19,24 @@ Eigen::ArrayXXd error_scales(const MaxwellMatrix& answer, const ChargedBodies& b
   constexpr double least_part = 1e-3;
   const VectorXd roots = answer.values.diagonal().cwiseSqrt();
   Eigen::ArrayXXd scales = answer.values.array().abs().max(least_part * (roots * roots.transpose()).array());
+  // Where targets are marked, the charges on the other objects are of no interest.
+  std::vector<bool> is_partner(bodies.conductors.size(), true);
+  if (std::any_of(bodies.bodies.begin(), bodies.bodies.end(),
+                  [](const auto& body) { return body.is_target; })) {
+    for (std::size_t k = 0; k < is_partner.size(); ++k)
+      is_partner[k] = bodies.conductors[k].is_asked;
+    for (const ChargedBody& body : bodies.bodies)
+      if (body.is_target)
+        is_partner[body.conductor] = true;
+  }
   for (Index i = 0; i < scales.rows(); ++i)
-    for (Index j = 0; j < scales.cols(); ++j)
-      if (!bodies.conductors[static_cast<std::size_t>(i)].is_asked &&
-          !bodies.conductors[static_cast<std::size_t>(j)].is_asked)
+    for (Index j = 0; j < scales.cols(); ++j) {
+      const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
+      const bool is_asked = (bodies.conductors[row].is_asked && is_partner[column]) ||
+                            (bodies.conductors[column].is_asked && is_partner[row]);
+      if (!is_asked)
         scales(i, j) = std::numeric_limits<double>::infinity();
+    }
   return scales;
 }
 
@@ -49,9 +64,8 @@ double excess_error(const MaxwellMatrix& answer, const ChargedBodies& bodies, co
 bool Progress::is_in_vain(double excess, std::size_t unknowns) {
   /// Unknowns from which a refinement takes half a minute or more.
   constexpr std::size_t many = 8000;
-  /// Excess beyond which the goal is far: many more refinements, each of which takes longer, would be
-  /// needed.
-  constexpr double far = 10;
+  /// Excess beyond which many more refinements, each of which takes longer, would be needed.
+  constexpr double far = 2;
   /// Factor that a refinement has to gain, and how many of them in succession may not.
   constexpr double least_gain = 0.9;
   constexpr int most_vain_steps = 2;

@@ -35,8 +35,8 @@ double excess_error(const MaxwellMatrix& answer, const ChargedBodies& bodies, co
 /// Tells when refinement goes on in vain.
 class Progress {
  public:
-  /// Takes the next excess and its number of unknowns; returns true if these are many, the last refinements
-  /// hardly reduced the excess, and the goal is far.
+  /// Takes the next excess and its number of unknowns; returns true if these are many and the last
+  /// refinements hardly reduced the excess.
   bool is_in_vain(double excess, std::size_t unknowns);
 
  private:

@@ -77,8 +77,9 @@ constexpr double most_excess_in_a_step = 10;
 /// far below rtol, and the quadrature errors must be well below those to give a lower bound.
 constexpr double first_tolerance_part = 50;
 
-/// Fraction of rtol at which the conjugate gradients for the panels' charges stop.
-constexpr double iteration_share = 0.003;
+/// Fraction of rtol at which the conjugate gradients for the panels' charges stop. The error indicators of
+/// groups, small parts of the energy, have to be known, too.
+constexpr double iteration_share = 0.0005;
 
 /// Assumed change of a reading, as a part of its value, before it is known.
 constexpr double first_change_part = 1e-2;
@@ -311,7 +312,8 @@ double quadrature_excess(const PanelSolution& solution, const ChargedBodies& bod
 /// Solves with adaptive refinement. The answer is in metres, to be multiplied by 4πε.
 MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplification,
                     const BoundaryElementOptions& options) {
-  PanelSystem system(bodies, {grading_part * options.rtol, options.most_unknowns / most_graded_part});
+  PanelSystem system(bodies, {grading_part * options.rtol, options.most_unknowns / most_graded_part},
+                     options.threads);
   auto [functions, per_change] = beginning(bodies, system.mesh().panels().size(), options);
 
   MaxwellMatrix answer = detail::named_answer(bodies);

@@ -7,7 +7,6 @@
 #include <Eigen/Cholesky>
 
 #include "bem/group_densities.hpp"
-#include "bem/panel_equations.hpp"
 #include "bem/readings.hpp"
 #include "bem/single_layer_panels.hpp"
 
@@ -34,10 +33,9 @@ MatrixXd potentials_on(const std::vector<Panel>& targets, const PanelEquations& 
 }
 
 /// Returns the energy that a group's own densities add to that of one density, in each column.
-Eigen::RowVectorXd energies_of_details(const PanelGroup& group, const MatrixXd& panels,
-                                       const VectorXd& shares, const MatrixXd& charges) {
+Eigen::RowVectorXd energies_of_details(const PanelGroup& group, const MatrixXd& block, const VectorXd& shares,
+                                       const MatrixXd& charges) {
   const auto first = index_of(group.first), count = index_of(group.count);
-  const MatrixXd block = matrix_of_group(group, panels);
   Eigen::RowVectorXd energies(charges.cols());
   for (Index c = 0; c < charges.cols(); ++c) {
     VectorXd details = charges.col(c).segment(first, count);
@@ -88,40 +86,41 @@ MatrixXd energy_of_quarters(const SampledQuarters& quarters, const MatrixXd& mis
   return gained * quarters.weight;
 }
 
-VectorXd error_indicators(const PanelMesh& mesh, const MatrixXd& panels, const VectorXd& shares,
+VectorXd error_indicators(const PanelMesh& mesh, const std::vector<MatrixXd>& blocks, const VectorXd& shares,
                           const MatrixXd& charges, const VectorXd& own) {
   const std::vector<PanelGroup>& groups = mesh.groups();
   VectorXd energies(index_of(groups.size()));
   for (std::size_t g = 0; g < groups.size(); ++g)
     energies[index_of(g)] =
-        (energies_of_details(groups[g], panels, shares, charges).array() / own.transpose().array())
+        (energies_of_details(groups[g], blocks[g], shares, charges).array() / own.transpose().array())
             .maxCoeff();
   return energies;
 }
 
-MatrixXd detail_energies(const PanelMesh& mesh, const MatrixXd& panels, const VectorXd& shares,
+MatrixXd detail_energies(const PanelMesh& mesh, const std::vector<MatrixXd>& blocks, const VectorXd& shares,
                          const MatrixXd& charges) {
   MatrixXd energies = MatrixXd::Zero(charges.cols(), charges.cols());
-  for (const PanelGroup& group : mesh.groups()) {
-    const Eigen::RowVectorXd roots = energies_of_details(group, panels, shares, charges).cwiseSqrt();
+  for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
+    const Eigen::RowVectorXd roots =
+        energies_of_details(mesh.groups()[g], blocks[g], shares, charges).cwiseSqrt();
     energies += roots.transpose() * roots;
   }
   return energies;
 }
 
-VectorXd change_indicators(const PanelMesh& mesh, const MatrixXd& panels, const VectorXd& shares,
+VectorXd change_indicators(const PanelMesh& mesh, const std::vector<MatrixXd>& blocks, const VectorXd& shares,
                            const MatrixXd& charges, const VectorXd& scales) {
   const std::vector<PanelGroup>& groups = mesh.groups();
   VectorXd energies(index_of(groups.size()));
   for (std::size_t g = 0; g < groups.size(); ++g)
-    energies[index_of(g)] =
-        largest_part_of_change(energies_of_details(groups[g], panels, shares, charges).cwiseSqrt(), scales);
+    energies[index_of(g)] = largest_part_of_change(
+        energies_of_details(groups[g], blocks[g], shares, charges).cwiseSqrt(), scales);
   return energies;
 }
 
-UnrefinedEnergy unrefined_energy(const PanelEquations& equations, const MatrixXd& charges,
-                                 const MatrixXd& background_charges, const std::vector<bool>& is_target,
-                                 const VectorXd& own, double tolerance) {
+UnrefinedEnergy unrefined_energy(const PanelEquations& equations, const std::vector<MatrixXd>& blocks,
+                                 const MatrixXd& charges, const MatrixXd& background_charges,
+                                 const std::vector<bool>& is_target, const VectorXd& own, double tolerance) {
   const PanelMesh& mesh = equations.mesh;
   const SampledQuarters sampled = sampled_quarters(mesh);
   if (sampled.panels.empty())
@@ -146,7 +145,7 @@ UnrefinedEnergy unrefined_energy(const PanelEquations& equations, const MatrixXd
     for (std::size_t k = group.first; k < group.first + group.count && !group.is_quartered; ++k) {
       const auto row = charges.row(equations.unknowns.functions + index_of(k));
       unrefined.groups[index_of(g)] += (row.cwiseAbs2().array() / own.transpose().array()).maxCoeff() *
-                                       equations.panels(index_of(k), index_of(k));
+                                       blocks[g](index_of(k - group.first), index_of(k - group.first));
     }
   }
   unrefined.groups *= part / unrefined.groups.sum();
@@ -160,20 +159,29 @@ std::vector<bool> doerfler_marking(const std::vector<PanelGroup>& groups, const 
   /// Fraction of the missing energy at which marking may stop: the rest is too little to be surely worth
   /// refining.
   constexpr double greater_part = 0.75;
-  /// Ratio of indicators above which two are equal up to the quadratures' errors.
-  constexpr double alike = 0.99;
+  /// Ratio of indicators above which two are equal up to what quadratures and iterations leave.
+  constexpr double alike = 0.95;
   std::vector<std::size_t> order(groups.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto energy = [&](std::size_t group) { return energies[static_cast<Eigen::Index>(group)]; };
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return energy(a) > energy(b); });
-  const double total = energies.sum();
+  /// Part of the panels that a refinement adds at least, so that few refinements suffice, and part of the
+  /// largest indicator below which a group is not worth it.
+  constexpr double least_growth = 0.4, worthless = 1e-3;
+  std::size_t panels = 0;
+  for (const PanelGroup& group : groups)
+    panels += group.count;
+  const double total = energies.sum(), largest = groups.empty() ? 0 : energies.maxCoeff();
   double taken = 0, last = 0;
   std::size_t added = 0;
   std::vector<bool> marked(groups.size(), false);
   for (const std::size_t group : order) {
     const bool enough = total - (1 - left) * taken <= allowed || taken >= greater_part * total;
-    if ((enough && energy(group) < alike * last) || added + PanelMesh::growth(groups[group]) > most)
+    const bool is_small = energy(group) < worthless * largest ||
+                          static_cast<double>(added) >= least_growth * static_cast<double>(panels);
+    if ((enough && is_small && energy(group) < alike * last) ||
+        added + PanelMesh::growth(groups[group]) > most)
       break;
     marked[group] = true;
     last = energy(group);

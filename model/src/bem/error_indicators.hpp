@@ -28,20 +28,20 @@ Eigen::MatrixXd energy_of_quarters(const SampledQuarters& quarters, const Eigen:
                                    double tolerance);
 
 /// Returns for every group of panels the energy that its panels' own densities add to that of one density. It
-/// is relative to the energy of each solution, and the largest of these. `panels` is single_layer_matrix,
-/// `shares` is area_shares, and `charges` are the panels'.
-Eigen::VectorXd error_indicators(const PanelMesh& mesh, const Eigen::MatrixXd& panels,
+/// is relative to the energy of each solution, and the largest of these. `blocks` are those of
+/// each group's panels with each other, `shares` is area_shares, and `charges` are the panels'.
+Eigen::VectorXd error_indicators(const PanelMesh& mesh, const std::vector<Eigen::MatrixXd>& blocks,
                                  const Eigen::VectorXd& shares, const Eigen::MatrixXd& charges,
                                  const Eigen::VectorXd& own);
 
 /// Returns the energies that the panels' own densities add to those of one density on each group, all counted
 /// as positive, between all pairs of columns.
-Eigen::MatrixXd detail_energies(const PanelMesh& mesh, const Eigen::MatrixXd& panels,
+Eigen::MatrixXd detail_energies(const PanelMesh& mesh, const std::vector<Eigen::MatrixXd>& blocks,
                                 const Eigen::VectorXd& shares, const Eigen::MatrixXd& charges);
 
 /// Returns the same as error_indicators() for the changes of readings, relative to `scales`. `charges` are
 /// the panels' in the columns of ReadingCharges::all().
-Eigen::VectorXd change_indicators(const PanelMesh& mesh, const Eigen::MatrixXd& panels,
+Eigen::VectorXd change_indicators(const PanelMesh& mesh, const std::vector<Eigen::MatrixXd>& blocks,
                                   const Eigen::VectorXd& shares, const Eigen::MatrixXd& charges,
                                   const Eigen::VectorXd& scales);
 
@@ -54,14 +54,16 @@ struct UnrefinedEnergy {
   Eigen::MatrixXd background;  ///< as `gained`, without the targets
 };
 /// `background_charges` are those without the targets, whose bodies `is_target` tells; none: not asked for.
-UnrefinedEnergy unrefined_energy(const PanelEquations& equations, const Eigen::MatrixXd& charges,
-                                 const Eigen::MatrixXd& background_charges,
+UnrefinedEnergy unrefined_energy(const PanelEquations& equations, const std::vector<Eigen::MatrixXd>& blocks,
+                                 const Eigen::MatrixXd& charges, const Eigen::MatrixXd& background_charges,
                                  const std::vector<bool>& is_target, const Eigen::VectorXd& own,
                                  double tolerance);
 
 /// Marks the groups of panels with the largest error indicators (Dörfler marking): as many as it takes to
 /// bring the missing energy below `allowed`, or to have the greater part of it, and no more than add `most`
-/// panels. Marks groups with equal indicators together. Returns an empty vector if none is to be refined.
+/// panels. So that few refinements suffice, marks more until these add four tenths of the panels, but none of
+/// negligible indicator. Marks groups with equal indicators together. Returns an empty vector if none is to
+/// be refined.
 std::vector<bool> doerfler_marking(const std::vector<PanelGroup>& groups, const Eigen::VectorXd& energies,
                                    double allowed, std::size_t most);
 

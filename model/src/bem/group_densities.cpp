@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "bem/panel_equations.hpp"
 #include "numeric/interruption.hpp"
 
 namespace fringe::detail {
@@ -36,13 +35,18 @@ MatrixXd group_means(const PanelMesh& mesh, const VectorXd& shares,
   return means;
 }
 
-MatrixXd matrix_of_group(const PanelGroup& group, const MatrixXd& panels) {
-  const auto first = index_of(group.first), count = index_of(group.count);
-  return panels.block(first, first, count, count).selfadjointView<Eigen::Upper>();
+std::vector<MatrixXd> group_blocks(const PanelMesh& mesh, const MatrixXd& panels) {
+  std::vector<MatrixXd> blocks;
+  for (const PanelGroup& group : mesh.groups()) {
+    const auto first = index_of(group.first), count = index_of(group.count);
+    blocks.emplace_back(panels.block(first, first, count, count).selfadjointView<Eigen::Upper>());
+  }
+  return blocks;
 }
 
 MatrixXd group_matrix(const PanelMesh& mesh, const VectorXd& shares, const MatrixXd& panels) {
   const std::vector<PanelGroup>& groups = mesh.groups();
+  const std::vector<MatrixXd> blocks = group_blocks(mesh, panels);
   MatrixXd matrix(index_of(groups.size()), index_of(groups.size()));
   for (std::size_t g = 0; g < groups.size(); ++g) {
     check_interruption();
@@ -54,7 +58,7 @@ MatrixXd group_matrix(const PanelMesh& mesh, const VectorXd& shares, const Matri
       matrix(index_of(g), index_of(h)) =
           column.segment(index_of(groups[h].first), index_of(groups[h].count))
               .dot(shares.segment(index_of(groups[h].first), index_of(groups[h].count)));
-    matrix(index_of(g), index_of(g)) = own_shares.dot(matrix_of_group(groups[g], panels) * own_shares);
+    matrix(index_of(g), index_of(g)) = own_shares.dot(blocks[g] * own_shares);
   }
   return matrix;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "bem/panel_mesh.hpp"
@@ -25,7 +27,7 @@ Eigen::MatrixXd group_means(const PanelMesh& mesh, const Eigen::VectorXd& shares
 Eigen::MatrixXd group_matrix(const PanelMesh& mesh, const Eigen::VectorXd& shares,
                              const Eigen::MatrixXd& panels);
 
-/// Returns the block of a group's panels with each other, both triangles of it.
-Eigen::MatrixXd matrix_of_group(const PanelGroup& group, const Eigen::MatrixXd& panels);
+/// Returns for each group the block of its panels with each other, from single_layer_matrix of all panels.
+std::vector<Eigen::MatrixXd> group_blocks(const PanelMesh& mesh, const Eigen::MatrixXd& panels);
 
 }  // namespace fringe::detail

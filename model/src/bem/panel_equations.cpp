@@ -44,15 +44,4 @@ PanelUnknowns without_targets(PanelUnknowns unknowns, const ChargedBodies& bodie
   return unknowns;
 }
 
-VectorXd PanelEquations::apply(const VectorXd& charge) const {
-  const Index functions = unknowns.functions, count = index_of(mesh.panels().size());
-  VectorXd potential(charge.size());
-  potential.head(functions) = faces * charge.head(functions) + coupling * charge.tail(count);
-  potential.tail(count) = panels.selfadjointView<Eigen::Upper>() * charge.tail(count);
-  potential.tail(count) += coupling.transpose() * charge.head(functions);
-  if (unknowns.present.size() > 0)
-    potential.array() *= unknowns.present.array();
-  return potential;
-}
-
 }  // namespace fringe::detail

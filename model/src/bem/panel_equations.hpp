@@ -7,12 +7,9 @@
 #include "bem/bodies.hpp"
 #include "bem/galerkin_system.hpp"
 #include "bem/panel_mesh.hpp"
+#include "bem/panel_operator.hpp"
 
 namespace fringe::detail {
-
-inline Eigen::Index index_of(std::size_t k) {
-  return static_cast<Eigen::Index>(k);
-}
 
 /// The unknowns of faces and panels: the functions of all faces, one face after the other, then the panels.
 struct PanelUnknowns {
@@ -41,11 +38,8 @@ struct PanelEquations {
   const PanelMesh& mesh;
   const PanelUnknowns& unknowns;
   const Eigen::MatrixXd& faces;     ///< single-layer matrix of the faces' functions
-  const Eigen::MatrixXd& panels;    ///< single_layer_matrix, the upper triangle
+  const PanelOperator& panels;      ///< single-layer matrix of the panels
   const Eigen::MatrixXd& coupling;  ///< single-layer blocks of the faces' functions (rows) with the panels
-
-  /// Applies the matrix: returns the potentials of charges, tested with every present unknown's function.
-  Eigen::VectorXd apply(const Eigen::VectorXd& charge) const;
 };
 
 }  // namespace fringe::detail

@@ -14,6 +14,10 @@
 /// Surfaces of triangles as panels in groups (model/BOUNDARY_ELEMENTS.md, section 9).
 namespace fringe::detail {
 
+inline Eigen::Index index_of(std::size_t k) {
+  return static_cast<Eigen::Index>(k);
+}
+
 /// Consecutive panels that are neighbours, or the quarters of one triangle. The coarse space of charges has
 /// one density on each group.
 struct PanelGroup {

@@ -112,8 +112,8 @@ void lay_on_segment(const Vector3d& from, const Vector3d& to, double share, doub
 
 }  // namespace
 
-double far_ratio(double tolerance) {
-  return std::cbrt(rule_caution * tolerance / 2);
+double far_ratio(double tolerance, int degree) {
+  return std::pow(rule_caution * tolerance / 2, 1.0 / (degree + 1));
 }
 
 void for_each_point(const Triangle& triangle, double tolerance,

@@ -12,9 +12,9 @@ namespace fringe::detail {
 /// (tests/model/bem/panel_elements_test.cpp).
 constexpr double rule_caution = 50;
 
-/// Returns the ratio of size to distance, of two panels together, below which three points on both of them
-/// suffice.
-double far_ratio(double tolerance);
+/// Returns the ratio of size to distance, of two panels together, below which a rule of a degree on both of
+/// them suffices.
+double far_ratio(double tolerance, int degree);
 
 /// Calls `point(position, weight)` for the points of a rule over a triangle, with weights that add up to 1.
 /// The rule gives the mean of a potential whose singularities are `distance(position)` away from a position.

@@ -5,16 +5,20 @@
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <utility>
 
 #include "bem/conjugate_gradients.hpp"
 #include "bem/error_indicators.hpp"
+#include "bem/group_densities.hpp"
 #include "bem/maxwell_matrix.hpp"
 #include "bem/panel_equations.hpp"
 #include "bem/proximity_refinement.hpp"
 #include "bem/readings.hpp"
 #include "bem/single_layer_panels.hpp"
+#include "bem/two_level_preconditioner.hpp"
 #include "numeric/interruption.hpp"
+#include "numeric/parallel.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -30,6 +34,17 @@ constexpr double panel_tolerances = 10;
 
 /// Stands for a matrix that has to be evaluated.
 constexpr double unknown_tolerance = std::numeric_limits<double>::infinity();
+
+/// Number of functions of the preconditioner's coarse space that are aimed at: their matrix is factorised in
+/// a tenth of a second.
+constexpr Index coarse_functions_wanted = 1000;
+
+/// Ratio of the accuracies of the iterations for the conductors that are not asked for and for those that
+/// are. The entries between both miss the geometric mean.
+constexpr double accuracy_of_others = 100;
+
+/// Fewest unknowns for each function of the coarse space.
+constexpr Index least_together = 4;
 
 ChargedBodies with_faces(const ChargedBodies& bodies) {
   ChargedBodies result = bodies;
@@ -50,10 +65,40 @@ ChargedBodies sensors_of(const ChargedBodies& bodies) {
   return sensors;
 }
 
+/// Numbers in the order of a tree.
+std::vector<std::size_t> bodies_of_panels(const PanelMesh& mesh, const ClusterTree& tree) {
+  std::vector<std::size_t> bodies;
+  for (const Index g : tree.groups()) {
+    const PanelGroup& group = mesh.groups()[static_cast<std::size_t>(g)];
+    bodies.insert(bodies.end(), group.count, group.body);
+  }
+  return bodies;
+}
+
+/// Returns the panels' shares in one density on each of their groups, as a restriction in the order of a
+/// tree.
+Restriction restriction_to_groups(const PanelMesh& mesh, const ClusterTree& tree, const VectorXd& shares) {
+  Restriction restriction{{}, shares(tree.panels())};
+  for (std::size_t place = 0; place < tree.groups().size(); ++place)
+    restriction.target.insert(restriction.target.end(),
+                              mesh.groups()[static_cast<std::size_t>(tree.groups()[place])].count,
+                              index_of(place));
+  return restriction;
+}
+
+CoarseSpace coarse_space_of(const HierarchicalMatrix& matrix, const VectorXd& areas,
+                            const std::vector<std::size_t>& bodies) {
+  std::vector<ClusterRange> leaves;
+  for (const std::size_t leaf : matrix.leaves())
+    leaves.push_back(matrix.range(leaf));
+  const Index together = std::max(least_together, (matrix.size() - 1) / coarse_functions_wanted + 1);
+  return coarse_space(leaves, areas, bodies, together);
+}
+
 }  // namespace
 
-PanelSystem::PanelSystem(const ChargedBodies& bodies, const PanelGrading& grading)
-    : bodies_(bodies), bodies_of_faces_(with_faces(bodies)), faces_(bodies_of_faces_),
+PanelSystem::PanelSystem(const ChargedBodies& bodies, const PanelGrading& grading, std::size_t threads)
+    : bodies_(bodies), threads_(threads), bodies_of_faces_(with_faces(bodies)), faces_(bodies_of_faces_),
       mesh_(std::make_shared<const HiddenSurface>(bodies)), panel_tolerance_(unknown_tolerance),
       coupling_tolerance_(unknown_tolerance) {
   for (std::size_t body = 0; body < bodies.bodies.size(); ++body)
@@ -62,9 +107,9 @@ PanelSystem::PanelSystem(const ChargedBodies& bodies, const PanelGrading& gradin
   refine_by_proximity(grading.most_panels);
 }
 
-PanelSystem::PanelSystem(const ChargedBodies& bodies, PanelMesh mesh)
-    : bodies_(bodies), bodies_of_faces_(with_faces(bodies)), faces_(bodies_of_faces_), mesh_(std::move(mesh)),
-      panel_tolerance_(unknown_tolerance), coupling_tolerance_(unknown_tolerance) {}
+PanelSystem::PanelSystem(const ChargedBodies& bodies, PanelMesh mesh, std::size_t threads)
+    : bodies_(bodies), threads_(threads), bodies_of_faces_(with_faces(bodies)), faces_(bodies_of_faces_),
+      mesh_(std::move(mesh)), panel_tolerance_(unknown_tolerance), coupling_tolerance_(unknown_tolerance) {}
 
 void PanelSystem::refine_by_proximity(std::size_t most_panels) {
   if (mesh_.panels().empty())
@@ -95,10 +140,9 @@ void PanelSystem::refine_by_proximity(std::size_t most_panels) {
 void PanelSystem::refine_groups(const std::vector<bool>& marked, const MatrixXd& charges) {
   // After two refinements without a matrix between them, the places are not those of the matrix.
   if (is_refined_)
-    panel_tolerance_ = unknown_tolerance;
+    panel_tolerance_ = coupling_tolerance_ = unknown_tolerance;
   mesh_.refine(marked, charges);
   is_refined_ = true;
-  coupling_tolerance_ = unknown_tolerance;
 }
 
 void PanelSystem::refine(const std::vector<FaceFunctions>& functions, double tolerance) {
@@ -107,29 +151,51 @@ void PanelSystem::refine(const std::vector<FaceFunctions>& functions, double tol
     return;
   if (panel_tolerance_ > panel_tolerances * tolerance) {
     panel_tolerance_ = panel_tolerances * tolerance;
-    panels_ = single_layer_matrix(mesh_.panels(), panel_tolerance_);
+    panels_ = std::make_unique<const PanelOperator>(mesh_, panel_tolerance_, nullptr, threads_);
   } else if (is_refined_) {
-    const MatrixXd before = std::move(panels_);
-    panels_ = single_layer_matrix(mesh_.panels(), panel_tolerance_, {before, mesh_.places_before()});
+    panels_ = std::make_unique<const PanelOperator>(mesh_, panel_tolerance_, panels_.get(), threads_);
+  }
+  if (coupling_tolerance_ > tolerance || coupled_functions_ != functions) {
+    coupling_tolerance_ = tolerance;
+    refine_coupling(functions, {});
+  } else if (is_refined_) {
+    refine_coupling(functions, mesh_.places_before());
   }
   is_refined_ = false;
-  if (coupling_tolerance_ > tolerance || coupled_functions_ != functions)
-    refine_coupling(functions, tolerance);
 }
 
-void PanelSystem::refine_coupling(const std::vector<FaceFunctions>& functions, double tolerance) {
+/// Evaluates the columns of the panels that have no place before; none: of all.
+void PanelSystem::refine_coupling(const std::vector<FaceFunctions>& functions,
+                                  std::span<const Index> places_before) {
+  /// Number of panels in one call.
+  constexpr std::size_t together = 8;
+  const std::vector<Panel>& panels = mesh_.panels();
+  const MatrixXd before = std::move(coupling_);
   Index rows = 0;
   for (const FaceFunctions& face : functions)
     rows += face.count();
-  coupling_.resize(rows, index_of(mesh_.panels().size()));
-  Index row = 0;
-  for (std::size_t face = 0; face < functions.size(); ++face) {
-    coupling_.middleRows(row, functions[face].count()) =
-        single_layer_block(faces_.face(face), functions[face], mesh_.panels(), tolerance);
-    row += functions[face].count();
-  }
+  coupling_.resize(rows, index_of(panels.size()));
+  std::vector<Panel> missing;
+  std::vector<Index> columns;
+  for (std::size_t k = 0; k < panels.size(); ++k)
+    if (!places_before.empty() && places_before[k] != PanelMesh::no_place) {
+      coupling_.col(index_of(k)) = before.col(places_before[k]);
+    } else {
+      missing.push_back(panels[k]);
+      columns.push_back(index_of(k));
+    }
+  parallel_for((missing.size() + together - 1) / together, threads_, [&](std::size_t part) {
+    const std::size_t first = part * together, count = std::min(together, missing.size() - first);
+    Index row = 0;
+    for (std::size_t face = 0; face < functions.size(); ++face) {
+      const MatrixXd block = single_layer_block(
+          faces_.face(face), functions[face], std::span(missing).subspan(first, count), coupling_tolerance_);
+      for (std::size_t k = 0; k < count; ++k)
+        coupling_.col(columns[first + k]).segment(row, block.rows()) = block.col(index_of(k));
+      row += block.rows();
+    }
+  });
   coupled_functions_ = functions;
-  coupling_tolerance_ = tolerance;
 }
 
 MatrixXd PanelSystem::face_matrix(const PanelUnknowns& unknowns) const {
@@ -172,9 +238,7 @@ MatrixXd PanelSystem::quadrature_effect(const PanelUnknowns& unknowns, const Mat
   const MatrixXd norms = norms_of_faces(charges_of_faces(unknowns, charges));
   const auto panels = index_of(mesh_.panels().size());
   const MatrixXd absolute = charges.bottomRows(panels).cwiseAbs();
-  MatrixXd felt(panels, charges.cols());
-  for (Index c = 0; c < charges.cols(); ++c)
-    felt.col(c) = panels_.selfadjointView<Eigen::Upper>() * absolute.col(c);
+  MatrixXd felt = panels_->apply(absolute);
   for (std::size_t face = 0; face < faces(); ++face) {
     const Eigen::RowVectorXd largest =
         coupling_.middleRows(unknowns.first[face], faces_.functions(face).count())
@@ -188,9 +252,96 @@ MatrixXd PanelSystem::quadrature_effect(const PanelUnknowns& unknowns, const Mat
   return faces() == 0 ? of_panels : faces_.quadrature_effect(norms) + of_panels;
 }
 
-PanelSystem::Background PanelSystem::solve_without_targets(const PanelEquations& equations,
-                                                           double accuracy) const {
-  Background result;
+/// Solves in the whole space and in the coarse one. Both have the unknowns of the faces first, then those of
+/// the panels or the groups in the order of the tree.
+PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations, double accuracy) const {
+  const ClusterTree& tree = panels_->tree();
+  const PanelUnknowns& unknowns = equations.unknowns;
+  const Index functions = unknowns.functions, panels = index_of(mesh_.panels().size());
+  std::vector<Index> order(static_cast<std::size_t>(functions + panels));
+  std::iota(order.begin(), order.begin() + functions, Index{0});
+  for (Index place = 0; place < panels; ++place)
+    order[static_cast<std::size_t>(functions + place)] =
+        functions + tree.panels()[static_cast<std::size_t>(place)];
+  VectorXd areas(panels);
+  for (Index place = 0; place < panels; ++place)
+    areas[place] =
+        mesh_.panels()[static_cast<std::size_t>(tree.panels()[static_cast<std::size_t>(place)])].area;
+  const std::vector<std::size_t> bodies = bodies_of_panels(mesh_, tree);
+  VectorXd accuracies(unknowns.net.cols());
+  for (Index c = 0; c < accuracies.size(); ++c)
+    accuracies[c] =
+        accuracy * (bodies_.conductors[static_cast<std::size_t>(c)].is_asked ? 1 : accuracy_of_others);
+
+  Solved result;
+  const BorderedMatrix matrix{equations.faces, equations.coupling(Eigen::all, tree.panels()),
+                              panels_->matrix(),
+                              unknowns.present.size() > 0 ? VectorXd(unknowns.present(order)) : VectorXd()};
+  CoarseSpace coarse = coarse_space_of(matrix.unknowns, areas, bodies);
+  const TwoLevelPreconditioner preconditioner(matrix, std::move(coarse.restriction), coarse.size,
+                                              panel_tolerance_, threads_);
+  result.positive_definite = preconditioner.is_positive_definite();
+  if (!result.positive_definite)
+    return result;
+  const MatrixXd right_sides = unknowns.net(order, Eigen::all);
+  const ConjugateGradientSolution fine =
+      conjugate_gradients(matrix, preconditioner, right_sides, accuracies,
+                          MatrixXd::Zero(right_sides.rows(), right_sides.cols()));
+  result.positive_definite = fine.positive_definite;
+  if (!result.positive_definite)
+    return result;
+  result.charges.resize(right_sides.rows(), right_sides.cols());
+  result.charges(order, Eigen::all) = fine.charges;
+  result.iteration_error = fine.iteration_error();
+
+  const Restriction to_groups = restriction_to_groups(mesh_, tree, area_shares(mesh_));
+  std::vector<ClusterRange> ranges;
+  for (const Cluster& cluster : tree.clusters())
+    ranges.push_back(cluster.groups);
+  const HierarchicalMatrix groups = matrix.unknowns.restricted(to_groups, std::move(ranges));
+  const auto coarse_functions = index_of(unknowns.coarse.size());
+  VectorXd group_areas = VectorXd::Zero(groups.size());
+  std::vector<std::size_t> group_bodies(static_cast<std::size_t>(groups.size()));
+  MatrixXd coupling = MatrixXd::Zero(coarse_functions, groups.size());
+  MatrixXd net = MatrixXd::Zero(coarse_functions + groups.size(), right_sides.cols()), start = net;
+  VectorXd present = matrix.present.size() > 0 ? VectorXd(net.rows()) : VectorXd();
+  for (Index k = 0; k < coarse_functions; ++k) {
+    const Index function = unknowns.coarse[static_cast<std::size_t>(k)];
+    net.row(k) = right_sides.row(function);
+    start.row(k) = fine.charges.row(function);
+    if (present.size() > 0)
+      present[k] = matrix.present[function];
+  }
+  for (Index k = 0; k < panels; ++k) {
+    const Index group = to_groups.target[static_cast<std::size_t>(k)];
+    group_areas[group] += areas[k];
+    group_bodies[static_cast<std::size_t>(group)] = bodies[static_cast<std::size_t>(k)];
+    for (Index row = 0; row < coarse_functions; ++row)
+      coupling(row, group) +=
+          to_groups.weights[k] * matrix.coupling(unknowns.coarse[static_cast<std::size_t>(row)], k);
+    net.row(coarse_functions + group) += to_groups.weights[k] * right_sides.row(functions + k);
+    start.row(coarse_functions + group) += fine.charges.row(functions + k);
+    if (present.size() > 0)
+      present[coarse_functions + group] = matrix.present[functions + k];
+  }
+  const BorderedMatrix coarse_matrix{equations.faces(unknowns.coarse, unknowns.coarse), std::move(coupling),
+                                     groups, std::move(present)};
+  CoarseSpace coarse_of_groups = coarse_space_of(groups, group_areas, group_bodies);
+  const TwoLevelPreconditioner coarse_preconditioner(coarse_matrix, std::move(coarse_of_groups.restriction),
+                                                     coarse_of_groups.size, panel_tolerance_, threads_);
+  result.positive_definite = coarse_preconditioner.is_positive_definite();
+  if (!result.positive_definite)
+    return result;
+  const ConjugateGradientSolution of_groups =
+      conjugate_gradients(coarse_matrix, coarse_preconditioner, net, accuracies, std::move(start));
+  result.positive_definite = of_groups.positive_definite;
+  result.matrix = {fine.energies(right_sides), of_groups.energies(net)};
+  return result;
+}
+
+PanelSystem::Solved PanelSystem::solve_without_targets(const PanelEquations& equations,
+                                                       double accuracy) const {
+  Solved result;
   const auto is_machine = [&](const ChargedBody& body) {
     return !body.is_target && bodies_.role(body) != Role::sensor;
   };
@@ -213,18 +364,7 @@ PanelSystem::Background PanelSystem::solve_without_targets(const PanelEquations&
   const PanelUnknowns unknowns = without_targets(equations.unknowns, bodies_, faces_, mesh_);
   const PanelEquations present{equations.face_system, equations.mesh,   unknowns,
                                equations.faces,       equations.panels, equations.coupling};
-  const TwoLevelPreconditioner preconditioner(present, panel_tolerance_);
-  result.positive_definite = preconditioner.is_positive_definite();
-  if (!result.positive_definite)
-    return result;
-  ConjugateGradientSolution solved = solve_by_conjugate_gradients(present, preconditioner, accuracy);
-  result.positive_definite = solved.positive_definite;
-  if (result.positive_definite) {
-    result.matrix = {solved.energies(unknowns.net), solved.energy_roots.transpose() * solved.energy_roots};
-    result.iteration_error = solved.iteration_error();
-    result.charges = std::move(solved.charges);
-  }
-  return result;
+  return solve_equations(present, accuracy);
 }
 
 PanelSolution PanelSystem::solve(double accuracy) const {
@@ -237,30 +377,31 @@ PanelSolution PanelSystem::solve(double accuracy) const {
   }
   const PanelUnknowns unknowns = number_unknowns(bodies_, faces_, mesh_);
   const MatrixXd matrix = face_matrix(unknowns);
-  const PanelEquations equations{faces_, mesh_, unknowns, matrix, panels_, coupling_};
-  const TwoLevelPreconditioner preconditioner(equations, panel_tolerance_);
-  solution.positive_definite = preconditioner.is_positive_definite();
+  const PanelEquations equations{faces_, mesh_, unknowns, matrix, *panels_, coupling_};
   if (count_of(bodies_, Role::sensor) > 0 && !sensors_have_panels(bodies_)) {
     const GalerkinSystem::Alone alone = faces_.solve_sensors();
     solution.sensors = alone.matrix;
     solution.positive_definite &= alone.positive_definite;
+    if (!solution.positive_definite)
+      return solution;
   }
-  if (!solution.positive_definite)
-    return solution;
-  const ConjugateGradientSolution solved = solve_by_conjugate_gradients(equations, preconditioner, accuracy);
+  const Solved solved = solve_equations(equations, accuracy);
   solution.positive_definite = solved.positive_definite;
   if (!solution.positive_definite)
     return solution;
-
-  solution.all = {solved.energies(unknowns.net), solved.energy_roots.transpose() * solved.energy_roots};
-  solution.iteration_error = solved.iteration_error();
+  solution.all = solved.matrix;
+  solution.iteration_error = solved.iteration_error;
   solution.charges = solved.charges.bottomRows(index_of(mesh_.panels().size()));
   solution.body_charges = body_charges(unknowns, solved.charges);
   const VectorXd own = asked_energies(solution.all.fine, bodies_);
+  const VectorXd shares = area_shares(mesh_);
+  std::vector<MatrixXd> blocks;
+  for (const PanelGroup& group : mesh_.groups())
+    blocks.push_back(panels_->block_of_group(group));
   MatrixXd reading_charges, background_charges;
   VectorXd scales;
   if (!bodies_.readings.empty()) {
-    Background background = solve_without_targets(equations, accuracy);
+    Solved background = solve_without_targets(equations, accuracy);
     solution.positive_definite = background.positive_definite;
     if (!solution.positive_definite)
       return solution;
@@ -271,8 +412,7 @@ PanelSolution PanelSystem::solve(double accuracy) const {
                           .all();
     solution.reading_charges = reading_charges.bottomRows(index_of(mesh_.panels().size()));
     solution.reading_quadrature_effect = quadrature_effect(unknowns, reading_charges);
-    solution.reading_details =
-        detail_energies(mesh_, panels_, preconditioner.shares(), solution.reading_charges);
+    solution.reading_details = detail_energies(mesh_, blocks, shares, solution.reading_charges);
     if (faces() > 0)
       solution.reading_details += faces_.detail_energies(charges_of_faces(unknowns, reading_charges));
     scales = change_scales(solution.all, solution.background, bodies_);
@@ -280,16 +420,15 @@ PanelSolution PanelSystem::solve(double accuracy) const {
   }
   solution.highest = faces_.highest_energies(
       {charges_of_faces(unknowns, solved.charges), charges_of_faces(unknowns, reading_charges), own, scales});
-  solution.error_indicators =
-      error_indicators(mesh_, panels_, preconditioner.shares(), solution.charges, own);
+  solution.error_indicators = error_indicators(mesh_, blocks, shares, solution.charges, own);
   if (scales.size() > 0)
     solution.error_indicators = solution.error_indicators.cwiseMax(
-        change_indicators(mesh_, panels_, preconditioner.shares(), solution.reading_charges, scales));
+        change_indicators(mesh_, blocks, shares, solution.reading_charges, scales));
   std::vector<bool> is_target;
   for (const ChargedBody& body : bodies_.bodies)
     is_target.push_back(body.is_target);
-  const UnrefinedEnergy unrefined =
-      unrefined_energy(equations, solved.charges, background_charges, is_target, own, panel_tolerance_);
+  const UnrefinedEnergy unrefined = unrefined_energy(equations, blocks, solved.charges, background_charges,
+                                                     is_target, own, panel_tolerance_);
   if (unrefined.gained.size() > 0) {
     solution.all.coarse -= unrefined.gained;
     if (unrefined.background.size() > 0)
@@ -302,7 +441,7 @@ PanelSolution PanelSystem::solve(double accuracy) const {
 
 PanelSolution PanelSystem::solve_sensors(double accuracy) const {
   const ChargedBodies sensors = sensors_of(bodies_);
-  PanelSystem alone(sensors, mesh_.of_first(sensors.bodies.size()));
+  PanelSystem alone(sensors, mesh_.of_first(sensors.bodies.size()), threads_);
   std::vector<FaceFunctions> functions;
   for (std::size_t face = 0; face < alone.faces(); ++face)
     functions.push_back(faces_.functions(face));

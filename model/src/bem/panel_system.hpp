@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -9,6 +11,7 @@
 #include "bem/galerkin_system.hpp"
 #include "bem/panel_equations.hpp"
 #include "bem/panel_mesh.hpp"
+#include "bem/panel_operator.hpp"
 
 /// The Galerkin equations of bodies some of which have faces and some panels (model/BOUNDARY_ELEMENTS.md,
 /// section 9).
@@ -28,7 +31,8 @@ struct PanelSolution : GalerkinSolution {
 /// factorisation if there are no panels.
 class PanelSystem {
  public:
-  explicit PanelSystem(const ChargedBodies& bodies, const PanelGrading& grading = {});
+  explicit PanelSystem(const ChargedBodies& bodies, const PanelGrading& grading = {},
+                       std::size_t threads = 1);
 
   std::size_t faces() const { return faces_.faces(); }
   const PanelMesh& mesh() const { return mesh_; }
@@ -47,15 +51,16 @@ class PanelSystem {
   PanelSolution solve_sensors(double accuracy) const;
 
  private:
-  PanelSystem(const ChargedBodies& bodies, PanelMesh mesh);
-  /// The equations without the targets, with the unknowns of all.
-  struct Background {
+  PanelSystem(const ChargedBodies& bodies, PanelMesh mesh, std::size_t threads);
+  /// The solution of the equations, or of those without the targets.
+  struct Solved {
     bool positive_definite = true;
     NestedMatrix matrix;
     Eigen::MatrixXd charges;  ///< of all unknowns
     Eigen::MatrixXd iteration_error;
   };
-  Background solve_without_targets(const PanelEquations& equations, double accuracy) const;
+  Solved solve_equations(const PanelEquations& equations, double accuracy) const;
+  Solved solve_without_targets(const PanelEquations& equations, double accuracy) const;
   std::vector<Eigen::MatrixXd> charges_of_faces(const PanelUnknowns& unknowns,
                                                 const Eigen::MatrixXd& charges) const;
   Eigen::MatrixXd face_matrix(const PanelUnknowns& unknowns) const;
@@ -63,13 +68,15 @@ class PanelSystem {
   Eigen::MatrixXd quadrature_effect(const PanelUnknowns& unknowns, const Eigen::MatrixXd& charges) const;
   /// Divides groups of panels that are too large to resolve another body close by.
   void refine_by_proximity(std::size_t most_panels);
-  void refine_coupling(const std::vector<FaceFunctions>& functions, double tolerance);
+  void refine_coupling(const std::vector<FaceFunctions>& functions,
+                       std::span<const Eigen::Index> places_before);
 
   const ChargedBodies& bodies_;
+  std::size_t threads_;
   ChargedBodies bodies_of_faces_;
   GalerkinSystem faces_;
   PanelMesh mesh_;
-  Eigen::MatrixXd panels_;    ///< single_layer_matrix of all panels
+  std::unique_ptr<const PanelOperator> panels_;
   Eigen::MatrixXd coupling_;  ///< of the faces' functions (rows), face after face, with the panels
   std::vector<FaceFunctions> coupled_functions_;
   bool is_refined_ = false;  ///< true if panels_ belongs to the mesh before its last refinement

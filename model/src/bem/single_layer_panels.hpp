@@ -1,13 +1,60 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
 #include "bem/face.hpp"
 #include "bem/panel.hpp"
+#include "bem/panel_pair.hpp"
+#include "numeric/triangle_rules.hpp"
 
 namespace fringe::detail {
+
+/// Panels as point charges at the points of a quadrature rule: they interact as the panels do if these are
+/// far apart.
+class PointCharges {
+ public:
+  PointCharges(std::span<const Panel> panels, int degree);
+
+  /// Computes the means of 1/r between a panel and `count` of the panels from `first` on.
+  void fill(const Panel& panel, std::size_t first, std::size_t count, double* means) const;
+
+ private:
+  std::size_t points() const { return static_cast<std::size_t>(rule_.points); }
+
+  const TriangleRule& rule_;
+  std::size_t stride_;
+  std::vector<double> coordinates_;  ///< x, y, z of the panels' first points, then of their second …
+};
+
+/// Evaluates elements of the single-layer matrix ∫∫1/r of panels with unit charges. `tolerance` is the error
+/// aimed at for each element (model/BOUNDARY_ELEMENTS.md, section 9).
+class PanelElements {
+ public:
+  PanelElements(std::span<const Panel> panels, double tolerance);
+
+  /// Returns the address of the element for a panel of a column if it is known, else null.
+  using Known = std::function<const double*(std::size_t)>;
+
+  /// Computes the interactions of a panel with `count` of the panels from `first` on, none of which is the
+  /// panel itself. They are complete after sums.flush().
+  void fill(const Panel& panel, std::size_t first, std::size_t count, PotentialSums& sums, const Known& known,
+            double* row) const;
+
+ private:
+  /// Degree of the rule for panels that are far apart, of three points.
+  static constexpr int far_degree = 2;
+  bool is_far(const Panel& a, const Panel& b) const;
+
+  std::span<const Panel> panels_;
+  double tolerance_;
+  double farthest_;
+  PointCharges far_;
+};
 
 /// Elements that are known from another matrix: those between panels that have a place there. A negative
 /// place, or no places, means that nothing is known.
@@ -27,9 +74,6 @@ Eigen::MatrixXd single_layer_matrix(std::span<const Panel> panels, double tolera
 /// column for each column of charges.
 Eigen::MatrixXd panel_potentials(std::span<const Panel> targets, std::span<const Panel> panels,
                                  const Eigen::MatrixXd& charges, double tolerance);
-
-/// Returns the interaction of a panel with itself, in closed form.
-double panel_self(const Panel& panel);
 
 /// Computes the single-layer block of a face's functions (rows) with panels of unit charge (columns) that do
 /// not touch it. `tolerance` is the error aimed at, relative to the largest elements of a column.

@@ -34,6 +34,8 @@ class BoxTree {
           std::size_t leaf_size);
 
   bool empty() const { return nodes_.empty(); }
+  /// Returns all nodes, the root first; children come after their parents.
+  std::span<const Node> nodes() const { return nodes_; }
   const Node& root() const { return nodes_.front(); }
   const Node& left(const Node& node) const { return nodes_[node.left]; }
   const Node& right(const Node& node) const { return nodes_[node.left + 1]; }

@@ -115,7 +115,8 @@ SingleBodySystem solve_single_body(std::span<const TriangleSurface> surfaces, do
     const double error = error_per_panel_change * (change.array() / own.array()).maxCoeff();
     if (error <= accuracy)
       return panels;
-    const VectorXd energies = error_indicators(panels.mesh, panels.matrix, shares, responses, own);
+    const VectorXd energies =
+        error_indicators(panels.mesh, group_blocks(panels.mesh, panels.matrix), shares, responses, own);
     const std::size_t count = panels.mesh.panels().size();
     const std::vector<bool> marked =
         doerfler_marking(panels.mesh.groups(), energies, energies.sum() * accuracy / error,

@@ -8,6 +8,7 @@
 
 #include "bem/readings.hpp"
 #include "fringe/error.hpp"
+#include "fringe/reading.hpp"
 #include "fringe/triangulation.hpp"
 #include "numeric/infinity.hpp"
 

@@ -84,9 +84,19 @@ TEST(DoerflerMarking, TakesTheGroupsWithTheGreaterPartOfTheEnergy) {
 }
 
 TEST(DoerflerMarking, TakesNoMoreGroupsThanTheErrorRequires) {
-  // Refinement leaves 3.2 of the 8, hence 7.2 of 12 in all.
-  EXPECT_THAT(doerfler_marking(quartered_groups(4), Eigen::Vector4d(1, 8, 2, 1), 7.3, plenty),
-              ElementsAre(false, true, false, false));
+  // Refinement leaves 3.2 of the 8, hence 7.2 of 12 in all. The others are not worth it.
+  const VectorXd energies = (VectorXd(4) << 1e-3, 8, 4, 1e-3).finished();
+  EXPECT_THAT(doerfler_marking(quartered_groups(4), energies, 7.3, plenty),
+              ElementsAre(false, true, true, false));
+  EXPECT_THAT(doerfler_marking(quartered_groups(4), energies, 0, plenty),
+              ElementsAre(false, true, true, false));
+}
+
+TEST(DoerflerMarking, AddsFourTenthsOfThePanelsWhereThatIsWorthIt) {
+  const Eigen::Vector4d energies(2, 8, 1, 1);
+  EXPECT_THAT(doerfler_marking(quartered_groups(4), energies, 7.3, plenty),
+              ElementsAre(true, true, false, false))
+      << "though the second alone would do";
 }
 
 TEST(DoerflerMarking, MarksGroupsOfEqualEnergyTogether) {

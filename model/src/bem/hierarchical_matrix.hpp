@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "bem/cluster_tree.hpp"
+
+namespace fringe::detail {
+
+/// A block of low rank: rowsᵀ·columns.
+struct LowRankBlock {
+  std::size_t a;            ///< cluster of the rows
+  std::size_t b;            ///< cluster of the columns
+  Eigen::MatrixXd rows;     ///< a column for each row of the block
+  Eigen::MatrixXd columns;  ///< a column for each column of the block
+};
+
+/// A block of which all elements are stored.
+struct DenseBlock {
+  std::size_t a;
+  std::size_t b;
+  Eigen::MatrixXd values;
+};
+
+/// A linear combination of the unknowns for each of fewer ones: those of a cluster give such of the same
+/// cluster.
+struct Restriction {
+  std::vector<Eigen::Index> target;  ///< for each unknown, in the order of the tree; none below zero
+  Eigen::VectorXd weights;           ///< of each unknown
+};
+
+/// A symmetric matrix in blocks between clusters, of low rank where these are well separated (a hierarchical
+/// matrix; Hackbusch 1999). Of the blocks (a, b) and (b, a) one is stored. Unknowns are in the order of the
+/// tree.
+class HierarchicalMatrix {
+ public:
+  HierarchicalMatrix() = default;
+  /// `clusters` are the unknowns of each cluster, `leaves` the clusters that together contain each unknown
+  /// once.
+  HierarchicalMatrix(std::vector<ClusterRange> clusters, std::vector<std::size_t> leaves,
+                     std::vector<LowRankBlock> far, std::vector<DenseBlock> near, std::size_t threads);
+
+  Eigen::Index size() const { return size_; }
+
+  /// Returns the product with vectors, the columns of `factors`.
+  Eigen::MatrixXd apply(const Eigen::MatrixXd& factors) const;
+
+  /// Returns RᵀAR as a hierarchical matrix; `clusters` are the ranges of the fewer unknowns.
+  HierarchicalMatrix restricted(const Restriction& restriction, std::vector<ClusterRange> clusters) const;
+
+  /// Returns RᵀAR, of so many rows, with all its elements.
+  Eigen::MatrixXd dense_restricted(const Restriction& restriction, Eigen::Index rows) const;
+
+  const std::vector<std::size_t>& leaves() const { return leaves_; }
+  ClusterRange range(std::size_t cluster) const { return clusters_[cluster]; }
+  /// Returns the block of a leaf's unknowns with each other, the leaf given by its position.
+  const Eigen::MatrixXd& diagonal_block(std::size_t leaf) const { return near_[own_[leaf]].values; }
+  const std::vector<DenseBlock>& near() const { return near_; }
+
+  /// Returns the memory of all blocks in bytes.
+  std::size_t bytes() const;
+
+ private:
+  /// A block that reaches a leaf, on one of its two sides.
+  struct Use {
+    std::size_t block;
+    bool as_rows;  ///< true if the leaf belongs to the rows
+  };
+
+  std::vector<ClusterRange> clusters_;
+  std::vector<std::size_t> leaves_;
+  std::vector<LowRankBlock> far_;
+  std::vector<DenseBlock> near_;
+  std::vector<std::size_t> own_;            ///< for each leaf, its diagonal block in near_
+  std::vector<std::vector<Use>> far_uses_;  ///< for each leaf
+  std::vector<std::vector<Use>> near_uses_;
+  Eigen::Index size_ = 0;
+  std::size_t threads_ = 1;
+};
+
+}  // namespace fringe::detail

@@ -1,0 +1,149 @@
+#include "bem/two_level_preconditioner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "numeric/interruption.hpp"
+#include "numeric/parallel.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Leaves out the functions that depend on earlier ones: of which less than the fraction `dependence` of the
+/// energy is left after orthogonalisation. `matrix` is the lower triangle; rows and columns of these
+/// functions get zeros and a diagonal element that makes their coefficients vanish.
+void leave_out_dependent(MatrixXd& matrix, double dependence) {
+  constexpr double infinite = 1e30;
+  MatrixXd factor = MatrixXd::Zero(matrix.rows(), matrix.cols());
+  for (Index k = 0; k < matrix.rows(); ++k) {
+    check_interruption();
+    const Index rest = matrix.rows() - k;
+    VectorXd column = matrix.col(k).tail(rest);
+    column -= factor.bottomLeftCorner(rest, k) * factor.row(k).head(k).transpose();
+    if (column[0] > dependence * matrix(k, k)) {
+      factor.col(k).tail(rest) = column / std::sqrt(column[0]);
+      continue;
+    }
+    matrix.row(k).head(k).setZero();
+    matrix.col(k).tail(rest - 1).setZero();
+    factor.row(k).head(k).setZero();
+    matrix(k, k) *= infinite;
+  }
+}
+
+/// Factorises a matrix, of which the lower triangle is read. Functions that depend on earlier ones are left
+/// out if the tolerance of the quadratures is so fine that these are not the reason.
+Cholesky factorised(MatrixXd matrix, double tolerance) {
+  /// Tolerance of the quadratures above which a matrix that is not positive definite calls for better ones.
+  constexpr double sufficient = 1e-5;
+  /// Least energy that a function adds to earlier ones, relative to its own: of a panel between others it is
+  /// about the ratio of the gap to the panel.
+  constexpr double least_energy = 1e-6;
+  Cholesky factor(matrix);
+  const auto is_regular = [&] {
+    return factor.is_positive_definite() &&
+           (factor.factor().diagonal().array().square() > least_energy * matrix.diagonal().array()).all();
+  };
+  if (!is_regular() && tolerance <= sufficient) {
+    leave_out_dependent(matrix, std::max(least_energy, 10 * tolerance));
+    factor = Cholesky(std::move(matrix));
+  }
+  return factor;
+}
+
+/// Replaces the rows and columns of functions that are left out by those of the unit matrix.
+void leave_out(MatrixXd& matrix, const VectorXd& present) {
+  for (Index k = 0; k < present.size(); ++k)
+    if (present[k] == 0) {
+      matrix.row(k).setZero();
+      matrix.col(k).setZero();
+      matrix(k, k) = 1;
+    }
+}
+
+}  // namespace
+
+TwoLevelPreconditioner::TwoLevelPreconditioner(const BorderedMatrix& matrix, Restriction coarse,
+                                               Index coarse_size, double tolerance, std::size_t threads)
+    : matrix_(matrix), restriction_(std::move(coarse)), leaves_(matrix.unknowns.leaves().size()),
+      threads_(threads) {
+  const Index functions = matrix.functions.rows();
+  const VectorXd& present = matrix.present;
+  MatrixXd whole = MatrixXd::Zero(functions + coarse_size, functions + coarse_size);
+  whole.topLeftCorner(functions, functions) = matrix.functions;
+  whole.bottomRightCorner(coarse_size, coarse_size) =
+      matrix.unknowns.dense_restricted(restriction_, coarse_size);
+  for (Index k = 0; k < matrix.coupling.cols(); ++k)
+    whole.row(functions + restriction_.target[static_cast<std::size_t>(k)]).head(functions) +=
+        restriction_.weights[k] * matrix.coupling.col(k).transpose();
+  if (present.size() > 0) {
+    VectorXd kept = VectorXd::Zero(functions + coarse_size);
+    kept.head(functions) = present.head(functions);
+    for (Index k = 0; k < matrix.unknowns.size(); ++k)
+      if (present[functions + k] != 0)
+        kept[functions + restriction_.target[static_cast<std::size_t>(k)]] = 1;
+    leave_out(whole, kept);
+  }
+  coarse_ = factorised(std::move(whole), tolerance);
+  parallel_for(leaves_.size(), threads, [&](std::size_t leaf) {
+    MatrixXd block = matrix.unknowns.diagonal_block(leaf);
+    const ClusterRange range = matrix.unknowns.range(matrix.unknowns.leaves()[leaf]);
+    if (present.size() > 0)
+      leave_out(block, present.segment(functions + range.first, range.count));
+    leaves_[leaf] = factorised(std::move(block), tolerance);
+  });
+  is_positive_definite_ = coarse_.is_positive_definite() &&
+                          std::all_of(leaves_.begin(), leaves_.end(),
+                                      [](const Cholesky& leaf) { return leaf.is_positive_definite(); });
+}
+
+MatrixXd TwoLevelPreconditioner::apply(const MatrixXd& residuals) const {
+  const Index functions = matrix_.functions.rows();
+  MatrixXd result(residuals.rows(), residuals.cols());
+  parallel_for(leaves_.size(), threads_, [&](std::size_t leaf) {
+    const ClusterRange range = matrix_.unknowns.range(matrix_.unknowns.leaves()[leaf]);
+    result.middleRows(functions + range.first, range.count) =
+        leaves_[leaf].solve(residuals.middleRows(functions + range.first, range.count));
+  });
+  MatrixXd coarse = MatrixXd::Zero(coarse_.factor().rows(), residuals.cols());
+  coarse.topRows(functions) = residuals.topRows(functions);
+  for (Index k = 0; k < matrix_.unknowns.size(); ++k)
+    coarse.row(functions + restriction_.target[static_cast<std::size_t>(k)]) +=
+        restriction_.weights[k] * residuals.row(functions + k);
+  coarse = coarse_.solve(coarse);
+  result.topRows(functions) = coarse.topRows(functions);
+  for (Index k = 0; k < matrix_.unknowns.size(); ++k)
+    result.row(functions + k) +=
+        restriction_.weights[k] * coarse.row(functions + restriction_.target[static_cast<std::size_t>(k)]);
+  if (matrix_.present.size() > 0)
+    result.array().colwise() *= matrix_.present.array();
+  return result;
+}
+
+CoarseSpace coarse_space(const std::vector<ClusterRange>& leaves, const VectorXd& areas,
+                         const std::vector<std::size_t>& bodies, Index together) {
+  CoarseSpace space{{std::vector<Index>(bodies.size()), areas}, 0};
+  VectorXd totals = VectorXd::Zero(areas.size());
+  for (const ClusterRange& leaf : leaves)
+    for (Index first = leaf.first; first < leaf.first + leaf.count; first += together) {
+      std::map<std::size_t, Index> functions;
+      for (Index k = first; k < std::min(first + together, leaf.first + leaf.count); ++k) {
+        const auto [function, is_new] =
+            functions.try_emplace(bodies[static_cast<std::size_t>(k)], space.size);
+        space.size += is_new ? 1 : 0;
+        space.restriction.target[static_cast<std::size_t>(k)] = function->second;
+        totals[function->second] += areas[k];
+      }
+    }
+  for (Index k = 0; k < areas.size(); ++k)
+    space.restriction.weights[k] /= totals[space.restriction.target[static_cast<std::size_t>(k)]];
+  return space;
+}
+
+}  // namespace fringe::detail
