@@ -24,7 +24,7 @@ constexpr double admissible_ratio = 1.2;
 
 class PairSearch {
  public:
-  PairSearch(const std::vector<Cluster>& clusters, double tolerance) : clusters_(clusters) {
+  PairSearch(const std::vector<TreeCluster>& clusters, double tolerance) : clusters_(clusters) {
     for (std::size_t k = 0; k < far_degrees.size(); ++k)
       ratios_[k] = far_ratio(tolerance, far_degrees[k]);
   }
@@ -33,7 +33,7 @@ class PairSearch {
 
   void visit(std::size_t first, std::size_t second) {
     const auto [a, b] = std::minmax(first, second);
-    const Cluster &one = clusters_[a], &other = clusters_[b];
+    const TreeCluster &one = clusters_[a], &other = clusters_[b];
     if (a == b) {
       if (one.is_leaf()) {
         pairs.near.push_back({a, b, 0});
@@ -59,9 +59,9 @@ class PairSearch {
   }
 
  private:
-  static double diameter(const Cluster& cluster) { return cluster.box.diagonal().norm(); }
+  static double diameter(const TreeCluster& cluster) { return cluster.box.diagonal().norm(); }
 
-  int far_degree(const Cluster& a, const Cluster& b) const {
+  int far_degree(const TreeCluster& a, const TreeCluster& b) const {
     const double distance = std::sqrt(a.box.squaredExteriorDistance(b.box));
     if (!(std::min(diameter(a), diameter(b)) <= admissible_ratio * distance))
       return 0;
@@ -72,7 +72,7 @@ class PairSearch {
     return 0;
   }
 
-  const std::vector<Cluster>& clusters_;
+  const std::vector<TreeCluster>& clusters_;
   std::array<double, far_degrees.size()> ratios_{};
 };
 
@@ -111,7 +111,7 @@ ClusterTree::ClusterTree(const PanelMesh& mesh) {
 
 void ClusterTree::add(std::size_t cluster, const BoxTree& tree, const BoxTree::Node& node,
                       ClusterRange groups, const PanelMesh& mesh) {
-  Cluster own{.groups = groups, .panels = {}, .box = node.box, .centres = {}};
+  TreeCluster own{.groups = groups, .panels = {}, .box = node.box, .centres = {}};
   own.panels.first = first_panel_[static_cast<std::size_t>(groups.first)];
   own.panels.count = first_panel_[static_cast<std::size_t>(groups.first + groups.count)] - own.panels.first;
   if (node.is_leaf() || groups.count <= leaf_groups) {
@@ -130,7 +130,7 @@ void ClusterTree::add(std::size_t cluster, const BoxTree& tree, const BoxTree::N
   const Index half = groups.count / 2;
   add(own.left, tree, tree.left(node), {groups.first, half}, mesh);
   add(own.left + 1, tree, tree.right(node), {groups.first + half, groups.count - half}, mesh);
-  const Cluster &left = clusters_[own.left], &right = clusters_[own.left + 1];
+  const TreeCluster &left = clusters_[own.left], &right = clusters_[own.left + 1];
   own.centres = left.centres.merged(right.centres);
   own.largest_radius = std::max(left.largest_radius, right.largest_radius);
   clusters_[cluster] = own;

@@ -18,7 +18,7 @@ struct ClusterRange {
 };
 
 /// Groups of panels that are close to each other, of any bodies.
-struct Cluster {
+struct TreeCluster {
   ClusterRange groups;
   ClusterRange panels;
   Eigen::AlignedBox3d box;      ///< contains the panels
@@ -35,7 +35,7 @@ class ClusterTree {
  public:
   explicit ClusterTree(const PanelMesh& mesh);
 
-  const std::vector<Cluster>& clusters() const { return clusters_; }
+  const std::vector<TreeCluster>& clusters() const { return clusters_; }
   /// Returns the index of each leaf.
   const std::vector<std::size_t>& leaves() const { return leaves_; }
   /// Return for each place in the order of the tree the panel or the group of the mesh.
@@ -50,7 +50,7 @@ class ClusterTree {
   void add(std::size_t cluster, const BoxTree& tree, const BoxTree::Node& node, ClusterRange groups,
            const PanelMesh& mesh);
 
-  std::vector<Cluster> clusters_;
+  std::vector<TreeCluster> clusters_;
   std::vector<std::size_t> leaves_;
   std::vector<Eigen::Index> panels_;
   std::vector<Eigen::Index> groups_;

@@ -70,6 +70,7 @@ HierarchicalMatrix::HierarchicalMatrix(std::vector<ClusterRange> clusters, std::
   const auto begin_of = [&](std::size_t leaf) { return clusters_[leaves_[leaf]].first; };
   std::sort(order.begin(), order.end(),
             [&](std::size_t a, std::size_t b) { return begin_of(a) < begin_of(b); });
+  begins.reserve(order.size());
   for (const std::size_t leaf : order)
     begins.push_back(begin_of(leaf));
   const auto add_far = [&](std::size_t block, std::size_t cluster, bool as_rows) {
@@ -151,7 +152,7 @@ HierarchicalMatrix HierarchicalMatrix::restricted(const Restriction& restriction
     const DenseBlock& block = near_[k];
     near[k] = {block.a, block.b, columns(columns(block.values, block.b).transpose(), block.a).transpose()};
   });
-  return HierarchicalMatrix(std::move(clusters), leaves_, std::move(far), std::move(near), threads_);
+  return {std::move(clusters), leaves_, std::move(far), std::move(near), threads_};
 }
 
 MatrixXd HierarchicalMatrix::dense_restricted(const Restriction& restriction, Index rows) const {

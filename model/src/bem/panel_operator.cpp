@@ -19,12 +19,12 @@ constexpr double compression_part = 0.1;
 
 std::vector<ClusterRange> panel_ranges(const ClusterTree& tree) {
   std::vector<ClusterRange> ranges;
-  for (const Cluster& cluster : tree.clusters())
+  for (const TreeCluster& cluster : tree.clusters())
     ranges.push_back(cluster.panels);
   return ranges;
 }
 
-LowRankBlock low_rank_block(const ClusterPair& pair, const std::vector<Cluster>& clusters,
+LowRankBlock low_rank_block(const ClusterPair& pair, const std::vector<TreeCluster>& clusters,
                             const std::vector<Panel>& panels, const PointCharges& points, double tolerance) {
   const ClusterRange a = clusters[pair.a].panels, b = clusters[pair.b].panels;
   const auto fill = [&](Index panel, ClusterRange others, double* values) {
@@ -43,7 +43,7 @@ LowRankBlock low_rank_block(const ClusterPair& pair, const std::vector<Cluster>&
 PanelOperator::PanelOperator(const PanelMesh& mesh, double tolerance, const PanelOperator* before,
                              std::size_t threads)
     : tree_(std::make_shared<const ClusterTree>(mesh)) {
-  const std::vector<Cluster>& clusters = tree_->clusters();
+  const std::vector<TreeCluster>& clusters = tree_->clusters();
   std::vector<Panel> panels;
   for (const Index panel : tree_->panels())
     panels.push_back(mesh.panels()[static_cast<std::size_t>(panel)]);

@@ -296,7 +296,7 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
 
   const Restriction to_groups = restriction_to_groups(mesh_, tree, area_shares(mesh_));
   std::vector<ClusterRange> ranges;
-  for (const Cluster& cluster : tree.clusters())
+  for (const TreeCluster& cluster : tree.clusters())
     ranges.push_back(cluster.groups);
   const HierarchicalMatrix groups = matrix.unknowns.restricted(to_groups, std::move(ranges));
   const auto coarse_functions = index_of(unknowns.coarse.size());
