@@ -79,7 +79,8 @@ ConjugateGradientSolution conjugate_gradients(const BorderedMatrix& matrix,
     const VectorXd next_products =
         result.residuals(Eigen::all, active).cwiseProduct(next).colwise().sum().transpose();
     const VectorXd factors = next_products.cwiseQuotient(products(kept));
-    steps = next + steps(Eigen::all, kept) * factors.asDiagonal();
+    // The new steps may have fewer columns, and the old ones must live until they are computed.
+    steps = (next + steps(Eigen::all, kept) * factors.asDiagonal()).eval();
     products = next_products;
   }
   return result;
