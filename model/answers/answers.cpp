@@ -137,6 +137,8 @@ Json integral_answer(const SceneCapacitance& answer, const CapacitanceOptions& o
 Json matrix_answer(const SceneCapacitance& answer, const MaxwellMatrix& matrix, const MaxwellRequest& request,
                    double seconds) {
   Json result{{"options", {{"method", request.method}, {"rtol", request.rtol}}}, {"seconds", seconds}};
+  if (request.only_readings)
+    result["options"]["only_readings"] = true;
   result.update(description(matrix));
   Json& sensors = result["sensors"] = Json::array();
   Eigen::Index row = 0;
@@ -188,7 +190,9 @@ CapacitanceOptions used_options(const EvaluationOptions& options) {
 
 Json capacitance_answer(const Evaluation& answer, const EvaluationOptions& options, double seconds) {
   Json result = answer.matrix ? matrix_answer(answer.capacitance, *answer.matrix,
-                                              {to_string(options.method), rtol_of(options)}, seconds)
+                                              {to_string(options.method), rtol_of(options),
+                                               options.entries == Entries::of_readings},
+                                              seconds)
                               : integral_answer(answer.capacitance, used_options(options), seconds);
   result["readings"] = description(answer.readings);
   return result;

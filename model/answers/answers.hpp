@@ -23,6 +23,7 @@ using Json = nlohmann::ordered_json;
 struct MaxwellRequest {
   std::string method;  ///< "boundary-elements", "reduced:K" or "recommended"
   double rtol;
+  bool only_readings = false;  ///< whether rtol is asked of the readings and of no entry for itself
 };
 
 /// Returns the options of the triangle-integral model with which an evaluation without a Maxwell matrix was

@@ -90,8 +90,11 @@ std::string table_of(const Evaluation& answer, const EvaluationOptions& options,
                                   ? fmt::format("recommended: answered by {}\n", answer.answered_by)
                                   : std::string();
   return heading +
-         (answer.matrix ? cli::maxwell_table(*answer.matrix, {answer.answered_by, rtol_of(options)}, seconds)
-                        : cli::capacitance_table(answer.capacitance, used_options(options), seconds)) +
+         (answer.matrix
+              ? cli::maxwell_table(
+                    *answer.matrix,
+                    {answer.answered_by, rtol_of(options), options.entries == Entries::of_readings}, seconds)
+              : cli::capacitance_table(answer.capacitance, used_options(options), seconds)) +
          cli::reading_table(answer.readings);
 }
 

@@ -38,9 +38,10 @@ std::string maxwell_table(const MaxwellMatrix& matrix, const answers::MaxwellReq
   const std::size_t names_width = column_width(matrix.conductors, 12);
   std::string text = fmt::format(
       "Maxwell matrix by boundary elements{}, pF: charge on the row's conductor per volt on the column's\n"
-      "rtol {} {}, {} unknowns, {:.3g} s\n\n{:<{}}",
+      "rtol {} {}{}, {} unknowns, {:.3g} s\n\n{:<{}}",
       request.method == "boundary-elements" ? "" : fmt::format(" ({})", request.method), request.rtol,
-      matrix.reached ? "reached" : "NOT reached", matrix.unknowns, seconds, "", names_width);
+      matrix.reached ? "reached" : "NOT reached", request.only_readings ? " in the readings" : "",
+      matrix.unknowns, seconds, "", names_width);
   for (const std::string& name : matrix.conductors)
     text += fmt::format("{:>{}}", name, width);
   text += '\n';

@@ -49,6 +49,9 @@ void add_method_options(CLI::App& command, MethodRequest& request) {
                   "+nearest and +facing after a method stand for --plates and --faces")
       ->capture_default_str();
   add_refining_options(command, request);
+  command.add_flag("--only-readings", request.only_readings,
+                   "Reach the error in the readings and their changes, not in every entry as well; only with "
+                   "boundary-elements");
 }
 
 void add_refining_options(CLI::App& command, MethodRequest& request) {
@@ -86,6 +89,12 @@ EvaluationOptions options_of(const MethodRequest& written) {
     options.correction = parse_correction(*request.correction);
   options.tolerance = request.tolerance;
   options.rtol = request.rtol;
+  if (request.only_readings) {
+    if (!std::holds_alternative<BoundaryElements>(options.method))
+      throw InputError(fmt::format("--only-readings is an option of boundary-elements, not of {}",
+                                   to_string(options.method)));
+    options.entries = Entries::of_readings;
+  }
   validate(options);
   return options;
 }

@@ -20,6 +20,7 @@ struct MethodRequest {
   std::optional<std::string> correction = {};
   std::optional<double> tolerance = {};
   std::optional<double> rtol = {};
+  bool only_readings = false;
 };
 
 /// Adds the options to a command, which fills in a request.

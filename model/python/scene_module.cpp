@@ -132,7 +132,8 @@ PythonReadings readings_of(SharedScene& scene, const std::string& method,
                            const std::optional<std::string>& plates, const std::optional<std::string>& faces,
                            std::optional<double> tolerance, std::optional<double> rtol,
                            const std::optional<std::string>& correction) {
-  const EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction);
+  EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction);
+  options.entries = Entries::of_readings;
   validate(options);
   return scene.locked([&](LiveScene& live) { return python_readings(live.evaluate(options)); });
 }
@@ -144,7 +145,8 @@ std::vector<PythonFrame> sweep_of(SharedScene& scene, const std::filesystem::pat
                                   const std::string& method, const std::optional<std::string>& plates,
                                   const std::optional<std::string>& faces, std::optional<double> tolerance,
                                   std::optional<double> rtol, const std::optional<std::string>& correction) {
-  const EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction);
+  EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction);
+  options.entries = Entries::of_readings;
   validate(options);
   std::vector<PythonFrame> frames;
   std::vector<Frame> poses;

@@ -128,6 +128,18 @@ def test_the_module_answers_like_the_command(fringe_command: Command, scene: Pat
     }
 
 
+def test_readings_may_be_asked_for_alone(fringe_command: Command, scene: Path) -> None:
+    """Of Python's readings() nothing else is asked."""
+    asked = ("capacitance", scene, "--method", "boundary-elements", "--rtol", "1e-2", "--only-readings")
+    answer = json.loads(fringe_command(*asked, "--json").stdout)
+    assert answer["options"] == {"method": "boundary-elements", "rtol": 1e-2, "only_readings": True}
+    assert answer["reached"] and "rtol 0.01 reached in the readings" in fringe_command(*asked).stdout
+    (reading,) = answer["readings"]
+    assert reading["error"]["value"] <= 1e-2 * reading["value"]
+    same = fringe.Scene.load(scene).readings("boundary-elements", rtol=1e-2)["front"]
+    assert (same.value, same.change) == (reading["value"], reading["change"])
+
+
 def test_a_link_that_moves_takes_its_objects_along(scene: Path) -> None:
     moving = fringe.Scene.load(scene)
     near = moving.maxwell()["maxwell"]
@@ -150,6 +162,10 @@ def test_the_table_for_people(fringe_command: Command, scene: Path) -> None:
         (("--method", "boundary-elements", "--tolerance", "0"), "tolerance is an option of the triangle"),
         (("--method", "boundary-elements", "--rtol", "0"), "rtol 0 must be from"),
         (("--rtol", "1e-3"), "rtol is an option of the methods boundary-elements"),
+        (
+            ("--method", "exact", "--only-readings"),
+            "--only-readings is an option of boundary-elements, not of exact",
+        ),
     ],
 )
 def test_options_that_would_change_nothing_are_refused(

@@ -13,11 +13,13 @@
 
 namespace fringe {
 
-/// The entries of a Maxwell matrix that are refined until their errors are as small as asked.
+/// What of a Maxwell matrix is refined until its errors are as small as asked.
 enum class Entries {
   all,
-  of_sensors  ///< in rows of sensors and electrodes, where targets are marked only those with each other and
-              ///< with targets; all where there are no sensors and electrodes
+  of_sensors,  ///< in rows of sensors and electrodes, where targets are marked only those with each other and
+               ///< with targets; all where there are no sensors and electrodes
+  of_readings  ///< no entry for itself, but the readings and, where the scene asks for them, their changes;
+               ///< all where there are no sensors and electrodes
 };
 
 struct BoundaryElementOptions {

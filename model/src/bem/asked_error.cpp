@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "bem/readings.hpp"
+#include "numeric/infinity.hpp"
 
 namespace fringe::detail {
 
@@ -13,10 +13,49 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+namespace {
+
+/// Entries of this part of the diagonal are as accurate as they are large. Those of bodies that others shield
+/// from each other are far smaller, and no reading's change depends on their digits.
+constexpr double least_part = 1e-3;
+
+/// Returns what the errors of the readings' values are relative to; infinity if entries are asked for, whose
+/// errors tell more.
+VectorXd value_scales(const MaxwellMatrix& answer, const ChargedBodies& bodies) {
+  VectorXd scales = VectorXd::Constant(static_cast<Index>(bodies.readings.size()), infinity);
+  if (bodies.are_entries_asked)
+    return scales;
+  const Index kept = answer.values.rows();
+  const auto energy = [&](const VectorXd& potentials) {
+    return potentials.head(kept).dot(answer.values * potentials.head(kept));
+  };
+  for (Index k = 0; k < scales.size(); ++k) {
+    const auto& [name, sense, drive] = bodies.readings[static_cast<std::size_t>(k)];
+    scales[k] = std::max(std::abs(sense.head(kept).dot(answer.values * drive.head(kept))),
+                         least_part * std::sqrt(energy(sense) * energy(drive)));
+  }
+  return scales;
+}
+
+VectorXd errors_of_values(const std::vector<ReadingAnswer>& readings) {
+  VectorXd errors(static_cast<Index>(readings.size()));
+  for (std::size_t k = 0; k < readings.size(); ++k)
+    errors[static_cast<Index>(k)] = readings[k].value.error.value_or(0);
+  return errors;
+}
+
+}  // namespace
+
 Eigen::ArrayXXd error_scales(const MaxwellMatrix& answer, const ChargedBodies& bodies) {
-  /// Entries of this part of the diagonal are as accurate as they are large. Those of bodies that others
-  /// shield from each other are far smaller, and no reading depends on their digits.
-  constexpr double least_part = 1e-3;
+  if (!bodies.are_entries_asked) {
+    Eigen::ArrayXXd none = Eigen::ArrayXXd::Constant(answer.values.rows(), answer.values.cols(), infinity);
+    // Where no changes are asked for, a reading is a sensor's own entry.
+    if (bodies.readings.empty())
+      for (Index i = 0; i < none.rows(); ++i)
+        if (bodies.conductors[static_cast<std::size_t>(i)].is_asked)
+          none(i, i) = answer.values(i, i);
+    return none;
+  }
   const VectorXd roots = answer.values.diagonal().cwiseSqrt();
   Eigen::ArrayXXd scales = answer.values.array().abs().max(least_part * (roots * roots.transpose()).array());
   // Where targets are marked, the charges on the other objects are of no interest.
@@ -35,7 +74,7 @@ Eigen::ArrayXXd error_scales(const MaxwellMatrix& answer, const ChargedBodies& b
       const bool is_asked = (bodies.conductors[row].is_asked && is_partner[column]) ||
                             (bodies.conductors[column].is_asked && is_partner[row]);
       if (!is_asked)
-        scales(i, j) = std::numeric_limits<double>::infinity();
+        scales(i, j) = infinity;
     }
   return scales;
 }
@@ -44,7 +83,8 @@ double largest_error(const MaxwellMatrix& answer, const ChargedBodies& bodies) {
   const double of_entries = (answer.errors.array() / error_scales(answer, bodies)).maxCoeff();
   if (bodies.readings.empty())
     return of_entries;
-  return std::max(of_entries, errors_of_changes(answer.readings).maxCoeff());
+  return std::max({of_entries, errors_of_changes(answer.readings).maxCoeff(),
+                   errors_of_values(answer.readings).cwiseQuotient(value_scales(answer, bodies)).maxCoeff()});
 }
 
 double excess_error(const MaxwellMatrix& answer, const ChargedBodies& bodies, const GeometryErrors& geometry,
@@ -57,8 +97,12 @@ double excess_error(const MaxwellMatrix& answer, const ChargedBodies& bodies, co
   const double of_entries = excess(answer.errors.array() / scales, geometry.entries.array() / scales);
   if (bodies.readings.empty())
     return of_entries;
-  return std::max(of_entries, excess(errors_of_changes(answer.readings),
-                                     geometry.changes.cwiseQuotient(change_scales(answer.readings))));
+  const VectorXd scales_of_values = value_scales(answer, bodies);
+  return std::max({of_entries,
+                   excess(errors_of_changes(answer.readings),
+                          geometry.readings.change.cwiseQuotient(change_scales(answer.readings))),
+                   excess(errors_of_values(answer.readings).cwiseQuotient(scales_of_values),
+                          geometry.readings.value.cwiseQuotient(scales_of_values))});
 }
 
 bool Progress::is_in_vain(double excess, std::size_t unknowns) {

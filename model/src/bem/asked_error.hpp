@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "bem/bodies.hpp"
+#include "bem/readings.hpp"
 #include "fringe/boundary_elements.hpp"
 
 /// The errors of an answer beside those that were asked for.
@@ -18,13 +19,13 @@ namespace fringe::detail {
 Eigen::ArrayXXd error_scales(const MaxwellMatrix& answer, const ChargedBodies& bodies);
 
 /// Returns the largest error of an entry, relative to error_scales(), or of a reading's change, relative to
-/// change_scale(), if the scene asks for changes.
+/// change_scale(), if the scene asks for changes; and of a reading's value if no entries are asked for.
 double largest_error(const MaxwellMatrix& answer, const ChargedBodies& bodies);
 
 /// The errors by simplified surfaces.
 struct GeometryErrors {
   Eigen::MatrixXd entries;
-  Eigen::VectorXd changes;  ///< of the readings
+  ReadingEffects readings;
 };
 
 /// Returns the largest error as largest_error() does, but the part that refinement can reduce, relative to

@@ -89,6 +89,7 @@ struct ChargedBodies {
   std::vector<ChargedBody> bodies;
   /// The readings whose changes have to be accurate; none if the scene does not ask for changes.
   std::vector<ChargedReading> readings = {};
+  bool are_entries_asked = true;  ///< whether more has to be accurate than the readings
 
   Role role(const ChargedBody& body) const { return conductors[body.conductor].role; }
 };

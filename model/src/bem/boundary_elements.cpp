@@ -322,8 +322,8 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplific
   PanelSolution solution;
   const auto conductors = static_cast<Index>(answer.conductors.size());
   detail::Progress progress;
-  detail::GeometryErrors geometry{MatrixXd::Zero(conductors, conductors),
-                                  VectorXd::Zero(static_cast<Index>(bodies.readings.size()))};
+  const VectorXd none = VectorXd::Zero(static_cast<Index>(bodies.readings.size()));
+  detail::GeometryErrors geometry{MatrixXd::Zero(conductors, conductors), {none, none, none}};
   double change_part = bodies.readings.empty() ? 1 : first_change_part;
   while (true) {
     try {
@@ -346,7 +346,7 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplific
                              .topLeftCorner(conductors, conductors);
       if (!bodies.readings.empty()) {
         of_readings = effect_on_capacitances(simplification, system.mesh(), solution.reading_charges);
-        geometry.changes = detail::reading_effects(of_readings).change;
+        geometry.readings = detail::reading_effects(of_readings);
       }
     }
     write_solution(solution, bodies, per_change, tolerance, geometry.entries, answer);
@@ -404,6 +404,26 @@ MaxwellMatrix solve_as_needed(const Simplification& simplification, const Bounda
   return answer;
 }
 
+/// Writes which conductors and entries have to be accurate.
+void choose_asked(Entries entries, ChargedBodies& bodies) {
+  const std::size_t grounded = count_of(bodies, Role::grounded) + count_of(bodies, Role::floating);
+  if (entries == Entries::all || grounded == bodies.conductors.size())
+    return;
+  bodies.are_entries_asked = entries != Entries::of_readings;
+  if (!bodies.are_entries_asked && !bodies.readings.empty()) {
+    VectorXd used = VectorXd::Zero(bodies.readings.front().sense.size());
+    for (const detail::ChargedReading& reading : bodies.readings)
+      used += reading.sense.cwiseAbs() + reading.drive;
+    for (Index k = 0; k < used.size(); ++k) {
+      detail::ChargedConductor& conductor = bodies.conductors[static_cast<std::size_t>(k)];
+      conductor.is_asked = used[k] > 0 || conductor.role == Role::floating;
+    }
+    return;
+  }
+  for (detail::ChargedConductor& conductor : bodies.conductors)
+    conductor.is_asked = conductor.role != Role::grounded;
+}
+
 }  // namespace
 
 void validate(const BoundaryElementOptions& options) {
@@ -417,10 +437,7 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   if (scene.has_room)
     throw InputError("room: boundary elements compute only conductors in free space");
   ChargedBodies bodies = detail::charged_bodies(scene);
-  const std::size_t grounded = count_of(bodies, Role::grounded) + count_of(bodies, Role::floating);
-  if (options.entries == Entries::of_sensors && grounded < bodies.conductors.size())
-    for (detail::ChargedConductor& conductor : bodies.conductors)
-      conductor.is_asked = conductor.role != Role::grounded;
+  choose_asked(options.entries, bodies);
   const Simplification simplification(std::move(bodies), simplification_part * options.rtol,
                                       options.most_unknowns / most_triangles_part);
   MaxwellMatrix answer = solve_as_needed(simplification, options);

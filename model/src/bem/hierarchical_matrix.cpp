@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "bem/product_kernels.hpp"
 #include "numeric/parallel.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -11,12 +13,20 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// Adds the product of a matrix and few vectors, one at a time: products of small matrices cost more to
-/// prepare than to compute.
-template <class Matrix, class Vectors>
-void add_product(const Matrix& matrix, const Vectors& vectors, MatrixXd& sum) {
-  for (Index c = 0; c < vectors.cols(); ++c)
-    sum.col(c).noalias() += matrix * vectors.col(c);
+MatrixView columns_of(const MatrixXd& matrix, Index first, Index count) {
+  return {matrix.data() + first * matrix.rows(), matrix.rows(), count};
+}
+
+MatrixView view_of(const MatrixXd& matrix) {
+  return columns_of(matrix, 0, matrix.cols());
+}
+
+VectorsView<const double> rows_of(const MatrixXd& vectors, Index first) {
+  return {vectors.data() + first, vectors.rows()};
+}
+
+VectorsView<double> sums_in(MatrixXd& vectors) {
+  return {vectors.data(), vectors.rows()};
 }
 
 /// Adds the columns of `factor` to the targets' columns; the first target is column 0.
@@ -97,6 +107,7 @@ HierarchicalMatrix::HierarchicalMatrix(std::vector<ClusterRange> clusters, std::
 MatrixXd HierarchicalMatrix::apply(const MatrixXd& factors) const {
   /// Number of low-rank blocks in one call.
   constexpr std::size_t together = 64;
+  const auto& kernels = best_kernels<ProductKernels>();
   struct Products {
     MatrixXd of_rows;
     MatrixXd of_columns;
@@ -108,8 +119,10 @@ MatrixXd HierarchicalMatrix::apply(const MatrixXd& factors) const {
       const ClusterRange a = clusters_[block.a], b = clusters_[block.b];
       products[k] = {MatrixXd::Zero(block.rows.rows(), factors.cols()),
                      MatrixXd::Zero(block.rows.rows(), factors.cols())};
-      add_product(block.rows, factors.middleRows(a.first, a.count), products[k].of_rows);
-      add_product(block.columns, factors.middleRows(b.first, b.count), products[k].of_columns);
+      kernels.add_product(view_of(block.rows), rows_of(factors, a.first), sums_in(products[k].of_rows),
+                          factors.cols());
+      kernels.add_product(view_of(block.columns), rows_of(factors, b.first), sums_in(products[k].of_columns),
+                          factors.cols());
     }
   });
   MatrixXd result = MatrixXd::Zero(size_, factors.cols());
@@ -119,17 +132,16 @@ MatrixXd HierarchicalMatrix::apply(const MatrixXd& factors) const {
     for (const Use& use : near_uses_[leaf]) {
       const DenseBlock& block = near_[use.block];
       const ClusterRange other = clusters_[use.as_rows ? block.b : block.a];
-      if (use.as_rows)
-        add_product(block.values, factors.middleRows(other.first, other.count), sum);
-      else
-        add_product(block.values.transpose(), factors.middleRows(other.first, other.count), sum);
+      (use.as_rows ? kernels.add_product : kernels.add_transposed_product)(
+          view_of(block.values), rows_of(factors, other.first), sums_in(sum), factors.cols());
     }
     for (const Use& use : far_uses_[leaf]) {
       const LowRankBlock& block = far_[use.block];
       const MatrixXd& own = use.as_rows ? block.rows : block.columns;
       const Index offset = range.first - clusters_[use.as_rows ? block.a : block.b].first;
       const MatrixXd& product = use.as_rows ? products[use.block].of_columns : products[use.block].of_rows;
-      add_product(own.middleCols(offset, range.count).transpose(), product, sum);
+      kernels.add_transposed_product(columns_of(own, offset, range.count), rows_of(product, 0), sums_in(sum),
+                                     factors.cols());
     }
     result.middleRows(range.first, range.count) = sum;
   });

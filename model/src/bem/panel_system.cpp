@@ -254,7 +254,9 @@ MatrixXd PanelSystem::quadrature_effect(const PanelUnknowns& unknowns, const Mat
 
 /// Solves in the whole space and in the coarse one. Both have the unknowns of the faces first, then those of
 /// the panels or the groups in the order of the tree.
-PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations, double accuracy) const {
+/// The iteration begins with the charges `begun`; with none if these are empty.
+PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations, double accuracy,
+                                                 const MatrixXd& begun) const {
   const ClusterTree& tree = panels_->tree();
   const PanelUnknowns& unknowns = equations.unknowns;
   const Index functions = unknowns.functions, panels = index_of(mesh_.panels().size());
@@ -284,9 +286,10 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
   if (!result.positive_definite)
     return result;
   const MatrixXd right_sides = unknowns.net(order, Eigen::all);
-  const ConjugateGradientSolution fine =
-      conjugate_gradients(matrix, preconditioner, right_sides, accuracies,
-                          MatrixXd::Zero(right_sides.rows(), right_sides.cols()));
+  const ConjugateGradientSolution fine = conjugate_gradients(
+      matrix, preconditioner, right_sides, accuracies,
+      begun.size() > 0 ? MatrixXd(begun(order, Eigen::all))
+                       : MatrixXd(MatrixXd::Zero(right_sides.rows(), right_sides.cols())));
   result.positive_definite = fine.positive_definite;
   if (!result.positive_definite)
     return result;
@@ -339,8 +342,8 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
   return result;
 }
 
-PanelSystem::Solved PanelSystem::solve_without_targets(const PanelEquations& equations,
-                                                       double accuracy) const {
+PanelSystem::Solved PanelSystem::solve_without_targets(const PanelEquations& equations, double accuracy,
+                                                       const MatrixXd& with_targets) const {
   Solved result;
   const auto is_machine = [&](const ChargedBody& body) {
     return !body.is_target && bodies_.role(body) != Role::sensor;
@@ -364,7 +367,13 @@ PanelSystem::Solved PanelSystem::solve_without_targets(const PanelEquations& equ
   const PanelUnknowns unknowns = without_targets(equations.unknowns, bodies_, faces_, mesh_);
   const PanelEquations present{equations.face_system, equations.mesh,   unknowns,
                                equations.faces,       equations.panels, equations.coupling};
-  return solve_equations(present, accuracy);
+  // What the targets change is a small part of the charges.
+  MatrixXd begun = with_targets;
+  begun.array().colwise() *= unknowns.present.array();
+  for (Index c = 0; c < begun.cols(); ++c)
+    if (unknowns.net.col(c).isZero(0))
+      begun.col(c).setZero();
+  return solve_equations(present, accuracy, begun);
 }
 
 PanelSolution PanelSystem::solve(double accuracy) const {
@@ -385,7 +394,7 @@ PanelSolution PanelSystem::solve(double accuracy) const {
     if (!solution.positive_definite)
       return solution;
   }
-  const Solved solved = solve_equations(equations, accuracy);
+  const Solved solved = solve_equations(equations, accuracy, {});
   solution.positive_definite = solved.positive_definite;
   if (!solution.positive_definite)
     return solution;
@@ -401,7 +410,7 @@ PanelSolution PanelSystem::solve(double accuracy) const {
   MatrixXd reading_charges, background_charges;
   VectorXd scales;
   if (!bodies_.readings.empty()) {
-    Solved background = solve_without_targets(equations, accuracy);
+    Solved background = solve_without_targets(equations, accuracy, solved.charges);
     solution.positive_definite = background.positive_definite;
     if (!solution.positive_definite)
       return solution;

@@ -59,8 +59,10 @@ class PanelSystem {
     Eigen::MatrixXd charges;  ///< of all unknowns
     Eigen::MatrixXd iteration_error;
   };
-  Solved solve_equations(const PanelEquations& equations, double accuracy) const;
-  Solved solve_without_targets(const PanelEquations& equations, double accuracy) const;
+  Solved solve_equations(const PanelEquations& equations, double accuracy,
+                         const Eigen::MatrixXd& begun) const;
+  Solved solve_without_targets(const PanelEquations& equations, double accuracy,
+                               const Eigen::MatrixXd& with_targets) const;
   std::vector<Eigen::MatrixXd> charges_of_faces(const PanelUnknowns& unknowns,
                                                 const Eigen::MatrixXd& charges) const;
   Eigen::MatrixXd face_matrix(const PanelUnknowns& unknowns) const;

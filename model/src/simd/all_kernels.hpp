@@ -3,6 +3,7 @@
 #include <type_traits>
 
 #include "bem/charge_kernels_template.hpp"
+#include "bem/product_kernels_template.hpp"
 #include "collision/gjk_filter_template.hpp"
 #include "integral/batch/kernels_template.hpp"
 #include "integral/tree/kernels_template.hpp"
@@ -29,6 +30,8 @@ const Kernels& compiled_kernels() {
     return GjkFilterFor<Doubles>::kernels;
   else if constexpr (std::is_same_v<Kernels, ChargeKernels>)
     return ChargeKernelsFor<Doubles>::kernels;
+  else if constexpr (std::is_same_v<Kernels, ProductKernels>)
+    return ProductKernelsFor<Doubles>::kernels;
   else
     return NodeKernelsFor<typename Registers<set>::Floats>::kernels;
 }

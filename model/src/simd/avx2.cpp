@@ -15,5 +15,6 @@ template const TreeKernels& compiled_kernels<TreeKernels, InstructionSet::avx2>(
 template const GjkFilter& compiled_kernels<GjkFilter, InstructionSet::avx2>();
 template const ChargeKernels& compiled_kernels<ChargeKernels, InstructionSet::avx2>();
 template const NodeKernels& compiled_kernels<NodeKernels, InstructionSet::avx2>();
+template const ProductKernels& compiled_kernels<ProductKernels, InstructionSet::avx2>();
 
 }  // namespace fringe::detail

@@ -21,5 +21,6 @@ template const TreeKernels& compiled_kernels<TreeKernels, InstructionSet::avx512
 template const GjkFilter& compiled_kernels<GjkFilter, InstructionSet::avx512>();
 template const ChargeKernels& compiled_kernels<ChargeKernels, InstructionSet::avx512>();
 template const NodeKernels& compiled_kernels<NodeKernels, InstructionSet::avx512>();
+template const ProductKernels& compiled_kernels<ProductKernels, InstructionSet::avx512>();
 
 }  // namespace fringe::detail

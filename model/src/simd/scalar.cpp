@@ -15,5 +15,6 @@ template const TreeKernels& compiled_kernels<TreeKernels, InstructionSet::scalar
 template const GjkFilter& compiled_kernels<GjkFilter, InstructionSet::scalar>();
 template const ChargeKernels& compiled_kernels<ChargeKernels, InstructionSet::scalar>();
 template const NodeKernels& compiled_kernels<NodeKernels, InstructionSet::scalar>();
+template const ProductKernels& compiled_kernels<ProductKernels, InstructionSet::scalar>();
 
 }  // namespace fringe::detail

@@ -132,6 +132,42 @@ TEST(Readings, BoundTheSelfReadingsFromBelowAndNoOther) {
   EXPECT_FALSE(answer.readings[0].change.lower);
 }
 
+/// The parts of two machines far from each other hardly feel each other. No reading depends on these entries.
+TEST(Readings, MayBeAskedForAlone) {
+  constexpr double coarse = 1e-2;
+  Scene scene = machine();
+  scene.objects.insert(scene.objects.begin(),
+                       object("behind", Plate{0.02, 0.02}, at(0, 0, -0.2), Electrode{}));
+  const MaxwellMatrix alone = maxwell(scene, {.rtol = coarse, .entries = Entries::of_readings}),
+                      all = maxwell(scene, {.rtol = coarse}), finer = maxwell(scene, {.rtol = 1e-3});
+  EXPECT_TRUE(alone.reached);
+  EXPECT_LT(alone.unknowns, all.unknowns);
+  for (std::size_t k = 0; k < scene.readings.size(); ++k) {
+    const ReadingAnswer &reading = alone.readings[k], &truth = finer.readings[k];
+    EXPECT_LE(*reading.change.error, coarse * std::abs(*reading.change.value));
+    EXPECT_LE(*reading.value.error, coarse * std::abs(*reading.value.value));
+    expect_within_errors(reading.value, *truth.value.value, *truth.value.error, reading.name);
+    expect_within_errors(reading.change, *truth.change.value, *truth.change.error, reading.name);
+  }
+  EXPECT_TRUE(
+      ((alone.values - finer.values).array().abs() <= alone.errors.array() + finer.errors.array()).all());
+}
+
+TEST(Readings, OfAMachineWithoutTargetsMayBeAskedForAlone) {
+  Scene scene;
+  scene.sensors = {test::sensor("front", {test::square(0.03, 0)}),
+                   test::sensor("back", {test::square(0.03, -0.06)})};
+  scene.objects = {box("housing", {-4, -4, -5}, {4, 4, -1})};
+  const MaxwellMatrix alone = maxwell(scene, {.rtol = rtol, .entries = Entries::of_readings}),
+                      finer = maxwell(scene, {.rtol = 1e-4});
+  EXPECT_TRUE(alone.reached);
+  for (Eigen::Index sensor = 0; sensor < 2; ++sensor) {
+    EXPECT_LE(alone.errors(sensor, sensor), rtol * alone.values(sensor, sensor));
+    EXPECT_LE(std::abs(alone.values(sensor, sensor) - finer.values(sensor, sensor)),
+              alone.errors(sensor, sensor));
+  }
+}
+
 TEST(Readings, WithoutAnyAreThoseOfTheSensorsAndWhatAllObjectsChange) {
   Scene scene = test::above_sensor({box("one", {-1, -1, 0}, {1, 1, 1}), box("other", {2, -1, 0}, {3, 1, 1})});
   const MaxwellMatrix answer = maxwell(scene, {.rtol = rtol});
