@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from analysis.results import collision_measurements, machine, measurements, names
+from analysis.results import boundary_measurements, collision_measurements, machine, measurements, names
 from analysis.results.answers import BoundaryAnswer, ModelAnswer, ReferenceAnswer
 from analysis.results.set_up import SetUp, describe
 from analysis.results.store import Document, read_json, write_json
@@ -29,7 +29,7 @@ from geometries.studies.study import (
 MANIFEST = "study.json"
 SCENE, REFERENCE, MODEL, SLICE = "scene.toml", "fem.json", "model.json", "slice.json"
 BOUNDARY = "boundary.json"
-RUN_TIMES, STABILITY = "run_times.json", "stability.json"
+RUN_TIMES, STABILITY, BOUNDARY_TIMES = "run_times.json", "stability.json", "boundary_times.json"
 COLLISION = ("collision_answers.json", "collision_times.json", "collision_scenes.json")
 
 
@@ -76,7 +76,7 @@ class CaseResult:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """All of a study's results. The last three measure the model by itself and are None if they were not made. `experiment`
+    """All of a study's results. The last four measure the model by itself and are None if they were not made. `experiment`
     is that of the study, or empty."""
 
     folder: Path
@@ -91,6 +91,7 @@ class Results:
     failures: tuple[Failure, ...]
     cases: dict[str, CaseResult]
     run_times: measurements.RunTimes | None
+    boundary_times: boundary_measurements.BoundaryTimes | None
     stability: measurements.Stability | None
     collision: collision_measurements.Collision | None
 
@@ -149,6 +150,7 @@ def load(folder: Path) -> Results:
             for document, name, own in zip(manifest["cases"], called, parameters)
         },
         run_times=measurements.run_times(read_json(folder / RUN_TIMES)),
+        boundary_times=boundary_measurements.boundary_times(read_json(folder / BOUNDARY_TIMES)),
         stability=measurements.stability(read_json(folder / STABILITY)),
         collision=collision_measurements.collision(*(read_json(folder / name) for name in COLLISION)),
     )

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from analysis.report import (
+    boundary_times_section,
     collision_section,
     faults_section,
     page,
@@ -129,6 +130,7 @@ def _run_time(material: Material) -> list[Markup]:
     if not parts[0] and any(row.quantity == table.MUTUAL for row in material.rows):
         parts = [page.plot_section(plot_of_time.time_against_error(material.rows))]
     parts.append(run_times_section.section(material.found.run_times))
+    parts.append(boundary_times_section.section(material.found.boundary_times))
     return [*parts, verification_page.costs(material.verified)]
 
 

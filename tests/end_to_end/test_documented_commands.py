@@ -120,6 +120,7 @@ MINUTES = {
     "python3 -m tests.fem_reference.random_set_ups": "python3 -m tests.fem_reference.random_set_ups --count 2",
     "python3 -m tests.fem_reference.invariances": "python3 -m tests.fem_reference.invariances --first 31 --count 1",
     "build/bin/boundary_elements_benchmark": "build/bin/boundary_elements_benchmark",
+    "build/bin/boundary_element_scenes_benchmark": "build/bin/boundary_element_scenes_benchmark",
     "build/bin/reduced_benchmark --meshes 40": "build/bin/reduced_benchmark --meshes 1",
     "build/bin/reduced_benchmark SCENE…": f"build/bin/reduced_benchmark {HAND}",
     "python3 -m analysis.nightly.planning_benchmark": "python3 -m analysis.nightly.planning_benchmark --planned 500 --idle 4",

@@ -13,7 +13,7 @@ PAGE = measurements.PAGE.read_text(encoding="utf-8")
 
 
 def test_tables_are_replaced_and_nothing_else() -> None:
-    printed = "other\n| a |\n|---|\n| 1 |\n\nmore\n| b |\n|---|\n| 2 |\n"
+    printed = "other\n| a |\n|---|\n| 1 |\n\nmore\n| b |\n|---|\n| 2 |\n\n| c |\n|---|\n| 3 |\n"
     asked: list[str] = []
 
     def program(name: str) -> str:
@@ -21,9 +21,13 @@ def test_tables_are_replaced_and_nothing_else() -> None:
         return printed
 
     new = measurements.updated(PAGE, program)
-    assert asked == ["build/bin/boundary_elements_benchmark", "build/bin/reduced_benchmark"]
-    for table in measurements.tables(printed):
-        assert new.count(table + "<!-- end -->") == 2
+    programs = (
+        "boundary_elements_benchmark",
+        "boundary_element_scenes_benchmark",
+        "reduced_benchmark",
+    )
+    assert asked == [f"build/bin/{program}" for program in programs]
+    assert [new.count(table + "<!-- end -->") for table in measurements.tables(printed)] == [3, 3, 1]
 
     def without_tables(text: str) -> str:
         return re.sub(r"(<!-- table .*? -->).*?<!-- end -->", r"\1", text, flags=re.DOTALL)
@@ -31,10 +35,13 @@ def test_tables_are_replaced_and_nothing_else() -> None:
     assert without_tables(new) == without_tables(PAGE)
 
 
-def test_the_tables_have_the_columns_that_the_program_prints() -> None:
-    source = (ROOT / "model/benchmarks/boundary_elements_benchmark.cpp").read_text(encoding="utf-8")
-    marked = re.findall(r"<!-- table \d of build/bin/boundary_elements_benchmark -->\n(\|.*)\n(\|.*)\n", PAGE)
-    assert len(marked) == 2
+@pytest.mark.parametrize(
+    ("program", "count"), [("boundary_elements_benchmark", 2), ("boundary_element_scenes_benchmark", 3)]
+)
+def test_the_tables_have_the_columns_that_the_program_prints(program: str, count: int) -> None:
+    source = (ROOT / "model/benchmarks" / f"{program}.cpp").read_text(encoding="utf-8")
+    marked = re.findall(rf"<!-- table \d of build/bin/{program} -->\n(\|.*)\n(\|.*)\n", PAGE)
+    assert len(marked) == count
     for header, line in marked:
         assert f"\\n{header}\\n{line}\\n" in source
 

@@ -1,0 +1,151 @@
+/// Measures boundary elements as users meet them, on two processors: scenes from two plates to a whole
+/// machine, the growth of time and memory with the number of panels, and the capacities of the five regular
+/// polyhedra. Times are those of a clock, each from one computation in a process of its own. Prints the
+/// tables of model/MEASUREMENTS.md; the file is for the report.
+///
+///     boundary_element_scenes_benchmark [FILE.json]
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bem/bodies.hpp"
+#include "bem/panel_system.hpp"
+#include "boundary_element_scenes.hpp"
+#include "fringe/boundary_elements.hpp"
+#include "fringe/interruption.hpp"
+#include "own_process.hpp"
+
+namespace {
+
+using namespace fringe;
+using namespace fringe::benchmarks;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t threads = 2;
+
+/// The accuracy asked for of the regular polyhedra, and the number of panels that it may take.
+constexpr double rtol_of_solids = 2.5e-4;
+constexpr std::size_t most_unknowns_of_solids = 100'000;
+
+/// What is known of one scene after it was solved.
+struct SceneAnswer {
+  std::size_t unknowns;
+  /// Largest stated error of a reading's change, relative to the change; of a value where there is no target.
+  double stated;
+  bool reached;
+};
+
+SceneAnswer solve(const TimedScene& timed) {
+  const auto start = std::chrono::steady_clock::now();
+  const InterruptionScope scope([start, &timed] {
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    return timed.most_seconds.has_value() && elapsed.count() > *timed.most_seconds;
+  });
+  const MaxwellMatrix matrix =
+      maxwell(timed.scene, {.rtol = timed.rtol, .entries = Entries::of_readings, .threads = threads});
+  SceneAnswer answer{matrix.unknowns, 0, matrix.reached};
+  const bool has_target =
+      std::ranges::any_of(timed.scene.objects, [](const Object& object) { return object.target; });
+  for (const ReadingAnswer& reading : matrix.readings) {
+    const Estimate& asked = has_target ? reading.change : reading.value;
+    answer.stated = std::max(answer.stated, asked.error.value() / std::abs(asked.value.value()));
+  }
+  return answer;
+}
+
+Json measure_scenes() {
+  fmt::print("\n| | rtol | unknowns | stated error of readings, % | s | MiB |\n|---|---|---|---|---|---|\n");
+  Json rows = Json::array();
+  for (const TimedScene& timed : timed_scenes()) {
+    const auto [answer, seconds, mebibytes] = in_own_process([&] { return solve(timed); });
+    fmt::print("| {} | {:g} | {} | {:.2g} | {:.2g} | {:.0f} |\n", timed.name, timed.rtol, answer.unknowns,
+               100 * answer.stated, seconds, mebibytes);
+    rows.push_back({{"name", timed.name},
+                    {"rtol", timed.rtol},
+                    {"unknowns", answer.unknowns},
+                    {"stated", answer.stated},
+                    {"reached", answer.reached},
+                    {"seconds", seconds},
+                    {"mebibytes", mebibytes}});
+  }
+  return rows;
+}
+
+/// The capacity of a body in units of 4πε₀ metres.
+struct Capacity {
+  std::size_t panels;
+  double value;
+  double stated;
+};
+
+/// Solves for the charge on the triangles of a sphere, as they are.
+Capacity solve_sphere(int parts) {
+  /// Accuracies that boundary elements use for an rtol of 1e-3.
+  constexpr double quadrature_tolerance = 2e-5, iteration_accuracy = 5e-7;
+  const detail::ChargedBodies bodies = detail::charged_bodies(isolated(geodesic_sphere(parts)));
+  detail::PanelSystem system(bodies, detail::PanelGrading{}, threads);
+  system.refine({}, quadrature_tolerance);
+  const detail::PanelSolution solution = system.solve(iteration_accuracy);
+  return {system.mesh().panels().size(), solution.all.fine(0, 0), 0};
+}
+
+Json measure_sizes() {
+  fmt::print("\n| panels | s | times those of the row above | MiB | error, % |\n|---|---|---|---|---|\n");
+  Json rows = Json::array();
+  std::optional<double> before;
+  // The number of panels is twenty times the square.
+  for (const int parts : {35, 50, 71}) {
+    const auto [answer, seconds, mebibytes] = in_own_process([&] { return solve_sphere(parts); });
+    const double error = std::abs(answer.value - 1);
+    fmt::print("| {} | {:.2g} | {} | {:.0f} | {:.2g} |\n", answer.panels, seconds,
+               before ? fmt::format("{:.2f}", seconds / *before) : "", mebibytes, 100 * error);
+    rows.push_back(
+        {{"panels", answer.panels}, {"seconds", seconds}, {"mebibytes", mebibytes}, {"error", error}});
+    before = seconds;
+  }
+  return rows;
+}
+
+Capacity solve_solid(const Solid& solid) {
+  const MaxwellMatrix matrix =
+      maxwell(isolated(solid.triangles),
+              {.rtol = rtol_of_solids, .most_unknowns = most_unknowns_of_solids, .threads = threads});
+  const double unit = 4 * std::numbers::pi * vacuum_permittivity;
+  return {matrix.unknowns, matrix.values(0, 0) / unit, matrix.errors(0, 0) / unit};
+}
+
+Json measure_solids() {
+  fmt::print(
+      "\n| edge 1 | capacity / 4πε₀ | stated error | published | panels | s |\n|---|---|---|---|---|---|\n");
+  Json rows = Json::array();
+  for (const Solid& solid : regular_polyhedra()) {
+    const auto [answer, seconds, mebibytes] = in_own_process([&] { return solve_solid(solid); });
+    const std::string published = solid.published ? fmt::format("{:.8f}", *solid.published) : "–";
+    fmt::print("| {} | {:.5f} | {:.1e} | {} | {} | {:.2g} |\n", solid.name, answer.value, answer.stated,
+               published, answer.panels, seconds);
+    rows.push_back({{"name", solid.name},
+                    {"capacity", answer.value},
+                    {"stated", answer.stated},
+                    {"published", solid.published ? Json(*solid.published) : Json()},
+                    {"panels", answer.panels},
+                    {"seconds", seconds},
+                    {"mebibytes", mebibytes}});
+  }
+  return rows;
+}
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+  const Json answer{{"scenes", measure_scenes()}, {"sizes", measure_sizes()}, {"solids", measure_solids()}};
+  if (argument_count > 1)
+    std::ofstream(arguments[1]) << answer.dump(1) << "\n";
+}
