@@ -76,15 +76,13 @@ def finding_on_solids(solids: Sequence[SolidCapacity]) -> str:
     """Compares with published capacities, and gives the largest stated error."""
     worst = max(solid.stated / solid.capacity for solid in solids)
     compared = [
-        f"the {solid.name}'s is {percent(abs(solid.capacity / solid.published - 1))} off the published one, "
+        f"that of the {solid.name} is {percent(abs(solid.capacity / solid.published - 1))} off the published one, "
         f"{'within' if abs(solid.capacity - solid.published) <= solid.stated else 'beyond'} its stated error"
         for solid in solids
         if solid.published is not None
     ]
     return (
-        "; ".join(
-            [f"The capacities of {len(solids)} regular polyhedra are stated to {percent(worst)}", *compared]
-        )
+        "; ".join([f"The capacities of the regular polyhedra are stated to {percent(worst)}", *compared])
         + "."
     )
 
@@ -123,4 +121,4 @@ def _solids_table(solids: Sequence[SolidCapacity]) -> Markup:
         ]
         for solid in solids
     ]
-    return page.table(["solid", "capacity", "published", "panels", "time"], rows)
+    return page.table(["solid", "capacity", "published", "unknowns", "time"], rows)

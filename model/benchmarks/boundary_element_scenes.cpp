@@ -183,9 +183,9 @@ std::vector<Triangle> geodesic_sphere(int parts) {
   return triangles;
 }
 
-Scene isolated(const std::vector<Triangle>& triangles) {
+Scene isolated(const Shape& shape) {
   Scene scene;
-  scene.objects.push_back(grounded("body", Mesh{"", 1, triangles}, Vector3d::Zero()));
+  scene.objects.push_back(grounded("body", shape, Vector3d::Zero()));
   scene.objects.back().role = Electrode{};
   return scene;
 }

@@ -35,6 +35,6 @@ std::vector<Solid> regular_polyhedra();
 std::vector<Triangle> geodesic_sphere(int parts);
 
 /// Returns a scene with one isolated electrode.
-Scene isolated(const std::vector<Triangle>& triangles);
+Scene isolated(const Shape& shape);
 
 }  // namespace fringe::benchmarks

@@ -79,6 +79,11 @@ def covered(asked: dict[str, Any], strict: dict[str, Any]) -> bool:
     return bool(np.all(matrix)) and abs(one["value"] - other["value"]) <= one["error"] + other["error"]
 
 
+def true_per_stated(asked: dict[str, Any], strict: dict[str, Any]) -> float:
+    """The largest error of an entry, by the stricter answer alone, per stated error."""
+    return float(np.max(np.abs(asked["maxwell"] - strict["maxwell"]) / asked["error"]))
+
+
 def above(asked: dict[str, Any], strict: dict[str, Any]) -> bool:
     """Whether an entry that is called a lower bound is above the truth."""
     excess = np.diag(asked["maxwell"]) - np.diag(strict["maxwell"]) - np.diag(strict["error"])
@@ -100,7 +105,7 @@ def main() -> None:
         asked_rtol, strict_rtol = ASKED_OF_SIZES, STRICT_OF_SIZES
     random = np.random.default_rng(arguments.seed)
     touching = uncovered = unbounded = 0
-    times, errors, reached = [], [], []
+    times, errors, ratios, reached = [], [], [], []
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "scene.toml"
         for _ in range(arguments.count):
@@ -116,6 +121,7 @@ def main() -> None:
             times.append(1e3 * asked["seconds"])
             reached.append(asked["reached"])
             errors.append(np.max(np.abs(asked["maxwell"] / strict["maxwell"] - 1)))
+            ratios.append(true_per_stated(asked, strict))
             if not covered(asked, strict) or above(asked, strict):
                 uncovered += not covered(asked, strict)
                 unbounded += above(asked, strict)
@@ -123,6 +129,10 @@ def main() -> None:
     print(f"{len(times)} poses and {touching} that touch; {reached.count(False)} said not to be reached")
     print(
         f"outside their stated error: {uncovered}; above the truth though called a lower bound: {unbounded}"
+    )
+    print(
+        f"true per stated error: at most 1 in {100 * np.mean(np.array(ratios) <= 1):.1f} %, "
+        f"worst {max(ratios):.2f}"
     )
     print(f"difference where said to be reached: worst {max(np.array(errors)[reached]):.1e}")
     print("ms: median {:.2f}, nine of ten {:.1f}, longest {:.0f}".format(*np.quantile(times, [0.5, 0.9, 1])))

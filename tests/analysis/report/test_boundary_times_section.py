@@ -61,8 +61,8 @@ def test_the_finding_on_sizes_computed_by_hand() -> None:
 def test_the_finding_on_solids_computed_by_hand() -> None:
     text = section.finding_on_solids(measured().solids)
     assert text == (
-        "The capacities of 2 regular polyhedra are stated to 0.04 %; "
-        "the cube's is 0.0058 % off the published one, within its stated error."
+        "The capacities of the regular polyhedra are stated to 0.04 %; "
+        "that of the cube is 0.0058 % off the published one, within its stated error."
     )
 
 
