@@ -28,6 +28,7 @@
 #include "maxwell_table.hpp"
 #include "method_options.hpp"
 #include "program.hpp"
+#include "progress.hpp"
 #include "reading_table.hpp"
 #include "sweep.hpp"
 #include "table_text.hpp"
@@ -112,7 +113,7 @@ LiveScene live_scene(const Request& request) {
 }
 
 Answer answer_capacitance(const Request& request) {
-  const EvaluationOptions options = cli::options_of(request.method);
+  EvaluationOptions options = cli::options_of(request.method);
   if (request.output && !is_integral(options.method))
     throw InputError(fmt::format("--output is an option of the triangle-integral methods, not of {}",
                                  to_string(options.method)));
@@ -126,8 +127,14 @@ Answer answer_capacitance(const Request& request) {
     limit.emplace(request.most_seconds);
   const auto start = std::chrono::steady_clock::now();
   try {
+    std::optional<cli::ProgressLine> progress;
+    if (std::holds_alternative<BoundaryElements>(options.method)) {
+      progress.emplace(rtol_of(options));
+      options.before_refinement = [&](const RefinementLevel& level) { progress->show(level); };
+    }
     const Evaluation& answer =
         of_file(request.scene, [&]() -> const Evaluation& { return live.evaluate(options); });
+    progress.reset();
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     if (request.output)
       cli::write_vtu(live.scene(), integral_options(options), *request.output);

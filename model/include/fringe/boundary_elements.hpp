@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +23,12 @@ enum class Entries {
                ///< all where there are no sensors and electrodes
 };
 
+/// A solution that is not accurate enough.
+struct RefinementLevel {
+  std::size_t unknowns;
+  double error;  ///< the largest of what is asked for, in the same measure as rtol
+};
+
 struct BoundaryElementOptions {
   /// Largest error of the entries asked for, relative to the entry or to 1e-3 of the geometric mean of its
   /// row's and its column's diagonal entries, whichever is larger; from 1e-6 to 0.5.
@@ -31,6 +38,8 @@ struct BoundaryElementOptions {
   std::size_t most_unknowns = 20'000;
   /// Number of threads; 0: as many as this process may run at once. The answer does not depend on it.
   std::size_t threads = 0;
+  /// Is called before each refinement; may be empty.
+  std::function<void(const RefinementLevel&)> before_refinement = {};
 };
 
 /// Throws InputError for options that are out of range.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,8 @@ struct EvaluationOptions {
   /// and 3e-4 for 1, 2 and 3 steps) and of `recommended` (1e-2).
   std::optional<double> rtol = {};
   Entries entries = Entries::of_sensors;  ///< that boundary elements refine
+  /// Is called before each refinement of boundary elements; may be empty.
+  std::function<void(const RefinementLevel&)> before_refinement = {};
 };
 
 /// Throws InputError for options that are out of range, cannot be combined or belong to another method.

@@ -357,6 +357,8 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplific
     const double excess = detail::excess_error(answer, bodies, geometry, options.rtol);
     if (excess <= 1 || progress.is_in_vain(excess, answer.unknowns))
       break;
+    if (options.before_refinement)
+      options.before_refinement({answer.unknowns, excess * options.rtol});
     // The possible effect of the quadrature errors grows with the charges, without limit near contact.
     const double quadrature = quadrature_caution * tolerance * quadrature_excess(solution, bodies, answer);
     const double allowed = quadrature_part * options.rtol * std::max(excess / most_excess_in_a_step, 1.0);

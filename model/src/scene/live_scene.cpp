@@ -103,7 +103,8 @@ class LiveScene::Implementation {
       }
       answer_.matrix = reduced_->maxwell();
     } else {
-      answer_.matrix = maxwell(scene_, {.rtol = rtol, .entries = asked.entries});
+      answer_.matrix = maxwell(
+          scene_, {.rtol = rtol, .entries = asked.entries, .before_refinement = asked.before_refinement});
     }
     answer_.capacitance = capacitance(scene_, *answer_.matrix, answer_.answered_by);
     answer_.reached = answer_.matrix->reached;
