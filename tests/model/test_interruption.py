@@ -22,8 +22,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 COMMAND = ROOT / "build/bin/fringe"
 Command = Callable[..., subprocess.CompletedProcess[str]]
-# The longest that ending may take: a second, and time for a busy machine.
-PROMPT_SECONDS = 4.0
+# An ending takes well under a second where nothing else runs.
+ENDING_SECONDS = 4.0
 
 SENSOR = """
 [[sensor]]
@@ -81,6 +81,11 @@ name = "second"
 """
 
 
+def prompt_seconds() -> float:
+    """The longest that ending may take: longer on a machine whose processors are shared."""
+    return ENDING_SECONDS * max(1.0, os.getloadavg()[0] / (os.cpu_count() or 1))
+
+
 @contextmanager
 def alarm(seconds: float) -> Iterator[None]:
     """Raises TimeoutError after some seconds, as Ctrl-C raises KeyboardInterrupt."""
@@ -114,7 +119,7 @@ def test_a_signal_ends_a_call_in_python(call: str, seconds: float, tmp_path: Pat
     begun = time.monotonic()
     with alarm(seconds), pytest.raises(TimeoutError):
         CALLS[call](scene, motion)
-    assert time.monotonic() - begun < seconds + PROMPT_SECONDS
+    assert time.monotonic() - begun < seconds + prompt_seconds()
 
 
 def test_ctrl_c_is_a_keyboard_interrupt() -> None:
@@ -132,7 +137,7 @@ def test_ctrl_c_is_a_keyboard_interrupt() -> None:
     )
     assert process.stdout is not None and process.stdout.readline() == "begun\n"
     process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=PROMPT_SECONDS)[0] == "ended\n"
+    assert process.communicate(timeout=prompt_seconds())[0] == "ended\n"
 
 
 def test_an_interrupted_scene_answers_as_if_nothing_had_been() -> None:
@@ -156,7 +161,7 @@ def test_after_the_limit_of_time_the_best_matrix_is_printed(fringe_command: Comm
     assert done.returncode == 3
     assert done.stderr == f"fringe: {path}: stopped after {seconds:g} s: an error of 0.001 was not reached\n"
     found = json.loads(done.stdout)
-    assert found["seconds"] < seconds + PROMPT_SECONDS
+    assert found["seconds"] < seconds + prompt_seconds()
     assert not found["reached"]
     differences = np.abs(np.array(found["maxwell"]) - exact["maxwell"])
     assert np.all(differences <= np.array(found["error"]) + exact["error"])
@@ -171,7 +176,7 @@ def test_after_ctrl_c_the_command_prints_the_best_matrix(tmp_path: Path) -> None
         process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         time.sleep(seconds)
         process.send_signal(signal.SIGINT)
-        output, errors = process.communicate(timeout=PROMPT_SECONDS)
+        output, errors = process.communicate(timeout=prompt_seconds())
         assert process.returncode == 130
         seconds *= 1.3
     assert "NOT reached" in output
@@ -205,7 +210,7 @@ def test_an_interrupted_sweep_keeps_the_frames_that_are_finished(tmp_path: Path)
     )
     time.sleep(4)
     process.send_signal(signal.SIGINT)
-    output, errors = process.communicate(timeout=PROMPT_SECONDS)
+    output, errors = process.communicate(timeout=prompt_seconds())
     assert process.returncode == 130
     finished = len(output.splitlines()) - 1
     assert 0 < finished < frames
