@@ -40,7 +40,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=program,
         description="Run studies and report them, also night by night; compare results; verify the reference; study the model's error, "
-        "its corrections, and readings in company; show a scene, or its readings over a motion.",
+        "its corrections, readings in company, and the model on machines; show a scene, or its readings over a motion.",
         epilog="Exit status: 0 answered; 2 wrong input; 3 a case is short of the asked accuracy, its wider errors are "
         "reported; 1 a case failed or has no answer by any method, a value moved, or anything else.",
     )
@@ -80,6 +80,11 @@ def _parser(program: str) -> argparse.ArgumentParser:
         help="Experiment VII: a hand before a sensor in company, by boundary elements (a minute or two; finished ones are kept)",
     )
     _add_output_and_jobs(company, "answers", "set-ups", "company")
+    machines = commands.add_parser(
+        "machines",
+        help="the model's error on machines, taken apart in hundreds of set-ups by boundary elements (ten minutes; finished ones are kept)",
+    )
+    _add_output_and_jobs(machines, "answers", "set-ups", "machines")
     documentation = commands.add_parser(
         "documentation", help="make a site of all notes, algorithms and references (the model must be built)"
     )

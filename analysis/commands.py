@@ -27,6 +27,11 @@ from analysis.topics.corrections import (
 )
 from analysis.topics.errors import page as errors_page, set_ups as errors_set_ups, stage as errors_stage
 from analysis.topics.history import difference, nights, page as history_page
+from analysis.topics.machines import (
+    page as machines_page,
+    set_ups as machines_set_ups,
+    stage as machines_stage,
+)
 from analysis.topics.published import (
     files as published_files,
     stage as published_stage,
@@ -269,6 +274,9 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     ),
     "company": lambda options: _of_set_ups(
         company_stage.STAGES, company_set_ups.all_set_ups(), company_page.make, options
+    ),
+    "machines": lambda options: _of_set_ups(
+        machines_stage.STAGES, machines_set_ups.all_set_ups(), machines_page.make, options
     ),
     "corrections": lambda options: _corrections(options.output),
     "table": lambda options: _table(options.answers, options.output, options.jobs),

@@ -32,6 +32,7 @@ from analysis.topics.cross_check import section as cross_check_section
 from analysis.topics.errors import records as error_records, section as errors_section
 from analysis.topics.errors.records import Entry
 from analysis.topics.experiments import section as experiments_section
+from analysis.topics.machines import records as machines_records, section as machines_section
 from analysis.topics.published import section as published_section
 from analysis.topics.trade_off import section as trade_off_section, stage as trade_off
 from analysis.topics.verification import page as verification_page
@@ -59,6 +60,7 @@ class Material:
     corrected: Document | None
     faults: Document | None = None
     in_company: tuple[company_factors.Entry, ...] = ()
+    on_machines: tuple[machines_records.Entry, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -100,6 +102,10 @@ def _over_what_describes(rows: list[table.Row]) -> list[Plot]:
 def _parts(material: Material) -> list[Markup]:
     own = error_records.by_reference(material.taken_apart, material.found)
     return [*errors_section.sections(material.taken_apart, ERRORS_CASES), errors_section.of_study(own)]
+
+
+def _machines(material: Material) -> list[Markup]:
+    return [machines_section.section(list(material.on_machines))]
 
 
 def _company(material: Material) -> list[Markup]:
@@ -157,6 +163,7 @@ def _set_ups(material: Material) -> list[Markup]:
 
 QUESTIONS = (
     Question("experiment", "experiment", "What does the experiment find?", _experiment),
+    Question("machines", "on machines", "How wrong is the model on a machine?", _machines, own=False),
     Question("model_error", "model error", "How wrong is the model, and where?", _model_error),
     Question(
         "error_parts", "parts of the error", "Where does the model's error come from?", _parts, own=False

@@ -26,6 +26,11 @@ from analysis.topics.corrections import stage as corrections_stage
 from analysis.topics.cross_check import agreement, section as cross_check_section
 from analysis.topics.errors import records as error_records, set_ups as error_set_ups, stage as errors_stage
 from analysis.topics.history import nights as history, page as history_page
+from analysis.topics.machines import (
+    records as machines_records,
+    set_ups as machines_set_ups,
+    stage as machines_stage,
+)
 from analysis.topics.published import table as published
 from analysis.topics.trade_off import section as trade_off_section, stage as trade_off
 from analysis.topics.verification import page as verification_page, stage as verification_stage
@@ -60,11 +65,14 @@ def make(folder: Path) -> Report:
     apart = errors_stage.STAGES.load(errors_stage.STAGES.beside(folder), error_set_ups.all_set_ups())
     corrected = corrections_stage.load(corrections_stage.beside(folder))
     in_company = company_stage.STAGES.load(company_stage.STAGES.beside(folder), company_set_ups.all_set_ups())
+    on_machines = machines_stage.STAGES.load(
+        machines_stage.STAGES.beside(folder), machines_set_ups.all_set_ups()
+    )
     faults = faults_section.beside(folder)
     answers = _answers(folder, found)
     in_field = read_json(company_field_check.FILE)
     inputs = keys.page_inputs(
-        answers, verified, apart, corrected, faults, in_company, in_field, published.digest()
+        answers, verified, apart, corrected, faults, in_company, on_machines, in_field, published.digest()
     )
     nights = history.load(folder)
     whole = keys.page_inputs(inputs, nights)
@@ -75,7 +83,8 @@ def make(folder: Path) -> Report:
     ):
         entries = error_records.entries(apart, error_set_ups.all_set_ups())
         company = tuple(company_factors.entries(in_company, company_set_ups.all_set_ups()))
-        material = Material(found, rows, summaries, verified, entries, corrected, faults, company)
+        machines = tuple(machines_records.entries(on_machines, machines_set_ups.all_set_ups()))
+        material = Material(found, rows, summaries, verified, entries, corrected, faults, company, machines)
         _write(material, nights, inputs, whole)
     return Report(
         folder / page.REPORT,

@@ -28,7 +28,7 @@ def test_a_folder_named_like_ours_where_the_user_stands_is_not_taken_for_ours(tm
 @pytest.mark.parametrize(
     ("given", "asked"),
     [
-        ("./run", ["errors", "corrections", "company", "run default --measure-model"]),
+        ("./run", ["errors", "corrections", "company", "machines", "run default --measure-model"]),
         ("./run experiment_1", ["run experiment_1"]),
         ("./run nightly --profile slurm", ["nightly nightly --verify --profile slurm"]),
     ],

@@ -118,9 +118,16 @@ def _truth(answer: ReferenceAnswer) -> Truth:
     return Truth(answer.mutual(sensor, target), answer.delta_self[sensor], answer.self_capacitance(target))
 
 
+def truth(document: Document) -> Truth:
+    """Reads a stored truth."""
+    return Truth(**{name: Estimate(**value) for name, value in document.items()})
+
+
+def split(document: Document) -> Split:
+    """Reads a stored split."""
+    effects = {name: Part(**part) for name, part in document["effects"].items()}
+    return Split(document["model"], document["corrected"], document["error"], effects)
+
+
 def _entry(set_up: SetUp, document: Document) -> Entry:
-    truth = Truth(**{name: Estimate(**value) for name, value in document["truth"].items()})
-    stored = document["split"]
-    effects = {name: Part(**part) for name, part in stored["effects"].items()}
-    split = Split(stored["model"], stored["corrected"], stored["error"], effects)
-    return Entry(set_up, truth, split, document["reached"])
+    return Entry(set_up, truth(document["truth"]), split(document["split"]), document["reached"])

@@ -1,0 +1,215 @@
+"""Bodies that machines and people are made of in the set-ups of this topic, drawn at random. Metres, in the world's frame.
+
+The sensors lie in the plane z = 0 and look in the direction of +z. Machines lie below that plane or beside the target, targets above it: so
+none of them touches another by chance.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import random
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometries.scene.meshes import read_triangles
+from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Rotation, Vector3
+from geometries.scene.scene import Object
+from geometries.scene.shapes import Capsule, Cuboid, Cylinder, Ellipsoid, MeshShape, PlateShape, Shape, Sphere
+
+Array = NDArray[np.float64]
+Range = tuple[float, float]
+
+DIGITS = 4
+"""Decimals of a length: a tenth of a millimetre."""
+# Sides of a round shape: its triangles are the truth here, and more of them cost time only.
+_SEGMENTS = 12
+_LINKS = tuple(Path(__file__).parent / "links" / f"{name}.obj" for name in ("shell", "bracket"))
+_UPRIGHT = AxisRotation((1.0, 0.0, 0.0), 90.0)
+"""Turns the axis of a capsule or cylinder from z to y."""
+
+
+def length(chance: random.Random, ends: Range) -> float:
+    """Draws a length uniformly in its logarithm, so that small and large ones are equally frequent."""
+    return round(math.exp(chance.uniform(math.log(ends[0]), math.log(ends[1]))), DIGITS)
+
+
+def between(chance: random.Random, ends: Range) -> float:
+    """Draws a length uniformly."""
+    return round(chance.uniform(*ends), DIGITS)
+
+
+def rotation(chance: random.Random) -> QuaternionRotation:
+    """Draws a rotation uniformly from all rotations (K. Shoemake, Graphics Gems III (1992) 124)."""
+    u, first, second = chance.random(), 2 * math.pi * chance.random(), 2 * math.pi * chance.random()
+    a, b = math.sqrt(1 - u), math.sqrt(u)
+    numbers = a * math.sin(first), a * math.cos(first), b * math.sin(second), b * math.cos(second)
+    return QuaternionRotation(numbers)
+
+
+def hand(chance: random.Random, name: str, gap: float, shift: tuple[float, float]) -> Object:
+    """Draws a body of a hand's size, turned at random, whose lowest point is `gap` above z = 0 and whose centre is shifted along x and y."""
+    shape: Shape = chance.choice((_cuboid, _capsule, _ellipsoid, _ball, _plate))(chance)
+    return _above(Object(name, shape, pose=Pose((*shift, 0.0), rotation(chance))), gap)
+
+
+def person(
+    chance: random.Random, conductor: str, gap: float, shift: tuple[float, float]
+) -> tuple[Object, ...]:
+    """Draws a person who stretches an arm towards the sensor: capsules and balls that overlap, one conductor. The hand's lowest point is `gap`
+    above z = 0, the body stands upright along y behind it."""
+    tall = between(chance, (1.5, 1.9)) / 1.75
+    x, y = shift
+    reach = gap + 0.68 * tall
+    # Radius, length of the segment and centre of each part of a person of 1.75 m, scaled with the height.
+    forearm = (0.04 * tall, 0.28 * tall, (x, y, gap + 0.18 * tall), AxisRotation())
+    upper_arm = (0.05 * tall, 0.3 * tall, (x, y, gap + 0.48 * tall), AxisRotation())
+    trunk = (0.15 * tall, 0.42 * tall, (x + 0.12 * tall, y - 0.18 * tall, reach + 0.1 * tall), _UPRIGHT)
+    legs = (0.11 * tall, 0.62 * tall, (x + 0.12 * tall, y - 0.78 * tall, reach + 0.1 * tall), _UPRIGHT)
+    parts = {"forearm": forearm, "upper arm": upper_arm, "trunk": trunk, "legs": legs}
+    bodies = [
+        _part(
+            name,
+            Capsule(_length(radius), _length(segment), _SEGMENTS),
+            Pose(_rounded(centre), turn),
+            conductor,
+        )
+        for name, (radius, segment, centre, turn) in parts.items()
+    ]
+    centre = (x + 0.12 * tall, y + 0.27 * tall, reach + 0.1 * tall)
+    head = Sphere(_length(0.11 * tall), _SEGMENTS)
+    return (*bodies, _part("head", head, Pose(_rounded(centre)), conductor))
+
+
+def chain(chance: random.Random, joints: int, size: float, top: float) -> tuple[Object, ...]:
+    """Draws the links of an arm that overlap at the joints, from the one below the sensor, whose face is at z = `top` < 0, downwards and aside.
+
+    A link is a box, a cylinder, a capsule or a mesh of about `size`; the first one is a box, on which the sensor is mounted.
+    """
+    depth = between(chance, (0.4 * size, size))
+    first = Cuboid(
+        (length(chance, (1.2 * size, 2.5 * size)), between(chance, (1.1 * size, 1.6 * size)), depth)
+    )
+    found = [Object("link 1", first, pose=Pose((0.0, 0.0, round(top - depth / 2, DIGITS))))]
+    # Each joint is deeper than half of the next link is thick, so that no link reaches the plane of the sensor.
+    place = np.array([first.size[0] / 2, 0.0, top - depth])
+    for number in range(2, joints + 1):
+        shape = chance.choice((_link_box, _link_cylinder, _link_capsule, _link_mesh))(chance, size)
+        points = shape.triangles().reshape(-1, 3)
+        along = float(np.ptp(points[:, 2]))
+        direction = _downwards(chance)
+        pose = Pose(_rounded(tuple(place + direction * 0.4 * along)), _turning_z_to(direction))
+        body = _below(Object(f"link {number}", shape, pose=pose), top)
+        found.append(body)
+        place = np.asarray(body.pose.translation) + direction * 0.4 * along
+    return tuple(found)
+
+
+def lowest(body: Object) -> float:
+    """Returns the height (m) of the lowest point of a body that is fixed to the world."""
+    return float(_points(body)[:, 2].min())
+
+
+def farthest(body: Object, axis: int) -> float:
+    """Returns the largest coordinate (m) of a body that is fixed to the world."""
+    return float(_points(body)[:, axis].max())
+
+
+def _points(body: Object) -> Array:
+    transform = body.pose.transform()
+    return np.asarray(transform.points(body.shape.triangles()).reshape(-1, 3))
+
+
+def _above(body: Object, gap: float) -> Object:
+    return _raised(body, gap - lowest(body))
+
+
+def _below(body: Object, top: float) -> Object:
+    """Lowers a body whose highest point is above `top`."""
+    return _raised(body, min(0.0, top - farthest(body, 2)))
+
+
+def _raised(body: Object, by: float) -> Object:
+    x, y, z = body.pose.translation
+    return Object(body.name, body.shape, pose=Pose((x, y, round(z + by, DIGITS)), body.pose.rotation))
+
+
+def _part(name: str, shape: Shape, pose: Pose, conductor: str) -> Object:
+    return Object(name, shape, pose=pose, conductor=conductor)
+
+
+def _rounded(point: tuple[float, ...]) -> Vector3:
+    x, y, z = (round(float(value), DIGITS) for value in point)
+    return x, y, z
+
+
+def _length(value: float) -> float:
+    return round(value, DIGITS)
+
+
+def _downwards(chance: random.Random) -> Array:
+    """Draws a direction that points at least 15 degrees downwards."""
+    height, turn = chance.uniform(math.sin(math.radians(15)), 1), 2 * math.pi * chance.random()
+    across = math.sqrt(1 - height**2)
+    return np.array([across * math.cos(turn), across * math.sin(turn), -height])
+
+
+def _turning_z_to(direction: Array) -> Rotation:
+    axis = np.cross((0.0, 0.0, 1.0), direction)
+    if not np.any(np.abs(axis) > 1e-9):
+        return AxisRotation((1.0, 0.0, 0.0), 180.0)
+    x, y, z = (round(float(value), 6) for value in axis)
+    return AxisRotation((x, y, z), round(math.degrees(math.acos(float(direction[2]))), 2))
+
+
+def _cuboid(chance: random.Random) -> Shape:
+    return Cuboid((length(chance, (0.05, 0.12)), length(chance, (0.08, 0.2)), length(chance, (0.02, 0.06))))
+
+
+def _capsule(chance: random.Random) -> Shape:
+    return Capsule(length(chance, (0.01, 0.05)), length(chance, (0.05, 0.3)), _SEGMENTS)
+
+
+def _ellipsoid(chance: random.Random) -> Shape:
+    x, y, z = (length(chance, ends) for ends in ((0.03, 0.06), (0.04, 0.1), (0.015, 0.03)))
+    return Ellipsoid((x, y, z), _SEGMENTS)
+
+
+def _ball(chance: random.Random) -> Shape:
+    return Sphere(length(chance, (0.01, 0.1)), _SEGMENTS)
+
+
+def _plate(chance: random.Random) -> Shape:
+    return PlateShape((length(chance, (0.03, 0.2)), length(chance, (0.03, 0.2))))
+
+
+def _link_box(chance: random.Random, size: float) -> Shape:
+    thick = between(chance, (0.5 * size, size))
+    return Cuboid((thick, thick, between(chance, (1.5 * size, 4 * size))))
+
+
+def _link_cylinder(chance: random.Random, size: float) -> Shape:
+    return Cylinder(
+        between(chance, (0.25 * size, 0.5 * size)), between(chance, (1.5 * size, 4 * size)), _SEGMENTS
+    )
+
+
+def _link_capsule(chance: random.Random, size: float) -> Shape:
+    return Capsule(
+        between(chance, (0.25 * size, 0.5 * size)), between(chance, (1.0 * size, 3 * size)), _SEGMENTS
+    )
+
+
+def _link_mesh(chance: random.Random, size: float) -> Shape:
+    surface, digest, file = _mesh(chance.randrange(len(_LINKS)))
+    return MeshShape(file, digest, round(size * chance.uniform(1.5, 4), DIGITS), surface)
+
+
+@cache
+def _mesh(number: int) -> tuple[Array, str, str]:
+    """Returns the triangles of a link of length 1 along z, the digest of its file and its path."""
+    file = _LINKS[number]
+    return read_triangles(file), hashlib.sha256(file.read_bytes()).hexdigest(), str(file)

@@ -1,0 +1,142 @@
+"""The report's section on machines: how far the model's change of a reading is from the true one there, and why."""
+
+from __future__ import annotations
+
+import numpy as np
+from markupsafe import Markup
+
+from analysis.report import page
+from analysis.results.units import picofarads, signed_percent
+from analysis.topics.machines import plots, records
+from analysis.topics.machines.parts import COMPANY
+from analysis.topics.machines.records import Entry, Statistics
+from analysis.topics.machines.set_ups import FAMILIES
+from analysis.topics.machines.stage import METHODS, RTOL
+
+TITLE = "On machines"
+ABSENT = "This version of the model has no study of machines yet: python3 -m analysis machines does it in ten minutes."
+_WHAT = (
+    "Change: the reading with the target less that without it, the machine as it is. A part is the decrease of the change when what it names is "
+    "included, over the true change; its mean over all orders of including, so that the parts add up to the error exactly. Nothing is fitted. The parts of "
+    "the company are differences between true changes by boundary elements; the others are of the sensor and the target by themselves: faces turned away "
+    "are triangles that the sensor does not see; another quantity is the charge on the target minus the change of the sensor's own; for a plate the rest is "
+    "taken apart as in the page on two plates. The model's changes are those of a grounded target: it knows no other. Definitions: "
+    "analysis/topics/machines/MACHINES.md."
+)
+
+
+def section(found: list[Entry]) -> Markup:
+    """Returns the section; one sentence without answers."""
+    if not found:
+        return page.section(TITLE, page.paragraph(ABSENT))
+    return page.section(
+        TITLE,
+        page.finding(finding(found)),
+        page.figures([plots.of_methods(found)]),
+        page.table(
+            ["family", "set-ups", *(f"{method}: median (least to greatest)" for method in METHODS)],
+            _rows(found),
+        ),
+        page.finding(parts_finding(found)),
+        page.figures([plots.of_parts(found)]),
+        page.table(
+            ["part", "set-ups", "median", "least", "greatest", "greatest part in"], _rows_of_parts(found)
+        ),
+        page.soft(_WHAT),
+        page.paragraph("Sealed set-ups, which no rule was chosen by, and the others; error of the change:"),
+        page.table(
+            ["method", "set-ups", "count", "median ratio", "rms error", "worst error"], _rows_of_sealed(found)
+        ),
+        page.folded("Show the numbers", _numbers(found)),
+    )
+
+
+def finding(found: list[Entry]) -> str:
+    """Tells how many times the true change each method gives."""
+    phrases = [
+        f"{method} {_number(each.median)} times ({_number(each.least)} to {_number(each.greatest)})"
+        for method in METHODS
+        if (each := records.statistics(found, method)) is not None
+    ]
+    sure = max(entry.change.error / abs(entry.change.value) for entry in found)
+    return (
+        f"Over {len(found)} set-ups on machines the model gives, in the median and from least to most, of the true change of the reading: "
+        f"{'; '.join(phrases)}. The true changes are known to {signed_percent(sure).removeprefix('+')} or better, by boundary elements asked for {RTOL:g}."
+    )
+
+
+def parts_finding(found: list[Entry]) -> str:
+    """Tells what company makes of the error, and which parts are the greatest."""
+    pairs = [entry.pairs.delta_self.value / entry.change.value for entry in found]
+    of_company = {
+        name: [entry.parts()[name] for entry in found if name in entry.true.included] for name in COMPANY
+    }
+    strongest = max(of_company, key=lambda name: float(np.median(of_company[name] or [0.0])))
+    greatest = max(records.of_parts(found), key=lambda each: each.largest_in)
+    return (
+        f"Company alone makes {_number(float(np.median(pairs)))} times too much of a change ({_number(min(pairs))} to {_number(max(pairs))}): so much is the exact change "
+        f"of the sensor and the target by themselves over that on the machine, and no better model of pairs can be nearer. Most of it is {strongest} "
+        f"({np.median(of_company[strongest]):.2g} of the true change in the median). Of all parts {greatest.name} is the greatest most often, in {greatest.largest_in} "
+        f"of {len(found)} set-ups."
+    )
+
+
+def _rows(found: list[Entry]) -> list[list[str]]:
+    rows = []
+    for family in FAMILIES:
+        own = [entry for entry in found if entry.set_up.family == family]
+        if own:
+            rows.append(
+                [family, str(len(own)), *(_range(records.statistics(own, method)) for method in METHODS)]
+            )
+    return rows
+
+
+def _rows_of_parts(found: list[Entry]) -> list[list[str]]:
+    return [
+        [
+            each.name,
+            str(each.count),
+            f"{each.median:+.3g}",
+            f"{each.least:+.3g}",
+            f"{each.greatest:+.3g}",
+            f"{each.largest_in} of {len(found)}",
+        ]
+        for each in records.of_parts(found)
+    ]
+
+
+def _rows_of_sealed(found: list[Entry]) -> list[list[str]]:
+    rows = []
+    for method in METHODS:
+        for name, sealed in (("sealed", True), ("open", False)):
+            each = records.statistics([entry for entry in found if entry.set_up.sealed == sealed], method)
+            if each is not None:
+                errors = (f"{100 * each.rms:.0f} %", f"{100 * each.worst:+.0f} %")
+                rows.append([method, name, str(each.count), _number(each.median), *errors])
+    return rows
+
+
+def _range(each: Statistics | None) -> str:
+    return f"{_number(each.median)} ({_number(each.least)} to {_number(each.greatest)})" if each else ""
+
+
+def _number(value: float) -> str:
+    """Writes a ratio with three digits, or with all before the point."""
+    return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+
+
+def _numbers(found: list[Entry]) -> Markup:
+    header = ["set-up", "name", "sealed", "change (pF)", "pair (pF)", *METHODS, "greatest part"]
+    rows = [
+        [
+            page.code(entry.set_up.id),
+            entry.set_up.name,
+            "yes" if entry.set_up.sealed else "",
+            *(picofarads(each.value, each.error) for each in (entry.change, entry.pairs.delta_self)),
+            *(_number(entry.ratio(method)) if method in entry.methods else "" for method in METHODS),
+            entry.largest,
+        ]
+        for entry in found
+    ]
+    return page.table(header, rows, text_columns=3)

@@ -1,0 +1,198 @@
+"""The model's error on machines: which set-ups there are, that the parts add up, and what page and command tell."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analysis import __main__ as command_line
+from analysis.results import store
+from analysis.results.answers import Estimate
+from analysis.results.study_results import SCENE
+from analysis.topics.errors.parts import EFFECTS, Truth
+from analysis.topics.machines import page, parts, records, section, set_ups
+from analysis.topics.machines.parts import GROUNDING, MERGED, OTHERS, OWN, SENSORS, OnMachine, Pairs
+from analysis.topics.machines.records import Entry
+from analysis.topics.machines.set_ups import (
+    FAMILIES,
+    HOUSING,
+    PERSON,
+    READING,
+    ROBOT,
+    TABLE,
+    SetUp,
+    all_set_ups,
+)
+from analysis.topics.machines.stage import EVERY, METHODS, RTOL, STAGES
+from geometries.common.installation import ROOT
+from geometries.scene import reader
+from geometries.scene.shapes import MeshShape, PlateShape
+from geometries.studies.families import GROUNDED
+from tests.analysis.synthetic import make_results, report_text
+
+PICO = 1e-12
+
+
+def some() -> tuple[SetUp, ...]:
+    """Quick ones: a solid body and a plate before a housing, and a plate between a housing and a table."""
+    wanted = ((HOUSING, 2), (HOUSING, 4), (TABLE, 1))
+    return tuple(each for each in all_set_ups() if (each.family, each.number) in wanted)
+
+
+def first(family: str, number: int = 1) -> SetUp:
+    return next(each for each in all_set_ups() if (each.family, each.number) == (family, number))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("results") / STAGES.name
+    assert STAGES.run(place, some(), 2) == []
+    return place
+
+
+@pytest.fixture(scope="module")
+def found(folder: Path) -> list[Entry]:
+    return records.entries(STAGES.load(folder, some()), some())
+
+
+def test_each_family_has_as_many_set_ups_and_a_third_of_them_are_sealed() -> None:
+    everything = all_set_ups()
+    count = len({each.id for each in everything})
+    assert count == len(everything) >= 300
+    for document in ("analysis/GUIDE.md", "analysis/topics/machines/MACHINES.md"):
+        assert f"{count} set-ups" in (ROOT / document).read_text()
+    for family in FAMILIES:
+        own = [each for each in everything if each.family == family]
+        assert len(own) * len(FAMILIES) == count
+        assert sum(each.sealed for each in own) * 3 == len(own)
+
+
+def test_every_shape_and_connection_occurs() -> None:
+    machines = [each for each in all_set_ups() if each.family == ROBOT]
+    shapes = {
+        type(body.shape).__name__ for each in machines for body in each.scene.objects if not body.target
+    }
+    assert {"Cuboid", "Cylinder", "Capsule", "MeshShape"} <= shapes
+    assert {len(each.scene.sensors) for each in machines} == {1, 2, 3}
+    to_ground = {body.to_ground for each in machines for body in each.targets if body.potential != GROUNDED}
+    assert to_ground == {0.0, 1e-11, 1e-10, 1e-9}
+
+
+def test_targets_are_above_the_sensors_and_what_these_are_mounted_on_is_below(tmp_path: Path) -> None:
+    for each in all_set_ups():
+        heights = {name: triangles[..., 2] for name, triangles in each.scene.conductors().items()}
+        gap = min(heights[body.name].min() for body in each.targets)
+        assert 0.0149 <= gap <= 0.1501
+        assert all(heights[name].max() <= -0.0029 for name in each.own)
+        (reading,) = each.scene.readings
+        assert (reading.name, reading.sense, reading.drive) == (READING, "sensor 1", ("sensor 1",))
+        names = {*each.own, *each.others, *(body.name for body in each.targets)}
+        assert names == {body.name for body in each.scene.objects}
+    mesh = next(s for s in all_set_ups() if any(isinstance(b.shape, MeshShape) for b in s.scene.objects))
+    store.write_text(tmp_path / SCENE, mesh.text)
+    assert reader.load(tmp_path / SCENE) == mesh.scene
+
+
+def test_only_what_is_neglected_is_left_out() -> None:
+    robot = next(each for each in all_set_ups() if parts.included(each) == (OWN, OTHERS, SENSORS, GROUNDING))
+    assert len(list(parts.choices(robot))) == 16
+    (alone,) = parts.scenes(robot, ())
+    assert [body.name for body in alone.objects] == [body.name for body in robot.targets]
+    assert [sensor.name for sensor in alone.sensors] == ["sensor 1"]
+    assert all(body.potential == GROUNDED and body.to_ground == 0 for body in alone.objects)
+    (whole,) = parts.scenes(robot, parts.included(robot))
+    assert {body.name: body for body in whole.objects} == {body.name: body for body in robot.scene.objects}
+    assert whole.sensors == robot.scene.sensors
+    (other,) = parts.scenes(robot, (OTHERS,))
+    assert {body.name for body in other.objects} == {*robot.others, *(b.name for b in robot.targets)}
+
+
+def test_the_bodies_of_a_target_are_counted_one_by_one_unless_they_are_merged() -> None:
+    person = first(PERSON)
+    assert len(person.targets) == 5 and len({body.conductor for body in person.targets}) == 1
+    apart = parts.scenes(person, (OWN,))
+    assert [sum(body.target for body in scene.objects) for scene in apart] == [1] * 5
+    (together,) = parts.scenes(person, (OWN, MERGED))
+    assert sum(body.target for body in together.objects) == 5
+
+
+def test_made_up_changes_have_the_parts_that_were_put_in() -> None:
+    """The machine behind takes 4 pF, other bodies 1 pF, both together 4.6 pF: the rest is shared equally."""
+    changes = {(): 10.0, (OWN,): 6.0, (OTHERS,): 9.0, (OWN, OTHERS): 5.4}
+    true = OnMachine({chosen: Estimate(value * PICO, 0.01 * PICO) for chosen, value in changes.items()})
+    company = true.company()
+    assert company[OWN].value == pytest.approx(3.8 * PICO) and company[OTHERS].value == pytest.approx(
+        0.8 * PICO
+    )
+    assert (company[OWN].least, company[OWN].greatest) == pytest.approx((3.6 * PICO, 4 * PICO))
+    assert company[GROUNDING].value == company[MERGED].value == 0
+    truth = Truth(Estimate(12 * PICO, 0.0), Estimate(10 * PICO, 0.0), Estimate(20 * PICO, 0.0))
+    pairs = Pairs((truth,), every=30 * PICO, facing=14 * PICO, split=None)
+    entry = Entry(first(HOUSING), true, pairs, {EVERY: 30 * PICO})
+    named = {name: value for name, value in entry.parts().items() if value}
+    assert named == pytest.approx(
+        {
+            OWN: 3.8 / 5.4,
+            OTHERS: 0.8 / 5.4,
+            parts.TURNED_AWAY: 16 / 5.4,
+            "another quantity": 2 / 5.4,
+            "rest": 2 / 5.4,
+        }
+    )
+    assert math.fsum(named.values()) == pytest.approx(entry.error) == pytest.approx(30 / 5.4 - 1)
+    assert entry.largest == parts.TURNED_AWAY
+    told = section.parts_finding([entry])
+    assert "Company alone makes 1.85 times too much of a change" in told and OWN in told
+
+
+def test_parts_of_real_set_ups_add_up_to_the_error(found: list[Entry]) -> None:
+    assert [entry.set_up for entry in found] == list(some())
+    for entry in found:
+        assert math.fsum(entry.parts().values()) == pytest.approx(entry.error, rel=1e-9)
+        assert entry.ratio(EVERY) == pytest.approx(entry.error + 1, rel=1e-9)
+        assert 0 < entry.change.error <= RTOL * entry.change.value
+        of_a_plate = isinstance(entry.set_up.targets[0].shape, PlateShape)
+        assert all((entry.parts()[effect] != 0) == of_a_plate for effect in EFFECTS)
+
+
+def test_grounded_company_takes_from_the_change(found: list[Entry]) -> None:
+    """More grounded conductors lower the potential of the sensor's field everywhere, and with it what a small target takes of it."""
+    for entry in found:
+        changes = entry.true.changes
+        assert changes[(OWN,)].value < changes[()].value
+        assert entry.true.company()[OWN].value > 0
+        assert entry.error > entry.pairs.every / entry.pairs.delta_self.value - 1
+
+
+def test_the_section_tells_ratios_and_parts(found: list[Entry]) -> None:
+    text = str(section.section(found))
+    assert text.count("plotly-graph-div") == 2
+    told = section.finding(found)
+    times = [entry.ratio(EVERY) for entry in found]
+    assert f"exact {np.median(times):.3g} times" in told and f"Over {len(found)} set-ups" in told
+    assert records.statistics(found, "no such method") is None
+    assert all(f">{method}<" in text for method in METHODS)
+
+
+def test_the_command_computes_what_is_missing_and_makes_the_page(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(set_ups, "all_set_ups", some)
+    assert command_line.main(["machines", "--output", str(folder)]) == 0
+    printed = capsys.readouterr()
+    assert f"report: {folder / page.PAGE}" in printed.out and "Over 3 set-ups" in printed.out
+    assert "on machines" not in printed.err, "nothing was left to do"
+
+
+def test_a_report_beside_the_answers_shows_them_and_another_says_how_to_get_them(
+    folder: Path, tmp_path: Path
+) -> None:
+    text = report_text(make_results(folder.parent / "study"))
+    assert section.TITLE in text and section.ABSENT not in text
+    (shown,) = re.findall(rf"<h2>{section.TITLE}</h2>(.*?)</section>", text, re.DOTALL)
+    assert OWN in shown and all(each.id in shown for each in some())
+    assert section.ABSENT in report_text(make_results(tmp_path / "elsewhere" / "study"))
