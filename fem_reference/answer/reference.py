@@ -44,6 +44,9 @@ LARGE = 200_000
 interval of their own. Below it as many levels as LEVELS_BEFORE_CHECK, which take seconds, show the order in which these converge."""
 MOST_LEVELS = 6
 """Largest number of levels; after it the answer is returned even if its errors are above `rtol`."""
+LIKELY_NARROWING = 3.0
+"""Ratio of the widths of successive levels' enclosures that is counted on: bounds are computed on a level if the width that it is then
+predicted to have is what was asked for. In theory the ratio is 2, on the coarsest levels it is 2 to 4."""
 GROWTH_OF_TIME = 3.2
 """Predicted ratio of the times of successive levels, somewhat above the largest measured in the default study (2.9)."""
 GROWTH_OF_UNKNOWNS = 2.4
@@ -283,12 +286,12 @@ def _planes(problem: Conductors, symmetry: bool) -> tuple[Plane, ...]:
 def _levels_to_next_enclosure(worst: float, rtol: float) -> int:
     """Number of levels from this enclosure to the next; MOST_LEVELS when this one is narrow enough, so that none follows.
 
-    The width falls at least in proportion to the edge size, and faster on the coarsest levels, so that the next enclosure is
-    computed after at most two levels.
+    The next level is enclosed if it may be narrow enough, else the one after it: what was asked for may then be reached, or the widths
+    show that it is not.
     """
     if worst <= rtol:
         return MOST_LEVELS
-    return min(math.ceil(math.log2(worst / rtol)), 2)
+    return 1 if worst <= LIKELY_NARROWING * rtol else 2
 
 
 def _stopped_by(levels: Sequence[Level], limits: Limits, seconds: float) -> str | None:
