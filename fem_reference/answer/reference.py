@@ -276,6 +276,9 @@ def solve_conductors(
         if enclosed:
             widest = max([answer.worst, *(reading.relative_width_of_change for reading in answer.readings)])
             next_enclosed = number + _levels_to_next_enclosure(widest, rtol)
+            # The bounds of one more level may be what the changes lack; that is less than levels without bounds, of which they take more.
+            if widest <= rtol < answer.worst_of_changes <= LIKELY_NARROWING * rtol:
+                next_enclosed = number + 1
 
 
 def _planes(problem: Conductors, symmetry: bool) -> tuple[Plane, ...]:
@@ -332,7 +335,9 @@ def _combined(
     matrix = best_value(levels)
     first = levels[0].enclosure
     width = None if first is None else 2 * np.diag(first.half_width)[: problem.sensors]
-    change = difference_estimate([level.delta_self for level in levels], width)
+    two_sided = [level.delta_self_from_bounds for level in levels if level.delta_self_from_bounds is not None]
+    from_bounds = two_sided[-1] if two_sided else None
+    change = difference_estimate([level.delta_self for level in levels], width, from_bounds)
     relative_boundary = (np.diag(boundary) / np.diag(finest))[: problem.sensors]
     matrix_error = matrix.error + boundary + shared_error(growth) * np.abs(matrix.value)
     matrix_error += np.sqrt(np.outer(left_out, left_out))
