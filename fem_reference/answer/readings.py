@@ -12,6 +12,7 @@ from fem_reference.answer.convergence import Estimate, estimate
 from fem_reference.answer.wrapped import GeometryError
 from fem_reference.bodies.conductors import Conductors
 from fem_reference.solve.level import Level
+from fem_reference.solve.two_sided import TwoSided
 
 Array = NDArray[np.float64]
 
@@ -56,16 +57,26 @@ class ReadingAnswer:
         return (upper - lower) / 2 / abs(self.change.value) if self.change.value else np.inf
 
 
-def difference_estimate(values: Sequence[Array], width: Array | None) -> Estimate:
+def difference_estimate(
+    values: Sequence[Array], width: Array | None, from_bounds: TwoSided | None
+) -> Estimate:
     """Estimate differences (n,) of two solutions on one mesh from their values on successive levels.
 
     On a single level their error is at most the larger one of the two solutions, if `width` (n,), the width of the interval of the one
-    with the targets, stands for both; without it, 100 %.
+    with the targets, stands for both; without it, 100 %. Where `from_bounds`, the differences from the bounds of both solutions on a
+    level, state a smaller error, they are the answer.
     """
     found = estimate(values)
     if len(values) == 1 and width is not None:
-        return Estimate(found.value, np.asarray(width), found.extrapolated)
-    return found
+        found = Estimate(found.value, np.asarray(width), found.extrapolated)
+    if from_bounds is None:
+        return found
+    better = from_bounds.error < found.error
+    return Estimate(
+        np.where(better, from_bounds.value, found.value),
+        np.where(better, from_bounds.error, found.error),
+        found.extrapolated & ~better,
+    )
 
 
 def of_left_out(problem: Conductors, bound: Array) -> Array:
@@ -93,7 +104,10 @@ def combined_readings(
     bounds = [found.value_bounds for found in own if found.value_bounds is not None]
     around = [found.background_bounds for found in own if found.background_bounds is not None]
     width = np.ptp(bounds[-1], axis=1) if bounds else None
-    change = difference_estimate([found.change for found in own], width)
+    from_bounds = [found.change_from_bounds for found in own if found.change_from_bounds is not None]
+    change = difference_estimate(
+        [found.change for found in own], width, from_bounds[-1] if from_bounds else None
+    )
     missing = of_left_out(problem, left_out)
     if any(problem.is_target):
         error = change.error + relative * np.abs(change.value) + missing

@@ -44,6 +44,9 @@ LARGE = 200_000
 interval of their own. Below it as many levels as LEVELS_BEFORE_CHECK, which take seconds, show the order in which these converge."""
 MOST_LEVELS = 6
 """Largest number of levels; after it the answer is returned even if its errors are above `rtol`."""
+LIKELY_NARROWING = 3.0
+"""Ratio of the widths of successive levels' enclosures that is counted on: bounds are computed on a level if the width that it is then
+predicted to have is what was asked for. In theory the ratio is 2, on the coarsest levels it is 2 to 4."""
 GROWTH_OF_TIME = 3.2
 """Predicted ratio of the times of successive levels, somewhat above the largest measured in the default study (2.9)."""
 GROWTH_OF_UNKNOWNS = 2.4
@@ -273,6 +276,9 @@ def solve_conductors(
         if enclosed:
             widest = max([answer.worst, *(reading.relative_width_of_change for reading in answer.readings)])
             next_enclosed = number + _levels_to_next_enclosure(widest, rtol)
+            # The bounds of one more level may be what the changes lack; that is less than levels without bounds, of which they take more.
+            if widest <= rtol < answer.worst_of_changes <= LIKELY_NARROWING * rtol:
+                next_enclosed = number + 1
 
 
 def _planes(problem: Conductors, symmetry: bool) -> tuple[Plane, ...]:
@@ -283,12 +289,12 @@ def _planes(problem: Conductors, symmetry: bool) -> tuple[Plane, ...]:
 def _levels_to_next_enclosure(worst: float, rtol: float) -> int:
     """Number of levels from this enclosure to the next; MOST_LEVELS when this one is narrow enough, so that none follows.
 
-    The width falls at least in proportion to the edge size, and faster on the coarsest levels, so that the next enclosure is
-    computed after at most two levels.
+    The next level is enclosed if it may be narrow enough, else the one after it: what was asked for may then be reached, or the widths
+    show that it is not.
     """
     if worst <= rtol:
         return MOST_LEVELS
-    return min(math.ceil(math.log2(worst / rtol)), 2)
+    return 1 if worst <= LIKELY_NARROWING * rtol else 2
 
 
 def _stopped_by(levels: Sequence[Level], limits: Limits, seconds: float) -> str | None:
@@ -329,7 +335,9 @@ def _combined(
     matrix = best_value(levels)
     first = levels[0].enclosure
     width = None if first is None else 2 * np.diag(first.half_width)[: problem.sensors]
-    change = difference_estimate([level.delta_self for level in levels], width)
+    two_sided = [level.delta_self_from_bounds for level in levels if level.delta_self_from_bounds is not None]
+    from_bounds = two_sided[-1] if two_sided else None
+    change = difference_estimate([level.delta_self for level in levels], width, from_bounds)
     relative_boundary = (np.diag(boundary) / np.diag(finest))[: problem.sensors]
     matrix_error = matrix.error + boundary + shared_error(growth) * np.abs(matrix.value)
     matrix_error += np.sqrt(np.outer(left_out, left_out))

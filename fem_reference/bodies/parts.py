@@ -179,7 +179,8 @@ def _wrapped(
         walls = triangles_of(room)
         assert walls is not None
         others.append(walls)
-    around = wrap(members, np.concatenate(others), geometry)
+    # There may be nothing else: one conductor by itself.
+    around = wrap(members, np.concatenate([np.empty((0, 3, 3)), *others]), geometry)
     result = replace(own[0], surface=around)
     remedy = f'; "{around.name}" is wrapped, which closes hollows narrower than {2 * around.alpha:.3g} m'
     for part in rest:

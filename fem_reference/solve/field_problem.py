@@ -58,6 +58,8 @@ class Charges:
     unknowns: int
     potentials: list[NDArray[np.float64]]
     """For each driven conductor the potential (unknowns,) with this conductor at 1 V and the others grounded."""
+    potentials_alone: list[NDArray[np.float64]] | None = None
+    """For each of the first m conductors the same in a scene of the sensors alone; None if that is the scene."""
 
 
 class FieldProblem:
@@ -182,8 +184,8 @@ def charges(
     if sensors == 0 or (len(all_sensors) == count and not problem.permittivities):
         return Charges(kept, kept[:sensors, :sensors], problem.unknowns, potentials)
     bare = problem.with_dielectrics({})
-    alone = bare.energies(bare.potentials(all_sensors, sensors))
-    return Charges(kept, alone, problem.unknowns, potentials)
+    alone = bare.potentials(all_sensors, sensors)
+    return Charges(kept, bare.energies(alone), problem.unknowns, potentials, alone)
 
 
 def without_floating(

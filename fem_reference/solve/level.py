@@ -22,6 +22,7 @@ from fem_reference.solve.field_problem import Charges, FieldProblem, charges, re
 from fem_reference.common.stages import stage
 from fem_reference.bodies.symmetry import Plane
 from fem_reference.solve.readings import LevelReadings, level_readings
+from fem_reference.solve.two_sided import Forms, TwoSided, two_sided
 from fem_reference.solve.upper_energy import upper_energies
 
 Array = NDArray[np.float64]
@@ -61,6 +62,8 @@ class Level:
     """For each conductor with a row the charges (members, n) on its bodies; empty if each conductor is one body."""
     readings: LevelReadings | None = None
     """The readings, if there are any."""
+    delta_self_from_bounds: TwoSided | None = None
+    """`delta_self` from both bounds of both scenes, where there are narrow ones."""
 
 
 def solve_level(
@@ -87,7 +90,9 @@ def solve_level(
         ],
     )
     farads = epsilon_0 * relative_permittivity * problem.unit * mesh.copies
-    found, on_bodies, done, interval, readings = _charges_and_bounds(problem, mesh, farads, bounds, planes)
+    found, on_bodies, done, interval, readings, from_bounds = _charges_and_bounds(
+        problem, mesh, farads, bounds, planes
+    )
     release_unused(mesh.mesh.comm)
     smallest = min(body.size for body in problem.bodies)
     end = time.monotonic()
@@ -105,15 +110,16 @@ def solve_level(
         interval if bounds == "check" else None,
         tuple(farads * own for own in on_bodies),
         None if readings is None else readings.scaled(farads),
+        None if from_bounds is None else from_bounds.scaled(farads),
     )
 
 
 def _charges_and_bounds(
     problem: Conductors, mesh: TaggedMesh, farads: float, bounds: Bounds, planes: Sequence[Plane]
-) -> tuple[Charges, tuple[Array, ...], float, Enclosure | None, LevelReadings | None]:
+) -> tuple[Charges, tuple[Array, ...], float, Enclosure | None, LevelReadings | None, TwoSided | None]:
     """Solve for the charges and, if asked for, their bounds, and for the readings.
 
-    Also returns the charges on bodies, and the time when all charges were known.
+    Also returns the charges on bodies, the time when all charges were known, and `delta_self` from the bounds (ε = 1).
 
     The matrices are local to this function, so that `release_unused` can free them afterwards.
     """
@@ -124,19 +130,25 @@ def _charges_and_bounds(
     on_bodies = body_charges(problem, system, found.potentials, planes)
     done = time.monotonic()
     if bounds == "none":
-        return found, on_bodies, done, None, level_readings(problem, system, found, None, 0)
-    degree = FLUX_DEGREE if bounds == "enclosure" else CHECK_DEGREE
+        return found, on_bodies, done, None, level_readings(problem, system, found, None, 0), None
     with stage("bounding the energies"):
-        below, above = _forms(problem, system, found.potentials, degree)
-        interval = widened(enclosure(farads * below, farads * above), mesh.shape_error)
-        forms = (below, above) if bounds == "enclosure" else None
-        readings = level_readings(problem, system, found, forms, degree)
-    return found, on_bodies, done, interval, readings
+        if bounds == "check":
+            below, above = _forms(problem, system, found.potentials, CHECK_DEGREE)
+            interval = widened(enclosure(farads * below, farads * above), mesh.shape_error)
+            return found, on_bodies, done, interval, level_readings(problem, system, found, None, 0), None
+        forms = _forms(problem, system, found.potentials, FLUX_DEGREE)
+        interval = widened(enclosure(farads * forms[0], farads * forms[1]), mesh.shape_error)
+        alone = _forms_alone(problem, system, found.potentials_alone, FLUX_DEGREE)
+        readings = level_readings(problem, system, found, forms, FLUX_DEGREE, alone)
+    if alone is None:
+        return found, on_bodies, done, interval, readings, None
+    sensors = np.eye(problem.sensors)
+    own = tuple(form[: problem.sensors, : problem.sensors] for form in forms)
+    from_bounds = two_sided(sensors, sensors, (own[0], own[1]), alone, 1.0, mesh.shape_error)
+    return found, on_bodies, done, interval, readings, from_bounds
 
 
-def _forms(
-    problem: Conductors, system: FieldProblem, potentials: list[Array], degree: int
-) -> tuple[Array, Array]:
+def _forms(problem: Conductors, system: FieldProblem, potentials: list[Array], degree: int) -> Forms:
     """Quadratic forms L ≤ M ≤ U of the Maxwell matrix (ε = 1), without floating conductors; eliminating these keeps the order."""
     above = upper_energies(system, potentials)
     flux = flux_energies(system.tagged, problem.parts, problem.driven, degree, problem.permittivities)
@@ -145,3 +157,19 @@ def _forms(
     return without_floating(below, floating, system.to_ground), without_floating(
         above, floating, system.to_ground
     )
+
+
+def _forms_alone(
+    problem: Conductors, system: FieldProblem, potentials: list[Array] | None, degree: int
+) -> Forms | None:
+    """The same for the sensors that are asked for, without any objects; None if there are none."""
+    if potentials is None:
+        return None
+    others = range(problem.driven, problem.driven + problem.grounded_sensors)
+    parts = [problem.bodies_of(k) for k in (*range(problem.sensors), *others)]
+    present = {body for part in parts for body in part}
+    # There is a field inside of the objects, which are the medium here.
+    medium = {k: 1.0 for k, body in enumerate(problem.bodies) if body.is_solid and k not in present}
+    above = upper_energies(system.with_dielectrics({}), potentials)
+    flux = flux_energies(system.tagged, parts, problem.sensors, degree, medium)
+    return flux.lower - np.diag(flux.algebraic_error), above

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fem_reference.bodies.conductors import Conductors, Measured
 from fem_reference.solve.field_problem import Charges, FieldProblem, without_floating
 from fem_reference.solve.flux import flux_energies
+from fem_reference.solve.two_sided import Forms, TwoSided, two_sided, unit_voltages
 from fem_reference.solve.upper_energy import upper_energies
 
 Array = NDArray[np.float64]
@@ -27,6 +28,8 @@ class LevelReadings:
     background: Array
     value_bounds: Array | None = None
     background_bounds: Array | None = None
+    change_from_bounds: TwoSided | None = None
+    """The changes from both bounds of the readings and of their backgrounds, where these were computed."""
 
     @property
     def change(self) -> Array:
@@ -34,8 +37,14 @@ class LevelReadings:
 
     def scaled(self, factor: float) -> LevelReadings:
         """The readings in another unit."""
-        parts = (self.value, self.background, self.value_bounds, self.background_bounds)
-        return LevelReadings(*(None if part is None else factor * part for part in parts))  # type: ignore[arg-type]
+        bounds, around, change = self.value_bounds, self.background_bounds, self.change_from_bounds
+        return LevelReadings(
+            factor * self.value,
+            factor * self.background,
+            None if bounds is None else factor * bounds,
+            None if around is None else factor * around,
+            None if change is None else change.scaled(factor),
+        )
 
 
 @dataclass(frozen=True)
@@ -79,11 +88,17 @@ def background(problem: Conductors, system: FieldProblem) -> Background:
 
 
 def level_readings(
-    problem: Conductors, system: FieldProblem, found: Charges, forms: tuple[Array, Array] | None, degree: int
+    problem: Conductors,
+    system: FieldProblem,
+    found: Charges,
+    forms: Forms | None,
+    degree: int,
+    forms_alone: Forms | None = None,
 ) -> LevelReadings | None:
     """The readings on one mesh (ε = 1); None if there are none.
 
-    `forms` bound the Maxwell matrix as quadratic forms, from below and from above. The background is bounded too if the problem says so.
+    `forms` bound the Maxwell matrix as quadratic forms, from below and from above, `forms_alone` that of the sensors alone. The background
+    is bounded too if that matrix is the background's, or if the problem says so.
     """
     readings = problem.readings
     if not readings:
@@ -93,13 +108,17 @@ def level_readings(
     bounds = None if forms is None else reading_bounds(readings, *forms, shape_error)
     if not any(problem.is_target):
         return LevelReadings(value, value, bounds, bounds)
-    enclosed = forms is not None and problem.bounded_readings
-    if not enclosed and _is_sensors_alone(problem):
-        return LevelReadings(value, _values(readings, found.sensors_alone), bounds)
+    if _is_sensors_alone(problem):
+        alone = _values(readings, found.sensors_alone)
+        if forms is None or forms_alone is None:
+            return LevelReadings(value, alone, bounds)
+        around = reading_bounds(readings, *forms_alone, shape_error) if problem.bounded_readings else None
+        change = _change_from_bounds(readings, forms, readings, forms_alone, shape_error)
+        return LevelReadings(value, alone, bounds, around, change)
     without = background(problem, system)
     measured = [_renumbered(reading, without.rows) for reading in readings]
     alone = _values(measured, without.maxwell)
-    if not enclosed:
+    if forms is None or not problem.bounded_readings:
         return LevelReadings(value, alone, bounds)
     above = upper_energies(without.system, without.potentials)
     # There is a field inside of the targets, which are the medium now.
@@ -108,10 +127,29 @@ def level_readings(
     inside = medium | without.system.permittivities
     flux = flux_energies(system.tagged, without.parts, len(without.potentials), degree, inside)
     below = flux.lower - np.diag(flux.algebraic_error)
-    around = reading_bounds(
-        measured, without.without_floating(below), without.without_floating(above), shape_error
-    )
-    return LevelReadings(value, alone, bounds, around)
+    around_forms = without.without_floating(below), without.without_floating(above)
+    around = reading_bounds(measured, *around_forms, shape_error)
+    change = _change_from_bounds(readings, forms, measured, around_forms, shape_error)
+    return LevelReadings(value, alone, bounds, around, change)
+
+
+def _change_from_bounds(
+    readings: Sequence[Measured],
+    forms: Forms,
+    measured: Sequence[Measured],
+    around: Forms,
+    shape_error: float,
+) -> TwoSided:
+    """The changes of readings from the bounds of the matrix and of that around, in which the readings are `measured`."""
+    rows = sorted({k for reading in readings for k in (reading.sense, *reading.drive)})
+    rows_around = sorted({k for reading in measured for k in (reading.sense, *reading.drive)})
+    below, above = (form[np.ix_(rows, rows)] for form in forms)
+    below_around, above_around = (form[np.ix_(rows_around, rows_around)] for form in around)
+    chosen = [_renumbered(reading, rows) for reading in readings]
+    sensed = unit_voltages(len(rows), [[reading.sense] for reading in chosen])
+    driven = unit_voltages(len(rows), [reading.drive for reading in chosen])
+    signs = np.array([float(reading.sign) for reading in readings])
+    return two_sided(sensed, driven, (below, above), (below_around, above_around), signs, shape_error)
 
 
 def _is_sensors_alone(problem: Conductors) -> bool:

@@ -8,6 +8,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
+from scipy.constants import epsilon_0
 
 from fem_reference import maxwell
 from fem_reference.answer.reference import Reference
@@ -15,6 +16,7 @@ from fem_reference.bodies.polyhedron import polyhedron
 from fem_reference.bodies.wrapping import Geometry
 from fem_reference.output.documents import document, table
 from geometries.scene.reader import loads
+from geometries.scene.shapes import Cuboid
 
 SENSOR = """
 [[sensor]]
@@ -22,17 +24,21 @@ name = "front"
 plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
 """
 
+UNIT_CUBE = 0.66067815409957
+"""Capacitance of the unit cube over 4πε (Helsing & Perfekt 2013)."""
+
 
 def box(name: str, size: tuple[float, ...], at: tuple[float, ...]) -> str:
     shape = f'{{ type = "cuboid", size = {list(size)} }}'
     return f'[[object]]\nname = "{name}"\nshape = {shape}\ntranslation = {list(at)}\n'
 
 
-def mesh(folder: Path, triangles: np.ndarray) -> str:
+def mesh(folder: Path, triangles: np.ndarray, potential: str = "grounded") -> str:
     points = triangles.reshape(-1, 3)
     cells = [("triangle", np.arange(len(points), dtype=np.int32).reshape(-1, 3))]
     meshio.write(folder / "foot.ply", meshio.Mesh(points, cells))
-    return f'[[object]]\nname = "foot"\nshape = {{ type = "mesh", file = "{folder / "foot.ply"}" }}\n'
+    shape = f'{{ type = "mesh", file = "{folder / "foot.ply"}" }}'
+    return f'[[object]]\nname = "foot"\npotential = "{potential}"\nshape = {shape}\n'
 
 
 def outline() -> np.ndarray:
@@ -137,3 +143,14 @@ def test_the_outline_is_clean() -> None:
     polyhedron("L", triangles)
     volume = np.einsum("ij,ij->", triangles[:, 0], np.cross(triangles[:, 1], triangles[:, 2])) / 6
     assert volume == pytest.approx(0.1 * 0.04 * 0.04 + 0.04 * 0.04 * 0.06)
+
+
+def test_a_wrapped_body_by_itself_has_its_capacitance(tmp_path: Path) -> None:
+    """A cube with a triangle too many, and nothing else in the scene: the wrap has no neighbour that its lengths could follow."""
+    edge = 0.04
+    cube = Cuboid((edge, edge, edge)).triangles()
+    found = maxwell(loads(mesh(tmp_path, np.concatenate([cube, cube[:1]]), "electrode")), rtol=2e-2)
+    truth = UNIT_CUBE * 4 * np.pi * epsilon_0 * edge
+    assert found.wraps[0].members == ("foot",)
+    assert abs(found.maxwell.value[0, 0] - truth) <= found.maxwell.error[0, 0] <= 2e-2 * truth
+    assert found.lower[0, 0] <= truth <= found.upper[0, 0]
