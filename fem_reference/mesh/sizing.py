@@ -20,7 +20,7 @@ from itertools import combinations
 import gmsh
 
 from fem_reference.mesh import gmsh_fields
-from fem_reference.bodies.shapes import SHEETS, Body, Cuboid
+from fem_reference.bodies.shapes import SHEETS, Body, Cuboid, Rectangle
 from fem_reference.mesh.distance_expressions import (
     TextBody,
     curvature_radius,
@@ -30,7 +30,7 @@ from fem_reference.mesh.distance_expressions import (
     surface_distance,
     wall_distance,
 )
-from fem_reference.bodies.distances import in_contact
+from fem_reference.bodies.distances import distance, in_contact
 from fem_reference.mesh.polyhedra_fields import facet_size, sampled_edges, sampled_surfaces
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.round_bodies import Cone
@@ -65,9 +65,24 @@ def set_size_field(
     gaps = [pair for pair in pairs if pair not in contacts]
     known = sampled_surfaces(bodies, gaps, sizing, volumes)
     known |= {k: surface_distance(body) for k, body in enumerate(bodies) if not isinstance(body, Polyhedron)}
-    sizes = [f"{_in_gap(bodies[i], bodies[j], sizing)}*({known[i]}+{known[j]})" for i, j in gaps]
+    widths = {(i, j): distance(bodies[i], bodies[j]) for i, j in gaps}
+    # Where a gap is wide, the growth from edges sets smaller sizes everywhere. Without such gaps the size is the same, and found sooner.
+    driven_bodies = [k for k in range(len(bodies)) if k not in grounded]
+    sizes = [
+        f"{_in_gap(bodies[i], bodies[j], sizing)}*({known[i]}+{known[j]})"
+        for i, j in gaps
+        if not any(
+            _is_wide(bodies[k], widths[i, j], _in_gap(bodies[i], bodies[j], sizing), sizing)
+            for k in (i, j)
+            if k in driven_bodies
+        )
+    ]
     for i, body in enumerate(bodies):
-        across = [f"({known[i]}+{known[k + j - i]})" for k, j in gaps if i in (k, j)]
+        across = [
+            f"({known[i]}+{known[k + j - i]})"
+            for k, j in gaps
+            if i in (k, j) and sizing.edge_in_gap * widths[k, j] < sizing.edge * body.size
+        ]
         if room is not None and i not in grounded:
             across.append(f"({known[i]}+{wall_distance(room)})")
             sizes.append(f"{_in_gap(body, room, sizing)}*{across[-1]}")
@@ -86,6 +101,24 @@ def set_size_field(
             sizes.append(f"{sizing.gap}*({body.size!r}+2*{known[i]})")
     fields = [gmsh_fields.expression(size) for size in sizes]
     gmsh.model.mesh.field.setAsBackgroundMesh(gmsh_fields.smallest(fields))
+
+
+def _is_wide(body: Body, width: float, in_gap: float, sizing: Sizing) -> bool:
+    """Whether growth from the edges of a driven body sets a smaller size than a gap of this width, in which the body is, everywhere.
+
+    In the gap the size is c·(d + d'), with c = `in_gap`, d the distance to the body and d + d' at least the width. Points of its surface are
+    at most r away from its edges, from which the size grows, so that this size is at most edge + growth·(d + r). It is the smaller one if
+    (c − growth)·width is at least edge + growth·r.
+    """
+    if isinstance(body, Rectangle):
+        farthest = min(body.half_widths)
+    elif isinstance(body, Cuboid):
+        farthest = sorted(body.half_widths)[1]
+    else:
+        return False
+    return (
+        in_gap - sizing.growth
+    ) * width >= sizing.edge * body.size / sizing.refinement + sizing.growth * farthest
 
 
 def _at_least(size: str, least: str | None) -> str:
