@@ -82,7 +82,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     _add_output_and_jobs(company, "answers", "set-ups", "company")
     machines = commands.add_parser(
         "machines",
-        help="the model's error on machines, taken apart in hundreds of set-ups by boundary elements (ten minutes; finished ones are kept)",
+        help="the model's error on machines, taken apart in hundreds of set-ups with stored truths by boundary elements (a minute; finished ones are kept)",
     )
     _add_output_and_jobs(machines, "answers", "set-ups", "machines")
     documentation = commands.add_parser(

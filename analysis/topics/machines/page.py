@@ -10,7 +10,7 @@ from analysis.pipeline import keys
 from analysis.report import page
 from analysis.report.page import is_current
 from analysis.results.store import write_text
-from analysis.topics.machines import records, section, set_ups, stage
+from analysis.topics.machines import records, section, set_ups, stage, truths
 from geometries.common import installation
 
 PAGE = "machines.html"
@@ -34,12 +34,13 @@ def _reproduce(folder: Path) -> Markup:
     return page.section(
         "Reproduce",
         page.paragraph(
-            "From the project's folder: the readings of a set-up, which is named as in the numbers, and those of all that have none yet."
+            "From the project's folder: the reading of a set-up, which is named as in the numbers; the comparison of all; and the true changes that are not stored."
         ),
         page.command(
-            f"{installation.model_command()} capacitance {scene} --method boundary-elements --rtol {stage.RTOL:g}"
+            f"{installation.model_command()} capacitance {scene} --method boundary-elements --rtol {truths.RTOL:g}"
         ),
         page.command(
             f"{installation.command('analysis')} machines --output {installation.from_repository(folder)}"
         ),
+        page.command(installation.command("analysis.topics.machines.truths")),
     )

@@ -11,10 +11,11 @@ from analysis.topics.machines import plots, records
 from analysis.topics.machines.parts import COMPANY
 from analysis.topics.machines.records import Entry, Statistics
 from analysis.topics.machines.set_ups import FAMILIES
-from analysis.topics.machines.stage import METHODS, RTOL
+from analysis.topics.machines.stage import METHODS
+from analysis.topics.machines.truths import RTOL
 
 TITLE = "On machines"
-ABSENT = "This version of the model has no study of machines yet: python3 -m analysis machines does it in ten minutes."
+ABSENT = "This version of the model has no study of machines yet: python3 -m analysis machines does it in a minute."
 _WHAT = (
     "Change: the reading with the target less that without it, the machine as it is. A part is the decrease of the change when what it names is "
     "included, over the true change; its mean over all orders of including, so that the parts add up to the error exactly. Nothing is fitted. The parts of "

@@ -27,7 +27,8 @@ from analysis.topics.machines.set_ups import (
     SetUp,
     all_set_ups,
 )
-from analysis.topics.machines.stage import EVERY, METHODS, RTOL, STAGES
+from analysis.topics.machines.stage import EVERY, METHODS, STAGES
+from analysis.topics.machines.truths import RTOL
 from geometries.common.installation import ROOT
 from geometries.scene import reader
 from geometries.scene.shapes import MeshShape, PlateShape

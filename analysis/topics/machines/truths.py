@@ -1,0 +1,137 @@
+"""The true changes of the set-ups on machines, by boundary elements, kept beside this file.
+
+`python3 -m analysis.topics.machines.truths` solves the set-ups that have no record in `truths.json`, in half an hour of two cores for all of
+them. Delete the file to solve all of them anew.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from analysis.pipeline import model_stage
+from analysis.results.answers import Estimate
+from analysis.results.set_up import rectangles
+from analysis.results.store import Document, read_json, write_json
+from analysis.topics.errors import records as records_of_pairs
+from analysis.topics.errors.parts import Truth
+from analysis.topics.machines import parts
+from analysis.topics.machines.parts import OnMachine
+from analysis.topics.machines.set_ups import READING, SetUp, all_set_ups
+from geometries.scene.scene import Scene
+from geometries.scene.writer import canonical
+
+FILE = Path(__file__).with_name("truths.json")
+RTOL = 1e-1
+"""Relative accuracy asked of a true change: the model is wrong by far more, and what is stated is mostly several times the true error."""
+_RTOL_BETWEEN = 2e-1
+"""That of the changes with something left out, which only the sizes of the parts depend on."""
+_RTOL_OF_PLATES = 1e-3
+"""That of one plate before another, whose error has smaller parts; it costs milliseconds."""
+_DIGITS = 7
+"""Significant digits of a stored value: far more than are true."""
+_DESCRIPTION = (
+    "True changes (F) of set-ups on machines by boundary elements, by the hash of the scene, with stated errors, for each choice of what is included; "
+    "and sensor and target by themselves. Made by python3 -m analysis.topics.machines.truths."
+)
+
+
+@dataclass(frozen=True)
+class Truths:
+    """The true changes of a set-up, and the truth of the sensor with each body of the target by itself."""
+
+    changes: OnMachine
+    pairs: tuple[Truth, ...]
+
+
+@cache
+def load(file: Path = FILE) -> dict[str, Truths]:
+    """Returns the records by the identity of their set-up's scene; none without a file."""
+    return {identity: _truths(record) for identity, record in _records(file).items()}
+
+
+def make(set_ups: Iterable[SetUp] | None = None, file: Path = FILE) -> int:
+    """Solves the set-ups, all if none are given, that have no record, and drops the records of others; returns how many were solved."""
+    chosen = list(all_set_ups() if set_ups is None else set_ups)
+    known, model, count = _records(file), model_stage.model_module(), 0
+    records = {each.identity: known[each.identity] for each in chosen if each.identity in known}
+    for each in chosen:
+        if each.identity not in records:
+            records[each.identity] = _record(solved(model, each))
+            _write(file, records)
+            count += 1
+            print(f"{each.name}: solved", file=sys.stderr)
+    if records.keys() != known.keys():
+        _write(file, records)
+    return count
+
+
+def solved(model: Any, set_up: SetUp) -> Truths:
+    """Solves a set-up for every choice of what is included. `model` is the model's module."""
+    everything = parts.included(set_up)
+    alone = parts.scenes(set_up, ())
+    plates = len(alone) == 1 and rectangles(alone[0]) is not None
+    pairs = tuple(_pair(model, scene, _RTOL_OF_PLATES if plates else RTOL) for scene in alone)
+    changes: dict[tuple[str, ...], Estimate] = {(): parts.added(pair.delta_self for pair in pairs)}
+    for chosen in parts.choices(set_up):
+        if chosen:
+            rtol = RTOL if chosen == everything else _RTOL_BETWEEN
+            changes[chosen] = parts.added(
+                _change(model, scene, rtol) for scene in parts.scenes(set_up, chosen)
+            )
+    return Truths(OnMachine(changes), pairs)
+
+
+def _change(model: Any, scene: Scene, rtol: float) -> Estimate:
+    reading = model.Scene.loads(canonical(scene)).readings("boundary-elements", rtol=rtol)[READING]
+    return Estimate(float(reading.change), float(reading.error["change"]))
+
+
+def _pair(model: Any, scene: Scene, rtol: float) -> Truth:
+    solved_pair = model.Scene.loads(canonical(scene)).maxwell(rtol=rtol)
+    alone = solved_pair["delta_self"][scene.sensors[0].name]
+    matrix, errors = solved_pair["maxwell"], solved_pair["error"]
+    return Truth(
+        mutual=Estimate(-float(matrix[0][1]), float(errors[0][1])),
+        delta_self=Estimate(float(alone["value"]), float(alone["error"])),
+        target_own=Estimate(float(matrix[1][1]), float(errors[1][1])),
+    )
+
+
+def _records(file: Path) -> Document:
+    document = read_json(file)
+    records: Document = {} if document is None else document["truths"]
+    return records
+
+
+def _truths(record: Document) -> Truths:
+    changes = {tuple(each["included"]): Estimate(each["value"], each["error"]) for each in record["changes"]}
+    return Truths(OnMachine(changes), tuple(records_of_pairs.truth(each) for each in record["pairs"]))
+
+
+def _record(truths: Truths) -> Document:
+    changes = [
+        {"included": list(chosen), **asdict(value)} for chosen, value in truths.changes.changes.items()
+    ]
+    rounded: Document = _rounded({"changes": changes, "pairs": [asdict(pair) for pair in truths.pairs]})
+    return rounded
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _rounded(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_rounded(each) for each in value]
+    return float(f"{value:.{_DIGITS}g}") if isinstance(value, float) else value
+
+
+def _write(file: Path, records: Document) -> None:
+    write_json(file, {"description": _DESCRIPTION, "truths": records})
+
+
+if __name__ == "__main__":
+    make()
