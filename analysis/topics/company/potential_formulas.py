@@ -21,8 +21,8 @@ from analysis.topics.company.rectangles import Array, Cells, box, energies, join
 from geometries.scene.scene import Object, Reading, Scene
 from geometries.scene.shapes import Cuboid, PlateShape
 
-MACHINE_CELLS, TARGET_CELLS = 10, 3
-"""Cells per side of a face, of the machine's bodies and of the target: 54 cells on a box, about as many as the formula's 36."""
+MACHINE_CELLS, TARGET_CELLS = 10, 4
+"""Cells per side of a face, of the machine's bodies and of the target: 96 cells on a box. With 3, the condenser is lost at gaps below a cell."""
 _COULOMB = 4 * pi * VACUUM_PERMITTIVITY
 _ROUNDING = 1e-12
 """Part of a charge's energy that rounding may leave."""
