@@ -27,7 +27,8 @@ using test::object;
 using test::sensor;
 using testing::ElementsAre;
 
-constexpr double rtol = 1e-3;
+/// Loose enough for meshes that cross to be solved in seconds; tests.model.random_soups goes further.
+constexpr double rtol = 3e-3;
 
 /// Returns the union of the two boxes that the tests call foot and leg.
 std::vector<Triangle> angle_piece() {
