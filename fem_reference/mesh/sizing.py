@@ -8,68 +8,65 @@ Hence the size at a point x is
 over all bodies i and all pairs i, j. `edge_i` is a fraction of the body's size, or of the local gap where that is smaller; for a body of a
 conductor that is always grounded it is at least a fraction of the distance from those that are driven. The sum of
 the distances to two bodies is the local width of the gap between them: two plates at an angle are resolved where they are close, and
-nowhere else. Between plane faces c is larger than 1, since the potential there is nearly linear except near edges. gmsh's MathEval
-evaluates closed forms of the distances; gmsh samples the distances to polyhedra.
+nowhere else. Between plane faces c is larger than 1, since the potential there is nearly linear except near edges.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from itertools import combinations
 
-import gmsh
+import numpy as np
 
-from fem_reference.mesh import gmsh_fields
+from fem_reference.bodies.distances import distance, in_contact
+from fem_reference.bodies.polyhedron import Polyhedron
+from fem_reference.bodies.round_bodies import Cone
 from fem_reference.bodies.shapes import SHEETS, Body, Cuboid, Rectangle
-from fem_reference.mesh.distance_expressions import (
-    TextBody,
+from fem_reference.mesh.body_distances import (
+    ClosedFormBody,
     curvature_radius,
     curved_distance,
     edge_distance,
-    minimum,
     surface_distance,
     wall_distance,
 )
-from fem_reference.bodies.distances import distance, in_contact
-from fem_reference.mesh.polyhedra_fields import facet_size, sampled_edges, sampled_surfaces
-from fem_reference.bodies.polyhedron import Polyhedron
-from fem_reference.bodies.round_bodies import Cone
+from fem_reference.mesh.size_function import SizeFunction
 from fem_reference.mesh.size_rules import Sizing
+from fem_reference.mesh.tape import Expression, Quantity, Tape, smallest
 
-__all__ = ["Sizing", "set_size_field"]
+__all__ = ["Sizing", "distance_on_tape", "size_function"]
 
 AT_APEX = 0.1
 """Size of the cells at the apex of a cone over the size at its edge. It has to end the refinement by curvature, since the radius of
 curvature falls to 0 towards the apex."""
 
 
-def set_size_field(
+def size_function(
     bodies: Sequence[Body],
     owner: Sequence[int],
     sizing: Sizing,
-    volumes: Mapping[int, Sequence[int]],
     dielectrics: Collection[int] = (),
     room: Cuboid | None = None,
     grounded: Collection[int] = (),
-) -> None:
-    """Make the size field of these bodies the background mesh of the current gmsh model.
+) -> SizeFunction:
+    """The size of the tetrahedra around and in these bodies.
 
     The size is not reduced in gaps between bodies of one conductor (equal `owner`), nor between a dielectric body and a body it
-    touches, where the field varies over the thickness of the dielectric. `volumes` maps each solid body to gmsh's tags of its
-    volumes. The bodies `grounded` are at 0 V in every solution, so that there is no field between two of them.
+    touches, where the field varies over the thickness of the dielectric. The bodies `grounded` are at 0 V in every solution, so that there
+    is no field between two of them.
     """
+    tape = Tape()
     potential = [None if k in grounded else number for k, number in enumerate(owner)]
     pairs = [(i, j) for i, j in combinations(range(len(bodies)), 2) if potential[i] != potential[j]]
     driven = [k for k in range(len(bodies)) if k not in grounded and k not in dielectrics]
     contacts = [(i, j) for i, j in pairs if in_contact(bodies[i], bodies[j])]
     gaps = [pair for pair in pairs if pair not in contacts]
-    known = sampled_surfaces(bodies, gaps, sizing, volumes)
-    known |= {k: surface_distance(body) for k, body in enumerate(bodies) if not isinstance(body, Polyhedron)}
+    known = [distance_on_tape(body, tape) for body in bodies]
     widths = {(i, j): distance(bodies[i], bodies[j]) for i, j in gaps}
     # Where a gap is wide, the growth from edges sets smaller sizes everywhere. Without such gaps the size is the same, and found sooner.
     driven_bodies = [k for k in range(len(bodies)) if k not in grounded]
-    sizes = [
-        f"{_in_gap(bodies[i], bodies[j], sizing)}*({known[i]}+{known[j]})"
+    sizes: list[Quantity] = [
+        _in_gap(bodies[i], bodies[j], sizing) * (known[i] + known[j])
         for i, j in gaps
         if not any(
             _is_wide(bodies[k], widths[i, j], _in_gap(bodies[i], bodies[j], sizing), sizing)
@@ -79,28 +76,46 @@ def set_size_field(
     ]
     for i, body in enumerate(bodies):
         across = [
-            f"({known[i]}+{known[k + j - i]})"
+            known[i] + known[k + j - i]
             for k, j in gaps
             if i in (k, j) and sizing.edge_in_gap * widths[k, j] < sizing.edge * body.size
         ]
         if room is not None and i not in grounded:
-            across.append(f"({known[i]}+{wall_distance(room)})")
-            sizes.append(f"{_in_gap(body, room, sizing)}*{across[-1]}")
-        edge = [repr(sizing.edge * body.size), *(f"{sizing.edge_in_gap}*{gap}" for gap in across)]
+            across.append(known[i] + wall_distance(room, tape.point))
+            sizes.append(_in_gap(body, room, sizing) * across[-1])
+        edge: list[Quantity] = [sizing.edge * body.size, *(sizing.edge_in_gap * gap for gap in across)]
         for j in (k + j - i for k, j in contacts if i in (k, j)):
-            edge.append(f"({sizing.edge}*{bodies[j].size!r}+{sizing.edge_in_gap}*{known[j]})")
-        least = None
+            edge.append(sizing.edge * bodies[j].size + sizing.edge_in_gap * known[j])
+        least = 0.0
         if i in grounded and driven:
-            least = f"{sizing.far}*{minimum([known[k] for k in driven])}"
-        at_edges = f"{_at_least(minimum(edge), least)}/{sizing.refinement}"
+            least = sizing.far * smallest([known[k] for k in driven])
+        at_edges = np.maximum(smallest(edge), least) / sizing.refinement
         if isinstance(body, Polyhedron):
-            sizes += _sizes_of_polyhedron(body, at_edges, least, known[i], sizing, volumes[i])
+            sizes += _sizes_of_polyhedron(body, at_edges, least, known[i], sizing)
         else:
-            sizes += _sizes_of_body(body, at_edges, known[i], sizing)
+            sizes += _sizes_of_body(body, at_edges, known[i], sizing, tape)
         if i in dielectrics:
-            sizes.append(f"{sizing.gap}*({body.size!r}+2*{known[i]})")
-    fields = [gmsh_fields.expression(size) for size in sizes]
-    gmsh.model.mesh.field.setAsBackgroundMesh(gmsh_fields.smallest(fields))
+            sizes.append(sizing.gap * (body.size + 2 * known[i]))
+    return SizeFunction(smallest(sizes))
+
+
+def distance_on_tape(body: Body, tape: Tape) -> Expression:
+    """Distance to the body; inside of triangles, to its surface."""
+    if isinstance(body, Polyhedron):
+        return tape.distance(body.vertices[body.triangles])
+    found: Expression = surface_distance(body, tape.point)
+    return found
+
+
+def _facet_size(body: Polyhedron) -> float | None:
+    """The median length of the sides of the triangles on rounded surfaces, from which the mesh size grows; None without such.
+
+    The triangles of plane faces do not count: how a plane face is cut into triangles is arbitrary.
+    """
+    corners = body.vertices[body.triangles[body.rounded]]
+    if not len(corners):
+        return None
+    return float(np.median(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)))
 
 
 def _is_wide(body: Body, width: float, in_gap: float, sizing: Sizing) -> bool:
@@ -121,11 +136,6 @@ def _is_wide(body: Body, width: float, in_gap: float, sizing: Sizing) -> bool:
     ) * width >= sizing.edge * body.size / sizing.refinement + sizing.growth * farthest
 
 
-def _at_least(size: str, least: str | None) -> str:
-    """The size, or the least one where that is larger."""
-    return size if least is None else f"max({size},{least})"
-
-
 def _is_plane_faced(body: Body) -> bool:
     """Whether all faces of a body are plane.
 
@@ -142,27 +152,33 @@ def _in_gap(first: Body, second: Body, sizing: Sizing) -> float:
     return sizing.gap_between_faces if plane else sizing.gap
 
 
-def _sizes_of_body(body: TextBody, at_edges: str, surface: str, sizing: Sizing) -> list[str]:
+def _sizes_of_body(
+    body: ClosedFormBody, at_edges: Quantity, surface: Expression, sizing: Sizing, tape: Tape
+) -> list[Quantity]:
     """The sizes that the edges of a body and the curvature of its surface require; at the apex of a cone AT_APEX limits the latter."""
-    edges, radius = edge_distance(body), curvature_radius(body)
-    sizes = [] if edges is None else [f"{at_edges}+{sizing.growth}*{edges}"]
+    edges, radius = edge_distance(body, tape.point), curvature_radius(body, tape.point)
+    sizes = [] if edges is None else [at_edges + sizing.growth * edges]
     if radius is not None:
-        least = f"{AT_APEX}*{at_edges}+" if isinstance(body, Cone) else ""
-        curved = f"{sizing.curvature / sizing.refinement**0.5!r}*{radius}"
-        sizes.append(f"{least}{curved}+{sizing.growth}*{curved_distance(body) or surface}")
+        least = AT_APEX * at_edges if isinstance(body, Cone) else 0.0
+        curved = sizing.curvature / sizing.refinement**0.5 * radius
+        away = curved_distance(body, tape.point)
+        sizes.append(least + curved + sizing.growth * (surface if away is None else away))
     return sizes
 
 
 def _sizes_of_polyhedron(
-    body: Polyhedron, at_edges: str, least: str | None, surface: str, sizing: Sizing, volumes: Sequence[int]
-) -> list[str]:
+    body: Polyhedron, at_edges: Quantity, least: Quantity, surface: Expression, sizing: Sizing
+) -> list[Quantity]:
     """The sizes that the sharp edges and the rounded surfaces of a polyhedron require.
 
-    The latter start from the size of facets, or from the `least` size, an expression, where that is larger.
+    The latter start from the size of facets, or from the `least` size where that is larger.
     """
-    edges, facet = sampled_edges(body, volumes), facet_size(body)
-    sizes = [] if edges is None else [f"{at_edges}+{sizing.growth}*{edges}"]
+    edges, facet = body.vertices[body.edges], _facet_size(body)
+    sizes = []
+    if len(edges):
+        # A triangle with two equal corners is a segment.
+        sizes.append(at_edges + sizing.growth * surface.tape.distance(edges[:, [0, 1, 1]]))
     if facet is not None:
-        on_facets = f"{_at_least(repr(facet), least)}/{sizing.refinement**0.5!r}"
-        sizes.append(f"{on_facets}+{sizing.growth}*{surface}")
+        on_facets = np.maximum(facet, least) / sizing.refinement**0.5
+        sizes.append(on_facets + sizing.growth * surface)
     return sizes

@@ -18,7 +18,7 @@ from fem_reference.bodies.shapes import Body, Cuboid, bounding_sphere
 from fem_reference.mesh.curved_cells import curved_cells, shape_error, straighten_inverted
 from fem_reference.mesh.occ_shapes import add_ball, add_body, cut_to, united
 from fem_reference.mesh.quarter_points import is_pulled, pull, straighten, vertices_on_edges
-from fem_reference.mesh.sizing import Sizing, set_size_field
+from fem_reference.mesh.sizing import Sizing, size_function
 from fem_reference.common.stages import stage
 from fem_reference.bodies.symmetry import Plane
 
@@ -147,9 +147,10 @@ def tagged_mesh(
 
     def build() -> None:
         with stage("building the geometry"):
-            volumes = _build_geometry(bodies, owner, centre, radius, planes, room)
+            _build_geometry(bodies, owner, centre, radius, planes, room)
         with stage("meshing"):
-            set_size_field(bodies, owner, sizing, volumes, dielectrics, room, grounded)
+            size = size_function(bodies, owner, sizing, dielectrics, room, grounded)
+            size.set_in_gmsh()
             if any(isinstance(body, Polyhedron) for body in bodies):
                 gmsh.option.setNumber("Mesh.LcIntegrationPrecision", SIZE_PRECISION)
             _generate()
@@ -268,8 +269,8 @@ def _build_geometry(
     radius: float,
     planes: Sequence[Plane],
     room: Cuboid | None,
-) -> dict[int, list[int]]:
-    """Build the geometry in the current gmsh model and tag it; returns the volumes that each solid body, or its conductor, consists of.
+) -> None:
+    """Build the geometry in the current gmsh model and tag it.
 
     The solid bodies of one conductor are united: its cells have the tag of the first of them.
     """
@@ -306,7 +307,6 @@ def _build_geometry(
     outer = [tag for _, tag in boundary if _is_outer(tag, radius, room)]
     _require_outer_area(outer, radius, room, 2 ** len(planes))
     gmsh.model.addPhysicalGroup(2, outer, OUTER_SURFACE)
-    return {k: [tag for _, tag in parts[first[k] + 1]] for k in solids}
 
 
 def _require_outer_area(faces: Sequence[int], radius: float, room: Cuboid | None, copies: int) -> None:

@@ -14,7 +14,7 @@ from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.shapes import Body
 from fem_reference.bodies.symmetry import Plane, orbits
 from fem_reference.bodies.wrapping import Wrap, member_names, spread_points
-from fem_reference.mesh.distance_expressions import evaluated, surface_distance
+from fem_reference.mesh.body_distances import surface_distance
 from fem_reference.solve.field_problem import FieldProblem
 
 Array = NDArray[np.float64]
@@ -91,7 +91,7 @@ def _distances(points: Array, body: Body) -> list[Array]:
     elif isinstance(body, Polyhedron):
         groups = [spread_points([body.vertices[body.triangles]])[0]]
     else:
-        return [evaluated(surface_distance(body), points)]
+        return [np.asarray(surface_distance(body, points.T))]
     return [np.asarray(cKDTree(group).query(points)[0]) for group in groups]
 
 

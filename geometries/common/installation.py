@@ -39,8 +39,16 @@ def model_program() -> Path:
 
 def wrap_program() -> Path:
     """Returns where the program is that wraps meshes for the field reference."""
-    folder = ROOT.parents[1] / "libexec" / "fringe" if is_installed() else ROOT / "build" / "bin"
-    return folder / "fringe-wrap"
+    return _own_programs() / "fringe-wrap"
+
+
+def sizes_library() -> Path:
+    """Returns where the library is by which the field reference's mesher finds the size of its cells."""
+    return _own_programs() / "fringe-sizes.so"
+
+
+def _own_programs() -> Path:
+    return ROOT.parents[1] / "libexec" / "fringe" if is_installed() else ROOT / "build" / "bin"
 
 
 def from_repository(path: Path) -> str:

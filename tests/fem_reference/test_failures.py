@@ -38,7 +38,7 @@ HURRIED = solve.SOLVER_OPTIONS | {"ksp_max_it": 1}
     [
         (gmsh.model.occ, "fragment", fail, "building the geometry failed: a face without edges"),
         (gmsh.model.mesh, "generate", fail, "meshing failed: a face without edges"),
-        (mesh, "set_size_field", fail, "meshing failed: a face without edges"),
+        (mesh, "size_function", fail, "meshing failed: a face without edges"),
         (solve, "_stiffness", fail, "assembling the equations failed: a face without edges"),
         (solve, "SOLVER_OPTIONS", HURRIED, "solving the equations failed: the linear solver stopped"),
     ],

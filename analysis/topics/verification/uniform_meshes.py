@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 from scipy.constants import epsilon_0
 
-from fem_reference.mesh.distance_expressions import surface_distance
-from fem_reference.mesh.gmsh_fields import expression, smallest
+from fem_reference.mesh.size_function import SizeFunction
+from fem_reference.mesh.sizing import distance_on_tape
+from fem_reference.mesh.tape import Tape, smallest
 from fem_reference.mesh.tagged_mesh import OUTER_RADIUS
 from fem_reference.mesh.occ_shapes import add_ball, add_body, cut_to
-from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.conductors import Conductors
 from fem_reference.mesh.size_rules import Sizing
 from fem_reference.solve.field_problem import SOLVER_OPTIONS, products, require_convergence, set_options
@@ -114,10 +114,10 @@ def _build(problem: Conductors, size: float, planes: tuple[Plane, ...]) -> Array
     faces = gmsh.model.getBoundary(gmsh.model.getEntities(3), combined=True, oriented=False)
     outer = [tag for _, tag in faces if _is_outer(tag, radius)]
     gmsh.model.addPhysicalGroup(2, outer, OUTER)
-    growth = Sizing().growth
-    known = [surface_distance(body) for body in problem.bodies if not isinstance(body, Polyhedron)]
-    fields = [expression(f"{size!r}+{growth}*{distance}") for distance in known]
-    gmsh.model.mesh.field.setAsBackgroundMesh(smallest(fields))
+    tape = Tape()
+    away = smallest([distance_on_tape(body, tape) for body in problem.bodies])
+    sizes = SizeFunction(size + Sizing().growth * away)
+    sizes.set_in_gmsh()
     gmsh.model.mesh.generate(3)
     return np.asarray(centre)
 

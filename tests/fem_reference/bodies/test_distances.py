@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon, Rectangle
-from fem_reference.mesh.distance_expressions import (
-    TextBody,
+from fem_reference.mesh.body_distances import (
+    ClosedFormBody,
     curvature_radius,
     edge_distance,
-    evaluated,
     surface_distance,
 )
 from fem_reference.bodies.distances import distance, holds, touch_with_faces
@@ -92,7 +91,7 @@ def test_a_mesh_is_as_far_as_the_solid_it_describes() -> None:
     assert distance(mesh, mesh) == 0
 
 
-ROUND: list[TextBody] = [
+ROUND: list[ClosedFormBody] = [
     Sphere("sphere", CENTRE, 0.8),
     Cylinder("cylinder", CENTRE, TURNED, 1.0, 2.0),
     Cone("cone", CENTRE, TURNED, 0.7, 2.0),
@@ -104,12 +103,12 @@ ROUND: list[TextBody] = [
 
 
 @pytest.mark.parametrize("body", ROUND, ids=lambda body: f"{body.name}")
-def test_the_distance_given_to_gmsh_is_the_distance(body: TextBody) -> None:
+def test_the_distance_given_to_gmsh_is_the_distance(body: ClosedFormBody) -> None:
     """The distance is right outside of the body; behind the axis of a narrow arc, where it does not matter, it may be too small."""
     points = np.random.default_rng(1).uniform(-3, 3, (60, 3))
     points = points[[not holds(body, Sphere("point", point, 1e-9)) for point in points]]
     true = np.array([distance(body, Sphere("point", point, 1e-9)) for point in points])
-    ratio = evaluated(surface_distance(body), points) / true
+    ratio = surface_distance(body, points.T) / true
     narrow = isinstance(body, Arc) and body.half_angle < np.pi / 2
     assert ratio.max() < 1.001 and ratio.min() > (0.5 if narrow else 0.999)
 
@@ -127,51 +126,54 @@ def test_the_distances_given_to_gmsh_of_ellipsoids_and_polygons() -> None:
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     for away in (1e-3, -1e-3):
         points = CENTRE + (surface + away * normals) @ TURNED
-        np.testing.assert_allclose(evaluated(surface_distance(ellipsoid), points), abs(away), rtol=0.05)
+        np.testing.assert_allclose(surface_distance(ellipsoid, points.T), abs(away), rtol=0.05)
     far = random.uniform(-3, 3, (60, 3))
     far = far[[not holds(ellipsoid, Sphere("point", point, 1e-9)) for point in far]]
     true = np.array([distance(ellipsoid, Sphere("point", point, 1e-9)) for point in far])
-    ratio = evaluated(surface_distance(ellipsoid), far) / true
+    ratio = surface_distance(ellipsoid, far.T) / true
     assert 0.3 < ratio.min() and ratio.max() < 1.7
-    assert np.isfinite(evaluated(surface_distance(ellipsoid), CENTRE[None])).all()
+    assert np.isfinite(surface_distance(ellipsoid, CENTRE)).all()
     true = np.array([distance(SHEET, Sphere("point", point, 1e-9)) for point in far])
-    ratio = evaluated(surface_distance(SHEET), far) / true
+    ratio = surface_distance(SHEET, far.T) / true
     assert ratio.max() < 1.001 and ratio.min() > 0.999
     places = np.array([[0.5, 0.5, 0.7], [1.0, -0.4, 0.0], [1.5, 1.9, -0.2]])  # above, beside and below
-    np.testing.assert_allclose(evaluated(surface_distance(SHEET), CENTRE + places @ TURNED), [0.7, 0.4, 0.2])
-    text = edge_distance(SHEET)
-    assert text is not None
-    np.testing.assert_allclose(evaluated(text, far), SHEET.edge_distance(far), rtol=1e-9)
+    np.testing.assert_allclose(surface_distance(SHEET, (CENTRE + places @ TURNED).T), [0.7, 0.4, 0.2])
+    edges = edge_distance(SHEET, far.T)
+    assert edges is not None
+    np.testing.assert_allclose(edges, SHEET.edge_distance(far), rtol=1e-9)
 
 
 def test_the_radius_of_curvature_of_an_ellipsoid_is_the_smaller_one_at_its_tips() -> None:
     """At the end of the semi-axis a the two radii are b²/a and c²/a."""
     semi_axes = (0.3, 0.5, 1.0)
     ellipsoid = Ellipsoid("ellipsoid", CENTRE, TURNED, semi_axes)
-    text = curvature_radius(ellipsoid)
-    assert text is not None
     tips = CENTRE + np.diag(semi_axes) @ TURNED
     expected = [0.5**2 / 0.3, 0.3**2 / 0.5, 0.3**2 / 1.0]
-    np.testing.assert_allclose(evaluated(text, tips), expected, rtol=1e-6)
-    ball = curvature_radius(Ellipsoid("ball", CENTRE, TURNED, (0.4, 0.4, 0.4)))
+    found = curvature_radius(ellipsoid, tips.T)
+    assert found is not None
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+    ball = curvature_radius(Ellipsoid("ball", CENTRE, TURNED, (0.4, 0.4, 0.4)), tips.T)
     assert ball is not None
-    np.testing.assert_allclose(evaluated(ball, tips), 0.4, rtol=1e-6)
+    np.testing.assert_allclose(ball, 0.4, rtol=1e-6)
 
 
 @pytest.mark.parametrize(
-    "body", [body for body in ROUND if edge_distance(body) is not None], ids=lambda body: f"{body.name}"
+    "body",
+    [body for body in ROUND if edge_distance(body, CENTRE) is not None],
+    ids=lambda body: f"{body.name}",
 )
-def test_the_edges_given_to_gmsh_are_on_the_surface(body: TextBody) -> None:
+def test_the_edges_given_to_gmsh_are_on_the_surface(body: ClosedFormBody) -> None:
     """An edge belongs to the surface, so that it is never nearer than the surface; and the distance is 0 at points of the edges."""
     points = np.random.default_rng(2).uniform(-3, 3, (200, 3))
-    text = edge_distance(body)
-    assert text is not None
-    assert np.all(evaluated(text, points) >= evaluated(surface_distance(body), points) * (1 - 1e-12))
+    found = edge_distance(body, points.T)
+    assert found is not None
+    assert np.all(found >= surface_distance(body, points.T) * (1 - 1e-12))
     if isinstance(body, Arc):
         angles = np.linspace(-body.half_angle, body.half_angle, 7)
         rim = body.outer_radius * np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
         on_edges = body.centre + (rim + [0, 0, -body.height / 2]) @ body.axes
-        assert evaluated(text, on_edges).max() < 1e-7
+        found = edge_distance(body, on_edges.T)
+        assert found is not None and found.max() < 1e-7
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from fem_reference.bodies.distances import distance
 from fem_reference.bodies.shapes import Cuboid, Rectangle
-from fem_reference.mesh.distance_expressions import edge_distance, evaluated, surface_distance
+from fem_reference.mesh.body_distances import edge_distance, surface_distance
 from fem_reference.mesh.size_rules import Sizing
 from fem_reference.mesh.sizing import _in_gap, _is_wide
 
@@ -26,9 +26,9 @@ def test_in_a_wide_gap_the_growth_from_edges_is_smaller_everywhere() -> None:
             continue
         left_out += 1
         points = np.concatenate([random.uniform(-5, 5, (500, 3)), random.normal(size=(500, 3))])
-        edges = edge_distance(body)
+        edges = edge_distance(body, points.T)
         assert edges is not None
-        grown = sizing.edge * body.size + sizing.growth * evaluated(edges, points)
-        in_gap = ratio * evaluated(f"({surface_distance(body)}+{surface_distance(other)})", points)
+        grown = sizing.edge * body.size + sizing.growth * edges
+        in_gap = ratio * (surface_distance(body, points.T) + surface_distance(other, points.T))
         assert np.all(grown <= in_gap)
     assert left_out > 50
