@@ -10,6 +10,7 @@ from analysis.results.store import Document
 from geometries.common.errors import InputError
 from geometries.scene import reader
 from geometries.scene.scene import Scene
+from geometries.scene.person import Person
 from geometries.scene.shapes import ROUND_SHAPES, MeshShape
 from geometries.studies.study import Study
 
@@ -26,7 +27,7 @@ def rtol(study: Study, scene: Scene) -> float:
     It is the study's where they answer alone, and for a mesh, whose charges converge so slowly that a tenth would take minutes and
     gigabytes. Beside the field solver it is a tenth of it.
     """
-    has_mesh = any(isinstance(body.shape, MeshShape) for body in scene.objects)
+    has_mesh = any(isinstance(body.shape, MeshShape | Person) for body in scene.objects)
     share = 1.0 if has_mesh or not study.by_field else SHARE
     return min(max(share * study.rtol, _STRICTEST), _LOOSEST)
 

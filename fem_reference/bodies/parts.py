@@ -19,6 +19,7 @@ from fem_reference.bodies.soup import Soup, Surface
 from fem_reference.bodies.wrapping import Geometry, containing_triangles, wrap
 from geometries.common.errors import InputError
 from geometries.scene import polygons, shapes
+from geometries.scene.person import Person
 from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import MeshShape, PlateShape
 
@@ -35,6 +36,10 @@ ROUNDNESS = 1e-3
 
 MOST_SIZE_RATIO = 1e6
 """Largest ratio between the extents of a mesh and of the largest plate: OpenCASCADE resolves 1e-7, and no mesh of cells could span more."""
+
+
+_KEY_OF_SIZE: dict[type, str] = {MeshShape: "file", Person: "height"}
+"""The key of a shape that messages on its size name."""
 
 
 @dataclass(frozen=True)
@@ -66,12 +71,13 @@ def object_part(scene: Scene, body: Object, geometry: Geometry, source: str) -> 
         raise InputError(source, f"{key}: shape.type", "a sheet has no volume that could be dielectric")
     rotation, translation = scene.pose_of_object(body.name)
     surface: Surface
-    if isinstance(body.shape, MeshShape):
+    if isinstance(body.shape, MeshShape | Person):
         own = body.shape.triangles()
-        _refuse_size(scene, own, f"{key}: shape.file", f"{body.shape.file}", source)
+        label = body.shape.file if isinstance(body.shape, MeshShape) else "a person"
+        _refuse_size(scene, own, f"{key}: shape.{_KEY_OF_SIZE[type(body.shape)]}", label, source)
         triangles = own @ rotation.T + translation
         most = None if dielectric or geometry.kind == "exact" else MOST_TRIANGLES
-        surface = _surface_of_mesh(body.name, triangles, body.shape.file, most)
+        surface = _surface_of_mesh(body.name, triangles, label, most)
         if isinstance(surface, Soup) and dielectric:
             raise InputError(source, f"{key}: shape.file", surface.defect)
     else:

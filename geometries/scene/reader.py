@@ -37,6 +37,7 @@ from geometries.scene.scene import (
     Scene,
     Sensor,
 )
+from geometries.scene.person import BUILDS, POSTURES, Person
 from geometries.scene.shapes import (
     DEFAULT_SEGMENTS,
     Arc,
@@ -450,6 +451,11 @@ def _mesh(table: Table) -> MeshShape:
     return MeshShape(str(file), digest, scale, surface)
 
 
+def _person(table: Table) -> Person:
+    height = table.positive_length("height")
+    return Person(height, table.choice("age", tuple(BUILDS)), table.choice("posture", POSTURES))
+
+
 _SHAPES: dict[str, Callable[[Table], Shape]] = {
     "plate": _plate_shape,
     "plane": _plate_shape,
@@ -465,6 +471,7 @@ _SHAPES: dict[str, Callable[[Table], Shape]] = {
     "disc": _disc,
     "polygon": _polygon,
     "mesh": _mesh,
+    "person": _person,
 }
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometries.scene import polygons
+from geometries.scene.person import Person
 
 Array = NDArray[np.float64]
 
@@ -240,7 +241,7 @@ ROUND_SHAPES = (Cylinder, Cone, Arc, Sphere, Ellipsoid, Capsule, RoundedCuboid, 
 """The shapes whose triangles are only inscribed in the true surface."""
 SHEETS = (PlateShape, Disc, Polygon)
 """The shapes without thickness."""
-Shape = PlateShape | Cuboid | Polygon | RoundShape | MeshShape
+Shape = PlateShape | Cuboid | Polygon | RoundShape | MeshShape | Person
 
 
 def _ring(radius: float, height: float, segments: int) -> Array:

@@ -13,6 +13,7 @@ import tomli_w
 from geometries.scene.joints import Joint
 from geometries.scene.poses import AxisRotation, Pose
 from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Reading, Room, Scene, Sensor
+from geometries.scene.person import Person
 from geometries.scene.shapes import (
     Arc,
     Capsule,
@@ -193,6 +194,8 @@ def _shape(shape: Shape, mesh_source: MeshSource) -> dict[str, Any]:
         }
     if isinstance(shape, MeshShape):
         return {"type": "mesh", **mesh_source(shape), "scale": shape.scale}
+    if isinstance(shape, Person):
+        return {"type": "person", "height": shape.height, "age": shape.age, "posture": shape.posture}
     if isinstance(shape, Polygon):
         return {"type": "polygon", "vertices": shape.vertices}
     if isinstance(shape, RoundedCuboid):

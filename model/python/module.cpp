@@ -16,6 +16,7 @@
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
 #include "fringe/plate_integral.hpp"
+#include "fringe/surface_charges.hpp"
 #include "fringe/thesis.hpp"
 #include "fringe/version.hpp"
 #include "scene_module.hpp"
@@ -47,6 +48,19 @@ std::vector<Eigen::Vector3d> vertices_of(const Array& array, const char* name) {
   for (std::size_t i = 0; i < vertices.size(); ++i)
     vertices[i] = Eigen::Vector3d(array.data() + 3 * i);
   return vertices;
+}
+
+Eigen::MatrixXd single_layer_of(const Array& array, double tolerance) {
+  const std::vector<Triangle> triangles = triangles_of(array);
+  const py::gil_scoped_release unlocked;
+  return single_layer(triangles, tolerance);
+}
+
+TrianglePotentials triangle_potentials_of(const Array& positions, const Array& array) {
+  const std::vector<Eigen::Vector3d> points = vertices_of(positions, "points");
+  const std::vector<Triangle> triangles = triangles_of(array);
+  const py::gil_scoped_release unlocked;
+  return triangle_potentials(points, triangles);
 }
 
 std::vector<Face> faces_of(const py::array_t<std::int64_t, py::array::c_style>& array) {
@@ -203,6 +217,18 @@ method: "field_of_view" or "cone_equation", two ways to the same answer (thesis 
 Returns (distance, point (3,), index of the triangle), or None when nothing is in the cone. An apex on a triangle has the
 distance 0. Raises InputError (a ValueError) for wrong shapes, values that are not finite or out of range and an unknown
 method.)");
+
+  module.def("single_layer", &single_layer_of, "triangles"_a, "tolerance"_a = 1e-4,
+             R"(The mean of 1/r between every pair of triangles (n, 3, 3): an (n, n) array in 1/m.
+
+It is the matrix of boundary elements with a charge spread evenly on each triangle. tolerance: the relative error aimed at
+for each element.)");
+  module.def(
+      "triangle_potentials", &triangle_potentials_of, "points"_a, "triangles"_a,
+      R"(The mean of 1/r over each triangle (m, 3, 3) at points (n, 3): an (n, m) array of single precision in 1/m.
+
+A triangle farther away than ten times its radius counts as a point. With the charges of Scene.surface_charges it gives
+the potential: fringe.triangle_potentials(points, panels) @ charges.)");
 
   module.def("corrections", &corrections_list,
              "The registry of corrections: a list of dictionaries with \"name\", \"formula\", \"source\", "

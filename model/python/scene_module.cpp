@@ -31,6 +31,7 @@
 #include "fringe/remarks.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
+#include "fringe/surface_charges.hpp"
 #include "python_object.hpp"
 #include "scene_text.hpp"
 #include "shared_scene.hpp"
@@ -173,6 +174,16 @@ py::dict described_geometry(SharedScene& shared, const Describe& describe) {
 
 std::vector<std::string> remarks_of(SharedScene& scene) {
   return scene.locked([](LiveScene& live) { return remarks(live.scene()); });
+}
+
+py::dict surface_charges_of(SharedScene& scene, double rtol, std::size_t most_panels) {
+  const SurfaceCharges found = scene.locked([&](const LiveScene& live) {
+    return surface_charges(live.scene(), {rtol, most_panels, 0});
+  });
+  return py::dict("panels"_a = array_of(found.panels), "conductors"_a = found.conductors,
+                  "conductor_of"_a = py::array_t<std::size_t>(
+                      static_cast<py::ssize_t>(found.conductor_of.size()), found.conductor_of.data()),
+                  "charges"_a = found.charges, "error"_a = found.error);
 }
 
 py::dict sense_of(SharedScene& scene, const std::string& method) {
@@ -484,6 +495,15 @@ is none.)")
           "Moves the link of a joint, and the links of all joints that follow it, to a position in rad or m. "
           "Limits are not "
           "checked. Raises InputError for a joint that does not exist or follows another one.")
+      .def(
+          "surface_charges", &surface_charges_of, "rtol"_a = 1e-2, "most_panels"_a = 4000,
+          R"(The charges on the surfaces of all conductors, by boundary elements: "panels" (n, 3, 3), triangles in m;
+"conductors", sensors first, floating ones last; "conductor_of" (n,), the place of each panel's conductor among them;
+"charges" (n, k), divided by 4 pi epsilon (m), a column for each conductor at 1 V and all others at 0; and "error", an
+estimate of the relative error of the charges' energies. Panels are refined until it is at most rtol, or there are
+most_panels.
+
+With the weights w of the conductors, fringe.triangle_potentials(points, panels) @ (charges @ w) is the potential.)")
       .def("roles", &roles_of,
            R"(What each object is to the readings, and what is measured, with the defaults filled in.
 

@@ -112,6 +112,7 @@ WHOLE: dict[str, Any] = {
         },
         {"name": "head", "shape": {"type": "ellipsoid", "semi_axes": [0.1, 0.1, 0.2], "segments": 8}},
         {"name": "soap", "shape": {"type": "box", "size": [0.1, 0.1, 0.2], "rounding": 0.05}},
+        {"name": "nurse", "shape": {"type": "person", "height": 1.7, "age": "adult", "posture": "standing"}},
         {"name": "coin", "shape": {"type": "disc", "radius": 0.1, "segments": 8}},
     ],
     "reading": [
@@ -124,7 +125,7 @@ OPTIONAL = {
     "medium", "relative_permittivity of medium", "room", "translation", "rotation", "quaternion", "parent", "link",
     "joint", "position", "lower", "upper", "mimic", "multiplier", "offset",
     "input_voltage", "coupling_capacitance", "distance_sensor", "potential", "conductor", "collides", "collides_with_parent", "material", "segments", "rounding", "units",
-    "to_ground", "target", "reading", "noise", "threshold",
+    "to_ground", "target", "reading", "noise", "threshold", "age", "posture",
 }  # fmt: skip
 # Those that have to be greater than 0; each number of a vector has.
 POSITIVE = {

@@ -27,6 +27,7 @@ def _sizes() -> list[Case]:
             f'capsule", radius = {size}, length = 1',
             f'ellipsoid", semi_axes = [1, {size}, {size}]',
             f'disc", radius = {size}',
+            f'person", height = {size}',
             f'polygon", vertices = [[0, 0], [{size}, 0], [0, {size}]]',
         ):
             kind = shape.split('"')[0]

@@ -33,6 +33,7 @@ SHAPES: list[Document] = [
     {"type": "disc", "radius": 0.05, "segments": 7},
     {"type": "polygon", "vertices": [[0, 0], [0.1, 0], [0, 0.1]]},
     {"type": "mesh", "file": "body.obj", "scale": 0.5},
+    {"type": "person", "height": 1.75, "age": "adult", "posture": "standing"},
 ]
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 # Every key of the format at least once.

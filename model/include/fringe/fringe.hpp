@@ -33,6 +33,7 @@
 #include "fringe/scene_reader.hpp"
 #include "fringe/scene_sensing.hpp"
 #include "fringe/shape.hpp"
+#include "fringe/surface_charges.hpp"
 #include "fringe/surface_tree.hpp"
 #include "fringe/thesis.hpp"
 #include "fringe/triangle.hpp"

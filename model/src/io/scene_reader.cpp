@@ -12,6 +12,7 @@
 
 #include "fringe/error.hpp"
 #include "fringe/mesh_file.hpp"
+#include "geometry/person.hpp"
 #include "geometry/polygon.hpp"
 #include "io/conductor_checks.hpp"
 #include "io/pose_reader.hpp"
@@ -299,6 +300,22 @@ Mesh read_mesh(TableReader& table, const std::filesystem::path& folder) {
   return mesh;
 }
 
+/// Reads a person, whose triangles are a mesh without a file.
+Mesh read_person(TableReader& table) {
+  const double height = table.positive_length("height");
+  const std::string age = table.choice("age", {"adult", "child", "infant"});
+  const std::string posture = table.choice("posture", {"standing", "lying", "arm_stretched"});
+  return {{},
+          1,
+          detail::triangles_of_person(height,
+                                      age == "adult"   ? detail::PersonAge::adult
+                                      : age == "child" ? detail::PersonAge::child
+                                                       : detail::PersonAge::infant,
+                                      posture == "standing" ? detail::Posture::standing
+                                      : posture == "lying"  ? detail::Posture::lying
+                                                            : detail::Posture::arm_stretched)};
+}
+
 Shape read_shape(TableReader& table, const std::filesystem::path& folder) {
   const std::string type = table.text("type");
   if (type == "plate" || type == "plane") {
@@ -333,9 +350,11 @@ Shape read_shape(TableReader& table, const std::filesystem::path& folder) {
     return read_polygon(table);
   if (type == "mesh")
     return read_mesh(table, folder);
+  if (type == "person")
+    return read_person(table);
   table.fail("type",
              fmt::format("\"{}\" is not a known shape; there are plate (or plane), cuboid (or box), cube, "
-                         "cylinder, cone, arc, sphere, ellipsoid, capsule, disc, polygon and mesh",
+                         "cylinder, cone, arc, sphere, ellipsoid, capsule, disc, polygon, mesh and person",
                          type));
 }
 

@@ -101,10 +101,11 @@ void remark_on_sizes(const Scene& scene, const std::vector<Body>& bodies, std::v
   std::string object_remark;
   for (const Body& body : bodies) {
     all.extend(body.box);
+    const auto* mesh = std::get_if<Mesh>(&body.object->shape);
     if (body.length > longest)
       object_remark = fmt::format(
           "object \"{}\" is {:.3g} m long: {}{}", body.object->name, longest = body.length, question,
-          std::holds_alternative<Mesh>(body.object->shape) ? ", or scale = 0.001 in the object's shape" : "");
+          mesh != nullptr && !mesh->file.empty() ? ", or scale = 0.001 in the object's shape" : "");
   }
   if (!object_remark.empty())
     found.push_back(std::move(object_remark));

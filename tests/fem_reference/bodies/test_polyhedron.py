@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from geometries.scene.person import BUILDS, POSTURES, Person
 from fem_reference.bodies.polyhedron import NotASolid, polyhedron
 from geometries.scene import shapes
 
@@ -86,3 +87,9 @@ def one_flipped() -> Array:
 def test_a_surface_that_bounds_no_solid_is_refused_with_the_place(triangles: Array, words: str) -> None:
     with pytest.raises(NotASolid, match=words):
         polyhedron("mesh", triangles)
+
+
+@pytest.mark.parametrize("posture", POSTURES)
+@pytest.mark.parametrize("age", BUILDS)
+def test_a_person_is_a_solid(age: str, posture: str) -> None:
+    polyhedron("person", Person(1.0, age, posture).triangles())  # Raises NotASolid where its triangles meet.

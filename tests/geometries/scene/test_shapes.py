@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from geometries.scene.person import BUILDS, POSTURES, Person
 from geometries.scene.shapes import (
     Arc,
     Capsule,
@@ -148,6 +149,25 @@ def test_a_swept_box_has_its_vertices_on_the_surface_and_approaches_its_volume(
 def test_an_ellipsoid_is_a_ball_stretched() -> None:
     triangles = Ellipsoid((0.05, 0.02, 0.08), 12).triangles()
     np.testing.assert_array_equal(triangles, Sphere(1.0, 12).triangles() * [0.05, 0.02, 0.08])
+
+
+@pytest.mark.parametrize("posture", POSTURES)
+@pytest.mark.parametrize(
+    "age, height, mass", [("adult", 1.75, 70), ("child", 1.155, 20.7), ("infant", 0.36, 1)]
+)
+def test_a_person_is_a_closed_polyhedron_of_its_height_and_about_its_mass(
+    age: str, height: float, mass: float, posture: str
+) -> None:
+    """The adult's density is that of Winter's table 4.1, 1.054 kg/l over all segments."""
+    triangles = Person(height, age, posture).triangles()
+    assert triangles.shape == (788, 3, 3) and is_closed(triangles)
+    assert volume(triangles) == pytest.approx(mass / 1054, rel=0.03)
+    along = 0 if posture == "lying" else 2
+    assert np.ptp(triangles[..., along]) == pytest.approx(height, rel=1e-14)
+    if posture == "arm_stretched":
+        build = BUILDS[age]
+        reach = build.upper_arm + build.forearm + build.hand
+        assert triangles[triangles[..., 1] < 0][:, 0].max() == pytest.approx(reach * height, rel=1e-12)
 
 
 def test_a_disc_and_a_polygon_face_up() -> None:

@@ -1,0 +1,1 @@
+"""From which distance a probe is noticed, at every place around a machine."""

@@ -1,0 +1,105 @@
+"""Places on a machine's surface, the directions away from it, and how far they are free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_LIFT = 1e-6
+"""Distance of a ray's origin from its surface, over the size of the machine."""
+_TOGETHER = 2_000_000
+"""Number of pairs of rays and triangles at once."""
+_GOLDEN = (0.7548776662466927, 0.5698402909980532)
+"""The two-dimensional golden ratio: multiples of it spread evenly."""
+
+
+@dataclass(frozen=True)
+class Places:
+    """Points (n, 3) in metres with the directions away from the machine (n, 3), the names of what they lie on, and the free length (n,)
+    until the machine comes again, infinite where it does not."""
+
+    points: Array
+    normals: Array
+    owners: tuple[str, ...]
+    free: Array
+
+    def rotations(self) -> Array:
+        """Returns rotations (n, 3, 3) that turn the z axis into each direction, and the x axis as far towards the world's as it can be; of a
+        direction along x, towards the world's y axis."""
+        z = self.normals
+        along = np.where(np.abs(z[:, :1]) < 0.9, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+        x = along - np.einsum("ni,ni->n", along, z)[:, None] * z
+        x /= np.linalg.norm(x, axis=1, keepdims=True)
+        return np.stack([x, np.cross(z, x), z], axis=2)
+
+
+def spread(conductors: dict[str, Array], sheets: frozenset[str], grid: float) -> Places:
+    """Spreads places over all surfaces, one for each square of side `grid` (m), on both sides of sheets; none where the way out is blocked at
+    once, as of faces within other bodies. The same scene has the same places."""
+    outward = {name: 1.0 if name in sheets else _side(own) for name, own in conductors.items()}
+    triangles = np.concatenate([own if outward[name] > 0 else own[:, ::-1] for name, own in conductors.items()])
+    names = [name for name, own in conductors.items() for _ in own]
+    cross = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    doubled = np.linalg.norm(cross, axis=1)
+    sound = doubled > 0
+    count = max(1, round(float(doubled.sum()) / 2 / grid**2))
+    ends = np.cumsum(doubled)
+    chosen = np.searchsorted(ends, (np.arange(count) + 0.5) * ends[-1] / count)
+    chosen = chosen[sound[np.minimum(chosen, len(sound) - 1)]]
+    u, v = (np.arange(len(chosen))[:, None] * np.array(_GOLDEN) % 1).T
+    folded = u + v > 1
+    u, v = np.where(folded, 1 - u, u), np.where(folded, 1 - v, v)
+    corners = triangles[chosen]
+    points = corners[:, 0] + u[:, None] * (corners[:, 1] - corners[:, 0]) + v[:, None] * (corners[:, 2] - corners[:, 0])
+    normals = cross[chosen] / doubled[chosen, None]
+    owners = [names[k] for k in chosen]
+    behind = [k for k, name in enumerate(owners) if name in sheets]
+    points, normals = np.concatenate([points, points[behind]]), np.concatenate([normals, -normals[behind]])
+    owners += [owners[k] for k in behind]
+    lift = _LIFT * float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
+    is_sheet = np.array([name in sheets for name in names])[sound]
+    free, is_inside = _free_length(points + lift * normals, normals, triangles[sound], is_sheet, lift)
+    kept = ~is_inside
+    return Places(points[kept], normals[kept], tuple(np.array(owners)[kept]), free[kept])
+
+
+def _side(triangles: Array) -> float:
+    """Returns −1 for a closed surface whose triangles face inwards, else 1."""
+    return -1.0 if np.linalg.det(triangles - triangles[0, 0]).sum() < 0 else 1.0
+
+
+def _free_length(
+    origins: Array, directions: Array, triangles: Array, is_sheet: NDArray[np.bool_], least: float
+) -> tuple[Array, Array]:
+    """Returns how far rays go until they meet a triangle, and whether the first one, of no sheet, is met from behind: then the ray began inside.
+
+    Möller and Trumbore (1997).
+    """
+    free, is_inside = np.full(len(origins), np.inf), np.zeros(len(origins), dtype=bool)
+    a, u, v = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    step = max(1, _TOGETHER // len(triangles))
+    for k in range(0, len(origins), step):
+        origin, direction = origins[k : k + step, None], directions[k : k + step, None]
+        across = np.cross(direction, v)
+        volume = np.einsum("nti,ti->nt", across, u)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            inverse = 1 / volume
+            offset = origin - a
+            s = np.einsum("nti,nti->nt", offset, across) * inverse
+            turned = np.cross(offset, u)
+            t = np.einsum("ni,nti->nt", direction[:, 0], turned) * inverse
+            length = np.einsum("ti,nti->nt", v, turned) * inverse
+            hits = (s >= 0) & (t >= 0) & (s + t <= 1) & (length > least)
+        length = np.where(hits, length, np.inf)
+        first = length.argmin(axis=1)
+        rows = np.arange(len(first))
+        free[k : k + step] = length[rows, first]
+        # The determinant is negative where the ray goes along the normal: it leaves a body.
+        is_inside[k : k + step] = (
+            np.isfinite(length[rows, first]) & (volume[rows, first] < 0) & ~is_sheet[first]
+        )
+    return free, is_inside

@@ -1,0 +1,91 @@
+"""Probes: what is held before a machine, by a text such as `sphere:0.02` or a name such as `finger`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometries.common.errors import InputError
+from geometries.scene import shapes
+from geometries.scene.meshes import read_triangles
+from geometries.scene.person import Person
+
+Array = NDArray[np.float64]
+
+_SEGMENTS = 16
+_LENGTHS = {"sphere": ("R",), "capsule": ("R", "L"), "box": ("X", "Y", "Z")}
+_TURNED = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+
+NAMED: dict[str, shapes.Shape] = {
+    "finger": shapes.Capsule(0.008, 0.06, _SEGMENTS),
+    "fist": shapes.Sphere(0.045, _SEGMENTS),
+    "hand": shapes.Cuboid((0.19, 0.085, 0.028)),
+    "infant": Person(0.36, "infant", "lying"),
+}
+"""A forefinger that points at the machine, 16 mm thick and 76 mm long; a fist of 9 cm; a flat hand, 190 × 85 × 28 mm; an infant of 1 kg who
+lies with the back to the machine. Breadths and lengths are those of grown-up men's hands (DIN 33402-2, 50th percentile), rounded."""
+DEFAULT = ("sphere:0.02", "finger", "fist", "hand", "infant")
+
+
+@dataclass(frozen=True)
+class Probe:
+    """A probe in its own frame, in metres: its z axis points away from the machine, and its lowest point is the one that comes nearest."""
+
+    name: str
+    triangles: Array
+    text: str
+    """Its shape as the keys of a scene's object."""
+
+
+def probe(name: str, mesh_folder: Path) -> Probe:
+    """Returns the probe that a name or a text describes; InputError for one that is none. A mesh's surface is written to a folder."""
+    kind, *rest = name.split(":")
+    if name in NAMED:
+        return _of_shape(name, NAMED[name])
+    if kind == "mesh" and rest:
+        file = Path(":".join(rest)).absolute()
+        return Probe(file.stem, read_triangles(file), f'type = "mesh", file = {_quoted(str(file))}')
+    if kind not in _LENGTHS:
+        known = ", ".join([*NAMED, *(f"{key}:{':'.join(names)}" for key, names in _LENGTHS.items()), "mesh:FILE"])
+        raise InputError("--probe", "", f"{name!r} is none of {known}")
+    try:
+        lengths = [float(text) for text in rest]
+    except ValueError:
+        lengths = []
+    if len(lengths) != len(_LENGTHS[kind]) or not all(0 < x < math.inf for x in lengths):
+        raise InputError("--probe", "", f"{name!r} must be {kind}:{':'.join(_LENGTHS[kind])}, lengths in metres")
+    shape: shapes.Shape
+    if kind == "sphere":
+        shape = shapes.Sphere(lengths[0], _SEGMENTS)
+    elif kind == "capsule":
+        shape = shapes.Capsule(lengths[0], lengths[1], _SEGMENTS)
+    else:
+        shape = shapes.Cuboid((lengths[0], lengths[1], lengths[2]))
+    return _of_shape(name, shape)
+
+
+def _of_shape(name: str, shape: shapes.Shape) -> Probe:
+    return Probe(name, shape.triangles(), _text(shape))
+
+
+def _text(shape: shapes.Shape) -> str:
+    match shape:
+        case Person():
+            return f'type = "person", height = {shape.height}, age = "{shape.age}", posture = "{shape.posture}"'
+        case shapes.Sphere():
+            return f'type = "sphere", radius = {shape.radius}, segments = {shape.segments}'
+        case shapes.Capsule():
+            return f'type = "capsule", radius = {shape.radius}, length = {shape.length}, segments = {shape.segments}'
+        case shapes.Cuboid():
+            return f'type = "cuboid", size = {list(shape.size)}'
+    raise TypeError(f"{type(shape).__name__} is no probe")
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'

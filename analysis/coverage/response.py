@@ -1,0 +1,129 @@
+"""How a probe changes the readings of a machine at rest: its own charge problem on a few points, in the field of the machine.
+
+The probe's panels have the single-layer matrix V. Potentials of charges that are not too near are harmonic within the probe, and hence given on
+all panels by their values at a few of them, T: V − G on the panels becomes W⁻¹ − G on these points, W = Tᵀ V⁻¹ T (interpolative decomposition).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from analysis.coverage.machine import Machine
+from analysis.coverage.probes import Probe
+
+Array = NDArray[np.float64]
+
+_CLEARANCES = (0.06, 0.3, 1.5)
+"""Distances of the nearest charges for which the points of a level suffice, over half the size of the probe."""
+_TOLERANCE = 1e-3
+"""Error of the interpolated potentials, over the largest ones."""
+_MOST_POINTS = 48
+_PROBE_PANELS = 700
+_TOGETHER = 4096
+"""Number of points whose potentials are held at once."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """The points (p, 3) that stand for a probe where the machine is at least `clearance` away, and the inverse of W (1/m)."""
+
+    clearance: float
+    points: Array
+    inverse: Array
+
+
+@dataclass(frozen=True)
+class Response:
+    """A probe's levels, the nearest first."""
+
+    probe: Probe
+    levels: tuple[Level, ...]
+
+    def level(self, distance: float) -> Level:
+        """Returns the level for a distance from the machine (m): the one of the fewest points that suffices."""
+        fitting = [level for level in self.levels if level.clearance <= distance]
+        return fitting[-1] if fitting else self.levels[0]
+
+
+def respond(probe: Probe, model: Any) -> Response:
+    """Solves the probe by itself."""
+    scene = model.Scene.loads(f'[[object]]\nname = "probe"\nshape = {{ {probe.text} }}\n')
+    panels = scene.surface_charges(rtol=0.01, most_panels=_PROBE_PANELS)["panels"]
+    matrix = model.single_layer(panels)
+    factor = linalg.cho_factor(matrix)
+    centres = panels.mean(axis=1)
+    middle = (centres.min(axis=0) + centres.max(axis=0)) / 2
+    size = float(np.linalg.norm(centres - middle, axis=1).max())
+    levels = [_level(share * size, centres, middle, size, factor) for share in _CLEARANCES]
+    return Response(probe, tuple(levels))
+
+
+def _level(clearance: float, centres: Array, middle: Array, size: float, factor: Any) -> Level:
+    outside = _outside(clearance, centres, middle, size)
+    potentials = 1 / np.linalg.norm(centres[:, None] - outside, axis=2)
+    potentials = np.column_stack([potentials / np.abs(potentials).max(axis=0), np.ones(len(centres))])
+    triangular, order = linalg.qr(potentials.T, mode="r", pivoting=True)
+    diagonal = np.abs(triangular.diagonal())
+    count = int(min(_MOST_POINTS, max(1, np.sum(diagonal > _TOLERANCE * diagonal[0]))))
+    chosen = order[:count]
+    spread = linalg.lstsq(potentials[chosen].T, potentials.T)[0].T
+    own = spread.T @ linalg.cho_solve(factor, spread)
+    return Level(clearance, centres[chosen], np.linalg.inv((own + own.T) / 2))
+
+
+def _outside(clearance: float, centres: Array, middle: Array, size: float) -> Array:
+    """Returns points in all directions at some distances from the probe, this one the nearest."""
+    chance = np.random.default_rng(1)
+    found = []
+    for factor in (1.0, 2.0, 4.0, 8.0):
+        start = centres[chance.integers(len(centres), size=120)]
+        direction = chance.normal(size=(120, 3))
+        points = start + factor * clearance * direction / np.linalg.norm(direction, axis=1, keepdims=True)
+        nearest = np.linalg.norm(points[:, None] - centres, axis=2).min(axis=1)
+        found.append(points[nearest > 0.9 * factor * clearance])
+    far = chance.normal(size=(40, 3))
+    found.append(middle + 4 * (size + clearance) * far / np.linalg.norm(far, axis=1, keepdims=True))
+    return np.concatenate(found)
+
+
+def changes(
+    machine: Machine, level: Level, rotations: Array, translations: Array, to_ground: float | None
+) -> tuple[Array, Array]:
+    """Returns the changes of all readings (n, readings) in F in so many poses, and whether the probe clears the machine (n,).
+
+    `rotations` (n, 3, 3) and `translations` (n, 3) map the probe's frame to the world; the probe is grounded, or else connected to ground through a capacitance (F), 0
+    if insulated.
+    """
+    count = len(level.points)
+    together = max(1, _TOGETHER // count)
+    parts = [
+        _some(machine, level, rotations[k : k + together], translations[k : k + together], to_ground)
+        for k in range(0, len(translations), together)
+    ]
+    none = (np.zeros((0, len(machine.readings))), np.zeros(0, dtype=bool))
+    parts = parts or [none]
+    return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
+
+
+def _some(
+    machine: Machine, level: Level, rotations: Array, translations: Array, to_ground: float | None
+) -> tuple[Array, Array]:
+    n, count = len(translations), len(level.points)
+    points = (np.einsum("nij,pj->npi", rotations, level.points) + translations[:, None]).reshape(-1, 3)
+    senses, drives, answers, free = (part.reshape(n, count, -1) for part in machine.at(points))
+    system = level.inverse - answers @ answers.transpose(0, 2, 1) + free @ free.transpose(0, 2, 1)
+    right = np.concatenate([senses, drives, np.ones((n, count, 1))], axis=2)
+    solved = np.linalg.solve(system, right)
+    size = senses.shape[2]
+    sensed, driven, alone = solved[..., :size], solved[..., size : 2 * size], solved[..., 2 * size]
+    found = np.einsum("npr,npr->nr", senses, driven)
+    clears = (alone.sum(axis=1) > 0) & (np.einsum("npr,npr->nr", senses, sensed) >= 0).all(axis=1)
+    if to_ground is not None:
+        net = alone.sum(axis=1) + to_ground / machine.factor
+        found -= np.einsum("npr->nr", sensed) * np.einsum("npr->nr", driven) / net[:, None]
+    return machine.factor * found * [reading.sign for reading in machine.readings], clears

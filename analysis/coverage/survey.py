@@ -1,0 +1,245 @@
+"""The survey of a machine: changes of all readings for each probe, at each place, from a few distances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.coverage import response as responses
+from analysis.coverage.machine import Machine, Reading
+from analysis.coverage.places import Places, spread
+from analysis.coverage.probes import Probe
+from geometries.common.errors import InputError
+from geometries.scene.scene import Scene
+from geometries.scene.shapes import SHEETS
+
+Array = NDArray[np.float64]
+
+BOUNDARY_ELEMENTS, SMALL = "boundary-elements", "small-probe"
+"""The survey's own method; and its limit for small probes, the probe's capacitance times the potentials φ·φ' at its middle."""
+NEAREST, FARTHEST, COUNT = 0.005, 1.0, 12
+"""The distances (m) between a place and the nearest point of a probe."""
+RESOLUTION = 0.5e-15
+"""Resolution (F) of a common converter, the FDC1004 (Texas Instruments, SNOSCY5), whose five-fold is the threshold where a scene says nothing."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """What is asked: the readings by name, none for all; the side of a place's square in m, None for about 2,000 places; whether the probe is
+    grounded (None) or connected to ground through a capacitance (F), 0 if insulated; methods to compare with, at how many places."""
+
+    readings: tuple[str, ...] = ()
+    grid: float | None = None
+    to_ground: float | None = None
+    threshold: float | None = None
+    methods: tuple[str, ...] = ("exact", "formula", SMALL)
+    compared: int = 12
+    rtol: float = 0.02
+    most_panels: int = 2500
+
+
+@dataclass(frozen=True)
+class Survey:
+    """Changes by probe: (places, distances, readings) in F, NaN from where on the probe would touch the machine; by the name of a method the same
+    at the places numbered in `compared`."""
+
+    readings: tuple[Reading, ...]
+    thresholds: tuple[float, ...]
+    places: Places
+    distances: Array
+    probes: tuple[Probe, ...]
+    changes: tuple[Array, ...]
+    compared: NDArray[np.int64]
+    by_method: dict[str, tuple[Array, ...]]
+    panels: int
+    error: float
+
+    def ratios(self, probe: int, reading: int | None) -> Array:
+        """Returns changes over thresholds (places, distances), of one reading or the largest of all."""
+        return over_thresholds(self.changes[probe], self.thresholds, reading)
+
+
+def over_thresholds(changes: Array, thresholds: tuple[float, ...], reading: int | None) -> Array:
+    """Returns the absolute values of changes (…, readings) over the thresholds, of one reading or the largest of all."""
+    ratios = np.abs(changes) / np.array(thresholds)
+    return np.asarray(ratios.max(axis=-1) if reading is None else ratios[..., reading])
+
+
+def survey(path: Path, scene: Scene, probes: tuple[Probe, ...], options: Options, model: Any) -> Survey:
+    """Surveys a scene. Its marked targets are left out; without any, all objects stay: they are the machine."""
+    live = _at_rest(path, scene, model)
+    machine = Machine(live, model, scene.medium.relative_permittivity, options.rtol, options.most_panels)
+    chosen = _chosen(machine.readings, options.readings)
+    conductors = live.conductors()
+    sheets = frozenset(sensor.name for sensor in scene.sensors) | frozenset(
+        body.name for body in scene.objects if isinstance(body.shape, SHEETS)
+    )
+    grid = options.grid or _grid_for(conductors, 2000)
+    places = spread(conductors, sheets, grid)
+    distances = np.geomspace(NEAREST, FARTHEST, COUNT)
+    machine.prepare(_between(places, distances))
+    answers = [responses.respond(probe, model) for probe in probes]
+    changes = tuple(
+        _changes_of(probe, places, distances, lambda *pose: responses.changes(machine, *pose, options.to_ground), answer.level)[
+            ..., chosen
+        ]
+        for probe, answer in zip(probes, answers)
+    )
+    compared = np.unique(np.linspace(0, len(places.points) - 1, options.compared).astype(np.int64)) if options.methods else np.zeros(0, np.int64)
+    by_method = {
+        method: _by_method(method, live, machine, options, places, compared, distances, probes, answers, chosen)
+        for method in options.methods
+    }
+    readings = tuple(machine.readings[k] for k in chosen)
+    thresholds = tuple(options.threshold or reading.threshold or 5 * RESOLUTION for reading in readings)
+    return Survey(
+        readings, thresholds, places, distances, probes, changes, compared, by_method, len(machine.panels), machine.error
+    )
+
+
+def _at_rest(path: Path, scene: Scene, model: Any) -> Any:
+    """Loads the scene in the model without its targets."""
+    try:
+        live = model.Scene.load(str(path))
+        for body in scene.objects:
+            if body.target:
+                live.hide(body.name)
+    except ValueError as error:
+        raise InputError("", "", str(error)) from error
+    return live
+
+
+def _chosen(readings: tuple[Reading, ...], names: tuple[str, ...]) -> list[int]:
+    known = [reading.name for reading in readings]
+    for name in names:
+        if name not in known:
+            raise InputError("--reading", "", f"{name!r} is none of {', '.join(known)}")
+    return [known.index(name) for name in names] if names else list(range(len(known)))
+
+
+def _grid_for(conductors: dict[str, Array], count: int) -> float:
+    triangles = np.concatenate(list(conductors.values()))
+    cross = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    return float(np.sqrt(np.linalg.norm(cross, axis=1).sum() / 2 / count))
+
+
+def _between(places: Places, distances: Array) -> Array:
+    """Returns points on the ways to all places."""
+    points = places.points[:, None] + distances[:, None] * places.normals[:, None]
+    return points[distances < places.free[:, None]].reshape(-1, 3)
+
+
+def _changes_of(
+    probe: Probe,
+    places: Places,
+    distances: Array,
+    changes: Callable[[responses.Level, Array, Array], tuple[Array, Array]],
+    level: Callable[[float], responses.Level],
+) -> Array:
+    """Returns the changes (places, distances, readings); NaN from the first distance on at which the probe is blocked."""
+    rotations = places.rotations()
+    found = []
+    fits = np.ones(len(rotations), dtype=bool)
+    for distance in distances:
+        translations, own = _held(probe, places, float(distance))
+        fits &= own
+        values, clears = changes(level(float(distance)), rotations[fits], translations[fits])
+        fits[fits] = clears
+        whole = np.full((len(rotations), values.shape[1]), np.nan)
+        whole[fits] = values[clears]
+        found.append(whole)
+    return np.stack(found, axis=1)
+
+
+def _held(probe: Probe, places: Places, distance: float) -> tuple[Array, NDArray[np.bool_]]:
+    """Returns where a probe's origin is (places, 3) when its lowest point is so far from each place, and whether it fits before what comes next."""
+    low, high = float(probe.triangles[..., 2].min()), float(probe.triangles[..., 2].max())
+    translations = places.points + (distance - low) * places.normals
+    return translations, distance + (high - low) < places.free
+
+
+def _by_method(
+    method: str,
+    live: Any,
+    machine: Machine,
+    options: Options,
+    places: Places,
+    compared: NDArray[np.int64],
+    distances: Array,
+    probes: tuple[Probe, ...],
+    answers: list[responses.Response],
+    chosen: list[int],
+) -> tuple[Array, ...]:
+    """Returns the changes by another method at some places, as in Survey."""
+    some = Places(
+        places.points[compared],
+        places.normals[compared],
+        tuple(places.owners[k] for k in compared),
+        places.free[compared],
+    )
+    found = []
+    for probe, answer in zip(probes, answers):
+        if method == SMALL:
+            values = _changes_of(probe, some, distances, lambda *pose: _small(machine, *pose, options.to_ground), answer.level)
+        else:
+            posed = live.copy()
+            posed.add(_text_of(probe, options.to_ground))
+            values = _changes_of(
+                probe, some, distances, lambda level, *pose: _asked(posed, method, machine, *pose), answer.level
+            )
+        found.append(values[..., chosen])
+    return tuple(found)
+
+
+def _small(
+    machine: Machine, level: responses.Level, rotations: Array, translations: Array, to_ground: float | None
+) -> tuple[Array, NDArray[np.bool_]]:
+    """The limit for small grounded probes: own capacitance times the potentials at the middle of the probe's charge."""
+    alone = np.linalg.solve(level.inverse, np.ones(len(level.points)))
+    middle = alone @ level.points / alone.sum()
+    senses, drives, _, _ = machine.at(np.einsum("nij,j->ni", rotations, middle) + translations)
+    capacitance = alone.sum() if to_ground is None else 0.0
+    if to_ground is not None:
+        share = to_ground / machine.factor
+        capacitance = alone.sum() * share / (alone.sum() + share)
+    signs = [reading.sign for reading in machine.readings]
+    return machine.factor * capacitance * senses * drives * signs, np.ones(len(translations), dtype=bool)
+
+
+_LINK, _PROBE = "probe of the coverage", "the probe"
+
+
+def _text_of(probe: Probe, to_ground: float | None) -> str:
+    potential = 'potential = "grounded"' if to_ground is None else 'potential = "floating"'
+    if to_ground:
+        potential += f"\nto_ground = {to_ground!r}"
+    return (
+        f'\n[[link]]\nname = "{_LINK}"\n[[object]]\nname = "{_PROBE}"\nlink = "{_LINK}"\nshape = {{ {probe.text} }}\n'
+        f"target = true\n{potential}\n"
+    )
+
+
+def _asked(posed: Any, method: str, machine: Machine, rotations: Array, translations: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Asks the model pose by pose; NaN where it does not know the change."""
+    found = np.full((len(translations), len(machine.readings)), np.nan)
+    for k, (rotation, translation) in enumerate(zip(rotations, translations)):
+        posed.set_pose(_LINK, translation, rotation)
+        try:
+            answers = _readings(posed, method)
+        except ValueError as error:
+            raise InputError("--method", "", str(error)) from error
+        for at, reading in enumerate(machine.readings):
+            change = answers[reading.name].change
+            found[k, at] = np.nan if change is None else change
+    return np.nan_to_num(found, nan=0.0), np.ones(len(translations), dtype=bool)
+
+
+def _readings(posed: Any, method: str) -> Any:
+    if method == "formula":
+        return posed.readings(correction="formula")
+    return posed.readings(method=method)
