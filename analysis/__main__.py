@@ -20,7 +20,7 @@ def main(arguments: list[str] | None = None) -> int:
     options = _parser(installation.command("analysis")).parse_args(arguments)
     before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        continue_with("plotly" if options.command in ("show", "sweep") else "dolfinx")
+        continue_with("plotly" if options.command in ("live", "show", "sweep") else "dolfinx")
         # The packages that commands import are slow, and this interpreter may lack them until here.
         from analysis.commands import run_command
 
@@ -127,8 +127,38 @@ def _parser(program: str) -> argparse.ArgumentParser:
         metavar="FILE",
         help="the page (default: <scene>.html in the current folder; results/show/<scene>.html for scenes of the repository)",
     )
+    _add_live(commands)
     _add_sweep(commands)
     return parser
+
+
+def _add_live(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    live = commands.add_parser(
+        "live",
+        help="write one page on which a scene can be moved: the library in it computes readings, distances and collisions in every frame",
+    )
+    live.add_argument("scene", metavar="SCENE", help="a name in geometries/scenes, or a file")
+    live.add_argument(
+        "--motion",
+        type=Path,
+        metavar="FILE",
+        help="the frames of a path (default: SCENE.motion.toml beside it, if any)",
+    )
+    reference = live.add_mutually_exclusive_group()
+    reference.add_argument(
+        "--rtol",
+        type=_relative,
+        default=1e-2,
+        metavar="R",
+        help="relative error asked of the reference readings along the paths, by boundary elements (default: 1e-2)",
+    )
+    reference.add_argument("--no-reference", action="store_true", help="solve no reference readings")
+    live.add_argument(
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="the page (default: <scene>.html in the current folder; results/live/<scene>.html for scenes of the repository)",
+    )
 
 
 def _add_sweep(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -211,6 +241,16 @@ def _add_verify(command: argparse.ArgumentParser) -> None:
         action="store_true",
         help="also verify the reference, as the command verify does, in the folder verification beside the results",
     )
+
+
+def _relative(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number between 0 and 1")
+    return value
 
 
 def _count(text: str) -> int:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from analysis.documentation import make as documentation
+from analysis.live import make as live
 from analysis.nightly import chunks, cluster, night
 from analysis.pipeline import reference_stage
 from analysis.pipeline.set_up_stages import SetUpStages, SomeSetUp
@@ -54,7 +55,7 @@ def run_command(options: argparse.Namespace) -> int:
     except InputError as error:
         print(f"analysis: {error}", file=sys.stderr)
         return WRONG_INPUT
-    except InUse as error:
+    except (InUse, live.NoLibrary) as error:
         print(f"analysis: {error}", file=sys.stderr)
         return FAILED
     except ModuleNotFoundError as error:
@@ -238,6 +239,12 @@ def _show(scene: str, motion: Path | None, target: Path | None) -> int:
     return ANSWERED
 
 
+def _live(options: argparse.Namespace) -> int:
+    asked = live.Options(None if options.no_reference else options.rtol)
+    print(f"page: {live.make(options.scene, options.motion, options.output, asked)}")
+    return ANSWERED
+
+
 def _sweep(options: argparse.Namespace) -> int:
     methods = options.method or sweep.METHODS
     asked = sweep.Options(methods, sweep.rtol_for(methods, options.rtol))
@@ -282,5 +289,6 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "table": lambda options: _table(options.answers, options.output, options.jobs),
     "documentation": lambda options: _documentation(options.output),
     "show": lambda options: _show(options.scene, options.motion, options.output),
+    "live": _live,
     "sweep": _sweep,
 }

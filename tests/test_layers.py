@@ -29,6 +29,7 @@ LAYERS = (
     "analysis.study",
     "analysis.documentation",
     "analysis.show",
+    "analysis.live",
     "analysis.sweep",
     "analysis.nightly",
     "analysis",

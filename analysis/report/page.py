@@ -77,6 +77,11 @@ def json_in_page(data: str) -> Markup:
     return Markup(data.replace("</", "<\\/"))
 
 
+def script(text: str) -> Markup:
+    """Returns a script as it may stand in a page."""
+    return Markup(text.replace("</script", "<\\/script"))
+
+
 def document(title: str, inputs: str, body: Iterable[Markup], script: str | None = None) -> str:
     """Returns the whole page. `inputs`, the hash of what it was made from, is kept in its head. plotly.js is the file `script`, named as
     seen from the page; it is put into the page where that is None, and left out where it is empty."""

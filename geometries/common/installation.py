@@ -51,6 +51,12 @@ def _own_programs() -> Path:
     return ROOT.parents[1] / "libexec" / "fringe" if is_installed() else ROOT / "build" / "bin"
 
 
+def page_library() -> Path:
+    """Returns where the library for live pages is: JavaScript with the library in WebAssembly, which emscripten makes."""
+    folder = ROOT.parents[1] / "share" / "fringe" if is_installed() else ROOT / "build-browser" / "bin"
+    return folder / "fringe_page.js"
+
+
 def from_repository(path: Path) -> str:
     """Returns a path for a shell command: relative to the repository if it is within, and quoted."""
     absolute = path.resolve()

@@ -32,7 +32,7 @@ const Kernels& compiled_kernels();
 
 /// Returns one kind of kernels for an instruction set that is available.
 template <class Kernels>
-const Kernels& kernels(InstructionSet set) {
+const Kernels& kernels([[maybe_unused]] InstructionSet set) {
 #ifdef __x86_64__
   if (set == InstructionSet::avx512)
     return compiled_kernels<Kernels, InstructionSet::avx512>();

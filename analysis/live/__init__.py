@@ -1,0 +1,1 @@
+"""A page on which a scene can be moved, with the library in it."""

@@ -1,0 +1,149 @@
+"""`python3 -m analysis live SCENE`: makes one page on which a scene can be moved, with the library in it as WebAssembly."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import os
+import sys
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis.live import page as live_page, paths
+from analysis.pipeline.model_stage import model_module
+from analysis.report import page as report_page
+from analysis.results.store import Document, write_text
+from analysis.show.make import find_scene, motion_beside
+from fem_reference.bodies.remarks import remarks
+from geometries.common.errors import InputError
+from geometries.common.installation import ROOT, is_own, page_library, results_folder
+from geometries.scene import motion, reader
+from geometries.scene.scene import Scene
+from geometries.scene.shapes import Cuboid, PlateShape
+
+FOLDER = "live"
+DEFAULT = "sensor_head"
+"""The machine of which ./run makes a page, a name in geometries/scenes."""
+RTOL = 1e-2
+"""Relative error asked of the reference readings."""
+LARGEST = 6_000_000
+"""Bytes of a page at most."""
+_MOST_BODIES = 12
+"""Bodies up to which the page begins with the reduced method, if all are plates and cuboids: it is prepared within a second."""
+
+
+class NoLibrary(Exception):
+    """The library for pages is not built; the message says how to get it."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """`rtol` is the relative error asked of the reference readings along the paths; None: they are not solved."""
+
+    rtol: float | None = RTOL
+
+
+def make(name: str, motion_file: Path | None, target: Path | None, options: Options) -> Path:
+    """Writes the live page of a scene, a file or a name in geometries/scenes, unless it is up to date; returns where it is.
+
+    The page of a scene of the repository is in its results, of any other scene in the current folder, unless `target` names it.
+    Remarks on the scene, and the progress of the reference readings, go to standard error. InputError for files that cannot be used and
+    for a page that would be too large; NoLibrary where the library for pages is missing.
+    """
+    path = find_scene(name)
+    scene = reader.load(path)
+    library = _library()
+    for remark in remarks(scene):
+        print(f"analysis: remark: {remark}", file=sys.stderr)
+    moved = motion_file or motion_beside(path)
+    frames = motion.load(moved, scene) if moved else ()
+    place = target or (results_folder() / FOLDER if is_own(path) else Path.cwd()) / f"{path.stem}.html"
+    text = path.read_text(encoding="utf-8")
+    data: Document = {"scene": text, "files": _files(text, path), "reduced": _is_quickly_prepared(scene)}
+    ways = paths.of_scene(scene, frames)
+    digest = _digest(data, ways, library, options, place)
+    if report_page.is_current(place, digest):
+        return place
+    references = _references(path, ways, options)
+    data["paths"] = [paths.described(way, reference) for way, reference in zip(ways, references)]
+    data["made"] = f"This page was made from {path.name} by fringe {model_module().__version__}."
+    content = live_page.document(
+        path.stem.replace("_", " "),
+        digest,
+        json.dumps(data, separators=(",", ":"), allow_nan=False),
+        library,
+        data,
+        _notes(place),
+    )
+    if len(content.encode()) > LARGEST:
+        raise InputError(
+            str(path),
+            "",
+            f"its page would have {len(content.encode()) / 1e6:.1f} MB, more than {LARGEST / 1e6:g}: its meshes are too large",
+        )
+    write_text(place, content)
+    return place
+
+
+def _library() -> str:
+    file = page_library()
+    if not file.is_file():
+        raise NoLibrary(
+            f"{file} is missing: ./run builds it where emscripten is installed (apt-get install emscripten node-acorn)"
+        )
+    return file.read_text(encoding="utf-8")
+
+
+def _files(text: str, path: Path) -> dict[str, str]:
+    """Returns the mesh files that a scene names, as it names them, in base64."""
+    names = (body.get("shape", {}).get("file") for body in tomllib.loads(text).get("object", []))
+    return {
+        name: base64.b64encode((path.parent.absolute() / name).read_bytes()).decode()
+        for name in names
+        if name is not None
+    }
+
+
+def _is_quickly_prepared(scene: Scene) -> bool:
+    bodies = len(scene.sensors) + len(scene.objects)
+    return bodies <= _MOST_BODIES and all(
+        isinstance(body.shape, PlateShape | Cuboid) for body in scene.objects
+    )
+
+
+def _digest(data: Document, ways: list[paths.Path], library: str, options: Options, place: Path) -> str:
+    """Returns the hash of everything that the page is made from; the reference readings follow from it."""
+    parts = [
+        json.dumps(data),
+        json.dumps([paths.described(way, None) for way in ways]),
+        library,
+        live_page.document("", "", "", "", {"paths": ways}, _notes(place)),
+        repr(options),
+        str(model_module().__version__),
+    ]
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+
+
+def _references(path: Path, ways: list[paths.Path], options: Options) -> list[list[Document] | None]:
+    """Solves the reference readings along every path, with a line on standard error that says how far it is."""
+    if options.rtol is None or not ways:
+        return [None for _ in ways]
+    live = model_module().Scene.load(str(path))
+    total, done = sum(len(way.frames) for way in ways), 0
+
+    def tell() -> None:
+        nonlocal done
+        done += 1
+        print(f"\ranalysis: reference readings {done} of {total}", end="", file=sys.stderr, flush=True)
+
+    solved: list[list[Document] | None] = [paths.solved(way, live, options.rtol, tell) for way in ways]
+    print(file=sys.stderr)
+    return solved
+
+
+def _notes(place: Path) -> str:
+    """Returns the repository as seen from a page: a relative path where the page is within, an address elsewhere."""
+    folder = place.resolve().parent
+    return (os.path.relpath(ROOT, folder) if folder.is_relative_to(ROOT) else ROOT.as_uri()) + "/"

@@ -1,0 +1,54 @@
+"use strict";
+// The library in the page: a scene that moves, and its answers, as JSON of the same form as that of the command `fringe`.
+
+/** Opens a scene. `files` are those that it names: their paths beside the scene, and their contents in base64. */
+async function openScene(text, files) {
+  const library = await fringeLibrary();
+  const folder = "/scene";
+  library.FS.mkdir(folder);
+  for (const [name, contents] of Object.entries(files)) {
+    const parts = (name.startsWith("/") ? name : `${folder}/${name}`).split("/"), file = parts.pop();
+    const place = parts.reduce((above, part) => {
+      const here = part === ".." ? above.slice(0, above.lastIndexOf("/")) : part && part !== "." ? `${above}/${part}` : above;
+      if (here && !library.FS.analyzePath(here).exists) library.FS.mkdir(here);
+      return here;
+    }, "");
+    library.FS.writeFile(`${place}/${file}`, Uint8Array.from(atob(contents), c => c.charCodeAt(0)));
+  }
+  const call = (name, ...kinds) => library.cwrap(`fringe_${name}`, "string", ["number", ...kinds]);
+  const page = library.cwrap("fringe_open", "number", ["string", "string"])(text, folder);
+  const poses = library.cwrap("fringe_poses", "number", ["number"]), densities = library.cwrap("fringe_densities", "number", ["number", "number"]);
+  const described = JSON.parse(call("describe")(page));
+  if (described.refused) throw new Error(described.refused);
+  const triangles = described.objects.reduce((sum, body) => sum + body.triangles.length / 9, 0);
+
+  const capacitance = call("capacitance", "string", "number"), setPose = call("set_pose", ...Array(8).fill("number"));
+  const setJoint = call("set_joint", "string", "number"), setFloating = call("set_floating", "string", "number", "number");
+  const collisions = call("collisions"), distances = call("distances");
+  /** Returns an action's answer; an Error with the reason if it is refused. */
+  const answer = text => {
+    const read = JSON.parse(text);
+    if (read.refused) throw new Error(read.refused);
+    return read;
+  };
+  return {
+    described,
+    setPose: (link, translation, quaternion) => answer(setPose(page, link, ...translation, ...quaternion)),
+    setJoint: (joint, position) => answer(setJoint(page, joint, position)),
+    setFloating: (object, isFloating, toGround) => answer(setFloating(page, object, isFloating ? 1 : 0, toGround)),
+    /** The answer of a method, or {refused: the reason}. */
+    capacitance: (method, rtol = 0) => JSON.parse(capacitance(page, method, rtol)),
+    collisions: () => JSON.parse(collisions(page)),
+    distances: () => JSON.parse(distances(page)),
+    /** The pose of every link in the world: the rows of (R | t). */
+    poses: () => {
+      const at = poses(page) / 8;
+      return described.links.map((_, n) => Array.from(library.HEAPF64.subarray(at + 12 * n, at + 12 * n + 12)));
+    },
+    /** Charge per area of every drawn triangle of the objects by the model, C/m² at 1 V on a sensor; null if it is refused. */
+    densities: sensor => {
+      const at = densities(page, sensor);
+      return at ? library.HEAPF32.subarray(at / 4, at / 4 + triangles) : null;
+    },
+  };
+}

@@ -1,0 +1,16 @@
+#pragma once
+
+namespace tbb {
+
+/// Runs what it is given on the calling thread.
+class task_arena {
+ public:
+  explicit task_arena(int /*threads*/) {}
+
+  template <class Task>
+  void execute(const Task& task) {
+    task();
+  }
+};
+
+}  // namespace tbb

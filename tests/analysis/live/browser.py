@@ -1,0 +1,112 @@
+"""A headless Chromium that a test drives: the few commands of WebDriver that are needed, over http to chromedriver."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import shutil
+import subprocess
+import urllib.error
+import urllib.request
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+PROGRAMS = ("chromium", "chromedriver")
+# The sandbox needs what root in a container lacks; WebGL is drawn by the processor.
+_OPTIONS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-dev-shm-usage",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--hide-scrollbars",
+)
+
+
+def is_missing() -> str:
+    """Returns which of the programs are missing, in words; empty if none is."""
+    return " and ".join(program for program in PROGRAMS if shutil.which(program) is None)
+
+
+class Browser:
+    """Opens pages in a window of the given size, in CSS pixels."""
+
+    def __init__(self, width: int = 1400, height: int = 1000, *options: str) -> None:
+        self._driver = subprocess.Popen(
+            ["chromedriver", "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        )
+        self._address = f"http://127.0.0.1:{self._port()}"
+        arguments = [*_OPTIONS, f"--window-size={width},{height}", *options]
+        asked = {
+            "goog:chromeOptions": {"binary": shutil.which("chromium"), "args": arguments},
+            "goog:loggingPrefs": {"browser": "ALL"},
+            "timeouts": {"script": 120_000},
+        }
+        session = self._send("POST", "/session", {"capabilities": {"alwaysMatch": asked}})
+        self._session = f"/session/{session['sessionId']}"
+
+    def __enter__(self) -> Browser:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        try:
+            self._send("DELETE", self._session, None)
+        finally:
+            self._driver.terminate()
+            self._driver.wait(timeout=20)
+
+    def open(self, page: Path) -> None:
+        self._send("POST", f"{self._session}/url", {"url": page.resolve().as_uri()})
+
+    def run(self, script: str, *arguments: Any) -> Any:
+        """Runs the body of a function of JavaScript; returns what it returns."""
+        return self._send(
+            "POST", f"{self._session}/execute/sync", {"script": script, "args": list(arguments)}
+        )
+
+    def run_until_done(self, script: str, *arguments: Any) -> Any:
+        """Runs the body of a function of JavaScript, whose last argument is to be called with what is returned."""
+        return self._send(
+            "POST", f"{self._session}/execute/async", {"script": script, "args": list(arguments)}
+        )
+
+    def act(self, kind: str, actions: list[dict[str, Any]]) -> None:
+        """Lets a mouse ("pointer") or a keyboard ("key") act."""
+        source = {"type": kind, "id": kind, "actions": actions}
+        self._send("POST", f"{self._session}/actions", {"actions": [source]})
+
+    def complaints(self) -> list[str]:
+        """Returns what the page wrote to the console as an error since the last call."""
+        entries = self._send("POST", f"{self._session}/se/log", {"type": "browser"})
+        return [entry["message"] for entry in entries if entry["level"] == "SEVERE"]
+
+    def picture(self) -> bytes:
+        """Returns the window as a PNG."""
+        return base64.b64decode(self._send("GET", f"{self._session}/screenshot", None))
+
+    def _port(self) -> int:
+        assert self._driver.stdout is not None
+        for line in self._driver.stdout:
+            if found := re.search(r"successfully on port (\d+)", line):
+                return int(found.group(1))
+        raise RuntimeError("chromedriver did not start")
+
+    def _send(self, method: str, path: str, body: dict[str, Any] | None) -> Any:
+        request = urllib.request.Request(
+            self._address + path,
+            data=None if body is None else json.dumps(body).encode(),
+            headers={"Content-Type": "application/json"},
+            method=method,
+        )
+        try:
+            with urllib.request.urlopen(request, timeout=180) as answer:
+                return json.load(answer)["value"]
+        except urllib.error.HTTPError as error:
+            raise RuntimeError(json.load(error)["value"]["message"]) from error

@@ -1,0 +1,220 @@
+"""The live page in headless Chromium: the native library's numbers, what moves bodies, and how long frames take."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis.live import make as live, paths
+from analysis.pipeline.model_stage import model_module
+from geometries.common.installation import page_library
+from geometries.scene import poses, reader
+from tests.analysis.live.browser import Browser, is_missing
+
+if not page_library().is_file():
+    pytest.skip(
+        f"{page_library()} is missing: ./run --prepare builds it where emscripten is installed",
+        allow_module_level=True,
+    )
+if is_missing():
+    pytest.skip(f"no browser: {is_missing()} not installed", allow_module_level=True)
+
+SCENE = live.find_scene(live.DEFAULT)
+ROUNDING = 1e-9
+"""Largest relative difference between the page and the native library, which use other instructions and other logarithms."""
+ANSWERS = """
+    const {scene, choosePath, goTo} = window.livePage, found = [];
+    choosePath(arguments[0]);
+    for (const at of arguments[1]) {
+      goTo(at);
+      found.push({exact: scene.capacitance("exact"), formula: scene.capacitance("formula"), reduced: scene.capacitance("reduced:1", 0.3),
+                  eyes: scene.distances(), pairs: scene.collisions()});
+    }
+    return found;"""
+ALL_READY = "return window.livePage ? window.livePage.ready() : null"
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    target = tmp_path_factory.mktemp("live") / "page.html"
+    return live.make(live.DEFAULT, None, target, live.Options(rtol=None))
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with Browser() as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def ready(browser: Browser, page: Path) -> Browser:
+    opened(browser, page)
+    return browser
+
+
+def opened(browser: Browser, page: Path) -> dict[str, Any]:
+    """Opens a page; returns how long its first answers took, ms."""
+    browser.open(page)
+    for _ in range(600):
+        if found := browser.run(ALL_READY):
+            return dict(found)
+        time.sleep(0.05)
+    raise AssertionError(f"the page does not answer: {browser.complaints()}")
+
+
+@pytest.fixture(scope="module")
+def native() -> Any:
+    return model_module().Scene.load(str(SCENE))
+
+
+def place(native: Any, way: paths.Path, number: int) -> None:
+    """Takes the links of the native scene to a frame."""
+    for link, pose in way.frames[number].poses.items():
+        native.set_pose(link, np.array(pose.translation), poses.quaternion(pose.rotation))
+
+
+def changes(answer: dict[str, Any]) -> list[float]:
+    return [np.nan if each["change"] is None else each["change"] for each in answer["readings"]]
+
+
+def totals(answer: dict[str, Any]) -> list[float]:
+    return [
+        value
+        for sensor in answer["sensors"]
+        for value in (
+            sensor["total"],
+            sensor["voltage"],
+            *(body["capacitance"] for body in sensor["objects"]),
+        )
+    ]
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_models_and_geometry_are_those_of_the_native_library(
+    ready: Browser, native: Any, number: int
+) -> None:
+    way = paths.of_scene(reader.load(SCENE), ())[number]
+    found = ready.run(ANSWERS, number, list(range(len(way.frames))))
+    assert len(found) == len(way.frames)
+    for frame, said in enumerate(found):
+        place(native, way, frame)
+        for method, options in (("exact", {}), ("formula", {"correction": "formula"})):
+            answer = native.capacitance(**options)
+            np.testing.assert_allclose(totals(said[method]), totals(answer), rtol=ROUNDING)
+            np.testing.assert_allclose(changes(said[method]), changes(answer), rtol=ROUNDING)
+        eye, other = said["eyes"]["distance_sensors"][0], native.sense()["distance_sensors"][0]
+        assert (eye["distance"] is None) == (other["distance"] is None)
+        if other["distance"] is not None:
+            np.testing.assert_allclose(eye["distance"], other["distance"], rtol=ROUNDING)
+            np.testing.assert_allclose(eye["point"], other["point"], rtol=ROUNDING, atol=1e-12)
+            assert eye["object"] == other["object"]
+        assert said["pairs"]["pairs"] == native.collide()["pairs"]
+
+
+def test_the_reduced_method_is_right_within_the_errors_that_the_page_states(
+    ready: Browser, native: Any
+) -> None:
+    way = paths.of_scene(reader.load(SCENE), ())[0]
+    frames = [0, 4, 7]
+    for number, said in zip(frames, ready.run(ANSWERS, 0, frames)):
+        place(native, way, number)
+        truth = native.readings("boundary-elements", rtol=0.01)
+        for reading in said["reduced"]["readings"]:
+            best = truth[reading["name"]]
+            allowed = reading["error"]["change"] + best.error["change"]
+            assert abs(reading["change"] - best.change) <= allowed, (number, reading["name"])
+            assert reading["error"]["change"] < 0.3 * abs(reading["change"])
+
+
+def test_mouse_and_keyboard_move_the_hand_and_its_readings_follow(ready: Browser, native: Any) -> None:
+    ready.run("document.getElementById('home').click()")
+    # The middle of the hand on the picture.
+    at = ready.run(
+        """const box = document.getElementById("surface").getBoundingClientRect();
+           return [Math.round(box.left + box.width / 2), Math.round(box.top + box.height * 0.4)]"""
+    )
+    drag = [
+        {"type": "pointerMove", "duration": 0, "x": at[0], "y": at[1]},
+        {"type": "pointerDown", "button": 0},
+        {"type": "pointerMove", "duration": 20, "x": at[0] + 30, "y": at[1] - 40},
+        {"type": "pointerUp", "button": 0},
+    ]
+    ready.act("pointer", drag)
+    dragged = moved_hand(ready)
+    assert np.linalg.norm(dragged - [0, 0, 0.06]) > 0.01
+    ready.act("key", [{"type": "keyDown", "value": "\ue00e"}, {"type": "keyUp", "value": "\ue00e"}])
+    np.testing.assert_allclose(moved_hand(ready) - dragged, [0, 0, 0.005], atol=1e-12)
+    native.set_pose("wrist", moved_hand(ready), np.array([1.0, 0, 0, 0]))
+    said = ready.run("return window.livePage.scene.capacitance('formula')")
+    np.testing.assert_allclose(
+        changes(said), changes(native.capacitance(correction="formula")), rtol=ROUNDING
+    )
+    assert ready.complaints() == []
+
+
+def moved_hand(browser: Browser) -> Any:
+    pose = browser.run("return window.livePage.scene.poses()[0]")
+    return np.array(pose)[[3, 7, 11]]
+
+
+def test_a_floating_hand_is_asked_anew(ready: Browser) -> None:
+    ready.run("document.getElementById('home').click()")
+    name = "[...document.querySelectorAll('#floating button')].find(button => button.textContent === arguments[0]).click()"
+    ask = "return window.livePage.scene.capacitance(arguments[0], 0.3)"
+    grounded = changes(ready.run(ask, "reduced:1"))
+    ready.run(name, "floating")
+    floating = changes(ready.run(ask, "reduced:1"))
+    # Its field goes on to the ground behind it, so it is felt less, and the model does not know it.
+    assert abs(floating[2]) < 0.7 * abs(grounded[2])
+    assert np.isnan(changes(ready.run("return window.livePage.scene.capacitance('exact')"))).all()
+    ready.run(name, "grounded")
+    np.testing.assert_allclose(changes(ready.run(ask, "reduced:1")), grounded, rtol=ROUNDING)
+
+
+def test_scenes_with_mesh_files_are_whole(browser: Browser, tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    corners = [(0, 0, 0), (0.05, 0, 0), (0, 0.05, 0), (0, 0, 0.05)]
+    sides = [(1, 3, 2), (1, 2, 4), (1, 4, 3), (2, 3, 4)]
+    text = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a} {b} {c}" for a, b, c in sides]
+    (tmp_path / "meshes" / "wedge.obj").write_text("\n".join(text))
+    (tmp_path / "scenes").mkdir()
+    scene = tmp_path / "scenes" / "wedge.toml"
+    scene.write_text(
+        """
+[[sensor]]
+name = "front"
+plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+[[object]]
+name = "wedge"
+shape = { type = "mesh", file = "../meshes/wedge.obj" }
+translation = [0.02, 0.02, 0.03]
+"""
+    )
+    target = live.make(str(scene), None, tmp_path / "wedge.html", live.Options())
+    opened(browser, target)
+    said = browser.run("return window.livePage.scene.capacitance('exact')")
+    answer = model_module().Scene.load(str(scene)).capacitance()
+    np.testing.assert_allclose(totals(said), totals(answer), rtol=ROUNDING)
+
+
+def test_how_fast_it_is(browser: Browser, page: Path, record_property: Any, capsys: Any) -> None:
+    times = opened(browser, page)
+    assert page.stat().st_size <= live.LARGEST
+    frames = browser.run_until_done("window.livePage.measure(0, 60, arguments[0])")
+    assert len(frames) == 60 and all(frame["frame"] > 0 for frame in frames)
+    shown = 1000 * (len(frames) - 1) / (frames[-1]["now"] - frames[0]["now"])
+    middle = {part: float(np.median([frame[part] for frame in frames])) for part in frames[0]}
+    record_property("frames_per_second", shown)
+    with capsys.disabled():
+        print(
+            f"\nlive page: first answer after {times['firstAnswer'] / 1000:.2f} s, reduced method prepared in "
+            f"{times['preparation'] / 1000:.2f} s, {shown:.0f} frames a second; the median frame takes {middle['frame']:.1f} ms (model "
+            f"{middle['model']:.2f}, formula {middle['formula']:.2f}, reduced {middle['reduced']:.2f}, colours {middle['colours']:.2f}, "
+            f"picture and page {middle['page']:.2f})"
+        )
+    assert browser.complaints() == []

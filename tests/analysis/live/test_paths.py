@@ -1,0 +1,116 @@
+"""The paths of a live page, and how wrong input is refused."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis.live import make as live, paths
+from analysis.pipeline.model_stage import model_module
+from geometries.common.installation import ROOT
+from geometries.scene import motion, reader
+from geometries.scene.scene import Scene
+
+SCENE = live.find_scene(live.DEFAULT)
+
+
+def hand(scene: Scene, frame: motion.Frame) -> Any:
+    """The corners of the hand in a frame, in the frame of the world."""
+    shape = scene.objects[-1].pose.transform().points(scene.objects[-1].shape.triangles())
+    return frame.poses["wrist"].transform().points(shape).reshape(-1, 3)
+
+
+def test_the_hand_approaches_the_first_sensor() -> None:
+    scene = reader.load(SCENE)
+    approach = paths.of_scene(scene, ())[0]
+    heights = [hand(scene, frame)[:, 2].min() for frame in approach.frames]
+    np.testing.assert_allclose(heights, paths.HEIGHTS, atol=1e-12)
+    assert [frame.name for frame in approach.frames][-1] == "10 mm"
+
+
+def test_the_hand_slides_over_both_edges_of_the_first_sensor() -> None:
+    scene = reader.load(SCENE)
+    over = paths.of_scene(scene, ())[1]
+    first, last = hand(scene, over.frames[0]), hand(scene, over.frames[-1])
+    np.testing.assert_allclose(first[:, 2].min(), paths.EDGE_HEIGHT, atol=1e-12)
+    assert first[:, 0].max() < -0.062 and last[:, 0].min() > -0.004
+
+
+def test_a_motion_comes_first_and_scenes_without_a_target_have_no_other_path() -> None:
+    scene = reader.load(SCENE)
+    assert [way.name for way in paths.of_scene(scene, [motion.at_rest(scene)])] == [
+        "motion",
+        "approach",
+        "over the edge",
+    ]
+    arm = reader.load(live.find_scene("x_ray_arm"))
+    assert paths.of_scene(arm, ()) == []
+
+
+def test_reference_readings_are_those_of_boundary_elements() -> None:
+    scene = reader.load(SCENE)
+    way = paths.Path("rest", "", (motion.at_rest(scene),))
+    native = model_module().Scene.load(str(SCENE))
+    calls: list[None] = []
+    solved = paths.solved(way, native, 0.05, lambda: calls.append(None))
+    truth = native.readings("boundary-elements", rtol=0.05)
+    assert len(calls) == 1
+    assert solved == [{name: [each.change, each.error["change"]] for name, each in truth.items()}]
+
+
+def analysis_live(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "analysis", "live", *arguments],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )
+
+
+@pytest.mark.parametrize("arguments", [["sensor_head", "--rtol", "2"], ["no_such_scene"], ["none.toml"]])
+def test_wrong_input_is_refused(arguments: list[str], tmp_path: Path) -> None:
+    done = analysis_live(*arguments, folder=tmp_path)
+    assert done.returncode == 2 and done.stdout == ""
+    assert done.stderr.strip()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_page_that_would_be_too_large_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    library = tmp_path / "library.js"
+    library.write_text("// none\n")
+    monkeypatch.setattr(live, "page_library", lambda: library)
+    monkeypatch.setattr(live, "LARGEST", 1000)
+    with pytest.raises(live.InputError, match=r"its page would have 0\.\d MB"):
+        live.make(live.DEFAULT, None, tmp_path / "page.html", live.Options(rtol=None))
+    assert not (tmp_path / "page.html").exists()
+
+
+def test_without_the_library_the_command_says_how_to_get_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live, "page_library", lambda: tmp_path / "fringe_page.js")
+    with pytest.raises(live.NoLibrary, match="apt-get install emscripten"):
+        live.make(live.DEFAULT, None, tmp_path / "page.html", live.Options())
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_page_that_is_up_to_date_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    library = tmp_path / "library.js"
+    library.write_text("// none\n")
+    monkeypatch.setattr(live, "page_library", lambda: library)
+    target = tmp_path / "page.html"
+    live.make(live.DEFAULT, None, target, live.Options(rtol=None))
+    before = target.stat().st_mtime_ns
+    live.make(live.DEFAULT, None, target, live.Options(rtol=None))
+    assert target.stat().st_mtime_ns == before
+    library.write_text("// another\n")
+    live.make(live.DEFAULT, None, target, live.Options(rtol=None))
+    assert target.stat().st_mtime_ns != before
