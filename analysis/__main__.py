@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import signal
 import sys
 from pathlib import Path
@@ -20,7 +21,7 @@ def main(arguments: list[str] | None = None) -> int:
     options = _parser(installation.command("analysis")).parse_args(arguments)
     before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        continue_with("plotly" if options.command in ("live", "show", "sweep") else "dolfinx")
+        continue_with("plotly" if options.command in ("coverage", "live", "show", "sweep") else "dolfinx")
         # The packages that commands import are slow, and this interpreter may lack them until here.
         from analysis.commands import run_command
 
@@ -40,7 +41,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=program,
         description="Run studies and report them, also night by night; compare results; verify the reference; study the model's error, "
-        "its corrections, readings in company, and the model on machines; show a scene, or its readings over a motion.",
+        "its corrections, readings in company, and the model on machines; show a scene, its readings over a motion, or where probes are noticed around it.",
         epilog="Exit status: 0 answered; 2 wrong input; 3 a case is short of the asked accuracy, its wider errors are "
         "reported; 1 a case failed or has no answer by any method, a value moved, or anything else.",
     )
@@ -129,6 +130,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     )
     _add_live(commands)
     _add_sweep(commands)
+    _add_coverage(commands)
     return parser
 
 
@@ -159,6 +161,72 @@ def _add_live(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         metavar="FILE",
         help="the page (default: <scene>.html in the current folder; results/live/<scene>.html for scenes of the repository)",
     )
+
+
+def _add_coverage(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    coverage = commands.add_parser(
+        "coverage",
+        help="survey from which distance a probe is noticed at every place around a machine: a page, a table and a file for ParaView",
+    )
+    coverage.add_argument("scene", metavar="SCENE", help="a name in geometries/scenes, or a file")
+    coverage.add_argument(
+        "--probe",
+        action="append",
+        default=[],
+        metavar="PROBE",
+        help="sphere:R, capsule:R:L, box:X:Y:Z (metres), mesh:FILE, finger, fist, hand or infant; may be repeated (default: sphere:0.02 and the four named ones)",
+    )
+    coverage.add_argument(
+        "--reading",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="a reading; may be repeated (default: all)",
+    )
+    coverage.add_argument(
+        "--grid",
+        type=_positive,
+        metavar="M",
+        help="side of the square of surface for each place, in metres (default: about 2,000 places)",
+    )
+    coverage.add_argument(
+        "--potential",
+        type=_potential,
+        metavar="P",
+        help="of the probe: grounded (default), floating, or a capacitance to ground in F",
+    )
+    coverage.add_argument(
+        "--threshold",
+        type=_positive,
+        metavar="F",
+        help="least change that is noticed (default: that of each reading, or five times its noise, or 2.5e-15)",
+    )
+    coverage.add_argument(
+        "--method",
+        metavar="A,B,…",
+        help="methods to compare with at a few places, those of fringe capacitance, formula and small-probe (default: exact,formula,small-probe); none: no comparison",
+    )
+    coverage.add_argument(
+        "--output",
+        type=Path,
+        metavar="FILE.html",
+        help="the page, with table and file beside it (default: results/coverage/<scene>.html)",
+    )
+
+
+def _positive(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number greater than 0")
+    return value
+
+
+def _potential(text: str) -> float | None:
+    """Returns the capacitance to ground (F): none for a grounded probe, 0 for a floating one."""
+    return {"grounded": None, "floating": 0.0}[text] if text in ("grounded", "floating") else _positive(text)
 
 
 def _add_sweep(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

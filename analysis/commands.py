@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+from analysis.coverage import make as coverage, survey as coverage_survey
 from analysis.documentation import make as documentation
 from analysis.live import make as live
 from analysis.nightly import chunks, cluster, night
@@ -254,6 +255,26 @@ def _sweep(options: argparse.Namespace) -> int:
     return made.status
 
 
+def _coverage(options: argparse.Namespace) -> int:
+    asked = coverage_survey.Options(
+        readings=tuple(options.reading),
+        grid=options.grid,
+        to_ground=options.potential,
+        threshold=options.threshold,
+        methods=_methods(options.method),
+    )
+    made = coverage.make(options.scene, tuple(options.probe), asked, options.output)
+    print("\n".join([*made.findings, f"page: {made.page}"]))
+    return ANSWERED
+
+
+def _methods(text: str | None) -> tuple[str, ...]:
+    """Returns the methods of a list; those of a survey where there is none."""
+    if text is None:
+        return coverage_survey.Options().methods
+    return () if text == "none" else tuple(text.split(","))
+
+
 def _table(answers: Path | None, target: Path | None, jobs: int | None) -> int:
     place, output = (
         answers or installation.results_folder() / published_stage.FOLDER,
@@ -291,4 +312,5 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "show": lambda options: _show(options.scene, options.motion, options.output),
     "live": _live,
     "sweep": _sweep,
+    "coverage": _coverage,
 }

@@ -25,7 +25,7 @@ class Curves:
         known = np.isfinite(changes)
         last = known.sum(axis=1)
         # What is unknown is filled by the last known value, and cut off again.
-        fill = logs[np.arange(len(logs)), np.maximum(last - 1, 0)]
+        fill = np.nan_to_num(logs[np.arange(len(logs)), np.maximum(last - 1, 0)])
         logs = np.where(known, logs, fill[:, None])
         self._at = np.geomspace(distances[0], distances[-1], count)
         curve = PchipInterpolator(np.log(distances), logs, axis=1)(np.log(self._at))

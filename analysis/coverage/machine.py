@@ -21,9 +21,11 @@ Array = NDArray[np.float64]
 
 FACTOR = 4 * np.pi * 8.8541878128e-12
 """4πε₀ (F/m), CODATA 2018."""
+_RTOL_OF_ANSWERS, _PANELS_OF_ANSWERS = 0.15, 1500
+"""Accuracy of the panels for the machine's answer to a probe, which is a correction of the probe's own capacitance; and their largest number, about."""
 _RIDGE = 1e-4
 """Part of its diagonal that is added to the matrix of panels that coincide, as of bodies that touch with whole faces."""
-_LEAST_ENERGY = 1e-7
+_LEAST_ENERGY = 1e-6
 """Least energy of an answer that is kept, over that of the largest one."""
 _SAMPLE = 900
 """Largest number of points at which the machine's answers are sampled."""
@@ -47,10 +49,12 @@ class Machine:
         """Solves; `most_panels` bounds the time. InputError for what boundary elements refuse, and for a scene without readings."""
         try:
             found = scene.surface_charges(rtol=rtol, most_panels=most_panels)
+            coarse = scene.surface_charges(rtol=_RTOL_OF_ANSWERS, most_panels=_PANELS_OF_ANSWERS)
         except ValueError as error:
             raise InputError("", "", str(error)) from error
         self._model = model
         self.panels: Array = found["panels"]
+        self._coarse: Array = coarse["panels"]
         self.error: float = found["error"]
         self.factor = FACTOR * permittivity
         charges = np.asarray(found["charges"])
@@ -64,23 +68,27 @@ class Machine:
         senses = np.array([_potentials(conductors, [told["sense"]]) for told in roles["readings"].values()])
         drives = np.array([_potentials(conductors, told["drive"]) for told in roles["readings"].values()])
         self._free = charges[:, floating]
-        own = weights[np.ix_(floating, floating)] + np.diag([_to_ground(conductors[f], roles, self.factor) for f in floating])
+        own = weights[np.ix_(floating, floating)] + np.diag(
+            [_to_ground(conductors[f], roles, self.factor) for f in floating]
+        )
         for potentials in (senses, drives):
             if floating:
                 potentials[:, floating] = -np.linalg.solve(own, weights[floating] @ potentials.T).T
         self._charges = np.concatenate([charges @ senses.T, charges @ drives.T], axis=1)
         self._free = self._free @ np.linalg.cholesky(np.linalg.inv(own)) if floating else self._free
-        self._answers: Array = np.zeros((len(self.panels), 0))
+        self._answers: Array = np.zeros((len(self._coarse), 0))
 
     def prepare(self, points: Array) -> None:
         """Finds the machine's answers to charges about such places as these points (n, 3)."""
         step = max(1, -(-len(points) // _SAMPLE))
-        sources = self._model.triangle_potentials(points[::step], self.panels).astype(np.float64).T
-        matrix = self._model.single_layer(self.panels)
+        sources = self._model.triangle_potentials(points[::step], self._coarse).astype(np.float64).T
+        matrix = self._model.single_layer(self._coarse)
         ridge = 0.0
         while True:
             try:
-                lower = linalg.cholesky(matrix + ridge * np.diag(matrix.diagonal()), lower=True, overwrite_a=True)
+                lower = linalg.cholesky(
+                    matrix + ridge * np.diag(matrix.diagonal()), lower=True, overwrite_a=True
+                )
                 break
             except linalg.LinAlgError:
                 ridge = max(_RIDGE, 10 * ridge)
@@ -100,12 +108,16 @@ class Machine:
     def at(self, points: Array) -> tuple[Array, Array, Array, Array]:
         """Returns at points (n, 3) the potentials (n, readings) of what is sensed and of what is driven; the machine's answer (n, rank), whose products
         are −G (1/m); and that of its floating parts, whose products are +G."""
-        means = self._model.triangle_potentials(points, self.panels)
-        every = np.concatenate([self._charges, self._answers, self._free], axis=1).astype(np.float32)
-        values = (means @ every).astype(np.float64)
+        every = np.concatenate([self._charges, self._free], axis=1).astype(np.float32)
+        values = (self._model.triangle_potentials(points, self.panels) @ every).astype(np.float64)
+        answers = self._model.triangle_potentials(points, self._coarse) @ self._answers.astype(np.float32)
         count = len(self.readings)
-        first, second = 2 * count, 2 * count + self.rank
-        return values[:, :count], values[:, count:first], values[:, first:second], values[:, second:]
+        return (
+            values[:, :count],
+            values[:, count : 2 * count],
+            answers.astype(np.float64),
+            values[:, 2 * count :],
+        )
 
 
 def _reading(name: str, told: dict[str, Any]) -> Reading:
@@ -120,7 +132,11 @@ def _potentials(conductors: list[str], driven: list[str]) -> Array:
 
 def _floating(conductors: list[str], roles: dict[str, Any]) -> list[int]:
     """Returns the places of the floating conductors."""
-    names = {body["conductor"] or name for name, body in roles["objects"].items() if body["potential"] == "floating"}
+    names = {
+        body["conductor"] or name
+        for name, body in roles["objects"].items()
+        if body["potential"] == "floating"
+    }
     return [k for k, name in enumerate(conductors) if name in names]
 
 

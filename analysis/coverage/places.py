@@ -41,7 +41,9 @@ def spread(conductors: dict[str, Array], sheets: frozenset[str], grid: float) ->
     """Spreads places over all surfaces, one for each square of side `grid` (m), on both sides of sheets; none where the way out is blocked at
     once, as of faces within other bodies. The same scene has the same places."""
     outward = {name: 1.0 if name in sheets else _side(own) for name, own in conductors.items()}
-    triangles = np.concatenate([own if outward[name] > 0 else own[:, ::-1] for name, own in conductors.items()])
+    triangles = np.concatenate(
+        [own if outward[name] > 0 else own[:, ::-1] for name, own in conductors.items()]
+    )
     names = [name for name, own in conductors.items() for _ in own]
     cross = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     doubled = np.linalg.norm(cross, axis=1)
@@ -54,7 +56,11 @@ def spread(conductors: dict[str, Array], sheets: frozenset[str], grid: float) ->
     folded = u + v > 1
     u, v = np.where(folded, 1 - u, u), np.where(folded, 1 - v, v)
     corners = triangles[chosen]
-    points = corners[:, 0] + u[:, None] * (corners[:, 1] - corners[:, 0]) + v[:, None] * (corners[:, 2] - corners[:, 0])
+    points = (
+        corners[:, 0]
+        + u[:, None] * (corners[:, 1] - corners[:, 0])
+        + v[:, None] * (corners[:, 2] - corners[:, 0])
+    )
     normals = cross[chosen] / doubled[chosen, None]
     owners = [names[k] for k in chosen]
     behind = [k for k, name in enumerate(owners) if name in sheets]

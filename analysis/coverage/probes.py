@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +18,6 @@ Array = NDArray[np.float64]
 
 _SEGMENTS = 16
 _LENGTHS = {"sphere": ("R",), "capsule": ("R", "L"), "box": ("X", "Y", "Z")}
-_TURNED = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
 
 NAMED: dict[str, shapes.Shape] = {
     "finger": shapes.Capsule(0.008, 0.06, _SEGMENTS),
@@ -42,8 +40,8 @@ class Probe:
     """Its shape as the keys of a scene's object."""
 
 
-def probe(name: str, mesh_folder: Path) -> Probe:
-    """Returns the probe that a name or a text describes; InputError for one that is none. A mesh's surface is written to a folder."""
+def probe(name: str) -> Probe:
+    """Returns the probe that a name or a text describes; InputError for one that is none."""
     kind, *rest = name.split(":")
     if name in NAMED:
         return _of_shape(name, NAMED[name])
@@ -51,14 +49,18 @@ def probe(name: str, mesh_folder: Path) -> Probe:
         file = Path(":".join(rest)).absolute()
         return Probe(file.stem, read_triangles(file), f'type = "mesh", file = {_quoted(str(file))}')
     if kind not in _LENGTHS:
-        known = ", ".join([*NAMED, *(f"{key}:{':'.join(names)}" for key, names in _LENGTHS.items()), "mesh:FILE"])
+        known = ", ".join(
+            [*NAMED, *(f"{key}:{':'.join(names)}" for key, names in _LENGTHS.items()), "mesh:FILE"]
+        )
         raise InputError("--probe", "", f"{name!r} is none of {known}")
     try:
         lengths = [float(text) for text in rest]
     except ValueError:
         lengths = []
     if len(lengths) != len(_LENGTHS[kind]) or not all(0 < x < math.inf for x in lengths):
-        raise InputError("--probe", "", f"{name!r} must be {kind}:{':'.join(_LENGTHS[kind])}, lengths in metres")
+        raise InputError(
+            "--probe", "", f"{name!r} must be {kind}:{':'.join(_LENGTHS[kind])}, lengths in metres"
+        )
     shape: shapes.Shape
     if kind == "sphere":
         shape = shapes.Sphere(lengths[0], _SEGMENTS)
@@ -76,7 +78,9 @@ def _of_shape(name: str, shape: shapes.Shape) -> Probe:
 def _text(shape: shapes.Shape) -> str:
     match shape:
         case Person():
-            return f'type = "person", height = {shape.height}, age = "{shape.age}", posture = "{shape.posture}"'
+            return (
+                f'type = "person", height = {shape.height}, age = "{shape.age}", posture = "{shape.posture}"'
+            )
         case shapes.Sphere():
             return f'type = "sphere", radius = {shape.radius}, segments = {shape.segments}'
         case shapes.Capsule():

@@ -18,9 +18,9 @@ from analysis.coverage.probes import Probe
 
 Array = NDArray[np.float64]
 
-_CLEARANCES = (0.06, 0.3, 1.5)
+_CLEARANCES = (0.06, 0.25, 0.8, 2.5, 8.0)
 """Distances of the nearest charges for which the points of a level suffice, over half the size of the probe."""
-_TOLERANCE = 1e-3
+_TOLERANCE = 4e-3
 """Error of the interpolated potentials, over the largest ones."""
 _MOST_POINTS = 48
 _PROBE_PANELS = 700

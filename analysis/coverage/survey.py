@@ -22,8 +22,10 @@ Array = NDArray[np.float64]
 
 BOUNDARY_ELEMENTS, SMALL = "boundary-elements", "small-probe"
 """The survey's own method; and its limit for small probes, the probe's capacitance times the potentials φ·φ' at its middle."""
-NEAREST, FARTHEST, COUNT = 0.005, 1.0, 12
+NEAREST, FARTHEST, COUNT = 0.005, 1.0, 11
 """The distances (m) between a place and the nearest point of a probe."""
+NEGLIGIBLE = 0.03
+"""Changes below this part of the threshold are those of the limit for small probes."""
 RESOLUTION = 0.5e-15
 """Resolution (F) of a common converter, the FDC1004 (Texas Instruments, SNOSCY5), whose five-fold is the threshold where a scene says nothing."""
 
@@ -31,7 +33,8 @@ RESOLUTION = 0.5e-15
 @dataclass(frozen=True)
 class Options:
     """What is asked: the readings by name, none for all; the side of a place's square in m, None for about 2,000 places; whether the probe is
-    grounded (None) or connected to ground through a capacitance (F), 0 if insulated; methods to compare with, at how many places."""
+    grounded (None) or connected to ground through a capacitance (F), 0 if insulated; methods to compare with, at how many places.
+    """
 
     readings: tuple[str, ...] = ()
     grid: float | None = None
@@ -66,7 +69,9 @@ class Survey:
 
 def over_thresholds(changes: Array, thresholds: tuple[float, ...], reading: int | None) -> Array:
     """Returns the absolute values of changes (…, readings) over the thresholds, of one reading or the largest of all."""
-    ratios = np.abs(changes) / np.array(thresholds)
+    # The triangle integral of a touching probe is as good as infinite.
+    with np.errstate(over="ignore"):
+        ratios = np.abs(changes) / np.array(thresholds)
     return np.asarray(ratios.max(axis=-1) if reading is None else ratios[..., reading])
 
 
@@ -82,23 +87,50 @@ def survey(path: Path, scene: Scene, probes: tuple[Probe, ...], options: Options
     grid = options.grid or _grid_for(conductors, 2000)
     places = spread(conductors, sheets, grid)
     distances = np.geomspace(NEAREST, FARTHEST, COUNT)
-    machine.prepare(_between(places, distances))
     answers = [responses.respond(probe, model) for probe in probes]
+    thresholds = tuple(
+        options.threshold or reading.threshold or 5 * RESOLUTION for reading in machine.readings
+    )
+    estimates = [
+        _changes_of(
+            probe, places, distances, lambda *pose: _small(machine, *pose, options.to_ground), answer.level
+        )
+        for probe, answer in zip(probes, answers)
+    ]
+    machine.prepare(_where_it_counts(places, distances, probes, estimates, thresholds))
     changes = tuple(
-        _changes_of(probe, places, distances, lambda *pose: responses.changes(machine, *pose, options.to_ground), answer.level)[
-            ..., chosen
-        ]
+        _changes_of(
+            probe,
+            places,
+            distances,
+            lambda *pose: _accurate(machine, thresholds, options.to_ground, *pose),
+            answer.level,
+        )[..., chosen]
         for probe, answer in zip(probes, answers)
     )
-    compared = np.unique(np.linspace(0, len(places.points) - 1, options.compared).astype(np.int64)) if options.methods else np.zeros(0, np.int64)
+    compared = (
+        np.unique(np.linspace(0, len(places.points) - 1, options.compared).astype(np.int64))
+        if options.methods
+        else np.zeros(0, np.int64)
+    )
     by_method = {
-        method: _by_method(method, live, machine, options, places, compared, distances, probes, answers, chosen)
+        method: _by_method(
+            method, live, machine, options, places, compared, distances, probes, answers, chosen
+        )
         for method in options.methods
     }
     readings = tuple(machine.readings[k] for k in chosen)
-    thresholds = tuple(options.threshold or reading.threshold or 5 * RESOLUTION for reading in readings)
     return Survey(
-        readings, thresholds, places, distances, probes, changes, compared, by_method, len(machine.panels), machine.error
+        readings,
+        tuple(thresholds[k] for k in chosen),
+        places,
+        distances,
+        probes,
+        changes,
+        compared,
+        by_method,
+        len(machine.panels),
+        machine.error,
     )
 
 
@@ -128,10 +160,38 @@ def _grid_for(conductors: dict[str, Array], count: int) -> float:
     return float(np.sqrt(np.linalg.norm(cross, axis=1).sum() / 2 / count))
 
 
-def _between(places: Places, distances: Array) -> Array:
-    """Returns points on the ways to all places."""
-    points = places.points[:, None] + distances[:, None] * places.normals[:, None]
-    return points[distances < places.free[:, None]].reshape(-1, 3)
+def _where_it_counts(
+    places: Places,
+    distances: Array,
+    probes: tuple[Probe, ...],
+    estimates: list[Array],
+    thresholds: tuple[float, ...],
+) -> Array:
+    """Returns the middles of all probes where they may be noticed, or nearly so: for these the machine's answer has to be known."""
+    found = [places.points[:1] + FARTHEST * places.normals[:1]]
+    for probe, estimate in zip(probes, estimates):
+        middle = float(np.ptp(probe.triangles[..., 2])) / 2
+        counts = np.nan_to_num(over_thresholds(estimate, thresholds, None), nan=0.0) > NEGLIGIBLE
+        points = places.points[:, None] + (distances[:, None] + middle) * places.normals[:, None]
+        found.append(points[counts])
+    return np.concatenate(found)
+
+
+def _accurate(
+    machine: Machine,
+    thresholds: tuple[float, ...],
+    to_ground: float | None,
+    level: responses.Level,
+    rotations: Array,
+    translations: Array,
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Returns changes with the machine's answer to the probe, but those that are negligible by the limit for small probes."""
+    values, clears = _small(machine, level, rotations, translations, to_ground)
+    counts = over_thresholds(values, thresholds, None) > NEGLIGIBLE
+    values[counts], clears[counts] = responses.changes(
+        machine, level, rotations[counts], translations[counts], to_ground
+    )
+    return values, clears
 
 
 def _changes_of(
@@ -185,12 +245,18 @@ def _by_method(
     found = []
     for probe, answer in zip(probes, answers):
         if method == SMALL:
-            values = _changes_of(probe, some, distances, lambda *pose: _small(machine, *pose, options.to_ground), answer.level)
+            values = _changes_of(
+                probe, some, distances, lambda *pose: _small(machine, *pose, options.to_ground), answer.level
+            )
         else:
             posed = live.copy()
             posed.add(_text_of(probe, options.to_ground))
             values = _changes_of(
-                probe, some, distances, lambda level, *pose: _asked(posed, method, machine, *pose), answer.level
+                probe,
+                some,
+                distances,
+                lambda level, *pose: _asked(posed, method, machine, *pose),
+                answer.level,
             )
         found.append(values[..., chosen])
     return tuple(found)
@@ -224,7 +290,9 @@ def _text_of(probe: Probe, to_ground: float | None) -> str:
     )
 
 
-def _asked(posed: Any, method: str, machine: Machine, rotations: Array, translations: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _asked(
+    posed: Any, method: str, machine: Machine, rotations: Array, translations: Array
+) -> tuple[Array, NDArray[np.bool_]]:
     """Asks the model pose by pose; NaN where it does not know the change."""
     found = np.full((len(translations), len(machine.readings)), np.nan)
     for k, (rotation, translation) in enumerate(zip(rotations, translations)):

@@ -1,0 +1,58 @@
+"""`python3 -m analysis coverage SCENE`: surveys a machine and writes its page, its table and its file for ParaView."""
+
+from __future__ import annotations
+
+import hashlib
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis.coverage import page, tables
+from analysis.coverage.probes import DEFAULT, probe
+from analysis.coverage.survey import Options, survey
+from analysis.pipeline.model_stage import model_module
+from analysis.results.store import write_text
+from analysis.show.make import find_scene
+from geometries.common import installation
+from geometries.scene import reader
+from geometries.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Made:
+    """The page, and what the survey found, a sentence for each probe."""
+
+    page: Path
+    findings: list[str]
+
+
+def make(name: str, probes: tuple[str, ...], options: Options, target: Path | None) -> Made:
+    """Surveys a scene, a file or a name in geometries/scenes, and writes SCENE.html, SCENE.csv and SCENE.vtu. InputError for files and options that
+    cannot be used."""
+    path = find_scene(name)
+    scene = reader.load(path)
+    model = model_module()
+    chosen = tuple(probe(text) for text in probes or DEFAULT)
+    found = survey(path, scene, chosen, options, model)
+    place = target or installation.results_folder() / "coverage" / f"{path.stem}.html"
+    tables.write_csv(found, place.with_suffix(".csv"))
+    tables.write_vtu(found, place.with_suffix(".vtu"))
+    text = place.with_suffix(".csv").read_text(encoding="utf-8")
+    digest = hashlib.sha256(text.encode()).hexdigest()
+    shown = shlex.join(
+        [*shlex.split(installation.command("analysis")), "coverage", str(name)]
+        + [part for one in probes for part in ("--probe", one)]
+        + [part for one in options.readings for part in ("--reading", one)]
+    )
+    title = f"{path.stem.replace('_', ' ')}: where a probe is noticed"
+    conductors = {
+        key: value
+        for key, value in model.Scene.load(str(path)).conductors().items()
+        if key not in _targets(scene)
+    }
+    write_text(place, page.document(title, digest, found, conductors, place.with_suffix(".csv").name, shown))
+    return Made(place, page.sentences(found))
+
+
+def _targets(scene: Scene) -> set[str]:
+    return {body.name for body in scene.objects if body.target}

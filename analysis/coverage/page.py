@@ -1,0 +1,193 @@
+"""The page of a survey: the machine with the surface of first notice around it, and what the survey found."""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+
+import numpy as np
+from markupsafe import Markup
+from numpy.typing import NDArray
+
+from analysis.coverage import findings, tables
+from analysis.coverage.survey import BOUNDARY_ELEMENTS, FARTHEST, NEAREST, NEGLIGIBLE, Survey
+from analysis.report import page
+from analysis.results.store import Document
+
+Array = NDArray[np.float64]
+
+FACTORS = np.geomspace(0.1, 100, 31)
+"""Thresholds of the slider, over the scene's."""
+MOST_DRAWN = 3000
+"""Largest number of places on the page; the table has all."""
+_BLOCKED = 65535
+_PER_METRE = 10_000
+"""Units of the distances in the page, 0.1 mm."""
+_MOST_BLIND = 12
+
+
+def document(
+    title: str, digest: str, survey: Survey, conductors: dict[str, Array], table: str, command: str
+) -> str:
+    """Returns the whole page."""
+    data = json.dumps(_data(survey, conductors), separators=(",", ":"), allow_nan=False)
+    body = page.filled(
+        "coverage.html",
+        style=page.static("show.css"),
+        script=page.static("coverage.js"),
+        title=title,
+        finding=sentences(survey)[0],
+        data=page.json_in_page(data),
+        probes=[probe.name for probe in survey.probes],
+        readings=[tables.ANY, *(reading.name for reading in survey.readings)],
+        steps=len(FACTORS) - 1,
+        start=int(np.argmin(np.abs(FACTORS - 1))),
+    )
+    return page.document(title, digest, [body, *_sections(survey, table, command)])
+
+
+def sentences(survey: Survey) -> list[str]:
+    """Returns what the survey found, a sentence for each probe."""
+    found = []
+    for told in findings.summaries(survey):
+        blind = told.held - told.noticed
+        if not told.noticed:
+            found.append(f"{told.probe}: no reading notices it at any of {told.held} places.")
+            continue
+        found.append(
+            f"{told.probe}: noticed at {told.noticed} of {told.held} places, from {_cm(told.median)} in the median "
+            f"({_cm(told.nearest)} to {_cm(told.farthest)} at nine of ten); {blind} are blind."
+        )
+    return found
+
+
+def _cm(metres: float) -> str:
+    return f"{100 * metres:.3g} cm"
+
+
+def _sections(survey: Survey, table: str, command: str) -> list[Markup]:
+    proven = [reading.name for reading in survey.readings if reading.is_proven]
+    thresholds = ", ".join(
+        f"{reading.name} {threshold * 1e15:.3g} fF"
+        for reading, threshold in zip(survey.readings, survey.thresholds)
+    )
+    parts = [
+        page.section(
+            "How far each probe is noticed",
+            *(page.paragraph(sentence) for sentence in sentences(survey)),
+            page.soft(
+                f"Thresholds: {thresholds}. A place is a point of the machine's surface; the probe is held before it, its nearest point {NEAREST * 1000:g} mm to {FARTHEST:g} m away along the normal. "
+                "Its distance is that up to which every position is noticed. Blind: not noticed at the nearest position."
+            ),
+            Markup('<p class="soft"><a href="{}">All places as a table</a></p>').format(table),
+            page.command(command),
+        ),
+        page.section("Blind spots", *(_blind(survey, p) for p in range(len(survey.probes)))),
+        _guarantee(proven, len(survey.readings)),
+    ]
+    if survey.by_method:
+        parts.append(_methods(survey))
+    return parts
+
+
+def _blind(survey: Survey, probe: int) -> Markup:
+    counts = sorted(findings.blind_bodies(survey, probe), key=lambda told: -told[2])
+    rows = [
+        [name, str(held), str(blind), f"{100 * blind / held:.0f} %"] for name, held, blind in counts if blind
+    ]
+    title = page.heading(survey.probes[probe].name)
+    if not rows:
+        return page.lines([title, page.paragraph("No blind spot among the places.")])
+    shown = page.table(["sensor or object", "places", "blind", "share"], rows[:_MOST_BLIND])
+    more = [page.soft(f"and {len(rows) - _MOST_BLIND} more, in the table")] if len(rows) > _MOST_BLIND else []
+    return page.lines([title, shown, *more])
+
+
+def _guarantee(proven: list[str], count: int) -> Markup:
+    of = "every reading" if len(proven) == count else ", ".join(proven)
+    guaranteed = (
+        f"For {of}, which senses a conductor that it drives, a grounded body that contains a grounded probe changes the reading at least as much as the "
+        "probe does (Dirichlet's principle and the maximum principle). So at each place a larger body is noticed at the probe's distance, too: this is guaranteed, within the "
+        "error of the computed change."
+        if proven
+        else "No reading senses a conductor that it drives: nothing is guaranteed for larger bodies."
+    )
+    return page.section(
+        "What is guaranteed",
+        page.paragraph(guaranteed),
+        page.paragraph(
+            "Everything else is sampled: between the places, along other directions, for floating bodies, and for readings that sense what they do not drive."
+        ),
+    )
+
+
+def _methods(survey: Survey) -> Markup:
+    rows = [
+        [
+            told.method,
+            told.probe,
+            str(told.places),
+            "–" if math.isnan(told.excess) else f"{100 * told.excess:+.1f} cm",
+            "–" if math.isnan(told.ratio) else f"{told.ratio:.3g}",
+            f"{told.false} of {told.asked}",
+        ]
+        for told in findings.comparisons(survey)
+    ]
+    return page.section(
+        "What other methods would have said",
+        page.table(
+            [
+                "method",
+                "probe",
+                "places",
+                "distance, median difference",
+                "change, median ratio",
+                "noticed only by it",
+            ],
+            rows,
+            2,
+        ),
+        page.soft(
+            f"At {len(survey.compared)} places. The survey itself solves every probe before the machine by {BOUNDARY_ELEMENTS}: {survey.panels} panels, with an "
+            f"estimated error of {100 * survey.error:.2g} % of the sensors' own charges; positions with less than {100 * NEGLIGIBLE:g} % of the threshold are those of the limit for small "
+            "probes. A difference of +5 cm says that the method promises 5 cm more than there are."
+        ),
+    )
+
+
+def _data(survey: Survey, conductors: dict[str, Array]) -> Document:
+    drawn = np.unique(np.linspace(0, len(survey.places.points) - 1, MOST_DRAWN).astype(int))
+    tables_of = []
+    for p in range(len(survey.probes)):
+        for k in (None, *range(len(survey.readings))):
+            steps = [_packed(tables.distances(survey, p, k, float(factor))[0][drawn]) for factor in FACTORS]
+            tables_of.append(base64.b64encode(np.stack(steps).astype("<u2").tobytes()).decode())
+    return {
+        "bodies": [_mesh(name, triangles) for name, triangles in conductors.items()],
+        "sensors": [name for name in conductors if name in _sensor_names(survey, conductors)],
+        "points": survey.places.points[drawn].round(4).tolist(),
+        "normals": survey.places.normals[drawn].round(4).tolist(),
+        "owners": [survey.places.owners[k] for k in drawn],
+        "factors": FACTORS.tolist(),
+        "thresholds": [None, *survey.thresholds],
+        "readings": len(survey.readings) + 1,
+        "distances": tables_of,
+        "blocked": _BLOCKED,
+        "per_metre": _PER_METRE,
+    }
+
+
+def _sensor_names(survey: Survey, conductors: dict[str, Array]) -> set[str]:
+    return {reading.name for reading in survey.readings} & set(conductors)
+
+
+def _packed(distances: Array) -> Array:
+    return np.asarray(
+        np.where(np.isnan(distances), _BLOCKED, np.round(np.nan_to_num(distances) * _PER_METRE))
+    )
+
+
+def _mesh(name: str, triangles: Array) -> Document:
+    vertices, indices = np.unique(triangles.reshape(-1, 3).round(5), axis=0, return_inverse=True)
+    return {"name": name, "vertices": vertices.tolist(), "faces": indices.reshape(-1, 3).tolist()}

@@ -1,0 +1,75 @@
+"use strict";
+// Draws a machine and, for a probe, a reading and a threshold, the points from which the probe is noticed.
+(() => {
+  const data = JSON.parse(document.getElementById("data").textContent);
+  const INK = "#24292f", BODY = "#c3c9d0", SENSOR = "#0072b2", BLIND = "#d0342c";
+  const places = data.points.length;
+  const control = name => document.getElementById(name);
+  const unpacked = data.distances.map(text => {
+    const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0));
+    return new Uint16Array(bytes.buffer);
+  });
+
+  function solid(body) {
+    const [i, j, k] = [0, 1, 2].map(corner => body.faces.map(face => face[corner]));
+    const [x, y, z] = [0, 1, 2].map(axis => body.vertices.map(p => p[axis]));
+    return {
+      type: "mesh3d", i, j, k, x, y, z, color: data.sensors.includes(body.name) ? SENSOR : BODY, name: body.name, hoverinfo: "name", flatshading: true,
+      lighting: { ambient: 0.62, diffuse: 0.55, specular: 0.08, roughness: 0.7, fresnel: 0.05, vertexnormalsepsilon: 0, facenormalsepsilon: 0 },
+      lightposition: { x: -2000, y: -4000, z: 9000 }, hoverlabel: { namelength: -1 }, showlegend: false,
+    };
+  }
+
+  const centimetres = metres => `${(100 * metres).toPrecision(3)} cm`;
+
+  /** The distances at all places for what the controls say; null where the probe cannot be held. */
+  function chosen() {
+    const table = unpacked[Number(control("probe").value) * data.readings + Number(control("reading").value)];
+    const step = Number(control("threshold").value);
+    return Array.from(table.subarray(step * places, (step + 1) * places), d => (d === data.blocked ? null : d / data.per_metre));
+  }
+
+  function points(distances, which) {
+    const found = { x: [], y: [], z: [], text: [], value: [] };
+    distances.forEach((distance, n) => {
+      if (distance === null || !which(distance)) return;
+      ["x", "y", "z"].forEach((axis, k) => found[axis].push(data.points[n][k] + distance * data.normals[n][k]));
+      found.value.push(100 * distance);
+      found.text.push(`${data.owners[n]}: ${distance ? centimetres(distance) : "blind"}`);
+    });
+    return found;
+  }
+
+  const plot = control("scene");
+  const bodies = data.bodies.map(solid);
+
+  function draw() {
+    const distances = chosen();
+    const seen = points(distances, d => d > 0), blind = control("blind").checked ? points(distances, d => d === 0) : points([], () => false);
+    Plotly.restyle(plot, { x: [seen.x, blind.x], y: [seen.y, blind.y], z: [seen.z, blind.z], text: [seen.text, blind.text] }, [bodies.length, bodies.length + 1]);
+    Plotly.restyle(plot, { "marker.color": [seen.value] }, [bodies.length]);
+    const held = distances.filter(d => d !== null), sorted = held.filter(d => d > 0).sort((a, b) => a - b);
+    const factor = data.factors[Number(control("threshold").value)], own = data.thresholds[Number(control("reading").value)];
+    const threshold = own === null ? `${factor.toPrecision(3)} times each reading's threshold` : `${(own * factor * 1e15).toPrecision(3)} fF`;
+    const median = sorted.length ? `, from ${centimetres(sorted[sorted.length >> 1])} in the median` : "";
+    control("told").textContent = `Threshold: ${threshold}. Noticed at ${sorted.length} of the ${held.length} places drawn${median}.`;
+  }
+
+  const marks = (colour, more) => ({ type: "scatter3d", mode: "markers", x: [], y: [], z: [], text: [], hoverinfo: "text", showlegend: false, ...more, marker: { size: 3, ...colour } });
+  const traces = [
+    ...bodies,
+    marks({ color: [], colorscale: "Viridis", cmin: 0, cmax: 60, colorbar: { title: { text: "cm" }, thickness: 12, len: 0.6 }, opacity: 0.85 }),
+    marks({ color: BLIND, size: 2.5 }),
+  ];
+  const axis = name => ({ showbackground: false, gridcolor: "#e4e7eb", color: "#57606a", nticks: 5, tickfont: { size: 10 }, title: { text: `${name} (m)`, font: { size: 11 } } });
+  const layout = {
+    margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "white", uirevision: "kept",
+    font: { family: "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', sans-serif", size: 12, color: INK },
+    scene: { xaxis: axis("x"), yaxis: axis("y"), zaxis: axis("z"), aspectmode: "data", dragmode: "turntable", camera: { eye: { x: 0.9, y: -1.5, z: 0.6 } } },
+  };
+  for (const name of ["probe", "reading", "threshold", "blind"]) control(name).addEventListener("input", draw);
+  Plotly.newPlot(plot, traces, layout, { responsive: true, displaylogo: false, displayModeBar: false, scrollZoom: true }).then(() => {
+    draw();
+    new ResizeObserver(() => Plotly.Plots.resize(plot)).observe(plot);
+  });
+})();
