@@ -14,6 +14,7 @@ from pathlib import Path
 from analysis.live import page as live_page, paths
 from analysis.pipeline.model_stage import model_module
 from analysis.report import page as report_page
+from analysis.report.live_page import FOLDER
 from analysis.results.store import Document, write_text
 from analysis.show.make import find_scene, motion_beside
 from fem_reference.bodies.remarks import remarks
@@ -23,9 +24,6 @@ from geometries.scene import motion, reader
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Cuboid, PlateShape
 
-FOLDER = "live"
-DEFAULT = "sensor_head"
-"""The machine of which ./run makes a page, a name in geometries/scenes."""
 RTOL = 1e-2
 """Relative error asked of the reference readings."""
 LARGEST = 6_000_000

@@ -28,7 +28,17 @@ def test_a_folder_named_like_ours_where_the_user_stands_is_not_taken_for_ours(tm
 @pytest.mark.parametrize(
     ("given", "asked"),
     [
-        ("./run", ["errors", "corrections", "company", "machines", "run default --measure-model"]),
+        (
+            "./run",
+            [
+                "errors",
+                "corrections",
+                "company",
+                "machines",
+                "live sensor_head",
+                "run default --measure-model",
+            ],
+        ),
         ("./run experiment_1", ["run experiment_1"]),
         ("./run nightly --profile slurm", ["nightly nightly --verify --profile slurm"]),
     ],
@@ -39,8 +49,9 @@ def test_what_it_asks_of_the_analysis(tmp_path: Path, given: str, asked: list[st
     (folder / "analysis").mkdir(parents=True)
     (folder / "analysis" / "__main__.py").write_text("import sys\nprint('asked:', *sys.argv[1:])\n")
     (folder / "packages.txt").write_text("# none\n")
-    (folder / "cmake").write_text("#!/bin/sh\n")
-    (folder / "cmake").chmod(0o755)
+    for program in ("cmake", "em++"):
+        (folder / program).write_text("#!/bin/sh\n")
+        (folder / program).chmod(0o755)
     shutil.copy(ROOT / "run", folder / "run")
     done = subprocess.run(
         [folder / "run", *given.split()[1:]],

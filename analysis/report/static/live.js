@@ -29,7 +29,7 @@
 
   const links = described.links.map(link => ({ translation: [...link.translation], quaternion: [...link.quaternion] }));
   const readings = Object.entries(roles.readings).map(([name, reading]) => ({ name, ...reading }));
-  const state = { link: firstLink(), reading: 0, reduced: data.reduced, rtol: RTOL, path: null, at: 0, playing: false, reference: null, floats: new Set(), frames: 0 };
+  const state = { link: firstLink(), reading: 0, reduced: data.reduced, rtol: RTOL, path: null, at: 0, playing: false, reference: null, floats: new Set(), frames: 0, charted: -1e9, moved: 0 };
   let poses = scene.poses(), answers = {}, geometry = {}, dirty = true, spent = {}, firstAnswer = null;
   const trace = [], along = new Map();
 
@@ -127,7 +127,7 @@
   };
   function ask() {
     const timed = (part, action) => { const start = performance.now(); action(); spent[part] = performance.now() - start; };
-    const later = spent.reduced > 6 && state.frames % 2;  // the reduced method in every second frame where it takes long
+    const later = spent.reduced > 3 && state.frames % 2;  // the reduced method in every second frame where it takes long
     for (const { name, method } of METHODS)
       if (name !== "reduced") timed(name, () => { answers[name] = scene.capacitance(method); });
       else if (!state.reduced) answers[name] = { refused: "off" };
@@ -276,14 +276,21 @@
       const text = noticedBy(reading.threshold, said);
       if (noticed.textContent !== text) noticed.textContent = text;
     });
-    const parts = geometry.eyes.map(eye => element("p", "", eye.distance === null ? `${eye.name}: nothing in its cone` : `${eye.name}: ${(1000 * eye.distance).toFixed(1)} mm to ${eye.object}`));
-    const pairs = geometry.pairs.filter(pair => pair.status === "collision");
-    parts.push(...(pairs.length ? pairs.map(pair => element("p", "collision", `collision: ${pair.a} and ${pair.b}`)) : [element("p", "", "no collision")]));
-    byId("geometry").replaceChildren(...parts);
-    if (readings.length) tellCharts();
+    tellGeometry();
+    if (readings.length && performance.now() > state.charted + CHARTS) tellCharts();
   }
+  function tellGeometry() {
+    const eyes = geometry.eyes.map(eye => ["", eye.distance === null ? `${eye.name}: nothing in its cone` : `${eye.name}: ${(1000 * eye.distance).toFixed(1)} mm to ${eye.object}`]);
+    const pairs = geometry.pairs.filter(pair => pair.status === "collision").map(pair => ["collision", `collision: ${pair.a} and ${pair.b}`]);
+    const said = [...eyes, ...(pairs.length ? pairs : [["", "no collision"]])], text = said.join("\n");
+    if (text === state.geometry) return;
+    state.geometry = text;
+    byId("geometry").replaceChildren(...said.map(([kind, each]) => element("p", kind, each)));
+  }
+  const CHARTS = 150;  // ms between two drawings of the charts while something moves
   const lineOf = (points, m) => ({ points, colour: theme[METHODS[m].name], dash: METHODS[m].dash, name: METHODS[m].name });
   function tellCharts() {
+    state.charted = performance.now();
     const now = performance.now() / 1000, threshold = readings[state.reading].threshold;
     drawChart(byId("trace"), {
       from: -15, to: 0, ticks: [[-15, "−15 s"], [-10, "−10 s"], [-5, "−5 s"], [0, "now"]], threshold,
@@ -521,7 +528,9 @@
 
   function frame(now) {
     advance(now);
+    if (!dirty && state.charted < state.moved && now > state.moved + 2 * CHARTS && readings.length) tellCharts();
     if (dirty) {
+      state.moved = now;
       dirty = false;
       const start = performance.now();
       ask();
