@@ -56,6 +56,7 @@ ELSEWHERE = {
     "(cd build && cpack)": ("packaging/test_debian_package.py", "test_it_says_what_it_is", "cpack"),
     "./run STUDY": (RUN, "test_what_it_asks_of_the_analysis", "./run"),
     "./run": (RUN, "test_what_it_asks_of_the_analysis", "./run"),
+    "cmake --preset browser": (RUN, "test_what_it_asks_of_the_analysis", "cmake --preset browser"),
     "./run smoke": (RUN, "test_what_it_asks_of_the_analysis", "./run"),
     "python3 -m analysis run FILE": ("analysis/study/test_run.py", "test_a_study_is_solved_reported_and_told", "run"),
     "./run experiment_1": (RUN, "test_what_it_asks_of_the_analysis", "experiment_1"),
