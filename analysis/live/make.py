@@ -14,18 +14,16 @@ from pathlib import Path
 from analysis.live import page as live_page, paths
 from analysis.pipeline.model_stage import model_module
 from analysis.report import page as report_page
+from analysis.report.live_page import FOLDER
 from analysis.results.store import Document, write_text
 from analysis.show.make import find_scene, motion_beside
 from fem_reference.bodies.remarks import remarks
 from geometries.common.errors import InputError
-from geometries.common.installation import ROOT, is_own, page_library, results_folder
+from geometries.common.installation import ROOT, is_installed, is_own, page_library, results_folder
 from geometries.scene import motion, reader
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Cuboid, PlateShape
 
-FOLDER = "live"
-DEFAULT = "sensor_head"
-"""The machine of which ./run makes a page, a name in geometries/scenes."""
 RTOL = 1e-2
 """Relative error asked of the reference readings."""
 LARGEST = 6_000_000
@@ -90,9 +88,12 @@ def make(name: str, motion_file: Path | None, target: Path | None, options: Opti
 def _library() -> str:
     file = page_library()
     if not file.is_file():
-        raise NoLibrary(
-            f"{file} is missing: ./run builds it where emscripten is installed (apt-get install emscripten node-acorn)"
+        way = (
+            "live pages are made in the repository"
+            if is_installed()
+            else "./run builds it where emscripten is installed (apt-get install emscripten node-acorn)"
         )
+        raise NoLibrary(f"{file} is missing: {way}")
     return file.read_text(encoding="utf-8")
 
 

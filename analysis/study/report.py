@@ -9,7 +9,7 @@ from pathlib import Path
 from markupsafe import Markup
 
 from analysis.pipeline import keys
-from analysis.report import faults_section, index_page, page, plot_of_changes, sections
+from analysis.report import faults_section, index_page, live_page, page, plot_of_changes, sections
 from analysis.report.index_page import Card
 from analysis.results import refusals, statistics, study_results as results, table
 from analysis.results.refusals import Refusal
@@ -75,7 +75,8 @@ def make(folder: Path) -> Report:
         answers, verified, apart, corrected, faults, in_company, on_machines, in_field, published.digest()
     )
     nights = history.load(folder)
-    whole = keys.page_inputs(inputs, nights)
+    live = live_page.beside(folder)
+    whole = keys.page_inputs(inputs, nights, live)
     if not (
         (folder / table.TABLE).is_file()
         and page.is_current(folder / page.REPORT, whole)
@@ -85,7 +86,7 @@ def make(folder: Path) -> Report:
         company = tuple(company_factors.entries(in_company, company_set_ups.all_set_ups()))
         machines = tuple(machines_records.entries(on_machines, machines_set_ups.all_set_ups()))
         material = Material(found, rows, summaries, verified, entries, corrected, faults, company, machines)
-        _write(material, nights, inputs, whole)
+        _write(material, nights, live, inputs, whole)
     return Report(
         folder / page.REPORT,
         summaries,
@@ -121,8 +122,8 @@ def _is_complete(folder: Path) -> bool:
     return all((folder / target).is_file() for target in _HREF.findall(text))
 
 
-def _write(material: Material, nights: list[Document], inputs: str, whole: str) -> None:
-    """Writes the table, the pages, and last the report itself, which marks all of them as complete."""
+def _write(material: Material, nights: list[Document], live: str | None, inputs: str, whole: str) -> None:
+    """Writes the table, the pages, and last the report itself, which marks all of them as complete. `live` is the live page, if any."""
     folder = material.found.folder
     write_text(folder / table.TABLE, table.to_csv(material.rows, material.found.methods))
     cards = _pages(material, inputs)
@@ -130,6 +131,8 @@ def _write(material: Material, nights: list[Document], inputs: str, whole: str) 
         cards.append(
             Card(history_page.HISTORY, "What has moved from night to night?", history_page.finding(nights))
         )
+    if live is not None:
+        cards.append(Card(live, live_page.TITLE, live_page.SAYS))
     warning = cross_check_section.warning(material.found, f"{PAGES}/{CROSS_CHECK}.html")
     headline = sections.refused(material.found)
     headline += sections.headline(material.found, material.rows, material.summaries)

@@ -24,6 +24,7 @@ PAGE_OF_A_SWEEP = (
     "analysis/sweep/test_sweep_page.py",
     "test_the_command_makes_a_page_and_its_table_from_its_options",
 )
+LIVE = ("analysis/live/test_paths.py", "test_every_option_of_the_command_acts")
 HERE, IMPORT = "end_to_end/test_options.py", "end_to_end/test_import.py"
 EXPORTED = ("end_to_end/test_export.py", "test_the_method_and_the_error_asked_for_are_the_users")
 TABLE = ("analysis/topics/published/test_table.py", "test_the_options_of_the_command_reach_what_they_are_for")
@@ -130,6 +131,13 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
         "--help": SAID,
         "--motion": ("analysis/show/test_show.py", "test_a_wrong_motion_is_refused"),
         "--output": ("analysis/show/test_show.py", "test_the_example_is_shown_by_its_name"),
+    },
+    ("analysis", "live"): {
+        "--help": SAID,
+        "--motion": LIVE,
+        "--rtol": LIVE,
+        "--no-reference": LIVE,
+        "--output": LIVE,
     },
     ("analysis", "sweep"): {
         "--help": SAID,

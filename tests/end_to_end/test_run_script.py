@@ -28,29 +28,60 @@ def test_a_folder_named_like_ours_where_the_user_stands_is_not_taken_for_ours(tm
 @pytest.mark.parametrize(
     ("given", "asked"),
     [
-        ("./run", ["errors", "corrections", "company", "machines", "run default --measure-model"]),
+        (
+            "./run",
+            [
+                "errors",
+                "corrections",
+                "company",
+                "machines",
+                "live sensor_head",
+                "run default --measure-model",
+            ],
+        ),
         ("./run experiment_1", ["run experiment_1"]),
         ("./run nightly --profile slurm", ["nightly nightly --verify --profile slurm"]),
     ],
 )
 def test_what_it_asks_of_the_analysis(tmp_path: Path, given: str, asked: list[str]) -> None:
-    """A repository with nothing in it: no package is missing, nothing is built, and the analysis says what it was asked."""
-    folder = tmp_path / "a repository"
+    folder = empty_repository(tmp_path, "cmake", "em++")
+    printed = run_in(folder, given, f"{folder}:{os.environ['PATH']}")
+    assert re.findall(r"asked: (.*)", printed) == asked
+    assert "cmake --preset browser" in (folder / "build-browser" / "build.log").read_text()
+
+
+def test_without_emscripten_it_says_that_there_is_no_live_page(tmp_path: Path) -> None:
+    folder = empty_repository(tmp_path, "cmake")
+    (tmp_path / "bin").mkdir()
+    for program in Path("/usr/bin").iterdir():
+        if program.name not in ("em++", "cmake"):
+            (tmp_path / "bin" / program.name).symlink_to(program)
+    printed = run_in(folder, "./run", f"{folder}:{tmp_path / 'bin'}")
+    assert "Without emscripten (em++) the library is not built for browsers" in printed
+    assert "asked: run default" in printed and "asked: live" not in printed
+
+
+def empty_repository(place: Path, *programs: str) -> Path:
+    """A repository with nothing in it: no package is missing, the programs only say how they were called, and so does the analysis."""
+    folder = place / "a repository"
     (folder / "analysis").mkdir(parents=True)
     (folder / "analysis" / "__main__.py").write_text("import sys\nprint('asked:', *sys.argv[1:])\n")
     (folder / "packages.txt").write_text("# none\n")
-    (folder / "cmake").write_text("#!/bin/sh\n")
-    (folder / "cmake").chmod(0o755)
+    for program in programs:
+        (folder / program).write_text(f'#!/bin/sh\necho "{program} $*"\n')
+        (folder / program).chmod(0o755)
     shutil.copy(ROOT / "run", folder / "run")
+    return folder
+
+
+def run_in(folder: Path, given: str, path: str) -> str:
+    """What ./run of a repository prints, called elsewhere."""
+    command = [str(folder / "run"), *given.split()[1:]]
+    environment = os.environ | {"PATH": path}
     done = subprocess.run(
-        [folder / "run", *given.split()[1:]],
-        env=os.environ | {"PATH": f"{folder}:{os.environ['PATH']}"},
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=True,
+        command, env=environment, cwd=folder.parent, capture_output=True, text=True, check=True
     )
-    assert re.findall(r"asked: (.*)", done.stdout) == asked
+    return done.stdout
 
 
 def test_it_prints_the_python_that_has_the_field_solver() -> None:

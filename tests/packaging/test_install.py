@@ -153,6 +153,7 @@ COMMANDS = {
         "verify",
         "errors",
         "corrections",
+        "live",
         "show",
         "sweep",
     ),

@@ -29,7 +29,7 @@
 
   const links = described.links.map(link => ({ translation: [...link.translation], quaternion: [...link.quaternion] }));
   const readings = Object.entries(roles.readings).map(([name, reading]) => ({ name, ...reading }));
-  const state = { link: firstLink(), reading: 0, reduced: data.reduced, rtol: RTOL, path: null, at: 0, playing: false, reference: null, floats: new Set(), frames: 0 };
+  const state = { link: firstLink(), reading: 0, reduced: data.reduced, rtol: RTOL, path: null, at: 0, playing: false, reference: null, floats: new Set(), frames: 0, told: -1e9, moved: 0 };
   let poses = scene.poses(), answers = {}, geometry = {}, dirty = true, spent = {}, firstAnswer = null;
   const trace = [], along = new Map();
 
@@ -127,18 +127,19 @@
   };
   function ask() {
     const timed = (part, action) => { const start = performance.now(); action(); spent[part] = performance.now() - start; };
-    const later = spent.reduced > 6 && state.frames % 2;  // the reduced method in every second frame where it takes long
+    // The reduced method answers in every second frame where it takes long; the frame after the last one makes up for it.
+    state.isStale = spent.reduced > 3 && state.reduced && state.prepared && !state.isStale;
     for (const { name, method } of METHODS)
       if (name !== "reduced") timed(name, () => { answers[name] = scene.capacitance(method); });
       else if (!state.reduced) answers[name] = { refused: "off" };
       else if (!state.prepared) answers[name] = { refused: "preparing …" };
-      else if (!later) timed(name, () => { answers[name] = scene.capacitance(method, state.rtol); });
+      else if (!state.isStale) timed(name, () => { answers[name] = scene.capacitance(method, state.rtol); });
     timed("geometry", () => {
       geometry = { eyes: described.distance_sensors.length ? scene.distances().distance_sensors : [], pairs: scene.collisions().pairs || [] };
     });
     timed("colours", colour);
     firstAnswer ??= performance.now() - opened;
-    const now = performance.now() / 1000, values = readings.map(({ name }) => METHODS.map(m => pick(answers[m.name], name).change ?? null));
+    const now = performance.now() / 1000, values = readings.map(({ name }) => METHODS.map(m => (m.name === "reduced" && state.isStale ? null : pick(answers[m.name], name).change ?? null)));
     trace.push({ now, values });
     while (trace.length && trace[0].now < now - 15) trace.shift();
     if (state.path !== null) along.set(Math.round(state.at * 1000) / 1000, values);
@@ -243,7 +244,8 @@
     byId("trace-title").textContent = readings.length ? `Trace of “${readings[state.reading].name}”` : "Trace";
   }
 
-  function tellOne({ size, error, value, row }, { change, error: stated, refused }) {
+  /** Sets a bar, and where `isSlow` its text. */
+  function tellOne({ size, error, value, row }, { change, error: stated, refused }, isSlow) {
     const known = change !== null && change !== undefined, at = known && change !== 0 ? placeOnScale(Math.abs(change)) : 0;
     size.style.transform = `scaleX(${at})`;
     const shows = known && stated !== null && stated !== undefined && stated > 0;
@@ -253,6 +255,7 @@
       error.style.left = `${100 * low}%`;
       error.style.width = `${100 * (high - low)}%`;
     }
+    if (!isSlow) return;
     const text = known ? farads(change, stated) : refused && refused.length < 20 ? refused : "no answer";
     if (value.textContent !== text) value.textContent = text;
     const hint = refused && refused.length >= 20 ? refused : known ? "" : "This method does not know this reading.";
@@ -267,20 +270,32 @@
     if (size - (error || 0) > threshold) return `noticed (${best})`;
     return size + (error || 0) < threshold ? `not noticed (${best})` : `perhaps noticed (${best})`;
   }
-  function tell() {
+  /** Tells the answers: bars in every frame, texts and charts, which no eye follows faster, only where `isSlow`. */
+  function tell(isSlow) {
     rows.forEach(({ noticed, lines, reading }) => {
       const said = {};
-      for (const { name } of METHODS) tellOne(lines[name], (said[name] = pick(answers[name], reading.name)));
+      for (const { name } of METHODS) tellOne(lines[name], (said[name] = pick(answers[name], reading.name)), isSlow);
       lines.reference.row.hidden = !state.reference;
-      if (state.reference) tellOne(lines.reference, (said.reference = pick(state.reference, reading.name)));
+      if (state.reference) tellOne(lines.reference, (said.reference = pick(state.reference, reading.name)), isSlow);
+      if (!isSlow) return;
       const text = noticedBy(reading.threshold, said);
       if (noticed.textContent !== text) noticed.textContent = text;
     });
-    const parts = geometry.eyes.map(eye => element("p", "", eye.distance === null ? `${eye.name}: nothing in its cone` : `${eye.name}: ${(1000 * eye.distance).toFixed(1)} mm to ${eye.object}`));
-    const pairs = geometry.pairs.filter(pair => pair.status === "collision");
-    parts.push(...(pairs.length ? pairs.map(pair => element("p", "collision", `collision: ${pair.a} and ${pair.b}`)) : [element("p", "", "no collision")]));
-    byId("geometry").replaceChildren(...parts);
+    if (!isSlow) return;
+    state.told = performance.now();
+    const refusals = METHODS.filter(({ name }) => answers[name].refused && answers[name].refused.length >= 20).map(({ name }) => `${name}: ${answers[name].refused}.`).join(" ");
+    if (byId("refusals").textContent !== refusals) byId("refusals").textContent = refusals;
+    tellGeometry();
+    sliders.forEach(update => update());
     if (readings.length) tellCharts();
+  }
+  function tellGeometry() {
+    const eyes = geometry.eyes.map(eye => ["", eye.distance === null ? `${eye.name}: nothing in its cone` : `${eye.name}: ${(1000 * eye.distance).toFixed(1)} mm to ${eye.object}`]);
+    const pairs = geometry.pairs.filter(pair => pair.status === "collision").map(pair => ["collision", `collision: ${pair.a} and ${pair.b}`]);
+    const said = [...eyes, ...(pairs.length ? pairs : [["", "no collision"]])], text = said.join("\n");
+    if (text === state.geometry) return;
+    state.geometry = text;
+    byId("geometry").replaceChildren(...said.map(([kind, each]) => element("p", kind, each)));
   }
   const lineOf = (points, m) => ({ points, colour: theme[METHODS[m].name], dash: METHODS[m].dash, name: METHODS[m].name });
   function tellCharts() {
@@ -312,7 +327,7 @@
     input.addEventListener("input", () => { state.playing = false; write(Number(input.value)); });
     label.append(element("span", "", name), input, output);
     byId("sliders").append(label);
-    sliders.push(() => { const value = read(); if (document.activeElement !== input || Math.abs(Number(input.value) - value) > step) input.value = value; output.textContent = say(value); });
+    sliders.push(() => { const value = read(); if (document.activeElement !== input || Math.abs(Number(input.value) - value) > step) input.value = value; output.textContent = say(value).replace("-", "−"); });
   }
   /** The angles about z, y and x, in degrees, that make up a quaternion. */
   function anglesOf([w, x, y, z]) {
@@ -519,20 +534,23 @@
 
   // --- the frames ---
 
+  const SLOW = 120;  // ms between two changes of the texts while something moves
   function frame(now) {
     advance(now);
+    if (!dirty && state.isStale) dirty = true;
+    if (!dirty && state.told < state.moved && now > state.moved + SLOW) tell(true);
     if (dirty) {
+      state.moved = now;
       dirty = false;
       const start = performance.now();
       ask();
       const drawn = performance.now();
       draw();
-      sliders.forEach(update => update());
-      tell();
+      tell(drawn > state.told + SLOW);
       spent.page = performance.now() - drawn;
       spent.frame = performance.now() - start;
       ++state.frames;
-      if (state.frames === 1 || state.frames % 12 === 0 || !state.playing) tellSpeed();
+      if (state.frames === 1 || state.frames % 30 === 0 || !state.playing) tellSpeed();
     }
     requestAnimationFrame(frame);
   }

@@ -20,8 +20,16 @@ const space = {
 /** Five colours from dark to light (light to dark on a light page): brightness alone tells them apart. */
 const SCALE = [[0.00, 0.13, 0.30], [0.26, 0.30, 0.42], [0.49, 0.48, 0.47], [0.74, 0.68, 0.44], [1.00, 0.92, 0.28]];
 
+/** Tells whether WebGL is drawn without a graphics card: smooth edges would then cost as much as everything else in a frame. */
+function isDrawnByProcessor() {
+  const probe = document.createElement("canvas").getContext("webgl"), more = probe && probe.getExtension("WEBGL_debug_renderer_info");
+  const name = more ? probe.getParameter(more.UNMASKED_RENDERER_WEBGL) : "";
+  if (probe) probe.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
 function makeView(surface, overlay) {
-  const gl = surface.getContext("webgl", { antialias: true, alpha: true, premultipliedAlpha: false });
+  const gl = surface.getContext("webgl", { antialias: !isDrawnByProcessor(), alpha: true, premultipliedAlpha: false });
   if (!gl) return null;
   const pen = overlay.getContext("2d");
   const camera = { yaw: -0.9, pitch: 0.42, distance: 1, centre: [0, 0, 0] };

@@ -12,6 +12,7 @@ import pytest
 
 from analysis.live import make as live, paths
 from analysis.pipeline.model_stage import model_module
+from analysis.report.live_page import DEFAULT
 from geometries.common.installation import page_library
 from geometries.scene import poses, reader
 from tests.analysis.live.browser import Browser, is_missing
@@ -24,7 +25,7 @@ if not page_library().is_file():
 if is_missing():
     pytest.skip(f"no browser: {is_missing()} not installed", allow_module_level=True)
 
-SCENE = live.find_scene(live.DEFAULT)
+SCENE = live.find_scene(DEFAULT)
 ROUNDING = 1e-9
 """Largest relative difference between the page and the native library, which use other instructions and other logarithms."""
 ANSWERS = """
@@ -42,7 +43,7 @@ ALL_READY = "return window.livePage ? window.livePage.ready() : null"
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     target = tmp_path_factory.mktemp("live") / "page.html"
-    return live.make(live.DEFAULT, None, target, live.Options(rtol=None))
+    return live.make(DEFAULT, None, target, live.Options(rtol=None))
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -11,13 +13,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from analysis.__main__ import main
 from analysis.live import make as live, paths
 from analysis.pipeline.model_stage import model_module
+from analysis.report.live_page import DEFAULT
 from geometries.common.installation import ROOT
 from geometries.scene import motion, reader
 from geometries.scene.scene import Scene
 
-SCENE = live.find_scene(live.DEFAULT)
+SCENE = live.find_scene(DEFAULT)
 
 
 def hand(scene: Scene, frame: motion.Frame) -> Any:
@@ -64,6 +68,35 @@ def test_reference_readings_are_those_of_boundary_elements() -> None:
     assert solved == [{name: [each.change, each.error["change"]] for name, each in truth.items()}]
 
 
+def data_of(page: Path) -> Any:
+    found = re.search(r'id="data">(.*?)</script>', page.read_text(), re.DOTALL)
+    assert found is not None
+    return json.loads(found[1].replace("<\\/", "</"))
+
+
+def test_every_option_of_the_command_acts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    library, asked = tmp_path / "library.js", []
+    library.write_text("// none\n")
+    monkeypatch.setattr(live, "page_library", lambda: library)
+    monkeypatch.setattr(
+        paths, "solved", lambda path, scene, rtol, tell: asked.append(rtol) or [{} for _ in path.frames]
+    )
+    path = tmp_path / "moved.toml"
+    path.write_text('[[frame]]\nname = "there"\nposes = [ { link = "wrist", translation = [0, 0, 0.5] } ]\n')
+    page = tmp_path / "page.html"
+    command = ["live", DEFAULT, "--output", str(page)]
+    assert main([*command, "--motion", str(path), "--no-reference"]) == 0
+    found = data_of(page)
+    assert [way["name"] for way in found["paths"]] == ["motion", "approach", "over the edge"]
+    assert found["paths"][0]["frames"][0]["poses"][0]["translation"] == [0, 0, 0.5]
+    assert all(way["reference"] is None for way in found["paths"]) and not asked
+    assert main([*command, "--rtol", "0.2"]) == 0
+    assert asked == [0.2, 0.2]
+    assert all(way["reference"] == [{} for _ in way["frames"]] for way in data_of(page)["paths"])
+    with pytest.raises(SystemExit):
+        main([*command, "--rtol", "0.2", "--no-reference"])
+
+
 def analysis_live(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-m", "analysis", "live", *arguments],
@@ -89,7 +122,7 @@ def test_a_page_that_would_be_too_large_is_refused(tmp_path: Path, monkeypatch: 
     monkeypatch.setattr(live, "page_library", lambda: library)
     monkeypatch.setattr(live, "LARGEST", 1000)
     with pytest.raises(live.InputError, match=r"its page would have 0\.\d MB"):
-        live.make(live.DEFAULT, None, tmp_path / "page.html", live.Options(rtol=None))
+        live.make(DEFAULT, None, tmp_path / "page.html", live.Options(rtol=None))
     assert not (tmp_path / "page.html").exists()
 
 
@@ -98,7 +131,7 @@ def test_without_the_library_the_command_says_how_to_get_it(
 ) -> None:
     monkeypatch.setattr(live, "page_library", lambda: tmp_path / "fringe_page.js")
     with pytest.raises(live.NoLibrary, match="apt-get install emscripten"):
-        live.make(live.DEFAULT, None, tmp_path / "page.html", live.Options())
+        live.make(DEFAULT, None, tmp_path / "page.html", live.Options())
     assert list(tmp_path.iterdir()) == []
 
 
@@ -107,10 +140,10 @@ def test_a_page_that_is_up_to_date_stays(tmp_path: Path, monkeypatch: pytest.Mon
     library.write_text("// none\n")
     monkeypatch.setattr(live, "page_library", lambda: library)
     target = tmp_path / "page.html"
-    live.make(live.DEFAULT, None, target, live.Options(rtol=None))
+    live.make(DEFAULT, None, target, live.Options(rtol=None))
     before = target.stat().st_mtime_ns
-    live.make(live.DEFAULT, None, target, live.Options(rtol=None))
+    live.make(DEFAULT, None, target, live.Options(rtol=None))
     assert target.stat().st_mtime_ns == before
     library.write_text("// another\n")
-    live.make(live.DEFAULT, None, target, live.Options(rtol=None))
+    live.make(DEFAULT, None, target, live.Options(rtol=None))
     assert target.stat().st_mtime_ns != before

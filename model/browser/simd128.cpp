@@ -1,0 +1,22 @@
+#include "lanes_simd128.hpp"
+
+#include "simd/all_kernels.hpp"
+
+/// Takes the place of simd/scalar.cpp: WebAssembly has no instruction sets to choose from, so that the only
+/// set has the vectors of WebAssembly.
+namespace fringe::detail {
+
+template <>
+struct Registers<InstructionSet::scalar> {
+  using Doubles = LanesSimd128;
+  using Floats = FloatLanesSimd128;
+};
+
+template const BatchKernels& compiled_kernels<BatchKernels, InstructionSet::scalar>();
+template const TreeKernels& compiled_kernels<TreeKernels, InstructionSet::scalar>();
+template const GjkFilter& compiled_kernels<GjkFilter, InstructionSet::scalar>();
+template const ChargeKernels& compiled_kernels<ChargeKernels, InstructionSet::scalar>();
+template const NodeKernels& compiled_kernels<NodeKernels, InstructionSet::scalar>();
+template const ProductKernels& compiled_kernels<ProductKernels, InstructionSet::scalar>();
+
+}  // namespace fringe::detail
