@@ -16,6 +16,7 @@ import pytest
 from analysis.__main__ import main
 from analysis.live import make as live, paths, scene_text
 from analysis.pipeline.model_stage import model_module
+from analysis.report import live_page
 from analysis.report.live_page import DEFAULT
 from geometries.common.installation import ROOT
 from geometries.scene import motion, reader
@@ -155,6 +156,15 @@ def test_without_the_library_the_command_says_how_to_get_it(
     with pytest.raises(live.NoLibrary, match="apt-get install emscripten"):
         live.make(DEFAULT, None, tmp_path / "page.html", live.Options())
     assert list(tmp_path.iterdir()) == []
+
+
+def test_reports_link_to_the_page_that_was_made(tmp_path: Path) -> None:
+    assert live_page.beside(tmp_path / "default") is None
+    (tmp_path / "live").mkdir()
+    (tmp_path / "live" / f"{DEFAULT}.html").touch()
+    linked = live_page.beside(tmp_path / "default")
+    (tmp_path / "default").mkdir()
+    assert linked is not None and (tmp_path / "default" / linked).is_file()
 
 
 def test_a_page_that_is_up_to_date_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
