@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import base64
 import hashlib
 import json
 import os
 import sys
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from analysis.live import page as live_page, paths
+from analysis.live import page as live_page, paths, scene_text
 from analysis.pipeline.model_stage import model_module
 from analysis.report import page as report_page
 from analysis.report.live_page import FOLDER
@@ -51,20 +50,26 @@ def make(name: str, motion_file: Path | None, target: Path | None, options: Opti
     for a page that would be too large; NoLibrary where the library for pages is missing.
     """
     path = find_scene(name)
-    scene = reader.load(path)
+    # Refuses a wrong scene by the lines of its own file.
+    reader.load(path)
+    text = scene_text.movable(path.read_text(encoding="utf-8"))
+    scene, native = reader.loads(text, source=str(path)), _native(text, path)
     library = _library()
     for remark in remarks(scene):
         print(f"analysis: remark: {remark}", file=sys.stderr)
     moved = motion_file or motion_beside(path)
     frames = motion.load(moved, scene) if moved else ()
     place = target or (results_folder() / FOLDER if is_own(path) else Path.cwd()) / f"{path.stem}.html"
-    text = path.read_text(encoding="utf-8")
-    data: Document = {"scene": text, "files": _files(text, path), "reduced": _is_quickly_prepared(scene)}
+    data: Document = {
+        "scene": text,
+        "files": scene_text.files(text, path.parent),
+        "reduced": _is_quickly_prepared(scene),
+    }
     ways = paths.of_scene(scene, frames)
     digest = _digest(data, ways, library, options, place)
     if report_page.is_current(place, digest):
         return place
-    references = _references(path, ways, options)
+    references = _references(native, ways, options)
     data["paths"] = [paths.described(way, reference) for way, reference in zip(ways, references)]
     data["made"] = f"This page was made from {path.name} by fringe {model_module().__version__}."
     content = live_page.document(
@@ -97,16 +102,6 @@ def _library() -> str:
     return file.read_text(encoding="utf-8")
 
 
-def _files(text: str, path: Path) -> dict[str, str]:
-    """Returns the mesh files that a scene names, as it names them, in base64."""
-    names = (body.get("shape", {}).get("file") for body in tomllib.loads(text).get("object", []))
-    return {
-        name: base64.b64encode((path.parent.absolute() / name).read_bytes()).decode()
-        for name in names
-        if name is not None
-    }
-
-
 def _is_quickly_prepared(scene: Scene) -> bool:
     bodies = len(scene.sensors) + len(scene.objects)
     return bodies <= _MOST_BODIES and all(
@@ -127,11 +122,18 @@ def _digest(data: Document, ways: list[paths.Path], library: str, options: Optio
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()
 
 
-def _references(path: Path, ways: list[paths.Path], options: Options) -> list[list[Document] | None]:
+def _native(text: str, path: Path) -> Any:
+    """Returns the scene of the module fringe. InputError for what only the model refuses."""
+    try:
+        return model_module().Scene.loads(text, path.absolute().parent)
+    except ValueError as error:
+        raise InputError(str(path), "", str(error)) from error
+
+
+def _references(native: Any, ways: list[paths.Path], options: Options) -> list[list[Document] | None]:
     """Solves the reference readings along every path, with a line on standard error that says how far it is."""
     if options.rtol is None or not ways:
         return [None for _ in ways]
-    live = model_module().Scene.load(str(path))
     total, done = sum(len(way.frames) for way in ways), 0
 
     def tell() -> None:
@@ -139,7 +141,7 @@ def _references(path: Path, ways: list[paths.Path], options: Options) -> list[li
         done += 1
         print(f"\ranalysis: reference readings {done} of {total}", end="", file=sys.stderr, flush=True)
 
-    solved: list[list[Document] | None] = [paths.solved(way, live, options.rtol, tell) for way in ways]
+    solved: list[list[Document] | None] = [paths.solved(way, native, options.rtol, tell) for way in ways]
     print(file=sys.stderr)
     return solved
 

@@ -62,10 +62,15 @@ def of_scene(scene: Scene, motion: Sequence[Frame]) -> list[Path]:
 
 
 def _carried_target(scene: Scene) -> Object | None:
-    """Returns the first marked target on a link that carries no sensor and has no joint; None where there is no such or no sensor."""
+    """Returns the first marked target, or the only object, on a link that carries no sensor and has no joint; None where there is no
+    such or no sensor."""
     with_sensor = {sensor.link for sensor in scene.sensors} | {None}
     jointed = {link.name for link in scene.links if link.joint is not None}
-    found = (body for body in scene.objects if body.target and body.link not in with_sensor | jointed)
+    found = (
+        body
+        for body in scene.objects
+        if (body.target or len(scene.objects) == 1) and body.link not in with_sensor | jointed
+    )
     return next(found, None) if scene.sensors else None
 
 

@@ -34,7 +34,9 @@
   const trace = [], along = new Map();
 
   function firstLink() {
-    const carrier = described.objects.find(body => body.link !== null && roles.objects[body.name].target) || described.objects.find(body => body.link !== null);
+    const isLast = link => described.links.every(other => other.parent !== link);
+    const carriers = described.objects.filter(body => body.link !== null && isLast(body.link));
+    const carrier = carriers.find(body => roles.objects[body.name].target) || carriers[0];
     return carrier ? carrier.link : described.links.length ? described.links.length - 1 : null;
   }
   const poseOf = link => (link === null ? space.IDENTITY : poses[link]);
@@ -395,7 +397,8 @@
 
   // Whether a target is grounded, floating, or has the capacitance of a person to the ground.
   const GROUNDS = [["grounded", false, 0], ["floating", true, 0], ["100 pF to ground", true, 100e-12]];
-  described.objects.filter(body => roles.objects[body.name].target && ["grounded", "floating"].includes(roles.objects[body.name].potential)).slice(0, 4).forEach(body => {
+  const switched = described.objects.filter(body => roles.objects[body.name].target && ["grounded", "floating"].includes(roles.objects[body.name].potential));
+  if (switched.length <= 4) switched.forEach(body => {
     const group = element("div", "group"), role = roles.objects[body.name];
     group.setAttribute("role", "group");
     group.append(element("span", "name", `${body.name} is`));

@@ -3,9 +3,9 @@
 
 /** The methods of a live page in the order of their bars: what tells their lines apart besides colour. */
 const METHODS = [
-  { name: "model", method: "exact", dash: [], mark: "" },
-  { name: "formula", method: "formula", dash: [7, 4], mark: "" },
-  { name: "reduced", method: "reduced:1", dash: [2, 3], mark: "" },
+  { name: "model", method: "exact", dash: [] },
+  { name: "formula", method: "formula", dash: [7, 4] },
+  { name: "reduced", method: "reduced:1", dash: [2, 3] },
 ];
 const CHART = { low: 1e-16, high: 1e-10 };  // F, the ends of the scale
 

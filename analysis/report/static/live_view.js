@@ -242,5 +242,5 @@ function makeView(surface, overlay) {
     pen.fillText(text, x, y);
   }
 
-  return { camera, axes, setBodies, setShares, resize, frame, hit, sight, project, drawBodies, clearOverlay, line, label, finish: () => gl.finish() };
+  return { camera, axes, setBodies, setShares, resize, frame, hit, sight, project, drawBodies, clearOverlay, line, label };
 }

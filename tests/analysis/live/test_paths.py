@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 
 from analysis.__main__ import main
-from analysis.live import make as live, paths
+from analysis.live import make as live, paths, scene_text
 from analysis.pipeline.model_stage import model_module
+from analysis.report import live_page
 from analysis.report.live_page import DEFAULT
 from geometries.common.installation import ROOT
 from geometries.scene import motion, reader
@@ -55,6 +56,28 @@ def test_a_motion_comes_first_and_scenes_without_a_target_have_no_other_path() -
     ]
     arm = reader.load(live.find_scene("x_ray_arm"))
     assert paths.of_scene(arm, ()) == []
+
+
+def test_a_target_without_a_link_gets_one_and_no_answer_changes() -> None:
+    text = """
+[[link]]
+name = "hand"
+[[sensor]]
+name = "front"
+plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+[[object]]
+name = "hand"
+shape = { type = "cuboid", size = [0.08, 0.18, 0.03] }
+translation = [0, 0, 0.05]
+rotation = { axis = [0, 1, 0], degrees = 20 }
+"""
+    movable = scene_text.movable(text)
+    scene = reader.loads(movable)
+    assert scene.objects[0].link == "hand'" and [link.name for link in scene.links] == ["hand", "hand'"]
+    assert scene_text.movable(movable) == movable
+    assert [way.name for way in paths.of_scene(scene, ())] == ["approach", "over the edge"]
+    native = [model_module().Scene.loads(each).capacitance()["sensors"] for each in (text, movable)]
+    assert native[0] == native[1]
 
 
 def test_reference_readings_are_those_of_boundary_elements() -> None:
@@ -133,6 +156,15 @@ def test_without_the_library_the_command_says_how_to_get_it(
     with pytest.raises(live.NoLibrary, match="apt-get install emscripten"):
         live.make(DEFAULT, None, tmp_path / "page.html", live.Options())
     assert list(tmp_path.iterdir()) == []
+
+
+def test_reports_link_to_the_page_that_was_made(tmp_path: Path) -> None:
+    assert live_page.beside(tmp_path / "default") is None
+    (tmp_path / "live").mkdir()
+    (tmp_path / "live" / f"{DEFAULT}.html").touch()
+    linked = live_page.beside(tmp_path / "default")
+    (tmp_path / "default").mkdir()
+    assert linked is not None and (tmp_path / "default" / linked).is_file()
 
 
 def test_a_page_that_is_up_to_date_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
