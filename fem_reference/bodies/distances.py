@@ -37,7 +37,9 @@ MOST_STEPS = 200
 AWAY = np.array([1.0, 0.0, 0.0])
 """An arbitrary direction, in which the extreme point of a body is taken to represent it."""
 SHRINKING = 1e-6
-"""Share of its size by which a body is shrunk to decide whether it overlaps another body or only touches it."""
+"""Share of its size by which the faces of a body are moved inwards to decide whether it overlaps another body or only touches it."""
+MOST_SHRINKING = 0.1
+"""Largest share of its own extent by which a thin body is shrunk to that end."""
 FLAT = 1e-7
 """Largest distance from a plane, over the bounding radius of a piece, at which points count as lying in the plane."""
 CUBOID_FACES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
@@ -163,12 +165,14 @@ def touch_with_faces(first: Surface, second: Surface) -> bool:
     if not (isinstance(first, MAY_TOUCH) and isinstance(second, MAY_TOUCH)):
         return False
     (one,), (other,) = pieces(first), pieces(second)
+    # The faces of a thin body, too, move by a length that the search for the distance resolves.
+    shrinking = min(SHRINKING * other.reach / _half_thickness(second), MOST_SHRINKING)
     shrunk = Piece(
-        second.centre + (1 - SHRINKING) * (other.points - second.centre),
+        second.centre + (1 - shrinking) * (other.points - second.centre),
         tuple(
             (
-                second.centre + (1 - SHRINKING) * (centre - second.centre),
-                *((1 - SHRINKING) * u for u in radii),
+                second.centre + (1 - shrinking) * (centre - second.centre),
+                *((1 - shrinking) * u for u in radii),
             )
             for centre, *radii in other.circles
         ),
@@ -177,6 +181,13 @@ def touch_with_faces(first: Surface, second: Surface) -> bool:
     if apart <= TOUCHING * min(first.size, second.size):
         return False
     return one.ends_in_face(-direction) and shrunk.ends_in_face(direction)
+
+
+def _half_thickness(body: Body) -> float:
+    """Half the smallest extent (m) of a body along its principal axes, by its corners."""
+    offsets = body.corners - body.corners.mean(axis=0)
+    axes = np.linalg.svd(offsets, full_matrices=False)[2]
+    return float(np.abs(offsets @ axes.T).max(axis=0).min())
 
 
 def holds(outer: Surface, inner: Surface) -> bool:

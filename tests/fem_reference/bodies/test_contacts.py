@@ -152,3 +152,14 @@ def test_a_dielectric_mesh_is_never_wrapped(tmp_path: Path) -> None:
     text = SENSOR + body("block", dirty, (0, 0, 0.05), "material = { relative_permittivity = 3 }")
     with pytest.raises(InputError, match='object "block": shape.file: .*part.ply has'):
         conductors(loads(text), geometry=Geometry("wrapped"))
+
+
+@pytest.mark.parametrize("thickness", [1e-4, 5e-4, 2e-3, 2e-2])
+def test_a_dielectric_layer_may_lie_on_a_plate_however_thin(thickness: float) -> None:
+    layer = f'{{ type = "cuboid", size = [0.1, 0.1, {thickness}] }}'
+    material = "material = { relative_permittivity = 3 }"
+    found = conductors(loads(SENSOR + body("layer", layer, (0, 0, thickness / 2), material)))
+    assert [own.name for own in found.dielectrics] == ["layer"]
+    sunk = SENSOR + body("layer", layer, (0, 0, 0.4 * thickness), material)
+    with pytest.raises(InputError, match='"front" is inside "layer"'):
+        conductors(loads(sunk))
