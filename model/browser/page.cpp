@@ -56,7 +56,7 @@ std::vector<Triangle> divided(const std::vector<Triangle>& triangles, double len
         longest = edge;
         first = k;
       }
-    const Vector3d a = triangle[first], b = triangle[(first + 1) % 3], c = triangle[(first + 2) % 3];
+    const Vector3d &a = triangle[first], &b = triangle[(first + 1) % 3], &c = triangle[(first + 2) % 3];
     const Vector3d middle = (a + b) / 2;
     waiting.push_back({a, middle, c});
     waiting.push_back({middle, b, c});

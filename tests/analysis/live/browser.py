@@ -13,6 +13,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+import psutil
+
 PROGRAMS = ("chromium", "chromedriver")
 # The sandbox needs what root in a container lacks. Without a graphics card, drawing the page by the processor is several times faster
 # than drawing it by WebGL that the processor imitates; only the picture of the scene needs that.
@@ -34,7 +36,7 @@ def is_missing() -> str:
 class Browser:
     """Opens pages in a window of the given size, in CSS pixels."""
 
-    def __init__(self, width: int = 1400, height: int = 1000, *options: str) -> None:
+    def __init__(self, width: int = 1000, height: int = 720, *options: str) -> None:
         self._driver = subprocess.Popen(
             ["chromedriver", "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
         )
@@ -87,6 +89,11 @@ class Browser:
         """Returns what the page wrote to the console as an error since the last call."""
         entries = self._send("POST", f"{self._session}/se/log", {"type": "browser"})
         return [entry["message"] for entry in entries if entry["level"] == "SEVERE"]
+
+    def processor_seconds(self) -> float:
+        """Returns the processor time that all processes of the browser have taken so far."""
+        processes = psutil.Process(self._driver.pid).children(recursive=True)
+        return sum(process.cpu_times().user + process.cpu_times().system for process in processes)
 
     def picture(self) -> bytes:
         """Returns the window as a PNG."""
