@@ -29,7 +29,7 @@ from fem_reference.solve.level import Bounds, Level, solve_level
 from fem_reference.common.limits import Limits
 from fem_reference.mesh.tagged_mesh import OUTER_RADIUS
 from fem_reference.bodies.conductors import Conductors, Dielectric, conductors
-from fem_reference.mesh.size_rules import Sizing, growth_for
+from fem_reference.mesh.size_rules import growth_for, sizing_for
 from fem_reference.bodies.symmetry import Plane, exchanges, mirror_planes
 from fem_reference.bodies.wrapping import Geometry, Wrap
 from geometries.scene.scene import Scene
@@ -230,7 +230,7 @@ def solve_conductors(
     next_enclosed = 0
     while True:
         number = len(levels)
-        sizing = Sizing(refinement=2.0**number, growth=growth)
+        sizing = sizing_for(rtol, 2.0**number)
         # A limit may make this level the last one, and the last of MOST_LEVELS is the last one: both need bounds.
         enclosed = error == "enclosure" and (
             number >= next_enclosed

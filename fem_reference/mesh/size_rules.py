@@ -31,6 +31,18 @@ class Sizing:
     is singular, are divided by its square root."""
 
 
+COARSE_RTOL = 2e-2
+"""Relative accuracy from which on the first mesh is coarser on round surfaces and at the edges of grounded bodies."""
+
+
+def sizing_for(rtol: float, refinement: float) -> Sizing:
+    """The sizes of a mesh for a relative accuracy; `refinement` divides those at the edges."""
+    growth = growth_for(rtol)
+    if rtol >= COARSE_RTOL:
+        return Sizing(far=0.2, curvature=0.6, growth=growth, refinement=refinement)
+    return Sizing(growth=growth, refinement=refinement)
+
+
 def growth_for(rtol: float) -> float:
     """The growth at which the shared error of all levels (`convergence.shared_error`) is well below a relative accuracy.
 

@@ -142,8 +142,11 @@ def _assembled(parts: Sequence[tuple[Array, NDArray[np.int64]]], count: int) -> 
         blocks.append(split.reshape(len(faces), each * each, per_face, per_face)[kept])
     key, block = np.concatenate(keys), np.concatenate(blocks)
     order = np.argsort(key, kind="stable")
-    places, starts = np.unique(key[order], return_index=True)
-    summed = np.add.reduceat(block[order], starts, axis=0)
+    places, starts, times = np.unique(key[order], return_index=True, return_counts=True)
+    summed = block[order[starts]]
+    # A face belongs to two cells, and a pair of different faces to one.
+    twice = times == 2
+    summed[twice] += block[order[starts[twice] + 1]]
     pointers = np.searchsorted(places // count, np.arange(count + 1))
     size = count * block.shape[1]
     return scipy.sparse.bsr_matrix((summed, places % count, pointers), shape=(size, size))

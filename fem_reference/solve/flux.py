@@ -51,7 +51,7 @@ class FluxEnergies:
 
 @dataclass(frozen=True)
 class _Cells:
-    """The cells outside the conductors, where there is a field."""
+    """Some cells of a mesh."""
 
     nodes: Array
     """(n, 10, 3): coordinates of the vertices and of the middle nodes."""
@@ -63,26 +63,58 @@ class _Cells:
     """(n, 4): which vertices lie on the edge of a plate."""
     curved: NDArray[np.bool_]
     """(n,): which cells follow a curved surface."""
-    permittivity: Array
-    """(n,): permittivity relative to the medium's."""
+
+    def at(self, numbers: NDArray[np.int64]) -> _Cells:
+        """The cells of these numbers."""
+        return _Cells(
+            self.nodes[numbers],
+            self.faces[numbers],
+            self.orders[numbers],
+            self.on_edge[numbers],
+            self.curved[numbers],
+        )
+
+
+class CondensedCells:
+    """The cells of a mesh with fluxes of one degree. Each is condensed once, for ε = 1, when a scene first has a field in it."""
+
+    def __init__(self, tagged: TaggedMesh, degree: int) -> None:
+        self.tagged = tagged
+        self.degree = degree
+        self.cells = _all_cells(tagged)
+        size = 4 * face_polynomials(degree)
+        # Memory that is never written, as that of cells inside of conductors, is never taken.
+        self._forms = np.empty((len(self.cells.faces), size, size))
+        self._known = np.zeros(len(self.cells.faces), dtype=bool)
+
+    def forms(self, numbers: NDArray[np.int64]) -> Array:
+        """The energies (n, m, m) of the best fluxes in these cells, as quadratic forms of the multipliers on their faces."""
+        missing = numbers[~self._known[numbers]]
+        if len(missing):
+            self._forms[missing] = _condensed(self.cells.at(missing), self.degree)
+            self._known[missing] = True
+        return np.asarray(self._forms[numbers])
 
 
 def flux_energies(
-    tagged: TaggedMesh,
+    condensed: CondensedCells,
     conductors: Sequence[Sequence[int]],
     driven: int,
-    degree: int,
     permittivities: Mapping[int, float] | None = None,
 ) -> FluxEnergies:
-    """Solve for the best fluxes of this degree and return their energies.
+    """Solve for the best fluxes and return their energies.
 
     `conductors[k]` lists the bodies that make up conductor k. There is one flux for each of the first `driven` conductors; the other
     conductors are grounded. `permittivities` maps each dielectric body to its permittivity relative to the medium's. Raises
     RuntimeError when the iteration does not converge.
     """
-    cells = _cells_with_field(tagged, permittivities or {})
+    tagged, degree = condensed.tagged, condensed.degree
+    numbers = _with_field(tagged, permittivities or {})
+    cells = condensed.cells.at(numbers)
+    forms = condensed.forms(numbers)
+    forms *= cell_permittivities(tagged, permittivities or {})[numbers, None, None]
     # The space beyond each face of the outer surface is one more cell, with this single face.
-    parts = [(_condensed(cells, degree), cells.faces)]
+    parts = [(forms, cells.faces)]
     fixed = [_faces_of(tagged, cells, bodies) for bodies in conductors]
     if tagged.in_room:
         fixed.append(tagged.facets.find(OUTER_SURFACE))
@@ -96,8 +128,14 @@ def flux_energies(
     return FluxEnergies(system.energies(potentials), energies_left, system.unknowns)
 
 
-def _cells_with_field(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> _Cells:
-    """Collect the cells of free space and of dielectric bodies."""
+def _with_field(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> NDArray[np.int64]:
+    """The numbers of the cells of free space and of dielectric bodies, where there is a field."""
+    tags = [FREE_SPACE, *(FIRST_BODY + body for body in permittivities)]
+    return np.sort(np.concatenate([tagged.cells.find(tag) for tag in tags])).astype(np.int64)
+
+
+def _all_cells(tagged: TaggedMesh) -> _Cells:
+    """Collect the cells of a mesh."""
     topology = tagged.mesh.topology
     for pair in ((3, 2), (3, 0), (2, 0)):
         topology.create_connectivity(*pair)
@@ -109,21 +147,18 @@ def _cells_with_field(tagged: TaggedMesh, permittivities: Mapping[int, float]) -
     lookup[np.array(ORDERS) @ place] = np.arange(len(ORDERS))
     for face, corners in enumerate(FACES):
         codes[:, face] = lookup[np.argsort(vertices[:, corners], axis=1) @ place]
-    with_field = [FREE_SPACE, *(FIRST_BODY + body for body in permittivities)]
-    kept = np.sort(np.concatenate([tagged.cells.find(tag) for tag in with_field]))
     geometry = tagged.mesh.geometry.dofmap.array.reshape(count, -1)
     return _Cells(
-        tagged.mesh.geometry.x[geometry[kept]],
-        topology.connectivity(3, 2).array.reshape(count, 4)[kept],
-        codes[kept],
-        tagged.on_edge[kept],
-        tagged.curved[kept],
-        cell_permittivities(tagged, permittivities)[kept],
+        tagged.mesh.geometry.x[geometry],
+        topology.connectivity(3, 2).array.reshape(count, 4),
+        codes,
+        tagged.on_edge,
+        tagged.curved,
     )
 
 
 def _condensed(cells: _Cells, degree: int) -> Array:
-    """Statically condense each cell: the energy (n, m, m) of its best flux as a quadratic form of the multipliers on its faces."""
+    """Statically condense each cell: the energy (n, m, m) of its best flux for ε = 1, a quadratic form of the multipliers on its faces."""
     size = 4 * face_polynomials(degree)
     forms = np.empty((len(cells.faces), size, size))
     for collapsed, members in patterns(cells.on_edge):
@@ -131,7 +166,6 @@ def _condensed(cells: _Cells, degree: int) -> Array:
         for chosen, curved in _chunks(members, cells.curved):
             nodes = cells.nodes[chosen]
             mass = _curved_mass(nodes, space, collapsed) if curved else _straight_mass(nodes, space)
-            mass /= cells.permittivity[chosen, None, None]
             flows = np.concatenate(
                 [space.flows[face][cells.orders[chosen, face]] for face in range(4)], axis=1
             )

@@ -13,7 +13,7 @@ from scipy.constants import epsilon_0
 
 from fem_reference.solve.body_charges import body_charges
 from fem_reference.solve.enclosure import Enclosure, enclosure, widened
-from fem_reference.solve.flux import flux_energies
+from fem_reference.solve.flux import CondensedCells, flux_energies
 from fem_reference.common.limits import peak_memory
 from fem_reference.mesh.tagged_mesh import TaggedMesh, tagged_mesh
 from fem_reference.bodies.conductors import Conductors
@@ -130,16 +130,17 @@ def _charges_and_bounds(
     on_bodies = body_charges(problem, system, found.potentials, planes)
     done = time.monotonic()
     if bounds == "none":
-        return found, on_bodies, done, None, level_readings(problem, system, found, None, 0), None
+        return found, on_bodies, done, None, level_readings(problem, system, found, None), None
     with stage("bounding the energies"):
+        cells = CondensedCells(mesh, CHECK_DEGREE if bounds == "check" else FLUX_DEGREE)
         if bounds == "check":
-            below, above = _forms(problem, system, found.potentials, CHECK_DEGREE)
+            below, above = _forms(problem, system, found.potentials, cells)
             interval = widened(enclosure(farads * below, farads * above), mesh.shape_error)
-            return found, on_bodies, done, interval, level_readings(problem, system, found, None, 0), None
-        forms = _forms(problem, system, found.potentials, FLUX_DEGREE)
+            return found, on_bodies, done, interval, level_readings(problem, system, found, None), None
+        forms = _forms(problem, system, found.potentials, cells)
         interval = widened(enclosure(farads * forms[0], farads * forms[1]), mesh.shape_error)
-        alone = _forms_alone(problem, system, found.potentials_alone, FLUX_DEGREE)
-        readings = level_readings(problem, system, found, forms, FLUX_DEGREE, alone)
+        alone = _forms_alone(problem, system, found.potentials_alone, cells)
+        readings = level_readings(problem, system, found, forms, cells, alone)
     if alone is None:
         return found, on_bodies, done, interval, readings, None
     sensors = np.eye(problem.sensors)
@@ -148,10 +149,12 @@ def _charges_and_bounds(
     return found, on_bodies, done, interval, readings, from_bounds
 
 
-def _forms(problem: Conductors, system: FieldProblem, potentials: list[Array], degree: int) -> Forms:
+def _forms(
+    problem: Conductors, system: FieldProblem, potentials: list[Array], cells: CondensedCells
+) -> Forms:
     """Quadratic forms L ≤ M ≤ U of the Maxwell matrix (ε = 1), without floating conductors; eliminating these keeps the order."""
     above = upper_energies(system, potentials)
-    flux = flux_energies(system.tagged, problem.parts, problem.driven, degree, problem.permittivities)
+    flux = flux_energies(cells, problem.parts, problem.driven, problem.permittivities)
     below = flux.lower - np.diag(flux.algebraic_error)
     floating = len(problem.floating)
     return without_floating(below, floating, system.to_ground), without_floating(
@@ -160,7 +163,7 @@ def _forms(problem: Conductors, system: FieldProblem, potentials: list[Array], d
 
 
 def _forms_alone(
-    problem: Conductors, system: FieldProblem, potentials: list[Array] | None, degree: int
+    problem: Conductors, system: FieldProblem, potentials: list[Array] | None, cells: CondensedCells
 ) -> Forms | None:
     """The same for the sensors that are asked for, without any objects; None if there are none."""
     if potentials is None:
@@ -171,5 +174,5 @@ def _forms_alone(
     # There is a field inside of the objects, which are the medium here.
     medium = {k: 1.0 for k, body in enumerate(problem.bodies) if body.is_solid and k not in present}
     above = upper_energies(system.with_dielectrics({}), potentials)
-    flux = flux_energies(system.tagged, parts, problem.sensors, degree, medium)
+    flux = flux_energies(cells, parts, problem.sensors, medium)
     return flux.lower - np.diag(flux.algebraic_error), above

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fem_reference.bodies.conductors import Conductors, Measured
 from fem_reference.solve.field_problem import Charges, FieldProblem, without_floating
-from fem_reference.solve.flux import flux_energies
+from fem_reference.solve.flux import CondensedCells, flux_energies
 from fem_reference.solve.two_sided import Forms, TwoSided, two_sided, unit_voltages
 from fem_reference.solve.upper_energy import upper_energies
 
@@ -92,12 +92,12 @@ def level_readings(
     system: FieldProblem,
     found: Charges,
     forms: Forms | None,
-    degree: int,
+    cells: CondensedCells | None = None,
     forms_alone: Forms | None = None,
 ) -> LevelReadings | None:
     """The readings on one mesh (ε = 1); None if there are none.
 
-    `forms` bound the Maxwell matrix as quadratic forms, from below and from above, `forms_alone` that of the sensors alone. The background
+    `forms` bound the Maxwell matrix as quadratic forms, from below and from above, by fluxes in `cells`, and `forms_alone` that of the sensors alone. The background
     is bounded too if that matrix is the background's, or if the problem says so.
     """
     readings = problem.readings
@@ -118,14 +118,14 @@ def level_readings(
     without = background(problem, system)
     measured = [_renumbered(reading, without.rows) for reading in readings]
     alone = _values(measured, without.maxwell)
-    if forms is None or not problem.bounded_readings:
+    if forms is None or cells is None or not problem.bounded_readings:
         return LevelReadings(value, alone, bounds)
     above = upper_energies(without.system, without.potentials)
     # There is a field inside of the targets, which are the medium now.
     bodies = range(len(problem.bodies))
     medium = {k: 1.0 for k in bodies if problem.is_target[problem.owner[k]] and problem.bodies[k].is_solid}
     inside = medium | without.system.permittivities
-    flux = flux_energies(system.tagged, without.parts, len(without.potentials), degree, inside)
+    flux = flux_energies(cells, without.parts, len(without.potentials), inside)
     below = flux.lower - np.diag(flux.algebraic_error)
     around_forms = without.without_floating(below), without.without_floating(above)
     around = reading_bounds(measured, *around_forms, shape_error)

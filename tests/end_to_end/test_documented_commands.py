@@ -93,6 +93,7 @@ ELSEWHERE = {
     "python3 -m analysis documentation": ("analysis/documentation/test_documentation.py", "test_the_site_is_made_without_a_warning", "documentation"),
     "python3 -m analysis errors": ("analysis/topics/errors/test_set_ups_and_stage.py", "test_the_command_computes_what_is_missing_and_makes_the_page", "errors"),
     "python3 -m analysis.topics.machines.truths": ("analysis/topics/machines/test_truths.py", "test_what_has_no_record_is_solved_and_what_is_no_set_up_is_dropped", "truths"),
+    "python3 -m analysis.topics.verification.machines": ("analysis/topics/verification/test_machines.py", "test_a_machine_that_is_unknown_is_refused", "machines"),
     "python3 -m analysis machines": ("analysis/topics/machines/test_machines.py", "test_the_command_computes_what_is_missing_and_makes_the_page", "machines"),
     "python3 -m analysis nightly STUDY": ("analysis/nightly/test_night.py", "test_the_next_night_solves_only_what_is_missing_and_tells_what_is_new", "nightly"),
     "python3 -m analysis run STUDY --measure-model": (OPTIONS, "test_an_option_reaches_what_it_is_for", "--measure-model"),

@@ -1,0 +1,224 @@
+"""Machines whose capacitances the field reference encloses: python3 -m analysis.topics.verification.machines [NAME …].
+
+The command solves those named, or those without an answer for the scene as it is now, and writes `machines.json`, the answers, and
+`MACHINES.md`, their table. `--scene NAME` prints the scene of a machine instead.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from analysis.pipeline.model_stage import model_module
+from analysis.results.store import Document, write_text
+from analysis.results.units import PICOFARAD
+from geometries.common.interpreter import continue_with
+from geometries.scene.poses import Pose
+from geometries.scene.reader import load
+from geometries.scene.scene import Object, Plate, Reading, Room, Scene, Sensor
+from geometries.scene.shapes import Cuboid, Cylinder
+from geometries.scene.writer import canonical, identity
+
+ANSWERS = Path(__file__).with_name("machines.json")
+TABLE = Path(__file__).with_name("MACHINES.md")
+SCENES = Path(__file__).resolve().parents[3] / "geometries" / "scenes"
+
+BOUNDARY_RTOL = 1e-2
+"""Relative tolerance of the changes of readings by boundary elements, with which machines of plane faces are compared."""
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A scene, the conductors whose rows are asked for, and the relative accuracy that is asked for."""
+
+    name: str
+    caption: str
+    scene: Scene
+    columns: tuple[str, ...]
+    rtol: float
+
+
+def machines() -> list[Machine]:
+    """The machines of the table."""
+    front = ("front",)
+    housing = _before_a_housing()
+    post = Object("post", Cylinder(0.03, 0.3, 32), pose=Pose((0.141, 0.005, -0.02)))
+    room = Room((4.0, 3.0, 2.5), Pose((0.3, 0.2, 0.55)))
+    return [
+        Machine("housing", "a sensor of 5 × 5 cm, 2 mm before a housing; a hand 5 cm before it", housing, front, 1e-2),
+        Machine("post", "the same, and a cylinder 1 mm beside the housing",
+                replace(housing, objects=(*housing.objects, post)), front, 1e-2),
+        Machine("room", "the same without the cylinder, in a room of 4 × 3 × 2.5 m", replace(housing, room=room), front, 1e-2),
+        Machine("forty bodies", "the same in free space, on a table with 37 boxes",
+                replace(housing, objects=(*housing.objects, *_boxes(37))), front, 1e-2),
+        Machine("guarded_sensor", "geometries/scenes/guarded_sensor.toml", load(SCENES / "guarded_sensor.toml"), (), 1e-2),
+        Machine("x_ray_arm", "geometries/scenes/x_ray_arm.toml, three of its sensors",
+                load(SCENES / "x_ray_arm.toml"), ("side left", "side right", "below head left"), 2e-2),
+    ]  # fmt: skip
+
+
+def _before_a_housing() -> Scene:
+    plate = Plate((-0.025, -0.025, 0.0), (0.05, 0.0, 0.0), (0.0, 0.05, 0.0))
+    return Scene(
+        sensors=(Sensor("front", (plate,)),),
+        objects=(
+            Object("housing", Cuboid((0.2, 0.16, 0.1)), pose=Pose((0.01, 0.005, -0.052))),
+            Object("hand", Cuboid((0.09, 0.08, 0.03)), pose=Pose((0.02, 0.01, 0.065)), target=True),
+        ),
+        readings=(Reading("front", "front", ("front",)),),
+    )
+
+
+def _boxes(count: int) -> tuple[Object, ...]:
+    """Boxes in rows on the plane through the bottom of the housing, which they surround."""
+    places = [(x, y) for y in range(-3, 4) for x in range(-3, 4) if max(abs(x), abs(y)) > 1]
+    return tuple(
+        Object(
+            f"box {number}",
+            Cuboid((0.1, 0.08, 0.06 + 0.02 * (number % 3))),
+            pose=Pose((0.16 * x, 0.14 * y, -0.102 + (0.06 + 0.02 * (number % 3)) / 2)),
+        )
+        for number, (x, y) in enumerate(places[:count], start=1)
+    )
+
+
+def answer(machine: Machine) -> Document:
+    """Encloses a machine's capacitances, in picofarad; for machines of plane faces boundary elements add the readings."""
+    from fem_reference.answer import reference
+
+    start = time.process_time()
+    found = reference.maxwell(machine.scene, machine.rtol, source=machine.name, columns=machine.columns)
+    seconds = time.process_time() - start
+    entries = [
+        (f"M[{found.names[i]}, {found.names[j]}]", found.maxwell.value[i, j], found.maxwell.error[i, j], found.lower[i, j], found.upper[i, j])
+        for i in range(len(found.names))
+        for j in range(i, len(found.names))
+    ]  # fmt: skip
+    for reading in found.readings:
+        for kind in KINDS:
+            part = getattr(reading, kind)
+            entries.append((f"{kind} of {reading.name}", part.value, part.error, part.lower, part.upper))
+    document: Document = {
+        "scene": identity(machine.scene),
+        "rtol": machine.rtol,
+        "reached": found.reached,
+        "proven": not found.curved and not found.wraps,
+        "unknowns": [level.unknowns for level in found.levels],
+        "processor_seconds": round(seconds, 1),
+        "quantities": [
+            {"name": name} | {key: None if v is None else v / PICOFARAD for key, v in zip(KEYS, values)}
+            for name, *values in entries
+        ],
+    }
+    if document["proven"] and machine.scene.room is None:
+        document["boundary_elements"] = _boundary_elements(machine)
+    return document
+
+
+KINDS = ("background", "change")
+"""The quantities of a reading in the table."""
+KEYS = ("value", "error", "lower", "upper")
+"""What is stored of every quantity, in picofarad; bounds may be absent."""
+
+
+def _boundary_elements(machine: Machine) -> list[Document]:
+    """The backgrounds and changes of the readings (pF) by boundary elements, each with its error."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "scene.toml"
+        path.write_text(canonical(machine.scene), encoding="utf-8")
+        known = model_module().Scene.load(path).readings(method="boundary-elements", rtol=BOUNDARY_RTOL)
+    return [
+        {
+            "name": f"{kind} of {name}",
+            "value": getattr(reading, kind) / PICOFARAD,
+            "error": reading.error[kind] / PICOFARAD,
+        }
+        for name, reading in known.items()
+        for kind in KINDS
+    ]
+
+
+def stored() -> dict[str, Document]:
+    """The answers by the names of their machines."""
+    if not ANSWERS.is_file():
+        return {}
+    found: dict[str, Document] = json.loads(ANSWERS.read_text(encoding="utf-8"))
+    return found
+
+
+def page(answers: dict[str, Document]) -> str:
+    """The table of the answers, in the order of the machines."""
+    known = [machine for machine in machines() if machine.name in answers]
+    lines = [_HEAD]
+    lines += [f"* **{each.name}**: {each.caption}; asked for {each.rtol:g}." for each in known]
+    lines += ["", "| machine | quantity | lower (pF) | value (pF) | upper (pF) | stated error |", "|---|---|---|---|---|---|"]  # fmt: skip
+    for each in known:
+        for quantity in answers[each.name]["quantities"]:
+            lower, upper = (_number(quantity[key]) for key in ("lower", "upper"))
+            error = abs(quantity["error"] / quantity["value"]) if quantity["value"] else 0.0
+            lines.append(
+                f"| {each.name} | {quantity['name']} | {lower} | {_number(quantity['value'])} | {upper} | {error:.1e} |"
+            )
+    lines += ["", "| machine | unknowns | processor seconds | interval | as asked |", "|---|---|---|---|---|"]
+    for each in known:
+        found = answers[each.name]
+        unknowns = " + ".join(f"{count:,}" for count in found["unknowns"])
+        kind = "proven" if found["proven"] else "not proven: curved or wrapped bodies"
+        reached = "yes" if found["reached"] else "no"
+        lines.append(f"| {each.name} | {unknowns} | {found['processor_seconds']:g} | {kind} | {reached} |")
+    return "\n".join(lines) + "\n"
+
+
+_HEAD = """# Machines with enclosed capacitances
+
+Entries of the Maxwell matrix and readings of whole machines, each between bounds (fem_reference/NUMERICS.md, sections 5 and 14). The error of a change
+is an estimate; its bounds are the differences of those of the reading and of its background. `python3 -m analysis.topics.verification.machines` makes this page,
+and with `--scene NAME` it prints a scene. Bodies too far away to matter are left out, and the intervals account for them.
+"""
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.6g}"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Solve machines and write the files; returns the exit status."""
+    parser = argparse.ArgumentParser(
+        description="Encloses the capacitances of machines and writes their table."
+    )
+    known = {machine.name: machine for machine in machines()}
+    parser.add_argument(
+        "names", nargs="*", metavar="NAME", help=f"machines to solve anew: {', '.join(known)}"
+    )
+    parser.add_argument("--scene", choices=known, help="print the scene of a machine instead")
+    options = parser.parse_args(arguments)
+    if options.scene is not None:
+        print(canonical(known[options.scene].scene), end="")
+        return 0
+    unknown = [name for name in options.names if name not in known]
+    if unknown:
+        parser.error(f"no machine is called {unknown[0]!r}; there are {', '.join(known)}")
+    answers = stored()
+    for name, machine in known.items():
+        is_missing = name not in answers or answers[name]["scene"] != identity(machine.scene)
+        if name in options.names or (not options.names and is_missing):
+            # Another process may have written meanwhile.
+            answers = {**stored(), name: answer(machine)}
+            ordered = {each: answers[each] for each in known if each in answers}
+            write_text(ANSWERS, json.dumps(ordered, indent=1) + "\n")
+            write_text(TABLE, page(ordered))
+    return 0
+
+
+if __name__ == "__main__":
+    continue_with("dolfinx")
+    # The form compiler logs through the root logger.
+    logging.disable(logging.INFO)
+    sys.exit(main())
