@@ -30,6 +30,7 @@ LAYERS = (
     "analysis.documentation",
     "analysis.show",
     "analysis.sweep",
+    "analysis.coverage",
     "analysis.nightly",
     "analysis",
 )

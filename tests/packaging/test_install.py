@@ -155,8 +155,9 @@ COMMANDS = {
         "corrections",
         "show",
         "sweep",
+        "coverage",
     ),
-    "fringe-geometries": ("convert", "expand"),
+    "fringe-geometries": ("convert", "person", "expand"),
     "fringe-reference": (),
 }
 
