@@ -21,12 +21,12 @@ translation = [0.3, 0, 0]
 
 def test_the_potential_is_that_of_the_conductors_on_them_and_of_their_charge_far_away() -> None:
     fringe = model_module()
-    found = fringe.Scene.loads(TWO).surface_charges(rtol=0.01, most_panels=3000)
+    found = fringe.Scene.loads(TWO).surface_charges(rtol=0.003, most_panels=3000)
     assert found["conductors"] == ["ball", "wall"] and found["error"] < 0.02
     charges = found["charges"][:, 0]
     points = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 50.0, 0.0]])
     potentials = fringe.triangle_potentials(points, found["panels"]) @ charges
-    assert potentials[:2] == pytest.approx([1, 0], abs=2e-3)
+    assert potentials[:2] == pytest.approx([1, 0], abs=6e-3)
     assert potentials[2] == pytest.approx(charges.sum() / 50, rel=1e-3)
 
 
