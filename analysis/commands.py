@@ -7,7 +7,6 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from analysis.coverage import make as coverage, survey as coverage_survey
 from analysis.documentation import make as documentation
 from analysis.live import make as live
 from analysis.nightly import chunks, cluster, night
@@ -256,23 +255,21 @@ def _sweep(options: argparse.Namespace) -> int:
 
 
 def _coverage(options: argparse.Namespace) -> int:
-    asked = coverage_survey.Options(
+    # It loads scipy and meshio, which no other command of this module needs.
+    from analysis.coverage import make as coverage, survey
+
+    default = survey.Options()
+    methods = default.methods if options.method is None else tuple(options.method.split(","))
+    asked = survey.Options(
         readings=tuple(options.reading),
         grid=options.grid,
         to_ground=options.potential,
         threshold=options.threshold,
-        methods=_methods(options.method),
+        methods=() if methods == ("none",) else methods,
     )
     made = coverage.make(options.scene, tuple(options.probe), asked, options.output)
     print("\n".join([*made.findings, f"page: {made.page}"]))
     return ANSWERED
-
-
-def _methods(text: str | None) -> tuple[str, ...]:
-    """Returns the methods of a list; those of a survey where there is none."""
-    if text is None:
-        return coverage_survey.Options().methods
-    return () if text == "none" else tuple(text.split(","))
 
 
 def _table(answers: Path | None, target: Path | None, jobs: int | None) -> int:

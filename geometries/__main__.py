@@ -1,4 +1,4 @@
-"""`python3 -m geometries`: converts meshes, and lists the cases of a study."""
+"""`python3 -m geometries`: converts meshes, writes persons, and lists the cases of a study."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ import sys
 from pathlib import Path
 
 from geometries.common.errors import InputError
+from geometries.common.files import whole_file
 from geometries.common.installation import command
-from geometries.scene import meshes
+from geometries.scene import meshes, person_capsules
+from geometries.scene.person import BUILDS, POSTURES, Person
 from geometries.studies import study
 
 # As everywhere in the project: 0 answered, 2 the input is wrong.
@@ -22,6 +24,8 @@ def main(arguments: list[str] | None = None) -> int:
         if options.command == "convert":
             count = meshes.convert(options.source, options.target)
             print(f"{options.target}: {count} triangles")
+        elif options.command == "person":
+            print(_write_person(Person(options.height, options.age, options.posture), options.target))
         else:
             print(_table(study.load(study.find(options.study))))
     except InputError as error:
@@ -32,7 +36,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _parser(program: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog=program, description="Convert meshes, and list the cases of a study."
+        prog=program, description="Convert meshes, write persons, and list the cases of a study."
     )
     commands = parser.add_subparsers(dest="command", required=True)
     convert = commands.add_parser(
@@ -40,9 +44,41 @@ def _parser(program: str) -> argparse.ArgumentParser:
     )
     convert.add_argument("source", type=Path, metavar="IN")
     convert.add_argument("target", type=Path, metavar="OUT")
+    person = commands.add_parser(
+        "person", help="write a person as a mesh (STL, OBJ, PLY) or as the capsules of a scene (TOML)"
+    )
+    person.add_argument("target", type=Path, metavar="OUT")
+    person.add_argument("--height", type=_height, default=1.75, metavar="M", help="in metres (default: 1.75)")
+    person.add_argument("--age", choices=tuple(BUILDS), default="adult", help="default: adult")
+    person.add_argument("--posture", choices=POSTURES, default="standing", help="default: standing")
     expand = commands.add_parser("expand", help="list the cases of a study")
     expand.add_argument("study", metavar="STUDY", help="a name in geometries/studies, or a file")
     return parser
+
+
+def _height(text: str) -> float:
+    try:
+        height = float(text)
+    except ValueError:
+        height = 0.0
+    if not 0 < height < 1e30:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a length greater than 0")
+    return height
+
+
+def _write_person(person: Person, target: Path) -> str:
+    """Writes a person into a file, whole or not at all; returns what it holds."""
+    if target.suffix.lower() != ".toml":
+        triangles = person.triangles()
+        meshes.write(triangles, target)
+        return f"{target}: {len(triangles)} triangles"
+    text = person_capsules.objects(person)
+    try:
+        with whole_file(target) as unfinished:
+            unfinished.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(str(target), "", f"cannot be written: {error.strerror}") from error
+    return f"{target}: {len(person_capsules.capsules(person))} capsules"
 
 
 def _table(chosen: study.Study) -> str:

@@ -31,6 +31,7 @@ LAYERS = (
     "analysis.show",
     "analysis.live",
     "analysis.sweep",
+    "analysis.coverage",
     "analysis.nightly",
     "analysis",
 )

@@ -35,7 +35,7 @@ class Curves:
         self._last = self._at[np.clip(FINER * (last - 1), 0, count - 1)]
         self._has_any = last > 0
 
-    def noticed(self, threshold: float) -> tuple[Array, Array]:
+    def noticed(self, threshold: float) -> tuple[Array, NDArray[np.bool_]]:
         """Returns the distances (n,) up to which everything is noticed, and whether a distance is only the last that was looked at.
 
         0 is a blind spot: the change is below the threshold at the first distance. NaN: the probe cannot be held there.

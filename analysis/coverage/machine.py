@@ -145,7 +145,7 @@ def _to_ground(name: str, roles: dict[str, Any], factor: float) -> float:
     return float(bodies[0]["to_ground"] or 0.0) / factor
 
 
-def _capacitances(charges: Array, conductor_of: Array, count: int) -> Array:
+def _capacitances(charges: Array, conductor_of: NDArray[np.int64], count: int) -> Array:
     """Returns the charges on all conductors (rows) with each at unit potential (m)."""
     sums = np.zeros((count, charges.shape[1]))
     np.add.at(sums, conductor_of, charges)

@@ -80,7 +80,7 @@ def _side(triangles: Array) -> float:
 
 def _free_length(
     origins: Array, directions: Array, triangles: Array, is_sheet: NDArray[np.bool_], least: float
-) -> tuple[Array, Array]:
+) -> tuple[Array, NDArray[np.bool_]]:
     """Returns how far rays go until they meet a triangle, and whether the first one, of no sheet, is met from behind: then the ray began inside.
 
     Möller and Trumbore (1997).

@@ -23,7 +23,8 @@ _CLEARANCES = (0.06, 0.25, 0.8, 2.5, 8.0)
 _TOLERANCE = 4e-3
 """Error of the interpolated potentials, over the largest ones."""
 _MOST_POINTS = 48
-_PROBE_PANELS = 700
+_RTOL, _PROBE_PANELS = 0.01, 700
+"""Accuracy of the probe's own charge, and its most panels, about."""
 _TOGETHER = 4096
 """Number of points whose potentials are held at once."""
 
@@ -50,16 +51,18 @@ class Response:
         return fitting[-1] if fitting else self.levels[0]
 
 
-def respond(probe: Probe, model: Any) -> Response:
-    """Solves the probe by itself."""
+def respond(
+    probe: Probe, model: Any, clearances: tuple[float, ...] = _CLEARANCES, rtol: float = _RTOL
+) -> Response:
+    """Solves the probe by itself, for levels at these clearances over half its size."""
     scene = model.Scene.loads(f'[[object]]\nname = "probe"\nshape = {{ {probe.text} }}\n')
-    panels = scene.surface_charges(rtol=0.01, most_panels=_PROBE_PANELS)["panels"]
+    panels = scene.surface_charges(rtol=rtol, most_panels=_PROBE_PANELS)["panels"]
     matrix = model.single_layer(panels)
     factor = linalg.cho_factor(matrix)
     centres = panels.mean(axis=1)
     middle = (centres.min(axis=0) + centres.max(axis=0)) / 2
     size = float(np.linalg.norm(centres - middle, axis=1).max())
-    levels = [_level(share * size, centres, middle, size, factor) for share in _CLEARANCES]
+    levels = [_level(share * size, centres, middle, size, factor) for share in clearances]
     return Response(probe, tuple(levels))
 
 
@@ -93,7 +96,7 @@ def _outside(clearance: float, centres: Array, middle: Array, size: float) -> Ar
 
 def changes(
     machine: Machine, level: Level, rotations: Array, translations: Array, to_ground: float | None
-) -> tuple[Array, Array]:
+) -> tuple[Array, NDArray[np.bool_]]:
     """Returns the changes of all readings (n, readings) in F in so many poses, and whether the probe clears the machine (n,).
 
     `rotations` (n, 3, 3) and `translations` (n, 3) map the probe's frame to the world; the probe is grounded, or else connected to ground through a capacitance (F), 0
@@ -112,7 +115,7 @@ def changes(
 
 def _some(
     machine: Machine, level: Level, rotations: Array, translations: Array, to_ground: float | None
-) -> tuple[Array, Array]:
+) -> tuple[Array, NDArray[np.bool_]]:
     n, count = len(translations), len(level.points)
     points = (np.einsum("nij,pj->npi", rotations, level.points) + translations[:, None]).reshape(-1, 3)
     senses, drives, answers, free = (part.reshape(n, count, -1) for part in machine.at(points))

@@ -19,6 +19,7 @@ from geometries.scene.scene import Scene
 from geometries.scene.shapes import SHEETS
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 BOUNDARY_ELEMENTS, SMALL = "boundary-elements", "small-probe"
 """The survey's own method; and its limit for small probes, the probe's capacitance times the potentials φ·φ' at its middle."""
@@ -77,8 +78,8 @@ def over_thresholds(changes: Array, thresholds: tuple[float, ...], reading: int 
 
 def survey(path: Path, scene: Scene, probes: tuple[Probe, ...], options: Options, model: Any) -> Survey:
     """Surveys a scene. Its marked targets are left out; without any, all objects stay: they are the machine."""
-    live = _at_rest(path, scene, model)
-    machine = Machine(live, model, scene.medium.relative_permittivity, options.rtol, options.most_panels)
+    live = at_rest(path, scene, model)
+    machine = machine_of(live, scene, model, options)
     chosen = _chosen(machine.readings, options.readings)
     conductors = live.conductors()
     sheets = frozenset(sensor.name for sensor in scene.sensors) | frozenset(
@@ -93,7 +94,11 @@ def survey(path: Path, scene: Scene, probes: tuple[Probe, ...], options: Options
     )
     estimates = [
         _changes_of(
-            probe, places, distances, lambda *pose: _small(machine, *pose, options.to_ground), answer.level
+            probe,
+            places,
+            distances,
+            lambda level, turns, shifts: _small(machine, level, turns, shifts, options.to_ground),
+            answer.level,
         )
         for probe, answer in zip(probes, answers)
     ]
@@ -103,7 +108,9 @@ def survey(path: Path, scene: Scene, probes: tuple[Probe, ...], options: Options
             probe,
             places,
             distances,
-            lambda *pose: _accurate(machine, thresholds, options.to_ground, *pose),
+            lambda level, turns, shifts: _accurate(
+                machine, thresholds, options.to_ground, level, turns, shifts
+            ),
             answer.level,
         )[..., chosen]
         for probe, answer in zip(probes, answers)
@@ -134,7 +141,12 @@ def survey(path: Path, scene: Scene, probes: tuple[Probe, ...], options: Options
     )
 
 
-def _at_rest(path: Path, scene: Scene, model: Any) -> Any:
+def machine_of(live: Any, scene: Scene, model: Any, options: Options) -> Machine:
+    """Solves the machine of a scene that `at_rest` returned."""
+    return Machine(live, model, scene.medium.relative_permittivity, options.rtol, options.most_panels)
+
+
+def at_rest(path: Path, scene: Scene, model: Any) -> Any:
     """Loads the scene in the model without its targets."""
     try:
         live = model.Scene.load(str(path))
@@ -184,7 +196,7 @@ def _accurate(
     level: responses.Level,
     rotations: Array,
     translations: Array,
-) -> tuple[Array, NDArray[np.bool_]]:
+) -> tuple[Array, Mask]:
     """Returns changes with the machine's answer to the probe, but those that are negligible by the limit for small probes."""
     values, clears = _small(machine, level, rotations, translations, to_ground)
     counts = over_thresholds(values, thresholds, None) > NEGLIGIBLE
@@ -198,7 +210,7 @@ def _changes_of(
     probe: Probe,
     places: Places,
     distances: Array,
-    changes: Callable[[responses.Level, Array, Array], tuple[Array, Array]],
+    changes: Callable[[responses.Level, Array, Array], tuple[Array, Mask]],
     level: Callable[[float], responses.Level],
 ) -> Array:
     """Returns the changes (places, distances, readings); NaN from the first distance on at which the probe is blocked."""
@@ -206,7 +218,7 @@ def _changes_of(
     found = []
     fits = np.ones(len(rotations), dtype=bool)
     for distance in distances:
-        translations, own = _held(probe, places, float(distance))
+        translations, own = held(probe, places, float(distance))
         fits &= own
         values, clears = changes(level(float(distance)), rotations[fits], translations[fits])
         fits[fits] = clears
@@ -216,7 +228,7 @@ def _changes_of(
     return np.stack(found, axis=1)
 
 
-def _held(probe: Probe, places: Places, distance: float) -> tuple[Array, NDArray[np.bool_]]:
+def held(probe: Probe, places: Places, distance: float) -> tuple[Array, Mask]:
     """Returns where a probe's origin is (places, 3) when its lowest point is so far from each place, and whether it fits before what comes next."""
     low, high = float(probe.triangles[..., 2].min()), float(probe.triangles[..., 2].max())
     translations = places.points + (distance - low) * places.normals
@@ -246,16 +258,20 @@ def _by_method(
     for probe, answer in zip(probes, answers):
         if method == SMALL:
             values = _changes_of(
-                probe, some, distances, lambda *pose: _small(machine, *pose, options.to_ground), answer.level
+                probe,
+                some,
+                distances,
+                lambda level, turns, shifts: _small(machine, level, turns, shifts, options.to_ground),
+                answer.level,
             )
         else:
             posed = live.copy()
-            posed.add(_text_of(probe, options.to_ground))
+            posed.add(text_of(probe, options.to_ground))
             values = _changes_of(
                 probe,
                 some,
                 distances,
-                lambda level, *pose: _asked(posed, method, machine, *pose),
+                lambda level, turns, shifts: _asked(posed, method, machine, turns, shifts),
                 answer.level,
             )
         found.append(values[..., chosen])
@@ -264,7 +280,7 @@ def _by_method(
 
 def _small(
     machine: Machine, level: responses.Level, rotations: Array, translations: Array, to_ground: float | None
-) -> tuple[Array, NDArray[np.bool_]]:
+) -> tuple[Array, Mask]:
     """The limit for small grounded probes: own capacitance times the potentials at the middle of the probe's charge."""
     alone = np.linalg.solve(level.inverse, np.ones(len(level.points)))
     middle = alone @ level.points / alone.sum()
@@ -277,26 +293,26 @@ def _small(
     return machine.factor * capacitance * senses * drives * signs, np.ones(len(translations), dtype=bool)
 
 
-_LINK, _PROBE = "probe of the coverage", "the probe"
+LINK, _PROBE = "probe of the coverage", "the probe"
 
 
-def _text_of(probe: Probe, to_ground: float | None) -> str:
+def text_of(probe: Probe, to_ground: float | None) -> str:
     potential = 'potential = "grounded"' if to_ground is None else 'potential = "floating"'
     if to_ground:
         potential += f"\nto_ground = {to_ground!r}"
     return (
-        f'\n[[link]]\nname = "{_LINK}"\n[[object]]\nname = "{_PROBE}"\nlink = "{_LINK}"\nshape = {{ {probe.text} }}\n'
+        f'\n[[link]]\nname = "{LINK}"\n[[object]]\nname = "{_PROBE}"\nlink = "{LINK}"\nshape = {{ {probe.text} }}\n'
         f"target = true\n{potential}\n"
     )
 
 
 def _asked(
     posed: Any, method: str, machine: Machine, rotations: Array, translations: Array
-) -> tuple[Array, NDArray[np.bool_]]:
+) -> tuple[Array, Mask]:
     """Asks the model pose by pose; NaN where it does not know the change."""
     found = np.full((len(translations), len(machine.readings)), np.nan)
     for k, (rotation, translation) in enumerate(zip(rotations, translations)):
-        posed.set_pose(_LINK, translation, rotation)
+        posed.set_pose(LINK, translation, rotation)
         try:
             answers = _readings(posed, method)
         except ValueError as error:

@@ -38,7 +38,9 @@ COLUMNS = (
 probe cannot be held there."""
 
 
-def distances(survey: Survey, probe: int, reading: int | None, factor: float = 1.0) -> tuple[Array, Array]:
+def distances(
+    survey: Survey, probe: int, reading: int | None, factor: float = 1.0
+) -> tuple[Array, NDArray[np.str_]]:
     """Returns the distances (m) up to which a probe is noticed at all places, for thresholds times a factor, and their kinds."""
     found, is_last = Curves(survey.distances, survey.ratios(probe, reading)).noticed(factor)
     kinds = np.where(

@@ -95,11 +95,22 @@ def convert(source: Path, target: Path) -> int:
 
     The target appears whole or not at all. InputError when the source cannot be read or the target cannot be written.
     """
-    import meshio
+    _require_format(target)
+    triangles = read_triangles(source)
+    write(triangles, target)
+    return len(triangles)
 
+
+def _require_format(target: Path) -> None:
     if target.suffix.lower() not in SCENE_FORMATS:
         raise InputError(str(target), "", f"must end in one of {', '.join(SCENE_FORMATS)}")
-    triangles = read_triangles(source)
+
+
+def write(triangles: Array, target: Path) -> None:
+    """Writes triangles (n, 3, 3) as STL, OBJ or PLY, whole or not at all; InputError when the target cannot be written."""
+    import meshio
+
+    _require_format(target)
     points, inverse = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
     mesh = meshio.Mesh(points, [("triangle", inverse.reshape(-1, 3))])
     try:
@@ -107,7 +118,6 @@ def convert(source: Path, target: Path) -> int:
             meshio.write(unfinished, mesh)
     except (Exception, SystemExit) as error:
         raise InputError(str(target), "", f"cannot be written: {error}") from error
-    return len(triangles)
 
 
 def _fan(polygons: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -25,6 +25,11 @@ PAGE_OF_A_SWEEP = (
     "test_the_command_makes_a_page_and_its_table_from_its_options",
 )
 LIVE = ("analysis/live/test_paths.py", "test_every_option_of_the_command_acts")
+COVERAGE = (
+    "analysis/coverage/test_coverage.py",
+    "test_the_command_makes_page_table_and_file_from_its_options",
+)
+PERSON = ("geometries/scene/test_person.py", "test_the_command_writes_a_mesh_or_capsules")
 HERE, IMPORT = "end_to_end/test_options.py", "end_to_end/test_import.py"
 EXPORTED = ("end_to_end/test_export.py", "test_the_method_and_the_error_asked_for_are_the_users")
 TABLE = ("analysis/topics/published/test_table.py", "test_the_options_of_the_command_reach_what_they_are_for")
@@ -97,6 +102,7 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
     },
     ("geometries",): {"--help": SAID},
     ("geometries", "convert"): {"--help": SAID},
+    ("geometries", "person"): {"--help": SAID, **dict.fromkeys(("--height", "--age", "--posture"), PERSON)},
     ("geometries", "expand"): {"--help": SAID},
     ("analysis",): {"--help": SAID},
     ("analysis", "run"): {
@@ -145,6 +151,10 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
         "--method": PAGE_OF_A_SWEEP,
         "--rtol": PAGE_OF_A_SWEEP,
         "--output": PAGE_OF_A_SWEEP,
+    },
+    ("analysis", "coverage"): {
+        "--help": SAID,
+        **dict.fromkeys(("--probe", "--reading", "--grid", "--potential", "--threshold", "--method", "--output"), COVERAGE),
     },
 }  # fmt: skip
 SCENE = """

@@ -178,7 +178,7 @@ NAMED: tuple[Place, ...] = (
     ("link", 0, "joint", "name"),
     ("sensor",),
     ("object",),
-    ("object", 16, "potential"),
+    ("object", 17, "potential"),
 )
 
 
@@ -225,7 +225,7 @@ OUT_OF_RANGE: list[tuple[Place, Any]] = [
     (("object", 0, "to_ground"), 1e-10),
     (("object", 1, "to_ground"), 0),
     (("object", 1, "to_ground"), -1e-12),
-    (("object", 16, "target"), True),
+    (("object", 17, "target"), True),
     (("reading", 0, "sense"), ""),
     (("reading", 0, "drive"), []),
     (("reading", 0, "drive"), ["front", "front"]),

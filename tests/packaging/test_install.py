@@ -156,8 +156,9 @@ COMMANDS = {
         "live",
         "show",
         "sweep",
+        "coverage",
     ),
-    "fringe-geometries": ("convert", "expand"),
+    "fringe-geometries": ("convert", "person", "expand"),
     "fringe-reference": (),
 }
 

@@ -87,7 +87,7 @@ struct Polygon {
   std::vector<Eigen::Vector2d> vertices;
 };
 
-/// A triangle mesh read from a file, already scaled.
+/// A triangle mesh read from a file, already scaled; or the surface of a person, which has no file.
 struct Mesh {
   std::filesystem::path file;
   double scale;

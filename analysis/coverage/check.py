@@ -1,0 +1,171 @@
+"""`python3 -m analysis.coverage.check SCENE`: compares the distances of a survey with boundary elements, and tries the bound on random bodies."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.coverage import response as responses, survey as surveys
+from analysis.coverage.distances import Curves
+from analysis.coverage.probes import DEFAULT, Probe, probe
+from analysis.coverage.survey import Options, Survey
+from analysis.pipeline.model_stage import model_module
+from analysis.show.make import find_scene
+from geometries.scene import reader, shapes
+from geometries.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+_RTOL = 3e-3
+"""Relative accuracy of boundary elements."""
+_ALLOWED, _SHARE = 1e-3, 0.01
+"""Errors of a distance that are meant to be allowed: in metres and of the distance, whichever is larger."""
+
+
+def distance_errors(
+    path: Path, scene: Scene, names: tuple[str, ...], count: int, grid: float | None
+) -> list[tuple[str, float, float, float]]:
+    """Returns probe, distance (m), its error (m) and what boundary elements may be off (m), at places and readings drawn by chance.
+
+    The error is that of the change there, by boundary elements, over the slope of the survey's changes.
+    """
+    model = model_module()
+    chance = np.random.default_rng(1)
+    found = []
+    probes = tuple(probe(name) for name in names)
+    survey = surveys.survey(path, scene, probes, Options(grid=grid, methods=()), model)
+    candidates = [
+        (p, k, at, float(distances[at]), float(farther[at]))
+        for p in range(len(probes))
+        for k in range(len(survey.readings))
+        for distances, farther in [_noticed(survey, p, k)]
+        for at in np.flatnonzero(distances > surveys.NEAREST)
+    ]
+    live = surveys.at_rest(path, scene, model)
+    for index in chance.permutation(len(candidates))[:count]:
+        p, k, at, distance, farther = candidates[index]
+        answer = _by_boundary_elements(live, survey, probes[p], at, distance)[survey.readings[k].name]
+        slope = np.log(_STEP) / np.log(farther / distance)
+        ratio = abs(answer.change) / survey.thresholds[k]
+        error = distance * np.log(ratio) / slope
+        uncertain = distance * answer.error["change"] / abs(answer.change) / abs(slope)
+        found.append((probes[p].name, distance, float(error), float(uncertain)))
+    return found
+
+
+_STEP = 0.95
+"""Thresholds for the slope, one over the other."""
+
+
+def _noticed(survey: Survey, p: int, k: int) -> tuple[Array, Array]:
+    """Returns the distances for the threshold and for one a little lower; 0 where either is only the last one looked at."""
+    curves = Curves(survey.distances, survey.ratios(p, k))
+    distances, is_last = curves.noticed(1.0)
+    farther, is_also = curves.noticed(_STEP)
+    fit = ~is_last & ~is_also & (farther > distances)
+    return np.where(fit, distances, 0.0), farther
+
+
+def _by_boundary_elements(live: Any, survey: Survey, held: Probe, at: int, distance: float) -> Any:
+    posed = live.copy()
+    posed.add(surveys.text_of(held, None))
+    translations, _ = surveys.held(held, survey.places, distance)
+    posed.set_pose(surveys.LINK, translations[at], survey.places.rotations()[at])
+    return posed.readings(method="boundary-elements", rtol=_RTOL)
+
+
+def bound_violations(path: Path, scene: Scene, count: int, grid: float | None) -> tuple[int, float]:
+    """Returns how many of so many random grounded bodies that contain a sphere of 2 cm change a proven reading less than the sphere does where it is
+    just noticed, and the least ratio of the changes. The bodies are boxes, balls and ellipsoids around the sphere that do not reach behind its place.
+    """
+    model = model_module()
+    ball = probe("sphere:0.02")
+    survey = surveys.survey(path, scene, (ball,), Options(grid=grid, methods=()), model)
+    machine = surveys.machine_of(surveys.at_rest(path, scene, model), scene, model, Options())
+    chance = np.random.default_rng(2)
+    proven = [k for k, reading in enumerate(survey.readings) if reading.is_proven]
+    places = [
+        (k, at, float(distances[at]))
+        for k in proven
+        for distances in [_noticed(survey, 0, k)[0]]
+        for at in np.flatnonzero(distances > 2 * surveys.NEAREST)
+    ]
+    if not places:
+        return 0, np.inf
+    chosen = [places[k] for k in chance.integers(len(places), size=count)]
+    rotations = survey.places.rotations()
+    machine.prepare(
+        np.array(
+            [survey.places.points[at] + distance * survey.places.normals[at] for _, at, distance in chosen]
+        )
+    )
+    alone = responses.respond(ball, model)
+    violations, least = 0, np.inf
+    for k, at, distance in chosen:
+        body, low = _around(chance, 0.02, distance)
+        around = responses.respond(body, model, (_NEAR,), _ROUGH)
+        translation = survey.places.points[at] + (distance + 0.02) * survey.places.normals[at]
+        pose = rotations[at : at + 1], translation[None]
+        level = around.level(distance - low)
+        small, _ = responses.changes(machine, alone.level(distance), *pose, None)
+        large, clears = responses.changes(machine, level, *pose, None)
+        if clears[0]:
+            ratio = float(large[0, k] / small[0, k])
+            least = min(least, ratio)
+            violations += ratio < 1
+    return violations, least
+
+
+_NEAR, _ROUGH = 0.25, 0.05
+"""Clearance over half the size, and accuracy, of the random bodies."""
+
+
+def _around(chance: np.random.Generator, radius: float, room: float) -> tuple[Probe, float]:
+    """Draws a body around a ball about the origin, and how far it comes out below the ball: at most half the room."""
+    lower = float(chance.uniform(0, 0.5) * room)
+    reach = radius + np.array([*chance.uniform(0.001, 0.06, size=2), lower + 1e-4])
+    shape: shapes.Shape = (
+        shapes.Cuboid((2 * reach[0], 2 * reach[1], 2 * reach[2]))
+        if chance.random() < 0.5
+        else shapes.RoundedCuboid((2 * reach[0], 2 * reach[1], 2 * reach[2]), radius, 12)
+    )
+    text = f'type = "cuboid", size = {[float(2 * x) for x in reach]}'
+    if isinstance(shape, shapes.RoundedCuboid):
+        text += f", rounding = {radius}, segments = 12"
+    return Probe("body", shape.triangles(), text), lower + 1e-4
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs the command line; returns the exit code: 1 where a distance or the bound fails."""
+    parser = argparse.ArgumentParser(prog="python3 -m analysis.coverage.check", description=__doc__)
+    parser.add_argument("scene", metavar="SCENE")
+    parser.add_argument("--probe", action="append", default=[], metavar="PROBE")
+    parser.add_argument("--places", type=int, default=20, metavar="N")
+    parser.add_argument("--bodies", type=int, default=100, metavar="N")
+    parser.add_argument("--grid", type=float, metavar="M")
+    options = parser.parse_args(arguments)
+    path = find_scene(options.scene)
+    scene = reader.load(path)
+    found = distance_errors(path, scene, tuple(options.probe) or DEFAULT, options.places, options.grid)
+    for name, distance, error, uncertain in found:
+        print(f"{name:12} {1000 * distance:8.2f} mm  {1000 * error:+7.3f} mm ± {1000 * uncertain:.3f} mm")
+    beyond = [
+        error
+        for _, distance, error, uncertain in found
+        if abs(error) > max(_ALLOWED, _SHARE * distance) + uncertain
+    ]
+    print(f"{len(beyond)} of {len(found)} distances are off by more than 1 mm and 1 %")
+    violations, least = bound_violations(path, scene, options.bodies, options.grid)
+    print(
+        f"{violations} of {options.bodies} bodies around the sphere change a reading less; the least ratio is {least:.4f}"
+    )
+    return 1 if beyond or violations else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
