@@ -1,6 +1,8 @@
 """The collision functions of the Python module `fringe`: shapes of arrays, tuples, errors."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -110,7 +112,7 @@ def test_answers_of_scene_collide_are_independent_of_each_other(tmp_path: Path) 
     )
     scene = fringe.Scene.load(path)
 
-    def statuses(answer: dict) -> list[str]:
+    def statuses(answer: dict[str, Any]) -> list[str]:
         assert [(pair["a"], pair["b"]) for pair in answer["pairs"]] == [("a", "b"), ("a", "c"), ("b", "c")]
         assert set(answer) == {"tests", "pairs", "remarks"}
         return [pair["status"] for pair in answer["pairs"]]
@@ -130,7 +132,7 @@ def test_answers_of_scene_collide_are_independent_of_each_other(tmp_path: Path) 
 
     del kept
     pair = scene.collide()["pairs"][0]
-    for spoil in (
+    spoils: list[Callable[[dict[str, Any]], object]] = [
         lambda answer: answer["pairs"].reverse(),
         lambda answer: answer["pairs"].pop(),
         lambda answer: answer["pairs"][1].clear(),
@@ -138,7 +140,8 @@ def test_answers_of_scene_collide_are_independent_of_each_other(tmp_path: Path) 
         lambda answer: answer["pairs"][1].update(more=1),
         lambda answer: answer["pairs"].__setitem__(2, None),
         lambda answer: answer.clear(),
-    ):
+    ]
+    for spoil in spoils:
         answer = scene.collide()
         spoil(answer)
         del answer
