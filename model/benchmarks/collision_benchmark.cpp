@@ -16,7 +16,8 @@
 /// earlier one. The distance of their centres is chosen so that half of the pairs intersect; the last columns
 /// are the differences of the numbers of intersecting pairs from fringe's.
 ///
-/// Pairs of cuboids whose faces touch have rows of their own, and so has the shortest distance.
+/// Pairs of cuboids whose faces touch have rows of their own, and so has the shortest distance, of prepared
+/// shapes and of vertices.
 ///
 ///     collision_benchmark [ROUNDS [FILE.json]]
 namespace {
@@ -198,6 +199,10 @@ int main(int argument_count, char** arguments) {
   for (const Row& row : all)
     measured.push_back(measure("distance, " + row.name, row.shapes, half_intersecting(row.shapes),
                                {fringe_distance_peer}, few_rounds));
+  for (const Row& row : all)
+    if (row.shapes.front().kind == PeerShape::Kind::hull)
+      measured.push_back(measure("unprepared, " + row.name, row.shapes, half_intersecting(row.shapes),
+                                 {fringe_vertex_distance_peer}, few_rounds));
   if (argument_count > 2)
     std::ofstream(arguments[2]) << json_of(measured);
 }

@@ -53,8 +53,11 @@ py::object list(const Json& array) {
 
 py::object dictionary(const Json& object) {
   py::dict result;
-  for (const auto& [key, part] : object.items())
-    result[py::str(key)] = python_object(part);
+  for (const auto& [key, part] : object.items()) {
+    // Keys are few and return in every answer.
+    const auto name = py::reinterpret_steal<py::str>(PyUnicode_InternFromString(key.c_str()));
+    result[name] = python_object(part);
+  }
   return result;
 }
 

@@ -191,9 +191,25 @@ py::dict sense_of(SharedScene& scene, const std::string& method) {
   return described_geometry(scene, [&](LiveScene& live) { return sensing_answer(live.sense(how)); });
 }
 
-py::dict collide_of(SharedScene& scene) {
-  return described_geometry(scene,
-                            [](LiveScene& live) { return collision_answer(live.collide(), live.scene()); });
+py::dict collide_of(SharedScene& shared) {
+  std::shared_ptr<CollisionAnswers> answers = shared.collision_answers;
+  Json description;
+  std::vector<ObjectPair> pairs;
+  std::uint64_t beginning = 0;
+  const SceneCollision collision = shared.locked([&](LiveScene& live) {
+    const SceneCollision& found = live.collide();
+    beginning = shared.beginning();
+    if (!answers || answers->beginning() != beginning) {
+      description = with_remarks(collision_answer(found, live.scene()),
+                                 shared.remarks_once("", [&] { return remarks(live.scene()); }));
+      pairs = all_pairs(found, live.scene());
+    }
+    return found;
+  });
+  if (!description.is_null())
+    shared.collision_answers = answers =
+        std::make_shared<CollisionAnswers>(description, std::move(pairs), beginning);
+  return answers->answer(collision);
 }
 
 py::dict conductors_of(SharedScene& scene) {

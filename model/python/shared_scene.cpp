@@ -81,6 +81,7 @@ void SharedScene::begin_again(Scene whole, const std::set<std::string>& hidden) 
     throw InputError("a scene needs at least one sensor or object that is not hidden");
   live_ = LiveScene(std::move(shown));
   remarks_.clear();
+  ++beginning_;
   whole_ = std::move(whole);
   hidden_ = hidden;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -11,6 +12,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include "collision_answers.hpp"
 #include "fringe/interruption.hpp"
 #include "fringe/live_scene.hpp"
 
@@ -60,6 +62,12 @@ class SharedScene {
     return action(live_);
   }
 
+  /// Counts how often the scene began again, since objects were hidden, shown or added; call it while locked.
+  std::uint64_t beginning() const { return beginning_; }
+
+  /// What makes the answers about collisions, or null; call it only with Python's lock.
+  std::shared_ptr<CollisionAnswers> collision_answers;
+
   /// Returns the remarks of the first answer of this kind, which `find` looks for; call it while locked. To
   /// look for them in every pose may take longer than the answer.
   template <typename Find>
@@ -77,6 +85,7 @@ class SharedScene {
   Scene whole_;  ///< with the hidden objects
   std::set<std::string> hidden_;
   LiveScene live_;
+  std::uint64_t beginning_ = 0;
   std::map<std::string, std::vector<std::string>> remarks_;  ///< by the kind of answer
   std::mutex mutex_;
 };

@@ -1,6 +1,8 @@
 """The collision functions of the Python module `fringe`: shapes of arrays, tuples, errors."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -96,3 +98,58 @@ def test_scene_collide_follows_its_links(tmp_path: Path) -> None:
 def test_wrong_input_is_a_value_error(call) -> None:  # type: ignore[no-untyped-def]
     with pytest.raises(ValueError):
         call()
+
+
+def test_answers_of_scene_collide_are_independent_of_each_other(tmp_path: Path) -> None:
+    """Dictionaries are given out again only when nobody holds them, and what was changed in them does not return."""
+    path = tmp_path / "scene.toml"
+    cube = 'shape = { type = "cube", size = 1 }'
+    path.write_text(
+        'link = [ { name = "arm" } ]\n'
+        f'[[object]]\nname = "a"\nlink = "arm"\n{cube}\n'
+        f'[[object]]\nname = "b"\n{cube}\n'
+        f'[[object]]\nname = "c"\n{cube}\ntranslation = [5, 0, 0]\n'
+    )
+    scene = fringe.Scene.load(path)
+
+    def statuses(answer: dict[str, Any]) -> list[str]:
+        assert [(pair["a"], pair["b"]) for pair in answer["pairs"]] == [("a", "b"), ("a", "c"), ("b", "c")]
+        assert set(answer) == {"tests", "pairs", "remarks"}
+        return [pair["status"] for pair in answer["pairs"]]
+
+    expected = {
+        0.0: ["collision", "clear", "clear"],
+        5.0: ["clear", "collision", "clear"],
+        2.0: ["clear"] * 3,
+    }
+    kept = []
+    for x in list(expected) * 4:
+        scene.set_pose("arm", [x, 0, 0])
+        answer = scene.collide()
+        assert statuses(answer) == expected[x]
+        kept.append((x, answer))
+    assert all(statuses(answer) == expected[x] for x, answer in kept)
+
+    del kept
+    pair = scene.collide()["pairs"][0]
+    spoils: list[Callable[[dict[str, Any]], object]] = [
+        lambda answer: answer["pairs"].reverse(),
+        lambda answer: answer["pairs"].pop(),
+        lambda answer: answer["pairs"][1].clear(),
+        lambda answer: answer["pairs"][1].update(status="mine", a="mine"),
+        lambda answer: answer["pairs"][1].update(more=1),
+        lambda answer: answer["pairs"].__setitem__(2, None),
+        lambda answer: answer.clear(),
+    ]
+    for spoil in spoils:
+        answer = scene.collide()
+        spoil(answer)
+        del answer
+        for _ in range(3):
+            assert statuses(scene.collide()) == expected[2.0]
+    pair["status"] = "mine"
+    assert statuses(scene.collide()) == expected[2.0] and pair["status"] == "mine"
+    scene.hide("c")
+    assert scene.collide()["pairs"] == [{"a": "a", "b": "b", "status": "clear"}]
+    scene.show("c")
+    assert statuses(scene.collide()) == expected[2.0]

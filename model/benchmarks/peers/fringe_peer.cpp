@@ -1,7 +1,9 @@
 #include <utility>
+#include <vector>
 
 #include "fringe/bounding_volume.hpp"
 #include "fringe/convex_shape.hpp"
+#include "fringe/gjk.hpp"
 #include "peer.hpp"
 
 namespace fringe::benchmarks {
@@ -48,6 +50,33 @@ bool at_no_distance(const ConvexShape& a, const Eigen::Isometry3d& pose_a, const
   return gjk_distance(a, pose_a, b, pose_b).distance == 0;
 }
 
+/// Distances of hulls that are given by their vertices, without preparation.
+class FringeVertexPeer : public Peer {
+ public:
+  FringeVertexPeer(const PeerShapes& shapes, const PeerPairs& pairs) {
+    const auto moved = [](std::vector<Eigen::Vector3d> vertices, const Eigen::Isometry3d& pose) {
+      for (Eigen::Vector3d& vertex : vertices)
+        vertex = pose * vertex;
+      return vertices;
+    };
+    for (const PeerPair& pair : pairs)
+      hulls_.emplace_back(moved(shapes[pair.a].vertices, pair.pose_a),
+                          moved(shapes[pair.b].vertices, pair.pose_b));
+  }
+
+  std::string name() const override { return "fringe"; }
+
+  std::size_t count_intersecting() const override {
+    std::size_t count = 0;
+    for (const auto& [a, b] : hulls_)
+      count += gjk_distance(a, b).distance == 0 ? 1 : 0;
+    return count;
+  }
+
+ private:
+  std::vector<std::pair<std::vector<Eigen::Vector3d>, std::vector<Eigen::Vector3d>>> hulls_;
+};
+
 class FringeBoxPeer : public Peer {
  public:
   FringeBoxPeer(const PeerShapes& shapes, const PeerPairs& pairs) {
@@ -79,6 +108,10 @@ std::unique_ptr<Peer> fringe_box_peer(const PeerShapes& shapes, const PeerPairs&
 
 std::unique_ptr<Peer> fringe_peer(const PeerShapes& shapes, const PeerPairs& pairs) {
   return std::make_unique<FringePeer<intersect>>(shapes, pairs);
+}
+
+std::unique_ptr<Peer> fringe_vertex_distance_peer(const PeerShapes& shapes, const PeerPairs& pairs) {
+  return std::make_unique<FringeVertexPeer>(shapes, pairs);
 }
 
 std::unique_ptr<Peer> fringe_distance_peer(const PeerShapes& shapes, const PeerPairs& pairs) {

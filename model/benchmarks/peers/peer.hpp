@@ -46,6 +46,8 @@ using PeerPairs = std::vector<PeerPair>;
 std::unique_ptr<Peer> fringe_peer(const PeerShapes& shapes, const PeerPairs& pairs);
 /// Computes shortest distances; pairs at distance 0 count as intersecting.
 std::unique_ptr<Peer> fringe_distance_peer(const PeerShapes& shapes, const PeerPairs& pairs);
+/// Computes the same of hulls, whose vertices are moved in advance.
+std::unique_ptr<Peer> fringe_vertex_distance_peer(const PeerShapes& shapes, const PeerPairs& pairs);
 /// Tests oriented boxes by their separating axes alone; all shapes must be cuboids.
 std::unique_ptr<Peer> fringe_box_peer(const PeerShapes& shapes, const PeerPairs& pairs);
 std::unique_ptr<Peer> fcl_box_peer(const PeerShapes& shapes, const PeerPairs& pairs);

@@ -72,9 +72,10 @@ GjkAnswer gjk_intersects(const ConvexShape& a, const Eigen::Isometry3d& pose_a, 
 /// Computes the shortest distance of two convex shapes, each moved by a pose, and the witness points.
 ///
 /// The search runs in floating point, with bounds of every rounding, until `distance` and `lower_bound`
-/// differ by at most 1e-12 of the distance. Where rounding prevents this, two polytopes are solved in
-/// integers: the distance is then accurate to three units in its last place. For round shapes the two bounds
-/// show the remaining error, some 1e-14 of the shapes' size and distance. Whether the shapes meet is decided
+/// differ by at most 1e-12 of the distance. Where rounding prevents this, two polytopes are solved in twice
+/// the precision or, if they are nearer than about 1e-4 of their size and distance, in integers: the distance
+/// is then accurate to three units in its last place. For round shapes the two bounds show the remaining
+/// error, some 1e-14 of the shapes' size and distance. Whether the shapes meet is decided
 /// as intersect() decides it. The poses must be rotations to 1e-9. Throws InputError for one that is not
 /// finite, and for round shapes whose size and distance are not within 2^±170.
 GjkDistance gjk_distance(const ConvexShape& a, const Eigen::Isometry3d& pose_a, const ConvexShape& b,

@@ -67,7 +67,8 @@ struct GjkDistance {
   Eigen::Vector3d direction;  ///< of length 1 up to rounding, from A to B; may be zero if lower_bound is
   Eigen::Vector3d witness_a;  ///< a point of A, moved by its pose, up to rounding
   Eigen::Vector3d witness_b;  ///< a point of B; if A and B intersect, the same point up to rounding
-  bool exact;  ///< solved in integers; otherwise direction·a + lower_bound ≤ direction·b for all points
+  bool exact;  ///< accurate to three units in the last place; otherwise direction·a + lower_bound ≤
+               ///< direction·b for all points
 };
 
 /// Tests whether the convex hulls of two sets of vertices have a point in common; touching counts. The answer
@@ -77,10 +78,10 @@ struct GjkDistance {
 GjkAnswer gjk_intersects(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b);
 
 /// Computes the shortest distance between the convex hulls of two sets of vertices, in their unit. The
-/// nearest points are found exactly and then rounded: the distance is accurate to three units in its last
-/// place, each coordinate of a witness to one. It is 0 if and only if the hulls have a point in common; both
-/// witnesses are then the same point. A distance above the largest double is +∞. Throws InputError as
-/// gjk_intersects does.
+/// nearest points are found in twice the precision or, where that may not suffice, exactly, and then rounded:
+/// the distance is accurate to three units in its last place, each coordinate of a witness to one. It is 0 if
+/// and only if the hulls have a point in common; both witnesses are then the same point. A distance above the
+/// largest double is +∞. Throws InputError as gjk_intersects does.
 GjkDistance gjk_distance(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b);
 
 /// Tests whether the certificate proves the answer. Decides in rational arithmetic from the coordinates

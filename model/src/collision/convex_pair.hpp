@@ -69,6 +69,11 @@ struct ConvexPair {
     return {a.farthest_along(direction), b.farthest_along(-direction)};
   }
 
+  /// Returns the points of a pair that a search in floating point has found.
+  PointPair filter_points(const SupportPair& found) const {
+    return {a.filter_point(found.a, found.on_a), b.filter_point(found.b, found.on_b)};
+  }
+
   /// Returns the simplex of one pair with which a search starts: the points that face the other shape.
   Simplex start() const;
 };

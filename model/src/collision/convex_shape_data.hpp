@@ -43,7 +43,7 @@ CellLists direction_cells(std::span<const Eigen::Vector3d> vertices, double boun
 
 struct ConvexShapeData {
   SupportShape support;
-  std::vector<Eigen::Vector3d> vertices;  ///< of polytopes; a box's in the order of SupportPair
+  std::vector<Eigen::Vector3d> vertices;  ///< of polytopes
   CoordinateBlocks coordinates;
   CellLists cells;
 };

@@ -6,6 +6,7 @@
 #include "collision/convex_shape_data.hpp"
 #include "collision/gjk_iteration.hpp"
 #include "collision/minkowski_difference.hpp"
+#include "collision/precise_difference.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/error.hpp"
 #include "simd/dispatch.hpp"
@@ -16,6 +17,8 @@ namespace fringe {
 namespace {
 
 using detail::ConvexPair;
+using detail::DistanceAnswer;
+using detail::DistanceEnd;
 using detail::Dyadic;
 using detail::GjkFilterAnswer;
 using detail::Goal;
@@ -24,16 +27,13 @@ using detail::Verdict;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// Returns the simplex that the filter has reached, or one to start with if it was not tried.
-Simplex reached_simplex(const ConvexPair& pair, const GjkFilterAnswer& filtered) {
-  if (filtered.size == 0)
+/// Returns the simplex that a search in floating point has reached, or one to start with if there was none.
+Simplex reached_simplex(const ConvexPair& pair, const auto& answer) {
+  if (answer.size == 0)
     return pair.start();
   Simplex simplex;
-  for (int i = 0; i < filtered.size; ++i) {
-    const detail::SupportPair& support = filtered.pairs[i];
-    simplex.pairs[simplex.size++] = {pair.a.filter_point(support.a, support.on_a),
-                                     pair.b.filter_point(support.b, support.on_b)};
-  }
+  for (int i = 0; i < answer.size; ++i)
+    simplex.pairs[simplex.size++] = pair.filter_points(answer.pairs[i]);
   return simplex;
 }
 
@@ -72,6 +72,29 @@ GjkAnswer decide(const ConvexPair& pair) {
   return decide_exactly(pair, reached);
 }
 
+/// Returns the moved points of the shapes whose difference is the sum of a simplex's points times weights.
+PointPair witnesses(const ConvexPair& pair, const Simplex& simplex, std::span<const double> weights) {
+  PointPair sum{Vector3d::Zero(), Vector3d::Zero()};
+  for (std::size_t i = 0; i < simplex.size; ++i) {
+    sum.a += weights[i] * simplex.pairs[i].a;
+    sum.b += weights[i] * simplex.pairs[i].b;
+  }
+  return {*pair.a.pose * sum.a, *pair.b.pose * sum.b};
+}
+
+/// Searches the shortest distance in floating point.
+DistanceAnswer approach(const ConvexPair& pair) {
+  DistanceAnswer answer;
+  detail::best_kernels<detail::GjkFilter>().approach(pair.a.filtered(), pair.b.filtered(), answer);
+  return answer;
+}
+
+/// Returns the distance that was found in floating point.
+GjkDistance rounded_distance(const ConvexPair& pair, const DistanceAnswer& found, const Simplex& reached) {
+  const auto [on_a, on_b] = witnesses(pair, reached, found.weights);
+  return {found.length, found.lower_bound, Vector3d(found.direction), on_a, on_b, false};
+}
+
 /// Solves the distance of two polytopes in exact arithmetic.
 GjkDistance solve_exactly(const ConvexPair& pair, const Simplex& start) {
   detail::PolytopeDifference difference(pair, Goal::distance);
@@ -83,19 +106,20 @@ GjkDistance solve_exactly(const ConvexPair& pair, const Simplex& start) {
 GjkDistance common_point(const ConvexPair& pair, const GjkAnswer& answer) {
   const auto* around = std::get_if<SimplexAroundOrigin>(&answer.certificate);
   const Simplex& simplex = around ? around->simplex : std::get<HiddenByRounding>(answer.certificate).simplex;
-  const auto nearest_in = [&]<class Number>(NearestFace<Number> face, const auto& difference) {
-    for (std::size_t i = 0; i < simplex.size; ++i)
-      face.add(simplex.pairs[i], difference.point(simplex.pairs[i]));
-    return face.reduce() ? std::optional(face) : std::nullopt;
-  };
-  const auto rounded = nearest_in(NearestFace<double>(), detail::RoundedDifference(pair));
-  if (rounded && rounded->nearest.norm() <= pair.rounding()) {
-    const auto [on_a, on_b] = detail::witnesses(pair, *rounded);
+  NearestFace<double> rounded;
+  for (std::size_t i = 0; i < simplex.size; ++i)
+    rounded.add(simplex.pairs[i], pair.difference(simplex.pairs[i]));
+  if (rounded.reduce() && rounded.nearest.norm() <= pair.rounding()) {
+    const auto [on_a, on_b] = witnesses(pair, rounded.simplex, rounded.weights);
     return {0, 0, Vector3d::Zero(), on_a, on_b, false};
   }
   // Where surfaces touch, rounding may make the simplex miss the common point.
   const detail::ExactDifference exact(pair);
-  const GjkDistance solved = exact.distance(nearest_in(NearestFace<Dyadic>(), exact).value());
+  NearestFace<Dyadic> face;
+  for (std::size_t i = 0; i < simplex.size; ++i)
+    face.add(simplex.pairs[i], exact.point(simplex.pairs[i]));
+  face.reduce();
+  const GjkDistance solved = exact.distance(face);
   return {0, 0, Vector3d::Zero(), solved.witness_a, solved.witness_b, !pair.is_round()};
 }
 
@@ -138,8 +162,9 @@ std::optional<GjkDistance> distance_of_swept(const ConvexShape& a, const Isometr
   return found;
 }
 
+/// Checks that all numbers are finite: zero times any other number is NaN.
 void check_pose(const Isometry3d& pose) {
-  if (!pose.matrix().allFinite())
+  if (!((0 * pose.matrix()).sum() == 0))
     throw InputError("a pose must be finite");
 }
 
@@ -151,12 +176,19 @@ GjkAnswer gjk_intersects(std::span<const Vector3d> a, std::span<const Vector3d> 
 
 GjkDistance gjk_distance(std::span<const Vector3d> a, std::span<const Vector3d> b) {
   const detail::PassingHulls hulls(a, b);
-  Simplex start = hulls.pair().start();
-  if (hulls.pair().is_in_safe_range()) {
-    detail::RoundedDifference difference(hulls.pair());
-    start = detail::gjk<double>(difference, start).simplex;
+  const ConvexPair& pair = hulls.pair();
+  const DistanceAnswer found = approach(pair);
+  const Simplex reached = reached_simplex(pair, found);
+  if (found.size > 0) {
+    detail::PreciseSimplex precise(reached, pair.extent);
+    if (found.end == DistanceEnd::intersecting) {
+      if (const std::optional<Vector3d> point = precise.common_point())
+        return {0, 0, Vector3d::Zero(), *point, *point, true};
+    } else if (const std::optional<GjkDistance> distance = precise.distance(a, b)) {
+      return *distance;
+    }
   }
-  return solve_exactly(hulls.pair(), start);
+  return solve_exactly(pair, reached);
 }
 
 bool intersect(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b,
@@ -189,14 +221,25 @@ GjkDistance gjk_distance(const ConvexShape& a, const Isometry3d& pose_a, const C
   if (is_rounded(a) || is_rounded(b))
     if (const std::optional<GjkDistance> found = distance_of_swept(a, pose_a, b, pose_b, pair.rounding()))
       return *found;
-  detail::RoundedDifference difference(pair);
-  const Simplex reached = detail::gjk<double>(difference, pair.start()).simplex;
-  if (difference.is_converged())
-    return difference.distance();
+  DistanceAnswer found = approach(pair);
+  if (found.end == DistanceEnd::open && !pair.is_round())
+    detail::best_kernels<detail::GjkFilter>().refine(pair.a.filtered(), pair.b.filtered(), found);
+  const Simplex reached = reached_simplex(pair, found);
+  if (found.end == DistanceEnd::converged)
+    return rounded_distance(pair, found, reached);
+  if (found.end == DistanceEnd::intersecting && !pair.is_round()) {
+    Vector3d apart = Vector3d::Zero();
+    for (std::size_t i = 0; i < reached.size; ++i)
+      apart += found.weights[i] * pair.difference(reached.pairs[i]);
+    if (apart.norm() <= pair.rounding()) {
+      const auto [on_a, on_b] = witnesses(pair, reached, found.weights);
+      return {0, 0, Vector3d::Zero(), on_a, on_b, false};
+    }
+  }
   const GjkAnswer answer = decide(pair);
   if (answer.intersects)
     return common_point(pair, answer);
-  return pair.is_round() ? difference.distance() : solve_exactly(pair, reached);
+  return pair.is_round() ? rounded_distance(pair, found, reached) : solve_exactly(pair, reached);
 }
 
 }  // namespace fringe

@@ -53,8 +53,8 @@ struct PlacedShape {
   const double* pose;
 };
 
-/// The support points of A along a direction and of B against it, each in its shape's frame, and the vertex
-/// indices for hulls and boxes (for a box, bit k is set if coordinate k is positive).
+/// The support points of A along a direction and of B against it, each in its shape's frame, and their
+/// indices among a hull's vertices.
 struct SupportPair {
   double on_a[3];
   double on_b[3];
@@ -72,6 +72,27 @@ struct GjkFilterAnswer {
   int size;
 };
 
+enum class DistanceEnd : int {
+  open,         ///< rounding hides the answer, or the shapes' size is not within 2^±170
+  converged,    ///< the two bounds of the distance are within most_doubt
+  intersecting  ///< the simplex contains the origin, every rounding considered
+};
+
+/// How far a search for the shortest distance came. The point of the Minkowski difference nearest to the
+/// origin is the sum of the simplex's points times their weights.
+struct DistanceAnswer {
+  /// Difference between the bounds, relative to the distance, at which a search is complete.
+  static constexpr double most_doubt = 1e-12;
+
+  DistanceEnd end;
+  double length;        ///< distance of the nearest point found from the origin
+  double lower_bound;   ///< of the distance, every rounding considered
+  double direction[3];  ///< of length 1 up to rounding, along which this bound holds; zero if the bound is
+  SupportPair pairs[4];
+  double weights[4];
+  int size;  ///< number of pairs; 0 if there was no search
+};
+
 /// An oriented box as plain numbers, laid out as OrientedBox is.
 struct BoxNumbers {
   double centre[3];
@@ -87,8 +108,15 @@ struct GjkFilter {
   /// Computes the verdict with its proof.
   void (*prove)(const PlacedShape& a, const PlacedShape& b, GjkFilterAnswer& answer);
 
+  /// Searches the shortest distance.
+  void (*approach)(const PlacedShape& a, const PlacedShape& b, DistanceAnswer& answer);
+
+  /// Tries to complete an open search of two polytopes in twice the precision; otherwise leaves the answer as
+  /// it is.
+  void (*refine)(const PlacedShape& a, const PlacedShape& b, DistanceAnswer& answer);
+
   /// Computes the support point of a shape along a direction, both in the shape's own frame, and returns its
-  /// index in a hull or a box.
+  /// index in a hull.
   std::uint32_t (*support)(const SupportShape& shape, const double* direction, double* point);
 
   /// Computes the largest gap between two boxes along the fifteen candidate separating axes.

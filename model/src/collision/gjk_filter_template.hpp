@@ -1,7 +1,9 @@
 #pragma once
 
 #include "collision/box_gap_template.hpp"
+#include "collision/gjk_distance_template.hpp"
 #include "collision/gjk_filter.hpp"
+#include "collision/precise_distance_template.hpp"
 #include "collision/support_template.hpp"
 
 /// The filtered GJK search for the instruction set that `Lanes` represents.
@@ -19,30 +21,25 @@ class GjkFilterFor : SupportFor<Lanes> {
     answer.verdict = dispatched<true>(a, b, answer);
   }
 
-  static constexpr GjkFilter kernels{&decide, &prove, &SupportFor<Lanes>::support,
+  static constexpr GjkFilter kernels{&decide,
+                                     &prove,
+                                     &GjkDistanceFor<Lanes>::approach,
+                                     &PreciseDistanceFor<Lanes>::refine,
+                                     &SupportFor<Lanes>::support,
                                      &BoxGapFor<Lanes>::box_gap};
 
  private:
   using Support = SupportFor<Lanes>;
-  using typename Support::Box;
-  using typename Support::Curved;
-  using typename Support::Hull;
-  using typename Support::Local;
-  using typename Support::SupportPoint;
-  using typename Support::Vec;
-  template <class Kind>
-  using Turned = typename Support::template Turned<Kind>;
-  template <std::uint32_t most_vertices>
-  using Moved = typename Support::template Moved<most_vertices>;
   using Support::cross;
   using Support::dot;
   using Support::fused;
   using Support::minus;
   using Support::negated;
   using Support::plus;
-  using Support::rotated;
   using Support::sum_of_magnitudes;
-  using Support::zero_if_finite;
+  using typename Support::Local;
+  using typename Support::SupportPoint;
+  using typename Support::Vec;
 
   /// A point of the Minkowski difference, and the iteration that found it.
   struct Point {
@@ -55,27 +52,6 @@ class GjkFilterFor : SupportFor<Lanes> {
     Local a, b;
   };
 
-  /// Names a type as an argument.
-  template <class T>
-  struct As {};
-
-  /// Calls a function with the support mapping that suits the shape.
-  template <class Function>
-  static Verdict with_support(const SupportShape& shape, const Function& function) {
-    switch (shape.kind) {
-    case ShapeKind::hull:
-      if (shape.vertices.count == VertexBlocks::size)
-        return function(As<Moved<VertexBlocks::size>>());
-      if (shape.vertices.count <= SupportShape::few_vertices)
-        return function(As<Moved<SupportShape::few_vertices>>());
-      return function(As<Turned<Hull>>());
-    case ShapeKind::box:
-      return function(As<Turned<Box>>());
-    default:
-      return function(As<Turned<Curved>>());
-    }
-  }
-
   /// Decides by the search for the two kinds of shape, and two boxes by their axes if no proof is asked for.
   template <bool with_proof>
   static Verdict dispatched(const PlacedShape& a, const PlacedShape& b, GjkFilterAnswer& answer) {
@@ -84,9 +60,8 @@ class GjkFilterFor : SupportFor<Lanes> {
       if (verdict != Verdict::undecided)
         return verdict;
     }
-    return with_support(*a.shape, [&]<class A>(As<A>) {
-      return with_support(*b.shape, [&]<class B>(As<B>) { return search<with_proof, A, B>(a, b, answer); });
-    });
+    return Support::with_supports(*a.shape, *b.shape,
+                                  [&]<class A, class B>() { return search<with_proof, A, B>(a, b, answer); });
   }
 
   /// Up to four points of the Minkowski difference. A triangle also stores the products that the next
@@ -106,12 +81,8 @@ class GjkFilterFor : SupportFor<Lanes> {
   template <bool with_proof, class A, class B>
   [[gnu::flatten]] static Verdict search(const PlacedShape& a, const PlacedShape& b,
                                          GjkFilterAnswer& answer) {
-    const double* pose_a = a.pose;
-    const double* pose_b = b.pose;
-    const Vec offset{pose_a[12] - pose_b[12], pose_a[13] - pose_b[13], pose_a[14] - pose_b[14]};
-    // Bounds the length of every point of the Minkowski difference; NaN if a rotation is not finite.
-    const double extent = sum_of_magnitudes(offset) + a.shape->bounding_radius + b.shape->bounding_radius +
-                          zero_if_finite(pose_a, pose_b);
+    const Vec offset = Support::offset_of(a, b);
+    const double extent = Support::extent_of(a, b, offset);
     answer.size = 0;
     if (!(extent < 0x1p170 && extent > 0x1p-170))
       return Verdict::undecided;
@@ -119,9 +90,7 @@ class GjkFilterFor : SupportFor<Lanes> {
     // Below these, products could have lost digits to underflow.
     constexpr double smallest_product = 0x1p-860, smallest_direction = 0x1p-900;
     const double error_of_determinants = error_per_determinant * extent * extent * extent;
-    const Vec centre_a{a.shape->centre[0], a.shape->centre[1], a.shape->centre[2]};
-    const Vec centre_b{b.shape->centre[0], b.shape->centre[1], b.shape->centre[2]};
-    const Vec inside = minus(rotated(pose_a, centre_a, offset), rotated(pose_b, centre_b, {0, 0, 0}));
+    const Vec inside = Support::offset_of_centres(a, b, offset);
     Vec direction = negated(inside);
     const A moved_a(a, offset);
     const B moved_b(b, {0, 0, 0});

@@ -9,9 +9,9 @@
 #include "fringe/gjk.hpp"
 #include "numeric/dyadic.hpp"
 
-/// The iteration of Gilbert, Johnson and Keerthi for any kind of number and of shape (model/NUMERICS.md,
-/// section 13). Only the filter is another one: compiled for every instruction set, it keeps of each round
-/// the signs that decide, whereas this one finds the nearest point.
+/// The iteration of Gilbert, Johnson and Keerthi for exact numbers and any kind of shape (model/NUMERICS.md,
+/// section 13). The searches in floating point are others, compiled for every instruction set: the filter,
+/// which keeps of each round the signs that decide, and the one for distances.
 namespace fringe::detail {
 
 /// A simplex of a Minkowski difference A − B, reduced to the face that contains its point nearest to the

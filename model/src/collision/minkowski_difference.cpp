@@ -64,45 +64,6 @@ Vector3d moved_inwards(const PlacedConvex& placed, const Vector3d& point) {
 
 }  // namespace
 
-RoundedDifference::RoundedDifference(const ConvexPair& pair)
-    : pair_(pair), distance_{pair.extent,
-                             0,
-                             Vector3d::Zero(),
-                             pair.a.pose->translation(),
-                             pair.b.pose->translation(),
-                             false} {}
-
-std::optional<PointPair> RoundedDifference::next_pair(const NearestFace<double>& face) {
-  // Difference between the bounds, relative to the distance, at which the search is complete.
-  constexpr double most_doubt = 1e-12;
-  // Polytopes take about ten rounds, round shapes thirty.
-  constexpr int most_rounds = 100;
-  const double length = face.nearest.norm(), error = pair_.rounding();
-  if (face.simplex.size == 4 || length <= error || (round_ > 0 && length >= distance_.distance) ||
-      round_++ == most_rounds)
-    return std::nullopt;
-  const auto [on_a, on_b] = witnesses(pair_, face);
-  distance_.distance = length, distance_.witness_a = on_a, distance_.witness_b = on_b;
-  const Vector3d direction = -face.nearest / length;
-  const PointPair pair = pair_.farthest_along(direction);
-  const double bound = -point(pair).dot(direction) - error;
-  if (bound > distance_.lower_bound)
-    distance_.lower_bound = std::min(bound, length), distance_.direction = direction;
-  is_converged_ = length + error - distance_.lower_bound <= most_doubt * length;
-  if (is_converged_ || face.contains(pair))
-    return std::nullopt;
-  return pair;
-}
-
-PointPair witnesses(const ConvexPair& pair, const NearestFace<double>& face) {
-  PointPair sum{Vector3d::Zero(), Vector3d::Zero()};
-  for (std::size_t i = 0; i < face.simplex.size; ++i) {
-    sum.a += face.weights[i] * face.simplex.pairs[i].a;
-    sum.b += face.weights[i] * face.simplex.pairs[i].b;
-  }
-  return {*pair.a.pose * sum.a, *pair.b.pose * sum.b};
-}
-
 ExactPlacement::ExactPlacement(const Eigen::Isometry3d& pose)
     : in_place(pose.matrix() == Eigen::Matrix4d::Identity()), rotation(pose.linear().cast<Dyadic>()),
       translation(pose.translation().cast<Dyadic>()) {}

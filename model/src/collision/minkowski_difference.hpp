@@ -9,34 +9,9 @@
 #include "collision/gjk_iteration.hpp"
 #include "numeric/dyadic.hpp"
 
-/// The Minkowski difference A − B of two convex shapes, for the searches by gjk() that the filter leaves: in
-/// floating point for distances, exact for polytopes, and exact in points of round shapes.
+/// The Minkowski difference A − B of two convex shapes, for the searches by gjk() that floating point leaves:
+/// exact for polytopes, and exact in points of round shapes.
 namespace fringe::detail {
-
-/// A difference with positions in floating point. The search finds the distance of any shapes, between bounds
-/// that allow for every rounding.
-class RoundedDifference {
- public:
-  explicit RoundedDifference(const ConvexPair& pair);
-
-  Eigen::Vector3d point(const PointPair& pair) const { return pair_.difference(pair); }
-  std::optional<PointPair> next_pair(const NearestFace<double>& face);
-
-  /// Returns the distance between the bounds reached.
-  const GjkDistance& distance() const { return distance_; }
-
-  /// Tests whether the bounds of the distance are so close that the search is complete.
-  bool is_converged() const { return is_converged_; }
-
- private:
-  const ConvexPair& pair_;
-  GjkDistance distance_;
-  bool is_converged_ = false;
-  int round_ = 0;
-};
-
-/// Returns the moved points of the shapes whose difference is the nearest point, rounded.
-PointPair witnesses(const ConvexPair& pair, const NearestFace<double>& face);
 
 /// Exact positions of a shape's points.
 struct ExactPlacement {

@@ -70,6 +70,23 @@ struct SupportFor {
             fused(pose[2], p.x, fused(pose[6], p.y, fused(pose[10], p.z, plus.z)))};
   }
 
+  /// Returns the position of the frame of A relative to that of B.
+  static Vec offset_of(const PlacedShape& a, const PlacedShape& b) {
+    return {a.pose[12] - b.pose[12], a.pose[13] - b.pose[13], a.pose[14] - b.pose[14]};
+  }
+  /// Bounds the length of every point of the Minkowski difference; NaN if a rotation is not finite.
+  static double extent_of(const PlacedShape& a, const PlacedShape& b, const Vec& offset) {
+    return sum_of_magnitudes(offset) + a.shape->bounding_radius + b.shape->bounding_radius +
+           zero_if_finite(a.pose, b.pose);
+  }
+  /// Returns a point inside the Minkowski difference.
+  static Vec offset_of_centres(const PlacedShape& a, const PlacedShape& b, const Vec& offset) {
+    const double* const on_a = a.shape->centre;
+    const double* const on_b = b.shape->centre;
+    return minus(rotated(a.pose, {on_a[0], on_a[1], on_a[2]}, offset),
+                 rotated(b.pose, {on_b[0], on_b[1], on_b[2]}, {0, 0, 0}));
+  }
+
   using V = typename Lanes::Vector;
   static constexpr std::size_t width = Lanes::width;
 
@@ -218,7 +235,7 @@ struct SupportFor {
     static Local support(const SupportShape& shape, const Vec& d) {
       return {{__builtin_copysign(shape.size[0], d.x), __builtin_copysign(shape.size[1], d.y),
                __builtin_copysign(shape.size[2], d.z)},
-              static_cast<std::uint32_t>((d.x < 0 ? 0 : 1) | (d.y < 0 ? 0 : 2) | (d.z < 0 ? 0 : 4))};
+              0};
     }
   };
   struct Curved {
@@ -250,6 +267,7 @@ struct SupportFor {
   /// it.
   template <class Kind>
   struct Turned {
+    static constexpr bool has_indices_in_products = false;
     const SupportShape& shape;
     const double* pose;
     Vec offset;
@@ -266,6 +284,7 @@ struct SupportFor {
   /// With one block of vertices the loops disappear.
   template <std::uint32_t most_vertices>
   struct Moved {
+    static constexpr bool has_indices_in_products = true;
     const SupportShape& shape;
     double blocks[3 * most_vertices];
 
@@ -308,6 +327,14 @@ struct SupportFor {
     }
   };
 
+  /// Calls a function of two types with the support mappings that suit two shapes.
+  template <class Function>
+  static auto with_supports(const SupportShape& a, const SupportShape& b, const Function& function) {
+    return with_support(a, [&]<class A>(As<A>) {
+      return with_support(b, [&]<class B>(As<B>) { return function.template operator()<A, B>(); });
+    });
+  }
+
   static std::uint32_t support(const SupportShape& shape, const double* direction, double* point) {
     const Vec d{direction[0], direction[1], direction[2]};
     const Local local = shape.kind == ShapeKind::hull  ? Hull::support(shape, d)
@@ -317,6 +344,28 @@ struct SupportFor {
     point[1] = local.at.y;
     point[2] = local.at.z;
     return local.index;
+  }
+
+ private:
+  /// Names a type as an argument.
+  template <class T>
+  struct As {};
+
+  /// Calls a function with the support mapping that suits the shape.
+  template <class Function>
+  static auto with_support(const SupportShape& shape, const Function& function) {
+    switch (shape.kind) {
+    case ShapeKind::hull:
+      if (shape.vertices.count == VertexBlocks::size)
+        return function(As<Moved<VertexBlocks::size>>());
+      if (shape.vertices.count <= SupportShape::few_vertices)
+        return function(As<Moved<SupportShape::few_vertices>>());
+      return function(As<Turned<Hull>>());
+    case ShapeKind::box:
+      return function(As<Turned<Box>>());
+    default:
+      return function(As<Turned<Curved>>());
+    }
   }
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "sensing/precise_vector.hpp"
+#include "numeric/precise_vector.hpp"
 
 namespace fringe::detail {
 

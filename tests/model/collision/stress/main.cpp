@@ -50,12 +50,39 @@ ShapePair in_some_unit(const PairClass& pair_class, Random& random) {
   return placed(pair, std::ldexp(1.0, exponent), Vector3d::Zero());
 }
 
+bool is_right(const GjkDistance& found, double truth) {
+  constexpr double promised = detail::DistanceAnswer::most_doubt;
+  return std::abs(found.distance - truth) <= promised * truth && found.lower_bound <= truth &&
+         found.distance - found.lower_bound <= promised * found.distance;
+}
+
+/// Counts wrong distances, by the whole query and by what floating point alone says with every instruction
+/// set.
+void count_distances(const ConvexShape& a, const ConvexShape& b, double truth, Tally& tally) {
+  const Isometry3d here = Isometry3d::Identity();
+  tally.wrong += is_right(gjk_distance(a, here, b, here), truth) ? 0U : 1U;
+  const detail::PlacedShape placed_a{&a.data().support, here.data()},
+      placed_b{&b.data().support, here.data()};
+  for (const detail::InstructionSet set : detail::available_instruction_sets()) {
+    const detail::GjkFilter& filter = detail::kernels<detail::GjkFilter>(set);
+    detail::DistanceAnswer answer;
+    filter.approach(placed_a, placed_b, answer);
+    if (answer.end == detail::DistanceEnd::open)
+      filter.refine(placed_a, placed_b, answer);
+    if (answer.end == detail::DistanceEnd::intersecting)
+      tally.wrong += truth == 0 ? 0U : 1U;
+    else if (answer.end == detail::DistanceEnd::converged)
+      tally.wrong += is_right({answer.length, answer.lower_bound, {}, {}, {}, false}, truth) ? 0U : 1U;
+  }
+}
+
 void count_hulls(const ShapePair& pair, bool truth, Tally& tally) {
   const ConvexShape a = ConvexShape::hull(pair.a), b = ConvexShape::hull(pair.b);
   const Isometry3d here = Isometry3d::Identity();
   const GjkAnswer answer = gjk_intersects(a, here, b, here);
   tally.wrong += answer.intersects != truth || intersect(a, here, b, here) != truth ? 1U : 0U;
   tally.unproven += proves(answer, a, here, b, here) ? 0U : 1U;
+  count_distances(a, b, gjk_distance(pair.a, pair.b).distance, tally);
   for (const detail::InstructionSet set : detail::available_instruction_sets()) {
     const detail::GjkFilter& filter = detail::kernels<detail::GjkFilter>(set);
     const detail::Verdict verdict =
