@@ -101,7 +101,19 @@ Json known(const std::optional<double>& number) {
   return number ? Json(*number) : Json();
 }
 
-/// Describes the readings; bounds are there only if one is proven.
+/// Describes derivatives with respect to the pose of each link, by the links' names: those of the change, or
+/// their errors.
+template <typename Part>
+Json by_link(const std::vector<LinkDerivatives>& derivatives, const Part& part) {
+  Json result = Json::object();
+  for (const LinkDerivatives& of_link : derivatives) {
+    const std::optional<PoseDerivatives> numbers = part(of_link);
+    result[of_link.link] = numbers ? Json(std::vector<double>(numbers->begin(), numbers->end())) : Json();
+  }
+  return result;
+}
+
+/// Describes the readings; bounds are there only if one is proven, derivatives if they were asked for.
 Json description(const std::vector<ReadingAnswer>& readings) {
   Json result = Json::array();
   for (const ReadingAnswer& reading : readings) {
@@ -118,6 +130,12 @@ Json description(const std::vector<ReadingAnswer>& readings) {
     if (reading.value.upper || reading.background.upper || reading.change.upper)
       described["upper"] = all(&Estimate::upper);
     described["answered_by"] = reading.answered_by;
+    if (reading.derivatives.empty())
+      continue;
+    described["derivatives"] =
+        by_link(reading.derivatives, [](const LinkDerivatives& of_link) { return of_link.change; });
+    described["derivative_errors"] =
+        by_link(reading.derivatives, [](const LinkDerivatives& of_link) { return of_link.error; });
   }
   return result;
 }

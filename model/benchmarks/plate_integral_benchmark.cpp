@@ -55,6 +55,17 @@ MeasuredMethod prepared(const std::string& name, double tolerance) {
   return {name, all, prepare};
 }
 
+/// Computes the integrals, and the derivatives of their sum with respect to a pose.
+MeasuredMethod prepared_with_derivatives() {
+  const auto prepare = [](const std::vector<Triangle>& triangles) -> Evaluation {
+    return [batch = TriangleBatch(triangles)] {
+      benchmark::DoNotOptimize(total_derivatives(batch, measured_plate()));
+      return plate_integrals(batch, measured_plate(), {0, 1});
+    };
+  };
+  return {"batch+derivatives", all, prepare};
+}
+
 /// Computes only the sum over the triangles, by a tree built in advance.
 MeasuredMethod summed_by_tree(const std::string& name, double tolerance) {
   const auto prepare = [=](const std::vector<Triangle>& triangles) -> Evaluation {
@@ -74,6 +85,7 @@ std::vector<MeasuredMethod> measured_methods() {
   for (const std::size_t points : {1, 2, 4, 8, 16})
     methods.push_back(one_by_one(fmt::format("gauss:{}", points), affordable(points * points)));
   methods.push_back(prepared("batch", 0));
+  methods.push_back(prepared_with_derivatives());
   for (const char* tolerance : {"1e-12", "1e-9", "1e-6", "1e-3"})
     methods.push_back(prepared(fmt::format("tolerance:{}", tolerance), std::stod(tolerance)));
   for (const char* tolerance : {"1e-9", "1e-6", "1e-4", "1e-3"})

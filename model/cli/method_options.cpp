@@ -52,6 +52,9 @@ void add_method_options(CLI::App& command, MethodRequest& request) {
   command.add_flag("--only-readings", request.only_readings,
                    "Reach the error in the readings and their changes, not in every entry as well; only with "
                    "boundary-elements");
+  command.add_flag("--derivatives", request.derivatives,
+                   "Also the derivatives of the readings' changes with respect to the pose of every link; "
+                   "only with exact and boundary-elements");
 }
 
 void add_refining_options(CLI::App& command, MethodRequest& request) {
@@ -95,6 +98,7 @@ EvaluationOptions options_of(const MethodRequest& written) {
                                    to_string(options.method)));
     options.entries = Entries::of_readings;
   }
+  options.derivatives = request.derivatives;
   validate(options);
   return options;
 }

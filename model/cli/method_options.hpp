@@ -21,6 +21,7 @@ struct MethodRequest {
   std::optional<double> tolerance = {};
   std::optional<double> rtol = {};
   bool only_readings = false;
+  bool derivatives = false;
 };
 
 /// Adds the options to a command, which fills in a request.

@@ -1,6 +1,8 @@
 #include "reading_table.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -25,6 +27,33 @@ std::string padded(const std::string& text, std::size_t width) {
   return text + std::string(width - std::min(width, length), ' ');
 }
 
+/// Formats a derivative that is given in F/m or F/rad.
+std::string text_of(double derivative, std::optional<double> error) {
+  if (std::isnan(derivative))
+    return "-";
+  const double value = derivative * picofarads_per_farad;
+  return error ? measured(value, *error * picofarads_per_farad) : fmt::format("{:.6g}", value);
+}
+
+/// Formats the derivatives of the changes, a row for each reading and link; empty if there are none.
+std::string derivative_table(const std::vector<ReadingAnswer>& readings, std::size_t names_width) {
+  std::string rows;
+  for (const ReadingAnswer& reading : readings)
+    for (const LinkDerivatives& of_link : reading.derivatives) {
+      rows += fmt::format("  {:<{}}{:<14}", reading.name, names_width, of_link.link);
+      for (Eigen::Index k = 0; k < of_link.change.size(); ++k)
+        rows += padded(
+            text_of(of_link.change[k], of_link.error ? std::optional((*of_link.error)[k]) : std::nullopt),
+            of_link.error ? 24 : 14);
+      rows.erase(rows.find_last_not_of(' ') + 1);
+      rows += '\n';
+    }
+  if (rows.empty())
+    return {};
+  return "\nDerivatives of the changes by the pose of each link: pF/m along x, y, z, pF/rad about x, y, z\n" +
+         rows;
+}
+
 }  // namespace
 
 std::string reading_table(const std::vector<ReadingAnswer>& readings) {
@@ -38,7 +67,7 @@ std::string reading_table(const std::vector<ReadingAnswer>& readings) {
   for (const ReadingAnswer& reading : readings)
     text += fmt::format("  {:<{}}{}{}{}\n", reading.name, names_width, padded(text_of(reading.value), width),
                         padded(text_of(reading.background), width), text_of(reading.change));
-  return text;
+  return text + derivative_table(readings, names_width);
 }
 
 }  // namespace fringe::cli

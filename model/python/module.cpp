@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -148,6 +149,27 @@ Array plate_integral_of(const Array& triangles, const Array& corner, const Array
   return Array(static_cast<py::ssize_t>(integrals.size()), integrals.data());
 }
 
+Array plate_integral_derivatives_of(const Array& triangles, const Array& corner, const Array& edge_u,
+                                    const Array& edge_v) {
+  const std::vector<Triangle> surface = triangles_of(triangles);
+  const Rectangle plate{vector3(corner, "corner"), vector3(edge_u, "edge_u"), vector3(edge_v, "edge_v")};
+  Array result({static_cast<py::ssize_t>(surface.size()), py::ssize_t{6}});
+  double* numbers = result.mutable_data();
+  {
+    const py::gil_scoped_release unlocked;
+    for (std::size_t i = 0; i < surface.size(); ++i) {
+      try {
+        const auto [translation, rotation] = plate_integral_derivatives(surface[i], plate);
+        numbers = std::copy(translation.begin(), translation.end(), numbers);
+        numbers = std::copy(rotation.begin(), rotation.end(), numbers);
+      } catch (const InputError& error) {
+        throw InputError(fmt::format("triangle {}: {}", i, error.what()));
+      }
+    }
+  }
+  return result;
+}
+
 py::list corrections_list() {
   py::list list;
   for (const CorrectionInfo& info : corrections())
@@ -177,6 +199,14 @@ method: "exact", "split:N" (4**N equal triangles, centroid rule) or "gauss:K" (K
 Returns an (n,) array in metres: 0 for a triangle without area, +inf where the triangle meets the plate so that the
 integral diverges. Raises InputError (a ValueError) for values that are not finite, wrong shapes, a plate that is not a
 rectangle and an unknown method.)");
+
+  module.def(
+      "plate_integral_derivatives", &plate_integral_derivatives_of, "triangles"_a, "corner"_a, "edge_u"_a,
+      "edge_v"_a,
+      R"(The derivatives of plate_integral, "exact", as each triangle moves rigidly and the plate stays.
+
+Arguments as for plate_integral. Returns an (n, 6) array: along the axes (m/m), then about the axes through the origin
+(m/rad); NaN for a triangle that touches the plate. Their error is at most about 1e-8 of the integral of 1/d**2.)");
 
   module.def(
       "gjk_intersects", &gjk_intersects_of, "a"_a, "b"_a, "method"_a = "exact",

@@ -85,8 +85,10 @@ py::dict maxwell_of(SharedScene& scene, const std::string& method, std::optional
 /// Reads the options of the triangle-integral methods.
 EvaluationOptions options_of(const std::string& method, const std::optional<std::string>& plates,
                              const std::optional<std::string>& faces, std::optional<double> tolerance,
-                             std::optional<double> rtol, const std::optional<std::string>& correction) {
-  EvaluationOptions options{.method = parse_method(method), .tolerance = tolerance, .rtol = rtol};
+                             std::optional<double> rtol, const std::optional<std::string>& correction,
+                             bool derivatives = false) {
+  EvaluationOptions options{
+      .method = parse_method(method), .tolerance = tolerance, .rtol = rtol, .derivatives = derivatives};
   if (plates)
     options.plates = parse_plate_rule(*plates);
   if (faces)
@@ -99,8 +101,9 @@ EvaluationOptions options_of(const std::string& method, const std::optional<std:
 py::dict capacitance_of(SharedScene& scene, const std::string& method,
                         const std::optional<std::string>& plates, const std::optional<std::string>& faces,
                         std::optional<double> tolerance, std::optional<double> rtol,
-                        const std::optional<std::string>& correction) {
-  const EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction);
+                        const std::optional<std::string>& correction, bool derivatives) {
+  const EvaluationOptions options =
+      options_of(method, plates, faces, tolerance, rtol, correction, derivatives);
   return described_evaluation(scene, options, [&](const Evaluation& answer, double seconds) {
     return capacitance_answer(answer, options, seconds);
   });
@@ -111,6 +114,8 @@ struct PythonReading {
   std::optional<double> value, background, change;
   std::map<std::string, std::optional<double>> error;
   std::string answered_by;
+  std::map<std::string, PoseDerivatives> derivatives;  ///< by link
+  std::map<std::string, std::optional<PoseDerivatives>> derivative_errors;
 };
 
 /// Readings by their names.
@@ -118,22 +123,29 @@ using PythonReadings = std::map<std::string, PythonReading>;
 
 PythonReadings python_readings(const Evaluation& answer) {
   PythonReadings result;
-  for (const ReadingAnswer& reading : answer.readings)
-    result[reading.name] = {reading.value.value,
-                            reading.background.value,
-                            reading.change.value,
-                            {{"value", reading.value.error},
-                             {"background", reading.background.error},
-                             {"change", reading.change.error}},
-                            reading.answered_by};
+  for (const ReadingAnswer& reading : answer.readings) {
+    PythonReading& entry = result[reading.name] = {reading.value.value,
+                                                   reading.background.value,
+                                                   reading.change.value,
+                                                   {{"value", reading.value.error},
+                                                    {"background", reading.background.error},
+                                                    {"change", reading.change.error}},
+                                                   reading.answered_by,
+                                                   {},
+                                                   {}};
+    for (const LinkDerivatives& of_link : reading.derivatives) {
+      entry.derivatives[of_link.link] = of_link.change;
+      entry.derivative_errors[of_link.link] = of_link.error;
+    }
+  }
   return result;
 }
 
 PythonReadings readings_of(SharedScene& scene, const std::string& method,
                            const std::optional<std::string>& plates, const std::optional<std::string>& faces,
                            std::optional<double> tolerance, std::optional<double> rtol,
-                           const std::optional<std::string>& correction) {
-  EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction);
+                           const std::optional<std::string>& correction, bool derivatives) {
+  EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction, derivatives);
   options.entries = Entries::of_readings;
   validate(options);
   return scene.locked([&](LiveScene& live) { return python_readings(live.evaluate(options)); });
@@ -359,7 +371,12 @@ void add_scene(py::module_& module) {
       .def_readonly("change", &PythonReading::change)
       .def_readonly("error", &PythonReading::error,
                     R"(Estimates of the errors: {"value", "background", "change"}.)")
-      .def_readonly("answered_by", &PythonReading::answered_by, "The method.");
+      .def_readonly("answered_by", &PythonReading::answered_by, "The method.")
+      .def_readonly(
+          "derivatives", &PythonReading::derivatives,
+          R"(The derivatives of the change by the pose of each link, {link: (6,) array}, if asked for.)")
+      .def_readonly("derivative_errors", &PythonReading::derivative_errors,
+                    "Estimates of their errors, {link: (6,) array}; None where the method states none.");
 
   py::class_<SharedScene>(module, "Scene", "A scene of links, sensors and objects (geometries/SCENE.md).")
       .def_static("load", &SharedScene::load, "path"_a, py::call_guard<py::gil_scoped_release>(),
@@ -408,7 +425,7 @@ Links stay where they are. Raises InputError, with the scene as it was, for a te
       .def("__repr__", &representation)
       .def("capacitance", &capacitance_of, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
            "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
-           "correction"_a = py::none(),
+           "correction"_a = py::none(), "derivatives"_a = false,
            R"(What every sensor feels, as the dictionary that `fringe capacitance --json` prints; F and V.
 
 method: "exact", "split:N" or "gauss:K", as for plate_integral; or "boundary-elements", for every shape, or "reduced:K",
@@ -422,6 +439,7 @@ out at most. 0: nothing is left out but by "nearest", 1e-12. Only with the metho
 rtol: the error of every entry in the sensors' rows of the Maxwell matrix to be reached. Only with "boundary-elements" (if not given 1e-3),
 "reduced:1", 2, 3 (1e-2, 1e-3, 3e-4) and "recommended" (1e-2, of the sensors' own entries and the objects' capacitances).
 correction: "none", or what takes the place of the integral, "formula" or "recommended" (fringe.corrections()).
+derivatives: also those of the readings' changes, as readings() explains them.
 
 plates, faces, tolerance and correction are options of "exact", "split:N" and "gauss:K"; None is the first value named.
 Asked again with the same options, only what moved since is evaluated; "counts" says what that was.
@@ -429,7 +447,7 @@ Asked again with the same options, only what moved since is evaluated; "counts" 
 Raises InputError (a ValueError) for unknown or inconsistent options and for objects that are not grounded.)")
       .def("readings", &readings_of, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
            "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
-           "correction"_a = py::none(),
+           "correction"_a = py::none(), "derivatives"_a = false,
            R"(What the scene's readings measure, {name: Reading}; options as for capacitance(). F.
 
 A scene without readings has one for every sensor, which senses and drives it. A reading's value is the charge on what it
@@ -437,6 +455,11 @@ senses per volt on what it drives, times -1 if it does not drive that, too; back
 the objects that are marked as such, or all but electrodes; change is value - background. "boundary-elements" finds both
 on the same elements, so that errors common to both cancel; the triangle-integral methods and the formula know only the
 change of a reading that drives the sensor it senses, the sum over the targets.
+
+derivatives: fill in Reading.derivatives, {link: (6,) array}, the derivatives of the change as the link moves with all
+links that hang on it: in F/m along the axes of the world, then in F/rad about the axes of the world through the link's
+origin. They are NaN in contact, and Reading.derivative_errors estimates their errors where the method knows them. Only with
+"exact" without a correction, where `tolerance` does not apply to them, and "boundary-elements".
 
 Raises InputError as capacitance() does.)")
       .def(

@@ -50,6 +50,7 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
         "--output": ("model/test_output_file.py", "test_the_triangles_of_an_object_add_up_to_its_capacitance"),
         "--rtol": ("model/test_boundary_elements.py", "test_options_that_would_change_nothing_are_refused"),
         "--only-readings": ("model/test_boundary_elements.py", "test_readings_may_be_asked_for_alone"),
+        "--derivatives": ("model/test_derivatives.py", "test_the_command_prints_them"),
         "--max-seconds": ("model/test_interruption.py", "test_after_the_limit_of_time_the_best_matrix_is_printed"),
         "--frame": (SWEEP, "test_a_frame_that_is_none_is_refused"),
         "--motion": (SWEEP, "test_a_frame_that_is_none_is_refused"),

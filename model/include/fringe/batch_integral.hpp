@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "fringe/plate_integral.hpp"
 #include "fringe/rectangle.hpp"
 #include "fringe/triangle_batch.hpp"
 
@@ -38,5 +39,9 @@ std::vector<double> plate_integrals(const TriangleBatch& triangles, const Rectan
 std::vector<BoundedIntegral> total_integrals(const TriangleBatch& triangles,
                                              std::span<const Rectangle> plates,
                                              const BatchOptions& options = {});
+
+/// Computes the derivatives of the sum of the integrals as all triangles move together and the plate stays,
+/// as plate_integral_derivatives does for one. Throws InputError when the plate is not a rectangle.
+IntegralDerivatives total_derivatives(const TriangleBatch& triangles, const Rectangle& plate);
 
 }  // namespace fringe

@@ -36,6 +36,8 @@ struct BoundaryElementOptions {
   Entries entries = Entries::all;
   /// Refinement stops at this number of unknowns: a dense matrix of this size takes 3 GiB.
   std::size_t most_unknowns = 20'000;
+  /// Also finds the derivatives of the readings' changes with respect to the poses of the links.
+  bool derivatives = false;
   /// Number of threads; 0: as many as this process may run at once. The answer does not depend on it.
   std::size_t threads = 0;
   /// Is called before each refinement; may be empty.

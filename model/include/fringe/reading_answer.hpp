@@ -2,6 +2,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
+
+#include <Eigen/Core>
 
 namespace fringe {
 
@@ -13,6 +16,19 @@ struct Estimate {
   std::optional<double> upper = {};  ///< F, a bound that is proven
 };
 
+/// The six derivatives with respect to a link's pose: in F/m along the axes of the world, then in F/rad about
+/// the axes of the world through the link's origin.
+using PoseDerivatives = Eigen::Matrix<double, 6, 1>;
+
+/// How the change of a reading alters as a link moves, and with it all links that hang on it, as
+/// LiveScene::set_pose moves them. A joint's own derivative is the product of its axis in the world and the
+/// derivatives along it (prismatic) or about it (revolute).
+struct LinkDerivatives {
+  std::string link;
+  PoseDerivatives change;                ///< NaN where they are not known: in contact
+  std::optional<PoseDerivatives> error;  ///< an estimate; none by the methods that integrate over triangles
+};
+
 /// The answer of a reading: the charge on the conductor that it senses, per volt on those that it drives;
 /// times −1 if it does not drive the one that it senses.
 struct ReadingAnswer {
@@ -21,6 +37,8 @@ struct ReadingAnswer {
   Estimate background;           ///< the value without the targets
   Estimate change;               ///< value − background; errors common to both cancel
   std::string answered_by = {};  ///< the method; "formula" for the correction of that name
+  /// In the order of the links; empty unless they were asked for, and where the change is not known.
+  std::vector<LinkDerivatives> derivatives = {};
 };
 
 }  // namespace fringe

@@ -15,7 +15,7 @@ std::vector<std::string> remarks(const Scene& scene);
 
 /// Returns the remarks on a scene, then those on an evaluation of it: on a scene without sensors, objects of
 /// which `facing` sees only backs, and objects close to a sensor that shield others, if the method does not
-/// know it.
+/// know it; and derivatives that were asked for and are not known.
 std::vector<std::string> remarks(const Scene& scene, const EvaluationOptions& options,
                                  const Evaluation& answer);
 

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "fringe/capacitance.hpp"
+#include "fringe/reading_answer.hpp"
 #include "fringe/scene.hpp"
 
 namespace fringe {
@@ -42,6 +43,14 @@ class SceneEvaluator {
   /// Computes the answer for the current poses; valid until the next call. Its counts are the work of this
   /// call.
   const SceneCapacitance& capacitance();
+
+  /// Computes the derivatives of an object's capacitance to a sensor as the object moves and the sensor
+  /// stays, for the poses of the last capacitance(): in F/m along the world's axes, and in F/rad about those
+  /// through the world's origin. For a sensor that moves and an object that stays they have the opposite
+  /// sign. All are NaN in contact. Sensor and object are given by their places in the answer. A tolerance
+  /// does not apply: every triangle that counts is integrated.
+  /// @throws InputError for options other than the method exact without a correction.
+  PoseDerivatives derivatives(std::size_t sensor, std::size_t object);
 
  private:
   class Implementation;

@@ -22,6 +22,10 @@ class Reading:
     def error(self) -> dict[Literal["value", "background", "change"], float | None]: ...
     @property
     def answered_by(self) -> str: ...
+    @property
+    def derivatives(self) -> dict[str, _Array]: ...
+    @property
+    def derivative_errors(self) -> dict[str, _Array | None]: ...
 
 class Scene:
     @staticmethod
@@ -56,6 +60,7 @@ class Scene:
         tolerance: float | None = None,
         rtol: float | None = None,
         correction: str | None = None,
+        derivatives: bool = False,
     ) -> dict[str, Any]: ...
     def readings(
         self,
@@ -66,6 +71,7 @@ class Scene:
         tolerance: float | None = None,
         rtol: float | None = None,
         correction: str | None = None,
+        derivatives: bool = False,
     ) -> dict[str, Reading]: ...
     def sweep(
         self,
@@ -93,6 +99,9 @@ class Scene:
 
 def plate_integral(
     triangles: ArrayLike, corner: ArrayLike, edge_u: ArrayLike, edge_v: ArrayLike, method: str = "exact"
+) -> _Array: ...
+def plate_integral_derivatives(
+    triangles: ArrayLike, corner: ArrayLike, edge_u: ArrayLike, edge_v: ArrayLike
 ) -> _Array: ...
 def gjk_intersects(
     a: ArrayLike, b: ArrayLike, method: Literal["exact", "thesis"] = "exact"

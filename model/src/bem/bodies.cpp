@@ -295,13 +295,13 @@ ChargedBody moved(const ChargedBody& body, const Eigen::Isometry3d& pose) {
   return result;
 }
 
-ChargedBodies charged_bodies(const Scene& scene) {
+ChargedBodies charged_bodies(const Scene& scene, bool with_readings) {
   const std::vector<Eigen::Isometry3d> link_poses = world_poses(scene.links);
   ChargedBodies result = bodies_on_links(scene);
   for (ChargedBody& body : result.bodies)
     body = moved(body, attachment_pose(link_poses, body.link));
   result = joined(std::move(result));
-  if (asks_for_changes(scene))
+  if (with_readings || asks_for_changes(scene))
     result.readings = charged_readings(readings(scene), drivable_conductors(result));
   return result;
 }

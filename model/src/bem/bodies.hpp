@@ -119,8 +119,8 @@ ChargedBodies bodies_on_links(const Scene& scene);
 /// Returns the body moved by a pose. Throws InputError if the pose is not finite.
 ChargedBody moved(const ChargedBody& body, const Eigen::Isometry3d& pose);
 
-/// Returns the bodies in world coordinates, joined where they touch. Throws InputError as bodies_on_links and
-/// joined do.
-ChargedBodies charged_bodies(const Scene& scene);
+/// Returns the bodies in world coordinates, joined where they touch, with the readings if the scene asks for
+/// changes or `with_readings` does. Throws InputError as bodies_on_links and joined do.
+ChargedBodies charged_bodies(const Scene& scene, bool with_readings = false);
 
 }  // namespace fringe::detail

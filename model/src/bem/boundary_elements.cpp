@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -16,6 +17,7 @@
 #include "bem/maxwell_matrix.hpp"
 #include "bem/mesh_size.hpp"
 #include "bem/panel_system.hpp"
+#include "bem/reading_derivatives.hpp"
 #include "bem/readings.hpp"
 #include "bem/simplification.hpp"
 #include "fringe/error.hpp"
@@ -309,9 +311,10 @@ double quadrature_excess(const PanelSolution& solution, const ChargedBodies& bod
   return excess;
 }
 
-/// Solves with adaptive refinement. The answer is in metres, to be multiplied by 4πε.
+/// Solves with adaptive refinement. The answer is in metres, to be multiplied by 4πε. Derivatives with
+/// respect to the poses are found if there are any; null: none.
 MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplification,
-                    const BoundaryElementOptions& options) {
+                    const BoundaryElementOptions& options, const detail::LinkPoses* poses) {
   PanelSystem system(bodies, {grading_part * options.rtol, options.most_unknowns / most_graded_part},
                      options.threads);
   auto [functions, per_change] = beginning(bodies, system.mesh().panels().size(), options);
@@ -325,6 +328,7 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplific
   const VectorXd none = VectorXd::Zero(static_cast<Index>(bodies.readings.size()));
   detail::GeometryErrors geometry{MatrixXd::Zero(conductors, conductors), {none, none, none}};
   double change_part = bodies.readings.empty() ? 1 : first_change_part;
+  bool is_interrupted = false;
   while (true) {
     try {
       system.refine(functions, tolerance);
@@ -332,6 +336,7 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplific
     } catch (const Interrupted&) {
       if (answer.unknowns == 0)
         throw;
+      is_interrupted = true;
       break;
     }
     if (!solution.positive_definite) {
@@ -368,6 +373,9 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplific
     if (!refine(system, solution, excess, options.most_unknowns, functions) && !tightened)
       break;
   }
+  if (poses != nullptr && !is_interrupted)
+    detail::write_derivatives(charge_nodes(system, solution, bodies), bodies, *poses, options.threads,
+                              answer.readings);
   write_delta_self(system, solution, bodies, per_change, tolerance, accuracy, geometry.entries, answer);
   if (bodies.readings.empty())
     answer.readings = detail::readings_of_sensors(answer);
@@ -376,28 +384,29 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplific
 
 /// Solves as solve() does, for bodies some of which have triangles in place of their faces.
 MaxwellMatrix solve_in_triangles(const ChargedBodies& bodies, const Simplification& simplification,
-                                 BoundaryElementOptions options) {
+                                 BoundaryElementOptions options, const detail::LinkPoses* poses) {
   /// Relative accuracy that triangles reach in seconds; a smaller value would take minutes.
   constexpr double reached_by_triangles = 1e-3;
   options.rtol = std::max(options.rtol, reached_by_triangles);
-  return solve(bodies, simplification, options);
+  return solve(bodies, simplification, options, poses);
 }
 
 /// Solves with functions on faces, or with triangles in place of faces whose functions would miss another
 /// body close by: two spaces that both miss a feature agree. Retries with triangles if the error of the
 /// faces' functions stays large.
-MaxwellMatrix solve_as_needed(const Simplification& simplification, const BoundaryElementOptions& options) {
+MaxwellMatrix solve_as_needed(const Simplification& simplification, const BoundaryElementOptions& options,
+                              const detail::LinkPoses* poses) {
   const ChargedBodies& bodies = simplification.bodies();
   if (const auto others = detail::with_triangles_by_proximity(bodies))
-    return solve_in_triangles(*others, simplification, options);
-  MaxwellMatrix answer = solve(bodies, simplification, options);
+    return solve_in_triangles(*others, simplification, options, poses);
+  MaxwellMatrix answer = solve(bodies, simplification, options, poses);
   /// Relative error above which a second solution with triangles is worth its seconds.
   constexpr double useless = 1e-2;
   if (largest_error(answer, bodies) <= std::max(useless, options.rtol))
     return answer;
   try {
     if (const auto others = detail::with_triangles_beyond(bodies, features(options), detail::most_functions))
-      if (MaxwellMatrix other = solve_in_triangles(*others, simplification, options);
+      if (MaxwellMatrix other = solve_in_triangles(*others, simplification, options, poses);
           largest_error(other, bodies) < largest_error(answer, bodies))
         return other;
   } catch (const Interrupted&) {
@@ -438,11 +447,14 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   validate(options);
   if (scene.has_room)
     throw InputError("room: boundary elements compute only conductors in free space");
-  ChargedBodies bodies = detail::charged_bodies(scene);
+  ChargedBodies bodies = detail::charged_bodies(scene, options.derivatives);
   choose_asked(options.entries, bodies);
   const Simplification simplification(std::move(bodies), simplification_part * options.rtol,
                                       options.most_unknowns / most_triangles_part);
-  MaxwellMatrix answer = solve_as_needed(simplification, options);
+  std::optional<detail::LinkPoses> poses;
+  if (options.derivatives)
+    poses.emplace(scene.links).update();
+  MaxwellMatrix answer = solve_as_needed(simplification, options, poses ? &*poses : nullptr);
   answer.reached = largest_error(answer, simplification.bodies()) <= options.rtol;
   const double factor = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
   answer.values *= factor;

@@ -293,6 +293,7 @@ GalerkinSolution GalerkinSystem::solve() const {
   solution.quadrature_effect = quadrature_effect(norms_of_faces(charges.conductors));
   solution.reading_quadrature_effect = quadrature_effect(norms_of_faces(charges.readings));
   solution.reading_details = detail_energies(charges.readings);
+  solution.face_reading_charges = std::move(charges.readings);
   return solution;
 }
 

@@ -35,6 +35,8 @@ struct GalerkinSolution {
   Eigen::MatrixXd reading_quadrature_effect;
   /// The energies of the charges beyond the coarse space, all counted as positive, between the same columns.
   Eigen::MatrixXd reading_details;
+  /// The charges of every face's functions (rows) in the columns of ReadingCharges::all().
+  std::vector<Eigen::MatrixXd> face_reading_charges;
   /// For every face and direction, the energy in its highest functions, relative to that of the conductors.
   std::vector<Eigen::Vector2d> highest;
 };

@@ -420,15 +420,16 @@ PanelSolution PanelSystem::solve(double accuracy) const {
                                               background.matrix.fine, bodies_)
                           .all();
     solution.reading_charges = reading_charges.bottomRows(index_of(mesh_.panels().size()));
+    solution.face_reading_charges = charges_of_faces(unknowns, reading_charges);
     solution.reading_quadrature_effect = quadrature_effect(unknowns, reading_charges);
     solution.reading_details = detail_energies(mesh_, blocks, shares, solution.reading_charges);
     if (faces() > 0)
-      solution.reading_details += faces_.detail_energies(charges_of_faces(unknowns, reading_charges));
+      solution.reading_details += faces_.detail_energies(solution.face_reading_charges);
     scales = change_scales(solution.all, solution.background, bodies_);
     background_charges = std::move(background.charges);
   }
   solution.highest = faces_.highest_energies(
-      {charges_of_faces(unknowns, solved.charges), charges_of_faces(unknowns, reading_charges), own, scales});
+      {charges_of_faces(unknowns, solved.charges), solution.face_reading_charges, own, scales});
   solution.error_indicators = error_indicators(mesh_, blocks, shares, solution.charges, own);
   if (scales.size() > 0)
     solution.error_indicators = solution.error_indicators.cwiseMax(

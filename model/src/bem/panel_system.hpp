@@ -35,6 +35,9 @@ class PanelSystem {
                        std::size_t threads = 1);
 
   std::size_t faces() const { return faces_.faces(); }
+  /// Returns a face of the bodies that have faces, in their order, and the number of its functions.
+  const ChargedFace& face(std::size_t face) const { return faces_.face(face); }
+  FaceFunctions functions(std::size_t face) const { return faces_.functions(face); }
   const PanelMesh& mesh() const { return mesh_; }
 
   /// Refines marked groups of panels, by the charges of the last solution.

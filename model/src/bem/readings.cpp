@@ -215,6 +215,11 @@ void scale(ReadingAnswer& answer, double factor) {
          {&estimate->value, &estimate->error, &estimate->lower, &estimate->upper})
       if (number->has_value())
         **number *= factor;
+  for (LinkDerivatives& of_link : answer.derivatives) {
+    of_link.change *= factor;
+    if (of_link.error)
+      *of_link.error *= factor;
+  }
 }
 
 }  // namespace fringe::detail

@@ -11,6 +11,7 @@
 
 #include "fringe/error.hpp"
 #include "integral/batch/chunks.hpp"
+#include "integral/derivative/plate_wrench.hpp"
 #include "numeric/loop_order.hpp"
 #include "simd/dispatch.hpp"
 
@@ -121,6 +122,11 @@ std::vector<BoundedIntegral> total_integrals(const TriangleBatch& triangles,
     totals.push_back({total, options.tolerance * total});
   }
   return totals;
+}
+
+IntegralDerivatives total_derivatives(const TriangleBatch& triangles, const Rectangle& plate) {
+  const Wrench wrench = plate_wrench(triangles, plate);
+  return {wrench.force, wrench.torque};
 }
 
 }  // namespace fringe

@@ -10,6 +10,7 @@
 #include "fringe/batch_integral.hpp"
 #include "fringe/error.hpp"
 #include "geometry/plate_frame.hpp"
+#include "integral/derivative/plate_wrench.hpp"
 #include "integral/exact_integral.hpp"
 #include "integral/gauss.hpp"
 #include "integral/splitting.hpp"
@@ -96,6 +97,13 @@ std::vector<double> plate_integrals(std::span<const Triangle> triangles, const R
     integrals.push_back(integrate(frame, triangle));
   }
   return integrals;
+}
+
+IntegralDerivatives plate_integral_derivatives(const Triangle& triangle, const Rectangle& plate) {
+  validate(plate);
+  validate(triangle);
+  const Wrench wrench = plate_wrench(TriangleBatch(std::span(&triangle, 1)), plate);
+  return {wrench.force, wrench.torque};
 }
 
 }  // namespace fringe

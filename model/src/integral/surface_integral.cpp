@@ -10,6 +10,7 @@
 #include "fringe/batch_integral.hpp"
 #include "fringe/plate_integral.hpp"
 #include "geometry/plate_frame.hpp"
+#include "integral/derivative/plate_wrench.hpp"
 #include "integral/facing.hpp"
 #include "integral/nearest_nodes.hpp"
 #include "integral/nearest_plate.hpp"
@@ -36,6 +37,15 @@ bool counts(const Triangle& triangle, const Rectangle& plate, FaceRule faces) {
   return seen == Sight::outward || (seen == Sight::grazing && touches(triangle, plate));
 }
 
+/// Returns the triangles that count for a plate.
+std::vector<Triangle> triangles_counting(std::span<const Triangle> triangles, const Rectangle& plate,
+                                         FaceRule faces) {
+  std::vector<Triangle> counted;
+  std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(counted),
+               [&](const Triangle& triangle) { return counts(triangle, plate, faces); });
+  return counted;
+}
+
 /// Adds Σ∫dA/d over triangles to the integral of a plate.
 void add(SurfaceIntegral& integral, std::span<const Triangle> triangles, const Rectangle& plate,
          const Method& method) {
@@ -47,16 +57,11 @@ void add(SurfaceIntegral& integral, std::span<const Triangle> triangles, const R
 SurfaceIntegral sum_one_by_one(std::span<const Rectangle> plates, std::span<const Triangle> triangles,
                                const CapacitanceOptions& options) {
   SurfaceIntegral integral;
-  for (const Rectangle& plate : plates) {
-    if (options.faces == FaceRule::all) {
+  for (const Rectangle& plate : plates)
+    if (options.faces == FaceRule::all)
       add(integral, triangles, plate, options.method);
-      continue;
-    }
-    std::vector<Triangle> counted;
-    std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(counted),
-                 [&](const Triangle& triangle) { return counts(triangle, plate, options.faces); });
-    add(integral, counted, plate, options.method);
-  }
+    else
+      add(integral, triangles_counting(triangles, plate, options.faces), plate, options.method);
   return integral;
 }
 
@@ -70,12 +75,19 @@ std::vector<std::size_t> plates_counting(std::span<const Rectangle> plates, cons
   return counting;
 }
 
-SurfaceIntegral nearest_plate_exactly(std::span<const Rectangle> plates, std::span<const Triangle> triangles,
-                                      const CapacitanceOptions& options) {
+/// Divides triangles among their nearest plates.
+NearestPlates divided(std::span<const Rectangle> plates, std::span<const Triangle> triangles,
+                      const CapacitanceOptions& options) {
   NearestPlates division(plates);
   for (const Triangle& triangle : triangles)
     division.add(triangle, plates_counting(plates, triangle, options.faces));
   division.refine(options.tolerance > 0 ? options.tolerance : division_tolerance);
+  return division;
+}
+
+SurfaceIntegral nearest_plate_exactly(std::span<const Rectangle> plates, std::span<const Triangle> triangles,
+                                      const CapacitanceOptions& options) {
+  const NearestPlates division = divided(plates, triangles, options);
   SurfaceIntegral integral;
   integral.bound = division.bound();
   const std::vector<std::vector<Triangle>> shares = division.shares();
@@ -216,6 +228,23 @@ SurfaceIntegral surface_integral(const Surface& surface, std::span<const Rectang
     integral.bound = 0;
   integral.counts.objects_evaluated = 1;
   return integral;
+}
+
+Wrench surface_wrench(const Surface& surface, std::span<const Rectangle> plates,
+                      const CapacitanceOptions& options) {
+  Wrench sum;
+  if (options.plates == PlateRule::nearest) {
+    const std::vector<std::vector<Triangle>> shares = divided(plates, surface.triangles, options).shares();
+    for (std::size_t k = 0; k < plates.size(); ++k)
+      sum += plate_wrench(TriangleBatch(shares[k]), plates[k]);
+    return sum;
+  }
+  for (const Rectangle& plate : plates)
+    if (options.faces == FaceRule::all)
+      sum += plate_wrench(surface.batch, plate);
+    else
+      sum += plate_wrench(TriangleBatch(triangles_counting(surface.triangles, plate, options.faces)), plate);
+  return sum;
 }
 
 }  // namespace fringe::detail

@@ -11,6 +11,7 @@
 #include "fringe/surface_tree.hpp"
 #include "fringe/triangle_batch.hpp"
 #include "geometry/plate_frame.hpp"
+#include "geometry/wrench.hpp"
 
 /// Integrals ∫dA/d over the surface of one object for the plates of one sensor, all in the object's own
 /// frame.
@@ -50,5 +51,11 @@ Enclosure enclosure(const Surface& surface, const Eigen::Vector3d& centroid,
 /// is at most tolerance·value + allowance.
 SurfaceIntegral surface_integral(const Surface& surface, std::span<const Rectangle> plates,
                                  const CapacitanceOptions& options, double allowance);
+
+/// Computes the derivatives of the integral by the method exact as the surface moves and the plates stay, in
+/// the surface's frame. The triangles that count, and where several plates are equally near, stay the same.
+/// All are NaN in contact. The tolerance does not apply.
+Wrench surface_wrench(const Surface& surface, std::span<const Rectangle> plates,
+                      const CapacitanceOptions& options);
 
 }  // namespace fringe::detail

@@ -89,6 +89,8 @@ class LiveScene::Implementation {
     answer_.matrix.reset();
     answer_.reached = true;
     readings_of_objects_.write(answer_.capacitance, answer_.answered_by, answer_.readings);
+    if (asked.derivatives)
+      readings_of_objects_.write_derivatives(*evaluator_, *poses_, answer_.readings);
   }
 
   /// Answers by boundary elements or the reduced method.
@@ -103,8 +105,10 @@ class LiveScene::Implementation {
       }
       answer_.matrix = reduced_->maxwell();
     } else {
-      answer_.matrix = maxwell(
-          scene_, {.rtol = rtol, .entries = asked.entries, .before_refinement = asked.before_refinement});
+      answer_.matrix = maxwell(scene_, {.rtol = rtol,
+                                        .entries = asked.entries,
+                                        .derivatives = asked.derivatives,
+                                        .before_refinement = asked.before_refinement});
     }
     answer_.capacitance = capacitance(scene_, *answer_.matrix, answer_.answered_by);
     answer_.reached = answer_.matrix->reached;

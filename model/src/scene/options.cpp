@@ -1,4 +1,5 @@
 #include <cmath>
+#include <string>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -11,6 +12,14 @@
 /// Which options go with which method: here and nowhere else.
 
 namespace fringe {
+namespace {
+
+[[noreturn]] void refuse_derivatives(const std::string& answering) {
+  throw InputError(fmt::format(
+      "derivatives are known by exact without a correction and by boundary-elements, not by {}", answering));
+}
+
+}  // namespace
 
 PlateRule parse_plate_rule(std::string_view text) {
   if (text == "sum")
@@ -74,6 +83,10 @@ CapacitanceOptions integral_options(const EvaluationOptions& options) {
       options.method, options.plates.value_or(defaults.plates), options.faces.value_or(defaults.faces),
       options.tolerance.value_or(defaults.tolerance), options.correction.value_or(defaults.correction)};
   validate(asked);
+  if (options.derivatives && asked.correction != Correction::none)
+    refuse_derivatives("the correction " + to_string(asked.correction));
+  if (options.derivatives && !std::holds_alternative<Exact>(asked.method))
+    refuse_derivatives(to_string(asked.method));
   return asked;
 }
 
@@ -87,6 +100,8 @@ double rtol_of(const EvaluationOptions& options) {
   refuse(options.faces.has_value(), "faces");
   refuse(options.tolerance.has_value(), "tolerance");
   refuse(options.correction.has_value(), "correction");
+  if (options.derivatives && !std::holds_alternative<BoundaryElements>(options.method))
+    refuse_derivatives(to_string(options.method));
   if (const auto* reduced = std::get_if<Reduced>(&options.method))
     return rtol_of(ReducedOptions{reduced->steps, options.rtol});
   /// Default error of the method `recommended`, relative.

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "fringe/reading.hpp"
+#include "geometry/wrench.hpp"
 
 namespace fringe::detail {
 
@@ -22,9 +23,13 @@ ReadingsOfObjects::ReadingsOfObjects(const Scene& scene) {
   bool all_are_known = true;
   for (std::size_t k = 0; k < scene.objects.size(); ++k) {
     all_are_known = all_are_known && (are_known[k] || !are_targets[k]);
-    if (are_known[k])
-      targets_.push_back(are_targets[k]);
+    if (!are_known[k])
+      continue;
+    targets_.push_back(are_targets[k]);
+    links_of_objects_.push_back(scene.objects[k].link);
   }
+  for (const Sensor& sensor : scene.sensors)
+    links_of_sensors_.push_back(sensor.link);
   for (const Reading& reading : readings(scene)) {
     Change change{reading.name, std::nullopt};
     const auto sensed = std::find_if(scene.sensors.begin(), scene.sensors.end(),
@@ -45,6 +50,7 @@ void ReadingsOfObjects::write(const SceneCapacitance& capacitance, std::string_v
     answer.name = changes_[k].name;
     answer.answered_by = answered_by;
     answer.value = answer.background = answer.change = {};
+    answer.derivatives.clear();
     if (!changes_[k].sensor)
       continue;
     const std::vector<ObjectCapacitance>& objects = capacitance.sensors[*changes_[k].sensor].objects;
@@ -57,6 +63,27 @@ void ReadingsOfObjects::write(const SceneCapacitance& capacitance, std::string_v
       error = error && objects[object].error ? std::optional(*error + *objects[object].error) : std::nullopt;
     }
     answer.change = {change, error};
+  }
+}
+
+void ReadingsOfObjects::write_derivatives(SceneEvaluator& evaluator, const LinkPoses& poses,
+                                          std::vector<ReadingAnswer>& answers) const {
+  std::vector<PairWrench> pairs;
+  for (std::size_t k = 0; k < changes_.size(); ++k) {
+    const std::optional<std::size_t> sensor = changes_[k].sensor;
+    if (!sensor)
+      continue;
+    pairs.clear();
+    for (std::size_t object = 0; object < targets_.size(); ++object) {
+      // Bodies on the same link keep their relative pose.
+      if (!targets_[object] || links_of_objects_[object] == links_of_sensors_[*sensor])
+        continue;
+      const PoseDerivatives derivatives = evaluator.derivatives(*sensor, object);
+      pairs.push_back({links_of_objects_[object],
+                       links_of_sensors_[*sensor],
+                       {derivatives.head<3>(), derivatives.tail<3>()}});
+    }
+    answers[k].derivatives = derivatives_by_link(poses, pairs);
   }
 }
 

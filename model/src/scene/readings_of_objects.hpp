@@ -8,6 +8,8 @@
 #include "fringe/capacitance.hpp"
 #include "fringe/reading_answer.hpp"
 #include "fringe/scene.hpp"
+#include "fringe/scene_evaluator.hpp"
+#include "geometry/link_motion.hpp"
 
 namespace fringe::detail {
 
@@ -26,6 +28,10 @@ class ReadingsOfObjects {
   void write(const SceneCapacitance& capacitance, std::string_view answered_by,
              std::vector<ReadingAnswer>& answers) const;
 
+  /// Adds the derivatives of the changes with respect to the poses of all links.
+  void write_derivatives(SceneEvaluator& evaluator, const LinkPoses& poses,
+                         std::vector<ReadingAnswer>& answers) const;
+
  private:
   struct Change {
     std::string name;
@@ -33,6 +39,7 @@ class ReadingsOfObjects {
   };
   std::vector<Change> changes_;
   std::vector<bool> targets_;  ///< for every object
+  std::vector<std::optional<std::size_t>> links_of_objects_, links_of_sensors_;
 };
 
 }  // namespace fringe::detail

@@ -245,6 +245,17 @@ void remark_on_shields(const Scene& scene, const std::vector<Body>& bodies, cons
   }
 }
 
+/// Remarks on derivatives that are asked for and not known.
+void remark_on_derivatives(const std::vector<ReadingAnswer>& readings, std::vector<std::string>& found) {
+  for (const ReadingAnswer& reading : readings)
+    if (reading.derivatives.empty())
+      found.push_back(fmt::format("reading \"{}\": {} does not know its change, nor its derivatives",
+                                  reading.name, reading.answered_by));
+    else if (std::ranges::any_of(reading.derivatives,
+                                 [](const LinkDerivatives& of_link) { return of_link.change.hasNaN(); }))
+      found.push_back(fmt::format("reading \"{}\": in contact its derivatives are not known", reading.name));
+}
+
 std::vector<std::string> remarks(const Scene& scene, const std::vector<Body>& bodies) {
   std::vector<std::string> found = scene.changes;
   remark_on_sizes(scene, bodies, found);
@@ -264,6 +275,8 @@ std::vector<std::string> remarks(const Scene& scene, const EvaluationOptions& op
                                  const Evaluation& answer) {
   const std::vector<Body> bodies = bodies_of(scene);
   std::vector<std::string> found = remarks(scene, bodies);
+  if (options.derivatives && !scene.links.empty())
+    remark_on_derivatives(answer.readings, found);
   if (answer.matrix)
     return found;
   if (scene.sensors.empty())

@@ -89,6 +89,7 @@ struct PlacedObject {
   Eigen::Isometry3d on_link;
   Surface surface;
   FaceRule faces;
+  Eigen::Isometry3d to_world = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d from_world = Eigen::Isometry3d::Identity();
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
 };
@@ -98,6 +99,7 @@ struct Pair {
   Enclosure enclosure;
   SurfaceIntegral integral;
   std::optional<double> error = std::nullopt;  ///< m, of the correction `recommended` where it states one
+  std::optional<detail::Wrench> wrench = std::nullopt;  ///< of the integral, in the object's frame
   bool known = false;
 };
 
@@ -153,6 +155,23 @@ class SceneEvaluator::Implementation {
     return answer_;
   }
 
+  PoseDerivatives derivatives(std::size_t sensor, std::size_t object) {
+    if (!std::holds_alternative<Exact>(options_.method) || options_.correction != Correction::none)
+      throw InputError("derivatives are known by the method exact without a correction");
+    Pair& pair = pairs_.at(sensor * objects_.size() + object);
+    PlacedObject& placed = objects_[object];
+    if (!pair.wrench) {
+      CapacitanceOptions options = options_;
+      options.faces = placed.faces;
+      place_in_frame_of(placed, placed_sensors_[sensor].plates);
+      pair.wrench = detail::surface_wrench(placed.surface, in_object_frame_, options);
+    }
+    const detail::Wrench wrench = permittivity_ * transformed(*pair.wrench, placed.to_world);
+    PoseDerivatives result;
+    result << wrench.force, wrench.torque;
+    return result;
+  }
+
  private:
   bool has_moved(std::optional<std::size_t> link) const {
     return answers_ == 0 || !motion_.rigid(link, std::nullopt);
@@ -166,10 +185,17 @@ class SceneEvaluator::Implementation {
     for (PlacedObject& object : objects_) {
       if (!has_moved(object.link))
         continue;
-      const Eigen::Isometry3d pose = motion_.world_pose(object.link) * object.on_link;
-      object.from_world = pose.inverse(Eigen::Isometry);
-      object.centroid = pose * object.surface.centroid;
+      object.to_world = motion_.world_pose(object.link) * object.on_link;
+      object.from_world = object.to_world.inverse(Eigen::Isometry);
+      object.centroid = object.to_world * object.surface.centroid;
     }
+  }
+
+  /// Sets in_object_frame_ to plates in the frame of an object.
+  void place_in_frame_of(const PlacedObject& object, std::span<const Rectangle> plates) {
+    in_object_frame_.clear();
+    for (const Rectangle& plate : plates)
+      in_object_frame_.push_back(transformed(plate, object.from_world));
   }
 
   /// Whether groups of triangles may be lumped and objects replaced by their enclosures.
@@ -180,6 +206,8 @@ class SceneEvaluator::Implementation {
     for (std::size_t object = 0; object < pairs.size(); ++object) {
       Pair& pair = pairs[object];
       pair.known = pair.known && !all_moved_ && motion_.rigid(sensors_[sensor].link, objects_[object].link);
+      if (!pair.known)
+        pair.wrench.reset();
       if (!pair.known && lumps())
         pair.enclosure = detail::enclosure(objects_[object].surface, objects_[object].centroid,
                                            placed_sensors_[sensor].frames);
@@ -227,9 +255,7 @@ class SceneEvaluator::Implementation {
       options.faces = object.faces;
       if (lumps() && options_.faces == FaceRule::all)
         options.tolerance /= 2;
-      in_object_frame_.clear();
-      for (const Rectangle& plate : plates)
-        in_object_frame_.push_back(transformed(plate, object.from_world));
+      place_in_frame_of(object, plates);
       pair.integral = detail::surface_integral(surface, in_object_frame_, options, allowance);
     }
     pair.known = true;
@@ -256,9 +282,7 @@ class SceneEvaluator::Implementation {
       pair.error = mutual->error / permittivity_;
       return;
     }
-    in_object_frame_.clear();
-    for (const Rectangle& plate : plates)
-      in_object_frame_.push_back(transformed(plate, before.from_world));
+    place_in_frame_of(before, plates);
     const Eigen::Isometry3d sensor_pose = before.from_world * motion_.world_pose(sensors_[sensor].link);
     // The integral detects contact; it is not needed if the object's bounding sphere is off the plates.
     if (std::isinf(detail::enclosure(before.surface, before.centroid, placed_sensors_[sensor].frames).upper))
@@ -345,6 +369,10 @@ void SceneEvaluator::set_pose(std::string_view link, const Eigen::Isometry3d& po
 
 const SceneCapacitance& SceneEvaluator::capacitance() {
   return implementation_->capacitance();
+}
+
+PoseDerivatives SceneEvaluator::derivatives(std::size_t sensor, std::size_t object) {
+  return implementation_->derivatives(sensor, object);
 }
 
 }  // namespace fringe

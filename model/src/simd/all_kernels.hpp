@@ -6,6 +6,7 @@
 #include "bem/product_kernels_template.hpp"
 #include "collision/gjk_filter_template.hpp"
 #include "integral/batch/kernels_template.hpp"
+#include "integral/derivative/kernels_template.hpp"
 #include "integral/tree/kernels_template.hpp"
 #include "reduced/node_kernels_template.hpp"
 #include "simd/dispatch.hpp"
@@ -24,6 +25,8 @@ const Kernels& compiled_kernels() {
   using Doubles = typename Registers<set>::Doubles;
   if constexpr (std::is_same_v<Kernels, BatchKernels>)
     return BatchKernelsFor<Doubles>::kernels;
+  else if constexpr (std::is_same_v<Kernels, DerivativeKernels>)
+    return DerivativeKernelsFor<Doubles>::kernels;
   else if constexpr (std::is_same_v<Kernels, TreeKernels>)
     return TreeKernelsFor<Doubles>::kernels;
   else if constexpr (std::is_same_v<Kernels, GjkFilter>)

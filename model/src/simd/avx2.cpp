@@ -11,6 +11,7 @@ struct Registers<InstructionSet::avx2> {
 };
 
 template const BatchKernels& compiled_kernels<BatchKernels, InstructionSet::avx2>();
+template const DerivativeKernels& compiled_kernels<DerivativeKernels, InstructionSet::avx2>();
 template const TreeKernels& compiled_kernels<TreeKernels, InstructionSet::avx2>();
 template const GjkFilter& compiled_kernels<GjkFilter, InstructionSet::avx2>();
 template const ChargeKernels& compiled_kernels<ChargeKernels, InstructionSet::avx2>();

@@ -17,6 +17,7 @@ struct Registers<InstructionSet::avx512> {
 };
 
 template const BatchKernels& compiled_kernels<BatchKernels, InstructionSet::avx512>();
+template const DerivativeKernels& compiled_kernels<DerivativeKernels, InstructionSet::avx512>();
 template const TreeKernels& compiled_kernels<TreeKernels, InstructionSet::avx512>();
 template const GjkFilter& compiled_kernels<GjkFilter, InstructionSet::avx512>();
 template const ChargeKernels& compiled_kernels<ChargeKernels, InstructionSet::avx512>();

@@ -6,9 +6,9 @@
 /// Choice of kernels by the instruction sets that the processor can run (model/NUMERICS.md, section 12).
 ///
 /// A kind of kernels is a structure of function pointers, declared in the folder that calls them:
-/// BatchKernels, TreeKernels, GjkFilter, ChargeKernels, NodeKernels and ProductKernels. One template over the
-/// vector register defines each kind; simd/scalar.cpp, sse2.cpp, avx2.cpp and avx512.cpp compile all of them
-/// for one instruction set each.
+/// BatchKernels, DerivativeKernels, TreeKernels, GjkFilter, ChargeKernels, NodeKernels and ProductKernels.
+/// One template over the vector register defines each kind; simd/scalar.cpp, sse2.cpp, avx2.cpp and
+/// avx512.cpp compile all of them for one instruction set each.
 ///
 /// Headers that these files include keep to plain numbers, pointers and templates over the register: another
 /// inline function could be emitted there with instructions that the machine does not have, and the linker

@@ -11,6 +11,7 @@ struct Registers<InstructionSet::sse2> {
 };
 
 template const BatchKernels& compiled_kernels<BatchKernels, InstructionSet::sse2>();
+template const DerivativeKernels& compiled_kernels<DerivativeKernels, InstructionSet::sse2>();
 template const TreeKernels& compiled_kernels<TreeKernels, InstructionSet::sse2>();
 template const GjkFilter& compiled_kernels<GjkFilter, InstructionSet::sse2>();
 template const ChargeKernels& compiled_kernels<ChargeKernels, InstructionSet::sse2>();

@@ -20,6 +20,15 @@ PlateCoordinates plate_coordinates(const PlateFrame& plate) {
   return coordinates;
 }
 
+TriangleArrays arrays_from(const TriangleBatch& triangles, std::size_t begin) {
+  TriangleArrays arrays;
+  for (std::size_t k = 0; k < 9; ++k)
+    arrays.coordinates[k] = triangles.coordinate(k) + begin;
+  arrays.twice_area = triangles.twice_area() + begin;
+  arrays.squared_size = triangles.squared_size() + begin;
+  return arrays;
+}
+
 namespace {
 
 Triangle triangle_at(const TriangleArrays& triangles, std::size_t index) {
@@ -53,15 +62,6 @@ void integrate_arrays(const BatchKernels& kernels, const TriangleArrays& triangl
       kernels.integrate(triangles, count, plate_coordinates(plate), choices, values, left.data());
   if (left_count > 0)
     integrate_left(kernels, triangles, std::span(left).first(left_count), plate, choices, values);
-}
-
-TriangleArrays arrays_from(const TriangleBatch& triangles, std::size_t begin) {
-  TriangleArrays arrays;
-  for (std::size_t k = 0; k < 9; ++k)
-    arrays.coordinates[k] = triangles.coordinate(k) + begin;
-  arrays.twice_area = triangles.twice_area() + begin;
-  arrays.squared_size = triangles.squared_size() + begin;
-  return arrays;
 }
 
 double sum_of(const double* values, std::size_t count) {

@@ -36,4 +36,7 @@ double sum_ranges(const BatchKernels& kernels, const TriangleBatch& triangles, s
 /// Converts a plate's frame to the form that the kernels take.
 PlateCoordinates plate_coordinates(const PlateFrame& plate);
 
+/// Returns the arrays of the triangles from `begin`.
+TriangleArrays arrays_from(const TriangleBatch& triangles, std::size_t begin);
+
 }  // namespace fringe::detail

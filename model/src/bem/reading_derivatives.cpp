@@ -1,0 +1,158 @@
+#include "bem/reading_derivatives.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "geometry/wrench.hpp"
+#include "integral/batch/kernels.hpp"
+#include "numeric/parallel.hpp"
+#include "simd/dispatch.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+/// Error of a derivative, relative to it, per relative error of the change: the error of the change may vary
+/// faster with the pose than the change.
+constexpr double error_per_error = 3;
+
+/// Error of the nodes' forces, relative.
+constexpr double node_error = 1e-3;
+
+/// A reading's change as Σ over forms of the energy between two charges: columns of FormCharges.
+struct Form {
+  std::size_t reading;
+  Index first, second;
+};
+
+/// The columns of charges from which the changes follow. With the charges of background s, d and those that
+/// the targets change δs, δd, for the sensed and the driven conductors, a change is (δs, d + δd) + (s, δd);
+/// if sensed and driven are the same, (δ, 2s + δ).
+struct FormColumns {
+  std::vector<Form> forms;
+  MatrixXd combination;  ///< the columns of ReadingCharges::all() (rows) in every column
+};
+
+FormColumns form_columns(const ChargedBodies& bodies) {
+  const auto readings = index_of(bodies.readings.size());
+  FormColumns result{{}, MatrixXd::Zero(4 * readings, 4 * readings)};
+  Index columns = 0;
+  for (Index k = 0; k < readings; ++k) {
+    const ChargedReading& reading = bodies.readings[static_cast<std::size_t>(k)];
+    const Index sense = k, sense_change = readings + k, drive = 2 * readings + k,
+                drive_change = 3 * readings + k;
+    const auto add_form = [&] {
+      result.forms.push_back({static_cast<std::size_t>(k), columns, columns + 1});
+      columns += 2;
+    };
+    if (reading.sense == reading.drive) {
+      result.combination(sense_change, columns) = 1;
+      result.combination(sense, columns + 1) = 2;
+      result.combination(sense_change, columns + 1) = 1;
+      add_form();
+      continue;
+    }
+    result.combination(sense_change, columns) = 1;
+    result.combination(drive, columns + 1) = 1;
+    result.combination(drive_change, columns + 1) = 1;
+    add_form();
+    result.combination(sense, columns) = 1;
+    result.combination(drive_change, columns + 1) = 1;
+    add_form();
+  }
+  result.combination.conservativeResize(4 * readings, columns);
+  return result;
+}
+
+/// Computes for every reading the force and torque between two sets of point charges: the derivatives of the
+/// change as the first moves.
+std::vector<Wrench> wrenches_between(const LinkCharges& a, const LinkCharges& b, const FormColumns& columns,
+                                     std::size_t readings, std::size_t threads) {
+  constexpr Index rows_together = 64;
+  const Index count = b.points.cols();
+  const auto padding = static_cast<Index>(TriangleArrays::padding);
+  const Index stride = (count + padding - 1) / padding * padding;
+  // Points beyond the last one carry no charge, and are far from all others.
+  MatrixXd coordinates = MatrixXd::Constant(stride, 3, 1e30);
+  coordinates.topRows(count) = b.points.transpose();
+  const MatrixXd charges_a = a.charges * columns.combination;
+  const Index forms = columns.combination.cols();
+  // The charges, and these times each coordinate.
+  MatrixXd sources = MatrixXd::Zero(stride, 4 * forms);
+  sources.topLeftCorner(count, forms) = b.charges * columns.combination;
+  for (Index axis = 0; axis < 3; ++axis)
+    sources.block(0, (axis + 1) * forms, count, forms) =
+        sources.topLeftCorner(count, forms).array().colwise() * b.points.row(axis).transpose().array();
+
+  const auto blocks = static_cast<std::size_t>((a.points.cols() + rows_together - 1) / rows_together);
+  std::vector<std::vector<Wrench>> parts(blocks, std::vector<Wrench>(readings));
+  parallel_for(blocks, threads, [&](std::size_t block) {
+    const Index first = index_of(block) * rows_together,
+                rows = std::min(rows_together, a.points.cols() - first);
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> inverse(rows, stride);
+    const Eigen::Matrix3Xd points = a.points.middleCols(first, rows);
+    best_kernels<BatchKernels>().soft_inverse_distances(
+        {coordinates.col(0).data(), coordinates.col(1).data(), coordinates.col(2).data()},
+        static_cast<std::size_t>(stride), points.data(), static_cast<std::size_t>(rows), 0, inverse.data());
+    inverse = inverse.array().cube();
+    const MatrixXd sums = inverse * sources;
+    for (const Form& form : columns.forms)
+      for (Index row = 0; row < rows; ++row) {
+        const Vector3d point = points.col(row);
+        const auto field = [&](Index column) -> Vector3d {
+          return point * sums(row, column) - Vector3d(sums(row, forms + column),
+                                                      sums(row, 2 * forms + column),
+                                                      sums(row, 3 * forms + column));
+        };
+        const Vector3d force = charges_a(first + row, form.first) * field(form.second) +
+                               charges_a(first + row, form.second) * field(form.first);
+        parts[block][form.reading] += {force, point.cross(force)};
+      }
+  });
+  std::vector<Wrench> result(readings);
+  for (const std::vector<Wrench>& part : parts)
+    for (std::size_t k = 0; k < readings; ++k)
+      result[k] += part[k];
+  return result;
+}
+
+/// Estimates the errors of derivatives by that of the change. Those of a kind have the same.
+PoseDerivatives errors_of(const PoseDerivatives& derivatives, const Estimate& change) {
+  const double relative =
+      error_per_error * change.error.value_or(0) / std::abs(change.value.value_or(0)) + node_error;
+  PoseDerivatives errors;
+  errors << Vector3d::Constant(relative * derivatives.head<3>().norm()),
+      Vector3d::Constant(relative * derivatives.tail<3>().norm());
+  return errors;
+}
+
+}  // namespace
+
+void write_derivatives(const ChargeNodes& nodes, const ChargedBodies& bodies, const LinkPoses& poses,
+                       std::size_t threads, std::vector<ReadingAnswer>& answers) {
+  const std::size_t readings = bodies.readings.size();
+  const FormColumns columns = form_columns(bodies);
+  std::vector<std::vector<PairWrench>> pairs(readings);
+  for (std::size_t a = 0; a < nodes.links.size(); ++a)
+    for (std::size_t b = a + 1; b < nodes.links.size(); ++b) {
+      const std::vector<Wrench> found =
+          wrenches_between(nodes.links[a], nodes.links[b], columns, readings, threads);
+      for (std::size_t k = 0; k < readings; ++k)
+        pairs[k].push_back({nodes.links[a].link, nodes.links[b].link, found[k]});
+    }
+  const Vector3d unknown = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  for (const auto& [a, b] : nodes.too_close)
+    for (std::size_t k = 0; k < readings; ++k)
+      pairs[k].push_back({nodes.links[a].link, nodes.links[b].link, {unknown, unknown}});
+  for (std::size_t k = 0; k < readings; ++k) {
+    answers[k].derivatives = derivatives_by_link(poses, pairs[k]);
+    for (LinkDerivatives& of_link : answers[k].derivatives)
+      of_link.error = errors_of(of_link.change, answers[k].change);
+  }
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,299 @@
+"""Derivatives of readings with respect to the poses of links, as Python and the command give them."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import geometries
+from analysis.pipeline import model_stage
+
+COMMAND = Path(geometries.__file__).parents[1] / "build/bin/fringe"
+ARM = """
+[[link]]
+name = "arm"
+translation = [0.1, 0.05, 0.2]
+rotation = { axis = [1, 2, 3], degrees = 40 }
+
+[[link]]
+name = "wrist"
+parent = "arm"
+joint = { name = "turn", type = "revolute", axis = [0, 1, 0] }
+translation = [0.15, 0.02, 0.03]
+rotation = { axis = [0, 1, 1], degrees = 25 }
+
+[[link]]
+name = "hand"
+translation = [0.25, 0.15, 0.45]
+
+[[sensor]]
+name = "front"
+link = "wrist"
+plates = [
+    { corner = [0, 0, 0], edge_u = [0.05, 0, 0], edge_v = [0, 0.04, 0] },
+    { corner = [0.05, 0, 0], edge_u = [0.05, 0, 0], edge_v = [0, 0.04, 0] },
+]
+
+[[object]]
+name = "palm"
+link = "hand"
+shape = { type = "box", size = [0.1, 0.08, 0.03] }
+target = true
+
+[[object]]
+name = "forearm"
+link = "arm"
+shape = { type = "box", size = [0.05, 0.05, 0.1] }
+target = true
+
+[[object]]
+name = "wall"
+shape = { type = "box", size = [1, 1, 0.1] }
+target = true
+
+[[object]]
+name = "rest"
+link = "hand"
+shape = { type = "box", size = [0.02, 0.02, 0.02] }
+"""
+LINKS = ("arm", "wrist", "hand")
+
+
+@pytest.fixture(name="module", scope="module")
+def fixture_module() -> Any:
+    return model_stage.model_module()
+
+
+def turned(rotation: NDArray[np.float64], angle: float, axis: int) -> NDArray[np.float64]:
+    """The rotation followed by one about an axis of the parent's frame."""
+    other = np.eye(3)
+    first, second = (axis + 1) % 3, (axis + 2) % 3
+    other[first, first] = other[second, second] = np.cos(angle)
+    other[second, first] = np.sin(angle)
+    other[first, second] = -np.sin(angle)
+    return other @ rotation
+
+
+def world_rotation(scene: Any, link: str) -> NDArray[np.float64]:
+    """The rotation from the frame of the link's parent to the world."""
+    return scene.pose("arm")[:3, :3] if link == "wrist" else np.eye(3)
+
+
+def change(scene: Any, link: str, coordinate: int, amount: float, options: dict[str, Any]) -> float:
+    """The change of the reading after a step along, or about, an axis of the world; the link returns."""
+    pose = scene.pose(link)
+    parent = world_rotation(scene, link)
+    shift, rotation = np.zeros(3), pose[:3, :3]
+    if coordinate < 3:
+        shift[coordinate] = amount
+    else:
+        rotation = parent.T @ turned(parent @ rotation, amount, coordinate - 3)
+    scene.set_pose(link, pose[:3, 3] + parent.T @ shift, rotation)
+    value: float = scene.readings(**options)["front"].change
+    scene.set_pose(link, pose)
+    return value
+
+
+def differences(scene: Any, link: str, options: dict[str, Any], step: float = 1e-5) -> NDArray[np.float64]:
+    return np.array(
+        [
+            (change(scene, link, k, step, options) - change(scene, link, k, -step, options)) / (2 * step)
+            for k in range(6)
+        ]
+    )
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"faces": "facing"}, {"plates": "nearest"}, {"plates": "nearest", "faces": "facing"}]
+)
+def test_they_are_the_central_differences_of_the_change(module: Any, options: dict[str, Any]) -> None:
+    scene = module.Scene.loads(ARM)
+    reading = scene.readings(derivatives=True, **options)["front"]
+    assert sorted(reading.derivatives) == sorted(LINKS)
+    for link in LINKS:
+        expected = differences(scene, link, options)
+        assert np.abs(reading.derivatives[link] - expected).max() < 1e-5 * np.abs(expected).max()
+        assert reading.derivative_errors[link] is None
+
+
+def test_they_do_not_depend_on_the_tolerance_of_the_value(module: Any) -> None:
+    scene = module.Scene.loads(ARM)
+    exact, rough = (scene.readings(derivatives=True, tolerance=t)["front"] for t in (0, 0.1))
+    for link in LINKS:
+        assert rough.derivatives[link] == pytest.approx(exact.derivatives[link], rel=1e-12)
+
+
+def test_those_of_a_joint_are_about_its_axis(module: Any) -> None:
+    scene = module.Scene.loads(ARM)
+    found = scene.readings(derivatives=True)["front"].derivatives["wrist"]
+    axis = scene.pose("arm")[:3, :3] @ scene.pose("wrist")[:3, :3] @ [0, 1, 0]
+    step = 1e-5
+    values = []
+    for position in (step, -step):
+        scene.set_joint("turn", position)
+        values.append(scene.readings()["front"].change)
+    assert found[3:] @ axis == pytest.approx((values[0] - values[1]) / (2 * step), rel=1e-6)
+
+
+def test_they_follow_the_links(module: Any) -> None:
+    scene = module.Scene.loads(ARM)
+    scene.readings(derivatives=True)
+    pose = scene.pose("hand")
+    for shift in (0.01, 0.02):
+        scene.set_pose("hand", pose[:3, 3] + [shift, 0, 0])
+        moved = scene.readings(derivatives=True)["front"].derivatives
+    fresh = module.Scene.loads(ARM)
+    fresh.set_pose("hand", pose[:3, 3] + [0.02, 0, 0])
+    expected = fresh.readings(derivatives=True)["front"].derivatives
+    for link in LINKS:
+        assert moved[link] == pytest.approx(expected[link], rel=1e-12)
+
+
+def test_they_are_not_a_number_in_contact(module: Any) -> None:
+    scene = module.Scene.loads(ARM)
+    pose = np.eye(4)
+    pose[:3, :3] = scene.pose("arm")[:3, :3] @ scene.pose("wrist")[:3, :3]
+    pose[:3, 3] = scene.pose("arm")[:3, :3] @ scene.pose("wrist")[:3, 3] + scene.pose("arm")[:3, 3]
+    scene.set_pose("hand", pose)
+    reading = scene.readings(derivatives=True)["front"]
+    assert reading.change == np.inf
+    assert np.isnan(reading.derivatives["hand"]).all()
+    remarks = scene.capacitance(derivatives=True)["remarks"]
+    assert 'reading "front": in contact its derivatives are not known' in remarks
+
+
+def test_without_the_question_there_are_none(module: Any) -> None:
+    reading = module.Scene.loads(ARM).readings()["front"]
+    assert reading.derivatives == {} and reading.derivative_errors == {}
+
+
+@pytest.mark.parametrize(
+    ("options", "method"),
+    [
+        ({"method": "split:3"}, "split:3"),
+        ({"method": "gauss:4"}, "gauss:4"),
+        ({"correction": "formula"}, "the correction formula"),
+        ({"method": "reduced:1"}, "reduced:1"),
+        ({"method": "recommended"}, "recommended"),
+    ],
+)
+def test_methods_without_derivatives_refuse_them(module: Any, options: dict[str, str], method: str) -> None:
+    scene = module.Scene.loads(ARM)
+    with pytest.raises(module.InputError, match=f"derivatives are known by .*, not by {method}"):
+        scene.readings(derivatives=True, **options)
+
+
+MACHINE = """
+[[link]]
+name = "head"
+
+[[link]]
+name = "hand"
+translation = [0.02, 0.01, 0.05]
+rotation = { axis = [1, 2, 0], degrees = 20 }
+
+[[sensor]]
+name = "front"
+link = "head"
+plates = [{ corner = [-0.03, -0.02, 0], edge_u = [0.06, 0, 0], edge_v = [0, 0.04, 0] }]
+
+[[object]]
+name = "guard"
+link = "head"
+shape = { type = "plate", size = [0.1, 0.08] }
+translation = [0, 0, -0.01]
+potential = "electrode"
+
+[[object]]
+name = "housing"
+shape = { type = "box", size = [0.12, 0.12, 0.05] }
+translation = [0, 0, -0.06]
+
+[[object]]
+name = "palm"
+link = "hand"
+shape = { type = "box", size = [0.08, 0.09, 0.02] }
+target = true
+
+[[reading]]
+name = "self"
+sense = "front"
+drive = ["front"]
+
+[[reading]]
+name = "transmitted"
+sense = "front"
+drive = ["guard"]
+"""
+
+
+def test_by_boundary_elements_they_are_those_of_accurate_changes(module: Any) -> None:
+    scene = module.Scene.loads(MACHINE)
+    readings = scene.readings("boundary-elements", rtol=1e-3, derivatives=True)
+    for link in ("head", "hand"):
+        pose = scene.pose(link)
+        for coordinate, step in ((0, 2e-3), (2, 2e-3), (4, 3e-2)):
+            ends = []
+            for amount in (step, -step):
+                shift, rotation = np.zeros(3), pose[:3, :3]
+                if coordinate < 3:
+                    shift[coordinate] = amount
+                else:
+                    rotation = turned(rotation, amount, coordinate - 3)
+                scene.set_pose(link, pose[:3, 3] + shift, rotation)
+                ends.append(scene.readings("boundary-elements", rtol=1e-4))
+            scene.set_pose(link, pose)
+            for name, reading in readings.items():
+                expected = (ends[0][name].change - ends[1][name].change) / (2 * step)
+                found, error = reading.derivatives[link], reading.derivative_errors[link][coordinate]
+                kind = found[:3] if coordinate < 3 else found[3:]
+                assert error < 0.05 * np.linalg.norm(kind)
+                assert abs(found[coordinate] - expected) < error + 5e-3 * np.linalg.norm(kind)
+
+
+def test_by_boundary_elements_they_are_not_known_between_links_that_touch(module: Any) -> None:
+    neck = """
+[[object]]
+name = "neck"
+link = "head"
+shape = { type = "box", size = [0.02, 0.02, 0.03] }
+translation = [0.06, 0.06, -0.02]
+"""
+    reading = module.Scene.loads(MACHINE + neck).readings("boundary-elements", rtol=0.05, derivatives=True)[
+        "self"
+    ]
+    assert np.isnan(reading.derivatives["head"]).all()
+    assert np.isfinite(reading.derivatives["hand"]).all()
+
+
+def test_the_command_prints_them(module: Any, tmp_path: Path) -> None:
+    (tmp_path / "arm.toml").write_text(ARM)
+    command = [COMMAND, "capacitance", tmp_path / "arm.toml", "--derivatives"]
+    table, document = (
+        subprocess.run([*command, *more], capture_output=True, text=True, check=True).stdout
+        for more in ((), ("--json",))
+    )
+    described = json.loads(document)["readings"][0]
+    expected = module.Scene.loads(ARM).readings(derivatives=True)["front"].derivatives
+    for link in LINKS:
+        assert described["derivatives"][link] == list(expected[link])
+        assert described["derivative_errors"][link] is None
+    assert [line.split()[1] for line in table.split("Derivatives")[1].splitlines()[1:]] == list(LINKS)
+
+
+def test_those_of_single_triangles(module: Any) -> None:
+    triangle = np.array([[0.2, 0.2, 0.1], [0.8, 0.2, 0.1], [0.2, 0.6, 0.1]])
+    found = module.plate_integral_derivatives([triangle], [0, 0, 0], [1, 0, 0], [0, 0.8, 0])
+    assert found.shape == (1, 6)
+    force = np.array([0, 0, -0.12 / 0.01])
+    assert found[0] == pytest.approx([*force, *np.cross(triangle.mean(axis=0), force)], rel=1e-12)
+    with pytest.raises(module.InputError, match="triangle 0: vertex 1 is not finite"):
+        module.plate_integral_derivatives(
+            [triangle * [[1], [np.inf], [1]]], [0, 0, 0], [1, 0, 0], [0, 0.8, 0]
+        )
