@@ -12,6 +12,8 @@
 #include "bem/bodies.hpp"
 #include "bem/error_indicators.hpp"
 #include "bem/group_densities.hpp"
+#include "bem/insulated_maxwell.hpp"
+#include "bem/insulators.hpp"
 #include "bem/matrix_readings.hpp"
 #include "bem/maxwell_matrix.hpp"
 #include "bem/mesh_size.hpp"
@@ -426,6 +428,24 @@ void choose_asked(Entries entries, ChargedBodies& bodies) {
     conductor.is_asked = conductor.role != Role::grounded;
 }
 
+MaxwellMatrix solve_conductors(const Scene& scene, const BoundaryElementOptions& options) {
+  ChargedBodies bodies = detail::charged_bodies(scene);
+  choose_asked(options.entries, bodies);
+  const Simplification simplification(std::move(bodies), simplification_part * options.rtol,
+                                      options.most_unknowns / most_triangles_part);
+  MaxwellMatrix answer = solve_as_needed(simplification, options);
+  answer.reached = largest_error(answer, simplification.bodies()) <= options.rtol;
+  return answer;
+}
+
+MaxwellMatrix solve_with_insulators(const Scene& scene, const BoundaryElementOptions& options) {
+  detail::InsulatedBodies bodies = detail::insulated_bodies(scene);
+  choose_asked(options.entries, bodies.conductors);
+  MaxwellMatrix answer = detail::insulated_maxwell(bodies, options);
+  answer.reached = largest_error(answer, bodies.conductors) <= options.rtol;
+  return answer;
+}
+
 }  // namespace
 
 void validate(const BoundaryElementOptions& options) {
@@ -438,12 +458,8 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   validate(options);
   if (scene.has_room)
     throw InputError("room: boundary elements compute only conductors in free space");
-  ChargedBodies bodies = detail::charged_bodies(scene);
-  choose_asked(options.entries, bodies);
-  const Simplification simplification(std::move(bodies), simplification_part * options.rtol,
-                                      options.most_unknowns / most_triangles_part);
-  MaxwellMatrix answer = solve_as_needed(simplification, options);
-  answer.reached = largest_error(answer, simplification.bodies()) <= options.rtol;
+  MaxwellMatrix answer = detail::has_insulators(scene) ? solve_with_insulators(scene, options)
+                                                       : solve_conductors(scene, options);
   const double factor = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
   answer.values *= factor;
   answer.charges *= factor;
