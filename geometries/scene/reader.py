@@ -15,6 +15,7 @@ from geometries.common.errors import InputError
 from geometries.common.tables import LARGEST_NUMBER, Table, parse, read_text
 from geometries.scene.conductor_checks import check_conductors, check_readings, check_targets
 from geometries.scene import polygons
+from geometries.scene.covers import read_cover
 from geometries.scene.joints import PRISMATIC, Joint, Mimic, resolved
 from geometries.scene.meshes import SCENE_FORMATS, read_triangles
 from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Rotation, Vector3
@@ -74,26 +75,27 @@ def loads(text: str, source: str = "scene") -> Scene:
     medium = root.table("medium", required=False)
     room = _room(root.table("room")) if root.has("room") else None
     changes: list[str] = []
+    covers: list[Object] = []
     scene = Scene(
         medium=Medium(medium.positive("relative_permittivity", 1.0)),
         links=_placed(tuple(_link(table) for table in root.tables("link")), root),
-        sensors=tuple(_sensor(table, changes) for table in root.tables("sensor")),
+        sensors=tuple(_sensor(table, changes, covers) for table in root.tables("sensor")),
         distance_sensors=tuple(_distance_sensor(table) for table in root.tables("distance_sensor")),
         objects=tuple(_object(table) for table in root.tables("object")),
         room=room,
         readings=tuple(_reading(table) for table in root.tables("reading")),
     )
-    scene = replace(scene, changes=tuple(changes))
     medium.finish()
     root.finish()
-    _check_names(scene, source)
+    whole = replace(scene, changes=tuple(changes), objects=(*covers, *scene.objects))
+    _check_names(whole, source)
     _check_links(scene, source)
     check_conductors(scene, source)
     check_targets(scene, source)
     check_readings(scene, source)
     if not scene.sensors and not scene.objects:
         raise InputError(source, "", "a scene needs at least one sensor or one object")
-    return scene
+    return whole
 
 
 def _room(table: Table) -> Room:
@@ -173,7 +175,7 @@ def _placed(links: tuple[Link, ...], root: Table) -> tuple[Link, ...]:
     return tuple(placed)
 
 
-def _sensor(table: Table, changes: list[str]) -> Sensor:
+def _sensor(table: Table, changes: list[str], covers: list[Object]) -> Sensor:
     name = table.text("name")
     squares = [
         _plate(plate, f'sensor "{name}": plates[{index}]')
@@ -188,6 +190,7 @@ def _sensor(table: Table, changes: list[str]) -> Sensor:
         input_voltage=table.positive("input_voltage", DEFAULT_INPUT_VOLTAGE),
         coupling_capacitance=table.positive("coupling_capacitance", DEFAULT_COUPLING_CAPACITANCE),
     )
+    covers += read_cover(table, sensor)
     # First, because a plate may have been written with keys that belong into `plates`.
     table.finish()
     if not plates:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from geometries.scene.covers import is_cover
 from geometries.scene.scene import Reading, Scene
 
 # Threshold of a reading, in standard deviations of its noise.
@@ -22,10 +23,10 @@ def readings(scene: Scene) -> tuple[Reading, ...]:
 
 
 def targets(scene: Scene) -> tuple[bool, ...]:
-    """Tells of every object whether it is a target: those that are marked, or, if none is, all except electrodes."""
+    """Tells of every object whether it is a target: those that are marked, or, if none is, all except electrodes and covers."""
     if any(body.target for body in scene.objects):
         return tuple(body.target for body in scene.objects)
-    return tuple(body.potential != "electrode" for body in scene.objects)
+    return tuple(body.potential != "electrode" and not is_cover(body) for body in scene.objects)
 
 
 def _with_threshold(reading: Reading) -> Reading:

@@ -81,7 +81,7 @@ class Object:
     """A body: a conductor that is grounded, floating or an electrode, or a dielectric when `relative_permittivity` is given.
 
     Bodies with the same `conductor` are one conductor of that name; without it a body is a conductor of its own. An electrode may be
-    driven and sensed, as a sensor may. A floating body is connected to the ground through the capacitance `to_ground` (F; 0: not at
+    driven and sensed, as a sensor may. A dielectric body with a `conductor` is the cover of the sensor of that name. A floating body is connected to the ground through the capacitance `to_ground` (F; 0: not at
     all). A `target` comes and goes, the other bodies belong to the machine; if none is marked, all are targets but electrodes.
     With `collides_with_parent` it is checked for collisions with the bodies of the link above its own.
     """

@@ -10,6 +10,7 @@ from typing import Any
 
 import tomli_w
 
+from geometries.scene.covers import cover_of, is_cover
 from geometries.scene.joints import Joint
 from geometries.scene.poses import AxisRotation, Pose
 from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Reading, Room, Scene, Sensor
@@ -54,8 +55,9 @@ def canonical_and_identity(scene: Scene) -> tuple[str, str]:
 
 
 def _text(scene: Scene, mesh_source: MeshSource) -> str:
-    around = (scene.medium, scene.room, scene.links, scene.sensors, scene.distance_sensors)
-    objects = [_object(body, mesh_source) for body in scene.objects]
+    covers = tuple(cover_of(scene, sensor) for sensor in scene.sensors)
+    around = (scene.medium, scene.room, scene.links, scene.sensors, covers, scene.distance_sensors)
+    objects = [_object(body, mesh_source) for body in scene.objects if not is_cover(body)]
     readings = [_reading(reading) for reading in scene.readings]
     parts = [_text_around(*around, repr(around)), _dumps("object", objects), _dumps("reading", readings)]
     return "\n".join(filter(None, parts))
@@ -68,6 +70,7 @@ def _text_around(
     room: Room | None,
     links: tuple[Link, ...],
     sensors: tuple[Sensor, ...],
+    covers: tuple[tuple[float, float] | None, ...],
     distance_sensors: tuple[DistanceSensor, ...],
     exactly: str,
 ) -> str:
@@ -75,7 +78,7 @@ def _text_around(
         _dumps("medium", {"relative_permittivity": medium.relative_permittivity}),
         _dumps("room", {"size": room.size, **_pose(room.pose)} if room else None),
         _dumps("link", [_link(link) for link in links]),
-        _dumps("sensor", [_sensor(sensor) for sensor in sensors]),
+        _dumps("sensor", [_sensor(*pair) for pair in zip(sensors, covers)]),
         _dumps("distance_sensor", [_distance_sensor(sensor) for sensor in distance_sensors]),
     ]
     return "\n".join(filter(None, parts))
@@ -120,13 +123,14 @@ def _joint(joint: Joint) -> dict[str, Any]:
     }
 
 
-def _sensor(sensor: Sensor) -> dict[str, Any]:
+def _sensor(sensor: Sensor, cover: tuple[float, float] | None) -> dict[str, Any]:
     plates = [{"corner": p.corner, "edge_u": p.edge_u, "edge_v": p.edge_v} for p in sensor.plates]
     return {
         "name": sensor.name,
         "link": sensor.link,
         "input_voltage": sensor.input_voltage,
         "coupling_capacitance": sensor.coupling_capacitance,
+        "cover": {"thickness": cover[0], "relative_permittivity": cover[1]} if cover else None,
         "plates": plates,
     }
 

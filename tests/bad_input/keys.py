@@ -49,6 +49,7 @@ WHOLE: dict[str, Any] = {
             "link": "arm",
             "input_voltage": 2.5,
             "coupling_capacitance": 5e-12,
+            "cover": {"thickness": 0.001, "relative_permittivity": 3.0},
             "plates": [{"corner": [0.0, 0.0, 0.0], "edge_u": [0.1, 0.0, 0.0], "edge_v": [0.0, 0.1, 0.0]}],
         }
     ],
@@ -125,12 +126,13 @@ OPTIONAL = {
     "medium", "relative_permittivity of medium", "room", "translation", "rotation", "quaternion", "parent", "link",
     "joint", "position", "lower", "upper", "mimic", "multiplier", "offset",
     "input_voltage", "coupling_capacitance", "distance_sensor", "potential", "conductor", "collides", "collides_with_parent", "material", "segments", "rounding", "units",
-    "to_ground", "target", "reading", "noise", "threshold", "age", "posture",
+    "to_ground", "target", "reading", "noise", "threshold", "age", "posture", "cover",
 }  # fmt: skip
 # Those that have to be greater than 0; each number of a vector has.
 POSITIVE = {
     "relative_permittivity", "size", "input_voltage", "coupling_capacitance", "full_angle_degrees", "range", "radius",
     "height", "length", "semi_axes", "inner_radius", "outer_radius", "segments", "to_ground", "noise", "threshold",
+    "thickness",
 }  # fmt: skip
 NONZERO = {"axis", "quaternion", "edge_u", "edge_v", "direction"}
 

@@ -438,6 +438,36 @@ def test_targets_capacitances_to_ground_and_readings_are_read_by_both(folder: Pa
     assert_same_roles(folder / "canonical.toml")
 
 
+def test_the_cover_of_a_sensor_is_read_by_both(folder: Path) -> None:
+    covered = (
+        'units = "mm"\n'
+        + SENSOR
+        + "cover = { thickness = 2, relative_permittivity = 3 }\n"
+        + object_of("hand", "")
+    )
+    (folder / "scene.toml").write_text(covered)
+    assert_same_roles(folder / "scene.toml")
+    (folder / "canonical.toml").write_text(canonical(reader.load(folder / "scene.toml")))
+    assert reader.load(folder / "canonical.toml") == reader.load(folder / "scene.toml")
+    assert_same_roles(folder / "canonical.toml")
+
+
+@pytest.mark.parametrize(
+    "cover, words",
+    [
+        ("{ thickness = 1e-3, relative_permittivity = 0.5 }", "a cover's must be at least 1"),
+        ("{ thickness = 0, relative_permittivity = 2 }", "thickness"),
+        ("{ thickness = 1e-3 }", "relative_permittivity"),
+    ],
+)
+def test_both_refuse_covers_that_are_none(folder: Path, cover: str, words: str) -> None:
+    path = folder / "scene.toml"
+    path.write_text(SENSOR + f"cover = {cover}\n")
+    for load in (reader.load, model_module().Scene.load):
+        with pytest.raises(ValueError, match=words):
+            load(str(path))
+
+
 def test_the_example_with_readings_is_read_by_both() -> None:
     example = Path(reader.__file__).parents[1] / "scenes" / "guarded_sensor.toml"
     assert_same_conductors(example)

@@ -74,6 +74,7 @@ SCENE: Document = {
             "link": "arm",
             "input_voltage": 5,
             "coupling_capacitance": 1e-12,
+            "cover": {"thickness": 1e-3, "relative_permittivity": 3.0},
             "plates": [PLATE],
         }
     ],
@@ -212,6 +213,8 @@ OUT_OF_RANGE: list[tuple[Place, Any]] = [
     (("sensor", 0, "plates"), []),
     (("sensor", 0, "input_voltage"), 0),
     (("sensor", 0, "coupling_capacitance"), -1e-12),
+    (("sensor", 0, "cover", "thickness"), 0.0),
+    (("sensor", 0, "cover", "relative_permittivity"), 0.5),
     (("sensor", 0, "plates", 0, "edge_u"), [0, 0, 0]),
     (("distance_sensor", 0, "direction"), [0, 0, 0]),
     (("distance_sensor", 0, "full_angle_degrees"), 181),

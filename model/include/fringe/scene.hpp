@@ -73,15 +73,21 @@ struct Object {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< from the shape's frame to the link's
   ElectricalRole role = Grounded{};
   bool collides = true;
-  /// Name of the conductor whose bodies are all objects with this name; none: a conductor of its own.
+  /// Name of the conductor whose bodies are all objects with this name; none: a conductor of its own. Of a
+  /// dielectric object, the sensor whose cover it is.
   std::optional<std::string> conductor = std::nullopt;
   /// Marks an object that comes and goes, so that readings detect it; the other objects belong to the
-  /// machine. If no object of a scene is marked, all are targets but electrodes.
+  /// machine. If no object of a scene is marked, all are targets but electrodes and covers.
   bool target = false;
   /// Asks for collisions with the objects of the parent of its link, which are joined to it and left out
   /// otherwise.
   bool collides_with_parent = false;
 };
+
+/// Returns true for the cover of a sensor's plate, a layer of a dielectric. It is never a target.
+inline bool is_cover(const Object& object) {
+  return std::holds_alternative<Dielectric>(object.role) && object.conductor.has_value();
+}
 
 /// A measurement of the electronics: the charge on one conductor while some are driven at 1 V and all others
 /// are grounded, but for floating ones.

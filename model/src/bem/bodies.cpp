@@ -134,7 +134,7 @@ class CornerWeld {
 Role role_of(const Object& object) {
   if (std::holds_alternative<Dielectric>(object.role))
     throw InputError(
-        fmt::format("object \"{}\" is dielectric: boundary elements compute only conductors", object.name));
+        fmt::format("object \"{}\" is dielectric: the reduced method computes only conductors", object.name));
   if (std::holds_alternative<Electrode>(object.role))
     return Role::electrode;
   return std::holds_alternative<Floating>(object.role) ? Role::floating : Role::grounded;

@@ -13,6 +13,8 @@
 #include "bem/bodies.hpp"
 #include "bem/error_indicators.hpp"
 #include "bem/group_densities.hpp"
+#include "bem/insulated_maxwell.hpp"
+#include "bem/insulators.hpp"
 #include "bem/matrix_readings.hpp"
 #include "bem/maxwell_matrix.hpp"
 #include "bem/mesh_size.hpp"
@@ -435,6 +437,29 @@ void choose_asked(Entries entries, ChargedBodies& bodies) {
     conductor.is_asked = conductor.role != Role::grounded;
 }
 
+MaxwellMatrix solve_conductors(const Scene& scene, const BoundaryElementOptions& options) {
+  ChargedBodies bodies = detail::charged_bodies(scene, options.derivatives);
+  choose_asked(options.entries, bodies);
+  const Simplification simplification(std::move(bodies), simplification_part * options.rtol,
+                                      options.most_unknowns / most_triangles_part);
+  std::optional<detail::LinkPoses> poses;
+  if (options.derivatives)
+    poses.emplace(scene.links).update();
+  MaxwellMatrix answer = solve_as_needed(simplification, options, poses ? &*poses : nullptr);
+  answer.reached = largest_error(answer, simplification.bodies()) <= options.rtol;
+  return answer;
+}
+
+MaxwellMatrix solve_with_insulators(const Scene& scene, const BoundaryElementOptions& options) {
+  if (options.derivatives)
+    throw InputError("boundary elements know no derivatives in scenes with dielectric bodies");
+  detail::InsulatedBodies bodies = detail::insulated_bodies(scene);
+  choose_asked(options.entries, bodies.conductors);
+  MaxwellMatrix answer = detail::insulated_maxwell(bodies, options);
+  answer.reached = largest_error(answer, bodies.conductors) <= options.rtol;
+  return answer;
+}
+
 }  // namespace
 
 void validate(const BoundaryElementOptions& options) {
@@ -447,15 +472,8 @@ MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options)
   validate(options);
   if (scene.has_room)
     throw InputError("room: boundary elements compute only conductors in free space");
-  ChargedBodies bodies = detail::charged_bodies(scene, options.derivatives);
-  choose_asked(options.entries, bodies);
-  const Simplification simplification(std::move(bodies), simplification_part * options.rtol,
-                                      options.most_unknowns / most_triangles_part);
-  std::optional<detail::LinkPoses> poses;
-  if (options.derivatives)
-    poses.emplace(scene.links).update();
-  MaxwellMatrix answer = solve_as_needed(simplification, options, poses ? &*poses : nullptr);
-  answer.reached = largest_error(answer, simplification.bodies()) <= options.rtol;
+  MaxwellMatrix answer = detail::has_insulators(scene) ? solve_with_insulators(scene, options)
+                                                       : solve_conductors(scene, options);
   const double factor = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
   answer.values *= factor;
   answer.charges *= factor;

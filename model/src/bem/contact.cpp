@@ -112,7 +112,8 @@ std::string way_off(const ChargedBody& plate, std::span<const ConvexHull> body) 
                      direction.z() + 0.0);
 }
 
-/// Divides faces into triangles, those of a box anticlockwise seen from outside.
+}  // namespace
+
 TriangleSurface oriented_triangles(const BodySurface& surface) {
   TriangleSurface result = triangulated(surface);
   const auto* box = std::get_if<BoxSurface>(&surface);
@@ -124,8 +125,6 @@ TriangleSurface oriented_triangles(const BodySurface& surface) {
       std::swap(triangle[1], triangle[2]);
   return result;
 }
-
-}  // namespace
 
 void refuse_contact(const ChargedBody& a, const ChargedBody& b, std::string_view reason) {
   const std::vector<ConvexHull> hulls_a = hulls_of(a.surface), hulls_b = hulls_of(b.surface);

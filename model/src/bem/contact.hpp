@@ -9,6 +9,9 @@
 
 namespace fringe::detail {
 
+/// Divides faces into triangles, those of a box anticlockwise seen from outside.
+TriangleSurface oriented_triangles(const BodySurface& surface);
+
 /// Throws InputError, with both names, if two bodies in world coordinates have a point in common, or if one
 /// is inside the other and that is closed. The message ends with the reason and, if the first is a plate,
 /// with how far it would have to be moved.

@@ -26,7 +26,8 @@ std::vector<bool> targets(const Scene& scene) {
   const bool some_are_marked = std::ranges::any_of(scene.objects, &Object::target);
   std::vector<bool> result;
   for (const Object& object : scene.objects)
-    result.push_back(some_are_marked ? object.target : !std::holds_alternative<Electrode>(object.role));
+    result.push_back(some_are_marked ? object.target
+                                     : !std::holds_alternative<Electrode>(object.role) && !is_cover(object));
   return result;
 }
 

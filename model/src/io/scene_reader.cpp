@@ -211,8 +211,36 @@ Rectangle read_rectangle(TableReader& table, const std::string& place, std::vect
   return rectangle;
 }
 
+/// Reads a sensor's key `cover` as dielectric bodies, one on the front of each plate: the side to which
+/// edge_u × edge_v points. Adds them to `covers`.
+void read_cover(TableReader& table, const Sensor& sensor, Names& used_names, std::vector<Object>& covers) {
+  if (!table.has("cover"))
+    return;
+  TableReader cover = table.table("cover");
+  const double thickness = cover.positive_length("thickness");
+  const Dielectric dielectric{cover.positive_number("relative_permittivity")};
+  if (dielectric.relative_permittivity < 1)
+    cover.fail("relative_permittivity", "a cover's must be at least 1");
+  cover.finish();
+  for (std::size_t k = 0; k < sensor.plates.size(); ++k) {
+    const Rectangle& plate = sensor.plates[k];
+    const double length_u = plate.edge_u.norm(), length_v = plate.edge_v.norm();
+    const Vector3d u = plate.edge_u / length_u, v = plate.edge_v / length_v, normal = u.cross(v);
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() << u, v, normal;
+    pose.translation() = plate.corner + (plate.edge_u + plate.edge_v) / 2 + thickness / 2 * normal;
+    std::string name =
+        k == 0 ? fmt::format("{} cover", sensor.name) : fmt::format("{} cover {}", sensor.name, k + 1);
+    if (!used_names.insert(name).second)
+      table.fail("cover", fmt::format("\"{}\" is already used", name));
+    Object body{std::move(name), sensor.link, Cuboid{length_u, length_v, thickness}, pose, dielectric, false};
+    body.conductor = sensor.name;
+    covers.push_back(std::move(body));
+  }
+}
+
 Sensor read_sensor(TableReader& table, const LinkIndices& links, Names& used_names,
-                   std::vector<std::string>& changes) {
+                   std::vector<std::string>& changes, std::vector<Object>& covers) {
   Sensor sensor;
   sensor.name = read_name(table, "sensor", used_names);
   sensor.link = read_link_reference(table, "link", links);
@@ -221,6 +249,7 @@ Sensor read_sensor(TableReader& table, const LinkIndices& links, Names& used_nam
   for (TableReader& plate : table.tables("plates"))
     sensor.plates.push_back(read_rectangle(
         plate, fmt::format("sensor \"{}\": plates[{}]", sensor.name, sensor.plates.size()), changes));
+  read_cover(table, sensor, used_names, covers);
   // First, because a plate may have been written with keys that belong into `plates`.
   table.finish();
   if (sensor.plates.empty())
@@ -420,8 +449,9 @@ Scene read_scene(const toml::table& document, const std::string& source,
   LinkIndices links;
   scene.links = read_links(root, links);
   Names used_names;
+  std::vector<Object> covers;
   for (TableReader& table : root.tables("sensor"))
-    scene.sensors.push_back(read_sensor(table, links, used_names, scene.changes));
+    scene.sensors.push_back(read_sensor(table, links, used_names, scene.changes, covers));
   for (TableReader& table : root.tables("distance_sensor"))
     scene.distance_sensors.push_back(read_distance_sensor(table, links, used_names));
   std::vector<TableReader> objects = root.tables("object");
@@ -437,6 +467,7 @@ Scene read_scene(const toml::table& document, const std::string& source,
   detail::require_readings(scene, readings);
   if (scene.sensors.empty() && scene.objects.empty())
     root.fail("", "a scene needs at least one sensor or object");
+  scene.objects.insert(scene.objects.begin(), covers.begin(), covers.end());
   return scene;
 }
 

@@ -37,6 +37,8 @@ class SceneSensing::Implementation {
   Implementation(const Scene& scene, ConeMethod method, std::shared_ptr<detail::LinkPoses> poses)
       : poses_(std::move(poses)), sensors_(scene.distance_sensors), method_(method) {
     for (const Object& object : scene.objects) {
+      if (is_cover(object))
+        continue;
       try {
         objects_.push_back(
             {object.name, object.link, object.pose, detail::TriangleTree(triangulate(object.shape))});

@@ -163,3 +163,12 @@ def test_a_dielectric_layer_may_lie_on_a_plate_however_thin(thickness: float) ->
     sunk = SENSOR + body("layer", layer, (0, 0, 0.4 * thickness), material)
     with pytest.raises(InputError, match='"front" is inside "layer"'):
         conductors(loads(sunk))
+
+
+def test_the_cover_of_a_sensor_is_a_dielectric_body_that_stays() -> None:
+    covered = (
+        SENSOR + "cover = { thickness = 1e-3, relative_permittivity = 3 }\n" + body("hand", BOX, (0, 0, 0.05))
+    )
+    found = conductors(loads(covered))
+    assert [own.name for own in found.dielectrics] == ["front cover"]
+    assert found.targets == {"hand"}

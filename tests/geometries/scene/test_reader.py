@@ -316,7 +316,7 @@ def test_an_error_reads_file_key_reason(tmp_path: Path) -> None:
         reader.load(path)
     assert str(caught.value) == (
         f'{path}: sensor "s": voltage: unknown key; '
-        "there are coupling_capacitance, input_voltage, link, name, plates"
+        "there are coupling_capacitance, cover, input_voltage, link, name, plates"
     )
 
 

@@ -24,9 +24,12 @@ std::string refusal(const std::function<void(Scene&)>& change, const BoundaryEle
   return test::refusal(change, [&](const Scene& scene) { maxwell(scene, options); });
 }
 
-TEST(BoundaryElementRefusals, Dielectrics) {
-  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].role = Dielectric{3}; }),
-              HasSubstr("object \"target\" is dielectric"));
+TEST(BoundaryElementRefusals, ADielectricSheet) {
+  EXPECT_THAT(refusal([](Scene& scene) {
+                scene.objects[0].shape = Plate{0.1, 0.1};
+                scene.objects[0].role = Dielectric{3};
+              }),
+              HasSubstr("object \"target\" is dielectric, but its surface encloses no volume"));
 }
 
 TEST(BoundaryElementRefusals, AConductorWhoseObjectsDifferInPotential) {

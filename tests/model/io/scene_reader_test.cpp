@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "fringe/error.hpp"
+#include "fringe/reading.hpp"
 #include "temporary_folder.hpp"
 
 namespace fringe {
@@ -210,6 +211,28 @@ TEST_F(SceneReader, SquaresAPlateThatIsNearlyARectangle) {
                            "angle and are squared"));
 }
 
+TEST(SceneText, TheCoverOfASensorIsALayerOnTheFrontOfEachPlate) {
+  const Scene scene = parse_scene(R"(
+    [[sensor]]
+    name = "front"
+    cover = { thickness = 0.002, relative_permittivity = 3 }
+    plates = [ { corner = [0, 0, 0], edge_u = [0, 0.1, 0], edge_v = [0.2, 0, 0] },
+               { corner = [0, 0, 1], edge_u = [0.1, 0, 0], edge_v = [0, 0.2, 0] } ]
+    [[object]]
+    name = "hand"
+    shape = { type = "cube", size = 0.1 }
+  )",
+                                  {});
+  ASSERT_EQ(scene.objects.size(), 3U);
+  EXPECT_EQ(scene.objects[0].name, "front cover");
+  EXPECT_EQ(scene.objects[1].name, "front cover 2");
+  EXPECT_TRUE(is_cover(scene.objects[0]) && is_cover(scene.objects[1]) && !is_cover(scene.objects[2]));
+  EXPECT_EQ(std::get<Cuboid>(scene.objects[0].shape).size_z, 0.002);
+  EXPECT_TRUE(scene.objects[0].pose.translation().isApprox(Vector3d(0.1, 0.05, -0.001)));
+  EXPECT_TRUE(scene.objects[1].pose.translation().isApprox(Vector3d(0.05, 0.1, 1.001)));
+  EXPECT_EQ(targets(scene), (std::vector<bool>{false, false, true}));
+}
+
 TEST_F(SceneReader, FillsInDefaults) {
   const Scene scene = read(R"(
     [[sensor]]
@@ -388,7 +411,7 @@ const std::vector<BadScene> bad_scenes{
      "[[sensor]]\nname = \"s\"\ncolour = 1\nplates = [{ corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, "
      "1, 0] }]\n",
      "sensor \"s\": colour",
-     "is not a known key; there are coupling_capacitance, input_voltage, link, name, plates"},
+     "is not a known key; there are coupling_capacitance, cover, input_voltage, link, name, plates"},
 
     {"distance sensor of 181 degrees",
      "[[distance_sensor]]\nname = \"d\"\napex = [0, 0, 0]\ndirection = [0, 0, 1]\nfull_angle_degrees = "

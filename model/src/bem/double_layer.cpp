@@ -1,0 +1,120 @@
+#include "bem/double_layer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "bem/panel_quadrature.hpp"
+#include "numeric/parallel.hpp"
+#include "numeric/triangle_rules.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+/// Distance from a source's plane, relative to the source's size, below which a target lies in it.
+constexpr double in_plane = 1e-9;
+
+/// Degree of the rule for panels that are far apart, of three points.
+constexpr int far_degree = 2;
+
+const TriangleRule& far_rule() {
+  const auto rules = triangle_rules();
+  return *std::find_if(rules.begin(), rules.end(),
+                       [](const TriangleRule& rule) { return rule.degree == far_degree; });
+}
+
+/// A source with what its far field needs: dipoles at the points of a rule.
+struct Dipoles {
+  std::vector<Vector3d> points;
+  Vector3d moment;  ///< the panel's normal times its area over 4π, times the weight of one point
+};
+
+Dipoles dipoles_of(const Panel& panel) {
+  const TriangleRule& rule = far_rule();
+  const Vector3d second = panel.corners[1] - panel.corners[0], third = panel.corners[2] - panel.corners[0];
+  Dipoles result{{}, second.cross(third) / (8 * std::numbers::pi)};
+  for (int k = 0; k < rule.points; ++k)
+    result.points.emplace_back(panel.corners[0] + rule.nodes[k].second * second +
+                               rule.nodes[k].third * third);
+  return result;
+}
+
+bool lies_in_plane(const Panel& target, const Panel& source, const Vector3d& normal) {
+  const double tolerance = in_plane * source.radius;
+  return std::all_of(target.corners.begin(), target.corners.end(), [&](const Vector3d& corner) {
+    return std::abs(normal.dot(corner - source.centre)) <= tolerance;
+  });
+}
+
+double far_element(const std::vector<Vector3d>& target, const Dipoles& source) {
+  const TriangleRule& rule = far_rule();
+  double sum = 0;
+  for (int row = 0; row < rule.points; ++row)
+    for (int column = 0; column < rule.points; ++column) {
+      const Vector3d away =
+          source.points[static_cast<std::size_t>(column)] - target[static_cast<std::size_t>(row)];
+      const double squared = away.squaredNorm();
+      sum += rule.nodes[row].weight * rule.nodes[column].weight * source.moment.dot(away) /
+             (squared * std::sqrt(squared));
+    }
+  return sum;
+}
+
+double near_element(const Panel& target, const Panel& source, double tolerance) {
+  double sum = 0;
+  for_each_point(
+      target.corners, tolerance,
+      [&](const Vector3d& point) { return outline_distance(source.corners, point); },
+      [&](const Vector3d& point, double weight) { sum += weight * solid_angle_part(source.corners, point); });
+  return sum;
+}
+
+}  // namespace
+
+double solid_angle_part(const Triangle& triangle, const Vector3d& point) {
+  // A. Van Oosterom and J. Strackee, IEEE Transactions on Biomedical Engineering 30, 1983, 125.
+  const Vector3d a = triangle[0] - point, b = triangle[1] - point, c = triangle[2] - point;
+  const double la = a.norm(), lb = b.norm(), lc = c.norm();
+  const double height = a.dot(b.cross(c));
+  if (height == 0)
+    return 0;
+  const double denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+  return std::atan2(height, denominator) / (2 * std::numbers::pi);
+}
+
+MatrixXd double_layer_matrix(std::span<const Panel> targets, std::span<const Panel> sources, double tolerance,
+                             std::size_t threads) {
+  const double farthest = 1 / far_ratio(tolerance, far_degree);
+  std::vector<Dipoles> dipoles;
+  std::vector<Vector3d> normals;
+  for (const Panel& source : sources) {
+    dipoles.push_back(dipoles_of(source));
+    normals.push_back(dipoles.back().moment.normalized());
+  }
+  MatrixXd transposed(static_cast<Index>(sources.size()), static_cast<Index>(targets.size()));
+  parallel_for(targets.size(), threads, [&](std::size_t row) {
+    const Panel& target = targets[row];
+    const std::vector<Vector3d> points = dipoles_of(target).points;
+    double* const column = transposed.data() + static_cast<Index>(row) * transposed.rows();
+    for (std::size_t k = 0; k < sources.size(); ++k) {
+      const Panel& source = sources[k];
+      const double reach = farthest * (target.radius + source.radius);
+      if ((target.centre - source.centre).squaredNorm() > reach * reach)
+        column[k] = far_element(points, dipoles[k]);
+      else if (lies_in_plane(target, source, normals[k]))
+        column[k] = 0;
+      else
+        column[k] = near_element(target, source, tolerance);
+    }
+  });
+  return transposed.transpose();
+}
+
+}  // namespace fringe::detail

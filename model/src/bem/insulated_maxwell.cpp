@@ -1,0 +1,172 @@
+#include "bem/insulated_maxwell.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "bem/asked_error.hpp"
+#include "bem/error_indicators.hpp"
+#include "bem/group_densities.hpp"
+#include "bem/insulated_system.hpp"
+#include "bem/matrix_readings.hpp"
+#include "bem/maxwell_matrix.hpp"
+#include "bem/readings.hpp"
+#include "fringe/error.hpp"
+#include "fringe/interruption.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Largest number of panels: a dense factorisation of so many takes half a minute.
+constexpr std::size_t most_panels = 6000;
+
+/// Refinement ends at so many panels, where a solution takes some seconds.
+constexpr std::size_t most_refined_panels = 3000;
+
+/// A-priori grading takes at most one in so many of them.
+constexpr std::size_t most_graded_part = 2;
+
+/// Fraction of rtol that panels graded towards sharp edges may miss with one density on each group.
+constexpr double grading_part = 1.0 / 3;
+
+/// Ratio of the quadratures' tolerance to rtol, and the coarsest tolerance.
+constexpr double tolerance_part = 1.0 / 100;
+constexpr double coarsest_tolerance = 1e-4;
+
+/// Factor by which a refinement aims below the allowed error.
+constexpr double excess_margin = 1.25;
+
+MatrixXd symmetric(const MatrixXd& matrix) {
+  return (matrix + matrix.transpose()) / 2;
+}
+
+/// A symmetric matrix in both spaces, without floating conductors, and how far from symmetric it was solved.
+struct Solved {
+  MatrixXd fine;
+  MatrixXd coarse;
+  MatrixXd asymmetry;
+};
+
+Solved solved(const InsulatedSolution& solution, const ChargedBodies& bodies) {
+  const MatrixXd asymmetry = (solution.matrix.fine - solution.matrix.fine.transpose()).cwiseAbs() / 2;
+  const MatrixXd fine = without_floating(symmetric(solution.matrix.fine), bodies);
+  return {fine, without_floating(symmetric(solution.matrix.coarse), bodies),
+          asymmetry.topLeftCorner(fine.rows(), fine.cols())};
+}
+
+/// Returns the errors of all entries.
+MatrixXd errors_of(const Solved& one, double undivided) {
+  return error_per_panel_change * changes(one.fine, one.coarse) + one.asymmetry +
+         undivided * one.fine.cwiseAbs();
+}
+
+Estimate estimate_of(double fine, double coarse, double least_part, double undivided, double other) {
+  return {fine, error_per_panel_change * std::max(std::abs(fine - coarse), least_part * std::abs(fine)) +
+                    undivided * std::abs(fine) + other};
+}
+
+/// Returns the part by which the coarse space errs, for potentials.
+double missing_part(const VectorXd& potentials, const Solved& one) {
+  const Index kept = one.fine.rows();
+  const double fine = potentials.head(kept).dot(one.fine * potentials.head(kept)),
+               coarse = potentials.head(kept).dot(one.coarse * potentials.head(kept));
+  return fine > 0 ? std::abs(1 - coarse / fine) : 0;
+}
+
+std::vector<ReadingAnswer> reading_answers(const Solved& all, const Solved& background, double undivided,
+                                           const ChargedBodies& bodies) {
+  std::vector<ReadingAnswer> answers;
+  const Index kept = all.fine.rows();
+  for (const ChargedReading& reading : bodies.readings) {
+    const VectorXd sense = reading.sense.head(kept), drive = reading.drive.head(kept);
+    const auto form = [&](const MatrixXd& matrix) { return sense.dot(matrix * drive); };
+    const auto absolute_form = [&](const MatrixXd& matrix) { return sense.cwiseAbs().dot(matrix * drive); };
+    const double part = std::sqrt(missing_part(sense, all) * missing_part(drive, all));
+    const double value = form(all.fine), alone = form(background.fine);
+    const double other = absolute_form(all.asymmetry), other_alone = absolute_form(background.asymmetry);
+    answers.push_back({reading.name, estimate_of(value, form(all.coarse), part, undivided, other),
+                       estimate_of(alone, form(background.coarse), part, undivided, other_alone),
+                       estimate_of(value - alone, form(all.coarse) - form(background.coarse), part, undivided,
+                                   other + other_alone)});
+  }
+  return answers;
+}
+
+void write_delta_self(const Solved& all, const Solved& alone, double undivided, MaxwellMatrix& answer) {
+  const auto sensors = static_cast<Index>(answer.sensors);
+  answer.delta_self.resize(sensors);
+  answer.delta_self_errors.resize(sensors);
+  for (Index k = 0; k < sensors; ++k) {
+    const Estimate change =
+        estimate_of(all.fine(k, k) - alone.fine(k, k), all.coarse(k, k) - alone.coarse(k, k),
+                    missing_part(VectorXd::Unit(all.fine.rows(), k), all), undivided, 0);
+    answer.delta_self[k] = *change.value;
+    answer.delta_self_errors[k] = *change.error;
+  }
+}
+
+}  // namespace
+
+MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const BoundaryElementOptions& options) {
+  const ChargedBodies& conductors = bodies.conductors;
+  const std::size_t most = std::min(most_panels, options.most_unknowns);
+  const bool has_readings = !conductors.readings.empty();
+  std::vector<Presence> others{sensors_alone(bodies)};
+  if (has_readings)
+    others.push_back(without_targets(bodies));
+  const std::size_t most_refined = std::min(most, most_refined_panels);
+  InsulatedSystem system(bodies, others, {grading_part * options.rtol, most_refined / most_graded_part},
+                         options.threads);
+  if (system.panels() > most)
+    throw InputError(fmt::format(
+        "the scene has dielectric bodies and needs at least {} panels: boundary elements take at most {}",
+        system.panels(), most));
+  MaxwellMatrix answer = named_answer(conductors);
+  while (true) {
+    InsulatedSolution solution;
+    Solved all, alone, background;
+    try {
+      system.evaluate(std::min(tolerance_part * options.rtol, coarsest_tolerance));
+      solution = system.solve(everything(bodies));
+      all = solved(solution, conductors);
+      if (answer.sensors > 0)
+        alone = solved(system.solve(others[0]), conductors);
+      if (has_readings)
+        background = solved(system.solve(others[1]), conductors);
+    } catch (const Interrupted&) {
+      if (answer.unknowns == 0)
+        throw;
+      break;
+    }
+    answer.values = all.fine;
+    const double undivided = system.undivided_error();
+    answer.errors = errors_of(all, undivided);
+    answer.charges = member_charges(symmetric(solution.matrix.fine), solution.body_charges, conductors);
+    answer.unknowns = system.panels();
+    write_delta_self(all, alone, undivided, answer);
+    answer.readings =
+        has_readings ? reading_answers(all, background, undivided, conductors) : readings_of_sensors(answer);
+    const double excess = largest_error(answer, conductors) / options.rtol;
+    if (excess <= 1 || system.panels() >= most_refined)
+      break;
+    if (options.before_refinement)
+      options.before_refinement({answer.unknowns, excess * options.rtol});
+    const double allowed = solution.error_indicators.sum() / (excess_margin * excess);
+    const std::vector<bool> marked =
+        doerfler_marking(system.groups(), solution.error_indicators, allowed,
+                         std::min(system.panels(), most_refined - system.panels()));
+    if (marked.empty())
+      break;
+    system.refine(marked, solution.panels);
+  }
+  return answer;
+}
+
+}  // namespace fringe::detail

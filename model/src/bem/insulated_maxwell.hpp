@@ -1,0 +1,13 @@
+#pragma once
+
+#include "bem/insulators.hpp"
+#include "fringe/boundary_elements.hpp"
+
+namespace fringe::detail {
+
+/// Computes the Maxwell matrix of conductors beside dielectric bodies, refined until the estimated errors are
+/// within rtol or the matrices too large (model/BOUNDARY_ELEMENTS.md, section 12). In metres, to be
+/// multiplied by 4πε. No entry is a lower bound.
+MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const BoundaryElementOptions& options);
+
+}  // namespace fringe::detail

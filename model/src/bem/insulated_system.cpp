@@ -1,0 +1,272 @@
+#include "bem/insulated_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <span>
+#include <utility>
+
+#include <Eigen/LU>
+#include <fmt/format.h>
+
+#include "bem/double_layer.hpp"
+#include "bem/hidden_surface.hpp"
+#include "bem/proximity_refinement.hpp"
+#include "bem/single_layer_panels.hpp"
+#include "fringe/error.hpp"
+#include "numeric/interruption.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// The unknowns of a set of bodies: one for each panel that is there, and for the coarse space one for those
+/// of a group that are alike.
+struct Unknowns {
+  std::vector<Index> panels;      ///< of each unknown
+  std::vector<PartState> states;  ///< of each unknown
+  std::vector<Index> coarse;      ///< of each unknown, its place in the coarse space
+  std::vector<Index> body;        ///< of each unknown
+  VectorXd shares;                ///< of each unknown, its part of the area of its place in the coarse space
+  Index coarse_size = 0;
+
+  Index size() const { return index_of(panels.size()); }
+  bool is_conductor(Index k) const { return states[static_cast<std::size_t>(k)].kind == PartKind::conductor; }
+};
+
+Unknowns unknowns_of(const PanelMesh& mesh, const Surroundings& surroundings) {
+  Unknowns result;
+  std::vector<double> areas, whole;
+  for (const PanelGroup& group : mesh.groups()) {
+    check_interruption();
+    std::vector<std::pair<PartState, Index>> places;
+    for (std::size_t panel = group.first; panel < group.first + group.count; ++panel) {
+      const PartState state = surroundings.state(mesh.panels()[panel].corners, group.body);
+      if (state.kind == PartKind::absent)
+        continue;
+      auto place =
+          std::find_if(places.begin(), places.end(), [&](const auto& known) { return known.first == state; });
+      if (place == places.end()) {
+        place = places.insert(places.end(), {state, result.coarse_size++});
+        whole.push_back(0);
+      }
+      result.panels.push_back(index_of(panel));
+      result.states.push_back(state);
+      result.coarse.push_back(place->second);
+      result.body.push_back(index_of(group.body));
+      areas.push_back(mesh.panels()[panel].area);
+      whole[static_cast<std::size_t>(place->second)] += areas.back();
+    }
+  }
+  result.shares.resize(result.size());
+  for (Index k = 0; k < result.size(); ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    result.shares[k] = areas[at] / whole[static_cast<std::size_t>(result.coarse[at])];
+  }
+  return result;
+}
+
+/// Returns the sums of weighted rows that have the same place in the coarse space.
+MatrixXd summed_rows(const Unknowns& unknowns, const MatrixXd& rows, bool are_weighted) {
+  MatrixXd result = MatrixXd::Zero(unknowns.coarse_size, rows.cols());
+  for (Index k = 0; k < rows.rows(); ++k)
+    result.row(unknowns.coarse[static_cast<std::size_t>(k)]) +=
+        (are_weighted ? unknowns.shares[k] : 1.0) * rows.row(k);
+  return result;
+}
+
+/// Solves the equations in the coarse space: one density, or one potential, on panels that are alike.
+MatrixXd solve_coarse(const Unknowns& unknowns, const MatrixXd& matrix, const MatrixXd& potentials) {
+  MatrixXd columns = matrix;
+  for (Index k = 0; k < unknowns.size(); ++k)
+    if (unknowns.is_conductor(k))
+      columns.col(k) *= unknowns.shares[k];
+  const MatrixXd half = summed_rows(unknowns, columns, true).transpose();
+  return summed_rows(unknowns, half, false)
+      .transpose()
+      .partialPivLu()
+      .solve(summed_rows(unknowns, potentials, true));
+}
+
+}  // namespace
+
+InsulatedSystem::InsulatedSystem(const InsulatedBodies& bodies, const std::vector<Presence>& others,
+                                 const PanelGrading& grading, std::size_t threads)
+    : bodies_(bodies), threads_(threads) {
+  std::vector<Surroundings> surroundings{{bodies, everything(bodies)}};
+  for (const Presence& other : others)
+    surroundings.emplace_back(bodies, other);
+  const HiddenSurface hidden(bodies.conductors);
+  const std::size_t conductors = bodies.conductors.bodies.size();
+  std::vector<std::vector<Triangle>> surfaces = divided_surfaces(bodies);
+  PanelGrading of_body = grading;
+  of_body.most_panels /= std::max<std::size_t>(surfaces.size(), 1);
+  for (std::size_t body = 0; body < surfaces.size(); ++body) {
+    std::erase_if(surfaces[body], [&](const Triangle& part) {
+      return (body < conductors && hidden.contains(part, body)) ||
+             std::all_of(surroundings.begin(), surroundings.end(), [&](const Surroundings& set) {
+               return set.state(part, body).kind == PartKind::absent;
+             });
+    });
+    if (body >= conductors && surfaces[body].empty() &&
+        surroundings.front().is_inside_conductor(body - conductors))
+      throw InputError(fmt::format("{} is dielectric and wholly inside a conductor, where there is no field",
+                                   bodies.insulators[body - conductors].name));
+    if (!surfaces[body].empty())
+      mesh_.add(body, surfaces[body], of_body);
+  }
+  ChargedBodies all = bodies.conductors;
+  for (const Insulator& insulator : bodies.insulators)
+    all.bodies.push_back({0, 0, TriangleSurface{insulator.surface}, insulator.name, {}});
+  const std::vector<InducedCharge> induced = induced_charges(all);
+  const auto is_too_large = [&](const PanelGroup& group) {
+    const std::vector<Triangle> triangles = mesh_.triangles(group);
+    for (std::size_t body = 0; body < induced.size(); ++body)
+      if (body != group.body)
+        for (const Triangle& triangle : triangles)
+          if (induced[body].is_narrow_on(triangle))
+            return true;
+    return false;
+  };
+  while (mesh_.panels().size() < grading.most_panels) {
+    std::vector<bool> marked;
+    for (const PanelGroup& group : mesh_.groups()) {
+      check_interruption();
+      marked.push_back(is_too_large(group));
+    }
+    if (std::find(marked.begin(), marked.end(), true) == marked.end())
+      break;
+    // With equal charges, triangles are halved across their longest sides.
+    mesh_.refine(marked, MatrixXd::Ones(index_of(mesh_.panels().size()), 1));
+  }
+}
+
+double InsulatedSystem::undivided_error() const {
+  std::map<std::size_t, std::size_t> triangles;
+  std::map<std::size_t, bool> are_undivided;
+  for (const PanelGroup& group : mesh_.groups()) {
+    triangles[group.body] += group.count;
+    are_undivided[group.body] = are_undivided[group.body] || !group.is_quartered;
+  }
+  double result = 0;
+  for (const auto& [body, count] : triangles)
+    if (are_undivided[body])
+      result = std::max(result, 1 / static_cast<double>(count));
+  return result;
+}
+
+void InsulatedSystem::evaluate(double tolerance) {
+  const MatrixXd known = std::move(single_layer_);
+  // The first matrix has none before it, though the mesh may have been refined by proximity.
+  const std::span<const Index> places =
+      known.size() == 0 ? std::span<const Index>() : std::span(mesh_.places_before());
+  single_layer_ = single_layer_matrix(mesh_.panels(), tolerance, {known, places});
+  single_layer_.triangularView<Eigen::StrictlyLower>() =
+      single_layer_.transpose().triangularView<Eigen::StrictlyLower>();
+  double_layer_ = double_layer_matrix(mesh_.panels(), mesh_.panels(), tolerance, threads_);
+}
+
+InsulatedSolution InsulatedSystem::solve(const Presence& presence) const {
+  const Unknowns unknowns = unknowns_of(mesh_, Surroundings(bodies_, presence));
+  const Index size = unknowns.size(), conductors = index_of(bodies_.conductors.conductors.size());
+  const auto conductor_of = [&](Index k) {
+    const Index body = unknowns.body[static_cast<std::size_t>(k)];
+    return index_of(bodies_.conductors.bodies[static_cast<std::size_t>(body)].conductor);
+  };
+  // Every row is the mean over a panel of ε(x)·u(x) = Σ V q + Σ (ε behind − ε before)·u·(solid angle/4π).
+  MatrixXd matrix(size, size);
+  MatrixXd potentials = MatrixXd::Zero(size, conductors);
+  for (Index column = 0; column < size; ++column) {
+    const auto at = static_cast<std::size_t>(column);
+    const Ratios& ratios = unknowns.states[at].ratios;
+    const double jump = ratios.behind - ratios.before, mean = (ratios.behind + ratios.before) / 2;
+    const Index source = unknowns.panels[at];
+    VectorXd layer;
+    if (jump != 0) {
+      layer.resize(size);
+      for (Index row = 0; row < size; ++row)
+        layer[row] = jump * double_layer_(unknowns.panels[static_cast<std::size_t>(row)], source);
+      layer[column] -= mean;
+    }
+    if (!unknowns.is_conductor(column)) {
+      matrix.col(column) = layer;
+      continue;
+    }
+    for (Index row = 0; row < size; ++row)
+      matrix(row, column) = single_layer_(unknowns.panels[static_cast<std::size_t>(row)], source);
+    if (jump != 0)
+      potentials.col(conductor_of(column)) -= layer;
+    else
+      potentials(column, conductor_of(column)) += mean;
+  }
+  const MatrixXd fine = matrix.partialPivLu().solve(potentials);
+  const MatrixXd coarse = solve_coarse(unknowns, matrix, potentials);
+
+  InsulatedSolution result;
+  result.matrix = {MatrixXd::Zero(conductors, conductors), MatrixXd::Zero(conductors, conductors)};
+  result.panels = MatrixXd::Zero(index_of(panels()), conductors);
+  result.body_charges = MatrixXd::Zero(index_of(bodies_.conductors.bodies.size()), conductors);
+  MatrixXd details = fine;
+  for (Index k = 0; k < size; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    result.panels.row(unknowns.panels[at]) = fine.row(k);
+    const double share = unknowns.is_conductor(k) ? unknowns.shares[k] : 1;
+    if (!unknowns.is_conductor(k))
+      continue;
+    result.matrix.fine.row(conductor_of(k)) += fine.row(k);
+    result.matrix.coarse.row(conductor_of(k)) += share * coarse.row(unknowns.coarse[at]);
+    result.body_charges.row(unknowns.body[at]) += fine.row(k);
+  }
+  const MatrixXd means = summed_rows(unknowns, fine, false), weighted = summed_rows(unknowns, fine, true);
+  for (Index k = 0; k < size; ++k) {
+    const auto place = unknowns.coarse[static_cast<std::size_t>(k)];
+    if (unknowns.is_conductor(k))
+      details.row(k) -= unknowns.shares[k] * means.row(place);
+    else
+      details.row(k) -= weighted.row(place);
+  }
+  result.error_indicators = VectorXd::Zero(index_of(mesh_.groups().size()));
+  const VectorXd own = result.matrix.fine.diagonal();
+  std::vector<Index> group_of(panels());
+  for (std::size_t g = 0; g < mesh_.groups().size(); ++g)
+    for (std::size_t k = 0; k < mesh_.groups()[g].count; ++k)
+      group_of[mesh_.groups()[g].first + k] = index_of(g);
+  MatrixXd energies = MatrixXd::Zero(index_of(mesh_.groups().size()), conductors);
+  for (Index k = 0; k < size; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    const Index panel = unknowns.panels[at], group = group_of[static_cast<std::size_t>(panel)];
+    if (!unknowns.is_conductor(k)) {
+      /// Energy of a potential that changes by one over a part of size one, over 4π.
+      constexpr double energy_of_step = 0.25;
+      const Ratios& ratios = unknowns.states[at].ratios;
+      energies.row(group) +=
+          (energy_of_step * (ratios.behind + ratios.before) / 2 *
+           std::sqrt(mesh_.panels()[static_cast<std::size_t>(panel)].area) * details.row(k).array().square())
+              .matrix();
+      continue;
+    }
+    // Panels of a group are consecutive.
+    for (Index l = k;
+         l < size &&
+         group_of[static_cast<std::size_t>(unknowns.panels[static_cast<std::size_t>(l)])] == group;
+         ++l)
+      if (unknowns.is_conductor(l))
+        energies.row(group) +=
+            ((l == k ? 1.0 : 2.0) * single_layer_(panel, unknowns.panels[static_cast<std::size_t>(l)]) *
+             details.row(k).array() * details.row(l).array())
+                .matrix();
+  }
+  for (Index c = 0; c < conductors; ++c)
+    if (own[c] > 0)
+      result.error_indicators = result.error_indicators.cwiseMax(energies.col(c).cwiseAbs() / own[c]);
+  return result;
+}
+
+void InsulatedSystem::refine(const std::vector<bool>& marked, const MatrixXd& panels) {
+  mesh_.refine(marked, panels);
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "bem/galerkin_system.hpp"
+#include "bem/insulators.hpp"
+#include "bem/panel_mesh.hpp"
+
+namespace fringe::detail {
+
+/// The capacitances of a set of bodies, in metres, and what the panels carry for every conductor at unit
+/// potential (columns): the charge of a conductor's panel, the potential of an interface's.
+struct InsulatedSolution {
+  NestedMatrix matrix;  ///< as it is solved: not quite symmetric
+  Eigen::MatrixXd panels;
+  Eigen::MatrixXd body_charges;      ///< on each body of a conductor
+  Eigen::VectorXd error_indicators;  ///< of the groups of panels, relative to each conductor's own entry
+};
+
+/// The boundary element equations of conductors and dielectric bodies (model/BOUNDARY_ELEMENTS.md, section
+/// 12), with dense matrices.
+class InsulatedSystem {
+ public:
+  /// Divides the surfaces into panels, graded towards the sharp edges. Only parts that exist with all bodies
+  /// or with one of the `others` get panels.
+  InsulatedSystem(const InsulatedBodies& bodies, const std::vector<Presence>& others,
+                  const PanelGrading& grading, std::size_t threads);
+
+  std::size_t panels() const { return mesh_.panels().size(); }
+  const std::vector<PanelGroup>& groups() const { return mesh_.groups(); }
+
+  /// Returns a relative error that undivided triangles may have beyond the change from the coarse to the
+  /// whole space, which does not show it: one over the fewest triangles of a body that has some.
+  double undivided_error() const;
+
+  /// Evaluates both operators; `tolerance` is the error aimed at for each element.
+  void evaluate(double tolerance);
+
+  InsulatedSolution solve(const Presence& presence) const;
+
+  /// Divides the marked groups of panels.
+  void refine(const std::vector<bool>& marked, const Eigen::MatrixXd& panels);
+
+ private:
+  const InsulatedBodies& bodies_;
+  std::size_t threads_;
+  PanelMesh mesh_;
+  Eigen::MatrixXd single_layer_;
+  Eigen::MatrixXd double_layer_;
+};
+
+}  // namespace fringe::detail

@@ -1,0 +1,206 @@
+#include "bem/insulators.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "bem/contact.hpp"
+#include "bem/readings.hpp"
+#include "fringe/error.hpp"
+#include "fringe/pose.hpp"
+#include "fringe/reading.hpp"
+#include "geometry/winding_number.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Vector3d;
+
+Scene without_insulators(const Scene& scene) {
+  Scene result = scene;
+  std::erase_if(result.objects,
+                [](const Object& object) { return std::holds_alternative<Dielectric>(object.role); });
+  result.readings.clear();
+  return result;
+}
+
+Insulator insulator_of(const Object& object, const Eigen::Isometry3d& pose, double medium) {
+  Insulator result;
+  result.name = fmt::format("object \"{}\"", object.name);
+  result.ratio = std::get<Dielectric>(object.role).relative_permittivity / medium;
+  if (!(pose * object.pose).matrix().allFinite())
+    throw InputError(fmt::format("{}: its pose is not finite", result.name));
+  result.surface = surface_triangles(object);
+  if (!is_closed(result.surface))
+    throw InputError(fmt::format("{} is dielectric, but its surface encloses no volume", result.name));
+  for (Triangle& triangle : result.surface)
+    triangle = transformed(triangle, pose * object.pose);
+  if (signed_volume(result.surface) < 0)
+    for (Triangle& triangle : result.surface)
+      std::swap(triangle[1], triangle[2]);
+  result.box = axis_aligned_box(result.surface);
+  return result;
+}
+
+/// Throws InputError if a conductor reaches into a cover: it is thicker than the gap.
+void refuse_conductors_inside(const Insulator& cover, const ChargedBodies& conductors) {
+  /// Part of its size by which a cover is shrunk: what only touches it is then apart.
+  constexpr double shrinking = 1e-6;
+  const Vector3d centre = cover.box.center();
+  ChargedBody shrunk{0, 0, TriangleSurface{cover.surface}, cover.name, {}};
+  for (Triangle& triangle : std::get<TriangleSurface>(shrunk.surface).triangles)
+    for (Vector3d& corner : triangle)
+      corner += shrinking * (centre - corner);
+  for (const ChargedBody& body : conductors.bodies)
+    refuse_contact(shrunk, body, "a cover must not be thicker than the gap before it");
+}
+
+/// Returns true if a point lies on one of the triangles that are parallel to a plane through the point.
+bool lies_on(const Vector3d& point, const Vector3d& normal, std::span<const Triangle> surface,
+             double tolerance) {
+  /// Least cosine of the angle between a part and the surface it lies on.
+  constexpr double parallel = 1 - 1e-6;
+  return std::any_of(surface.begin(), surface.end(), [&](const Triangle& triangle) {
+    const Vector3d own = unit_normal(triangle);
+    if (std::abs(own.dot(normal)) < parallel || std::abs(own.dot(point - triangle[0])) > tolerance)
+      return false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vector3d side = triangle[(k + 1) % 3] - triangle[k];
+      if (side.cross(point - triangle[k]).dot(own) < -tolerance * side.norm())
+        return false;
+    }
+    return true;
+  });
+}
+
+}  // namespace
+
+Vector3d unit_normal(const Triangle& triangle) {
+  return (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
+}
+
+bool has_insulators(const Scene& scene) {
+  return std::any_of(scene.objects.begin(), scene.objects.end(),
+                     [](const Object& object) { return std::holds_alternative<Dielectric>(object.role); });
+}
+
+InsulatedBodies insulated_bodies(const Scene& scene) {
+  InsulatedBodies result;
+  result.conductors = charged_bodies(without_insulators(scene));
+  ChargedBodies& conductors = result.conductors;
+  const std::vector<bool> are_targets = targets(scene);
+  for (ChargedBody& body : conductors.bodies) {
+    body.surface = oriented_triangles(body.surface);
+    const std::string& name = conductors.conductors[body.conductor].members[body.member];
+    for (std::size_t k = 0; k < scene.objects.size(); ++k)
+      if (scene.objects[k].name == name)
+        body.is_target = are_targets[k];
+  }
+  conductors.readings.clear();
+  if (asks_for_changes(scene))
+    conductors.readings = charged_readings(readings(scene), drivable_conductors(conductors));
+  const std::vector<Eigen::Isometry3d> link_poses = world_poses(scene.links);
+  for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+    const Object& object = scene.objects[k];
+    if (!std::holds_alternative<Dielectric>(object.role))
+      continue;
+    result.insulators.push_back(
+        insulator_of(object, attachment_pose(link_poses, object.link), scene.medium.relative_permittivity));
+    result.insulators.back().is_target = are_targets[k];
+    if (is_cover(object))
+      refuse_conductors_inside(result.insulators.back(), conductors);
+  }
+  return result;
+}
+
+Presence everything(const InsulatedBodies& bodies) {
+  return {std::vector<bool>(bodies.conductors.bodies.size(), true),
+          std::vector<bool>(bodies.insulators.size(), true)};
+}
+
+Presence without_targets(const InsulatedBodies& bodies) {
+  Presence result;
+  for (const ChargedBody& body : bodies.conductors.bodies)
+    result.conductors.push_back(!body.is_target);
+  for (const Insulator& insulator : bodies.insulators)
+    result.insulators.push_back(!insulator.is_target);
+  return result;
+}
+
+Presence sensors_alone(const InsulatedBodies& bodies) {
+  Presence result;
+  for (const ChargedBody& body : bodies.conductors.bodies)
+    result.conductors.push_back(bodies.conductors.role(body) == Role::sensor);
+  result.insulators.assign(bodies.insulators.size(), false);
+  return result;
+}
+
+Surroundings::Surroundings(const InsulatedBodies& bodies, Presence presence)
+    : bodies_(bodies), presence_(std::move(presence)) {
+  for (std::size_t k = 0; k < bodies.conductors.bodies.size(); ++k) {
+    const auto* surface = std::get_if<TriangleSurface>(&bodies.conductors.bodies[k].surface);
+    if (presence_.conductors[k] && surface != nullptr && is_closed(surface->triangles))
+      closed_.push_back({&surface->triangles, axis_aligned_box(surface->triangles)});
+  }
+}
+
+bool Surroundings::is_in_conductor(const Vector3d& point) const {
+  return std::any_of(closed_.begin(), closed_.end(), [&](const Closed& closed) {
+    return closed.box.contains(point) && is_in_polyhedron(*closed.surface, point);
+  });
+}
+
+double Surroundings::ratio_at(const Vector3d& point) const {
+  for (std::size_t k = bodies_.insulators.size(); k-- > 0;) {
+    const Insulator& insulator = bodies_.insulators[k];
+    if (presence_.insulators[k] && insulator.box.contains(point) &&
+        is_in_polyhedron(insulator.surface, point))
+      return is_in_conductor(point) ? 1 : insulator.ratio;
+  }
+  return 1;
+}
+
+bool Surroundings::is_inside_conductor(std::size_t insulator) const {
+  const auto& surface = bodies_.insulators[insulator].surface;
+  return std::all_of(surface.begin(), surface.end(), [&](const Triangle& triangle) {
+    return is_in_conductor((triangle[0] + triangle[1] + triangle[2]) / 3);
+  });
+}
+
+PartState Surroundings::state(const Triangle& part, std::size_t body) const {
+  /// Distance of the points beside a part, relative to its size; above rounding, below any feature.
+  constexpr double shift = 1e-5;
+  const std::size_t conductors = bodies_.conductors.bodies.size();
+  const bool is_conductor = body < conductors;
+  if (!(is_conductor ? presence_.conductors[body] : presence_.insulators[body - conductors]))
+    return {};
+  const Vector3d centre = (part[0] + part[1] + part[2]) / 3, normal = unit_normal(part);
+  const double size = std::sqrt(twice_area(part));
+  const Vector3d away = shift * size * normal;
+  const Ratios ratios{ratio_at(centre - away), ratio_at(centre + away)};
+  if (is_conductor)
+    return {PartKind::conductor, ratios};
+  if (ratios.behind == ratios.before)
+    return {};
+  const Insulator& own = bodies_.insulators[body - conductors];
+  const double own_size = own.box.diagonal().norm();
+  const auto is_on = [&](std::span<const Triangle> surface, const AlignedBox3d& box) {
+    const double tolerance = 2 * touching_surfaces * std::max(own_size, box.diagonal().norm());
+    return box.exteriorDistance(centre) <= tolerance && lies_on(centre, normal, surface, tolerance);
+  };
+  for (std::size_t k = 0; k < conductors; ++k) {
+    const auto triangles = triangles_of(bodies_.conductors.bodies[k].surface);
+    if (presence_.conductors[k] && is_on(triangles, axis_aligned_box(triangles)))
+      return {};
+  }
+  for (std::size_t k = 0; k + conductors < body; ++k)
+    if (presence_.insulators[k] && is_on(bodies_.insulators[k].surface, bodies_.insulators[k].box))
+      return {};
+  return {PartKind::interface, ratios};
+}
+
+}  // namespace fringe::detail

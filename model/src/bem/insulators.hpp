@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "bem/bodies.hpp"
+#include "fringe/scene.hpp"
+
+/// Dielectric bodies beside conductors (model/BOUNDARY_ELEMENTS.md, section 12).
+namespace fringe::detail {
+
+/// Distance, relative to the size of two bodies, below which their surfaces touch: rounding of their poses.
+constexpr double touching_surfaces = 1e-9;
+
+/// Returns the normal of a triangle, of length one, to the side from which it is anticlockwise.
+Eigen::Vector3d unit_normal(const Triangle& triangle);
+
+/// A dielectric body.
+struct Insulator {
+  std::string name;               ///< for messages
+  std::vector<Triangle> surface;  ///< closed, in world coordinates
+  Eigen::AlignedBox3d box;        ///< around `surface`
+  double ratio;                   ///< its permittivity over the medium's
+  bool is_target = false;
+};
+
+/// Conductors, whose surfaces are of triangles, and dielectric bodies. Of dielectric bodies that overlap, the
+/// later one fills the common space; conductors displace all of them.
+struct InsulatedBodies {
+  ChargedBodies conductors;
+  std::vector<Insulator> insulators;
+};
+
+/// Returns true if a scene has a dielectric body.
+bool has_insulators(const Scene& scene);
+
+/// Returns the bodies of a scene in world coordinates. Throws InputError as charged_bodies() does, for a
+/// dielectric body whose surface is not closed, and for a sensor's cover that a conductor reaches into.
+InsulatedBodies insulated_bodies(const Scene& scene);
+
+/// Which bodies are there.
+struct Presence {
+  std::vector<bool> conductors;  ///< for each body of a conductor
+  std::vector<bool> insulators;
+};
+
+Presence everything(const InsulatedBodies& bodies);
+Presence without_targets(const InsulatedBodies& bodies);
+Presence sensors_alone(const InsulatedBodies& bodies);
+
+/// The relative permittivities behind a panel and before it, where its normal points to.
+struct Ratios {
+  double behind;
+  double before;
+  bool operator==(const Ratios&) const = default;
+};
+
+/// What a part of a surface is when some of the bodies are there.
+enum class PartKind {
+  conductor,  ///< it carries charge at a known potential
+  interface,  ///< two dielectrics meet, at an unknown potential
+  absent      ///< nothing
+};
+
+struct PartState {
+  PartKind kind = PartKind::absent;
+  Ratios ratios{1, 1};
+  bool operator==(const PartState&) const = default;
+};
+
+/// Tells what parts of surfaces are. Bodies are numbered: those of conductors, then the dielectric ones.
+class Surroundings {
+ public:
+  Surroundings(const InsulatedBodies& bodies, Presence presence);
+
+  PartState state(const Triangle& part, std::size_t body) const;
+
+  /// Returns true if all corners of a dielectric body are inside conductors.
+  bool is_inside_conductor(std::size_t insulator) const;
+
+ private:
+  struct Closed {
+    const std::vector<Triangle>* surface;
+    Eigen::AlignedBox3d box;
+  };
+  bool is_in_conductor(const Eigen::Vector3d& point) const;
+  double ratio_at(const Eigen::Vector3d& point) const;
+
+  const InsulatedBodies& bodies_;
+  Presence presence_;
+  std::vector<Closed> closed_;  ///< the conductors' closed surfaces that are there
+};
+
+/// Returns the surface of every body, conductors first, divided where the surface of another body meets it if
+/// one of both is dielectric: every part is either on or off the other surface, and inside or outside it.
+/// Throws InputError where that takes too many parts.
+std::vector<std::vector<Triangle>> divided_surfaces(const InsulatedBodies& bodies);
+
+}  // namespace fringe::detail

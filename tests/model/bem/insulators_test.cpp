@@ -1,0 +1,127 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "bem/double_layer.hpp"
+#include "bem/scenes.hpp"
+#include "fringe/boundary_elements.hpp"
+
+namespace fringe {
+namespace {
+
+using test::at;
+using test::box;
+using test::object;
+using test::sensor;
+using test::square;
+using ::testing::HasSubstr;
+
+constexpr double unit = 4 * std::numbers::pi * vacuum_permittivity;
+
+BoundaryElementOptions loose() {
+  BoundaryElementOptions options;
+  options.rtol = 1e-2;
+  return options;
+}
+
+/// Returns the first entry of the Maxwell matrix over 4πε, in metres.
+double first_entry(const Scene& scene) {
+  return maxwell(scene, loose()).values(0, 0) / unit;
+}
+
+/// Returns what the entry tends to for round surfaces: the errors by their facets fall like the square of the
+/// number of segments.
+template <typename MakeScene>
+double of_round_surfaces(const MakeScene& scene, int few, int many) {
+  const double a = first_entry(scene(few)), b = first_entry(scene(many));
+  return (many * many * b - few * few * a) / (many * many - few * few);
+}
+
+TEST(Insulators, ABallOfPermittivityFiveBeforeAGroundedBallAgreesWithTheMultipoleSeries) {
+  // The series of tests/fem_reference/test_verification_solids.py, two_balls(0.01, 0.02, 0.05,
+  // dielectric(5)).
+  constexpr double series = 0.010089173460725371;
+  const auto scene = [](int segments) {
+    Scene result;
+    result.objects = {object("ball", Sphere{0.01, segments}, at(0, 0, 0)),
+                      object("glass", Sphere{0.02, segments}, at(0, 0, 0.05), Dielectric{5})};
+    return result;
+  };
+  EXPECT_NEAR(of_round_surfaces(scene, 24, 32), series, 1e-4 * series);
+}
+
+TEST(Insulators, ACoatedBallHasTheCapacitanceOfTwoInSeries) {
+  const auto scene = [](int segments) {
+    Scene result;
+    result.objects = {object("coat", Sphere{0.02, segments}, at(0, 0, 0), Dielectric{5}),
+                      object("ball", Sphere{0.01, segments}, at(0, 0, 0))};
+    return result;
+  };
+  const double exact = 1 / ((1 / 0.01 - 1 / 0.02) / 5 + 1 / 0.02);
+  EXPECT_NEAR(of_round_surfaces(scene, 16, 24), exact, 1e-3 * exact);
+}
+
+/// Returns a square sensor of 10 cm below a grounded box, with other bodies.
+Scene below_a_box(const std::vector<Object>& others) {
+  Scene scene;
+  scene.sensors = {sensor("front", {square(0.1, 0)})};
+  scene.objects = others;
+  scene.objects.push_back(box("hand", {-5, -5, 3}, {5, 5, 6}));
+  return scene;
+}
+
+Object dielectric_box(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double permittivity) {
+  Object result = box("glass", low, high);
+  result.role = Dielectric{permittivity};
+  return result;
+}
+
+TEST(Insulators, ALayerOfTheMediumOnASensorChangesNothing) {
+  const MaxwellMatrix bare = maxwell(below_a_box({}), loose());
+  const MaxwellMatrix covered = maxwell(below_a_box({dielectric_box({-5, -5, 0}, {5, 5, 0.2}, 1)}), loose());
+  EXPECT_TRUE(covered.reached);
+  EXPECT_LE((covered.values - bare.values).cwiseAbs().maxCoeff(), (covered.errors + bare.errors).maxCoeff());
+}
+
+TEST(Insulators, OfBodiesThatOverlapTheLaterOneFillsTheCommonSpace) {
+  const MaxwellMatrix one = maxwell(below_a_box({dielectric_box({-4, -4, 0}, {4, 4, 1}, 3)}), loose());
+  Object lower = dielectric_box({-4, -4, 0}, {4, 4, 0.8}, 7);
+  lower.name = "covered";
+  const MaxwellMatrix two = maxwell(below_a_box({lower, dielectric_box({-4, -4, 0}, {4, 4, 1}, 3)}), loose());
+  EXPECT_LE(std::abs(one.values(0, 0) - two.values(0, 0)), one.errors(0, 0) + two.errors(0, 0));
+}
+
+TEST(Insulators, AnInsulatingTargetAddsLessThanAGroundedOne) {
+  Scene scene = below_a_box({dielectric_box({-3, -3, 1}, {3, 3, 2}, 4)});
+  scene.objects[0].target = true;
+  const MaxwellMatrix insulating = maxwell(scene, loose());
+  scene.objects[0].role = Grounded{};
+  const MaxwellMatrix grounded = maxwell(scene, loose());
+  ASSERT_EQ(insulating.readings.size(), 1U);
+  EXPECT_GT(*insulating.readings[0].change.value, *insulating.readings[0].change.error);
+  EXPECT_LT(*insulating.readings[0].change.value, *grounded.readings[0].change.value);
+  EXPECT_FALSE(insulating.lower_bounds[0]);
+}
+
+TEST(Insulators, OneInsideAConductorIsRefused) {
+  try {
+    maxwell(below_a_box({dielectric_box({-1, -1, 4}, {1, 1, 5}, 4)}), loose());
+    FAIL() << "must be refused";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(R"(object "glass" is dielectric and wholly inside a conductor)"));
+  }
+}
+
+TEST(DoubleLayer, TheFacesOfABodyAddUpToTheWholeSolidAngle) {
+  std::vector<detail::Panel> panels;
+  for (const Triangle& triangle : triangulate(Cuboid{1, 2, 0.1}))
+    panels.push_back(detail::make_panel(triangle));
+  const Eigen::MatrixXd matrix = detail::double_layer_matrix(panels, panels, 1e-5, 1);
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row)
+    EXPECT_NEAR(matrix.row(row).sum(), 0.5, 1e-4);
+}
+
+}  // namespace
+}  // namespace fringe
