@@ -6,7 +6,7 @@
 namespace fringe::detail {
 
 /// Computes the Maxwell matrix of conductors beside dielectric bodies, refined until the estimated errors are
-/// within rtol or the matrices too large (model/BOUNDARY_ELEMENTS.md, section 12). In metres, to be
+/// within rtol or the matrices too large (model/BOUNDARY_ELEMENTS.md, section 13). In metres, to be
 /// multiplied by 4πε. No entry is a lower bound.
 MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const BoundaryElementOptions& options);
 

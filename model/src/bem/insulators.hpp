@@ -9,7 +9,7 @@
 #include "bem/bodies.hpp"
 #include "fringe/scene.hpp"
 
-/// Dielectric bodies beside conductors (model/BOUNDARY_ELEMENTS.md, section 12).
+/// Dielectric bodies beside conductors (model/BOUNDARY_ELEMENTS.md, section 13).
 namespace fringe::detail {
 
 /// Distance, relative to the size of two bodies, below which their surfaces touch: rounding of their poses.
