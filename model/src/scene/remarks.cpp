@@ -119,7 +119,8 @@ void remark_on_sizes(const Scene& scene, const std::vector<Body>& bodies, std::v
 /// Remarks on triangles of a mesh that do not count, and on those that face inwards.
 void remark_on_triangles(const Object& object, std::vector<std::string>& found) {
   const auto* mesh = std::get_if<Mesh>(&object.shape);
-  if (mesh == nullptr)
+  // The triangles of a person, a mesh without a file, are sound.
+  if (mesh == nullptr || mesh->file.empty())
     return;
   std::vector<Triangle> sound;
   std::copy_if(mesh->triangles.begin(), mesh->triangles.end(), std::back_inserter(sound),

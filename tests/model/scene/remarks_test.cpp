@@ -51,7 +51,7 @@ TEST(Remarks, AreNoneOnASoundScene) {
 TEST(Remarks, AskAboutLengthsThatMayBeInMillimetres) {
   Scene scene = sensor_and_box();
   scene.sensors[0].plates.push_back({{100, 0, 0}, {40, 0, 0}, {0, 30, 0}});
-  scene.objects.push_back(object_of("arm", Mesh{"", 1, triangulate(Cuboid{1, 179, 1})}, {300, 0, 0}));
+  scene.objects.push_back(object_of("arm", Mesh{"body.stl", 1, triangulate(Cuboid{1, 179, 1})}, {300, 0, 0}));
   EXPECT_THAT(
       remarks(scene),
       ElementsAre("sensor \"front\": plates[1] is 40 m long: is it in millimetres? Then write units = \"mm\" "
@@ -74,11 +74,11 @@ TEST(Remarks, NameTrianglesThatDoNotCountAndMeshesThatFaceInwards) {
   std::vector<Triangle> triangles = triangulate(Cuboid{0.1, 0.1, 0.1});
   const Triangle line{triangles[0][0], triangles[0][0], triangles[0][1]};
   triangles.insert(triangles.end(), {triangles[3], line, triangles[3], line, line});
-  scene.objects[0].shape = Mesh{"", 1, triangles};
+  scene.objects[0].shape = Mesh{"body.stl", 1, triangles};
   EXPECT_THAT(remarks(scene),
               ElementsAre("object \"hand\": triangles without area: 3, triangles that repeat others: "
                           "2; they are left out"));
-  scene.objects[0].shape = Mesh{"", 1, reversed(triangulate(Cuboid{0.1, 0.1, 0.1}))};
+  scene.objects[0].shape = Mesh{"body.stl", 1, reversed(triangulate(Cuboid{0.1, 0.1, 0.1}))};
   EXPECT_THAT(remarks(scene), ElementsAre(StartsWith("object \"hand\": its triangles face inwards:")));
 }
 
@@ -107,7 +107,7 @@ TEST(Remarks, SayThatThereIsNoSensor) {
 
 TEST(Remarks, NameSheetsOfWhichOnlyBacksAreSeen) {
   Scene scene = sensor_and_box();
-  scene.objects = {object_of("sheet", Mesh{"", 1, triangulate(Plate{0.1, 0.1})}, {0, 0, 0.05})};
+  scene.objects = {object_of("sheet", Mesh{"body.stl", 1, triangulate(Plate{0.1, 0.1})}, {0, 0, 0.05})};
   EXPECT_THAT(remarks_on(scene, {.faces = FaceRule::facing}),
               ElementsAre(StartsWith("sensor \"front\" sees only backs of the triangles of \"sheet\"")));
   EXPECT_THAT(remarks_on(scene, {}), IsEmpty());
