@@ -82,7 +82,7 @@ def turned(rotation: NDArray[np.float64], angle: float, axis: int) -> NDArray[np
 
 def world_rotation(scene: Any, link: str) -> NDArray[np.float64]:
     """The rotation from the frame of the link's parent to the world."""
-    return scene.pose("arm")[:3, :3] if link == "wrist" else np.eye(3)
+    return np.array(scene.pose("arm")[:3, :3]) if link == "wrist" else np.eye(3)
 
 
 def change(scene: Any, link: str, coordinate: int, amount: float, options: dict[str, Any]) -> float:
@@ -298,7 +298,7 @@ def test_by_boundary_elements_they_are_not_known_between_links_that_touch(module
 
 def test_the_command_prints_them(module: Any, tmp_path: Path) -> None:
     (tmp_path / "arm.toml").write_text(ARM)
-    command = [COMMAND, "capacitance", tmp_path / "arm.toml", "--derivatives"]
+    command = [str(COMMAND), "capacitance", str(tmp_path / "arm.toml"), "--derivatives"]
     table, document = (
         subprocess.run([*command, *more], capture_output=True, text=True, check=True).stdout
         for more in ((), ("--json",))
