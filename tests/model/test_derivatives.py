@@ -82,7 +82,7 @@ def turned(rotation: NDArray[np.float64], angle: float, axis: int) -> NDArray[np
 
 def world_rotation(scene: Any, link: str) -> NDArray[np.float64]:
     """The rotation from the frame of the link's parent to the world."""
-    return scene.pose("arm")[:3, :3] if link == "wrist" else np.eye(3)
+    return np.array(scene.pose("arm")[:3, :3]) if link == "wrist" else np.eye(3)
 
 
 def change(scene: Any, link: str, coordinate: int, amount: float, options: dict[str, Any]) -> float:
@@ -257,24 +257,48 @@ def test_by_boundary_elements_they_are_those_of_accurate_changes(module: Any) ->
                 assert abs(found[coordinate] - expected) < error + 5e-3 * np.linalg.norm(kind)
 
 
-def test_by_boundary_elements_they_are_not_known_between_links_that_touch(module: Any) -> None:
-    neck = """
+TOUCHING = """
+[[link]]
+name = "head"
+
+[[link]]
+name = "hand"
+translation = [0, 0, 0.2]
+
+[[sensor]]
+name = "front"
+link = "head"
+plates = [{ corner = [0, 0, 0.05], edge_u = [0.05, 0, 0], edge_v = [0, 0.05, 0] }]
+
+[[object]]
+name = "base"
+shape = { type = "box", size = [0.1, 0.1, 0.1] }
+translation = [0, 0, -0.08]
+
 [[object]]
 name = "neck"
 link = "head"
-shape = { type = "box", size = [0.02, 0.02, 0.03] }
-translation = [0.06, 0.06, -0.02]
+shape = { type = "box", size = [0.1, 0.1, 0.05] }
+translation = [0, 0, -0.005]
+
+[[object]]
+name = "palm"
+link = "hand"
+shape = { type = "plate", size = [0.1, 0.1] }
+target = true
 """
-    reading = module.Scene.loads(MACHINE + neck).readings("boundary-elements", rtol=0.05, derivatives=True)[
-        "self"
-    ]
+
+
+def test_by_boundary_elements_they_are_not_known_between_links_that_touch(module: Any) -> None:
+    scene = module.Scene.loads(TOUCHING)
+    reading = scene.readings("boundary-elements", rtol=0.2, derivatives=True)["front"]
     assert np.isnan(reading.derivatives["head"]).all()
-    assert np.isfinite(reading.derivatives["hand"]).all()
+    assert reading.derivatives["hand"][2] < 0
 
 
 def test_the_command_prints_them(module: Any, tmp_path: Path) -> None:
     (tmp_path / "arm.toml").write_text(ARM)
-    command = [COMMAND, "capacitance", tmp_path / "arm.toml", "--derivatives"]
+    command = [str(COMMAND), "capacitance", str(tmp_path / "arm.toml"), "--derivatives"]
     table, document = (
         subprocess.run([*command, *more], capture_output=True, text=True, check=True).stdout
         for more in ((), ("--json",))

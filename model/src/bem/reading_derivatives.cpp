@@ -18,10 +18,10 @@ using Eigen::Vector3d;
 
 /// Error of a derivative, relative to it, per relative error of the change: the error of the change may vary
 /// faster with the pose than the change.
-constexpr double error_per_error = 3;
+constexpr double error_per_error = 10;
 
-/// Error of the nodes' forces, relative.
-constexpr double node_error = 1e-3;
+/// Error of the nodes' forces, and of what the change does not tell, relative.
+constexpr double node_error = 4e-3;
 
 /// A reading's change as Σ over forms of the energy between two charges: columns of FormCharges.
 struct Form {
