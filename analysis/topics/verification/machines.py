@@ -173,6 +173,9 @@ def page(answers: dict[str, Document]) -> str:
         kind = "proven" if found["proven"] else "not proven: curved or wrapped bodies"
         reached = "yes" if found["reached"] else "no"
         lines.append(f"| {each.name} | {unknowns} | {found['processor_seconds']:g} | {kind} | {reached} |")
+    missing = [machine.name for machine in machines() if machine.name not in answers]
+    if missing:
+        lines += ["", f"Not solved yet: {', '.join(missing)}."]
     return "\n".join(lines) + "\n"
 
 
