@@ -36,6 +36,8 @@ class PanelSystem {
 
   std::size_t faces() const { return faces_.faces(); }
   const PanelMesh& mesh() const { return mesh_; }
+  /// Returns the matrix of the panels as of the last refine().
+  const PanelOperator& panel_operator() const { return *panels_; }
 
   /// Refines marked groups of panels, by the charges of the last solution.
   void refine_groups(const std::vector<bool>& marked, const Eigen::MatrixXd& charges);
