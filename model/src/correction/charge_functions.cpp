@@ -5,6 +5,8 @@
 #include <queue>
 #include <utility>
 
+#include <Eigen/QR>
+
 #include "geometry/median_split.hpp"
 
 namespace fringe::detail {
@@ -17,7 +19,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 /// Largest ratios of a function's radius to the distance at which each level but the finest suffices.
-constexpr std::array<double, 2> largest_ratios{0.3, 0.8};
+constexpr std::array<double, 3> largest_ratios{0.6, 1.5, 4};
 
 AlignedBox3d box_of(const PanelMesh& mesh, std::span<const std::size_t> panels) {
   AlignedBox3d box;
@@ -68,6 +70,24 @@ void add_centres(const Triangle& triangle, std::size_t parts, std::vector<Vector
     add_centres(quarter, parts / 4, centres);
 }
 
+/// Adds charges to those at points (rows) so that their dipole moments about `centre` become `moments` (a
+/// column for each of the charges), as far as the points allow; the sums of the charges stay.
+void match_moments(const std::vector<Vector3d>& points, const Vector3d& centre, double radius,
+                   const MatrixXd& moments, MatrixXd& charges) {
+  /// Least extent of the points in a direction, relative to the largest one, in which moments are matched:
+  /// across a flat part they hardly differ.
+  constexpr double least_extent = 0.1;
+  MatrixXd conditions(4, index_of(points.size()));
+  for (std::size_t k = 0; k < points.size(); ++k)
+    conditions.col(index_of(k)) << 1, (points[k] - centre) / radius;
+  MatrixXd missing = MatrixXd::Zero(4, charges.cols());
+  missing.bottomRows(3) = moments / radius - (conditions * charges).bottomRows(3);
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> solver;
+  solver.setThreshold(least_extent);
+  solver.compute(conditions);
+  charges += solver.solve(missing);
+}
+
 /// A part of a body's surface, and how important it is to divide it.
 struct Candidate {
   double importance;
@@ -91,12 +111,20 @@ ChargeFunctions::ChargeFunctions(const ConductorsAtRest& conductors, const Matri
       of_bodies[group.body].push_back(k);
   std::vector<std::size_t> order;
   std::priority_queue<Candidate> candidates;
+  const auto density = [&](std::span<const std::size_t> some) {
+    double charge = 0, area = 0;
+    for (const std::size_t panel : some) {
+      charge += weights[index_of(panel)];
+      area += mesh.panels()[panel].area;
+    }
+    return charge / area;
+  };
+  std::vector<double> densities;
+  for (const auto& panels : of_bodies)
+    densities.push_back(panels.empty() ? 0 : density(panels));
   const auto add_candidate = [&](std::size_t first, std::size_t count, std::size_t body) {
     const auto panels = std::span(order).subspan(first, count);
-    double squared = 0;
-    for (const std::size_t panel : panels)
-      squared += weights[index_of(panel)] * weights[index_of(panel)] / mesh.panels()[panel].area;
-    const double value = count > 1 ? importance({panels, box_of(mesh, panels), squared}) : 0;
+    const double value = count > 1 ? importance({box_of(mesh, panels), density(panels), densities[body]}) : 0;
     candidates.push({value, first, count, body});
   };
   for (const auto& panels : of_bodies)
@@ -132,7 +160,8 @@ ChargeFunctions::ChargeFunctions(const ConductorsAtRest& conductors, const Matri
       restriction.target[static_cast<std::size_t>(place)] = index_of(function);
       restriction.weights[place] = weights[index_of(panel)] / total;
     }
-    add_function(mesh, panels, conductors.bodies().bodies[parts[function].body].conductor, weights / total, given);
+    add_function(mesh, panels, conductors.bodies().bodies[parts[function].body].conductor, weights / total,
+                 given);
   }
   energies_ = conductors.panel_operator().matrix().dense_restricted(restriction, index_of(parts.size()));
   for (std::size_t level = 0; level < points_.size(); ++level) {
@@ -144,8 +173,8 @@ ChargeFunctions::ChargeFunctions(const ConductorsAtRest& conductors, const Matri
   }
 }
 
-void ChargeFunctions::add_function(const PanelMesh& mesh, std::span<std::size_t> panels, std::size_t conductor,
-                                   const VectorXd& weights, const MatrixXd& given) {
+void ChargeFunctions::add_function(const PanelMesh& mesh, std::span<std::size_t> panels,
+                                   std::size_t conductor, const VectorXd& weights, const MatrixXd& given) {
   const AlignedBox3d box = box_of(mesh, panels);
   centres_.push_back(box.center());
   double radius = 0;
@@ -154,35 +183,51 @@ void ChargeFunctions::add_function(const PanelMesh& mesh, std::span<std::size_t>
       radius = std::max(radius, (corner - box.center()).norm());
   radii_.push_back(radius);
   conductors_.push_back(conductor);
+  MatrixXd moments = MatrixXd::Zero(3, given.cols());
+  for (const std::size_t panel : panels)
+    moments += (mesh.panels()[panel].centre - box.center()) * given.row(index_of(panel));
   for (std::size_t level = 0; level < points_.size(); ++level) {
-    FunctionPoints& points = points_[level];
-    points.first.push_back(points.at.size());
     const std::size_t wanted = points_per_function[level];
     std::vector<std::span<std::size_t>> parts;
     divide(mesh, panels, wanted, parts);
+    std::vector<Vector3d> at;
+    std::vector<double> shares;
+    std::vector<Eigen::RowVectorXd> charges;
     for (const std::span<std::size_t> part : parts) {
       if (part.size() > 1 || parts.size() >= wanted) {
         Vector3d centre = Vector3d::Zero();
         double share = 0;
-        VectorXd charge = VectorXd::Zero(given.cols());
+        Eigen::RowVectorXd charge = Eigen::RowVectorXd::Zero(given.cols());
         for (const std::size_t panel : part) {
           centre += weights[index_of(panel)] * mesh.panels()[panel].centre;
           share += weights[index_of(panel)];
-          charge += given.row(index_of(panel)).transpose();
+          charge += given.row(index_of(panel));
         }
-        points.at.emplace_back((centre / share).cast<float>());
-        points.shares.push_back(static_cast<float>(share));
-        given_[level].push_back(charge);
+        at.emplace_back(centre / share);
+        shares.push_back(share);
+        charges.push_back(charge);
         continue;
       }
       std::vector<Vector3d> centres;
       add_centres(mesh.panels()[part[0]].corners, (wanted + parts.size() - 1) / parts.size(), centres);
       const auto count = static_cast<double>(centres.size());
       for (const Vector3d& centre : centres) {
-        points.at.emplace_back(centre.cast<float>());
-        points.shares.push_back(static_cast<float>(weights[index_of(part[0])] / count));
-        given_[level].emplace_back(given.row(index_of(part[0])).transpose() / count);
+        at.push_back(centre);
+        shares.push_back(weights[index_of(part[0])] / count);
+        charges.emplace_back(given.row(index_of(part[0])) / count);
       }
+    }
+    MatrixXd all(index_of(at.size()), given.cols());
+    for (std::size_t k = 0; k < at.size(); ++k)
+      all.row(index_of(k)) = charges[k];
+    if (level >= first_with_moments && given.cols() > 0)
+      match_moments(at, box.center(), radius, moments, all);
+    FunctionPoints& points = points_[level];
+    points.first.push_back(points.at.size());
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      points.at.emplace_back(at[k].cast<float>());
+      points.shares.push_back(static_cast<float>(shares[k]));
+      given_[level].emplace_back(all.row(index_of(k)).transpose());
     }
   }
 }

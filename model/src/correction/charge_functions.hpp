@@ -16,10 +16,10 @@ namespace fringe::detail {
 
 /// The charges of all functions as points, one function after the other.
 struct FunctionPoints {
-  std::vector<std::size_t> first;    ///< for each function its first point, and the end
-  std::vector<Eigen::Vector3f> at;   ///< m
-  std::vector<float> shares;         ///< charges at the points of a function with unit charge
-  Eigen::MatrixXf given;             ///< the given charges at the points (rows)
+  std::vector<std::size_t> first;   ///< for each function its first point, and the end
+  std::vector<Eigen::Vector3f> at;  ///< m
+  std::vector<float> shares;        ///< charges at the points of a function with unit charge
+  Eigen::MatrixXf given;            ///< the given charges at the points (rows)
 };
 
 /// Functions of unit charge on parts of the bodies' surfaces. Within a part they are proportional to the
@@ -27,14 +27,15 @@ struct FunctionPoints {
 class ChargeFunctions {
  public:
   /// Numbers of points of a function, the coarsest first.
-  static constexpr std::array<std::size_t, 3> points_per_function{1, 4, 16};
+  static constexpr std::array<std::size_t, 4> points_per_function{1, 4, 16, 64};
+  /// The first level whose points give the given charges their dipole moments.
+  static constexpr std::size_t first_with_moments = 1;
 
-  /// A part of a surface while it is divided: the panels, their smallest box, and their charge at unit
-  /// potential.
+  /// A part of a surface while it is divided.
   struct Part {
-    std::span<const std::size_t> panels;
-    Eigen::AlignedBox3d box;
-    double squared_density;  ///< integral of the squared density over the part
+    Eigen::AlignedBox3d box;  ///< around its panels
+    double density;           ///< mean charge per area at unit potential
+    double density_of_body;
   };
 
   /// Divides the surfaces, the part of greatest `importance` first, until there are `most` parts.

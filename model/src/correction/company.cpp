@@ -25,14 +25,14 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Relative accuracy of the machine's charges, and of the target's.
-constexpr double machine_rtol = 1e-2, target_rtol = 2e-2;
+/// Stated errors at which the refinement of the machine's charges, and of the target's, ends.
+constexpr double machine_rtol = 3e-2, target_rtol = 2e-2;
 
 /// Largest numbers of panels.
 constexpr std::size_t most_machine_panels = 6000, most_target_panels = 2500;
 
 /// Numbers of functions of the machine and of the target.
-constexpr std::size_t machine_functions = 320, target_functions = 160;
+constexpr std::size_t machine_functions = 200, target_functions = 128;
 
 /// Coordinate of points that only fill a block, in m: 1/distance is negligible.
 constexpr float far_away = 1e15F;
@@ -52,7 +52,8 @@ MatrixXd inverse(MatrixXd energies) {
 }
 
 /// Returns boxes around the sensed and driven bodies.
-std::vector<AlignedBox3d> boxes_of_used(const ChargedBodies& bodies, const std::vector<ChargedReading>& readings) {
+std::vector<AlignedBox3d> boxes_of_used(const ChargedBodies& bodies,
+                                        const std::vector<ChargedReading>& readings) {
   std::vector<AlignedBox3d> boxes;
   for (const ChargedBody& body : bodies.bodies) {
     const auto conductor = static_cast<Index>(body.conductor);
@@ -72,7 +73,7 @@ std::vector<AlignedBox3d> boxes_of_used(const ChargedBodies& bodies, const std::
 /// sensed and driven.
 double importance_for(const ChargeFunctions::Part& part, const std::vector<AlignedBox3d>& used) {
   /// Distance from a body, relative to its size, within which parts are to be equal in size.
-  constexpr double softness = 0.3;
+  constexpr double softness = 0.2;
   const double size = part.box.diagonal().norm();
   double largest = 0;
   for (const AlignedBox3d& box : used)
@@ -105,10 +106,9 @@ loads_of(const std::vector<ChargedReading>& readings, Index conductors) {
 }
 
 ChargeFunctions functions_of_machine(const ConductorsAtRest& conductors,
-                                     const std::vector<ChargedReading>& readings, const MatrixXd& loads) {
+                                     const std::vector<AlignedBox3d>& used, const MatrixXd& loads) {
   const MatrixXd all = potentials(conductors.matrix(), conductors.bodies());
   const MatrixXd given = conductors.charges() * (all * loads.topRows(all.cols()));
-  const std::vector<AlignedBox3d> used = boxes_of_used(conductors.bodies(), readings);
   return ChargeFunctions(
       conductors, given, [&](const ChargeFunctions::Part& part) { return importance_for(part, used); },
       machine_functions);
@@ -119,7 +119,8 @@ ChargeFunctions functions_of_machine(const ConductorsAtRest& conductors,
 MachineAtRest::MachineAtRest(ChargedBodies bodies, const std::vector<Reading>& readings)
     : MachineAtRest(
           [&] {
-            const std::vector<ChargedReading> charged = charged_readings(readings, drivable_conductors(bodies));
+            const std::vector<ChargedReading> charged =
+                charged_readings(readings, drivable_conductors(bodies));
             for (std::size_t k = 0; k < bodies.conductors.size(); ++k) {
               ChargedConductor& conductor = bodies.conductors[k];
               const auto at = static_cast<Index>(k);
@@ -139,7 +140,8 @@ MachineAtRest::MachineAtRest(const ConductorsAtRest& conductors, const std::vect
         const std::vector<ChargedReading> charged = charged_readings(readings, drivable_conductors(bodies));
         auto [loads, places] = loads_of(charged, static_cast<Index>(bodies.conductors.size()));
         readings_ = std::move(places);
-        return functions_of_machine(conductors, charged, loads);
+        used_ = boxes_of_used(bodies, charged);
+        return functions_of_machine(conductors, used_, loads);
       }()) {
   const ChargedBodies& bodies = conductors.bodies();
   MatrixXd answers = inverse(functions_.energies());
@@ -148,19 +150,24 @@ MachineAtRest::MachineAtRest(const ConductorsAtRest& conductors, const std::vect
     const MatrixXd responses = answers * functions_.net(bodies.conductors.size()).rightCols(floating);
     MatrixXd block = functions_.net(bodies.conductors.size()).rightCols(floating).transpose() * responses;
     for (Index k = 0; k < floating; ++k)
-      block(k, k) += bodies.conductors[bodies.conductors.size() - static_cast<std::size_t>(floating - k)].to_ground;
+      block(k, k) +=
+          bodies.conductors[bodies.conductors.size() - static_cast<std::size_t>(floating - k)].to_ground;
     answers -= responses * block.llt().solve(responses.transpose());
   }
   answers_ = stored(answers);
 }
 
 TargetAtRest::TargetAtRest(ChargedBodies bodies)
-    : TargetAtRest(ConductorsAtRest(std::move(bodies), target_rtol, most_target_panels)) {}
+    : TargetAtRest(
+          ConductorsAtRest(std::move(bodies), target_rtol, most_target_panels, 2 * target_functions)) {}
 
 TargetAtRest::TargetAtRest(const ConductorsAtRest& conductors)
     : functions_(
           conductors, MatrixXd(index_of(conductors.mesh().panels().size()), 0),
-          [](const ChargeFunctions::Part& part) { return part.squared_density; }, target_functions) {
+          [](const ChargeFunctions::Part& part) {
+            return part.box.diagonal().squaredNorm() * part.density * part.density_of_body;
+          },
+          target_functions) {
   const ChargedBodies& bodies = conductors.bodies();
   const MatrixXd inverse = detail::inverse(functions_.energies());
   inverse_ = stored(inverse);
@@ -209,6 +216,7 @@ void CompanyFormula::place_target(const MachineAtRest& machine, const TargetAtRe
                                   const Isometry3d& pose) {
   const ChargeFunctions& functions = target.functions();
   target_.levels.resize(functions.count());
+  nearness_ = 0;
   target_.x.clear(), target_.y.clear(), target_.z.clear(), target_.shares.clear();
   const Eigen::Isometry3f moved = pose.cast<float>();
   for (std::size_t function = 0; function < functions.count(); ++function) {
@@ -216,6 +224,9 @@ void CompanyFormula::place_target(const MachineAtRest& machine, const TargetAtRe
     double nearest = std::numeric_limits<double>::infinity();
     for (const AlignedBox3d& box : machine.functions().boxes())
       nearest = std::min(nearest, box.squaredExteriorDistance(centre));
+    for (const AlignedBox3d& box : machine.used())
+      nearness_ =
+          std::max(nearness_, functions.radius(function) / std::sqrt(box.squaredExteriorDistance(centre)));
     const std::size_t level = target_.levels[function] = functions.level(function, std::sqrt(nearest));
     const FunctionPoints& points = functions.points(level);
     for (std::size_t k = points.first[function]; k < points.first[function + 1]; ++k) {
@@ -244,7 +255,9 @@ void CompanyFormula::place_machine(const MachineAtRest& machine, const TargetAtR
     double nearest = std::numeric_limits<double>::infinity();
     for (const AlignedBox3d& box : target.functions().boxes())
       nearest = std::min(nearest, box.squaredExteriorDistance(centre));
-    const std::size_t level = machine_.levels[function] = functions.level(function, std::sqrt(nearest));
+    // Charges of both signs nearly cancel far away, where their moments are what is left.
+    const std::size_t level = machine_.levels[function] =
+        std::max(functions.level(function, std::sqrt(nearest)), ChargeFunctions::first_with_moments);
     const FunctionPoints& points = functions.points(level);
     for (std::size_t k = points.first[function]; k < points.first[function + 1]; ++k) {
       machine_.x.push_back(points.at[k].x()), machine_.y.push_back(points.at[k].y());
@@ -265,7 +278,8 @@ void CompanyFormula::place_machine(const MachineAtRest& machine, const TargetAtR
 }
 
 /// Averages the potentials at the points over each function.
-void CompanyFormula::gather(const Points& points, const ChargeFunctions& functions, float* of_functions) const {
+void CompanyFormula::gather(const Points& points, const ChargeFunctions& functions,
+                            float* of_functions) const {
   std::size_t at = 0;
   for (std::size_t function = 0; function < functions.count(); ++function) {
     const FunctionPoints& own = functions.points(points.levels[function]);
@@ -277,7 +291,8 @@ void CompanyFormula::gather(const Points& points, const ChargeFunctions& functio
 }
 
 /// Gives the points the charges of the functions.
-void CompanyFormula::spread(const ChargeFunctions& functions, const float* of_functions, Points& points) const {
+void CompanyFormula::spread(const ChargeFunctions& functions, const float* of_functions,
+                            Points& points) const {
   std::size_t at = 0;
   for (std::size_t function = 0; function < functions.count(); ++function) {
     const FunctionPoints& own = functions.points(points.levels[function]);
@@ -351,7 +366,8 @@ void CompanyFormula::find_answers(const MachineAtRest& machine, const TargetAtRe
     kernels.multiply(target.inverse().data(), count, by_given_[static_cast<std::size_t>(load)].data(),
                      charges.data());
     displaced.col(load) = as_vector(charges) - target.equilibrium() * means.col(load);
-    Eigen::Map<Eigen::VectorXf>(charges.data(), static_cast<Index>(count)) = displaced.col(load).cast<float>();
+    Eigen::Map<Eigen::VectorXf>(charges.data(), static_cast<Index>(count)) =
+        displaced.col(load).cast<float>();
     spread(of_target, charges.data(), target_);
     kernels.apply(matrix, target_.charges.data(), machine_.charges.data(), target_.potentials.data(),
                   machine_.potentials.data());
@@ -366,7 +382,8 @@ void CompanyFormula::find_answers(const MachineAtRest& machine, const TargetAtRe
     kernels.multiply(machine.answers().data(), static_cast<std::ptrdiff_t>(of_machine.count()),
                      on_machine_[static_cast<std::size_t>(a)].data(), answer_.data());
     for (Index b = a; b < directions; ++b) {
-      const double energy = kernels.dot(answer_.data(), on_machine_[static_cast<std::size_t>(b)].data(), padded);
+      const double energy =
+          kernels.dot(answer_.data(), on_machine_[static_cast<std::size_t>(b)].data(), padded);
       form_(a, b) -= energy;
       if (a != b)
         form_(b, a) -= energy;
@@ -388,16 +405,18 @@ void CompanyFormula::combine(const MachineAtRest& machine, const TargetAtRest& t
       chosen.push_back(loads + k);
     MatrixXd form = form_(chosen, chosen);
     form = (form + form.transpose()).eval() / 2;
-    const VectorXd scales = form.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
+    const VectorXd scales =
+        form.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scales.asDiagonal() * form * scales.asDiagonal());
     const VectorXd inverse_values =
         solver.eigenvalues().unaryExpr([](double value) { return value > rounding ? 1 / value : 0; });
     const auto solve = [&](const MatrixXd& right) -> MatrixXd {
-      return scales.asDiagonal() * (solver.eigenvectors() *
-                                    (inverse_values.asDiagonal() *
-                                     (solver.eigenvectors().transpose() * (scales.asDiagonal() * right))));
+      return scales.asDiagonal() *
+             (solver.eigenvectors() * (inverse_values.asDiagonal() *
+                                       (solver.eigenvectors().transpose() * (scales.asDiagonal() * right))));
     };
-    const VectorXd sense = potentials_.col(reading.sense)(chosen), drive = potentials_.col(reading.drive)(chosen);
+    const VectorXd sense = potentials_.col(reading.sense)(chosen),
+                   drive = potentials_.col(reading.drive)(chosen);
     const VectorXd driven = solve(drive);
     double change = sense.dot(driven);
     if (!target.floating().empty()) {

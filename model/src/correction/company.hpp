@@ -29,6 +29,8 @@ class MachineAtRest {
 
   const ChargeFunctions& functions() const { return functions_; }
   const std::vector<OfReading>& readings() const { return readings_; }
+  /// Returns boxes around the bodies that are sensed or driven.
+  const std::vector<Eigen::AlignedBox3d>& used() const { return used_; }
   Eigen::Index loads() const { return functions_.points(0).given.cols(); }
   /// Returns the charges of the functions by their potentials, floating conductors without net charge: a
   /// symmetric matrix in whole blocks.
@@ -38,6 +40,7 @@ class MachineAtRest {
   MachineAtRest(const ConductorsAtRest& conductors, const std::vector<Reading>& readings);
 
   std::vector<OfReading> readings_;
+  std::vector<Eigen::AlignedBox3d> used_;
   ChargeFunctions functions_;
   std::vector<float> answers_;
 };
@@ -79,6 +82,10 @@ class CompanyFormula {
   const std::vector<double>& changes(const MachineAtRest& machine, const TargetAtRest& target,
                                      const Eigen::Isometry3d& pose);
 
+  /// Returns the largest ratio, in the last pose, of the radius of a function of the target to its distance
+  /// from what is sensed or driven: gaps below it are not resolved.
+  double nearness() const { return nearness_; }
+
  private:
   /// Points of functions, in the frame of the machine.
   struct Points {
@@ -96,15 +103,16 @@ class CompanyFormula {
   void spread(const ChargeFunctions& functions, const float* of_functions, Points& points) const;
 
   Points target_, machine_;
-  std::vector<std::vector<float>> given_;     ///< the machine's given charges at its points
-  std::vector<float> distances_;              ///< 1/r of the target's points (rows) and the machine's
-  std::vector<std::vector<float>> by_given_;  ///< potentials of the given charges on the target's functions
-  std::vector<std::vector<float>> charges_;   ///< the charges of the target's functions in each direction
+  std::vector<std::vector<float>> given_;       ///< the machine's given charges at its points
+  std::vector<float> distances_;                ///< 1/r of the target's points (rows) and the machine's
+  std::vector<std::vector<float>> by_given_;    ///< potentials of the given charges on the target's functions
+  std::vector<std::vector<float>> charges_;     ///< the charges of the target's functions in each direction
   std::vector<std::vector<float>> on_machine_;  ///< their potentials on the machine's functions
   std::vector<float> answer_;
   Eigen::MatrixXd form_;        ///< energies of the directions before the machine
   Eigen::MatrixXd potentials_;  ///< of the given charges (columns) by direction
   Eigen::MatrixXd net_;         ///< net charges of the directions on each target conductor (columns)
+  double nearness_ = 0;
   std::vector<double> changes_;
 };
 

@@ -36,16 +36,16 @@ class CompanyReadings {
   void write(const Scene& scene, std::vector<ReadingAnswer>& answers);
 
  private:
-  /// Bodies that keep their poses to each other, in world coordinates as of their preparation.
+  /// Bodies that keep their poses to each other, in the frame of the first one's link: what is prepared then
+  /// does not depend on where they are.
   struct Group {
     ChargedBodies bodies;
-    std::vector<Eigen::AlignedBox3d> boxes;        ///< of every body
-    Eigen::Isometry3d reference_then;  ///< world pose of the first body's link at the preparation
+    std::vector<Eigen::AlignedBox3d> boxes;  ///< of every body
   };
 
   void prepare(const Scene& scene);
   bool has_moved(const Group& group) const;
-  Eigen::Isometry3d displacement(const Group& group) const;
+  Eigen::Isometry3d frame(const Group& group) const;
   Group group(const ChargedBodies& bodies, bool of_targets) const;
   /// Where a target touches the machine: the conductors of the machine that it grounds, and whether a contact
   /// joins other potentials.

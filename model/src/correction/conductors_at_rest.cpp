@@ -50,9 +50,14 @@ double largest_error(const PanelSolution& solution, const ChargedBodies& bodies)
 
 }  // namespace
 
-ConductorsAtRest::ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_t most_panels)
+ConductorsAtRest::ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_t most_panels,
+                                   std::size_t least_panels)
     : bodies_(in_triangles(std::move(bodies), rtol, most_panels)),
       system_(bodies_, {grading_part * rtol, most_panels / most_graded_part}) {
+  while (mesh().panels().size() < least_panels)
+    // With equal charges, triangles are halved across their longest sides.
+    system_.refine_groups(std::vector<bool>(mesh().groups().size(), true),
+                          Eigen::MatrixXd::Ones(index_of(mesh().panels().size()), 1));
   double tolerance = rtol / quadrature_part;
   while (true) {
     system_.refine({}, tolerance);
@@ -76,9 +81,9 @@ bool ConductorsAtRest::refine(double excess, std::size_t most_panels) {
   const std::size_t panels = mesh().panels().size();
   if (panels >= most_panels)
     return false;
-  const std::vector<bool> marked =
-      doerfler_marking(mesh().groups(), solution_.error_indicators,
-                       solution_.error_indicators.sum() / (margin * excess), std::min(panels, most_panels - panels));
+  const std::vector<bool> marked = doerfler_marking(mesh().groups(), solution_.error_indicators,
+                                                    solution_.error_indicators.sum() / (margin * excess),
+                                                    std::min(panels, most_panels - panels));
   if (marked.empty())
     return false;
   system_.refine_groups(marked, solution_.charges);

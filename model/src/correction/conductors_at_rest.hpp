@@ -15,8 +15,9 @@ class ConductorsAtRest {
  public:
   /// Solves for every conductor at unit potential, the others grounded. Panels are refined until the stated
   /// errors of the diagonal entries that are asked for are within `rtol`, as far as `most_panels` allow.
+  /// There are at least `least_panels`, even if the entries do not need them.
   /// @throws std::runtime_error if the matrix is not positive definite.
-  ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_t most_panels);
+  ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_t most_panels, std::size_t least_panels = 0);
   ConductorsAtRest(const ConductorsAtRest&) = delete;
   ConductorsAtRest& operator=(const ConductorsAtRest&) = delete;
 

@@ -131,7 +131,7 @@ class LiveScene::Implementation {
     answer_ = recommended_->evaluate(scene_);
     if (answer_.matrix)
       find_readings();
-    else
+    else if (answer_.readings.empty())
       readings_of_objects_.write(answer_.capacitance, answer_.answered_by, answer_.readings);
   }
 
