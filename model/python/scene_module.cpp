@@ -453,8 +453,9 @@ Raises InputError (a ValueError) for unknown or inconsistent options and for obj
 A scene without readings has one for every sensor, which senses and drives it. A reading's value is the charge on what it
 senses per volt on what it drives, times -1 if it does not drive that, too; background is the same without the targets,
 the objects that are marked as such, or all but electrodes; change is value - background. "boundary-elements" finds both
-on the same elements, so that errors common to both cancel; the triangle-integral methods and the formula know only the
-change of a reading that drives the sensor it senses, the sum over the targets.
+on the same elements, so that errors common to both cancel; the triangle-integral methods know only the change of a reading
+that drives the sensor it senses, the sum over the targets. The correction "formula" knows the change of every reading: the machine, prepared at
+the first call and whenever its parts move relative to each other, is known to it ("answered_by" is "formula in company").
 
 derivatives: fill in Reading.derivatives, {link: (6,) array}, the derivatives of the change as the link moves with all
 links that hang on it: in F/m along the axes of the world, then in F/rad about the axes of the world through the link's

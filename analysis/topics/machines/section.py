@@ -21,7 +21,8 @@ _WHAT = (
     "included, over the true change; its mean over all orders of including, so that the parts add up to the error exactly. Nothing is fitted. The parts of "
     "the company are differences between true changes by boundary elements; the others are of the sensor and the target by themselves: faces turned away "
     "are triangles that the sensor does not see; another quantity is the charge on the target minus the change of the sensor's own; for a plate the rest is "
-    "taken apart as in the page on two plates. The model's changes are those of a grounded target: it knows no other. Definitions: "
+    "taken apart as in the page on two plates. The changes by exact and exact+facing are those of a grounded target: the plain model knows no other; the "
+    "formula knows company and floating targets. Definitions: "
     "analysis/topics/machines/MACHINES.md."
 )
 

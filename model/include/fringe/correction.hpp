@@ -12,7 +12,7 @@ namespace fringe {
 /// The replacement for ε∫dA/d of an object and a sensor (model/CORRECTIONS.md, which also tells what failed).
 enum class Correction {
   none,         ///< the plain model
-  formula,      ///< the best one in closed form
+  formula,      ///< the best one in closed form; for the changes of readings, the formula in company
   recommended,  ///< the reduced method where it is accurate and fast enough, else the formula
 };
 

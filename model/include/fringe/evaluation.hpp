@@ -47,8 +47,10 @@ double rtol_of(const EvaluationOptions& options);
 struct Evaluation {
   SceneCapacitance capacitance;
   std::optional<MaxwellMatrix> matrix;  ///< of boundary elements and the reduced method
-  /// What the readings of the scene measure, in their order. The triangle-integral methods and the formula
-  /// know the change of a reading that drives the sensor it senses: the sum over the targets.
+  /// What the readings of the scene measure, in their order. The triangle-integral methods
+  /// know the change of a reading that drives the sensor it senses: the sum over the targets. The corrections
+  /// know the change of every reading in company (model/CORRECTIONS.md, section 8); asked for
+  /// Entries::of_readings, they leave `capacitance` empty there.
   std::vector<ReadingAnswer> readings;
   /// The method that answered; "formula" for the correction of that name (model/CORRECTIONS.md).
   std::string answered_by;

@@ -39,6 +39,8 @@ class PanelSystem {
   const ChargedFace& face(std::size_t face) const { return faces_.face(face); }
   FaceFunctions functions(std::size_t face) const { return faces_.functions(face); }
   const PanelMesh& mesh() const { return mesh_; }
+  /// Returns the matrix of the panels as of the last refine().
+  const PanelOperator& panel_operator() const { return *panels_; }
 
   /// Refines marked groups of panels, by the charges of the last solution.
   void refine_groups(const std::vector<bool>& marked, const Eigen::MatrixXd& charges);

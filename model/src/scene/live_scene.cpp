@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "correction/company_readings.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/reduced_capacitance.hpp"
@@ -28,7 +29,7 @@ class LiveScene::Implementation {
  public:
   explicit Implementation(Scene scene)
       : scene_(std::move(scene)), poses_(std::make_shared<detail::LinkPoses>(scene_.links)),
-        readings_of_objects_(scene_) {}
+        readings_of_objects_(scene_), company_(poses_) {}
 
   const Scene& scene() const { return scene_; }
 
@@ -46,6 +47,7 @@ class LiveScene::Implementation {
       // An interrupted preparation is incomplete and must not serve the next answer.
       reduced_.reset();
       recommended_.reset();
+      company_ = detail::CompanyReadings(poses_);
       throw;
     }
     return answer_;
@@ -78,6 +80,17 @@ class LiveScene::Implementation {
   /// Answers by a triangle-integral method or a correction.
   void integrate(const EvaluationOptions& asked) {
     const CapacitanceOptions options = integral_options(asked);
+    const bool knows_company =
+        options.correction != Correction::none && detail::CompanyReadings::knows(scene_);
+    answer_.matrix.reset();
+    answer_.reached = true;
+    if (knows_company)
+      company_.write(scene_, answer_.readings);
+    if (knows_company && asked.entries == Entries::of_readings) {
+      answer_.answered_by = detail::CompanyReadings::name;
+      answer_.capacitance = {};
+      return;
+    }
     if (!evaluator_ || !same(options, evaluator_options_)) {
       evaluator_.emplace(scene_, options, poses_);
       evaluator_options_ = options;
@@ -86,9 +99,8 @@ class LiveScene::Implementation {
     }
     answer_.answered_by = evaluator_name_;
     answer_.capacitance = evaluator_->capacitance();
-    answer_.matrix.reset();
-    answer_.reached = true;
-    readings_of_objects_.write(answer_.capacitance, answer_.answered_by, answer_.readings);
+    if (!knows_company)
+      readings_of_objects_.write(answer_.capacitance, answer_.answered_by, answer_.readings);
     if (asked.derivatives)
       readings_of_objects_.write_derivatives(*evaluator_, *poses_, answer_.readings);
   }
@@ -123,7 +135,7 @@ class LiveScene::Implementation {
     answer_ = recommended_->evaluate(scene_);
     if (answer_.matrix)
       find_readings();
-    else
+    else if (answer_.readings.empty())
       readings_of_objects_.write(answer_.capacitance, answer_.answered_by, answer_.readings);
   }
 
@@ -143,6 +155,7 @@ class LiveScene::Implementation {
   std::optional<ReducedEvaluator> reduced_;
   ReducedOptions reduced_options_;
   std::optional<detail::RecommendedMethod> recommended_;
+  detail::CompanyReadings company_;
   std::optional<CollisionDetector> detector_;
   std::optional<SceneSensing> sensing_;
   ConeMethod sensing_method_ = ConeMethod::field_of_view;

@@ -76,7 +76,7 @@ double largest_error(const MaxwellMatrix& matrix, const Scene& scene) {
 }  // namespace
 
 RecommendedMethod::RecommendedMethod(double rtol, std::shared_ptr<LinkPoses> poses)
-    : rtol_(rtol), poses_(std::move(poses)) {}
+    : rtol_(rtol), poses_(std::move(poses)), company_(poses_) {}
 
 Evaluation RecommendedMethod::evaluate(const Scene& scene) {
   std::optional<Candidate> best = by_reduced_method(scene);
@@ -141,7 +141,16 @@ Evaluation RecommendedMethod::by_formula(const Scene& scene) {
         object.error = 0;
       reached = reached && object.error.has_value();
     }
-  return {std::move(felt), std::nullopt, {}, to_string(Correction::formula), reached};
+  Evaluation answer{std::move(felt), std::nullopt, {}, to_string(Correction::formula), reached};
+  if (CompanyReadings::knows(scene)) {
+    company_.write(scene, answer.readings);
+    answer.reached =
+        reached &&
+        std::ranges::all_of(answer.readings,
+                            [](const ReadingAnswer& reading) { return reading.change.error.has_value(); }) &&
+        errors_of_changes(answer.readings).maxCoeff() <= rtol_;
+  }
+  return answer;
 }
 
 }  // namespace fringe::detail

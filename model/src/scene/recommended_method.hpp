@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "correction/company_readings.hpp"
 #include "fringe/evaluation.hpp"
 #include "fringe/reduced_capacitance.hpp"
 #include "fringe/scene_evaluator.hpp"
@@ -14,7 +15,7 @@ namespace fringe::detail {
 /// The method `recommended` for a scene whose links move (fringe/evaluation.hpp).
 class RecommendedMethod {
  public:
-  /// Prepares nothing yet: each of the three methods is prepared when it is first needed.
+  /// Prepares nothing yet: each of the methods is prepared when it is first needed.
   RecommendedMethod(double rtol, std::shared_ptr<LinkPoses> poses);
 
   double rtol() const { return rtol_; }
@@ -41,6 +42,7 @@ class RecommendedMethod {
   bool reduced_refuses_ = false;  ///< in every pose
   std::string refusal_;           ///< why a method that finds a matrix last refused
   std::optional<SceneEvaluator> formula_;
+  CompanyReadings company_;
 };
 
 }  // namespace fringe::detail

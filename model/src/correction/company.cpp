@@ -1,0 +1,433 @@
+#include "correction/company.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+
+#include "bem/maxwell_matrix.hpp"
+#include "bem/readings.hpp"
+#include "numeric/cholesky.hpp"
+#include "reduced/node_kernels.hpp"
+#include "reduced/prepared_shape.hpp"
+#include "simd/dispatch.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Index;
+using Eigen::Isometry3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+/// Stated errors at which the refinement of the machine's charges, and of the target's, ends.
+constexpr double machine_rtol = 3e-2, target_rtol = 2e-2;
+
+/// Largest numbers of panels.
+constexpr std::size_t most_machine_panels = 6000, most_target_panels = 2500;
+
+/// Numbers of functions of the machine and of the target.
+constexpr std::size_t machine_functions = 200, target_functions = 128;
+
+/// Coordinate of points that only fill a block, in m: 1/distance is negligible.
+constexpr float far_away = 1e15F;
+
+/// Returns the inverse of a single-layer matrix. Functions that coincide up to rounding share their charge.
+MatrixXd inverse(MatrixXd energies) {
+  /// Part of the diagonal that is added, growing until the matrix is positive definite.
+  double ridge = 1e-9;
+  while (true) {
+    MatrixXd matrix = energies;
+    matrix.diagonal() *= 1 + ridge;
+    const Cholesky factor(std::move(matrix));
+    if (factor.is_positive_definite())
+      return factor.solve(MatrixXd::Identity(energies.rows(), energies.cols()));
+    ridge *= 10;
+  }
+}
+
+/// Returns boxes around the sensed and driven bodies.
+std::vector<AlignedBox3d> boxes_of_used(const ChargedBodies& bodies,
+                                        const std::vector<ChargedReading>& readings) {
+  std::vector<AlignedBox3d> boxes;
+  for (const ChargedBody& body : bodies.bodies) {
+    const auto conductor = static_cast<Index>(body.conductor);
+    if (std::none_of(readings.begin(), readings.end(), [&](const ChargedReading& reading) {
+          return reading.sense[conductor] != 0 || reading.drive[conductor] != 0;
+        }))
+      continue;
+    AlignedBox3d& box = boxes.emplace_back();
+    for (const Triangle& triangle : triangles_of(body.surface))
+      for (const Vector3d& corner : triangle)
+        box.extend(corner);
+  }
+  return boxes;
+}
+
+/// Returns the importance of dividing a part of the machine: its size, relative to the distance from what is
+/// sensed and driven.
+double importance_for(const ChargeFunctions::Part& part, const std::vector<AlignedBox3d>& used) {
+  /// Distance from a body, relative to its size, within which parts are to be equal in size.
+  constexpr double softness = 0.2;
+  const double size = part.box.diagonal().norm();
+  double largest = 0;
+  for (const AlignedBox3d& box : used)
+    largest = std::max(largest, size / (std::sqrt(part.box.squaredExteriorDistance(box)) +
+                                        softness * box.diagonal().norm()));
+  return largest;
+}
+
+/// Returns the distinct loads of readings as combinations of the conductors' unit potentials (columns), and
+/// the readings by them.
+std::pair<MatrixXd, std::vector<MachineAtRest::OfReading>>
+loads_of(const std::vector<ChargedReading>& readings, Index conductors) {
+  std::vector<VectorXd> loads;
+  const auto place = [&](const VectorXd& load) {
+    auto known = std::find(loads.begin(), loads.end(), load);
+    if (known == loads.end())
+      known = loads.insert(loads.end(), load);
+    return known - loads.begin();
+  };
+  std::vector<MachineAtRest::OfReading> places;
+  for (const ChargedReading& reading : readings) {
+    const double sign = reading.sense.sum() > 0 ? 1 : -1;
+    const Index sense = place(sign * reading.sense), drive = place(reading.drive);
+    places.push_back({sense, drive, sign});
+  }
+  MatrixXd matrix(conductors, static_cast<Index>(loads.size()));
+  for (std::size_t k = 0; k < loads.size(); ++k)
+    matrix.col(static_cast<Index>(k)) = loads[k];
+  return {matrix, places};
+}
+
+ChargeFunctions functions_of_machine(const ConductorsAtRest& conductors,
+                                     const std::vector<AlignedBox3d>& used, const MatrixXd& loads) {
+  const MatrixXd all = potentials(conductors.matrix(), conductors.bodies());
+  const MatrixXd given = conductors.charges() * (all * loads.topRows(all.cols()));
+  return ChargeFunctions(
+      conductors, given, [&](const ChargeFunctions::Part& part) { return importance_for(part, used); },
+      machine_functions);
+}
+
+}  // namespace
+
+MachineAtRest::MachineAtRest(ChargedBodies bodies, const std::vector<Reading>& readings)
+    : MachineAtRest(
+          [&] {
+            const std::vector<ChargedReading> charged =
+                charged_readings(readings, drivable_conductors(bodies));
+            for (std::size_t k = 0; k < bodies.conductors.size(); ++k) {
+              ChargedConductor& conductor = bodies.conductors[k];
+              const auto at = static_cast<Index>(k);
+              conductor.is_asked =
+                  conductor.role == Role::floating ||
+                  std::any_of(charged.begin(), charged.end(), [&](const ChargedReading& reading) {
+                    return reading.sense[at] != 0 || reading.drive[at] != 0;
+                  });
+            }
+            return ConductorsAtRest(std::move(bodies), machine_rtol, most_machine_panels);
+          }(),
+          readings) {}
+
+MachineAtRest::MachineAtRest(const ConductorsAtRest& conductors, const std::vector<Reading>& readings)
+    : functions_([&] {
+        const ChargedBodies& bodies = conductors.bodies();
+        const std::vector<ChargedReading> charged = charged_readings(readings, drivable_conductors(bodies));
+        auto [loads, places] = loads_of(charged, static_cast<Index>(bodies.conductors.size()));
+        readings_ = std::move(places);
+        used_ = boxes_of_used(bodies, charged);
+        return functions_of_machine(conductors, used_, loads);
+      }()) {
+  const ChargedBodies& bodies = conductors.bodies();
+  MatrixXd answers = inverse(functions_.energies());
+  const auto floating = static_cast<Index>(count_of(bodies, Role::floating));
+  if (floating > 0) {
+    const MatrixXd responses = answers * functions_.net(bodies.conductors.size()).rightCols(floating);
+    MatrixXd block = functions_.net(bodies.conductors.size()).rightCols(floating).transpose() * responses;
+    for (Index k = 0; k < floating; ++k)
+      block(k, k) +=
+          bodies.conductors[bodies.conductors.size() - static_cast<std::size_t>(floating - k)].to_ground;
+    answers -= responses * block.llt().solve(responses.transpose());
+  }
+  answers_ = stored(answers);
+}
+
+TargetAtRest::TargetAtRest(ChargedBodies bodies)
+    : TargetAtRest(
+          ConductorsAtRest(std::move(bodies), target_rtol, most_target_panels, 2 * target_functions)) {}
+
+TargetAtRest::TargetAtRest(const ConductorsAtRest& conductors)
+    : functions_(
+          conductors, MatrixXd(index_of(conductors.mesh().panels().size()), 0),
+          [](const ChargeFunctions::Part& part) {
+            return part.box.diagonal().squaredNorm() * part.density * part.density_of_body;
+          },
+          target_functions) {
+  const ChargedBodies& bodies = conductors.bodies();
+  const MatrixXd inverse = detail::inverse(functions_.energies());
+  inverse_ = stored(inverse);
+  // Grounded targets are one conductor here.
+  std::vector<VectorXd> columns;
+  const MatrixXd net = functions_.net(bodies.conductors.size());
+  VectorXd grounded = VectorXd::Zero(net.rows());
+  std::vector<double> to_ground;
+  for (std::size_t k = 0; k < bodies.conductors.size(); ++k)
+    if (bodies.conductors[k].role == Role::floating) {
+      floating_.push_back(static_cast<Index>(columns.size()));
+      columns.emplace_back(net.col(static_cast<Index>(k)));
+      to_ground.push_back(bodies.conductors[k].to_ground);
+    } else {
+      grounded += net.col(static_cast<Index>(k));
+    }
+  if (!grounded.isZero(0))
+    columns.push_back(grounded);
+  MatrixXd ones(net.rows(), static_cast<Index>(columns.size()));
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    ones.col(static_cast<Index>(k)) = columns[k];
+  equilibrium_ = inverse * ones;
+  own_ = ones.transpose() * equilibrium_;
+  to_ground_ = Eigen::Map<const VectorXd>(to_ground.data(), static_cast<Index>(to_ground.size()));
+}
+
+const std::vector<double>& CompanyFormula::changes(const MachineAtRest& machine, const TargetAtRest& target,
+                                                   const Isometry3d& pose) {
+  place_target(machine, target, pose);
+  place_machine(machine, target, pose);
+  const auto padded = static_cast<std::size_t>(whole_blocks(static_cast<std::ptrdiff_t>(machine_.count)));
+  if (distances_.size() < target_.count * padded)
+    distances_.resize(target_.count * padded);
+  best_kernels<NodeKernels>().fill(
+      {target_.x.data(), target_.y.data(), target_.z.data(), static_cast<std::ptrdiff_t>(target_.count)},
+      {machine_.x.data(), machine_.y.data(), machine_.z.data(), static_cast<std::ptrdiff_t>(machine_.count)},
+      distances_.data());
+  find_potentials(machine, target);
+  find_answers(machine, target);
+  combine(machine, target);
+  return changes_;
+}
+
+/// Places the target's points, finer where it is close to a body of the machine.
+void CompanyFormula::place_target(const MachineAtRest& machine, const TargetAtRest& target,
+                                  const Isometry3d& pose) {
+  const ChargeFunctions& functions = target.functions();
+  target_.levels.resize(functions.count());
+  nearness_ = 0;
+  target_.x.clear(), target_.y.clear(), target_.z.clear(), target_.shares.clear();
+  const Eigen::Isometry3f moved = pose.cast<float>();
+  for (std::size_t function = 0; function < functions.count(); ++function) {
+    const Vector3d centre = pose * functions.centre(function);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const AlignedBox3d& box : machine.functions().boxes())
+      nearest = std::min(nearest, box.squaredExteriorDistance(centre));
+    for (const AlignedBox3d& box : machine.used())
+      nearness_ =
+          std::max(nearness_, functions.radius(function) / std::sqrt(box.squaredExteriorDistance(centre)));
+    const std::size_t level = target_.levels[function] = functions.level(function, std::sqrt(nearest));
+    const FunctionPoints& points = functions.points(level);
+    for (std::size_t k = points.first[function]; k < points.first[function + 1]; ++k) {
+      const Eigen::Vector3f at = moved * points.at[k];
+      target_.x.push_back(at.x()), target_.y.push_back(at.y()), target_.z.push_back(at.z());
+      target_.shares.push_back(points.shares[k]);
+    }
+  }
+  target_.count = target_.x.size();
+  target_.charges.resize(target_.count);
+  target_.potentials.resize(target_.count);
+}
+
+/// Places the machine's points, finer where it is close to a body of the target.
+void CompanyFormula::place_machine(const MachineAtRest& machine, const TargetAtRest& target,
+                                   const Isometry3d& pose) {
+  const ChargeFunctions& functions = machine.functions();
+  const Isometry3d to_target = pose.inverse(Eigen::Isometry);
+  machine_.levels.resize(functions.count());
+  machine_.x.clear(), machine_.y.clear(), machine_.z.clear(), machine_.shares.clear();
+  given_.resize(static_cast<std::size_t>(machine.loads()));
+  for (std::vector<float>& charges : given_)
+    charges.clear();
+  for (std::size_t function = 0; function < functions.count(); ++function) {
+    const Vector3d centre = to_target * functions.centre(function);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const AlignedBox3d& box : target.functions().boxes())
+      nearest = std::min(nearest, box.squaredExteriorDistance(centre));
+    // Charges of both signs nearly cancel far away, where their moments are what is left.
+    const std::size_t level = machine_.levels[function] =
+        std::max(functions.level(function, std::sqrt(nearest)), ChargeFunctions::first_with_moments);
+    const FunctionPoints& points = functions.points(level);
+    for (std::size_t k = points.first[function]; k < points.first[function + 1]; ++k) {
+      machine_.x.push_back(points.at[k].x()), machine_.y.push_back(points.at[k].y());
+      machine_.z.push_back(points.at[k].z());
+      machine_.shares.push_back(points.shares[k]);
+      for (std::size_t load = 0; load < given_.size(); ++load)
+        given_[load].push_back(points.given(static_cast<Index>(k), static_cast<Index>(load)));
+    }
+  }
+  machine_.count = machine_.x.size();
+  const auto padded = static_cast<std::size_t>(whole_blocks(static_cast<std::ptrdiff_t>(machine_.count)));
+  for (std::vector<float>* coordinates : {&machine_.x, &machine_.y, &machine_.z})
+    coordinates->resize(padded, far_away);
+  for (std::vector<float>& charges : given_)
+    charges.resize(padded, 0.0F);
+  machine_.charges.assign(padded, 0.0F);
+  machine_.potentials.resize(padded);
+}
+
+/// Averages the potentials at the points over each function.
+void CompanyFormula::gather(const Points& points, const ChargeFunctions& functions,
+                            float* of_functions) const {
+  std::size_t at = 0;
+  for (std::size_t function = 0; function < functions.count(); ++function) {
+    const FunctionPoints& own = functions.points(points.levels[function]);
+    float sum = 0;
+    for (const std::size_t end = at + own.first[function + 1] - own.first[function]; at < end; ++at)
+      sum += points.shares[at] * points.potentials[at];
+    of_functions[function] = sum;
+  }
+}
+
+/// Gives the points the charges of the functions.
+void CompanyFormula::spread(const ChargeFunctions& functions, const float* of_functions,
+                            Points& points) const {
+  std::size_t at = 0;
+  for (std::size_t function = 0; function < functions.count(); ++function) {
+    const FunctionPoints& own = functions.points(points.levels[function]);
+    for (const std::size_t end = at + own.first[function + 1] - own.first[function]; at < end; ++at)
+      points.charges[at] = points.shares[at] * of_functions[function];
+  }
+}
+
+/// Finds the potentials of the given charges on the target, and at the same time those of the target's own
+/// charges on the machine.
+void CompanyFormula::find_potentials(const MachineAtRest& machine, const TargetAtRest& target) {
+  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto loads = static_cast<std::size_t>(machine.loads()),
+             conductors = static_cast<std::size_t>(target.conductors());
+  const ChargeFunctions &of_target = target.functions(), &of_machine = machine.functions();
+  const auto padded_target =
+                 static_cast<std::size_t>(whole_blocks(static_cast<std::ptrdiff_t>(of_target.count()))),
+             padded_machine =
+                 static_cast<std::size_t>(whole_blocks(static_cast<std::ptrdiff_t>(of_machine.count())));
+  by_given_.resize(loads);
+  charges_.resize(loads + conductors);
+  on_machine_.resize(loads + conductors);
+  for (std::vector<float>& charges : charges_)
+    charges.assign(padded_target, 0.0F);
+  for (std::vector<float>& values : on_machine_)
+    values.assign(padded_machine, 0.0F);
+  const NodeMatrix matrix{distances_.data(), static_cast<std::ptrdiff_t>(target_.count),
+                          static_cast<std::ptrdiff_t>(machine_.count)};
+  for (std::size_t k = 0; k < std::max(loads, conductors); ++k) {
+    if (k < conductors)
+      for (std::size_t function = 0; function < of_target.count(); ++function)
+        charges_[loads + k][function] =
+            static_cast<float>(target.equilibrium()(static_cast<Index>(function), static_cast<Index>(k)));
+    spread(of_target, charges_[k < conductors ? loads + k : 0].data(), target_);
+    kernels.apply(matrix, target_.charges.data(), k < loads ? given_[k].data() : machine_.charges.data(),
+                  target_.potentials.data(), machine_.potentials.data());
+    if (k < conductors)
+      gather(machine_, of_machine, on_machine_[loads + k].data());
+    if (k < loads) {
+      by_given_[k].assign(padded_target, 0.0F);
+      gather(target_, of_target, by_given_[k].data());
+    }
+  }
+}
+
+/// Finds the charges that the given ones displace on the target, and their potentials on the machine; then
+/// the energies of all directions, less that of the machine's answers.
+void CompanyFormula::find_answers(const MachineAtRest& machine, const TargetAtRest& target) {
+  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const Index loads = machine.loads(), conductors = target.conductors(), directions = loads + conductors;
+  const ChargeFunctions &of_target = target.functions(), &of_machine = machine.functions();
+  const auto count = static_cast<std::ptrdiff_t>(of_target.count());
+  const NodeMatrix matrix{distances_.data(), static_cast<std::ptrdiff_t>(target_.count),
+                          static_cast<std::ptrdiff_t>(machine_.count)};
+  form_ = MatrixXd::Zero(directions, directions);
+  potentials_ = MatrixXd::Zero(directions, loads);
+  net_ = MatrixXd::Zero(directions, conductors);
+  net_.bottomRows(conductors) = target.own();
+  form_.bottomRightCorner(conductors, conductors) = target.own();
+  const auto as_vector = [&](const std::vector<float>& values) {
+    return Eigen::Map<const Eigen::VectorXf>(values.data(), static_cast<Index>(count)).cast<double>();
+  };
+  MatrixXd by_given(count, loads), displaced(count, loads);
+  for (Index load = 0; load < loads; ++load)
+    by_given.col(load) = as_vector(by_given_[static_cast<std::size_t>(load)]);
+  // The part of a potential that makes a conductor's own charge is left to that direction.
+  const MatrixXd net_charges = target.equilibrium().transpose() * by_given;
+  const MatrixXd means = target.own().llt().solve(net_charges);
+  for (Index load = 0; load < loads; ++load) {
+    std::vector<float>& charges = charges_[static_cast<std::size_t>(load)];
+    kernels.multiply(target.inverse().data(), count, by_given_[static_cast<std::size_t>(load)].data(),
+                     charges.data());
+    displaced.col(load) = as_vector(charges) - target.equilibrium() * means.col(load);
+    Eigen::Map<Eigen::VectorXf>(charges.data(), static_cast<Index>(count)) =
+        displaced.col(load).cast<float>();
+    spread(of_target, charges.data(), target_);
+    kernels.apply(matrix, target_.charges.data(), machine_.charges.data(), target_.potentials.data(),
+                  machine_.potentials.data());
+    gather(machine_, of_machine, on_machine_[static_cast<std::size_t>(load)].data());
+  }
+  form_.topLeftCorner(loads, loads) = displaced.transpose() * by_given;
+  potentials_.topRows(loads) = displaced.transpose() * by_given;
+  potentials_.bottomRows(conductors) = net_charges;
+  answer_.resize(on_machine_.front().size());
+  const auto padded = static_cast<std::ptrdiff_t>(answer_.size());
+  for (Index a = 0; a < directions; ++a) {
+    kernels.multiply(machine.answers().data(), static_cast<std::ptrdiff_t>(of_machine.count()),
+                     on_machine_[static_cast<std::size_t>(a)].data(), answer_.data());
+    for (Index b = a; b < directions; ++b) {
+      const double energy =
+          kernels.dot(answer_.data(), on_machine_[static_cast<std::size_t>(b)].data(), padded);
+      form_(a, b) -= energy;
+      if (a != b)
+        form_(b, a) -= energy;
+    }
+  }
+}
+
+/// Minimises the energy in the directions, with the net charges that floating targets may have.
+void CompanyFormula::combine(const MachineAtRest& machine, const TargetAtRest& target) {
+  /// Part of a direction's energy that rounding may leave.
+  constexpr double rounding = 1e-6;
+  const Index loads = machine.loads(), conductors = target.conductors();
+  changes_.clear();
+  for (const MachineAtRest::OfReading& reading : machine.readings()) {
+    std::vector<Index> chosen{reading.sense};
+    if (reading.drive != reading.sense)
+      chosen.push_back(reading.drive);
+    for (Index k = 0; k < conductors; ++k)
+      chosen.push_back(loads + k);
+    MatrixXd form = form_(chosen, chosen);
+    form = (form + form.transpose()).eval() / 2;
+    const VectorXd scales =
+        form.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scales.asDiagonal() * form * scales.asDiagonal());
+    const VectorXd inverse_values =
+        solver.eigenvalues().unaryExpr([](double value) { return value > rounding ? 1 / value : 0; });
+    const auto solve = [&](const MatrixXd& right) -> MatrixXd {
+      return scales.asDiagonal() *
+             (solver.eigenvectors() * (inverse_values.asDiagonal() *
+                                       (solver.eigenvectors().transpose() * (scales.asDiagonal() * right))));
+    };
+    const VectorXd sense = potentials_.col(reading.sense)(chosen),
+                   drive = potentials_.col(reading.drive)(chosen);
+    const VectorXd driven = solve(drive);
+    double change = sense.dot(driven);
+    if (!target.floating().empty()) {
+      const MatrixXd net = net_(chosen, target.floating());
+      const MatrixXd responses = solve(net);
+      MatrixXd block = net.transpose() * responses;
+      block.diagonal() += target.to_ground();
+      change -= (responses.transpose() * sense).dot(block.llt().solve(responses.transpose() * drive));
+    }
+    changes_.push_back(reading.sign * change);
+  }
+}
+
+}  // namespace fringe::detail

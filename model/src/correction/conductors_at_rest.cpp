@@ -1,0 +1,93 @@
+#include "correction/conductors_at_rest.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "bem/error_indicators.hpp"
+#include "bem/group_densities.hpp"
+#include "bem/maxwell_matrix.hpp"
+#include "bem/simplification.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// Ratio of rtol to the quadratures' tolerance.
+constexpr double quadrature_part = 50;
+
+/// Finest relative tolerance of the quadratures. Below it, rounding errors dominate the matrix elements.
+constexpr double finest_tolerance = 1e-13;
+
+/// Fraction of rtol at which the conjugate gradients stop.
+constexpr double iteration_part = 1e-3;
+
+/// Fraction of rtol that panels graded towards sharp edges may miss with one density on each group.
+constexpr double grading_part = 1.0 / 3;
+
+/// Ratio of the tolerance of simplified surfaces to rtol.
+constexpr double simplification_part = 1;
+
+/// A-priori grading takes at most one in so many of the allowed panels.
+constexpr std::size_t most_graded_part = 4;
+
+/// Returns the bodies with triangles on all of them, few enough for the panels that are allowed.
+ChargedBodies in_triangles(ChargedBodies bodies, double rtol, std::size_t most_panels) {
+  for (ChargedBody& body : bodies.bodies)
+    body.surface = triangulated(body.surface);
+  bodies.readings.clear();
+  return Simplification(std::move(bodies), simplification_part * rtol, most_panels / 2).bodies();
+}
+
+/// Returns the largest stated error of the energies that are asked for, relative to these.
+double largest_error(const PanelSolution& solution, const ChargedBodies& bodies) {
+  const VectorXd own = asked_energies(solution.all.fine, bodies);
+  const VectorXd missing = (solution.all.fine - solution.all.coarse).diagonal().cwiseAbs();
+  return error_per_panel_change * missing.cwiseQuotient(own).maxCoeff();
+}
+
+}  // namespace
+
+ConductorsAtRest::ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_t most_panels,
+                                   std::size_t least_panels)
+    : bodies_(in_triangles(std::move(bodies), rtol, most_panels)),
+      system_(bodies_, {grading_part * rtol, most_panels / most_graded_part}) {
+  while (mesh().panels().size() < least_panels)
+    // With equal charges, triangles are halved across their longest sides.
+    system_.refine_groups(std::vector<bool>(mesh().groups().size(), true),
+                          Eigen::MatrixXd::Ones(index_of(mesh().panels().size()), 1));
+  double tolerance = rtol / quadrature_part;
+  while (true) {
+    system_.refine({}, tolerance);
+    solution_ = system_.solve(iteration_part * rtol);
+    if (!solution_.positive_definite) {
+      if (tolerance < finest_tolerance)
+        throw std::runtime_error("the matrix of the conductors at rest is not positive definite");
+      tolerance /= 100;
+      continue;
+    }
+    const double excess = largest_error(solution_, bodies_) / rtol;
+    if (excess <= 1 || !refine(excess, most_panels))
+      return;
+  }
+}
+
+/// Refines where the error indicators are large. Returns false if no more panels are allowed.
+bool ConductorsAtRest::refine(double excess, std::size_t most_panels) {
+  /// Factor by which a refinement aims below the allowed error.
+  constexpr double margin = 1.25;
+  const std::size_t panels = mesh().panels().size();
+  if (panels >= most_panels)
+    return false;
+  const std::vector<bool> marked = doerfler_marking(mesh().groups(), solution_.error_indicators,
+                                                    solution_.error_indicators.sum() / (margin * excess),
+                                                    std::min(panels, most_panels - panels));
+  if (marked.empty())
+    return false;
+  system_.refine_groups(marked, solution_.charges);
+  return true;
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+
+#include <Eigen/Core>
+
+#include "bem/bodies.hpp"
+#include "bem/panel_system.hpp"
+
+namespace fringe::detail {
+
+/// Conductors that keep their poses, solved by boundary elements of triangles: what the formula in company
+/// (model/CORRECTIONS.md, section 8) prepares from.
+class ConductorsAtRest {
+ public:
+  /// Solves for every conductor at unit potential, the others grounded. Panels are refined until the stated
+  /// errors of the diagonal entries that are asked for are within `rtol`, as far as `most_panels` allow.
+  /// There are at least `least_panels`, even if the entries do not need them.
+  /// @throws std::runtime_error if the matrix is not positive definite.
+  ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_t most_panels, std::size_t least_panels = 0);
+  ConductorsAtRest(const ConductorsAtRest&) = delete;
+  ConductorsAtRest& operator=(const ConductorsAtRest&) = delete;
+
+  const ChargedBodies& bodies() const { return bodies_; }
+  const PanelMesh& mesh() const { return system_.mesh(); }
+  const PanelOperator& panel_operator() const { return system_.panel_operator(); }
+  /// Returns the charge of every panel (rows) for every conductor at unit potential.
+  const Eigen::MatrixXd& charges() const { return solution_.charges; }
+  /// Returns the Maxwell matrix of all conductors, in metres (to be multiplied by 4πε).
+  const Eigen::MatrixXd& matrix() const { return solution_.all.fine; }
+
+ private:
+  bool refine(double excess, std::size_t most_panels);
+
+  ChargedBodies bodies_;
+  PanelSystem system_;
+  PanelSolution solution_;
+};
+
+}  // namespace fringe::detail
