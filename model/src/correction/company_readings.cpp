@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 /// Returns the error that is stated, relative to the change (model/CORRECTIONS.md, section 8): more than the
 /// largest one in the open set-ups on machines, and more for gaps that the functions do not resolve.
 double stated_error(double nearness) {
-  return std::min(0.15 * std::sqrt(std::max(nearness, 1.0)), 1.0);
+  return std::min(0.25 * std::sqrt(std::max(nearness, 1.0)), 1.0);
 }
 
 AlignedBox3d box_of(const ChargedBody& body) {
