@@ -13,6 +13,7 @@ struct Registers<InstructionSet::scalar> {
 };
 
 template const BatchKernels& compiled_kernels<BatchKernels, InstructionSet::scalar>();
+template const DerivativeKernels& compiled_kernels<DerivativeKernels, InstructionSet::scalar>();
 template const TreeKernels& compiled_kernels<TreeKernels, InstructionSet::scalar>();
 template const GjkFilter& compiled_kernels<GjkFilter, InstructionSet::scalar>();
 template const ChargeKernels& compiled_kernels<ChargeKernels, InstructionSet::scalar>();
