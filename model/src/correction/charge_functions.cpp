@@ -120,6 +120,7 @@ ChargeFunctions::ChargeFunctions(const ConductorsAtRest& conductors, const Matri
     return charge / area;
   };
   std::vector<double> densities;
+  densities.reserve(of_bodies.size());
   for (const auto& panels : of_bodies)
     densities.push_back(panels.empty() ? 0 : density(panels));
   const auto add_candidate = [&](std::size_t first, std::size_t count, std::size_t body) {
@@ -176,7 +177,7 @@ ChargeFunctions::ChargeFunctions(const ConductorsAtRest& conductors, const Matri
 void ChargeFunctions::add_function(const PanelMesh& mesh, std::span<std::size_t> panels,
                                    std::size_t conductor, const VectorXd& weights, const MatrixXd& given) {
   const AlignedBox3d box = box_of(mesh, panels);
-  centres_.push_back(box.center());
+  centres_.emplace_back(box.center());
   double radius = 0;
   for (const std::size_t panel : panels)
     for (const Vector3d& corner : mesh.panels()[panel].corners)
@@ -205,7 +206,7 @@ void ChargeFunctions::add_function(const PanelMesh& mesh, std::span<std::size_t>
         }
         at.emplace_back(centre / share);
         shares.push_back(share);
-        charges.push_back(charge);
+        charges.emplace_back(charge);
         continue;
       }
       std::vector<Vector3d> centres;

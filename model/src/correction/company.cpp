@@ -38,7 +38,7 @@ constexpr std::size_t machine_functions = 200, target_functions = 128;
 constexpr float far_away = 1e15F;
 
 /// Returns the inverse of a single-layer matrix. Functions that coincide up to rounding share their charge.
-MatrixXd inverse(MatrixXd energies) {
+MatrixXd inverse(const MatrixXd& energies) {
   /// Part of the diagonal that is added, growing until the matrix is positive definite.
   double ridge = 1e-9;
   while (true) {
@@ -109,9 +109,8 @@ ChargeFunctions functions_of_machine(const ConductorsAtRest& conductors,
                                      const std::vector<AlignedBox3d>& used, const MatrixXd& loads) {
   const MatrixXd all = potentials(conductors.matrix(), conductors.bodies());
   const MatrixXd given = conductors.charges() * (all * loads.topRows(all.cols()));
-  return ChargeFunctions(
-      conductors, given, [&](const ChargeFunctions::Part& part) { return importance_for(part, used); },
-      machine_functions);
+  return {conductors, given, [&](const ChargeFunctions::Part& part) { return importance_for(part, used); },
+          machine_functions};
 }
 
 }  // namespace
@@ -278,8 +277,7 @@ void CompanyFormula::place_machine(const MachineAtRest& machine, const TargetAtR
 }
 
 /// Averages the potentials at the points over each function.
-void CompanyFormula::gather(const Points& points, const ChargeFunctions& functions,
-                            float* of_functions) const {
+void CompanyFormula::gather(const Points& points, const ChargeFunctions& functions, float* of_functions) {
   std::size_t at = 0;
   for (std::size_t function = 0; function < functions.count(); ++function) {
     const FunctionPoints& own = functions.points(points.levels[function]);
@@ -291,8 +289,7 @@ void CompanyFormula::gather(const Points& points, const ChargeFunctions& functio
 }
 
 /// Gives the points the charges of the functions.
-void CompanyFormula::spread(const ChargeFunctions& functions, const float* of_functions,
-                            Points& points) const {
+void CompanyFormula::spread(const ChargeFunctions& functions, const float* of_functions, Points& points) {
   std::size_t at = 0;
   for (std::size_t function = 0; function < functions.count(); ++function) {
     const FunctionPoints& own = functions.points(points.levels[function]);
@@ -304,7 +301,7 @@ void CompanyFormula::spread(const ChargeFunctions& functions, const float* of_fu
 /// Finds the potentials of the given charges on the target, and at the same time those of the target's own
 /// charges on the machine.
 void CompanyFormula::find_potentials(const MachineAtRest& machine, const TargetAtRest& target) {
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   const auto loads = static_cast<std::size_t>(machine.loads()),
              conductors = static_cast<std::size_t>(target.conductors());
   const ChargeFunctions &of_target = target.functions(), &of_machine = machine.functions();
@@ -341,7 +338,7 @@ void CompanyFormula::find_potentials(const MachineAtRest& machine, const TargetA
 /// Finds the charges that the given ones displace on the target, and their potentials on the machine; then
 /// the energies of all directions, less that of the machine's answers.
 void CompanyFormula::find_answers(const MachineAtRest& machine, const TargetAtRest& target) {
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   const Index loads = machine.loads(), conductors = target.conductors(), directions = loads + conductors;
   const ChargeFunctions &of_target = target.functions(), &of_machine = machine.functions();
   const auto count = static_cast<std::ptrdiff_t>(of_target.count());

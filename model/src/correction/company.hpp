@@ -99,8 +99,8 @@ class CompanyFormula {
   void find_potentials(const MachineAtRest& machine, const TargetAtRest& target);
   void find_answers(const MachineAtRest& machine, const TargetAtRest& target);
   void combine(const MachineAtRest& machine, const TargetAtRest& target);
-  void gather(const Points& points, const ChargeFunctions& functions, float* of_functions) const;
-  void spread(const ChargeFunctions& functions, const float* of_functions, Points& points) const;
+  static void gather(const Points& points, const ChargeFunctions& functions, float* of_functions);
+  static void spread(const ChargeFunctions& functions, const float* of_functions, Points& points);
 
   Points target_, machine_;
   std::vector<std::vector<float>> given_;       ///< the machine's given charges at its points
