@@ -80,7 +80,7 @@ def _sections(survey: Survey, table: str, command: str) -> list[Markup]:
                 f"Thresholds: {thresholds}. A place is a point of the machine's surface; the probe is held before it, its nearest point {NEAREST * 1000:g} mm to {FARTHEST:g} m away along the normal. "
                 "Its distance is that up to which every position is noticed. Blind: not noticed at the nearest position."
             ),
-            Markup('<p class="soft"><a href="{}">All places as a table</a></p>').format(table),
+            page.navigation(page.link(table, "All places as a table")),
             page.command(command),
         ),
         page.section("Blind spots", *(_blind(survey, p) for p in range(len(survey.probes)))),

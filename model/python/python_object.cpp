@@ -54,9 +54,10 @@ py::object list(const Json& array) {
 py::object dictionary(const Json& object) {
   py::dict result;
   for (const auto& [key, part] : object.items()) {
-    // Keys are few and return in every answer.
-    const auto name = py::reinterpret_steal<py::str>(PyUnicode_InternFromString(key.c_str()));
-    result[name] = python_object(part);
+    // Keys are few and return in every answer. A name may hold the character NUL.
+    PyObject* name = py::str(key).release().ptr();
+    PyUnicode_InternInPlace(&name);
+    result[py::reinterpret_steal<py::str>(name)] = python_object(part);
   }
   return result;
 }

@@ -189,9 +189,10 @@ def test_a_dictionary_is_a_scene_as_its_text_is(tmp_path: Path, scene: fringe.Sc
 
 
 def test_names_of_all_characters_survive_a_dictionary() -> None:
-    name = 'a "quoted"\\ 左\t\x7f'
+    name = 'a "quoted"\\ 左\t\x7f\0'
     made = fringe.Scene.loads({"object": [{"name": name, "shape": {"type": "cube", "size": 1}}]})
     assert made.objects == [name]
+    assert list(made.roles()["objects"]) == [name]
 
 
 @pytest.mark.parametrize(
