@@ -213,7 +213,7 @@ struct DerivativeKernelsFor {
     std::size_t left_count = 0;
     const Vector3<V> corner{V(plate.corner[0]), V(plate.corner[1]), V(plate.corner[2])};
     Vector3<V> axes[3];
-    for (int i = 0; i < 3; ++i)
+    for (std::size_t i = 0; i < 3; ++i)
       axes[i] = {V(scale * plate.axes[3 * i]), V(scale * plate.axes[3 * i + 1]),
                  V(scale * plate.axes[3 * i + 2])};
     const V length_u(scale * plate.length_u), length_v(scale * plate.length_v);
@@ -252,7 +252,7 @@ struct DerivativeKernelsFor {
     for (std::size_t i = 0; i < count; i += width) {
       const auto scaled = [&](const double* numbers) { return factor * V::load_unaligned(numbers + i); };
       CornerLanes<V> corners[3];
-      for (int k = 0; k < 3; ++k)
+      for (std::size_t k = 0; k < 3; ++k)
         corners[k] = {{scaled(pieces.vectors[3 * k]), scaled(pieces.vectors[3 * k + 1]),
                        scaled(pieces.vectors[3 * k + 2])},
                       scaled(pieces.nearest[2 * k]),
