@@ -3,7 +3,7 @@
 
 /** Makes the controls. Functions of other parts that they call are those of `page`. */
 function makeControls(page) {
-  const { data, byId, element, scene, described, roles, view, state, links, setLink, whole, extent, trace, along } = page;
+  const { data, byId, element, scene, described, roles, view, state, readings, links, setLink, whole, extent, trace, along } = page;
   // --- the controls ---
 
   const AXES = ["x", "y", "z"], reach = Math.max(0.6 * extent, 0.1);
@@ -102,6 +102,25 @@ function makeControls(page) {
         trace.length = 0;
         page.prepare();
       });
+      group.append(button);
+    });
+    byId("floating").append(group);
+  });
+
+  // The readings of a sensor that is driven itself, with a guard driven like it and with the guard grounded.
+  const isGuard = name => roles.objects[name] && roles.objects[name].potential === "electrode";
+  described.sensors.forEach(({ name }) => {
+    const own = [...readings.keys()].filter(n => readings[n].sense === name && readings[n].drive.includes(name));
+    const pair = [own.find(n => readings[n].drive.some(isGuard)), own.find(n => !readings[n].drive.some(isGuard))];
+    if (pair.includes(undefined)) return;
+    const group = element("div", "group");
+    group.setAttribute("role", "group");
+    group.append(element("span", "name", `Guard of ${name} is`));
+    pair.forEach((n, k) => {
+      const button = element("button", "", ["driven", "grounded"][k]);
+      Object.assign(button, { type: "button", title: `Shows the reading “${readings[n].name}”, which drives ${readings[n].drive.join(", ")}; all else is grounded.` });
+      button.dataset.reading = n;
+      button.addEventListener("click", () => page.choose(n));
       group.append(button);
     });
     byId("floating").append(group);

@@ -9,9 +9,8 @@ function makeReadings({ data, byId, element, state, readings, theme, recolour, t
     title.append(element("b", "", reading.name), noticed);
     title.tabIndex = 0;
     title.setAttribute("role", "button");
-    const choose = () => { state.reading = number; recolour(); chosen(); };
-    title.addEventListener("click", choose);
-    title.addEventListener("keydown", event => { if (event.key === "Enter" || event.key === " ") { event.preventDefault(); choose(); } });
+        title.addEventListener("click", () => choose(number));
+    title.addEventListener("keydown", event => { if (event.key === "Enter" || event.key === " ") { event.preventDefault(); choose(number); } });
     box.append(title, element("div", "drive", drive));
     const lines = {};
     for (const name of [...METHODS.map(m => m.name), "reference"]) {
@@ -36,7 +35,10 @@ function makeReadings({ data, byId, element, state, readings, theme, recolour, t
     ticks.append(tick);
   }
   byId("readings").append(...rows.map(row => row.box), ticks);
+  function choose(number) { state.reading = number; recolour(); chosen(); }
+  /** Marks the chosen reading where it can be chosen. */
   function chosen() {
+    document.querySelectorAll("[data-reading]").forEach(button => button.setAttribute("aria-pressed", Number(button.dataset.reading) === state.reading));
     rows.forEach((row, n) => { row.box.classList.toggle("chosen", n === state.reading); row.title.setAttribute("aria-pressed", n === state.reading); });
     byId("trace-title").textContent = readings.length ? `Trace of “${readings[state.reading].name}”` : "Trace";
   }
@@ -112,5 +114,5 @@ function makeReadings({ data, byId, element, state, readings, theme, recolour, t
     }, theme);
     byId("path-said").textContent = `${path.said} ` + (solved.length ? "Squares with error bars: boundary elements, solved when the page was made." : state.changed ? "The reference curve holds for the scene as in its file only." : "No reference was solved for this path.");
   }
-  return { chosen, tell };
+  return { choose, chosen, tell };
 }

@@ -183,6 +183,16 @@ def test_a_floating_hand_is_asked_anew(ready: Browser) -> None:
     np.testing.assert_allclose(changes(ready.run(ask, "reduced:1")), grounded, rtol=ROUNDING)
 
 
+def test_the_guard_is_driven_or_grounded(ready: Browser) -> None:
+    press = "document.querySelector('#floating button[title*=\"' + arguments[0] + '\"]').click()"
+    shown = "return document.getElementById('trace-title').textContent"
+    ready.run(press, "“left, guard grounded”")
+    assert ready.run(shown) == "Trace of “left, guard grounded”"
+    ready.run(press, "“left”")
+    assert ready.run(shown) == "Trace of “left”"
+    assert ready.complaints() == []
+
+
 def test_scenes_with_mesh_files_are_whole(browser: Browser, tmp_path: Path) -> None:
     (tmp_path / "meshes").mkdir()
     corners = [(0, 0, 0), (0.05, 0, 0), (0, 0.05, 0), (0, 0, 0.05)]
