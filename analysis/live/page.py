@@ -5,6 +5,20 @@ from __future__ import annotations
 from analysis.report import page
 from analysis.results.store import Document
 
+_PARTS = (
+    "_view",
+    "_model",
+    "_charts",
+    "_motion",
+    "_picture",
+    "_readings",
+    "_controls",
+    "_paths",
+    "_input",
+    "",
+)
+"""The scripts of the page, in the order in which they are read: `live_view.js` and so on, `live.js` at last."""
+
 
 def document(title: str, digest: str, text: str, library: str, data: Document, notes: str) -> str:
     """Returns the whole page. `text` is the data as JSON, `digest` the hash of what it is made from, `library` the JavaScript with the
@@ -14,10 +28,7 @@ def document(title: str, digest: str, text: str, library: str, data: Document, n
         "live.html",
         style=page.static("live.css"),
         library=page.script(library),
-        view=page.static("live_view.js"),
-        model=page.static("live_model.js"),
-        charts=page.static("live_charts.js"),
-        script=page.static("live.js"),
+        scripts=[page.static(f"live{part}.js") for part in _PARTS],
         title=title,
         summary=_summary(data),
         notes=notes,

@@ -28,6 +28,8 @@ if is_missing():
 SCENE = live.find_scene(DEFAULT)
 ROUNDING = 1e-9
 """Largest relative difference between the page and the native library, which use other instructions and other logarithms."""
+ITERATION = 1e-4
+"""Largest relative difference of the formula's changes: its conjugate gradients stop at 3e-5, and it sums in single precision."""
 ANSWERS = """
     const {scene, choosePath, goTo} = window.livePage, found = [];
     choosePath(arguments[0]);
@@ -104,10 +106,13 @@ def test_models_and_geometry_are_those_of_the_native_library(
     assert len(found) == len(way.frames)
     for frame, said in enumerate(found):
         place(native, way, frame)
-        for method, options in (("exact", {}), ("formula", {"correction": "formula"})):
-            answer = native.capacitance(**options)
-            np.testing.assert_allclose(totals(said[method]), totals(answer), rtol=ROUNDING)
-            np.testing.assert_allclose(changes(said[method]), changes(answer), rtol=ROUNDING)
+        answer = native.capacitance()
+        np.testing.assert_allclose(totals(said["exact"]), totals(answer), rtol=ROUNDING)
+        np.testing.assert_allclose(changes(said["exact"]), changes(answer), rtol=ROUNDING)
+        answer = native.capacitance(correction="formula")
+        np.testing.assert_allclose(changes(said["formula"]), changes(answer), rtol=ITERATION)
+        for reading in said["formula"]["readings"]:
+            assert reading["error"]["change"] >= 0.25 * abs(reading["change"])
         eye, other = said["eyes"]["distance_sensors"][0], native.sense()["distance_sensors"][0]
         assert (eye["distance"] is None) == (other["distance"] is None)
         if other["distance"] is not None:
@@ -117,7 +122,7 @@ def test_models_and_geometry_are_those_of_the_native_library(
         assert said["pairs"]["pairs"] == native.collide()["pairs"]
 
 
-def test_the_reduced_method_is_right_within_the_errors_that_the_page_states(
+def test_the_other_methods_are_right_within_the_errors_that_the_page_states(
     ready: Browser, native: Any
 ) -> None:
     way = paths.of_scene(reader.load(SCENE), ())[0]
@@ -125,11 +130,12 @@ def test_the_reduced_method_is_right_within_the_errors_that_the_page_states(
     for number, said in zip(frames, ready.run(ANSWERS, 0, frames)):
         place(native, way, number)
         truth = native.readings("boundary-elements", rtol=0.01)
-        for reading in said["reduced"]["readings"]:
-            best = truth[reading["name"]]
-            allowed = reading["error"]["change"] + best.error["change"]
-            assert abs(reading["change"] - best.change) <= allowed, (number, reading["name"])
-            assert reading["error"]["change"] < 0.3 * abs(reading["change"])
+        for method, stated in (("reduced", 0.3), ("formula", 1.0)):
+            for reading in said[method]["readings"]:
+                best = truth[reading["name"]]
+                allowed = reading["error"]["change"] + best.error["change"]
+                assert abs(reading["change"] - best.change) <= allowed, (method, number, reading["name"])
+                assert reading["error"]["change"] < stated * abs(reading["change"])
 
 
 def test_mouse_and_keyboard_move_the_hand_and_its_readings_follow(ready: Browser, native: Any) -> None:
@@ -153,7 +159,7 @@ def test_mouse_and_keyboard_move_the_hand_and_its_readings_follow(ready: Browser
     native.set_pose("wrist", moved_hand(ready), np.array([1.0, 0, 0, 0]))
     said = ready.run("return window.livePage.scene.capacitance('formula')")
     np.testing.assert_allclose(
-        changes(said), changes(native.capacitance(correction="formula")), rtol=ROUNDING
+        changes(said), changes(native.capacitance(correction="formula")), rtol=ITERATION
     )
     assert ready.complaints() == []
 
@@ -175,6 +181,16 @@ def test_a_floating_hand_is_asked_anew(ready: Browser) -> None:
     assert np.isnan(changes(ready.run("return window.livePage.scene.capacitance('exact')"))).all()
     ready.run(name, "grounded")
     np.testing.assert_allclose(changes(ready.run(ask, "reduced:1")), grounded, rtol=ROUNDING)
+
+
+def test_the_guard_is_driven_or_grounded(ready: Browser) -> None:
+    press = "document.querySelector('#floating button[title*=\"' + arguments[0] + '\"]').click()"
+    shown = "return document.getElementById('trace-title').textContent"
+    ready.run(press, "“left, guard grounded”")
+    assert ready.run(shown) == "Trace of “left, guard grounded”"
+    ready.run(press, "“left”")
+    assert ready.run(shown) == "Trace of “left”"
+    assert ready.complaints() == []
 
 
 def test_scenes_with_mesh_files_are_whole(browser: Browser, tmp_path: Path) -> None:
@@ -218,6 +234,6 @@ def test_how_fast_it_is(browser: Browser, page: Path, record_property: Any, caps
             f"\nlive page: first answer after {times['firstAnswer'] / 1000:.2f} s, reduced method prepared in "
             f"{times['preparation'] / 1000:.2f} s, {shown:.0f} frames a second, each for {each:.1f} ms of processor time of the whole browser; the median frame takes {middle['frame']:.1f} ms (model "
             f"{middle['model']:.2f}, formula {middle['formula']:.2f}, reduced {middle['reduced']:.2f}, colours {middle['colours']:.2f}, "
-            f"picture and page {middle['page']:.2f})"
+            f"geometry {middle['geometry']:.2f}, picture and page {middle['page']:.2f})"
         )
     assert browser.complaints() == []

@@ -1,0 +1,118 @@
+"use strict";
+// The panel of the readings: their bars, whether they are noticed, distances, collisions and the two plots.
+
+/** Tells the answers that `state` holds. */
+function makeReadings({ data, byId, element, state, readings, theme, recolour, trace, along, pick }) {
+  const rows = readings.map((reading, number) => {
+    const box = element("div", "reading"), title = element("div", "title"), noticed = element("span", "noticed");
+    const drive = `charge on ${reading.sense}, driven: ${reading.drive.join(", ")}` + (reading.threshold ? `; threshold ${farads(reading.threshold)}` : "");
+    title.append(element("b", "", reading.name), noticed);
+    title.tabIndex = 0;
+    title.setAttribute("role", "button");
+        title.addEventListener("click", () => choose(number));
+    title.addEventListener("keydown", event => { if (event.key === "Enter" || event.key === " ") { event.preventDefault(); choose(number); } });
+    box.append(title, element("div", "drive", drive));
+    const lines = {};
+    for (const name of [...METHODS.map(m => m.name), "reference"]) {
+      const row = element("div", `row ${name}`), bar = element("div", "bar"), size = element("span", "size"), error = element("span", "error"), value = element("span", "value");
+      bar.append(size, error);
+      if (reading.threshold) {
+        const mark = element("span", "threshold");
+        mark.style.left = `${100 * placeOnScale(reading.threshold)}%`;
+        bar.append(mark);
+      }
+      row.append(element("span", "name", name), bar, value);
+      row.hidden = name === "reference";
+      box.append(row);
+      lines[name] = { row, size, error, value };
+    }
+    return { box, title, noticed, lines, reading };
+  });
+  const ticks = element("div", "ticks");
+  for (const [size, text] of powers()) {
+    const tick = element("span", "", text);
+    tick.style.left = `${100 * placeOnScale(size)}%`;
+    ticks.append(tick);
+  }
+  byId("readings").append(...rows.map(row => row.box), ticks);
+  function choose(number) { state.reading = number; recolour(); chosen(); }
+  /** Marks the chosen reading where it can be chosen. */
+  function chosen() {
+    document.querySelectorAll("[data-reading]").forEach(button => button.setAttribute("aria-pressed", Number(button.dataset.reading) === state.reading));
+    rows.forEach((row, n) => { row.box.classList.toggle("chosen", n === state.reading); row.title.setAttribute("aria-pressed", n === state.reading); });
+    byId("trace-title").textContent = readings.length ? `Trace of “${readings[state.reading].name}”` : "Trace";
+  }
+
+  /** Sets a bar, and where `isSlow` its text. */
+  function tellOne({ size, error, value, row }, { change, error: stated, refused }, isSlow) {
+    const known = change !== null && change !== undefined, at = known && change !== 0 ? placeOnScale(Math.abs(change)) : 0;
+    size.style.transform = `scaleX(${at})`;
+    const shows = known && stated !== null && stated !== undefined && stated > 0;
+    error.hidden = !shows;
+    if (shows) {
+      const low = placeOnScale(Math.max(Math.abs(change) - stated, 0)), high = placeOnScale(Math.abs(change) + stated);
+      error.style.left = `${100 * low}%`;
+      error.style.width = `${100 * (high - low)}%`;
+    }
+    if (!isSlow) return;
+    const text = known ? farads(change, stated) : refused && refused.length < 20 ? refused : "no answer";
+    if (value.textContent !== text) value.textContent = text;
+    const hint = refused && refused.length >= 20 ? refused : known ? "" : "This method does not know this reading.";
+    if (row.title !== hint) row.title = hint;
+  }
+  /** Tells by the best answer at hand whether a change is above its threshold: with an error, only if it is by more than that. */
+  function noticedBy(threshold, said) {
+    if (!threshold) return "";
+    const best = ["reference", "reduced", "formula", "model"].find(name => said[name] && said[name].change !== null && said[name].change !== undefined);
+    if (!best) return "";
+    const { change, error } = said[best], size = Math.abs(change);
+    if (size - (error || 0) > threshold) return `noticed (${best})`;
+    return size + (error || 0) < threshold ? `not noticed (${best})` : `perhaps noticed (${best})`;
+  }
+  /** Tells the answers: bars in every frame, texts and charts, which no eye follows faster, only where `isSlow`. */
+  function tell(isSlow) {
+    rows.forEach(({ noticed, lines, reading }) => {
+      const said = {};
+      for (const { name } of METHODS) tellOne(lines[name], (said[name] = pick(state.answers[name], reading.name)), isSlow);
+      lines.reference.row.hidden = !state.reference;
+      if (state.reference) tellOne(lines.reference, (said.reference = pick(state.reference, reading.name)), isSlow);
+      if (!isSlow) return;
+      const text = noticedBy(reading.threshold, said);
+      if (noticed.textContent !== text) noticed.textContent = text;
+    });
+    if (!isSlow) return;
+    state.told = performance.now();
+    const refusals = METHODS.filter(({ name }) => state.answers[name].refused && state.answers[name].refused.length >= 20).map(({ name }) => `${name}: ${state.answers[name].refused}.`).join(" ");
+    if (byId("refusals").textContent !== refusals) byId("refusals").textContent = refusals;
+    tellGeometry();
+    if (readings.length) tellCharts();
+  }
+  let geometryTold = null;
+  function tellGeometry() {
+    const eyes = state.geometry.eyes.map(eye => ["", eye.distance === null ? `${eye.name}: nothing in its cone` : `${eye.name}: ${(1000 * eye.distance).toFixed(1)} mm to ${eye.object}`]);
+    const pairs = state.geometry.pairs.filter(pair => pair.status === "collision").map(pair => ["collision", `collision: ${pair.a} and ${pair.b}`]);
+    const said = [...eyes, ...(pairs.length ? pairs : [["", "no collision"]])], text = said.join("\n");
+    if (text === geometryTold) return;
+    geometryTold = text;
+    byId("geometry").replaceChildren(...said.map(([kind, each]) => element("p", kind, each)));
+  }
+  const lineOf = (points, m) => ({ points, colour: theme[METHODS[m].name], dash: METHODS[m].dash, name: METHODS[m].name });
+  function tellCharts() {
+    const now = performance.now() / 1000, threshold = readings[state.reading].threshold;
+    drawChart(byId("trace"), {
+      from: -15, to: 0, ticks: [[-15, "−15 s"], [-10, "−10 s"], [-5, "−5 s"], [0, "now"]], threshold,
+      lines: METHODS.map((_, m) => lineOf(trace.map(each => [each.now - now, each.values[state.reading][m]]), m)),
+    }, theme);
+    byId("along").hidden = state.path === null;
+    if (state.path === null) return;
+    const path = data.paths[state.path], passed = [...along].sort((a, b) => a[0] - b[0]), every = Math.ceil(path.frames.length / 6);
+    const solved = path.reference && !state.changed ? path.reference.map((frame, at) => ({ at, value: frame[readings[state.reading].name] })) : [];
+    drawChart(byId("path"), {
+      from: 0, to: path.frames.length - 1, now: state.at, threshold, ticks: path.frames.map((frame, n) => [n, frame.name]).filter((_, n) => n % every === 0),
+      lines: METHODS.map((_, m) => lineOf(passed.map(([at, values]) => [at, values[state.reading][m]]), m)),
+      marks: solved.filter(({ value }) => value).map(({ at, value }) => ({ at, value: value[0], error: value[1], colour: theme.reference })),
+    }, theme);
+    byId("path-said").textContent = `${path.said} ` + (solved.length ? "Squares with error bars: boundary elements, solved when the page was made." : state.changed ? "The reference curve holds for the scene as in its file only." : "No reference was solved for this path.");
+  }
+  return { choose, chosen, tell };
+}
