@@ -1,4 +1,4 @@
-#include "correction/conductors_at_rest.hpp"
+#include "bem/conductors_at_rest.hpp"
 
 #include <algorithm>
 #include <stdexcept>
@@ -51,9 +51,9 @@ double largest_error(const PanelSolution& solution, const ChargedBodies& bodies)
 }  // namespace
 
 ConductorsAtRest::ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_t most_panels,
-                                   std::size_t least_panels)
+                                   std::size_t least_panels, std::size_t threads)
     : bodies_(in_triangles(std::move(bodies), rtol, most_panels)),
-      system_(bodies_, {grading_part * rtol, most_panels / most_graded_part}) {
+      system_(bodies_, {grading_part * rtol, most_panels / most_graded_part}, threads) {
   while (mesh().panels().size() < least_panels)
     // With equal charges, triangles are halved across their longest sides.
     system_.refine_groups(std::vector<bool>(mesh().groups().size(), true),
@@ -68,7 +68,8 @@ ConductorsAtRest::ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_
       tolerance /= 100;
       continue;
     }
-    const double excess = largest_error(solution_, bodies_) / rtol;
+    error_ = largest_error(solution_, bodies_);
+    const double excess = error_ / rtol;
     if (excess <= 1 || !refine(excess, most_panels))
       return;
   }
