@@ -108,7 +108,7 @@ def bound_violations(path: Path, scene: Scene, count: int, grid: float | None) -
     violations, least = 0, np.inf
     for k, at, distance in chosen:
         body, low = _around(chance, 0.02, distance)
-        around = responses.respond(body, model, (_NEAR,), _ROUGH)
+        around = responses.respond_on(_divided(body.triangles), body, model, (_NEAR,))
         translation = survey.places.points[at] + (distance + 0.02) * survey.places.normals[at]
         pose = rotations[at : at + 1], translation[None]
         level = around.level(distance - low)
@@ -121,8 +121,28 @@ def bound_violations(path: Path, scene: Scene, count: int, grid: float | None) -
     return violations, least
 
 
-_NEAR, _ROUGH = 0.25, 0.05
-"""Clearance over half the size, and accuracy, of the random bodies."""
+_NEAR, _FEWEST_PANELS = 0.25, 150
+"""Clearance over half the size of the random bodies; and the number of their panels, at least. Galerkin's method on few panels underestimates a
+body's change, so that it cannot hide a violation."""
+
+
+def _divided(triangles: Array) -> Array:
+    """Quarters triangles until there are enough panels."""
+    while len(triangles) < _FEWEST_PANELS:
+        a, b, c = triangles.transpose(1, 0, 2)
+        middles = (b + c) / 2, (c + a) / 2, (a + b) / 2
+        corners = (
+            (a, middles[2], middles[1]),
+            (b, middles[0], middles[2]),
+            (c, middles[1], middles[0]),
+            middles,
+        )
+        triangles = np.concatenate([np.stack(part, axis=1) for part in corners])
+    return triangles
+
+
+_SEGMENTS = 8
+"""Segments of a circle of the rounded bodies."""
 
 
 def _around(chance: np.random.Generator, radius: float, room: float) -> tuple[Probe, float]:
@@ -132,11 +152,11 @@ def _around(chance: np.random.Generator, radius: float, room: float) -> tuple[Pr
     shape: shapes.Shape = (
         shapes.Cuboid((2 * reach[0], 2 * reach[1], 2 * reach[2]))
         if chance.random() < 0.5
-        else shapes.RoundedCuboid((2 * reach[0], 2 * reach[1], 2 * reach[2]), radius, 12)
+        else shapes.RoundedCuboid((2 * reach[0], 2 * reach[1], 2 * reach[2]), radius, _SEGMENTS)
     )
     text = f'type = "cuboid", size = {[float(2 * x) for x in reach]}'
     if isinstance(shape, shapes.RoundedCuboid):
-        text += f", rounding = {radius}, segments = 12"
+        text += f", rounding = {radius}, segments = {_SEGMENTS}"
     return Probe("body", shape.triangles(), text), lower + 1e-4
 
 

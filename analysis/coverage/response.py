@@ -51,12 +51,15 @@ class Response:
         return fitting[-1] if fitting else self.levels[0]
 
 
-def respond(
-    probe: Probe, model: Any, clearances: tuple[float, ...] = _CLEARANCES, rtol: float = _RTOL
-) -> Response:
-    """Solves the probe by itself, for levels at these clearances over half its size."""
+def respond(probe: Probe, model: Any) -> Response:
+    """Solves the probe by itself."""
     scene = model.Scene.loads(f'[[object]]\nname = "probe"\nshape = {{ {probe.text} }}\n')
-    panels = scene.surface_charges(rtol=rtol, most_panels=_PROBE_PANELS)["panels"]
+    panels = scene.surface_charges(rtol=_RTOL, most_panels=_PROBE_PANELS)["panels"]
+    return respond_on(panels, probe, model, _CLEARANCES)
+
+
+def respond_on(panels: Array, probe: Probe, model: Any, clearances: tuple[float, ...]) -> Response:
+    """Solves the probe by itself on panels (n, 3, 3), for levels at these clearances over half its size."""
     matrix = model.single_layer(panels)
     factor = linalg.cho_factor(matrix)
     centres = panels.mean(axis=1)
@@ -118,8 +121,8 @@ def _some(
 ) -> tuple[Array, NDArray[np.bool_]]:
     n, count = len(translations), len(level.points)
     points = (np.einsum("nij,pj->npi", rotations, level.points) + translations[:, None]).reshape(-1, 3)
-    senses, drives, answers, free = (part.reshape(n, count, -1) for part in machine.at(points))
-    system = level.inverse - answers @ answers.transpose(0, 2, 1) + free @ free.transpose(0, 2, 1)
+    senses, drives, answers = (part.reshape(n, count, -1) for part in machine.at(points))
+    system = level.inverse - answers @ answers.transpose(0, 2, 1)
     right = np.concatenate([senses, drives, np.ones((n, count, 1))], axis=2)
     solved = np.linalg.solve(system, right)
     size = senses.shape[2]

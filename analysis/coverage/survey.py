@@ -44,7 +44,8 @@ class Options:
     methods: tuple[str, ...] = ("exact", "formula", SMALL)
     compared: int = 12
     rtol: float = 0.02
-    most_panels: int = 2500
+    most_panels: int = 12000
+    parts: int = 600
 
 
 @dataclass(frozen=True)
@@ -136,14 +137,14 @@ def survey(path: Path, scene: Scene, probes: tuple[Probe, ...], options: Options
         changes,
         compared,
         by_method,
-        len(machine.panels),
+        machine.panels,
         machine.error,
     )
 
 
 def machine_of(live: Any, scene: Scene, model: Any, options: Options) -> Machine:
     """Solves the machine of a scene that `at_rest` returned."""
-    return Machine(live, model, scene.medium.relative_permittivity, options.rtol, options.most_panels)
+    return Machine(live, scene.medium.relative_permittivity, options.rtol, options.most_panels, options.parts)
 
 
 def at_rest(path: Path, scene: Scene, model: Any) -> Any:
@@ -284,7 +285,7 @@ def _small(
     """The limit for small grounded probes: own capacitance times the potentials at the middle of the probe's charge."""
     alone = np.linalg.solve(level.inverse, np.ones(len(level.points)))
     middle = alone @ level.points / alone.sum()
-    senses, drives, _, _ = machine.at(np.einsum("nij,j->ni", rotations, middle) + translations)
+    senses, drives = machine.potentials(np.einsum("nij,j->ni", rotations, middle) + translations)
     capacitance = alone.sum() if to_ground is None else 0.0
     if to_ground is not None:
         share = to_ground / machine.factor

@@ -26,6 +26,7 @@
 #include "fringe/correction.hpp"
 #include "fringe/error.hpp"
 #include "fringe/evaluation.hpp"
+#include "fringe/machine_potentials.hpp"
 #include "fringe/motion.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/remarks.hpp"
@@ -196,6 +197,55 @@ py::dict surface_charges_of(SharedScene& scene, double rtol, std::size_t most_pa
                   "conductor_of"_a = py::array_t<std::size_t>(
                       static_cast<py::ssize_t>(found.conductor_of.size()), found.conductor_of.data()),
                   "charges"_a = found.charges, "error"_a = found.error);
+}
+
+MachinePotentials machine_potentials_of(SharedScene& scene, double rtol, std::size_t most_panels,
+                                        std::size_t functions) {
+  return scene.locked([&](const LiveScene& live) {
+    return MachinePotentials(live.scene(), {rtol, most_panels, functions, 0});
+  });
+}
+
+py::tuple potentials_at(const MachinePotentials& machine, const Array& positions, bool with_parts) {
+  if (positions.ndim() != 2 || positions.shape(1) != 3)
+    throw InputError("points must have shape (n, 3)");
+  std::vector<Eigen::Vector3d> points(static_cast<std::size_t>(positions.shape(0)));
+  for (std::size_t k = 0; k < points.size(); ++k)
+    points[k] = Eigen::Vector3d(positions.data() + 3 * k);
+  const MachinePotentials::Values values = [&] {
+    const py::gil_scoped_release unlocked;
+    return machine.at(points, with_parts);
+  }();
+  return py::make_tuple(values.of_loads, values.of_parts);
+}
+
+void add_machine_potentials(py::module_& module) {
+  py::class_<MachinePotentials>(module, "MachinePotentials",
+                                "A machine at rest as others feel it: the potentials of its readings, and of "
+                                "charges on the parts of its "
+                                "surface, at any points. Scene.machine_potentials makes it.")
+      .def_property_readonly(
+          "readings",
+          [](const MachinePotentials& machine) {
+            py::list found;
+            for (const MachinePotentials::OfReading& reading : machine.readings())
+              found.append(py::make_tuple(reading.sense, reading.drive, reading.sign));
+            return found;
+          },
+          "For each reading of the scene the columns of what it senses and drives, and the sign of its value "
+          "when a "
+          "grounded body comes near.")
+      .def_property_readonly(
+          "answers", &MachinePotentials::answers,
+          "The symmetric matrix (m) that maps the potentials of the parts to the charges, over "
+          "-4 pi epsilon, that the machine answers with.")
+      .def_property_readonly("error", &MachinePotentials::error,
+                             "The largest stated error of the energies of what is sensed, driven or floats.")
+      .def_property_readonly("panels", &MachinePotentials::panels, "The number of panels.")
+      .def("at", &potentials_at, "points"_a, "with_parts"_a = true,
+           "The potentials at points (n, 3), in single precision: of 1 V on what is sensed or driven, (n, "
+           "columns), and "
+           "of a unit charge on each part, (n, parts) in 1/m; no columns of the latter without with_parts.");
 }
 
 py::dict sense_of(SharedScene& scene, const std::string& method) {
@@ -378,6 +428,7 @@ void add_scene(py::module_& module) {
       .def_readonly("derivative_errors", &PythonReading::derivative_errors,
                     "Estimates of their errors, {link: (6,) array}; None where the method states none.");
 
+  add_machine_potentials(module);
   py::class_<SharedScene>(module, "Scene", "A scene of links, sensors and objects (geometries/SCENE.md).")
       .def_static("load", &SharedScene::load, "path"_a, py::call_guard<py::gil_scoped_release>(),
                   "Reads a scene file and the mesh files it names. Raises InputError for a wrong one.")
@@ -544,6 +595,12 @@ estimate of the relative error of the charges' energies. Panels are refined unti
 most_panels.
 
 With the weights w of the conductors, fringe.triangle_potentials(points, panels) @ (charges @ w) is the potential.)")
+      .def(
+          "machine_potentials", &machine_potentials_of, "rtol"_a = 2e-2, "most_panels"_a = 12000,
+          "functions"_a = 600,
+          R"(The scene as a machine at rest, a MachinePotentials: the charges of what its readings sense and drive, by
+boundary elements as in surface_charges, and its surfaces divided into at most so many parts by which it answers a
+charge outside.)")
       .def("roles", &roles_of,
            R"(What each object is to the readings, and what is measured, with the defaults filled in.
 

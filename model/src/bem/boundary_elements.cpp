@@ -88,10 +88,6 @@ constexpr double iteration_share = 0.0005;
 /// Assumed change of a reading, as a part of its value, before it is known.
 constexpr double first_change_part = 1e-2;
 
-/// Fraction of rtol that panels graded towards sharp edges may miss with one density on each group. It is
-/// about the change from the coarse to the whole space.
-constexpr double grading_part = 1.0 / 3;
-
 /// Ratio of the tolerance of simplified surfaces to rtol. The surfaces move by a fraction of the tolerance on
 /// average, and only a part of the charge is where it counts.
 constexpr double simplification_part = 3;
@@ -99,9 +95,6 @@ constexpr double simplification_part = 3;
 /// The triangles of all bodies are at most one in so many of the allowed unknowns: the others are for
 /// refinement.
 constexpr std::size_t most_triangles_part = 2;
-
-/// A-priori grading takes at most one in so many of the allowed unknowns.
-constexpr std::size_t most_graded_part = 4;
 
 void require_positive_definite(const PanelSolution& solution) {
   if (!solution.positive_definite)
@@ -317,7 +310,8 @@ double quadrature_excess(const PanelSolution& solution, const ChargedBodies& bod
 /// respect to the poses are found if there are any; null: none.
 MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplification,
                     const BoundaryElementOptions& options, const detail::LinkPoses* poses) {
-  PanelSystem system(bodies, {grading_part * options.rtol, options.most_unknowns / most_graded_part},
+  PanelSystem system(bodies,
+                     {detail::grading_part * options.rtol, options.most_unknowns / detail::most_graded_part},
                      options.threads);
   auto [functions, per_change] = beginning(bodies, system.mesh().panels().size(), options);
 

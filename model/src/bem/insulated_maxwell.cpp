@@ -31,10 +31,7 @@ constexpr std::size_t most_panels = 6000;
 constexpr std::size_t most_refined_panels = 3000;
 
 /// A-priori grading takes at most one in so many of them.
-constexpr std::size_t most_graded_part = 2;
-
-/// Fraction of rtol that panels graded towards sharp edges may miss with one density on each group.
-constexpr double grading_part = 1.0 / 3;
+constexpr std::size_t most_graded_with_insulators = 2;
 
 /// Ratio of the quadratures' tolerance to rtol, and the coarsest tolerance.
 constexpr double tolerance_part = 1.0 / 100;
@@ -122,7 +119,8 @@ MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const BoundaryEle
   if (has_readings)
     others.push_back(without_targets(bodies));
   const std::size_t most_refined = std::min(most, most_refined_panels);
-  InsulatedSystem system(bodies, others, {grading_part * options.rtol, most_refined / most_graded_part},
+  InsulatedSystem system(bodies, others,
+                         {grading_part * options.rtol, most_refined / most_graded_with_insulators},
                          options.threads);
   if (system.panels() > most)
     throw InputError(fmt::format(

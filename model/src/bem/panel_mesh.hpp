@@ -27,6 +27,13 @@ struct PanelGroup {
   bool is_quartered;  ///< true if the panels are the quarters of one triangle, in the order of quarters()
 };
 
+/// Fraction of rtol that panels graded towards sharp edges may miss with one density on each group. It is
+/// about the change from the coarse to the whole space.
+constexpr double grading_part = 1.0 / 3;
+
+/// A-priori grading takes at most one in so many of the allowed panels: the others are for refinement.
+constexpr std::size_t most_graded_part = 4;
+
 /// Limits of the a-priori grading towards sharp edges.
 struct PanelGrading {
   double missing = 1;  ///< fraction of a body's energy that one density on each group may miss

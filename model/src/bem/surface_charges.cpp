@@ -1,18 +1,13 @@
 #include "fringe/surface_charges.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "bem/bodies.hpp"
-#include "bem/error_indicators.hpp"
-#include "bem/group_densities.hpp"
+#include "bem/conductors_at_rest.hpp"
 #include "bem/panel_pair.hpp"
-#include "bem/panel_system.hpp"
-#include "bem/simplification.hpp"
 #include "bem/single_layer_panels.hpp"
 #include "fringe/error.hpp"
 #include "numeric/parallel.hpp"
@@ -29,47 +24,14 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Ratios to rtol: of the quadratures' first tolerance, of the accuracy of the conjugate gradients, of the
-/// energy that a-priori grading may miss, and of the tolerance of simplified surfaces.
-constexpr double tolerance_part = 0.02, iteration_part = 5e-4, grading_part = 0.5, simplification_part = 3;
-
-/// Returns the estimated error of the energies, relative to them: the largest of the conductors that are
-/// asked for.
-double relative_error(const detail::PanelSolution& solution, const ChargedBodies& bodies) {
-  double error = 0;
-  for (std::size_t k = 0; k < bodies.conductors.size(); ++k) {
-    const auto at = static_cast<Index>(k);
-    if (bodies.conductors[k].is_asked)
-      error = std::max(error, 1 - solution.all.coarse(at, at) / solution.all.fine(at, at));
-  }
-  return detail::error_per_panel_change * error;
-}
-
-/// Asks for sensors and electrodes alone, where there are any, and turns all surfaces into triangles.
-void prepare(ChargedBodies& bodies) {
+/// Asks for sensors and electrodes alone, where there are any.
+void ask_for_driven(ChargedBodies& bodies) {
   const auto is_driven = [](const detail::ChargedConductor& conductor) {
     return conductor.role == Role::sensor || conductor.role == Role::electrode;
   };
   if (std::ranges::any_of(bodies.conductors, is_driven))
     for (detail::ChargedConductor& conductor : bodies.conductors)
       conductor.is_asked = is_driven(conductor);
-  bodies.readings.clear();
-  for (detail::ChargedBody& body : bodies.bodies)
-    body.surface = detail::triangulated(body.surface);
-}
-
-/// Solves, with finer quadratures where these make the matrix not positive definite.
-detail::PanelSolution solved(detail::PanelSystem& system, double& tolerance, double rtol) {
-  constexpr double finest_tolerance = 1e-13;
-  while (true) {
-    system.refine({}, tolerance);
-    detail::PanelSolution solution = system.solve(iteration_part * rtol);
-    if (solution.positive_definite)
-      return solution;
-    if (tolerance < finest_tolerance)
-      throw std::runtime_error("the matrix of the boundary elements is not positive definite");
-    tolerance /= 100;
-  }
 }
 
 std::vector<Panel> panels_of(std::span<const Triangle> triangles) {
@@ -88,35 +50,18 @@ SurfaceCharges surface_charges(const Scene& scene, const SurfaceChargeOptions& o
   if (scene.has_room)
     throw InputError("room: boundary elements compute only conductors in free space");
   ChargedBodies all = detail::charged_bodies(scene);
-  prepare(all);
-  const detail::Simplification simplification(std::move(all), simplification_part * options.rtol,
-                                              options.most_panels / 2);
-  const ChargedBodies& bodies = simplification.bodies();
-  detail::PanelSystem system(bodies, {grading_part * options.rtol, options.most_panels / 2}, options.threads);
-  double tolerance = tolerance_part * options.rtol;
-  detail::PanelSolution solution;
+  ask_for_driven(all);
+  const detail::ConductorsAtRest found(std::move(all), options.rtol, options.most_panels, 0, options.threads);
+  const ChargedBodies& bodies = found.bodies();
   SurfaceCharges result;
-  while (true) {
-    solution = solved(system, tolerance, options.rtol);
-    result.error = relative_error(solution, bodies);
-    const std::size_t count = system.mesh().panels().size();
-    if (result.error <= options.rtol || count >= options.most_panels)
-      break;
-    const double allowed = solution.error_indicators.sum() * options.rtol / result.error / 2;
-    const std::vector<bool> marked =
-        detail::doerfler_marking(system.mesh().groups(), solution.error_indicators, allowed,
-                                 std::min(count, options.most_panels - count));
-    if (marked.empty())
-      break;
-    system.refine_groups(marked, solution.charges);
-  }
-  for (const Panel& panel : system.mesh().panels())
+  result.error = found.error();
+  for (const Panel& panel : found.mesh().panels())
     result.panels.push_back(panel.corners);
-  for (const detail::PanelGroup& group : system.mesh().groups())
+  for (const detail::PanelGroup& group : found.mesh().groups())
     result.conductor_of.insert(result.conductor_of.end(), group.count, bodies.bodies[group.body].conductor);
   for (const detail::ChargedConductor& conductor : bodies.conductors)
     result.conductors.push_back(conductor.name);
-  result.charges = std::move(solution.charges);
+  result.charges = found.charges();
   return result;
 }
 

@@ -163,7 +163,16 @@ ChargeFunctions::ChargeFunctions(const ConductorsAtRest& conductors, const Matri
     }
     add_function(mesh, panels, conductors.bodies().bodies[parts[function].body].conductor, weights / total,
                  given);
+    panels_.first.push_back(panels_.corners.size());
+    for (const std::size_t panel : panels) {
+      panels_.corners.push_back(mesh.panels()[panel].corners);
+      panels_.shares.push_back(static_cast<float>(weights[index_of(panel)] / total));
+    }
   }
+  panels_.first.push_back(order.size());
+  panels_.given.resize(index_of(order.size()), given.cols());
+  for (std::size_t k = 0; k < order.size(); ++k)
+    panels_.given.row(index_of(k)) = given.row(index_of(order[k])).cast<float>();
   energies_ = conductors.panel_operator().matrix().dense_restricted(restriction, index_of(parts.size()));
   for (std::size_t level = 0; level < points_.size(); ++level) {
     points_[level].first.push_back(points_[level].at.size());

@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "correction/conductors_at_rest.hpp"
+#include "bem/conductors_at_rest.hpp"
 
 /// Charges that conductors at rest may carry, as combinations of some hundred functions
 /// (model/CORRECTIONS.md, section 8).
@@ -20,6 +20,14 @@ struct FunctionPoints {
   std::vector<Eigen::Vector3f> at;  ///< m
   std::vector<float> shares;        ///< charges at the points of a function with unit charge
   Eigen::MatrixXf given;            ///< the given charges at the points (rows)
+};
+
+/// The charges of all functions on their panels, one function after the other.
+struct FunctionPanels {
+  std::vector<std::size_t> first;  ///< for each function its first panel, and the end
+  std::vector<Triangle> corners;   ///< m
+  std::vector<float> shares;       ///< charges of the panels of a function with unit charge
+  Eigen::MatrixXf given;           ///< the given charges of the panels (rows)
 };
 
 /// Functions of unit charge on parts of the bodies' surfaces. Within a part they are proportional to the
@@ -50,6 +58,7 @@ class ChargeFunctions {
   double radius(std::size_t function) const { return radii_[function]; }
   std::size_t conductor(std::size_t function) const { return conductors_[function]; }
   const FunctionPoints& points(std::size_t level) const { return points_[level]; }
+  const FunctionPanels& panels() const { return panels_; }
   /// Returns boxes around the bodies.
   const std::vector<Eigen::AlignedBox3d>& boxes() const { return boxes_; }
 
@@ -69,6 +78,7 @@ class ChargeFunctions {
   std::vector<double> radii_;
   std::vector<std::size_t> conductors_;
   std::array<FunctionPoints, points_per_function.size()> points_;
+  FunctionPanels panels_;
   std::array<std::vector<Eigen::VectorXd>, points_per_function.size()> given_;  ///< while it is made
   std::vector<Eigen::AlignedBox3d> boxes_;
   Eigen::MatrixXd energies_;

@@ -25,17 +25,17 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Stated errors at which the refinement of the machine's charges, and of the target's, ends.
-constexpr double machine_rtol = 3e-2, target_rtol = 2e-2;
+/// Stated error at which the refinement of the target's charges ends.
+constexpr double target_rtol = 2e-2;
 
-/// Largest numbers of panels.
-constexpr std::size_t most_machine_panels = 6000, most_target_panels = 2500;
+/// Largest number of panels of the target.
+constexpr std::size_t most_target_panels = 2500;
 
-/// Numbers of functions of the machine and of the target.
-constexpr std::size_t machine_functions = 200, target_functions = 128;
+/// Number of functions of the target.
+constexpr std::size_t target_functions = 128;
 
 /// Coordinate of points that only fill a block, in m: 1/distance is negligible.
-constexpr float far_away = 1e15F;
+constexpr float padding = 1e15F;
 
 /// Returns the inverse of a single-layer matrix. Functions that coincide up to rounding share their charge.
 MatrixXd inverse(const MatrixXd& energies) {
@@ -106,16 +106,18 @@ loads_of(const std::vector<ChargedReading>& readings, Index conductors) {
 }
 
 ChargeFunctions functions_of_machine(const ConductorsAtRest& conductors,
-                                     const std::vector<AlignedBox3d>& used, const MatrixXd& loads) {
+                                     const std::vector<AlignedBox3d>& used, const MatrixXd& loads,
+                                     std::size_t most_functions) {
   const MatrixXd all = potentials(conductors.matrix(), conductors.bodies());
   const MatrixXd given = conductors.charges() * (all * loads.topRows(all.cols()));
   return {conductors, given, [&](const ChargeFunctions::Part& part) { return importance_for(part, used); },
-          machine_functions};
+          most_functions};
 }
 
 }  // namespace
 
-MachineAtRest::MachineAtRest(ChargedBodies bodies, const std::vector<Reading>& readings)
+MachineAtRest::MachineAtRest(ChargedBodies bodies, const std::vector<Reading>& readings,
+                             const MachineResolution& resolution)
     : MachineAtRest(
           [&] {
             const std::vector<ChargedReading> charged =
@@ -129,18 +131,20 @@ MachineAtRest::MachineAtRest(ChargedBodies bodies, const std::vector<Reading>& r
                     return reading.sense[at] != 0 || reading.drive[at] != 0;
                   });
             }
-            return ConductorsAtRest(std::move(bodies), machine_rtol, most_machine_panels);
+            return ConductorsAtRest(std::move(bodies), resolution.rtol, resolution.most_panels, 0,
+                                    resolution.threads);
           }(),
-          readings) {}
+          readings, resolution.functions) {}
 
-MachineAtRest::MachineAtRest(const ConductorsAtRest& conductors, const std::vector<Reading>& readings)
-    : functions_([&] {
+MachineAtRest::MachineAtRest(const ConductorsAtRest& conductors, const std::vector<Reading>& readings,
+                             std::size_t most_functions)
+    : error_(conductors.error()), functions_([&] {
         const ChargedBodies& bodies = conductors.bodies();
         const std::vector<ChargedReading> charged = charged_readings(readings, drivable_conductors(bodies));
         auto [loads, places] = loads_of(charged, static_cast<Index>(bodies.conductors.size()));
         readings_ = std::move(places);
         used_ = boxes_of_used(bodies, charged);
-        return functions_of_machine(conductors, used_, loads);
+        return functions_of_machine(conductors, used_, loads, most_functions);
       }()) {
   const ChargedBodies& bodies = conductors.bodies();
   MatrixXd answers = inverse(functions_.energies());
@@ -269,7 +273,7 @@ void CompanyFormula::place_machine(const MachineAtRest& machine, const TargetAtR
   machine_.count = machine_.x.size();
   const auto padded = static_cast<std::size_t>(whole_blocks(static_cast<std::ptrdiff_t>(machine_.count)));
   for (std::vector<float>* coordinates : {&machine_.x, &machine_.y, &machine_.z})
-    coordinates->resize(padded, far_away);
+    coordinates->resize(padded, padding);
   for (std::vector<float>& charges : given_)
     charges.resize(padded, 0.0F);
   machine_.charges.assign(padded, 0.0F);

@@ -12,13 +12,22 @@
 /// (model/CORRECTIONS.md, section 8).
 namespace fringe::detail {
 
+/// How finely a machine is resolved.
+struct MachineResolution {
+  double rtol = 3e-2;              ///< stated error at which the refinement of its charges ends
+  std::size_t most_panels = 6000;  ///< refinement ends there, too
+  std::size_t functions = 200;     ///< largest number of parts of its surface
+  std::size_t threads = 1;         ///< 0: as many as this process may run at once
+};
+
 /// What does not change while targets move: the charges of the readings' conductors, and how the machine
 /// answers to charges outside it.
 class MachineAtRest {
  public:
   /// Prepares the conductors of a machine, in world coordinates, for readings of them.
   /// @throws InputError for a reading of what is neither a sensor nor an electrode.
-  MachineAtRest(ChargedBodies bodies, const std::vector<Reading>& readings);
+  MachineAtRest(ChargedBodies bodies, const std::vector<Reading>& readings,
+                const MachineResolution& resolution = {});
 
   /// A reading by the places of what it senses and drives among the given charges of the functions.
   struct OfReading {
@@ -35,12 +44,16 @@ class MachineAtRest {
   /// Returns the charges of the functions by their potentials, floating conductors without net charge: a
   /// symmetric matrix in whole blocks.
   const std::vector<float>& answers() const { return answers_; }
+  /// Returns the largest stated error of the energies of what is sensed, driven or floats, relative to these.
+  double error() const { return error_; }
 
  private:
-  MachineAtRest(const ConductorsAtRest& conductors, const std::vector<Reading>& readings);
+  MachineAtRest(const ConductorsAtRest& conductors, const std::vector<Reading>& readings,
+                std::size_t most_functions);
 
   std::vector<OfReading> readings_;
   std::vector<Eigen::AlignedBox3d> used_;
+  double error_;
   ChargeFunctions functions_;
   std::vector<float> answers_;
 };

@@ -25,7 +25,7 @@ double stated_error(double nearness) {
   return std::min(0.25 * std::sqrt(std::max(nearness, 1.0)), 1.0);
 }
 
-AlignedBox3d box_of(const ChargedBody& body) {
+AlignedBox3d bounds_of(const ChargedBody& body) {
   AlignedBox3d box;
   for (const Triangle& triangle : triangulated(body.surface).triangles)
     for (const Vector3d& corner : triangle)
@@ -81,7 +81,7 @@ CompanyReadings::Group CompanyReadings::group(const ChargedBodies& bodies, bool 
       body = moved(body, to_frame * motion_.world_pose(body.link));
   Group result{joined(std::move(part)), {}};
   for (const ChargedBody& body : result.bodies.bodies)
-    result.boxes.push_back(box_of(body));
+    result.boxes.push_back(bounds_of(body));
   return result;
 }
 

@@ -4,7 +4,7 @@ namespace fringe::detail {
 
 using Eigen::Vector3d;
 
-Wrench transformed(const Wrench& wrench, const Eigen::Isometry3d& pose) {
+Wrench in_outer_frame(const Wrench& wrench, const Eigen::Isometry3d& pose) {
   const Vector3d force = pose.linear() * wrench.force;
   return {force, pose.linear() * wrench.torque + pose.translation().cross(force)};
 }

@@ -30,7 +30,7 @@ inline Wrench operator*(double factor, const Wrench& wrench) {
 }
 
 /// Returns a wrench in the frame that a pose leads to.
-Wrench transformed(const Wrench& wrench, const Eigen::Isometry3d& pose);
+Wrench in_outer_frame(const Wrench& wrench, const Eigen::Isometry3d& pose);
 
 /// What two bodies contribute to a scalar that depends on their relative pose: the derivatives with respect
 /// to the pose of one of them, in the world, and the links that carry both. Those of the other are opposite.

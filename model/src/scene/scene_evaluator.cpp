@@ -166,7 +166,7 @@ class SceneEvaluator::Implementation {
       place_in_frame_of(placed, placed_sensors_[sensor].plates);
       pair.wrench = detail::surface_wrench(placed.surface, in_object_frame_, options);
     }
-    const detail::Wrench wrench = permittivity_ * transformed(*pair.wrench, placed.to_world);
+    const detail::Wrench wrench = permittivity_ * in_outer_frame(*pair.wrench, placed.to_world);
     PoseDerivatives result;
     result << wrench.force, wrench.torque;
     return result;

@@ -87,7 +87,7 @@ Wrench plate_wrench(const TriangleBatch& triangles, const Rectangle& plate) {
   // Squares of lengths neither overflow nor underflow if the plate has a length of about 1.
   const double scale = std::ldexp(1.0, std::clamp(-std::ilogb(lengths), -1000, 1000));
   const double least_distance = touching * scale * lengths;
-  const DerivativeKernels& kernels = best_kernels<DerivativeKernels>();
+  const auto& kernels = best_kernels<DerivativeKernels>();
   Sums sums{};
   PlacedPieceBuffer pieces(frame, scale, least_distance, sums);
   std::array<std::uint32_t, chunk_size> left;

@@ -1,4 +1,4 @@
-#include "correction/conductors_at_rest.hpp"
+#include "bem/conductors_at_rest.hpp"
 
 #include <algorithm>
 #include <stdexcept>
@@ -24,21 +24,15 @@ constexpr double finest_tolerance = 1e-13;
 /// Fraction of rtol at which the conjugate gradients stop.
 constexpr double iteration_part = 1e-3;
 
-/// Fraction of rtol that panels graded towards sharp edges may miss with one density on each group.
-constexpr double grading_part = 1.0 / 3;
-
 /// Ratio of the tolerance of simplified surfaces to rtol.
-constexpr double simplification_part = 1;
-
-/// A-priori grading takes at most one in so many of the allowed panels.
-constexpr std::size_t most_graded_part = 4;
+constexpr double simplification_at_rest = 1;
 
 /// Returns the bodies with triangles on all of them, few enough for the panels that are allowed.
 ChargedBodies in_triangles(ChargedBodies bodies, double rtol, std::size_t most_panels) {
   for (ChargedBody& body : bodies.bodies)
     body.surface = triangulated(body.surface);
   bodies.readings.clear();
-  return Simplification(std::move(bodies), simplification_part * rtol, most_panels / 2).bodies();
+  return Simplification(std::move(bodies), simplification_at_rest * rtol, most_panels / 2).bodies();
 }
 
 /// Returns the largest stated error of the energies that are asked for, relative to these.
@@ -51,9 +45,9 @@ double largest_error(const PanelSolution& solution, const ChargedBodies& bodies)
 }  // namespace
 
 ConductorsAtRest::ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_t most_panels,
-                                   std::size_t least_panels)
+                                   std::size_t least_panels, std::size_t threads)
     : bodies_(in_triangles(std::move(bodies), rtol, most_panels)),
-      system_(bodies_, {grading_part * rtol, most_panels / most_graded_part}) {
+      system_(bodies_, {grading_part * rtol, most_panels / most_graded_part}, threads) {
   while (mesh().panels().size() < least_panels)
     // With equal charges, triangles are halved across their longest sides.
     system_.refine_groups(std::vector<bool>(mesh().groups().size(), true),
@@ -68,7 +62,8 @@ ConductorsAtRest::ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_
       tolerance /= 100;
       continue;
     }
-    const double excess = largest_error(solution_, bodies_) / rtol;
+    error_ = largest_error(solution_, bodies_);
+    const double excess = error_ / rtol;
     if (excess <= 1 || !refine(excess, most_panels))
       return;
   }

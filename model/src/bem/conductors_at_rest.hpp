@@ -9,15 +9,16 @@
 
 namespace fringe::detail {
 
-/// Conductors that keep their poses, solved by boundary elements of triangles: what the formula in company
-/// (model/CORRECTIONS.md, section 8) prepares from.
+/// Conductors that keep their poses, solved by boundary elements of triangles: what surface_charges() and the
+/// formula in company (model/CORRECTIONS.md, section 8) prepare from.
 class ConductorsAtRest {
  public:
   /// Solves for every conductor at unit potential, the others grounded. Panels are refined until the stated
   /// errors of the diagonal entries that are asked for are within `rtol`, as far as `most_panels` allow.
   /// There are at least `least_panels`, even if the entries do not need them.
   /// @throws std::runtime_error if the matrix is not positive definite.
-  ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_t most_panels, std::size_t least_panels = 0);
+  ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_t most_panels, std::size_t least_panels = 0,
+                   std::size_t threads = 1);
   ConductorsAtRest(const ConductorsAtRest&) = delete;
   ConductorsAtRest& operator=(const ConductorsAtRest&) = delete;
 
@@ -28,6 +29,8 @@ class ConductorsAtRest {
   const Eigen::MatrixXd& charges() const { return solution_.charges; }
   /// Returns the Maxwell matrix of all conductors, in metres (to be multiplied by 4πε).
   const Eigen::MatrixXd& matrix() const { return solution_.all.fine; }
+  /// Returns the largest stated error of the diagonal entries that are asked for, relative to these.
+  double error() const { return error_; }
 
  private:
   bool refine(double excess, std::size_t most_panels);
@@ -35,6 +38,7 @@ class ConductorsAtRest {
   ChargedBodies bodies_;
   PanelSystem system_;
   PanelSolution solution_;
+  double error_ = 0;
 };
 
 }  // namespace fringe::detail

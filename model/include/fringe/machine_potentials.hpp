@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "fringe/scene.hpp"
+#include "fringe/surface_charges.hpp"
+
+namespace fringe {
+
+struct MachinePotentialsOptions {
+  double rtol = 2e-2;               ///< relative error of the energies at which refinement stops
+  std::size_t most_panels = 12000;  ///< refinement stops there, too
+  std::size_t functions = 600;      ///< largest number of parts into which the surfaces are divided
+  std::size_t threads = 0;          ///< 0: as many as this process may run at once
+};
+
+/// A machine at rest as others feel it (model/CORRECTIONS.md, section 8): the potentials of its readings, and
+/// of charges on the parts of its surface, at any points.
+class MachinePotentials {
+ public:
+  /// Solves for the charges of what the scene's readings sense and drive, everything else grounded or
+  /// floating without net charge. All objects of the scene belong to the machine.
+  /// @throws InputError as surface_charges() does, for options out of range, and for a scene without
+  /// readings.
+  explicit MachinePotentials(const Scene& scene, const MachinePotentialsOptions& options = {});
+
+  /// A reading by the columns of the potentials of what it senses and of what it drives.
+  struct OfReading {
+    std::size_t sense;
+    std::size_t drive;
+    double sign;  ///< of its value when a grounded body comes near
+  };
+  /// Returns the scene's readings, in their order.
+  const std::vector<OfReading>& readings() const;
+
+  /// Returns the symmetric matrix (m) that maps the potentials of the parts to the charges, over −4πε, that
+  /// the machine answers with.
+  Eigen::MatrixXd answers() const;
+  /// Returns the largest stated error of the energies of what is sensed, driven or floats, relative to these.
+  double error() const;
+  /// Returns the number of panels.
+  std::size_t panels() const;
+
+  struct Values {
+    TrianglePotentials of_loads;  ///< potentials (columns) at the points, of 1 V on what is sensed or driven
+    TrianglePotentials of_parts;  ///< 1/m, of a unit charge on each part; no columns if not asked for
+  };
+  /// Evaluates the potentials at points in the world: parts that are close as panels, the others as up to 64
+  /// charges.
+  Values at(std::span<const Eigen::Vector3d> points, bool with_parts, std::size_t threads = 0) const;
+
+ private:
+  struct Machine;
+  std::shared_ptr<const Machine> machine_;
+};
+
+}  // namespace fringe
