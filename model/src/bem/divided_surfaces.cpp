@@ -179,6 +179,7 @@ std::vector<std::vector<Triangle>> divided_surfaces(const InsulatedBodies& bodie
   for (const Insulator& insulator : bodies.insulators)
     surfaces.emplace_back(insulator.surface);
   std::vector<AlignedBox3d> boxes;
+  boxes.reserve(surfaces.size());
   for (const auto& surface : surfaces)
     boxes.push_back(axis_aligned_box(surface));
   std::vector<std::vector<Triangle>> result;
