@@ -21,6 +21,11 @@ using Eigen::VectorXd;
 /// Largest ratios of a function's radius to the distance at which each level but the finest suffices.
 constexpr std::array<double, 3> largest_ratios{0.6, 1.5, 4};
 
+/// Returns a row of a matrix that may have no columns, and then no data of which a row could be a part.
+Eigen::RowVectorXd row_of(const MatrixXd& matrix, std::size_t row) {
+  return matrix.cols() > 0 ? Eigen::RowVectorXd(matrix.row(index_of(row))) : Eigen::RowVectorXd(0);
+}
+
 AlignedBox3d box_of(const PanelMesh& mesh, std::span<const std::size_t> panels) {
   AlignedBox3d box;
   for (const std::size_t panel : panels)
@@ -171,13 +176,13 @@ ChargeFunctions::ChargeFunctions(const ConductorsAtRest& conductors, const Matri
   }
   panels_.first.push_back(order.size());
   panels_.given.resize(index_of(order.size()), given.cols());
-  for (std::size_t k = 0; k < order.size(); ++k)
+  for (std::size_t k = 0; k < order.size() && given.cols() > 0; ++k)
     panels_.given.row(index_of(k)) = given.row(index_of(order[k])).cast<float>();
   energies_ = conductors.panel_operator().matrix().dense_restricted(restriction, index_of(parts.size()));
   for (std::size_t level = 0; level < points_.size(); ++level) {
     points_[level].first.push_back(points_[level].at.size());
     points_[level].given.resize(index_of(points_[level].at.size()), given.cols());
-    for (std::size_t k = 0; k < given_[level].size(); ++k)
+    for (std::size_t k = 0; k < given_[level].size() && given.cols() > 0; ++k)
       points_[level].given.row(index_of(k)) = given_[level][k].transpose().cast<float>();
     given_[level].clear();
   }
@@ -195,7 +200,7 @@ void ChargeFunctions::add_function(const PanelMesh& mesh, std::span<std::size_t>
   conductors_.push_back(conductor);
   MatrixXd moments = MatrixXd::Zero(3, given.cols());
   for (const std::size_t panel : panels)
-    moments += (mesh.panels()[panel].centre - box.center()) * given.row(index_of(panel));
+    moments += (mesh.panels()[panel].centre - box.center()) * row_of(given, panel);
   for (std::size_t level = 0; level < points_.size(); ++level) {
     const std::size_t wanted = points_per_function[level];
     std::vector<std::span<std::size_t>> parts;
@@ -211,7 +216,7 @@ void ChargeFunctions::add_function(const PanelMesh& mesh, std::span<std::size_t>
         for (const std::size_t panel : part) {
           centre += weights[index_of(panel)] * mesh.panels()[panel].centre;
           share += weights[index_of(panel)];
-          charge += given.row(index_of(panel));
+          charge += row_of(given, panel);
         }
         at.emplace_back(centre / share);
         shares.push_back(share);
@@ -224,11 +229,11 @@ void ChargeFunctions::add_function(const PanelMesh& mesh, std::span<std::size_t>
       for (const Vector3d& centre : centres) {
         at.push_back(centre);
         shares.push_back(weights[index_of(part[0])] / count);
-        charges.emplace_back(given.row(index_of(part[0])) / count);
+        charges.emplace_back(row_of(given, part[0]) / count);
       }
     }
     MatrixXd all(index_of(at.size()), given.cols());
-    for (std::size_t k = 0; k < at.size(); ++k)
+    for (std::size_t k = 0; k < at.size() && all.cols() > 0; ++k)
       all.row(index_of(k)) = charges[k];
     if (level >= first_with_moments && given.cols() > 0)
       match_moments(at, box.center(), radius, moments, all);
@@ -237,7 +242,7 @@ void ChargeFunctions::add_function(const PanelMesh& mesh, std::span<std::size_t>
     for (std::size_t k = 0; k < at.size(); ++k) {
       points.at.emplace_back(at[k].cast<float>());
       points.shares.push_back(static_cast<float>(shares[k]));
-      given_[level].emplace_back(all.row(index_of(k)).transpose());
+      given_[level].emplace_back(row_of(all, k).transpose());
     }
   }
 }
