@@ -89,28 +89,31 @@ double solid_angle_part(const Triangle& triangle, const Vector3d& point) {
   return std::atan2(height, denominator) / (2 * std::numbers::pi);
 }
 
-MatrixXd double_layer_matrix(std::span<const Panel> targets, std::span<const Panel> sources, double tolerance,
-                             std::size_t threads) {
+MatrixXd double_layer_matrix(std::span<const Panel> panels, const std::vector<bool>& is_source,
+                             double tolerance, const KnownElements& known, std::size_t threads) {
   const double farthest = 1 / far_ratio(tolerance, far_degree);
   std::vector<Dipoles> dipoles;
   std::vector<Vector3d> normals;
-  for (const Panel& source : sources) {
-    dipoles.push_back(dipoles_of(source));
+  for (const Panel& panel : panels) {
+    dipoles.push_back(dipoles_of(panel));
     normals.push_back(dipoles.back().moment.normalized());
   }
-  MatrixXd transposed(static_cast<Index>(sources.size()), static_cast<Index>(targets.size()));
-  parallel_for(targets.size(), threads, [&](std::size_t row) {
-    const Panel& target = targets[row];
-    const std::vector<Vector3d> points = dipoles_of(target).points;
-    double* const column = transposed.data() + static_cast<Index>(row) * transposed.rows();
-    for (std::size_t k = 0; k < sources.size(); ++k) {
-      const Panel& source = sources[k];
+  const auto place = [&](std::size_t panel) { return known.places.empty() ? -1 : known.places[panel]; };
+  const auto size = static_cast<Index>(panels.size());
+  MatrixXd transposed = MatrixXd::Zero(size, size);
+  parallel_for(panels.size(), threads, [&](std::size_t row) {
+    const Panel& target = panels[row];
+    double* const column = transposed.data() + static_cast<Index>(row) * size;
+    for (std::size_t k = 0; k < panels.size(); ++k) {
+      if (!is_source[k])
+        continue;
+      const Panel& source = panels[k];
       const double reach = farthest * (target.radius + source.radius);
-      if ((target.centre - source.centre).squaredNorm() > reach * reach)
-        column[k] = far_element(points, dipoles[k]);
-      else if (lies_in_plane(target, source, normals[k]))
-        column[k] = 0;
-      else
+      if (place(row) >= 0 && place(k) >= 0)
+        column[k] = known.matrix(place(row), place(k));
+      else if ((target.centre - source.centre).squaredNorm() > reach * reach)
+        column[k] = far_element(dipoles[row].points, dipoles[k]);
+      else if (!lies_in_plane(target, source, normals[k]))
         column[k] = near_element(target, source, tolerance);
     }
   });

@@ -132,12 +132,12 @@ MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const BoundaryEle
     Solved all, alone, background;
     try {
       system.evaluate(std::min(tolerance_part * options.rtol, coarsest_tolerance));
-      solution = system.solve(everything(bodies));
+      solution = system.solve(0);
       all = solved(solution, conductors);
       if (answer.sensors > 0)
-        alone = solved(system.solve(others[0]), conductors);
+        alone = solved(system.solve(1), conductors);
       if (has_readings)
-        background = solved(system.solve(others[1]), conductors);
+        background = solved(system.solve(2), conductors);
     } catch (const Interrupted&) {
       if (answer.unknowns == 0)
         throw;

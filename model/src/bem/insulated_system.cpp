@@ -72,9 +72,10 @@ Unknowns unknowns_of(const PanelMesh& mesh, const Surroundings& surroundings) {
 /// Returns the sums of weighted rows that have the same place in the coarse space.
 MatrixXd summed_rows(const Unknowns& unknowns, const MatrixXd& rows, bool are_weighted) {
   MatrixXd result = MatrixXd::Zero(unknowns.coarse_size, rows.cols());
-  for (Index k = 0; k < rows.rows(); ++k)
-    result.row(unknowns.coarse[static_cast<std::size_t>(k)]) +=
-        (are_weighted ? unknowns.shares[k] : 1.0) * rows.row(k);
+  for (Index column = 0; column < rows.cols(); ++column)
+    for (Index k = 0; k < rows.rows(); ++k)
+      result(unknowns.coarse[static_cast<std::size_t>(k)], column) +=
+          (are_weighted ? unknowns.shares[k] : 1.0) * rows(k, column);
   return result;
 }
 
@@ -95,10 +96,9 @@ MatrixXd solve_coarse(const Unknowns& unknowns, const MatrixXd& matrix, const Ma
 
 InsulatedSystem::InsulatedSystem(const InsulatedBodies& bodies, const std::vector<Presence>& others,
                                  const PanelGrading& grading, std::size_t threads)
-    : bodies_(bodies), threads_(threads) {
-  std::vector<Surroundings> surroundings{{bodies, everything(bodies)}};
+    : bodies_(bodies), surroundings_{{bodies, everything(bodies)}}, threads_(threads) {
   for (const Presence& other : others)
-    surroundings.emplace_back(bodies, other);
+    surroundings_.emplace_back(bodies, other);
   const HiddenSurface hidden(bodies.conductors);
   const std::size_t conductors = bodies.conductors.bodies.size();
   std::vector<std::vector<Triangle>> surfaces = divided_surfaces(bodies);
@@ -107,12 +107,12 @@ InsulatedSystem::InsulatedSystem(const InsulatedBodies& bodies, const std::vecto
   for (std::size_t body = 0; body < surfaces.size(); ++body) {
     std::erase_if(surfaces[body], [&](const Triangle& part) {
       return (body < conductors && hidden.contains(part, body)) ||
-             std::all_of(surroundings.begin(), surroundings.end(), [&](const Surroundings& set) {
+             std::all_of(surroundings_.begin(), surroundings_.end(), [&](const Surroundings& set) {
                return set.state(part, body).kind == PartKind::absent;
              });
     });
     if (body >= conductors && surfaces[body].empty() &&
-        surroundings.front().is_inside_conductor(body - conductors))
+        surroundings_.front().is_inside_conductor(body - conductors))
       throw InputError(fmt::format("{} is dielectric and wholly inside a conductor, where there is no field",
                                    bodies.insulators[body - conductors].name));
     if (!surfaces[body].empty())
@@ -158,19 +158,30 @@ double InsulatedSystem::undivided_error() const {
   return result;
 }
 
-void InsulatedSystem::evaluate(double tolerance) {
-  const MatrixXd known = std::move(single_layer_);
-  // The first matrix has none before it, though the mesh may have been refined by proximity.
-  const std::span<const Index> places =
-      known.size() == 0 ? std::span<const Index>() : std::span(mesh_.places_before());
-  single_layer_ = single_layer_matrix(mesh_.panels(), tolerance, {known, places});
-  single_layer_.triangularView<Eigen::StrictlyLower>() =
-      single_layer_.transpose().triangularView<Eigen::StrictlyLower>();
-  double_layer_ = double_layer_matrix(mesh_.panels(), mesh_.panels(), tolerance, threads_);
+std::vector<bool> InsulatedSystem::have_jump() const {
+  std::vector<bool> result(panels(), false);
+  for (const PanelGroup& group : mesh_.groups())
+    for (std::size_t k = group.first; k < group.first + group.count; ++k)
+      result[k] = std::any_of(surroundings_.begin(), surroundings_.end(), [&](const Surroundings& set) {
+        const PartState state = set.state(mesh_.panels()[k].corners, group.body);
+        return state.kind != PartKind::absent && state.ratios.behind != state.ratios.before;
+      });
+  return result;
 }
 
-InsulatedSolution InsulatedSystem::solve(const Presence& presence) const {
-  const Unknowns unknowns = unknowns_of(mesh_, Surroundings(bodies_, presence));
+void InsulatedSystem::evaluate(double tolerance) {
+  const MatrixXd single = std::move(single_layer_), twofold = std::move(double_layer_);
+  // The first matrices have none before them, though the mesh may have been refined by proximity.
+  const std::span<const Index> places =
+      single.size() == 0 ? std::span<const Index>() : std::span(mesh_.places_before());
+  single_layer_ = single_layer_matrix(mesh_.panels(), tolerance, {single, places});
+  single_layer_.triangularView<Eigen::StrictlyLower>() =
+      single_layer_.transpose().triangularView<Eigen::StrictlyLower>();
+  double_layer_ = double_layer_matrix(mesh_.panels(), have_jump(), tolerance, {twofold, places}, threads_);
+}
+
+InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
+  const Unknowns unknowns = unknowns_of(mesh_, surroundings_[set]);
   const Index size = unknowns.size(), conductors = index_of(bodies_.conductors.conductors.size());
   const auto conductor_of = [&](Index k) {
     const Index body = unknowns.body[static_cast<std::size_t>(k)];

@@ -21,7 +21,7 @@ struct InsulatedSolution {
 };
 
 /// The boundary element equations of conductors and dielectric bodies (model/BOUNDARY_ELEMENTS.md, section
-/// 12), with dense matrices.
+/// 13), with dense matrices.
 class InsulatedSystem {
  public:
   /// Divides the surfaces into panels, graded towards the sharp edges. Only parts that exist with all bodies
@@ -39,13 +39,18 @@ class InsulatedSystem {
   /// Evaluates both operators; `tolerance` is the error aimed at for each element.
   void evaluate(double tolerance);
 
-  InsulatedSolution solve(const Presence& presence) const;
+  /// Solves for all bodies (set 0) or for one of the `others` (1, 2, …).
+  InsulatedSolution solve(std::size_t set) const;
 
   /// Divides the marked groups of panels.
   void refine(const std::vector<bool>& marked, const Eigen::MatrixXd& panels);
 
  private:
+  /// Tells for every panel, in any of the sets, if the permittivities on both sides of it differ.
+  std::vector<bool> have_jump() const;
+
   const InsulatedBodies& bodies_;
+  std::vector<Surroundings> surroundings_;  ///< of all sets
   std::size_t threads_;
   PanelMesh mesh_;
   Eigen::MatrixXd single_layer_;
