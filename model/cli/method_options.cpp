@@ -54,7 +54,7 @@ void add_method_options(CLI::App& command, MethodRequest& request) {
                    "boundary-elements");
   command.add_flag("--derivatives", request.derivatives,
                    "Also the derivatives of the readings' changes with respect to the pose of every link; "
-                   "only with exact and boundary-elements");
+                   "only with exact, boundary-elements and reduced:K");
 }
 
 void add_refining_options(CLI::App& command, MethodRequest& request) {

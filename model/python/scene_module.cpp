@@ -511,7 +511,7 @@ the first call and whenever its parts move relative to each other, is known to i
 derivatives: fill in Reading.derivatives, {link: (6,) array}, the derivatives of the change as the link moves with all
 links that hang on it: in F/m along the axes of the world, then in F/rad about the axes of the world through the link's
 origin. They are NaN in contact, and Reading.derivative_errors estimates their errors where the method knows them. Only with
-"exact" without a correction, where `tolerance` does not apply to them, and "boundary-elements".
+"exact" without a correction, where `tolerance` does not apply to them, "boundary-elements" and "reduced:K".
 
 Raises InputError as capacitance() does.)")
       .def(

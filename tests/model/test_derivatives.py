@@ -179,7 +179,6 @@ def test_without_the_question_there_are_none(module: Any) -> None:
         ({"method": "split:3"}, "split:3"),
         ({"method": "gauss:4"}, "gauss:4"),
         ({"correction": "formula"}, "the correction formula"),
-        ({"method": "reduced:1"}, "reduced:1"),
         ({"method": "recommended"}, "recommended"),
     ],
 )
@@ -257,6 +256,33 @@ def test_by_boundary_elements_they_are_those_of_accurate_changes(module: Any) ->
                 assert abs(found[coordinate] - expected) < error + 5e-3 * np.linalg.norm(kind)
 
 
+def test_by_the_reduced_method_they_are_those_of_boundary_elements(module: Any) -> None:
+    scene = module.Scene.loads(MACHINE)
+    truth = scene.readings("boundary-elements", rtol=1e-3, derivatives=True)
+    for name, reading in scene.readings("reduced:2", derivatives=True).items():
+        for link, expected in truth[name].derivatives.items():
+            found, error = reading.derivatives[link], reading.derivative_errors[link]
+            for kind in (slice(0, 3), slice(3, 6)):
+                size = np.linalg.norm(expected[kind])
+                assert np.linalg.norm(found[kind] - expected[kind]) < min(error[kind][0], 5e-3 * size)
+
+
+def test_the_reduced_method_knows_them_without_marked_targets_and_beside_round_bodies(module: Any) -> None:
+    ball = '{ type = "sphere", radius = 0.03, segments = 12 }'
+    text = MACHINE[: MACHINE.index("[[object]]")] + f"""
+[[object]]
+name = "ball"
+link = "hand"
+shape = {ball}
+"""
+    marked, unmarked = (module.Scene.loads(text + more) for more in ("target = true", ""))
+    expected = marked.readings("boundary-elements", rtol=5e-3, derivatives=True)["front"].derivatives["hand"]
+    for scene in (marked, unmarked):
+        assert scene.readings("reduced:1")["front"].derivatives == {}
+        found = scene.readings("reduced:1", derivatives=True)["front"].derivatives["hand"]
+        np.testing.assert_allclose(found[:3], expected[:3], atol=1e-2 * np.linalg.norm(expected[:3]))
+
+
 TOUCHING = """
 [[link]]
 name = "head"
@@ -289,9 +315,10 @@ target = true
 """
 
 
-def test_by_boundary_elements_they_are_not_known_between_links_that_touch(module: Any) -> None:
+@pytest.mark.parametrize("method", ["boundary-elements", "reduced:1"])
+def test_they_are_not_known_between_links_that_touch(module: Any, method: str) -> None:
     scene = module.Scene.loads(TOUCHING)
-    reading = scene.readings("boundary-elements", rtol=0.2, derivatives=True)["front"]
+    reading = scene.readings(method, rtol=0.2, derivatives=True)["front"]
     assert np.isnan(reading.derivatives["head"]).all()
     assert reading.derivatives["hand"][2] < 0
 

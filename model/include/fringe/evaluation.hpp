@@ -25,8 +25,8 @@ struct EvaluationOptions {
   /// Largest relative error asked for: of boundary elements (default 1e-3), of the reduced method (1e-2, 1e-3
   /// and 3e-4 for 1, 2 and 3 steps) and of `recommended` (1e-2).
   std::optional<double> rtol = {};
-  bool derivatives = false;  ///< also of the readings' changes with respect to poses; of exact without
-                             ///< a correction and of boundary elements
+  bool derivatives = false;  ///< also of the readings' changes with respect to poses; of exact without a
+                             ///< correction, boundary elements and the reduced method
   Entries entries = Entries::of_sensors;  ///< that boundary elements refine
   /// Is called before each refinement of boundary elements; may be empty.
   std::function<void(const RefinementLevel&)> before_refinement = {};

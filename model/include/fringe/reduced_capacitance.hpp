@@ -72,23 +72,25 @@ class ReducedEvaluator {
   /// come from a second solution without the targets; the error of a change is then the sum of those of value
   /// and background. `charges` of a conductor's members add up to its row of `values`; where surfaces of two
   /// members lie on each other, the charge belongs to the earlier one, or to both. An error is infinite where
-  /// nothing is known: for conductors so close that the quadratures do not resolve the gap.
+  /// nothing is known: for conductors so close that the quadratures do not resolve the gap. If asked for, the
+  /// readings also have the derivatives of their changes with respect to the poses of all links; they are NaN
+  /// where bodies on different links touch. A scene that does not ask for changes is prepared again for them.
   ///
   /// @throws InputError for conductors that touch or cross though they may have different potentials, or
   /// though the options do not allow it, and for bodies of more than 2,000 triangles together that touch.
-  const MaxwellMatrix& maxwell();
+  const MaxwellMatrix& maxwell(bool with_derivatives = false);
 
  private:
   class Implementation;
 
-  void subtract_background(MaxwellMatrix& matrix);
+  void subtract_background(MaxwellMatrix& matrix, bool with_derivatives);
 
   ReducedOptions options_;
   std::shared_ptr<detail::LinkPoses> poses_;
   std::vector<Reading> readings_;  ///< empty if the scene does not ask for changes
-  Scene machine_;                  ///< the scene without the targets
+  Scene scene_;
   std::unique_ptr<Implementation> implementation_;
-  std::unique_ptr<Implementation> background_;  ///< of `machine_`, where it is needed
+  std::unique_ptr<Implementation> background_;  ///< of the scene without the targets, where it is needed
 };
 
 /// Computes the matrix of a ReducedEvaluator for a scene as it is.

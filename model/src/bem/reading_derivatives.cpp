@@ -23,51 +23,6 @@ constexpr double error_per_error = 10;
 /// Error of the nodes' forces, and of what the change does not tell, relative.
 constexpr double node_error = 4e-3;
 
-/// A reading's change as Σ over forms of the energy between two charges: columns of FormCharges.
-struct Form {
-  std::size_t reading;
-  Index first, second;
-};
-
-/// The columns of charges from which the changes follow. With the charges of background s, d and those that
-/// the targets change δs, δd, for the sensed and the driven conductors, a change is (δs, d + δd) + (s, δd);
-/// if sensed and driven are the same, (δ, 2s + δ).
-struct FormColumns {
-  std::vector<Form> forms;
-  MatrixXd combination;  ///< the columns of ReadingCharges::all() (rows) in every column
-};
-
-FormColumns form_columns(const ChargedBodies& bodies) {
-  const auto readings = index_of(bodies.readings.size());
-  FormColumns result{{}, MatrixXd::Zero(4 * readings, 4 * readings)};
-  Index columns = 0;
-  for (Index k = 0; k < readings; ++k) {
-    const ChargedReading& reading = bodies.readings[static_cast<std::size_t>(k)];
-    const Index sense = k, sense_change = readings + k, drive = 2 * readings + k,
-                drive_change = 3 * readings + k;
-    const auto add_form = [&] {
-      result.forms.push_back({static_cast<std::size_t>(k), columns, columns + 1});
-      columns += 2;
-    };
-    if (reading.sense == reading.drive) {
-      result.combination(sense_change, columns) = 1;
-      result.combination(sense, columns + 1) = 2;
-      result.combination(sense_change, columns + 1) = 1;
-      add_form();
-      continue;
-    }
-    result.combination(sense_change, columns) = 1;
-    result.combination(drive, columns + 1) = 1;
-    result.combination(drive_change, columns + 1) = 1;
-    add_form();
-    result.combination(sense, columns) = 1;
-    result.combination(drive_change, columns + 1) = 1;
-    add_form();
-  }
-  result.combination.conservativeResize(4 * readings, columns);
-  return result;
-}
-
 /// Computes for every reading the force and torque between two sets of point charges: the derivatives of the
 /// change as the first moves.
 std::vector<Wrench> wrenches_between(const LinkCharges& a, const LinkCharges& b, const FormColumns& columns,
@@ -100,17 +55,18 @@ std::vector<Wrench> wrenches_between(const LinkCharges& a, const LinkCharges& b,
         static_cast<std::size_t>(stride), points.data(), static_cast<std::size_t>(rows), 0, inverse.data());
     inverse = inverse.array().cube();
     const MatrixXd sums = inverse * sources;
-    for (const Form& form : columns.forms)
+    for (std::size_t form = 0; form < columns.readings.size(); ++form)
       for (Index row = 0; row < rows; ++row) {
+        const Index one = 2 * index_of(form), other = one + 1;
         const Vector3d point = points.col(row);
         const auto field = [&](Index column) -> Vector3d {
           return point * sums(row, column) - Vector3d(sums(row, forms + column),
                                                       sums(row, 2 * forms + column),
                                                       sums(row, 3 * forms + column));
         };
-        const Vector3d force = charges_a(first + row, form.first) * field(form.second) +
-                               charges_a(first + row, form.second) * field(form.first);
-        parts[block][form.reading] += {force, point.cross(force)};
+        const Vector3d force =
+            charges_a(first + row, one) * field(other) + charges_a(first + row, other) * field(one);
+        parts[block][columns.readings[form]] += {force, point.cross(force)};
       }
   });
   std::vector<Wrench> result(readings);
@@ -132,10 +88,54 @@ PoseDerivatives errors_of(const PoseDerivatives& derivatives, const Estimate& ch
 
 }  // namespace
 
+FormColumns form_columns(const std::vector<ChargedReading>& readings) {
+  const auto count = index_of(readings.size());
+  FormColumns result{{}, MatrixXd::Zero(4 * count, 4 * count)};
+  Index columns = 0;
+  for (Index k = 0; k < count; ++k) {
+    const ChargedReading& reading = readings[static_cast<std::size_t>(k)];
+    const Index sense = k, sense_change = count + k, drive = 2 * count + k, drive_change = 3 * count + k;
+    const auto add_form = [&] {
+      result.readings.push_back(static_cast<std::size_t>(k));
+      columns += 2;
+    };
+    if (reading.sense == reading.drive) {
+      result.combination(sense_change, columns) = 1;
+      result.combination(sense, columns + 1) = 2;
+      result.combination(sense_change, columns + 1) = 1;
+      add_form();
+      continue;
+    }
+    result.combination(sense_change, columns) = 1;
+    result.combination(drive, columns + 1) = 1;
+    result.combination(drive_change, columns + 1) = 1;
+    add_form();
+    result.combination(sense, columns) = 1;
+    result.combination(drive_change, columns + 1) = 1;
+    add_form();
+  }
+  result.combination.conservativeResize(4 * count, columns);
+  return result;
+}
+
+void write_link_derivatives(const LinkPoses& poses, const std::vector<std::vector<PairWrench>>& pairs,
+                            std::vector<ReadingAnswer>& answers) {
+  for (std::size_t k = 0; k < answers.size(); ++k) {
+    answers[k].derivatives = derivatives_by_link(poses, pairs[k]);
+    for (LinkDerivatives& of_link : answers[k].derivatives)
+      of_link.error = errors_of(of_link.change, answers[k].change);
+  }
+}
+
+PairWrench unknown_wrench(std::optional<std::size_t> link, std::optional<std::size_t> other) {
+  const Vector3d unknown = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  return {link, other, {unknown, unknown}};
+}
+
 void write_derivatives(const ChargeNodes& nodes, const ChargedBodies& bodies, const LinkPoses& poses,
                        std::size_t threads, std::vector<ReadingAnswer>& answers) {
   const std::size_t readings = bodies.readings.size();
-  const FormColumns columns = form_columns(bodies);
+  const FormColumns columns = form_columns(bodies.readings);
   std::vector<std::vector<PairWrench>> pairs(readings);
   for (std::size_t a = 0; a < nodes.links.size(); ++a)
     for (std::size_t b = a + 1; b < nodes.links.size(); ++b) {
@@ -144,15 +144,10 @@ void write_derivatives(const ChargeNodes& nodes, const ChargedBodies& bodies, co
       for (std::size_t k = 0; k < readings; ++k)
         pairs[k].push_back({nodes.links[a].link, nodes.links[b].link, found[k]});
     }
-  const Vector3d unknown = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   for (const auto& [a, b] : nodes.too_close)
-    for (std::size_t k = 0; k < readings; ++k)
-      pairs[k].push_back({nodes.links[a].link, nodes.links[b].link, {unknown, unknown}});
-  for (std::size_t k = 0; k < readings; ++k) {
-    answers[k].derivatives = derivatives_by_link(poses, pairs[k]);
-    for (LinkDerivatives& of_link : answers[k].derivatives)
-      of_link.error = errors_of(of_link.change, answers[k].change);
-  }
+    for (std::vector<PairWrench>& of_reading : pairs)
+      of_reading.push_back(unknown_wrench(nodes.links[a].link, nodes.links[b].link));
+  write_link_derivatives(poses, pairs, answers);
 }
 
 }  // namespace fringe::detail

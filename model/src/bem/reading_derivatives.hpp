@@ -1,12 +1,35 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "bem/charge_nodes.hpp"
 #include "fringe/reading_answer.hpp"
 #include "geometry/link_motion.hpp"
+#include "geometry/wrench.hpp"
 
 namespace fringe::detail {
+
+/// The columns of charges from which the changes of readings follow. With the charges of background s, d and
+/// those that the targets change δs, δd, for the sensed and the driven conductors, a change is
+/// (s + δs, δd) + (δs, d); if sensed and driven are the same, (δ, 2s + δ).
+struct FormColumns {
+  std::vector<std::size_t> readings;  ///< of the energy between the columns 2k and 2k + 1
+  Eigen::MatrixXd combination;        ///< the columns of ReadingCharges::all() (rows) in every column
+};
+
+FormColumns form_columns(const std::vector<ChargedReading>& readings);
+
+/// Writes the derivatives of the readings' changes with respect to the poses of all links, by what every pair
+/// of bodies contributes to each reading, with estimates of their errors. The world poses must be up to date.
+void write_link_derivatives(const LinkPoses& poses, const std::vector<std::vector<PairWrench>>& pairs,
+                            std::vector<ReadingAnswer>& answers);
+
+/// Returns what a pair contributes of which the forces are not known.
+PairWrench unknown_wrench(std::optional<std::size_t> link, std::optional<std::size_t> other);
 
 /// Adds to the readings (m) the derivatives of their changes with respect to the poses of all links, and
 /// estimates of their errors (model/BOUNDARY_ELEMENTS.md, section 12). The world poses must be up to date.

@@ -85,6 +85,8 @@ class LinkMotion {
   /// Returns the world pose of a body that is attached to a link, or to the world itself.
   Eigen::Isometry3d world_pose(std::optional<std::size_t> link) const { return poses_->world_pose(link); }
 
+  const LinkPoses& poses() const { return *poses_; }
+
  private:
   static constexpr std::size_t nobody = LinkPoses::nobody;
 

@@ -60,6 +60,14 @@ class Arrangement {
 
   const PlacedBody& placed(std::size_t body) const { return placed_[body]; }
 
+  /// Returns the link that carries a rigid body: that of its first part.
+  std::optional<std::size_t> link(std::size_t body) const {
+    return on_links_.bodies[rigid_[body].parts.front()].link;
+  }
+
+  /// Returns the poses of the links, as of the last update().
+  const LinkPoses& poses() const { return motion_.poses(); }
+
   /// Returns a lower bound of the distance between two rigid bodies.
   double gap(std::size_t a, std::size_t b) const { return gaps_[pair(a, b)]; }
 
@@ -69,9 +77,6 @@ class Arrangement {
   }
 
  private:
-  std::optional<std::size_t> link(std::size_t body) const {
-    return on_links_.bodies[rigid_[body].parts.front()].link;
-  }
   std::size_t pair(std::size_t a, std::size_t b) const { return a * rigid_.size() + b; }
   Eigen::Isometry3d relative_pose(std::size_t part, std::size_t first) const;
   bool may_join(std::size_t a, std::size_t b) const;

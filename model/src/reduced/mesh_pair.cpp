@@ -94,6 +94,9 @@ void MeshPair::place(const PlacedBody& a, int functions_a, const PlacedBody& b, 
   a_is_outer_ = a.shape->mesh() != nullptr;
   const PlacedBody &first = a_is_outer_ ? a : b, &second = a_is_outer_ ? b : a;
   const PlacedBody other = seen_from(first, second);
+  frame_.translation() = first.centre;
+  frame_.linear() = first.axes;
+  scale_ = first.scale;
   outer_.set(*first.shape->mesh(), a_is_outer_ ? functions_a : functions_b, 1 / first.scale);
   inner_has_faces_ = second.shape->mesh() == nullptr;
   used_ = 0;
@@ -301,6 +304,55 @@ void MeshPair::potentials(const float* charges_a, const float* charges_b, float*
     gather_parts(band.outer, band.potentials.data(), outer_.potentials);
   }
   outer_.gather(a_is_outer_ ? moments_a : moments_b);
+}
+
+ChargedNodes MeshPair::charged_outer(const Band& band, const Eigen::MatrixXf& coefficients) {
+  ChargedNodes result{{}, Eigen::MatrixXf(band.count, coefficients.cols())};
+  for (Eigen::Index column = 0; column < coefficients.cols(); ++column) {
+    outer_.spread(coefficients.col(column).data());
+    spread_parts(band.outer, outer_.charges, result.charges.col(column).data());
+  }
+  for (std::vector<float>& coordinates : outer_points_)
+    coordinates.clear();
+  for (const MeshPart& part : band.outer) {
+    const NodePoints points = part.points(outer_.mesh().panels());
+    const std::array<const float*, 3> from{points.x, points.y, points.z};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      outer_points_[axis].insert(outer_points_[axis].end(), from[axis], from[axis] + points.count);
+  }
+  result.points = {outer_points_[0].data(), outer_points_[1].data(), outer_points_[2].data(), band.count};
+  return result;
+}
+
+ChargedNodes MeshPair::charged_inner(Band& band, const Eigen::MatrixXf& coefficients) {
+  if (inner_has_faces_)
+    return band.faces.charged(coefficients);
+  ChargedNodes result{
+      {inner_points_[0].data(), inner_points_[1].data(), inner_points_[2].data(), inner_count_},
+      Eigen::MatrixXf(inner_count_, coefficients.cols())};
+  for (Eigen::Index column = 0; column < coefficients.cols(); ++column) {
+    inner_.spread(coefficients.col(column).data());
+    spread_parts(inner_parts_, inner_.charges, result.charges.col(column).data());
+  }
+  return result;
+}
+
+std::vector<Wrench> MeshPair::forces(const Eigen::MatrixXf& charges_a, const Eigen::MatrixXf& charges_b) {
+  std::vector<Wrench> result(static_cast<std::size_t>(charges_a.cols()) / 2);
+  for (std::size_t k = 0; k < used_; ++k) {
+    Band& band = bands_[k];
+    const ChargedNodes outer = charged_outer(band, a_is_outer_ ? charges_a : charges_b);
+    const ChargedNodes inner = charged_inner(band, a_is_outer_ ? charges_b : charges_a);
+    const std::vector<Wrench> of_band =
+        node_forces({band.matrix.data(), band.count, inner.points.count}, outer, inner);
+    for (std::size_t form = 0; form < result.size(); ++form)
+      result[form] += of_band[form];
+  }
+  for (Wrench& wrench : result) {
+    wrench.force /= scale_;
+    wrench = in_outer_frame((a_is_outer_ ? 1.0 : -1.0) * wrench, frame_);
+  }
+  return result;
 }
 
 }  // namespace fringe::detail

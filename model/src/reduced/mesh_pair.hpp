@@ -49,6 +49,7 @@ class MeshPair {
   void place(const PlacedBody& a, int functions_a, const PlacedBody& b, int functions_b,
              QuadratureDigits digits);
   void potentials(const float* charges_a, const float* charges_b, float* moments_a, float* moments_b);
+  std::vector<Wrench> forces(const Eigen::MatrixXf& charges_a, const Eigen::MatrixXf& charges_b);
 
   bool is_cut_short() const { return is_cut_short_; }
   double relative_error() const { return relative_error_; }
@@ -68,15 +69,19 @@ class MeshPair {
   void lay_inner(const PlacedBody& other);
   Band& next_band();
   void fill(Band& band, const NodePoints& inner);
+  ChargedNodes charged_outer(const Band& band, const Eigen::MatrixXf& coefficients);
+  ChargedNodes charged_inner(Band& band, const Eigen::MatrixXf& coefficients);
   int fineness(double panel_radius, double distance, QuadratureDigits digits);
 
   bool a_is_outer_ = true;
   bool inner_has_faces_ = true;
+  Eigen::Isometry3d frame_ = Eigen::Isometry3d::Identity();  ///< of the first body of triangles
+  double scale_ = 1;                                         ///< its scale
   MeshSide outer_, inner_;
   std::vector<Band> bands_;
   std::size_t used_ = 0;
   std::vector<MeshPart> inner_parts_;
-  std::array<std::vector<float>, 3> inner_points_;
+  std::array<std::vector<float>, 3> outer_points_, inner_points_;
   std::ptrdiff_t inner_count_ = 0;
   std::vector<float> inner_charges_, inner_potentials_, moments_;
   double coarsest_ = 0;  ///< largest ratio of a panel part's radius to its distance

@@ -225,17 +225,18 @@ void NodePair::place(const PlacedBody& a, const BodySmoothness& a_smoothness, in
   if (!a_is_outer_)
     std::swap(sides_[0], sides_[1]);
   const PlacedBody &outer = a_is_outer_ ? a : b, &inner = a_is_outer_ ? b : a;
-  sides_[0].lay(outer, inner.centre);
+  centre_ = inner.centre;
+  sides_[0].lay(outer, centre_);
 
   double missing_inner = 0;
   const NodePoints outer_points = sides_[0].points();
   sides_[1].choose_grids(inner, a_is_outer_ ? functions_b : functions_a,
-                         smoothness_at(inner, {&outer_points, 1}, inner.centre), digits.inner,
-                         most_node_points, missing_inner);
+                         smoothness_at(inner, {&outer_points, 1}, centre_), digits.inner, most_node_points,
+                         missing_inner);
   const double missing_outer = std::min(missing_a, missing_b);
   relative_error_ = error_left(std::min(2 * (digits.outer - missing_outer), digits.inner - missing_inner));
   is_cut_short_ = missing_outer > 0 || missing_inner > 0;
-  sides_[1].lay(inner, inner.centre);
+  sides_[1].lay(inner, centre_);
   const std::size_t size =
       static_cast<std::size_t>(sides_[0].count) * static_cast<std::size_t>(whole_blocks(sides_[1].count));
   if (matrix_.size() < size)
@@ -251,6 +252,15 @@ void NodeSide::spread(const float* coefficients) {
     coefficients += grid.functions * grid.functions;
   }
   std::fill(charges.begin() + count, charges.begin() + whole_blocks(count), 0.0F);
+}
+
+ChargedNodes NodeSide::charged(const Eigen::MatrixXf& coefficients) {
+  ChargedNodes result{points(), Eigen::MatrixXf(count, coefficients.cols())};
+  for (Eigen::Index column = 0; column < coefficients.cols(); ++column) {
+    spread(coefficients.col(column).data());
+    result.charges.col(column) = Eigen::Map<const Eigen::VectorXf>(charges.data(), count);
+  }
+  return result;
 }
 
 void NodeSide::gather(float* moments) const {
@@ -283,6 +293,19 @@ void NodePair::potentials(const float* charges_a, const float* charges_b, float*
                                     inner.charges.data(), outer.potentials.data(), inner.potentials.data());
   outer.gather(a_is_outer_ ? moments_a : moments_b);
   inner.gather(a_is_outer_ ? moments_b : moments_a);
+}
+
+std::vector<Wrench> NodePair::forces(const Eigen::MatrixXf& charges_a, const Eigen::MatrixXf& charges_b) {
+  if (mesh_)
+    return mesh_->forces(charges_a, charges_b);
+  NodeSide &outer = sides_[0], &inner = sides_[1];
+  std::vector<Wrench> result = node_forces({matrix_.data(), outer.count, inner.count},
+                                           outer.charged(a_is_outer_ ? charges_a : charges_b),
+                                           inner.charged(a_is_outer_ ? charges_b : charges_a));
+  for (Wrench& wrench : result)
+    wrench =
+        in_outer_frame((a_is_outer_ ? 1.0 : -1.0) * wrench, Eigen::Isometry3d(Eigen::Translation3d(centre_)));
+  return result;
 }
 
 }  // namespace fringe::detail

@@ -8,6 +8,8 @@
 #include <Eigen/Core>
 
 #include "bem/box_self_interaction.hpp"
+#include "geometry/wrench.hpp"
+#include "reduced/node_forces.hpp"
 #include "reduced/node_kernels.hpp"
 #include "reduced/prepared_shape.hpp"
 
@@ -76,6 +78,8 @@ struct NodeSide {
   void lay(const PlacedBody& body, const Eigen::Vector3d& origin);
   /// Computes the charges at the nodes from the coefficients of the functions.
   void spread(const float* coefficients);
+  /// Returns the nodes with the charges by several columns of coefficients.
+  ChargedNodes charged(const Eigen::MatrixXf& coefficients);
   /// Computes the moments of the potentials at the nodes, in whole blocks.
   void gather(float* moments) const;
 };
@@ -104,6 +108,10 @@ class NodePair {
   /// of the bodies' functions; arrays are in whole blocks, zero beyond the last.
   void potentials(const float* charges_a, const float* charges_b, float* moments_a, float* moments_b);
 
+  /// Computes the derivatives of energies between both bodies as the first moves, as node_forces() does, by
+  /// charges in whole blocks (rows); torques are about the origin.
+  std::vector<Wrench> forces(const Eigen::MatrixXf& charges_a, const Eigen::MatrixXf& charges_b);
+
   /// Returns true if a rule would need more points than it may have.
   bool is_cut_short() const { return is_cut_short_; }
 
@@ -115,6 +123,7 @@ class NodePair {
   bool a_is_outer_ = true;
   std::array<NodeSide, 2> sides_;  ///< the outer one first
   std::vector<float> matrix_;
+  Eigen::Vector3d centre_;  ///< of the inner body, from which the nodes are counted
   double relative_error_ = 0;
   bool is_cut_short_ = false;
 };

@@ -19,6 +19,7 @@
 #include "fringe/reading.hpp"
 #include "numeric/interruption.hpp"
 #include "reduced/arrangement.hpp"
+#include "reduced/reduced_derivatives.hpp"
 #include "reduced/reduced_readings.hpp"
 #include "reduced/reduced_system.hpp"
 
@@ -93,10 +94,11 @@ class ReducedEvaluator::Implementation {
 
   void set_pose(std::string_view link, const Eigen::Isometry3d& pose) { bodies_.set_pose(link, pose); }
 
-  MaxwellMatrix& maxwell() {
+  MaxwellMatrix& maxwell(bool with_derivatives) {
     bodies_.update();
-    if (is_settled())
+    if (is_settled() && with_derivatives == with_derivatives_)
       return answer_;
+    with_derivatives_ = with_derivatives;
     if (known_joinings_ != bodies_.joinings())
       begin_system();
     for (std::size_t a = 0; a < count(); ++a)
@@ -351,6 +353,8 @@ class ReducedEvaluator::Implementation {
       return;
     in_changes_ =
         detail::reduced_readings(charged_readings_, solution, error_per_discretisation, bodies_.bodies());
+    if (with_derivatives_)
+      detail::write_derivatives(*system_, bodies_, charged_readings_, in_changes_);
     answer_.readings = in_changes_.answers;
     for (ReadingAnswer& reading : answer_.readings)
       detail::scale(reading, factor_ * bodies_.unit());
@@ -406,6 +410,7 @@ class ReducedEvaluator::Implementation {
   ReducedOptions options_;
   double rtol_;
   std::vector<Reading> readings_;
+  bool with_derivatives_ = false;  ///< if the answer has them
   double factor_ = 1;
   detail::Arrangement bodies_;
   std::size_t known_joinings_ = 0;  ///< that system_ belongs to
@@ -422,12 +427,10 @@ ReducedEvaluator::ReducedEvaluator(const Scene& scene, const ReducedOptions& opt
     : ReducedEvaluator(scene, options, std::make_shared<detail::LinkPoses>(scene.links)) {}
 ReducedEvaluator::ReducedEvaluator(const Scene& scene, const ReducedOptions& options,
                                    std::shared_ptr<detail::LinkPoses> poses)
-    : options_(options), poses_(std::move(poses)) {
-  if (asks_for_changes(scene)) {
+    : options_(options), poses_(std::move(poses)), scene_(scene) {
+  if (asks_for_changes(scene))
     readings_ = readings(scene);
-    machine_ = detail::without_targets(scene);
-  }
-  implementation_ = std::make_unique<Implementation>(scene, options, readings_, poses_);
+  implementation_ = std::make_unique<Implementation>(scene_, options, readings_, poses_);
 }
 ReducedEvaluator::~ReducedEvaluator() = default;
 ReducedEvaluator::ReducedEvaluator(ReducedEvaluator&&) noexcept = default;
@@ -437,19 +440,30 @@ void ReducedEvaluator::set_pose(std::string_view link, const Eigen::Isometry3d& 
   implementation_->set_pose(link, pose);
 }
 
-const MaxwellMatrix& ReducedEvaluator::maxwell() {
-  MaxwellMatrix& matrix = implementation_->maxwell();
+const MaxwellMatrix& ReducedEvaluator::maxwell(bool with_derivatives) {
+  if (with_derivatives && readings_.empty()) {
+    // The charges without the objects are not known of a scene that does not ask for changes.
+    readings_ = readings(scene_);
+    implementation_ = std::make_unique<Implementation>(scene_, options_, readings_, poses_);
+  }
+  MaxwellMatrix& matrix = implementation_->maxwell(with_derivatives);
   if (readings_.empty())
     matrix.readings = detail::readings_of_sensors(matrix);
   else if (matrix.readings.empty())
-    subtract_background(matrix);
+    subtract_background(matrix, with_derivatives);
   return matrix;
 }
 
-void ReducedEvaluator::subtract_background(MaxwellMatrix& matrix) {
+void ReducedEvaluator::subtract_background(MaxwellMatrix& matrix, bool with_derivatives) {
   if (background_ == nullptr)
-    background_ = std::make_unique<Implementation>(machine_, options_, std::vector<Reading>(), poses_);
-  matrix.readings = detail::readings_of_matrices(readings_, matrix, background_->maxwell());
+    background_ = std::make_unique<Implementation>(detail::without_targets(scene_), options_,
+                                                   std::vector<Reading>(), poses_);
+  matrix.readings = detail::readings_of_matrices(readings_, matrix, background_->maxwell(false));
+  if (with_derivatives)
+    for (ReadingAnswer& reading : matrix.readings)
+      for (const Link& link : poses_->links())
+        reading.derivatives.push_back(
+            {link.name, PoseDerivatives::Constant(std::numeric_limits<double>::quiet_NaN()), {}});
   if ((detail::errors_of_changes(matrix.readings).array() > rtol_of(options_)).any())
     matrix.reached = false;
 }

@@ -138,6 +138,29 @@ void ReducedSystem::find_change() {
   const auto mixed = added.topRightCorner(count, count);
   result.background = without.transpose() * without + added.topLeftCorner(count, count);
   result.change = with.transpose() * with + mixed + mixed.transpose() + added.bottomRightCorner(count, count);
+  charges_in_change_ = charges;
+}
+
+Eigen::MatrixXf ReducedSystem::charges_in_change(std::size_t body, const MatrixXd& combination) {
+  const auto& kernels = best_kernels<NodeKernels>();
+  const std::ptrdiff_t padded = level(body).padded;
+  const auto count = static_cast<Index>(conductors_);
+  Eigen::MatrixXf result = Eigen::MatrixXf::Zero(padded + node_block, combination.cols());
+  const MatrixXd coefficients = charges_in_change_ * combination;
+  for (Index column = 0; column < combination.cols(); ++column) {
+    float* const charge = result.col(column).data();
+    for (std::size_t k = 0; k < extended_; ++k)
+      if (vectors_[k].body == body)
+        kernels.add(static_cast<float>(coefficients(static_cast<Index>(k), column)), vectors_[k].charge,
+                    charge, padded);
+    for (Index c = 0; c < count; ++c) {
+      const std::size_t at = body * conductors_ + static_cast<std::size_t>(c);
+      const double change = combination(count + c, column), background = combination(c, column) - change;
+      kernels.add(static_cast<float>(change), residuals_.corrections[at], charge, padded);
+      kernels.add(static_cast<float>(background), background_residuals_.corrections[at], charge, padded);
+    }
+  }
+  return result;
 }
 
 }  // namespace fringe::detail

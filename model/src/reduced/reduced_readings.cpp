@@ -123,10 +123,17 @@ ReducedReadings reduced_readings(const std::vector<ChargedReading>& readings, co
   for (const MatrixXd& energies : found.discretisation)
     discretisation += energies;
 
+  const auto number = static_cast<Index>(readings.size());
   ReducedReadings result{{}, VectorXd::Zero(static_cast<Index>(count))};
-  for (const ChargedReading& reading : readings) {
+  result.charges.resize(found.truncation.rows(), 4 * number);
+  for (Index k = 0; k < number; ++k) {
+    const ChargedReading& reading = readings[static_cast<std::size_t>(k)];
     const VectorXd sensed = reading.sense.head(kept), driven = reading.drive.head(kept);
     const PotentialsOfReading sense{without * sensed, with * sensed}, drive{without * driven, with * driven};
+    result.charges.col(k) = sense.charge();
+    result.charges.col(number + k) = sense.charge_change();
+    result.charges.col(2 * number + k) = drive.charge();
+    result.charges.col(3 * number + k) = drive.charge_change();
     Effects quantities;
     quantities.background = sensed.dot((found.background * drive.background).head(kept));
     quantities.change = sense.background.dot(found.change * drive.background);

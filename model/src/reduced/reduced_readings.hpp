@@ -19,6 +19,8 @@ struct ReducedReadings {
   double error = 0;       ///< the largest error of a change, alike
   double truncation = 0;  ///< the largest part that the steps have in such an error, alike
   double quadrature = 0;  ///< the largest part that the quadratures have, alike
+  /// Coefficients of X and Z (rows, see ReducedChange) in the columns of ReadingCharges::all().
+  Eigen::MatrixXd charges = {};
 };
 
 /// Returns the readings by a solution that has a `change`. Conductors are those of `bodies`;

@@ -91,6 +91,11 @@ class ReducedSystem {
   /// last solution, with the corrections of its last residuals, for every conductor at unit potential.
   Eigen::MatrixXd surface_charges();
 
+  /// Returns charges on a body in the last solution, which must have a `change`: coefficients of its
+  /// functions in whole blocks, and one more (rows). `combination` has the coefficients of X and Z of every
+  /// conductor (rows), as in ReducedChange.
+  Eigen::MatrixXf charges_in_change(std::size_t body, const Eigen::MatrixXd& combination);
+
  private:
   struct Vector {
     std::size_t body;
@@ -162,12 +167,13 @@ class ReducedSystem {
   std::vector<std::size_t> equilibria_;  ///< each body's first vector
   std::vector<float> work_;              ///< charges of several columns
   std::vector<float> stiff_;
-  std::size_t used_ = 0;        ///< number of vectors in use
-  std::size_t extended_ = 0;    ///< number of them in the factor
-  std::vector<double> gram_;    ///< products of the vectors, row after row of the lower triangle
-  std::vector<double> factor_;  ///< Cholesky factor of it
-  Eigen::MatrixXd net_;         ///< factor⁻¹·(net charges), a row for every vector
-  Eigen::MatrixXd charges_;     ///< coefficient of every vector, for every conductor at unit potential
+  std::size_t used_ = 0;               ///< number of vectors in use
+  std::size_t extended_ = 0;           ///< number of them in the factor
+  std::vector<double> gram_;           ///< products of the vectors, row after row of the lower triangle
+  std::vector<double> factor_;         ///< Cholesky factor of it
+  Eigen::MatrixXd net_;                ///< factor⁻¹·(net charges), a row for every vector
+  Eigen::MatrixXd charges_;            ///< coefficient of every vector, for every conductor at unit potential
+  Eigen::MatrixXd charges_in_change_;  ///< those of X and Z for every conductor
   Residuals residuals_;
   Residuals background_residuals_;
   std::optional<MachineBasis> machine_;

@@ -115,7 +115,7 @@ class LiveScene::Implementation {
         reduced_.emplace(scene_, options, poses_);
         reduced_options_ = options;
       }
-      answer_.matrix = reduced_->maxwell();
+      answer_.matrix = reduced_->maxwell(asked.derivatives);
     } else {
       answer_.matrix = maxwell(scene_, {.rtol = rtol,
                                         .entries = asked.entries,

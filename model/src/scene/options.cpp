@@ -16,7 +16,8 @@ namespace {
 
 [[noreturn]] void refuse_derivatives(const std::string& answering) {
   throw InputError(fmt::format(
-      "derivatives are known by exact without a correction and by boundary-elements, not by {}", answering));
+      "derivatives are known by exact without a correction, boundary-elements and reduced:K, not by {}",
+      answering));
 }
 
 }  // namespace
@@ -100,7 +101,7 @@ double rtol_of(const EvaluationOptions& options) {
   refuse(options.faces.has_value(), "faces");
   refuse(options.tolerance.has_value(), "tolerance");
   refuse(options.correction.has_value(), "correction");
-  if (options.derivatives && !std::holds_alternative<BoundaryElements>(options.method))
+  if (options.derivatives && std::holds_alternative<Recommended>(options.method))
     refuse_derivatives(to_string(options.method));
   if (const auto* reduced = std::get_if<Reduced>(&options.method))
     return rtol_of(ReducedOptions{reduced->steps, options.rtol});
