@@ -20,6 +20,7 @@ from fem_reference.bodies.remarks import remarks
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT, is_installed, is_own, page_library, results_folder
 from geometries.scene import motion, reader
+from geometries.scene.covers import is_cover
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Cuboid, PlateShape
 
@@ -29,6 +30,10 @@ LARGEST = 6_000_000
 """Bytes of a page at most."""
 _MOST_BODIES = 12
 """Bodies up to which the page begins with the reduced method, if all are plates and cuboids: it is prepared within a second."""
+
+
+COVERS = (("2 mm of plastic", 2e-3, 3.0), ("a wet film of 0.5 mm", 0.5e-3, 80.0))
+"""Covers that the page puts on all sensors: name, thickness (m), relative permittivity."""
 
 
 class NoLibrary(Exception):
@@ -62,6 +67,7 @@ def make(name: str, motion_file: Path | None, target: Path | None, options: Opti
     place = target or (results_folder() / FOLDER if is_own(path) else Path.cwd()) / f"{path.stem}.html"
     data: Document = {
         "scene": text,
+        "covers": _covers(text, scene, path),
         "files": scene_text.files(text, path.parent),
         "reduced": _is_quickly_prepared(scene),
     }
@@ -107,6 +113,21 @@ def _is_quickly_prepared(scene: Scene) -> bool:
     return bodies <= _MOST_BODIES and all(
         isinstance(body.shape, PlateShape | Cuboid) for body in scene.objects
     )
+
+
+def _covers(text: str, scene: Scene, path: Path) -> list[Document]:
+    """Returns the texts of the scene with each cover on all sensors; none where a sensor has a cover of its own, or where one has no room."""
+    if not scene.sensors or any(is_cover(body) for body in scene.objects):
+        return []
+    found: list[Document] = []
+    for name, thickness, permittivity in COVERS:
+        with_cover = scene_text.covered(text, thickness, permittivity)
+        try:
+            _native(with_cover, path)
+        except InputError:
+            continue
+        found.append({"name": name, "scene": with_cover})
+    return found
 
 
 def _digest(data: Document, ways: list[paths.Path], library: str, options: Options, place: Path) -> str:

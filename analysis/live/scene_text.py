@@ -1,4 +1,5 @@
-"""The text of a scene as a live page has it: targets are on links, which can be moved, and mesh files are in the page."""
+"""The text of a scene as a live page has it: targets are on links, which can be moved, sensors may get covers, and mesh files are in the
+page."""
 
 from __future__ import annotations
 
@@ -29,6 +30,15 @@ def movable(text: str) -> str:
     if not added:
         return text
     scene["link"] = [*scene.get("link", []), *added]
+    written: str = tomli_w.dumps(scene)
+    return written
+
+
+def covered(text: str, thickness: float, relative_permittivity: float) -> str:
+    """Returns the text of a scene in which every sensor has this cover (thickness in m)."""
+    scene = tomllib.loads(text)
+    for sensor in scene.get("sensor", []):
+        sensor["cover"] = {"thickness": thickness, "relative_permittivity": relative_permittivity}
     written: str = tomli_w.dumps(scene)
     return written
 

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <ostream>
 #include <random>
 #include <string>
 #include <vector>
@@ -21,6 +22,11 @@ struct Named {
   Target target;
   std::size_t mutations;
 };
+
+/// Lets lists of tests show a target by its name.
+void PrintTo(const Named& target, std::ostream* out) {
+  *out << target.name;
+}
 
 /// Runs a target on every seed and on the given number of random mutations; a violated property aborts the
 /// process. tests/fuzz/run continues from the seeds with the real fuzzers.

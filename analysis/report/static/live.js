@@ -12,9 +12,11 @@
     return made;
   };
 
+  // A page that was read anew for another cover goes on where it was.
+  const kept = history.state || { cover: 0, links: [], joints: [] };
   let scene;
   try {
-    scene = await openScene(data.scene, data.files);
+    scene = await openScene(kept.cover ? data.covers[kept.cover - 1].scene : data.scene, data.files);
   } catch (error) {
     return trouble(`The scene cannot be shown: ${error.message}`);
   }
@@ -28,7 +30,7 @@
   // --- the parts of the page ---
 
   const readings = Object.entries(roles.readings).map(([name, reading]) => ({ name, ...reading }));
-  const state = { link: null, reading: 0, reduced: data.reduced, rtol: RTOL, path: null, at: 0, playing: false, reference: null, floats: new Set(), frames: 0, told: -1e9, moved: 0, dirty: true, answers: {}, geometry: {} };
+  const state = { link: null, reading: 0, reduced: data.reduced, rtol: RTOL, path: null, at: 0, playing: false, reference: null, cover: kept.cover, changed: kept.cover > 0, floats: new Set(), frames: 0, told: -1e9, moved: 0, dirty: true, answers: {}, geometry: {} };
   const spent = {}, trace = [], along = new Map();
   let firstAnswer = null;
   const page = { data, byId, element, scene, described, roles, view, state, readings, trace, along, pick, prepare };
@@ -114,6 +116,7 @@
   if (view) { view.setBodies(page.bodies); view.frame(page.whole); view.resize(); }
   page.chosen();
   page.makeSliders();
+  page.goOn(kept);
   prepare();
   requestAnimationFrame(frame);
 

@@ -1,5 +1,5 @@
 "use strict";
-// The controls: sliders of links and joints, boundary elements on request, and whether a target floats.
+// The controls: sliders of links and joints, boundary elements on request, whether a target floats, and covers of sensors.
 
 /** Makes the controls. Functions of other parts that they call are those of `page`. */
 function makeControls(page) {
@@ -96,7 +96,7 @@ function makeControls(page) {
         scene.setFloating(body.name, floats, toGround);
         state.floats[floats ? "add" : "delete"](body.name);
         group.querySelectorAll("button").forEach(other => other.setAttribute("aria-pressed", other === button));
-        state.changed = !isNow;
+        state.changed = !isNow || state.cover > 0;
         state.reference = null;
         along.clear();
         trace.length = 0;
@@ -125,5 +125,31 @@ function makeControls(page) {
     });
     byId("floating").append(group);
   });
-  return { makeSliders, updateSliders: () => sliders.forEach(update => update()) };
+
+  // Covers of all sensors. They are bodies of the scene, so the page is read anew with another scene.
+  if (data.covers.length) {
+    const group = element("div", "group");
+    group.setAttribute("role", "group");
+    group.append(element("span", "name", "Cover of the sensors"));
+    ["none", ...data.covers.map(cover => cover.name)].forEach((name, n) => {
+      const button = element("button", "", name);
+      button.type = "button";
+      button.setAttribute("aria-pressed", n === state.cover);
+      button.addEventListener("click", () => {
+        history.replaceState({ cover: n, links, joints: described.links.map(link => link.at ?? null) }, "");
+        location.reload();
+      });
+      group.append(button);
+    });
+    byId("floating").append(group);
+  }
+  /** Takes all links to where they were when the page was read anew. */
+  function goOn(kept) {
+    kept.links.forEach(({ translation, quaternion }, n) => setLink(n, translation, quaternion));
+    kept.joints.forEach((at, n) => { if (at !== null) { described.links[n].at = at; scene.setJoint(described.links[n].joint.name, at); } });
+    state.poses = scene.poses();
+    updateSliders();
+  }
+  const updateSliders = () => sliders.forEach(update => update());
+  return { goOn, makeSliders, updateSliders };
 }

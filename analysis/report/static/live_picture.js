@@ -21,8 +21,12 @@ function makePicture({ byId, element, scene, described, roles, view, state, read
   const starts = described.objects.reduce((all, body) => [...all, all[all.length - 1] + body.triangles.length / 9], [0]);
 
   function colour() {
-    const densities = described.sensors.length ? scene.densities(sensorOf(state.reading)) : null;
-    if (!densities || !view) return;
+    if (!view) return;
+    const densities = described.sensors.length && !state.answers.model.refused ? scene.densities(sensorOf(state.reading)) : null;
+    if (!densities) {
+      described.objects.forEach((body, number) => view.setShares(number, new Float32Array(starts[number + 1] - starts[number]).fill(-1)));
+      return;
+    }
     const isNew = brightest === null;
     brightest ??= 10 ** Math.ceil(Math.log10(densities.reduce((most, x) => (Number.isFinite(x) ? Math.max(most, x) : most), 1e-30)));
     if (isNew) tellScale();

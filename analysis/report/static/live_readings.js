@@ -9,7 +9,7 @@ function makeReadings({ data, byId, element, state, readings, theme, recolour, t
     title.append(element("b", "", reading.name), noticed);
     title.tabIndex = 0;
     title.setAttribute("role", "button");
-        title.addEventListener("click", () => choose(number));
+    title.addEventListener("click", () => choose(number));
     title.addEventListener("keydown", event => { if (event.key === "Enter" || event.key === " ") { event.preventDefault(); choose(number); } });
     box.append(title, element("div", "drive", drive));
     const lines = {};

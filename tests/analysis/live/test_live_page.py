@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.live import make as live, paths
+from analysis.live import make as live, paths, scene_text
 from analysis.pipeline.model_stage import model_module
 from analysis.report.live_page import DEFAULT
 from geometries.common.installation import page_library
@@ -66,6 +66,15 @@ def opened(browser: Browser, page: Path) -> dict[str, Any]:
     for _ in range(600):
         if found := browser.run(ALL_READY):
             return dict(found)
+        time.sleep(0.05)
+    raise AssertionError(f"the page does not answer: {browser.complaints()}")
+
+
+def wait_for(browser: Browser, script: str, value: Any) -> None:
+    """Waits until a script returns the value and the page has answered."""
+    for _ in range(600):
+        if browser.run(script) == value and browser.run(ALL_READY):
+            return
         time.sleep(0.05)
     raise AssertionError(f"the page does not answer: {browser.complaints()}")
 
@@ -191,6 +200,27 @@ def test_the_guard_is_driven_or_grounded(ready: Browser) -> None:
     ready.run(press, "“left”")
     assert ready.run(shown) == "Trace of “left”"
     assert ready.complaints() == []
+
+
+def test_a_cover_is_put_on_the_sensors_and_the_hand_stays_where_it_is(browser: Browser, page: Path) -> None:
+    opened(browser, page)
+    browser.run("window.livePage.setLink(0, [0.01, 0.02, 0.04], [1, 0, 0, 0])")
+    name, thickness, permittivity = live.COVERS[0]
+    press = "[...document.querySelectorAll('#floating button')].find(button => button.textContent === arguments[0]).click()"
+    browser.run(press, name)
+    told = "return window.livePage ? window.livePage.state.cover : null"
+    wait_for(browser, told, 1)
+    np.testing.assert_allclose(moved_hand(browser), [0.01, 0.02, 0.04])
+    covered = scene_text.covered(scene_text.movable(SCENE.read_text()), thickness, permittivity)
+    native = model_module().Scene.loads(covered)
+    native.set_pose("wrist", np.array([0.01, 0.02, 0.04]), np.array([1.0, 0, 0, 0]))
+    said = browser.run("return window.livePage.scene.capacitance('boundary-elements', 0.3)")
+    answer = native.readings("boundary-elements", rtol=0.3)
+    expected = [answer[reading["name"]].change for reading in said["readings"]]
+    np.testing.assert_allclose(changes(said), expected, rtol=1e-6)
+    browser.run(press, "none")
+    wait_for(browser, told, 0)
+    assert browser.complaints() == []
 
 
 def test_scenes_with_mesh_files_are_whole(browser: Browser, tmp_path: Path) -> None:
