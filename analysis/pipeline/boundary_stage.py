@@ -22,26 +22,28 @@ _STRICTEST_INSULATED = 1e-2
 _ROUND = "round bodies: boundary elements answer for the polyhedron of their triangles, the field solver for what is round"
 
 
-def rtol(study: Study, scene: Scene) -> float:
-    """Returns the relative accuracy asked of boundary elements.
+def rtol(study: Study, scene: Scene, alone: float | None) -> float:
+    """Returns the relative accuracy asked of boundary elements in a case; `alone` is the case's.
 
-    It is the study's where they answer alone, and for a mesh, whose charges converge so slowly that a tenth would take minutes and
+    If that is None, it is the study's where they answer alone, and for a mesh, whose charges converge so slowly that a tenth would take minutes and
     gigabytes. Beside the field solver it is a tenth of it. With dielectric bodies it is at least that at which refinement ends in seconds.
     """
+    if alone is not None:
+        return alone
     is_insulated = any(body.relative_permittivity is not None for body in scene.objects)
     has_mesh = any(isinstance(body.shape, MeshShape | Person) for body in scene.objects)
     share = 1.0 if has_mesh or not study.by_field else SHARE
     return min(max(share * study.rtol, _STRICTEST_INSULATED if is_insulated else _STRICTEST), _LOOSEST)
 
 
-def answer(scene: Path, study: Study) -> Document:
+def answer(scene: Path, study: Study, alone: float | None) -> Document:
     """Solves a scene file as accurately as the study asks, or says why boundary elements have no answer."""
     try:
         described = reader.load(scene)
     except InputError as error:
         # This program wrote the scene: somebody has removed or changed it since.
         raise NoAnswer(str(error)) from error
-    wanted = rtol(study, described)
+    wanted = rtol(study, described, alone)
     return {"rtol": wanted, **_answer_or_refusal(scene, described, wanted)}
 
 

@@ -23,7 +23,7 @@ _EXPLANATION = (
 def error_of_changes(rows: list[Row]) -> Plot:
     """Plots the model error of changes over the changes, by machine; mutual and delta_self beside it. Needs one compared change."""
     known = compared(rows)
-    machines = sorted(dict.fromkeys(row.machine for row in known), key=lambda machine: machine != NONE)
+    machines = sorted(dict.fromkeys(row.machine for row in known), key=lambda machine: machine == NONE)
     changes = [row for row in known if row.is_change]
     panels = [
         Panel(

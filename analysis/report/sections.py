@@ -74,17 +74,21 @@ def _by(method: str) -> str:
 
 
 def headline(results: Results, rows: list[Row], summaries: list[Summary]) -> Markup:
-    """Returns the question, and the model errors for each family and quantity."""
+    """Returns the question, and the model errors for each family and quantity: on machines first, where there are any."""
+    summaries = sorted(summaries, key=lambda summary: summary.quantity != CHANGE)
     whole = {summary.quantity: summary for summary in summaries if summary.family == ALL_FAMILIES}
     parts = [page.paragraph(_QUESTION)]
     for quantity, summary in whole.items():
-        before = " before machines" if quantity == CHANGE else ""
+        where = "On machines, change of the reading" if quantity == CHANGE else quantity
+        sure = (
+            f"the reference is sure to {percent(summary.sure_to)} or better."
+            if summary.sure_to < 1
+            else "of at least one of them no reference knows more than its order of magnitude."
+        )
         parts.append(
             page.finding(
-                f"{quantity}{before}: the model is {percent(summary.rms)} off (rms over {summary.count} cases), median {percent(summary.median)}, "
-                f"worst {signed_percent(summary.worst)}; the reference is sure to {percent(summary.sure_to)} or better."
-                if summary.sure_to < 1
-                else f"worst {signed_percent(summary.worst)}; of at least one of them no reference knows more than its order of magnitude."
+                f"{where}: the model is {percent(summary.rms)} off (rms over {summary.count} cases), median {percent(summary.median)}, "
+                f"worst {signed_percent(summary.worst)}; {sure}"
             )
         )
     parts.append(page.paragraph(_QUANTITIES))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from analysis.results.study_results import SCENE, CaseResult, Results
 from geometries.common import installation
 from geometries.common.installation import from_repository
-from geometries.studies.study import BOUNDARY_ELEMENTS, NO_REFERENCE
+from geometries.studies.study import NO_REFERENCE
 
 COMPARED_METHOD = "exact"
 """The method of the model that reports compare with the reference."""
@@ -28,7 +28,7 @@ def truth_command(results: Results, case: CaseResult) -> str:
     """Returns the command of a reference that the study asks: the field solver's, or else that of boundary elements; empty without one."""
     if results.error == NO_REFERENCE:
         return ""
-    if results.reference_method != BOUNDARY_ELEMENTS:
+    if case.by_field:
         return reference_command(results, case.id)
     return boundary_command(results, case.id) if case.boundary is not None else ""
 

@@ -47,7 +47,8 @@ class Failure:
 @dataclass(frozen=True, eq=False)
 class CaseResult:
     """One case with the answers that exist, of those methods that the study asks. `name` tells it in words, `reference` is the field
-    solver's; `empty` is the id of the case without objects; `refused` says why there is no `boundary`, where boundary elements were asked.
+    solver's; `empty` is the id of the case without objects; `refused` says why there is no `boundary`, where boundary elements were
+    asked; `by_field` tells whether the field solver was.
     """
 
     id: str
@@ -62,6 +63,7 @@ class CaseResult:
     slice: Document | None
     boundary: BoundaryAnswer | None
     refused: str
+    by_field: bool = True
 
     @cached_property
     def truth(self) -> Truth | None:
@@ -165,7 +167,13 @@ def _case_document(case: Case) -> Document:
     parameters: dict[str, Any] = {
         name: list(value) if isinstance(value, tuple) else value for name, value in case.parameters.items()
     }
-    return {"id": case.id, "family": case.family, "parameters": parameters, "empty": empty_case(case).id}
+    document: Document = {
+        "id": case.id,
+        "family": case.family,
+        "parameters": parameters,
+        "empty": empty_case(case).id,
+    }
+    return document if case.alone is None else document | {"by_field": False}
 
 
 def _parameters(document: Document) -> dict[str, Parameter]:
@@ -181,7 +189,8 @@ def _case_result(
     folder = case_folder(results, document["id"])
     model = read_json(folder / MODEL)
     # Answers of a method that the study no longer asks may still be there.
-    reference = read_json(folder / REFERENCE) if reference_method != BOUNDARY_ELEMENTS else None
+    by_field = reference_method != BOUNDARY_ELEMENTS and document.get("by_field", True)
+    reference = read_json(folder / REFERENCE) if by_field else None
     boundary = (read_json(folder / BOUNDARY) or {}) if reference_method != FIELD else {}
     return CaseResult(
         id=document["id"],
@@ -196,4 +205,5 @@ def _case_result(
         slice=read_json(folder / SLICE),
         boundary=BoundaryAnswer.of(boundary) if "maxwell" in boundary else None,
         refused=boundary.get("refused", ""),
+        by_field=by_field,
     )

@@ -62,7 +62,7 @@ def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | No
         ]
     yield page.header(case.name, *head)
     yield page.figures(_panels(case))
-    if case.slice is None and results.error != NO_REFERENCE and results.reference_method != BOUNDARY_ELEMENTS:
+    if case.slice is None and results.error != NO_REFERENCE and case.by_field:
         yield page.paragraph("No slice of its potential is stored. This command computes one:")
         yield page.command(f"{reference_command(results, case.id)} --slice slice.json")
     if rows:
@@ -175,7 +175,7 @@ def _entries(answer: ReferenceAnswer | BoundaryAnswer) -> Markup:
 
 def _commands(results: Results, case: CaseResult) -> list[Markup]:
     parts = [page.paragraph("From the project's folder:")]
-    if results.error != NO_REFERENCE and results.reference_method != BOUNDARY_ELEMENTS:
+    if results.error != NO_REFERENCE and case.by_field:
         parts.append(page.command(reference_command(results, case.id)))
     if case.family != EMPTY and knows(case.scene):
         parts.append(page.command(model_command(results, case.id)))

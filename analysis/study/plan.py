@@ -28,10 +28,11 @@ _ALL_PICTURED = 100
 @dataclass(frozen=True)
 class Work:
     """The missing answers of one case: `keys` and the expected `seconds` for each of the files model.json, boundary.json, fem.json and
-    slice.json that is missing."""
+    slice.json that is missing; `alone` is that of the case."""
 
     case: str
     scene: str
+    alone: float | None
     keys: dict[str, str]
     seconds: dict[str, float]
 
@@ -49,10 +50,11 @@ def missing(study: Study, cases: list[Case], folder: Path) -> list[Work]:
     found = []
     for case in cases:
         wanted = {}
-        if study.by_field:
+        if study.by_field and case.alone is None:
             wanted[REFERENCE] = keys.reference_key(case.identity, study, reference)
         if study.by_boundary_elements:
-            wanted[BOUNDARY] = keys.boundary_key(case.identity, boundary_stage.rtol(study, case.scene), model)
+            asked = boundary_stage.rtol(study, case.scene, case.alone)
+            wanted[BOUNDARY] = keys.boundary_key(case.identity, asked, model)
         if case.family != EMPTY and knows(case.scene):
             wanted[MODEL] = keys.model_key(case.identity, study, model)
         if case.id in pictured:
@@ -63,7 +65,7 @@ def missing(study: Study, cases: list[Case], folder: Path) -> list[Work]:
             if not wanted and (place / SCENE).is_file():
                 continue
         seconds = {file: _expected_seconds(case, file, study, costs_vary) for file in wanted}
-        found.append(Work(case.id, case.text, wanted, seconds))
+        found.append(Work(case.id, case.text, case.alone, wanted, seconds))
     return found
 
 
@@ -79,7 +81,7 @@ def _pictured(cases: list[Case]) -> set[str]:
     second of its list, because the first of a sweep is its extreme."""
     members: dict[str, list[str]] = {}
     for case in cases:
-        if case.family != EMPTY:
+        if case.family != EMPTY and case.alone is None:
             members.setdefault(case.family, []).append(case.id)
     if len(cases) <= _ALL_PICTURED:
         return {case for ids in members.values() for case in ids}

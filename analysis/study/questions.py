@@ -32,7 +32,11 @@ from analysis.topics.cross_check import section as cross_check_section
 from analysis.topics.errors import records as error_records, section as errors_section
 from analysis.topics.errors.records import Entry
 from analysis.topics.experiments import section as experiments_section
-from analysis.topics.machines import records as machines_records, section as machines_section
+from analysis.topics.machines import (
+    field_check as machines_field_check,
+    records as machines_records,
+    section as machines_section,
+)
 from analysis.topics.published import section as published_section
 from analysis.topics.trade_off import section as trade_off_section, stage as trade_off
 from analysis.topics.verification import page as verification_page
@@ -105,7 +109,7 @@ def _parts(material: Material) -> list[Markup]:
 
 
 def _machines(material: Material) -> list[Markup]:
-    return [machines_section.section(list(material.on_machines))]
+    return [machines_section.section(list(material.on_machines), machines_field_check.load())]
 
 
 def _company(material: Material) -> list[Markup]:

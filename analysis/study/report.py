@@ -27,6 +27,7 @@ from analysis.topics.cross_check import agreement, section as cross_check_sectio
 from analysis.topics.errors import records as error_records, set_ups as error_set_ups, stage as errors_stage
 from analysis.topics.history import nights as history, page as history_page
 from analysis.topics.machines import (
+    field_check as machines_field_check,
     records as machines_records,
     set_ups as machines_set_ups,
     stage as machines_stage,
@@ -70,7 +71,7 @@ def make(folder: Path) -> Report:
     )
     faults = faults_section.beside(folder)
     answers = _answers(folder, found)
-    in_field = read_json(company_field_check.FILE)
+    in_field = [read_json(check.FILE) for check in (company_field_check, machines_field_check)]
     inputs = keys.page_inputs(
         answers, verified, apart, corrected, faults, in_company, on_machines, in_field, published.digest()
     )

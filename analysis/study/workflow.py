@@ -88,7 +88,7 @@ def _stage(file: str, work: Work, study: Study, place: Path) -> Stage:
     scene, target = place / SCENE, place / file
     name, answer = {
         MODEL: (model_stage.NAME, lambda _: model_stage.answer(scene, study.methods)),
-        BOUNDARY: (boundary_stage.NAME, lambda _: boundary_stage.answer(scene, study)),
+        BOUNDARY: (boundary_stage.NAME, lambda _: boundary_stage.answer(scene, study, work.alone)),
         REFERENCE: (reference_stage.SOLVE, lambda processes: reference_stage.answer(scene, study, processes)),
         SLICE: (
             reference_stage.SLICE,

@@ -8,6 +8,9 @@ around all of them, which for one sensor is the sensor itself.
   behind them
 * housing+guard: the housing and, halfway before it, a plate 1.4 times as long and as wide as the sensors' rectangle, driven with
   the sensor that is read
+* arm: on either side of the sensors, along y and 0.1 `size` beside them, one more sensor like the first one; and three grounded links, cuboids
+  that overlap at the joints: the first, 0.2 `size` longer and wider than the rectangle of all sensors, lies 0.1 `size` behind it, the second leads away
+  from it backwards, the third aside. Here `size` is that of the first sensor
 * table: a grounded cuboid before sensors and targets, 5 × 4 × 1 `size`, its face one `size` behind the target's farthest point
 """
 
@@ -22,14 +25,15 @@ from geometries.scene.poses import Pose, Vector3
 from geometries.scene.scene import Object, Reading, Scene, Sensor
 from geometries.scene.shapes import Cuboid, PlateShape
 
-NONE, HOUSING, GUARD, TABLE = "none", "housing", "housing+guard", "table"
-MACHINES = (NONE, HOUSING, GUARD, TABLE)
+NONE, HOUSING, GUARD, ARM, TABLE = "none", "housing", "housing+guard", "arm", "table"
+MACHINES = (NONE, HOUSING, GUARD, ARM, TABLE)
 
 # Lengths relative to the sensors', as in geometries/scenes/guarded_sensor.toml: of housing and guard along x and y relative to the
 # rectangle of the sensors, all others relative to its size.
 _HOUSING, _HOUSING_DEPTH, _HOUSING_BEHIND = 2.0, 1.0, 0.2
 _GUARD, _GUARD_BEHIND = 1.4, 0.1
 _TABLE, _TABLE_BEHIND = (5.0, 4.0, 1.0), 1.0
+_ARM_MARGIN, _ARM_BEHIND, _ARM_THICK, _ARM_LONG, _ASIDE = 0.1, 0.1, 0.6, 3.0, 0.1
 
 
 def around(scene: Scene, machine: str) -> Scene:
@@ -38,6 +42,9 @@ def around(scene: Scene, machine: str) -> Scene:
         return scene
     if machine == TABLE:
         return before(scene, (_table_of(scene),))
+    if machine == ARM:
+        scene = replace(scene, sensors=(*scene.sensors, *_beside(scene.sensors)))
+        return before(scene, arm(scene.sensors))
     parts = (housing(scene.sensors),)
     return before(scene, (*parts, guard(scene.sensors)) if machine == GUARD else parts)
 
@@ -63,6 +70,24 @@ def housing(sensors: tuple[Sensor, ...]) -> Object:
     return Object("housing", shape, pose=Pose((x, y, -_HOUSING_BEHIND * size - depth / 2)))
 
 
+def arm(sensors: tuple[Sensor, ...]) -> tuple[Object, ...]:
+    """Returns the grounded links of an arm that carries sensors on its first link. Their size is that of one sensor's rectangle."""
+    (x, y), (length, width), _ = _rectangle(sensors)
+    size = _rectangle(sensors[:1])[2]
+    thick, margin, long = _ARM_THICK * size, 2 * _ARM_MARGIN * size, _ARM_LONG * size
+    top = -_ARM_BEHIND * size
+    end = x + (length + margin) / 2
+    first = Cuboid((length + margin, width + margin, thick))
+    # Each joint is half a link's thickness inside both links.
+    second = Cuboid((thick, thick, long))
+    third = Cuboid((long, 0.8 * thick, 0.8 * thick))
+    return (
+        Object("link 1", first, pose=Pose((x, y, top - thick / 2))),
+        Object("link 2", second, pose=Pose((end - thick, y, top - thick / 2 - long / 2))),
+        Object("link 3", third, pose=Pose((end - thick + long / 2, y, top - long))),
+    )
+
+
 def guard(sensors: tuple[Sensor, ...]) -> Object:
     """Returns the guard between sensors and housing: an electrode."""
     (x, y), (length, width), size = _rectangle(sensors)
@@ -73,6 +98,19 @@ def guard(sensors: tuple[Sensor, ...]) -> Object:
 def table(size: Vector3, x: float, y: float, near: float) -> Object:
     """Returns a grounded table of a size, centred at x and y, its face towards the sensors at z = `near`."""
     return Object("table", Cuboid(size), pose=Pose((x, y, near + size[2] / 2)))
+
+
+def _beside(sensors: tuple[Sensor, ...]) -> tuple[Sensor, ...]:
+    """Returns two sensors like the first one, beside the rectangle around all of them at its ends along y."""
+    (_, y), (_, width), _ = _rectangle(sensors)
+    _, (_, own), size = _rectangle(sensors[:1])
+    offset = width / 2 + _ASIDE * size
+    (plate,) = sensors[0].plates
+    x, _, z = plate.corner
+    return tuple(
+        Sensor(name, (replace(plate, corner=(x, start, z)),))
+        for name, start in (("left", y - offset - own), ("right", y + offset))
+    )
 
 
 def _table_of(scene: Scene) -> Object:

@@ -66,6 +66,13 @@ def _table(properties: Schema, required: list[str]) -> Schema:
     }
 
 
+def _of_sweeps() -> Schema:
+    """Returns the keys of every sweep, whatever its family."""
+    rtol = {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1}
+    method = {"const": study.BOUNDARY_ELEMENTS}
+    return {"reference": _table({"method": method, "rtol": rtol}, ["method", "rtol"])}
+
+
 def _array(items: Schema, length: int) -> Schema:
     return {"type": "array", "items": items, "minItems": length, "maxItems": length}
 
@@ -123,13 +130,13 @@ def _sweep(name: str, family: Callable[..., Scene]) -> Schema:
         if described.default is inspect.Parameter.empty
     ]
     described = {"family": {"const": name}, "combine": {"enum": ["product", "zip"], "default": "product"}}
-    return _table(described | properties, ["family", *required])
+    return _table(described | _of_sweeps() | properties, ["family", *required])
 
 
 def _scene_sweep() -> Schema:
     path = {"type": "string", "minLength": 1}
     described = {"family": {"const": scene_sweep.FAMILY}, "file": path, "motion": path}
-    return _table(described, ["family", "file"])
+    return _table(described | _of_sweeps(), ["family", "file"])
 
 
 def text() -> str:

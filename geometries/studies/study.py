@@ -11,7 +11,7 @@ import itertools
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast, get_type_hints
 
@@ -54,13 +54,15 @@ IDENTITY_DIGITS = 16
 @dataclass(frozen=True)
 class Case:
     """One scene of a study. `parameters` holds the family's parameters, defaults included; `text` is the canonical scene and
-    `identity` its hash, of which `id` is the beginning."""
+    `identity` its hash, of which `id` is the beginning. `alone` is the relative accuracy asked of boundary elements where they are the case's only
+    reference; None: the study's references are asked."""
 
     identity: str
     family: str
     parameters: dict[str, Parameter]
     scene: Scene
     text: str
+    alone: float | None = None
 
     @property
     def id(self) -> str:
@@ -96,13 +98,16 @@ class Study:
         """Returns every case once, in the order of the file; then, for every distinct sensor, the sensor alone."""
         cases: dict[str, Case] = {}
         for case in [*self.sweeps, *map(empty_case, self.sweeps)]:
-            cases.setdefault(case.id, case)
+            # Dictionaries keep the place of a replaced value.
+            if case.id not in cases or case.alone is None:
+                cases[case.id] = case
         return list(cases.values())
 
 
 def empty_case(case: Case) -> Case:
     """Returns the case without its objects, which `delta_self` is measured against."""
-    return _empty_case(case.parameters.get("sensor_size"), scene_sweep.without_objects(case.scene))
+    empty = _empty_case(case.parameters.get("sensor_size"), scene_sweep.without_objects(case.scene))
+    return replace(empty, alone=case.alone)
 
 
 # Cached: sweeps have few sensors and many cases.
@@ -149,6 +154,9 @@ def loads(text: str, source: str = "study") -> Study:
         experiment=_experiment(root),
         reference_method=reference_method,
     )
+    alone = [number for number, sweep in enumerate(root.tables("sweep")) if sweep.has("reference")]
+    if alone and not study.by_boundary_elements:
+        raise root.error(f"sweep[{alone[0]}].reference", "the study does not ask boundary elements")
     if not study.sweeps:
         raise root.error("sweep", "a study needs at least one sweep")
     for table in (reference, model, root):
@@ -210,6 +218,25 @@ def _methods(model: Table) -> tuple[str, ...]:
 
 
 def _sweep(sweep: Table) -> Iterator[Case]:
+    """Yields the cases of a sweep."""
+    alone = _alone(sweep)
+    for case in _cases(sweep):
+        yield replace(case, alone=alone)
+
+
+def _alone(sweep: Table) -> float | None:
+    """Returns the accuracy asked of boundary elements as a sweep's only reference; None if the sweep has no reference of its own."""
+    if not sweep.has("reference"):
+        return None
+    reference = sweep.table("reference")
+    method, rtol = reference.text("method"), _rtol(reference, None)
+    if method != BOUNDARY_ELEMENTS:
+        raise reference.error("method", f"of a sweep can only be {BOUNDARY_ELEMENTS}, not {method!r}")
+    reference.finish()
+    return rtol
+
+
+def _cases(sweep: Table) -> Iterator[Case]:
     family = sweep.text("family")
     if family == scene_sweep.FAMILY:
         for lengths_of, scene in scene_sweep.scenes(sweep):

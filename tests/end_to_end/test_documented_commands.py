@@ -107,6 +107,7 @@ ELSEWHERE = {
     "python3 -m analysis run STUDY": ("end_to_end/test_run.py", "", "run"),
     "python3 -m analysis table": ("analysis/topics/published/test_table.py", "test_the_options_of_the_command_reach_what_they_are_for", "table"),
     "python3 -m analysis verify": (OPTIONS, "test_an_option_reaches_what_it_is_for", "verify"),
+    "python3 -m analysis.topics.machines.field_check": ("analysis/topics/machines/test_field_check.py", "test_the_command_solves_what_has_no_record_and_drops_what_is_no_set_up", "field_check"),
     "python3 -m analysis.topics.company.field_check": ("analysis/topics/company/test_field_check.py", "test_the_command_solves_what_has_no_record_and_drops_what_is_no_set_up", "field_check"),
     "python3 -m analysis.topics.company.potential_table": ("analysis/topics/company/test_potential_formulas.py", "test_the_table_of_the_notes_is_the_one_computed", "potential_table"),
     "python3 -m analysis.topics.corrections.fit": ("analysis/topics/corrections/test_corrections.py", "test_the_formula_written_a_second_time_agrees_and_its_constants_are_those_of_the_fit", "fit"),

@@ -9,8 +9,8 @@ from markupsafe import Markup
 from analysis.pipeline import keys
 from analysis.report import page
 from analysis.report.page import is_current
-from analysis.results.store import write_text
-from analysis.topics.machines import records, section, set_ups, stage, truths
+from analysis.results.store import read_json, write_text
+from analysis.topics.machines import field_check, records, section, set_ups, stage, truths
 from geometries.common import installation
 
 PAGE = "machines.html"
@@ -21,10 +21,10 @@ def make(folder: Path) -> page.Made:
     chosen = set_ups.all_set_ups()
     answers = stage.STAGES.load(folder, chosen)
     found = records.entries(answers, chosen)
-    inputs = keys.page_inputs(answers)
+    inputs = keys.page_inputs(answers, read_json(field_check.FILE))
     if not is_current(folder / PAGE, inputs):
         page.provide_script(folder)
-        body = [page.header(section.TITLE), section.section(found), _reproduce(folder)]
+        body = [page.header(section.TITLE), section.section(found, field_check.load()), _reproduce(folder)]
         write_text(folder / PAGE, page.document(section.TITLE, inputs, body, page.SCRIPT))
     return page.Made(folder / PAGE, section.finding(found) if found else section.ABSENT)
 

@@ -82,7 +82,8 @@ def test_nights_that_are_killed_lose_nothing_and_leave_nothing_in_the_way(tmp_pa
 
 def works(count: int) -> list[Work]:
     return [
-        Work(f"case{n}", "", {results.REFERENCE: "key"}, {results.REFERENCE: 10.0 + n}) for n in range(count)
+        Work(f"case{n}", "", None, {results.REFERENCE: "key"}, {results.REFERENCE: 10.0 + n})
+        for n in range(count)
     ]
 
 

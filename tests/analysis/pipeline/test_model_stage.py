@@ -50,8 +50,10 @@ def test_its_change_is_that_of_the_target_whatever_stays(machine: str, tmp_path:
     store.write_text(tmp_path / SCENE, canonical(box(machine=machine)))
     found = ModelAnswer.of({"key": "", **model_stage.answer(tmp_path / SCENE, ("exact", "split:2"))})
     for method, sensors in found.values.items():
-        (change,) = found.changes[method].values()
-        assert change.value == pytest.approx(sensors["sensor"].objects["target"], rel=1e-12)
+        changes = found.changes[method]
+        assert set(changes) == set(sensors)
+        for name, change in changes.items():
+            assert change.value == pytest.approx(sensors[name].objects["target"], rel=1e-12)
 
 
 def test_it_says_of_a_floating_target_that_it_does_not_know_the_change(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import pytest
 from analysis.report import plot_of_changes
 from analysis.report.plot import Panel, Plot
 from analysis.results import study_results as results, table
+from analysis.results.table import DELTA_SELF, MUTUAL
 from analysis.study import report
 from tests.analysis.synthetic import MACHINE_ANSWERS, MACHINES, make_results, report_text
 
@@ -50,7 +51,7 @@ def test_machines_differ_in_colour_and_symbol(folder: Path) -> None:
 def test_the_finding_tells_the_error_by_machine_and_how_many_are_left_out(folder: Path) -> None:
     finding = plot(folder).finding
     assert finding.startswith(
-        "In the change of a reading the model is off by +80 % without a machine (one case), +125 % with housing"
+        "In the change of a reading the model is off by +125 % with housing (one case), +80 % without a machine (one case)"
     )
     assert finding.endswith("The model knows no value of 2 more.")
 
@@ -64,7 +65,12 @@ def test_without_machines_delta_self_is_the_change_and_is_drawn_once(tmp_path: P
 def test_it_is_the_first_figure_of_the_report_and_its_points_open_their_cases(folder: Path) -> None:
     text = report.make(folder).path.read_text(encoding="utf-8")
     first = text.index("plotly-graph-div", text.index("<body>"))
-    assert text.index(plot_of_changes.TITLE) < first and "change before machines: the model is" in text
+    assert text.index(plot_of_changes.TITLE) < first
+    told = [
+        text.index(f">{where}: the model is")
+        for where in ("On machines, change of the reading", MUTUAL, DELTA_SELF)
+    ]
+    assert told == sorted(told)
     assert 'data-cases="cases"' in text
     for case in results.load(folder).compared():
         assert (f'"{case.id}"' in text) == (case.model is not None)

@@ -12,10 +12,11 @@ from geometries.scene.readings import targets
 from geometries.scene.scene import Reading, Scene
 from geometries.scene.writer import canonical
 from geometries.studies import families, machines
-from geometries.studies.machines import GUARD, HOUSING, MACHINES, NONE, TABLE
+from geometries.studies.machines import ARM, GUARD, HOUSING, MACHINES, NONE, TABLE
 from tests.geometries.studies.test_families import MADE, SENSOR
 
-BODIES = {NONE: [], HOUSING: ["housing"], GUARD: ["housing", "guard"], TABLE: ["table"]}
+LINKS = ["link 1", "link 2", "link 3"]
+BODIES = {NONE: [], HOUSING: ["housing"], GUARD: ["housing", "guard"], ARM: LINKS, TABLE: ["table"]}
 
 
 def boxes(scene: Scene) -> dict[str, np.ndarray]:
@@ -55,8 +56,21 @@ def test_the_target_alone_comes_and_goes_and_every_sensor_is_read_with_the_guard
 @pytest.mark.parametrize("family", MADE)
 @pytest.mark.parametrize("machine", MACHINES)
 def test_nothing_touches_a_machine_wherever_the_family_puts_its_target(family: str, machine: str) -> None:
-    for first, second in combinations(boxes(MADE[family](machine=machine)).values(), 2):
-        assert np.max(np.maximum(first[0] - second[1], second[0] - first[1])) > 0
+    for (first, one), (second, other) in combinations(boxes(MADE[family](machine=machine)).items(), 2):
+        assert {first, second} <= set(LINKS) or np.max(np.maximum(one[0] - other[1], other[0] - one[1])) > 0
+
+
+def test_an_arm_has_links_that_overlap_one_after_another_and_a_sensor_on_either_side() -> None:
+    scene = families.parallel(SENSOR, SENSOR, 0.05, machine=ARM)
+    found = boxes(scene)
+    for first, second in zip(LINKS, LINKS[1:]):
+        assert np.all(
+            np.minimum(found[first][1], found[second][1]) > np.maximum(found[first][0], found[second][0])
+        )
+    assert [sensor.name for sensor in scene.sensors] == ["sensor", "left", "right"]
+    shift = [0, SENSOR[1] + 0.1 * np.sqrt(SENSOR[0] * SENSOR[1]), 0]
+    np.testing.assert_allclose(found["right"], found["sensor"] + shift)
+    np.testing.assert_allclose(found["left"], found["sensor"] - shift)
 
 
 def test_sizes_follow_the_rectangle_of_the_sensor() -> None:

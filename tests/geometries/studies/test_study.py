@@ -109,6 +109,23 @@ def test_boundary_elements_alone_need_no_limit_of_time_and_prove_no_intervals() 
         study.loads(HEAD.replace("max_seconds = 60\n", "") + SWEEP)
 
 
+ALONE = 'reference = { method = "boundary-elements", rtol = 3e-2 }\n'
+
+
+def test_boundary_elements_may_be_the_only_reference_of_a_sweep() -> None:
+    other = SWEEP.replace("gap = 0.02", "gap = [0.02, 0.03]") + ALONE
+    read = study.loads(HEAD + SWEEP + other)
+    assert [case.alone for case in read.sweeps] == [None, 3e-2, 3e-2]
+    # What another sweep asks of both stays asked of both, and so does the sensor alone, which they share.
+    assert [case.alone for case in read.cases()] == [None, 3e-2, None]
+    assert [case.alone for case in study.loads(HEAD + other).cases()] == [3e-2] * 3
+    for wrong, key in (("boundary-elements", "method"), ("rtol = 3e-2", "rtol")):
+        with pytest.raises(InputError, match=f"sweep.*reference.{key}"):
+            study.loads(HEAD + SWEEP + ALONE.replace(wrong, "field" if key == "method" else "rtol = 2"))
+    with pytest.raises(InputError, match="reference: the study does not ask boundary elements"):
+        study.loads(HEAD.replace("[reference]", '[reference]\nmethod = "field"') + SWEEP + ALONE)
+
+
 def test_without_a_reference_nothing_is_asked_of_it() -> None:
     alone = HEAD.replace("rtol = 1e-3\n", "").replace("max_seconds = 60", 'error = "none"')
     assert alone != HEAD and study.loads(alone + SWEEP).error == "none"

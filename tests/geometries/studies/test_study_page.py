@@ -35,7 +35,7 @@ def test_the_example_is_a_study() -> None:
     example = re.search(r"```toml\n(.*?)```", PAGE, re.DOTALL)
     assert example is not None
     read = study.loads(example[1])
-    assert read.reference_method == study.BOTH and len(read.sweeps) == 5 * 2 * 4 + 1
+    assert read.reference_method == study.BOTH and len(read.sweeps) == 5 * 2 * 5 + 1
 
 
 def test_every_parameter_of_every_family_is_there_with_its_default() -> None:
