@@ -28,16 +28,8 @@ def best_value(levels: Sequence[Level]) -> Estimate:
         return estimate(potentials)
     if len(bounds) > 1:
         return _extrapolated_to_zero_width(bounds)
-    if len(levels) == 1:
-        (only,) = bounds
-        return Estimate(
-            (only.lower + only.upper) / 2, only.half_width, np.zeros(only.lower.shape, dtype=bool)
-        )
-    # Only one level has bounds, being narrow enough: extrapolate the potentials, by the theory's ratio where they do not converge yet.
-    found = estimate(potentials)
-    theory = 2 * potentials[-1] - potentials[-2]
-    everywhere = np.ones(theory.shape, dtype=bool)
-    return Estimate(np.where(found.extrapolated, found.value, theory), found.error, everywhere)
+    (only,) = bounds
+    return Estimate((only.lower + only.upper) / 2, only.half_width, np.zeros(only.lower.shape, dtype=bool))
 
 
 def _extrapolated_to_zero_width(bounds: Sequence[Enclosure]) -> Estimate:

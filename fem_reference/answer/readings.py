@@ -60,23 +60,17 @@ class ReadingAnswer:
 def difference_estimate(
     values: Sequence[Array], width: Array | None, from_bounds: TwoSided | None
 ) -> Estimate:
-    """Estimate differences (n,) of two solutions on one mesh from their values on successive levels.
+    """Estimate differences (n,) of two solutions on one mesh: `from_bounds`, those from the bounds of both on the finest mesh, if there are any.
 
-    On a single level their error is at most the larger one of the two solutions, if `width` (n,), the width of the interval of the one
-    with the targets, stands for both; without it, 100 %. Where `from_bounds`, the differences from the bounds of both solutions on a
-    level, state a smaller error, they are the answer.
+    Else from their values on successive levels. On a single level their error is at most the larger one of the two solutions, if `width`
+    (n,), the width of the interval of the one with the targets, stands for both; without it, 100 %.
     """
     found = estimate(values)
+    if from_bounds is not None:
+        return Estimate(from_bounds.value, from_bounds.error, np.zeros(found.value.shape, dtype=bool))
     if len(values) == 1 and width is not None:
         found = Estimate(found.value, np.asarray(width), found.extrapolated)
-    if from_bounds is None:
-        return found
-    better = from_bounds.error < found.error
-    return Estimate(
-        np.where(better, from_bounds.value, found.value),
-        np.where(better, from_bounds.error, found.error),
-        found.extrapolated & ~better,
-    )
+    return found
 
 
 def of_left_out(problem: Conductors, bound: Array) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from itertools import combinations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -23,13 +24,15 @@ from fem_reference.answer.readings import (
     of_left_out,
 )
 from fem_reference.answer.wrapped import GeometryError, geometry_error
+from fem_reference.bodies.distances import distance, in_contact
 from fem_reference.bodies.distant import LeftOut, is_negligible, without_distant
 from fem_reference.solve.enclosure import Enclosure, intersection, with_left_out
 from fem_reference.solve.level import Bounds, Level, solve_level
 from fem_reference.common.limits import Limits
 from fem_reference.mesh.tagged_mesh import OUTER_RADIUS
 from fem_reference.bodies.conductors import Conductors, Dielectric, conductors
-from fem_reference.mesh.size_rules import growth_for, sizing_for
+from fem_reference.mesh.marks import FIRST_ORDER, FRACTION_OF_GOAL, LATER_ORDER, adapted_sizes
+from fem_reference.mesh.size_rules import Sizing, growth_for, sizing_for
 from fem_reference.bodies.symmetry import Plane, exchanges, mirror_planes
 from fem_reference.bodies.wrapping import Geometry, Wrap
 from geometries.scene.scene import Scene
@@ -44,13 +47,18 @@ LARGE = 200_000
 interval of their own. Below it as many levels as LEVELS_BEFORE_CHECK, which take seconds, show the order in which these converge."""
 MOST_LEVELS = 6
 """Largest number of levels; after it the answer is returned even if its errors are above `rtol`."""
-LIKELY_NARROWING = 3.0
-"""Ratio of the widths of successive levels' enclosures that is counted on: bounds are computed on a level if the width that it is then
-predicted to have is what was asked for. In theory the ratio is 2, on the coarsest levels it is 2 to 4."""
+NARROW_GAP = 0.05
+"""Gap over the size of a body beside it, below which the edges in the gap take most of the cells of the first mesh."""
+COARSE_RTOL_IN_GAPS = 5e-3
+"""Relative accuracy from which on an enclosure of a scene with narrow gaps starts from sizes twice as large, which halves the unknowns."""
+MOST_GROWTH_OF_CELLS = 8.0
+"""Largest growth of the number of cells at which the next mesh is to reach the goal at once."""
 GROWTH_OF_TIME = 3.2
 """Predicted ratio of the times of successive levels, somewhat above the largest measured in the default study (2.9)."""
 GROWTH_OF_UNKNOWNS = 2.4
 """Predicted ratio of the unknowns, and of the memory, of successive levels: the number of cells along the edges doubles."""
+ORDER_OF_TIME = 1.15
+"""Predicted order of the time of a level in its cells, if these are adapted."""
 
 
 @dataclass(frozen=True)
@@ -221,25 +229,17 @@ def solve_conductors(
 ) -> Reference:
     """Solve as `maxwell` does, for conductors given as bodies; `coarser` are the same, with wraps of twice the offset."""
     start = time.monotonic()
-    growth = growth_for(rtol)
     whole = problem
     problem, left_out = without_distant(whole, epsilon_0 * relative_permittivity, rtol)
     planes = _planes(problem, symmetry)
     levels: list[Level] = []
     shape: GeometryError | None = None
-    next_enclosed = 0
+    sizing = sizing_for(rtol, _first_refinement(problem, rtol, error), error == "enclosure")
     while True:
         number = len(levels)
-        sizing = sizing_for(rtol, 2.0**number)
-        # A limit may make this level the last one, and the last of MOST_LEVELS is the last one: both need bounds.
-        enclosed = error == "enclosure" and (
-            number >= next_enclosed
-            or number == MOST_LEVELS - 1
-            or (limits != Limits() and next_enclosed < MOST_LEVELS)
-        )
         # Bounds on the first mesh reveal what differences between meshes cannot: a mistake that all meshes share.
         checks = number == 0 and MPI.COMM_WORLD.size == 1
-        bounds: Bounds = "enclosure" if enclosed else "check" if checks and error == "estimate" else "none"
+        bounds: Bounds = "enclosure" if error == "enclosure" else "check" if checks else "none"
         level = solve_level(problem, relative_permittivity, sizing, bounds, planes)
         bound = sum((body.bound for body in left_out), np.zeros(len(problem.names)))
         changes, of_changes = level.delta_self, bound[: problem.sensors]
@@ -259,7 +259,7 @@ def solve_conductors(
             relative_permittivity,
             levels,
             rtol,
-            growth,
+            0.0 if error == "enclosure" else shared_error(sizing.growth),
             time.monotonic() - start,
             planes,
             bound,
@@ -268,17 +268,13 @@ def solve_conductors(
         answer = replace(answer, left_out=left_out)
         if progress is not None:
             progress(answer)
+        following = _next_sizing(sizing, level, answer, rtol)
         # Clocks differ between processes, so that all of them follow the decision of the first.
-        stopped_by = MPI.COMM_WORLD.bcast(_stopped_by(levels, limits, answer.seconds))
+        stopped_by = MPI.COMM_WORLD.bcast(_stopped_by(level, following, limits, answer.seconds))
         if answer.reached or len(levels) == MOST_LEVELS or stopped_by is not None:
             most = f"the refinement ends after {MOST_LEVELS} levels"
             return answer if answer.reached else replace(answer, stopped_by=stopped_by or most)
-        if enclosed:
-            widest = max([answer.worst, *(reading.relative_width_of_change for reading in answer.readings)])
-            next_enclosed = number + _levels_to_next_enclosure(widest, rtol)
-            # The bounds of one more level may be what the changes lack; that is less than levels without bounds, of which they take more.
-            if widest <= rtol < answer.worst_of_changes <= LIKELY_NARROWING * rtol:
-                next_enclosed = number + 1
+        sizing = following
 
 
 def _planes(problem: Conductors, symmetry: bool) -> tuple[Plane, ...]:
@@ -286,25 +282,49 @@ def _planes(problem: Conductors, symmetry: bool) -> tuple[Plane, ...]:
     return mirror_planes(problem.bodies, problem.owner, problem.room) if symmetry else ()
 
 
-def _levels_to_next_enclosure(worst: float, rtol: float) -> int:
-    """Number of levels from this enclosure to the next; MOST_LEVELS when this one is narrow enough, so that none follows.
+def _first_refinement(problem: Conductors, rtol: float, error: ErrorKind) -> float:
+    """The divisor of the sizes at edges on the first mesh."""
+    if error == "estimate" or rtol < COARSE_RTOL_IN_GAPS:
+        return 1.0
+    bodies, owner = problem.bodies, problem.owner
+    return (
+        0.5
+        if any(
+            owner[i] != owner[j]
+            and min(owner[i], owner[j]) < problem.driven
+            and not in_contact(bodies[i], bodies[j])
+            and distance(bodies[i], bodies[j]) < NARROW_GAP * min(bodies[i].size, bodies[j].size)
+            for i, j in combinations(range(len(bodies)), 2)
+        )
+        else 1.0
+    )
 
-    The next level is enclosed if it may be narrow enough, else the one after it: what was asked for may then be reached, or the widths
-    show that it is not.
+
+def _next_sizing(sizing: Sizing, level: Level, answer: Reference, rtol: float) -> Sizing:
+    """The sizes of the next mesh: half of the present ones at edges or, where the level has marks, those that reach the goal.
+
+    If this takes many more cells, the next mesh is to reach the geometric mean of the present errors and the goal, so that it shows
+    more reliably where errors arise.
     """
-    if worst <= rtol:
-        return MOST_LEVELS
-    return 1 if worst <= LIKELY_NARROWING * rtol else 2
+    if level.marks is None:
+        return replace(sizing, refinement=2 * sizing.refinement)
+    present = max(answer.worst, answer.worst_of_changes) / rtol
+    order = FIRST_ORDER if sizing.adapted is None else LATER_ORDER
+    for ratio in (1.0, np.sqrt(max(present, 1.0))):
+        adapted = adapted_sizes(level.marks, FRACTION_OF_GOAL * rtol * ratio, order)
+        if adapted.growth_of_cells <= MOST_GROWTH_OF_CELLS:
+            break
+    return replace(sizing, refinement=sizing.refinement * max(present / ratio, 1.0), adapted=adapted)
 
 
-def _stopped_by(levels: Sequence[Level], limits: Limits, seconds: float) -> str | None:
+def _stopped_by(last: Level, following: Sizing, limits: Limits, seconds: float) -> str | None:
     """The limit that the next level is predicted to exceed, in words; None when it would keep all of them."""
-    last = levels[-1]
-    # The time of the bounds is proportional to the cells. A level without bounds does not show it; an earlier level does.
-    enclosed = (level.flux_seconds / level.cells for level in levels if level.enclosure is not None)
-    flux = max(enclosed, default=0.0) * last.cells
-    predicted = seconds + GROWTH_OF_TIME * (last.seconds - last.flux_seconds + flux)
-    return limits.exceeded_by(predicted, GROWTH_OF_UNKNOWNS * last.unknowns, GROWTH_OF_UNKNOWNS * last.memory)
+    growth_of_time, growth = GROWTH_OF_TIME, GROWTH_OF_UNKNOWNS
+    if following.adapted is not None:
+        growth = following.adapted.growth_of_cells
+        growth_of_time = growth**ORDER_OF_TIME
+    predicted = seconds + growth_of_time * last.seconds
+    return limits.exceeded_by(predicted, growth * last.unknowns, growth * last.memory)
 
 
 def _combined(
@@ -312,7 +332,7 @@ def _combined(
     relative_permittivity: float,
     levels: Sequence[Level],
     rtol: float,
-    growth: float,
+    shared: float,
     seconds: float,
     planes: Sequence[Plane],
     left_out: Array,
@@ -320,8 +340,8 @@ def _combined(
 ) -> Reference:
     """Extrapolate the levels, and add the errors that all levels share.
 
-    These are the errors of the open boundary, of the elements away from the edges, of the bodies left out, and of wraps: `left_out`
-    (n,) bounds what these bodies may add to the diagonal, and `shape` is what wraps cost.
+    These are the errors of the open boundary, of the elements away from the edges, `shared` as a share of the values, of the bodies left
+    out, and of wraps: `left_out` (n,) bounds what these bodies may add to the diagonal, and `shape` is what wraps cost.
     """
     farads = epsilon_0 * relative_permittivity * problem.unit
     finest = levels[-1].maxwell
@@ -339,9 +359,9 @@ def _combined(
     from_bounds = two_sided[-1] if two_sided else None
     change = difference_estimate([level.delta_self for level in levels], width, from_bounds)
     relative_boundary = (np.diag(boundary) / np.diag(finest))[: problem.sensors]
-    matrix_error = matrix.error + boundary + shared_error(growth) * np.abs(matrix.value)
+    matrix_error = matrix.error + boundary + shared * np.abs(matrix.value)
     matrix_error += np.sqrt(np.outer(left_out, left_out))
-    change_error = change.error + (relative_boundary + shared_error(growth)) * np.abs(change.value)
+    change_error = change.error + (relative_boundary + shared) * np.abs(change.value)
     change_error += left_out[: problem.sensors]
     value = matrix.value
     delta_self = Estimate(change.value, change_error, change.extrapolated)
@@ -361,7 +381,7 @@ def _combined(
         check = check if check is None or shape is None else shape.widened(check)
         estimated = Estimate(value, matrix_error, matrix.extrapolated)
         answer, contradicted = checked(estimated, _exchanges(problem), check)
-    relative = float(np.max(np.diag(boundary) / np.diag(finest))) + shared_error(growth)
+    relative = float(np.max(np.diag(boundary) / np.diag(finest))) + shared
     return Reference(
         readings=combined_readings(problem, levels, answer, relative, left_out, shape),
         names=problem.names,

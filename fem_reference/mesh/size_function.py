@@ -27,6 +27,7 @@ class SizeFunction:
         constants = np.array(tape.constants, dtype=float)
         counts = np.array([len(triangles) for triangles in tape.surfaces], dtype=np.uintp)
         corners = np.concatenate([np.zeros(0), *(triangles.ravel() for triangles in tape.surfaces)])
+        offsets = np.concatenate([np.zeros(0), *tape.offsets])
         self._library = _library()
         self._handle = ctypes.c_void_p(
             self._library.fringe_sizes_new(
@@ -36,6 +37,7 @@ class SizeFunction:
                 ctypes.c_size_t(len(counts)),
                 _pointer(counts),
                 _pointer(corners),
+                _pointer(offsets),
                 ctypes.c_size_t(size.register),
             )
         )

@@ -96,6 +96,9 @@ def size_function(
             sizes += _sizes_of_body(body, at_edges, known[i], sizing, tape)
         if i in dielectrics:
             sizes.append(sizing.gap * (body.size + 2 * known[i]))
+    adapted = sizing.adapted
+    if adapted is not None:
+        sizes.append(sizing.growth * tape.distance(adapted.triangles, adapted.sizes / sizing.growth))
     return SizeFunction(smallest(sizes))
 
 
@@ -157,7 +160,7 @@ def _sizes_of_body(
 ) -> list[Quantity]:
     """The sizes that the edges of a body and the curvature of its surface require; at the apex of a cone AT_APEX limits the latter."""
     edges, radius = edge_distance(body, tape.point), curvature_radius(body, tape.point)
-    sizes = [] if edges is None else [at_edges + sizing.growth * edges]
+    sizes = [] if edges is None or sizing.adapted is not None else [at_edges + sizing.growth * edges]
     if radius is not None:
         least = AT_APEX * at_edges if isinstance(body, Cone) else 0.0
         curved = sizing.curvature / sizing.refinement**0.5 * radius
@@ -175,7 +178,7 @@ def _sizes_of_polyhedron(
     """
     edges, facet = body.vertices[body.edges], _facet_size(body)
     sizes = []
-    if len(edges):
+    if len(edges) and sizing.adapted is None:
         # A triangle with two equal corners is a segment.
         sizes.append(at_edges + sizing.growth * surface.tape.distance(edges[:, [0, 1, 1]]))
     if facet is not None:

@@ -45,6 +45,8 @@ class Tape:
     constants: list[float] = field(default_factory=list)
     surfaces: list[NDArray[np.float64]] = field(default_factory=list)
     """Triangles (n, 3, 3), to which the tape has distances; those with two equal corners are segments."""
+    offsets: list[NDArray[np.float64]] = field(default_factory=list)
+    """(n,): what is added to the distance from each of the triangles of a surface."""
     known: dict[tuple[Any, ...], int] = field(default_factory=dict)
     """The registers of steps, and of constants."""
 
@@ -60,9 +62,12 @@ class Tape:
             self.known["constant", value] = self._record(CONSTANT, len(self.constants) - 1, 0)
         return Expression(self, self.known["constant", value])
 
-    def distance(self, triangles: NDArray[np.float64]) -> Expression:
-        """The distance of the point from the nearest of triangles (n, 3, 3)."""
+    def distance(
+        self, triangles: NDArray[np.float64], offsets: NDArray[np.float64] | None = None
+    ) -> Expression:
+        """The distance of the point from the nearest of triangles (n, 3, 3), or the least sum of a distance and an offset (n,)."""
         self.surfaces.append(triangles)
+        self.offsets.append(np.zeros(len(triangles)) if offsets is None else offsets)
         return Expression(self, self._record(DISTANCE, len(self.surfaces) - 1, 0))
 
     def apply(self, operation: int, operands: Sequence[Quantity]) -> Expression:

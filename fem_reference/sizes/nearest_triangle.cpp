@@ -57,28 +57,33 @@ double middle(const Triangle& triangle, std::size_t axis) {
 
 }  // namespace
 
-NearestTriangle::NearestTriangle(std::span<const Triangle> given) : triangles(given.begin(), given.end()) {
+NearestTriangle::NearestTriangle(std::span<const Triangle> given, std::span<const double> offsets) {
+  for (std::size_t k = 0; k < given.size(); ++k)
+    triangles.push_back({given[k], offsets[k]});
   build(0, triangles.size());
 }
 
 std::size_t NearestTriangle::build(std::size_t first, std::size_t last) {
-  Box box{triangles[first][0], triangles[first][0]};
-  for (std::size_t k = first; k < last; ++k)
-    for (const Vector& corner : triangles[k])
+  Box box{triangles[first].triangle[0], triangles[first].triangle[0]};
+  double least_offset = triangles[first].offset;
+  for (std::size_t k = first; k < last; ++k) {
+    least_offset = std::min(least_offset, triangles[k].offset);
+    for (const Vector& corner : triangles[k].triangle)
       for (std::size_t axis = 0; axis < 3; ++axis) {
         box.low[axis] = std::min(box.low[axis], corner[axis]);
         box.high[axis] = std::max(box.high[axis], corner[axis]);
       }
+  }
   const std::size_t node = nodes.size();
-  nodes.push_back({box, first, last, 0});
+  nodes.push_back({box, least_offset, first, last, 0});
   if (last - first <= most_in_leaf)
     return node;
   const Vector extent = minus(box.high, box.low);
   const auto axis = static_cast<std::size_t>(std::ranges::max_element(extent) - extent.begin());
   const std::size_t half = first + (last - first) / 2;
   const auto at = [this](std::size_t k) { return triangles.begin() + static_cast<std::ptrdiff_t>(k); };
-  std::nth_element(at(first), at(half), at(last), [axis](const Triangle& one, const Triangle& other) {
-    return std::pair(middle(one, axis), one) < std::pair(middle(other, axis), other);
+  std::nth_element(at(first), at(half), at(last), [axis](const Placed& one, const Placed& other) {
+    return std::pair(middle(one.triangle, axis), one) < std::pair(middle(other.triangle, axis), other);
   });
   build(first, half);
   nodes[node].second_child = build(half, last);
@@ -86,19 +91,20 @@ std::size_t NearestTriangle::build(std::size_t first, std::size_t last) {
 }
 
 double NearestTriangle::distance(const Vector& point) const {
-  double nearest_square = std::numeric_limits<double>::infinity();
-  search(0, point, nearest_square);
-  return std::sqrt(nearest_square);
+  double nearest = std::numeric_limits<double>::infinity();
+  search(0, point, nearest);
+  return nearest;
 }
 
-void NearestTriangle::search(std::size_t node, const Vector& point, double& nearest_square) const {
-  const auto& [box, first, last, second_child] = nodes[node];
+void NearestTriangle::search(std::size_t node, const Vector& point, double& nearest) const {
+  const auto& [box, least_offset, first, last, second_child] = nodes[node];
   if (second_child == 0) {
     for (std::size_t k = first; k < last; ++k)
-      nearest_square = std::min(nearest_square, from_triangle(point, triangles[k]));
+      nearest =
+          std::min(nearest, std::sqrt(from_triangle(point, triangles[k].triangle)) + triangles[k].offset);
     return;
   }
-  const auto from_box = [&](std::size_t child) {
+  const auto least = [&](std::size_t child) {
     const Box& of_child = nodes[child].box;
     double sum = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -106,14 +112,14 @@ void NearestTriangle::search(std::size_t node, const Vector& point, double& near
           std::max({of_child.low[axis] - point[axis], point[axis] - of_child.high[axis], 0.0});
       sum += beyond * beyond;
     }
-    return sum;
+    return std::sqrt(sum) + nodes[child].least_offset;
   };
   std::array<std::pair<double, std::size_t>, 2> children{
-      {{from_box(node + 1), node + 1}, {from_box(second_child), second_child}}};
+      {{least(node + 1), node + 1}, {least(second_child), second_child}}};
   std::ranges::sort(children);
-  for (const auto& [away, child] : children)
-    if (away < nearest_square)
-      search(child, point, nearest_square);
+  for (const auto& [lower_bound, child] : children)
+    if (lower_bound < nearest)
+      search(child, point, nearest);
 }
 
 }  // namespace sizes

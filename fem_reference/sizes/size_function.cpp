@@ -95,9 +95,11 @@ class SizeFunction {
 extern "C" {
 
 /// Makes a size function of steps (operation, first, second), constants, and surfaces, the k-th of
-/// `counts[k]` triangles, whose corners follow each other in `triangles`. Its value is the register `result`.
+/// `counts[k]` triangles, whose corners follow each other in `triangles`, and whose `offsets` are added to
+/// the distances from them. Its value is the register `result`.
 void* fringe_sizes_new(std::size_t steps, const int* step, const double* constants, std::size_t surfaces,
-                       const std::size_t* counts, const double* triangles, std::size_t result) {
+                       const std::size_t* counts, const double* triangles, const double* offsets,
+                       std::size_t result) {
   std::vector<sizes::Step> given(steps);
   for (std::size_t k = 0; k < steps; ++k)
     given[k] = {step[3 * k], step[3 * k + 1], step[3 * k + 2]};
@@ -108,7 +110,8 @@ void* fringe_sizes_new(std::size_t steps, const int* step, const double* constan
       for (auto& corner : triangle)
         for (double& coordinate : corner)
           coordinate = *triangles++;
-    known.emplace_back(own);
+    known.emplace_back(own, std::span(offsets, counts[k]));
+    offsets += counts[k];
   }
   return new sizes::SizeFunction(given, constants, std::move(known), result);
 }

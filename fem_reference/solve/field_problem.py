@@ -199,10 +199,20 @@ def without_floating(
     if floating == 0:
         return maxwell
     kept = len(maxwell) - floating
-    mixed, own = maxwell[:kept, kept:], maxwell[kept:, kept:]
-    induced = np.linalg.solve(own + np.diag(to_ground) if len(to_ground) else own, mixed.T)
-    reduced = maxwell[:kept, :kept] - mixed @ induced
+    reduced = maxwell[:kept, :kept] + maxwell[:kept, kept:] @ floating_potentials(
+        maxwell, floating, to_ground
+    )
     return np.asarray((reduced + reduced.T) / 2)
+
+
+def floating_potentials(
+    maxwell: NDArray[np.float64], floating: int, to_ground: Sequence[float] | NDArray[np.float64] = ()
+) -> NDArray[np.float64]:
+    """The potentials (floating, kept) of the last `floating` conductors of a Maxwell matrix per volt on each of the others."""
+    kept = len(maxwell) - floating
+    own = maxwell[kept:, kept:]
+    own = own + np.diag(to_ground) if len(to_ground) else own
+    return np.asarray(np.linalg.solve(own, -maxwell[kept:, :kept]))
 
 
 def first_sensor_driven(problem: FieldProblem, floating: int) -> NDArray[np.float64]:
@@ -212,9 +222,7 @@ def first_sensor_driven(problem: FieldProblem, floating: int) -> NDArray[np.floa
     if floating == 0:
         return potentials[0]
     maxwell = problem.energies(potentials)
-    own = maxwell[-floating:, -floating:]
-    own = own + np.diag(problem.to_ground) if len(problem.to_ground) else own
-    induced = np.linalg.solve(own, -maxwell[-floating:, 0])
+    induced = floating_potentials(maxwell, floating, problem.to_ground)[:, 0]
     return np.asarray(potentials[0] + induced @ np.array(potentials[-floating:]))
 
 

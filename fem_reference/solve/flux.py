@@ -47,6 +47,8 @@ class FluxEnergies:
     lower: Array
     algebraic_error: Array
     unknowns: int
+    multipliers: Array
+    """The multipliers (n, faces, m) of these fluxes, which act as potentials on the faces."""
 
 
 @dataclass(frozen=True)
@@ -101,15 +103,16 @@ def flux_energies(
     conductors: Sequence[Sequence[int]],
     driven: int,
     permittivities: Mapping[int, float] | None = None,
+    guesses: Array | None = None,
 ) -> FluxEnergies:
     """Solve for the best fluxes and return their energies.
 
     `conductors[k]` lists the bodies that make up conductor k. There is one flux for each of the first `driven` conductors; the other
-    conductors are grounded. `permittivities` maps each dielectric body to its permittivity relative to the medium's. Raises
-    RuntimeError when the iteration does not converge.
+    conductors are grounded. `permittivities` maps each dielectric body to its permittivity relative to the medium's. The iteration
+    starts from multipliers `guesses` (driven, faces, m), or from 0. Raises RuntimeError when it does not converge.
     """
     tagged, degree = condensed.tagged, condensed.degree
-    numbers = _with_field(tagged, permittivities or {})
+    numbers = with_field(tagged, permittivities or {})
     cells = condensed.cells.at(numbers)
     forms = condensed.forms(numbers)
     forms *= cell_permittivities(tagged, permittivities or {})[numbers, None, None]
@@ -122,13 +125,15 @@ def flux_energies(
         parts.append(_condensed_exterior(tagged, cells, degree))
     face_vertices = np.sort(tagged.mesh.topology.connectivity(2, 0).array.reshape(-1, 3), axis=1)
     system = FaceSystem(parts, face_vertices, np.concatenate(fixed), degree)
-    solutions = [system.solve(faces) for faces in fixed[:driven]]
+    if guesses is None:
+        guesses = np.zeros((driven, system.face_count, system.per_face))
+    solutions = [system.solve(faces, guess) for faces, guess in zip(fixed[:driven], guesses)]
     potentials = [solution.potentials for solution in solutions]
     energies_left = np.array([solution.energy_left for solution in solutions])
-    return FluxEnergies(system.energies(potentials), energies_left, system.unknowns)
+    return FluxEnergies(system.energies(potentials), energies_left, system.unknowns, np.array(potentials))
 
 
-def _with_field(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> NDArray[np.int64]:
+def with_field(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> NDArray[np.int64]:
     """The numbers of the cells of free space and of dielectric bodies, where there is a field."""
     tags = [FREE_SPACE, *(FIRST_BODY + body for body in permittivities)]
     return np.sort(np.concatenate([tagged.cells.find(tag) for tag in tags])).astype(np.int64)

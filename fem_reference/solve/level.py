@@ -12,18 +12,20 @@ from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from fem_reference.solve.body_charges import body_charges
+from fem_reference.solve.cell_gaps import BoundedMatrix, bounded_matrix
 from fem_reference.solve.enclosure import Enclosure, enclosure, widened
-from fem_reference.solve.flux import CondensedCells, flux_energies
+from fem_reference.solve.flux import CondensedCells
 from fem_reference.common.limits import peak_memory
 from fem_reference.mesh.tagged_mesh import TaggedMesh, tagged_mesh
 from fem_reference.bodies.conductors import Conductors
+from fem_reference.mesh.marks import Marks, marks
 from fem_reference.mesh.sizing import Sizing
-from fem_reference.solve.field_problem import Charges, FieldProblem, charges, release_unused, without_floating
+from fem_reference.solve.field_problem import Charges, FieldProblem, charges, release_unused
 from fem_reference.common.stages import stage
 from fem_reference.bodies.symmetry import Plane
+from fem_reference.solve.parts_of_errors import parts_of_errors
 from fem_reference.solve.readings import LevelReadings, level_readings
-from fem_reference.solve.two_sided import Forms, TwoSided, two_sided
-from fem_reference.solve.upper_energy import upper_energies
+from fem_reference.solve.two_sided import TwoSided, two_sided
 
 Array = NDArray[np.float64]
 
@@ -64,6 +66,8 @@ class Level:
     """The readings, if there are any."""
     delta_self_from_bounds: TwoSided | None = None
     """`delta_self` from both bounds of both scenes, where there are narrow ones."""
+    marks: Marks | None = None
+    """What the cells add to the relative errors of the entries and changes, where there are narrow bounds."""
 
 
 def solve_level(
@@ -90,7 +94,7 @@ def solve_level(
         ],
     )
     farads = epsilon_0 * relative_permittivity * problem.unit * mesh.copies
-    found, on_bodies, done, interval, readings, from_bounds = _charges_and_bounds(
+    found, on_bodies, done, interval, readings, from_bounds, marked = _charges_and_bounds(
         problem, mesh, farads, bounds, planes
     )
     release_unused(mesh.mesh.comm)
@@ -111,15 +115,24 @@ def solve_level(
         tuple(farads * own for own in on_bodies),
         None if readings is None else readings.scaled(farads),
         None if from_bounds is None else from_bounds.scaled(farads),
+        marked,
     )
 
 
 def _charges_and_bounds(
     problem: Conductors, mesh: TaggedMesh, farads: float, bounds: Bounds, planes: Sequence[Plane]
-) -> tuple[Charges, tuple[Array, ...], float, Enclosure | None, LevelReadings | None, TwoSided | None]:
+) -> tuple[
+    Charges,
+    tuple[Array, ...],
+    float,
+    Enclosure | None,
+    LevelReadings | None,
+    TwoSided | None,
+    Marks | None,
+]:
     """Solve for the charges and, if asked for, their bounds, and for the readings.
 
-    Also returns the charges on bodies, the time when all charges were known, and `delta_self` from the bounds (ε = 1).
+    Also returns the charges on bodies, the time when all charges were known, `delta_self` from the bounds (ε = 1), and the cells' marks.
 
     The matrices are local to this function, so that `release_unused` can free them afterwards.
     """
@@ -130,41 +143,38 @@ def _charges_and_bounds(
     on_bodies = body_charges(problem, system, found.potentials, planes)
     done = time.monotonic()
     if bounds == "none":
-        return found, on_bodies, done, None, level_readings(problem, system, found, None), None
+        return found, on_bodies, done, None, level_readings(problem, system, found), None, None
     with stage("bounding the energies"):
         cells = CondensedCells(mesh, CHECK_DEGREE if bounds == "check" else FLUX_DEGREE)
+        matrix = _bounded(problem, system, found.potentials, cells)
+        interval = widened(enclosure(farads * matrix.lower, farads * matrix.upper), mesh.shape_error)
         if bounds == "check":
-            below, above = _forms(problem, system, found.potentials, cells)
-            interval = widened(enclosure(farads * below, farads * above), mesh.shape_error)
-            return found, on_bodies, done, interval, level_readings(problem, system, found, None), None
-        forms = _forms(problem, system, found.potentials, cells)
-        interval = widened(enclosure(farads * forms[0], farads * forms[1]), mesh.shape_error)
-        alone = _forms_alone(problem, system, found.potentials_alone, cells)
-        readings = level_readings(problem, system, found, forms, cells, alone)
-    if alone is None:
-        return found, on_bodies, done, interval, readings, None
-    sensors = np.eye(problem.sensors)
-    own = tuple(form[: problem.sensors, : problem.sensors] for form in forms)
-    from_bounds = two_sided(sensors, sensors, (own[0], own[1]), alone, 1.0, mesh.shape_error)
-    return found, on_bodies, done, interval, readings, from_bounds
+            return found, on_bodies, done, interval, level_readings(problem, system, found), None, None
+        alone = _bounded_alone(problem, system, found.potentials_alone, cells)
+        readings = level_readings(problem, system, found, cells, matrix, alone)
+        from_bounds = None
+        if alone is not None:
+            own, sensors = matrix.of(range(problem.sensors)), np.eye(problem.sensors)
+            from_bounds = two_sided(sensors, sensors, own, alone, 1.0, mesh.shape_error)
+        changes = [from_bounds, None if readings is None else readings.change_from_bounds]
+        parts = parts_of_errors(matrix, mesh.shape_error, [each for each in changes if each is not None])
+        corners = mesh.mesh.geometry.dofmap.array.reshape(mesh.local_cells, -1)[:, :4]
+        marked = marks(problem.bodies, mesh.mesh.geometry.x, corners, parts.of_cells, parts.whole)
+    return found, on_bodies, done, interval, readings, from_bounds, marked
 
 
-def _forms(
+def _bounded(
     problem: Conductors, system: FieldProblem, potentials: list[Array], cells: CondensedCells
-) -> Forms:
-    """Quadratic forms L ≤ M ≤ U of the Maxwell matrix (ε = 1), without floating conductors; eliminating these keeps the order."""
-    above = upper_energies(system, potentials)
-    flux = flux_energies(cells, problem.parts, problem.driven, problem.permittivities)
-    below = flux.lower - np.diag(flux.algebraic_error)
-    floating = len(problem.floating)
-    return without_floating(below, floating, system.to_ground), without_floating(
-        above, floating, system.to_ground
+) -> BoundedMatrix:
+    """Bound the matrix of the scene, without floating conductors."""
+    return bounded_matrix(
+        system, cells, potentials, problem.parts, problem.permittivities, len(problem.floating)
     )
 
 
-def _forms_alone(
+def _bounded_alone(
     problem: Conductors, system: FieldProblem, potentials: list[Array] | None, cells: CondensedCells
-) -> Forms | None:
+) -> BoundedMatrix | None:
     """The same for the sensors that are asked for, without any objects; None if there are none."""
     if potentials is None:
         return None
@@ -173,6 +183,4 @@ def _forms_alone(
     present = {body for part in parts for body in part}
     # There is a field inside of the objects, which are the medium here.
     medium = {k: 1.0 for k, body in enumerate(problem.bodies) if body.is_solid and k not in present}
-    above = upper_energies(system.with_dielectrics({}), potentials)
-    flux = flux_energies(cells, parts, problem.sensors, medium)
-    return flux.lower - np.diag(flux.algebraic_error), above
+    return bounded_matrix(system.with_dielectrics({}), cells, potentials, parts, medium)

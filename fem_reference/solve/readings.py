@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_reference.bodies.conductors import Conductors, Measured
+from fem_reference.solve.cell_gaps import BoundedMatrix, bounded_matrix
 from fem_reference.solve.field_problem import Charges, FieldProblem, without_floating
-from fem_reference.solve.flux import CondensedCells, flux_energies
-from fem_reference.solve.two_sided import Forms, TwoSided, two_sided, unit_voltages
-from fem_reference.solve.upper_energy import upper_energies
+from fem_reference.solve.flux import CondensedCells
+from fem_reference.solve.two_sided import TwoSided, two_sided, unit_voltages
 
 Array = NDArray[np.float64]
 
@@ -91,65 +91,68 @@ def level_readings(
     problem: Conductors,
     system: FieldProblem,
     found: Charges,
-    forms: Forms | None,
     cells: CondensedCells | None = None,
-    forms_alone: Forms | None = None,
+    matrix: BoundedMatrix | None = None,
+    alone: BoundedMatrix | None = None,
 ) -> LevelReadings | None:
     """The readings on one mesh (ε = 1); None if there are none.
 
-    `forms` bound the Maxwell matrix as quadratic forms, from below and from above, by fluxes in `cells`, and `forms_alone` that of the sensors alone. The background
-    is bounded too if that matrix is the background's, or if the problem says so.
+    `matrix` bounds the Maxwell matrix, by fluxes in `cells`, and `alone` that of the sensors alone. The background is bounded too if
+    that matrix is the background's, or if the problem says so.
     """
     readings = problem.readings
     if not readings:
         return None
     value = _values(readings, found.maxwell)
     shape_error = system.tagged.shape_error
-    bounds = None if forms is None else reading_bounds(readings, *forms, shape_error)
+    bounds = None if matrix is None else reading_bounds(readings, matrix.lower, matrix.upper, shape_error)
     if not any(problem.is_target):
         return LevelReadings(value, value, bounds, bounds)
     if _is_sensors_alone(problem):
-        alone = _values(readings, found.sensors_alone)
-        if forms is None or forms_alone is None:
-            return LevelReadings(value, alone, bounds)
-        around = reading_bounds(readings, *forms_alone, shape_error) if problem.bounded_readings else None
-        change = _change_from_bounds(readings, forms, readings, forms_alone, shape_error)
-        return LevelReadings(value, alone, bounds, around, change)
+        background_value = _values(readings, found.sensors_alone)
+        if matrix is None or alone is None:
+            return LevelReadings(value, background_value, bounds)
+        around = None
+        if problem.bounded_readings:
+            around = reading_bounds(readings, alone.lower, alone.upper, shape_error)
+        change = _change_from_bounds(readings, matrix, readings, alone, shape_error)
+        return LevelReadings(value, background_value, bounds, around, change)
     without = background(problem, system)
     measured = [_renumbered(reading, without.rows) for reading in readings]
-    alone = _values(measured, without.maxwell)
-    if forms is None or cells is None or not problem.bounded_readings:
-        return LevelReadings(value, alone, bounds)
-    above = upper_energies(without.system, without.potentials)
+    background_value = _values(measured, without.maxwell)
+    if matrix is None or cells is None or not problem.bounded_readings:
+        return LevelReadings(value, background_value, bounds)
+    of_background = _bounded_background(problem, without, cells)
+    around = reading_bounds(measured, of_background.lower, of_background.upper, shape_error)
+    change = _change_from_bounds(readings, matrix, measured, of_background, shape_error)
+    return LevelReadings(value, background_value, bounds, around, change)
+
+
+def _bounded_background(problem: Conductors, without: Background, cells: CondensedCells) -> BoundedMatrix:
+    """Bound the matrix without the targets."""
+    system = without.system
     # There is a field inside of the targets, which are the medium now.
     bodies = range(len(problem.bodies))
     medium = {k: 1.0 for k in bodies if problem.is_target[problem.owner[k]] and problem.bodies[k].is_solid}
-    inside = medium | without.system.permittivities
-    flux = flux_energies(cells, without.parts, len(without.potentials), inside)
-    below = flux.lower - np.diag(flux.algebraic_error)
-    around_forms = without.without_floating(below), without.without_floating(above)
-    around = reading_bounds(measured, *around_forms, shape_error)
-    change = _change_from_bounds(readings, forms, measured, around_forms, shape_error)
-    return LevelReadings(value, alone, bounds, around, change)
+    inside = medium | system.permittivities
+    return bounded_matrix(system, cells, without.potentials, without.parts, inside, without.floating)
 
 
 def _change_from_bounds(
     readings: Sequence[Measured],
-    forms: Forms,
+    matrix: BoundedMatrix,
     measured: Sequence[Measured],
-    around: Forms,
+    around: BoundedMatrix,
     shape_error: float,
 ) -> TwoSided:
-    """The changes of readings from the bounds of the matrix and of that around, in which the readings are `measured`."""
+    """The changes of readings from the bounds with the targets and from those without, in which the readings are `measured`."""
     rows = sorted({k for reading in readings for k in (reading.sense, *reading.drive)})
     rows_around = sorted({k for reading in measured for k in (reading.sense, *reading.drive)})
-    below, above = (form[np.ix_(rows, rows)] for form in forms)
-    below_around, above_around = (form[np.ix_(rows_around, rows_around)] for form in around)
     chosen = [_renumbered(reading, rows) for reading in readings]
     sensed = unit_voltages(len(rows), [[reading.sense] for reading in chosen])
     driven = unit_voltages(len(rows), [reading.drive for reading in chosen])
     signs = np.array([float(reading.sign) for reading in readings])
-    return two_sided(sensed, driven, (below, above), (below_around, above_around), signs, shape_error)
+    return two_sided(sensed, driven, matrix.of(rows), around.of(rows_around), signs, shape_error)
 
 
 def _is_sensors_alone(problem: Conductors) -> bool:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fem_reference.mesh.tagged_mesh import AWAY_FROM_EDGES, OUTER_SURFACE
-from fem_reference.mesh.quarter_points import aligned_rule, jacobian, patterns, second_order
+from fem_reference.mesh.quarter_points import aligned_rule, is_pulled, jacobian, patterns, second_order
 from fem_reference.solve.field_problem import (
     COMPILATION,
     DEGREE,
@@ -35,6 +35,9 @@ CURVED_QUADRATURE_DEGREE = 12
 
 CHUNK = 500
 """Number of curved cells integrated at a time, so that the values at their quadrature points take some tens of megabytes at most."""
+
+CELLS_AT_A_TIME = 4000
+"""Number of cells whose stiffness matrices are computed at a time: they take some tens of megabytes."""
 
 
 def upper_energies(problem: FieldProblem, potentials: Sequence[Array]) -> Array:
@@ -83,46 +86,65 @@ def _away_from_edges(problem: FieldProblem, potentials: Sequence[Array]) -> Arra
 
 def _near_edges(problem: FieldProblem, potentials: Array) -> Array:
     """The energies (n, n) in the other cells: quarter-point elements, integrated to rounding error, and cells on curved surfaces."""
-    tagged = problem.tagged
-    cells = tagged.local_cells
-    dofs = problem.space.dofmap.list.array.reshape(cells, -1)
-    coefficient = cell_permittivities(tagged, problem.permittivities)
-    geometry = tagged.mesh.geometry.dofmap.array.reshape(cells, -1)
+    near = np.flatnonzero(is_pulled(problem.tagged.on_edge) | problem.tagged.curved)
     energies = np.zeros((len(potentials), len(potentials)))
-    for collapsed, members in patterns(tagged.on_edge):
-        straight = members[~tagged.curved[members]]
-        if collapsed and len(straight):
-            corners = tagged.mesh.geometry.x[geometry[straight, :4]]
-            inverse = np.linalg.inv(corners[:, 1:] - corners[:, :1])
-            volume = coefficient[straight] / np.abs(np.linalg.det(inverse))
-            metric = inverse.transpose(0, 2, 1) @ inverse * volume[:, None, None]
-            values = potentials[:, dofs[straight]]
-            energies += np.einsum(
-                "cde,denm,icn,jcm->ij", metric, _products(collapsed), values, values, optimize=True
-            )
-        curved = members[tagged.curved[members]]
-        for start in range(0, len(curved), CHUNK):
-            chosen = curved[start : start + CHUNK]
-            nodes, values = tagged.mesh.geometry.x[geometry[chosen]], potentials[:, dofs[chosen]]
-            energies += _curved_energies(nodes, values, coefficient[chosen], collapsed)
+    for start in range(0, len(near), CELLS_AT_A_TIME):
+        chosen = near[start : start + CELLS_AT_A_TIME]
+        energies += cell_energies(problem, potentials, chosen).sum(axis=0)
     return energies
 
 
+def cell_energies(problem: FieldProblem, potentials: Array, cells: NDArray[np.int64]) -> Array:
+    """The energies (cells, n, n) of potentials (n, unknowns) in each of some cells."""
+    tagged = problem.tagged
+    values = nodal_values(problem, potentials, cells)
+    nodes = tagged.mesh.geometry.x[tagged.mesh.geometry.dofmap.array.reshape(tagged.local_cells, -1)[cells]]
+    coefficient = cell_permittivities(tagged, problem.permittivities)[cells]
+    energies = np.empty((len(cells), len(potentials), len(potentials)))
+    for collapsed, members in patterns(tagged.on_edge[cells]):
+        curved = tagged.curved[cells[members]]
+        straight, others = members[~curved], members[curved]
+        if len(straight):
+            inverse = np.linalg.inv(nodes[straight, 1:4] - nodes[straight, :1])
+            volume = coefficient[straight] / np.abs(np.linalg.det(inverse))
+            metric = inverse.transpose(0, 2, 1) @ inverse * volume[:, None, None]
+            stiffness = (metric.reshape(-1, 9) @ _products(collapsed).reshape(9, -1)).reshape(
+                len(straight), values.shape[2], values.shape[2]
+            )
+            energies[straight] = values[straight] @ stiffness @ values[straight].transpose(0, 2, 1)
+        for start in range(0, len(others), CHUNK):
+            some = others[start : start + CHUNK]
+            energies[some] = _curved_energies(nodes[some], values[some], coefficient[some], collapsed)
+    return energies
+
+
+def nodal_values(problem: FieldProblem, potentials: Array, cells: NDArray[np.int64]) -> Array:
+    """The values (cells, n, nodes) of potentials (n, unknowns) at the nodes of each of some cells."""
+    dofs = problem.space.dofmap.list.array.reshape(problem.tagged.local_cells, -1)[cells]
+    return np.ascontiguousarray(potentials[:, dofs].transpose(1, 0, 2))
+
+
 def _curved_energies(nodes: Array, values: Array, coefficient: Array, collapsed: frozenset[int]) -> Array:
-    """Energies (n, n) of potentials (n, cells, dofs) in any second-order cells (cells, 10, 3), by quadrature."""
-    if collapsed:
-        points, weights = aligned_rule(collapsed, CURVED_QUADRATURE_DEGREE)
-    else:
-        points, weights = basix.make_quadrature(basix.CellType.tetrahedron, CURVED_QUADRATURE_DEGREE)
+    """Energies (cells, n, n) of potentials (cells, n, dofs) in any second-order cells (cells, 10, 3), by quadrature."""
+    points, weights = _rule(collapsed, CURVED_QUADRATURE_DEGREE)
     derivatives = np.einsum("dpk,cki->cpid", second_order().tabulate(1, points)[1:, :, :, 0], nodes)
-    slopes = np.einsum("dpk,jck->cpdj", _element().tabulate(1, points)[1:, :, :, 0], values)
+    slopes = np.einsum("dpk,cjk->cpdj", lagrange().tabulate(1, points)[1:, :, :, 0], values)
     gradients = np.linalg.solve(derivatives.transpose(0, 1, 3, 2), slopes)
     volumes = coefficient[:, None] * weights * np.abs(np.linalg.det(derivatives))
-    return np.asarray(np.einsum("cp,cpdi,cpdj->ij", volumes, gradients, gradients, optimize=True))
+    return np.asarray(np.einsum("cp,cpdi,cpdj->cij", volumes, gradients, gradients, optimize=True))
+
+
+def _rule(collapsed: frozenset[int], degree: int) -> tuple[Array, Array]:
+    """A quadrature on the reference tetrahedron for cells with these vertices on a plate's edge."""
+    if collapsed:
+        return aligned_rule(collapsed, degree)
+    points, weights = basix.make_quadrature(basix.CellType.tetrahedron, degree)
+    return np.asarray(points), np.asarray(weights)
 
 
 @cache
-def _element() -> basix.finite_element.FiniteElement:
+def lagrange() -> basix.finite_element.FiniteElement:
+    """The element of the potentials."""
     return basix.create_element(
         basix.ElementFamily.P, basix.CellType.tetrahedron, DEGREE, basix.LagrangeVariant.gll_warped
     )
@@ -135,9 +157,9 @@ def _products(collapsed: frozenset[int]) -> Array:
     The derivatives are taken after the quarter-point map. In a cell that is an affine image of the reference tetrahedron the energy
     is the sum of these integrals weighted with the metric.
     """
-    points, weights = aligned_rule(collapsed, 2 * DEGREE + 2)
+    points, weights = _rule(collapsed, 2 * DEGREE + 2)
     derivatives = jacobian(collapsed, points)
-    slopes = _element().tabulate(1, points)[1:, :, :, 0]
+    slopes = lagrange().tabulate(1, points)[1:, :, :, 0]
     gradients = np.linalg.solve(derivatives.transpose(0, 2, 1), slopes.transpose(1, 0, 2))
     volumes = weights * np.linalg.det(derivatives)
     return np.asarray(np.einsum("p,pdn,pem->denm", volumes, gradients, gradients, optimize=True))

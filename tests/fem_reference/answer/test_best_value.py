@@ -41,8 +41,6 @@ def test_bounds_that_hardly_narrow_give_their_middle_and_all_of_it_as_the_error(
     assert not found.extrapolated[0, 0]
 
 
-def test_bounds_of_the_first_level_alone_leave_it_to_the_potentials() -> None:
-    found = best_value([level(0.07, 0.1), level(None, 0.05), level(None, 0.025)])
-    assert found.value[0, 0] == pytest.approx(1)
-    rough = best_value([level(0.07, 0.1), level(None, 0.06), level(None, 0.025)])
-    assert rough.value[0, 0] == pytest.approx(0.99) and rough.error[0, 0] == pytest.approx(0.0525)
+def test_a_single_interval_gives_its_middle_and_half_its_width() -> None:
+    found = best_value([level(0.07, 0.1)])
+    assert found.value[0, 0] == pytest.approx(1.015) and found.error[0, 0] == pytest.approx(0.085)

@@ -81,3 +81,11 @@ def test_the_distance_from_triangles_is_that_from_the_solid_they_bound() -> None
     edges = tape.distance(solid.vertices[solid.edges][:, [0, 1, 1]])
     np.testing.assert_allclose(SizeFunction(surface)(outside), surface_distance(BOX, outside.T), rtol=1e-9)
     np.testing.assert_allclose(SizeFunction(edges)(outside), edge_distance(BOX, outside.T), rtol=1e-9)
+
+
+def test_the_least_sum_of_distance_and_offset_is_found_among_all_triangles() -> None:
+    random = np.random.default_rng(2)
+    places, offsets = random.uniform(-2, 2, (300, 3)), random.exponential(0.5, 300)
+    found = SizeFunction(Tape().distance(np.repeat(places[:, None], 3, axis=1), offsets))(POINTS)
+    sums = np.linalg.norm(POINTS[:, None] - places, axis=2) + offsets
+    np.testing.assert_allclose(found, sums.min(axis=1), rtol=1e-12)

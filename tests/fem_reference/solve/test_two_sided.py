@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from fem_reference import maxwell
-from fem_reference.solve.two_sided import FRACTION_OF_DISTANCE, FRACTION_OF_WIDTHS, two_sided, unit_voltages
+from fem_reference.solve.cell_gaps import BoundedMatrix
+from fem_reference.solve.two_sided import FRACTION_OF_DISTANCE, two_sided, unit_voltages
 from geometries.scene.reader import loads
 
 SQUARE = """
@@ -22,31 +24,47 @@ translation = [0, 0, {gap}]
 """
 
 
-def positive(random: np.random.Generator, size: float) -> np.ndarray:
+def positive(random: np.random.Generator, size: float) -> NDArray[np.float64]:
     """A positive semidefinite matrix."""
     root = random.normal(size=(3, 3))
     return np.asarray(size * root @ root.T)
 
 
+def bounded(matrix: NDArray[np.float64], gaps: list[NDArray[np.float64]]) -> BoundedMatrix:
+    """Bounds of a matrix that leave these gaps in the cells of a mesh, half of it below and half above."""
+    half = sum(gaps) / 2
+    return BoundedMatrix(matrix - half, matrix + half, np.array(gaps))
+
+
 def test_errors_that_both_scenes_have_cancel() -> None:
-    """What is left is a share of the widths, since the two differences may agree by chance."""
     random = np.random.default_rng(1)
-    matrix, around, wrong = positive(random, 1.0), positive(random, 0.5), positive(random, 0.01)
+    matrix, around = positive(random, 1.0), positive(random, 0.5)
+    gaps = [positive(random, 0.01), positive(random, 0.02)]
     own = np.eye(3)
-    found = two_sided(own, own, (matrix - wrong, matrix + wrong), (around - wrong, around + wrong), 1.0, 0.0)
+    found = two_sided(own, own, bounded(matrix, gaps), bounded(around, gaps), 1.0, 0.0)
     np.testing.assert_allclose(found.value, np.diag(matrix - around), rtol=1e-12)
-    np.testing.assert_allclose(found.error, 4 * FRACTION_OF_WIDTHS * np.diag(wrong), rtol=1e-9)
+    np.testing.assert_allclose(found.error, 0, atol=1e-12)
+
+
+def test_errors_of_different_cells_do_not_cancel() -> None:
+    """The bounds of the difference would agree by chance, although one scene is wrong in one cell and the other in another."""
+    own, wrong, nothing = np.eye(1), np.array([[0.1]]), np.zeros((1, 1))
+    scenes = bounded(2 * own, [wrong, nothing]), bounded(own, [nothing, wrong])
+    found = two_sided(own, own, *scenes, 1.0, 0.0)
+    np.testing.assert_allclose(found.of_cells, FRACTION_OF_DISTANCE * np.array([[0.1], [0.1]]))
+    np.testing.assert_allclose(found.error, 0.2 * FRACTION_OF_DISTANCE)
 
 
 def test_errors_of_one_scene_only_are_stated() -> None:
     """Off the diagonal they count even where the two differences agree because the errors of the two conductors have no product."""
-    matrix, wrong = 2 * np.eye(2), np.diag([0.1, 0.2])
+    matrix, wrong = 2 * np.eye(2), np.diag([0.2, 0.4])
     sensed, driven = unit_voltages(2, [[0], [0]]), unit_voltages(2, [[0], [1]])
-    exact = (np.eye(2), np.eye(2))
-    found = two_sided(sensed, driven, (matrix - wrong, matrix + wrong), exact, np.array([1.0, -1.0]), 0.0)
+    exact = bounded(np.eye(2), [np.zeros((2, 2))])
+    found = two_sided(sensed, driven, bounded(matrix, [wrong]), exact, np.array([1.0, -1.0]), 0.0)
     np.testing.assert_allclose(found.value, [1, 0], atol=1e-12)
-    share = FRACTION_OF_DISTANCE + FRACTION_OF_WIDTHS
-    np.testing.assert_allclose(found.error, [0.2 * share, 2 * np.sqrt(0.1 * 0.2) * share])
+    np.testing.assert_allclose(
+        found.error, FRACTION_OF_DISTANCE * np.array([0.2, np.sqrt(0.2 * 0.4)]), atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("gap", [0.02, 0.05, 0.2])

@@ -1,0 +1,51 @@
+"""The gaps of the cells add up to the gap between the bounds of the energies, for every kind of cell."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_reference.bodies.conductors import normalised
+from fem_reference.bodies.round_bodies import Sphere
+from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
+from fem_reference.mesh.marks import marks
+from fem_reference.mesh.sizing import Sizing
+from fem_reference.mesh.tagged_mesh import tagged_mesh
+from fem_reference.solve.cell_gaps import bounded_matrix
+from fem_reference.solve.field_problem import FieldProblem
+from fem_reference.solve.flux import CondensedCells
+from fem_reference.solve.parts_of_errors import parts_of_errors
+
+COARSE = Sizing(edge=0.4, edge_in_gap=1.0, growth=0.6, curvature=0.6)
+
+
+def test_gaps_of_cells_are_positive_and_add_up_to_the_gap_of_the_energies() -> None:
+    """Plates with quarter-point cells, a cuboid, a floating ball with curved cells, and a disc that is only grounded."""
+    bodies: list[Body] = [
+        Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.4)),
+        Cuboid("box", np.array([0.1, 0, 0.7]), np.eye(3), (0.3, 0.2, 0.2)),
+        Sphere("ball", np.array([1.2, 0, 0.4]), 0.3),
+        Disc("disc", np.array([0, 0, -0.6]), np.eye(3), 0.5),
+    ]
+    problem = normalised(["plate", "box"], 1, bodies, range(4), floating=["ball"], grounded=["disc"])
+    mesh = tagged_mesh(problem.bodies, problem.owner, COARSE)
+    system = FieldProblem(mesh, problem.parts)
+    potentials = system.potentials(range(4), 3)
+    found = bounded_matrix(system, CondensedCells(mesh, 3), potentials, problem.parts, {}, 1)
+    gap = found.upper - found.lower
+    outside = gap - found.gaps.sum(axis=0)
+    assert found.gaps.shape == (mesh.local_cells, 2, 2)
+    assert np.linalg.eigvalsh(found.gaps).min() > -1e-9 * np.trace(gap)
+    # What is left is the gap outside of the mesh, and the quadrature in curved cells.
+    assert np.abs(outside).max() < 1e-3 * np.trace(gap)
+    parts = parts_of_errors(found, mesh.shape_error, [])
+    corners = mesh.mesh.geometry.dofmap.array.reshape(mesh.local_cells, -1)[:, :4]
+    collected = marks(problem.bodies, mesh.mesh.geometry.x, corners, parts.of_cells, parts.whole)
+    total = collected.at_edges.sum(axis=0) + collected.away.sum(axis=0) + collected.rest
+    np.testing.assert_allclose(total, parts.whole, rtol=1e-9)
+    half_width = np.sqrt(np.outer(np.diag(gap), np.diag(gap))) / 2
+    middle = np.abs(found.lower + found.upper) / 2
+    assert np.all(parts.whole >= (half_width / middle)[np.triu_indices(2)])
+    # The sides along edges make up the edges: four of the plate, twelve of the box, and the chords of the disc's circle.
+    lengths = np.linalg.norm(collected.sides[:, 1] - collected.sides[:, 0], axis=1).sum() * problem.unit
+    edges = 4 * (0.5 + 0.4) + 8 * (0.3 + 0.2 + 0.2)
+    assert edges + 0.9 * np.pi < lengths < edges + np.pi
