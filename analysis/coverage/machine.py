@@ -80,8 +80,8 @@ class Machine:
     def at(self, points: Array) -> tuple[Array, Array, Array]:
         """Returns at points (n, 3) the potentials (n, readings) of what is sensed and of what is driven; and the machine's answer (n, rank), whose
         products are −G (1/m)."""
-        loads, parts = self._potentials.at(points)
-        return (*self._of_readings(loads), (parts @ self._answers).astype(np.float64))
+        loads, answers = self._potentials.at(points, charges=self._answers)
+        return (*self._of_readings(loads), answers.astype(np.float64))
 
     def potentials(self, points: Array) -> tuple[Array, Array]:
         """Returns at points (n, 3) the potentials (n, readings) of what is sensed and of what is driven."""

@@ -50,7 +50,9 @@ def make(name: str, probes: tuple[str, ...], options: Options, target: Path | No
         for key, value in model.Scene.load(str(path)).conductors().items()
         if key not in _targets(scene)
     }
-    write_text(place, page.document(title, digest, found, conductors, place.with_suffix(".csv").name, shown))
+    write_text(
+        place, page.document(title, digest, scene, found, conductors, place.with_suffix(".csv").name, shown)
+    )
     return Made(place, page.sentences(found))
 
 

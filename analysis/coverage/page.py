@@ -10,10 +10,11 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from analysis.coverage import findings, tables
+from analysis.coverage import claims, findings, tables
 from analysis.coverage.survey import BOUNDARY_ELEMENTS, FARTHEST, NEAREST, NEGLIGIBLE, Survey
 from analysis.report import page
 from analysis.results.store import Document
+from geometries.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -28,7 +29,13 @@ _MOST_BLIND = 12
 
 
 def document(
-    title: str, digest: str, survey: Survey, conductors: dict[str, Array], table: str, command: str
+    title: str,
+    digest: str,
+    scene: Scene,
+    survey: Survey,
+    conductors: dict[str, Array],
+    table: str,
+    command: str,
 ) -> str:
     """Returns the whole page."""
     data = json.dumps(_data(survey, conductors), separators=(",", ":"), allow_nan=False)
@@ -44,7 +51,7 @@ def document(
         steps=len(FACTORS) - 1,
         start=int(np.argmin(np.abs(FACTORS - 1))),
     )
-    return page.document(title, digest, [body, *_sections(survey, table, command)])
+    return page.document(title, digest, [body, *_sections(scene, survey, table, command)])
 
 
 def sentences(survey: Survey) -> list[str]:
@@ -66,7 +73,7 @@ def _cm(metres: float) -> str:
     return f"{100 * metres:.3g} cm"
 
 
-def _sections(survey: Survey, table: str, command: str) -> list[Markup]:
+def _sections(scene: Scene, survey: Survey, table: str, command: str) -> list[Markup]:
     proven = [reading.name for reading in survey.readings if reading.is_proven]
     thresholds = ", ".join(
         f"{reading.name} {threshold * 1e15:.3g} fF"
@@ -84,6 +91,7 @@ def _sections(survey: Survey, table: str, command: str) -> list[Markup]:
             page.command(command),
         ),
         page.section("Blind spots", *(_blind(survey, p) for p in range(len(survey.probes)))),
+        *_claims(scene, survey),
         _guarantee(proven, len(survey.readings)),
     ]
     if survey.by_method:
@@ -102,6 +110,16 @@ def _blind(survey: Survey, probe: int) -> Markup:
     shown = page.table(["sensor or object", "places", "blind", "share"], rows[:_MOST_BLIND])
     more = [page.soft(f"and {len(rows) - _MOST_BLIND} more, in the table")] if len(rows) > _MOST_BLIND else []
     return page.lines([title, shown, *more])
+
+
+def _claims(scene: Scene, survey: Survey) -> list[Markup]:
+    """Returns the section on what has been said of such sensors; nothing for a machine without sensors."""
+    if not scene.sensors:
+        return []
+    told = [claims.nearby_sentence(scene, survey), claims.centre_sentence(scene, survey)]
+    return [
+        page.section("What has been said of such sensors", *(page.paragraph(each) for each in told if each))
+    ]
 
 
 def _guarantee(proven: list[str], count: int) -> Markup:

@@ -25,8 +25,8 @@ _TOLERANCE = 4e-3
 _MOST_POINTS = 48
 _RTOL, _PROBE_PANELS = 0.01, 700
 """Accuracy of the probe's own charge, and its most panels, about."""
-_TOGETHER = 4096
-"""Number of points whose potentials are held at once."""
+_TOGETHER = 32768
+"""Number of points whose potentials are held at once: some hundred megabytes."""
 
 
 @dataclass(frozen=True)

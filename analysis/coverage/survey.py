@@ -105,16 +105,8 @@ def survey(path: Path, scene: Scene, probes: tuple[Probe, ...], options: Options
     ]
     machine.prepare(_where_it_counts(places, distances, probes, estimates, thresholds))
     changes = tuple(
-        _changes_of(
-            probe,
-            places,
-            distances,
-            lambda level, turns, shifts: _accurate(
-                machine, thresholds, options.to_ground, level, turns, shifts
-            ),
-            answer.level,
-        )[..., chosen]
-        for probe, answer in zip(probes, answers)
+        _accurate(machine, thresholds, options.to_ground, answer, places, distances, estimate)[..., chosen]
+        for answer, estimate in zip(answers, estimates)
     )
     compared = (
         np.unique(np.linspace(0, len(places.points) - 1, options.compared).astype(np.int64))
@@ -194,17 +186,26 @@ def _accurate(
     machine: Machine,
     thresholds: tuple[float, ...],
     to_ground: float | None,
-    level: responses.Level,
-    rotations: Array,
-    translations: Array,
-) -> tuple[Array, Mask]:
-    """Returns changes with the machine's answer to the probe, but those that are negligible by the limit for small probes."""
-    values, clears = _small(machine, level, rotations, translations, to_ground)
-    counts = over_thresholds(values, thresholds, None) > NEGLIGIBLE
-    values[counts], clears[counts] = responses.changes(
-        machine, level, rotations[counts], translations[counts], to_ground
-    )
-    return values, clears
+    answer: responses.Response,
+    places: Places,
+    distances: Array,
+    estimate: Array,
+) -> Array:
+    """Returns the changes as `_changes_of` does, with the machine's answer to the probe; the estimates of the limit for small probes where
+    these are negligible."""
+    found, rotations = estimate.copy(), places.rotations()
+    fits = np.ones(len(rotations), dtype=bool)
+    for step, distance in enumerate(distances):
+        translations, _ = held(answer.probe, places, float(distance))
+        fits &= np.isfinite(estimate[:, step]).all(axis=1)
+        known = np.nan_to_num(over_thresholds(estimate[:, step], thresholds, None), nan=0.0)
+        counts = np.flatnonzero(fits & (known > NEGLIGIBLE))
+        found[counts, step], clears = responses.changes(
+            machine, answer.level(float(distance)), rotations[counts], translations[counts], to_ground
+        )
+        fits[counts] = clears
+        found[~fits, step] = np.nan
+    return found
 
 
 def _changes_of(

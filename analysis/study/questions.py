@@ -117,7 +117,8 @@ def _company(material: Material) -> list[Markup]:
 
 
 def _corrections(material: Material) -> list[Markup]:
-    return [corrections_section.section(material.corrected, CORRECTIONS_SET_UPS)]
+    own = corrections_section.section(material.corrected, CORRECTIONS_SET_UPS)
+    return [own, machines_section.of_corrections(list(material.on_machines))]
 
 
 def _published(material: Material) -> list[Markup]:

@@ -206,7 +206,8 @@ MachinePotentials machine_potentials_of(SharedScene& scene, double rtol, std::si
   });
 }
 
-py::tuple potentials_at(const MachinePotentials& machine, const Array& positions, bool with_parts) {
+py::tuple potentials_at(const MachinePotentials& machine, const Array& positions, bool with_parts,
+                        const std::optional<Eigen::MatrixXf>& charges) {
   if (positions.ndim() != 2 || positions.shape(1) != 3)
     throw InputError("points must have shape (n, 3)");
   std::vector<Eigen::Vector3d> points(static_cast<std::size_t>(positions.shape(0)));
@@ -214,7 +215,7 @@ py::tuple potentials_at(const MachinePotentials& machine, const Array& positions
     points[k] = Eigen::Vector3d(positions.data() + 3 * k);
   const MachinePotentials::Values values = [&] {
     const py::gil_scoped_release unlocked;
-    return machine.at(points, with_parts);
+    return charges ? machine.at(points, *charges) : machine.at(points, with_parts);
   }();
   return py::make_tuple(values.of_loads, values.of_parts);
 }
@@ -242,10 +243,12 @@ void add_machine_potentials(py::module_& module) {
       .def_property_readonly("error", &MachinePotentials::error,
                              "The largest stated error of the energies of what is sensed, driven or floats.")
       .def_property_readonly("panels", &MachinePotentials::panels, "The number of panels.")
-      .def("at", &potentials_at, "points"_a, "with_parts"_a = true,
+      .def("at", &potentials_at, "points"_a, "with_parts"_a = true, "charges"_a = py::none(),
            "The potentials at points (n, 3), in single precision: of 1 V on what is sensed or driven, (n, "
            "columns), and "
-           "of a unit charge on each part, (n, parts) in 1/m; no columns of the latter without with_parts.");
+           "of a unit charge on each part, (n, parts) in 1/m; no columns of the latter without with_parts. "
+           "With charges "
+           "(parts, k) the latter are those of these k distributions of charges on the parts.");
 }
 
 py::dict sense_of(SharedScene& scene, const std::string& method) {

@@ -53,6 +53,10 @@ class MachinePotentials {
   /// Evaluates the potentials at points in the world: parts that are close as panels, the others as up to 64
   /// charges.
   Values at(std::span<const Eigen::Vector3d> points, bool with_parts, std::size_t threads = 0) const;
+  /// Does the same for charges (parts × m) on the parts: `of_parts` has their potentials, m columns.
+  /// @throws InputError if the charges have not as many rows as there are parts.
+  Values at(std::span<const Eigen::Vector3d> points, const Eigen::MatrixXf& charges,
+            std::size_t threads = 0) const;
 
  private:
   struct Machine;

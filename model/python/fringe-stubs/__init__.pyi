@@ -110,7 +110,7 @@ class MachinePotentials:
     @property
     def panels(self) -> int: ...
     def at(
-        self, points: ArrayLike, with_parts: bool = True
+        self, points: ArrayLike, with_parts: bool = True, charges: ArrayLike | None = None
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]: ...
 
 def plate_integral(

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include <fmt/format.h>
@@ -34,11 +35,42 @@ constexpr std::size_t first_level = ChargeFunctions::first_with_moments;
 /// Distance from a panel's centre, over its radius, beyond which it counts as a point.
 constexpr double far = 6;
 
-/// Number of points that are evaluated together, with the same levels.
-constexpr std::size_t together = 16;
+/// Number of points that are evaluated together, with the same levels: a block of the kernels.
+constexpr std::size_t together = detail::node_block;
 
 /// Coordinate of points that only fill a block, in m: 1/distance is negligible.
 constexpr float padded_coordinate = 1e15F;
+
+/// Bits of a coordinate's number in the Z-order, three of which fill a word.
+constexpr unsigned order_bits = 21;
+
+/// Returns the indices of points along Morton's space-filling curve, so that neighbours in it lie close
+/// together. Points of the same code stay in their order.
+std::vector<std::size_t> along_curve(std::span<const Vector3d> points) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& point : points)
+    box.extend(point);
+  const double side = points.empty() ? 0 : box.sizes().maxCoeff();
+  const double scale = side > 0 ? static_cast<double>((1U << order_bits) - 1) / side : 0;
+  std::vector<std::pair<std::uint64_t, std::size_t>> codes;
+  codes.reserve(points.size());
+  for (const Vector3d& point : points) {
+    const Vector3d steps = (point - box.min()) * scale;
+    std::uint64_t code = 0;
+    for (Index axis = 0; axis < 3; ++axis) {
+      const auto number = static_cast<std::uint64_t>(steps[axis]);
+      for (unsigned bit = 0; bit < order_bits; ++bit)
+        code |= (number >> bit & 1U) << (3 * bit + static_cast<unsigned>(axis));
+    }
+    codes.emplace_back(code, codes.size());
+  }
+  std::sort(codes.begin(), codes.end());
+  std::vector<std::size_t> order;
+  order.reserve(codes.size());
+  for (const auto& [code, index] : codes)
+    order.push_back(index);
+  return order;
+}
 
 }  // namespace
 
@@ -101,10 +133,6 @@ struct MachinePotentials::Machine {
     result.given.resize(static_cast<Index>(rows.size()), rest.loads());
     for (std::size_t k = 0; k < rows.size(); ++k)
       result.given.row(static_cast<Index>(k)) = rows[k].first->row(rows[k].second);
-    const auto padded =
-        static_cast<std::size_t>(detail::whole_blocks(static_cast<std::ptrdiff_t>(rows.size())));
-    for (std::vector<float>* coordinates : {&result.x, &result.y, &result.z})
-      coordinates->resize(padded, padded_coordinate);
     return result;
   }
 
@@ -133,7 +161,74 @@ struct MachinePotentials::Machine {
       }
     sums.flush();
     for (std::size_t k = 0; k < places.size(); ++k)
-      inverse_distances(places[k].first, places[k].second) = static_cast<float>(means[k]);
+      inverse_distances(places[k].second, places[k].first) = static_cast<float>(means[k]);
+  }
+
+  /// Evaluates potentials as MachinePotentials::at() does; those of the parts are multiplied by `charges`
+  /// unless it is null.
+  Values at(std::span<const Vector3d> points, bool with_parts, const MatrixXf* charges,
+            std::size_t threads) const {
+    const auto parts = static_cast<Index>(rest.functions().count());
+    const auto count = static_cast<Index>(points.size());
+    const Index columns = charges != nullptr ? charges->cols() : parts;
+    Values values{TrianglePotentials(count, rest.loads()),
+                  TrianglePotentials(count, with_parts ? columns : 0)};
+    const std::vector<std::size_t> order = along_curve(points);
+    constexpr std::size_t in_group = 16 * together;
+    detail::parallel_for((points.size() + in_group - 1) / in_group, threads, [&](std::size_t group) {
+      const std::span<const std::size_t> indices =
+          std::span(order).subspan(group * in_group, std::min(in_group, points.size() - group * in_group));
+      const auto size = static_cast<Index>(indices.size());
+      TrianglePotentials of_loads(size, rest.loads()), of_parts(size, with_parts ? parts : 0);
+      for (std::size_t begin = 0; begin < indices.size(); begin += together)
+        evaluate(points, indices.subspan(begin, std::min(together, indices.size() - begin)),
+                 static_cast<Index>(begin), of_loads, of_parts);
+      if (charges != nullptr)
+        of_parts = (of_parts * *charges).eval();
+      for (Index p = 0; p < size; ++p) {
+        const auto index = static_cast<Index>(indices[static_cast<std::size_t>(p)]);
+        values.of_loads.row(index) = of_loads.row(p);
+        values.of_parts.row(index) = of_parts.row(p);
+      }
+    });
+    return values;
+  }
+
+  /// Evaluates one block of points, given by their indices, into the rows from `first` on; the parts' only if
+  /// `of_parts` has columns.
+  void evaluate(std::span<const Vector3d> points, std::span<const std::size_t> indices, Index first,
+                TrianglePotentials& of_loads, TrianglePotentials& of_parts) const {
+    std::vector<Vector3d> some;
+    Eigen::AlignedBox3d box;
+    std::array<std::array<float, together>, 3> at{};
+    for (std::array<float, together>& coordinates : at)
+      coordinates.fill(padded_coordinate);
+    for (const std::size_t index : indices) {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        at[axis][some.size()] = static_cast<float>(points[index][static_cast<Index>(axis)]);
+      some.push_back(points[index]);
+      box.extend(points[index]);
+    }
+    std::vector<std::size_t> close;
+    const Sources charges = sources(box.center(), box.diagonal().norm() / 2, close);
+    const auto size = static_cast<Index>(some.size());
+    TrianglePotentials inverse_distances(charges.given.rows(), static_cast<Index>(together));
+    detail::best_kernels<detail::NodeKernels>().fill(
+        {charges.x.data(), charges.y.data(), charges.z.data(), charges.given.rows()},
+        {at[0].data(), at[1].data(), at[2].data(), size}, inverse_distances.data());
+    correct(some, charges, close, inverse_distances);
+    of_loads.middleRows(first, size) = inverse_distances.leftCols(size).transpose() * charges.given;
+    for (Index part = 0; part < of_parts.cols(); ++part) {
+      std::array<float, together> sums{};
+      for (std::size_t k = charges.first[static_cast<std::size_t>(part)];
+           k < charges.first[static_cast<std::size_t>(part) + 1]; ++k) {
+        const float* row = inverse_distances.row(static_cast<Index>(k)).data();
+        for (std::size_t p = 0; p < together; ++p)
+          sums[p] += row[p] * charges.shares[k];
+      }
+      for (Index p = 0; p < size; ++p)
+        of_parts(first + p, part) = sums[static_cast<std::size_t>(p)];
+    }
   }
 
   detail::MachineAtRest rest;
@@ -174,45 +269,15 @@ std::size_t MachinePotentials::panels() const {
 
 MachinePotentials::Values MachinePotentials::at(std::span<const Vector3d> points, bool with_parts,
                                                 std::size_t threads) const {
-  const auto parts = static_cast<Index>(machine_->rest.functions().count());
-  const auto count = static_cast<Index>(points.size());
-  Values values{TrianglePotentials(count, machine_->rest.loads()),
-                TrianglePotentials(count, with_parts ? parts : 0)};
-  detail::parallel_for((points.size() + together - 1) / together, threads, [&](std::size_t batch) {
-    const std::size_t begin = batch * together;
-    const std::span<const Vector3d> some = points.subspan(begin, std::min(together, points.size() - begin));
-    Eigen::AlignedBox3d box;
-    for (const Vector3d& point : some)
-      box.extend(point);
-    std::vector<std::size_t> close;
-    const Machine::Sources sources = machine_->sources(box.center(), box.diagonal().norm() / 2, close);
-    const auto size = static_cast<Index>(some.size()), padded = static_cast<Index>(sources.x.size());
-    std::array<std::array<float, together>, 3> at{};
-    for (std::size_t p = 0; p < some.size(); ++p)
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        at[axis][p] = static_cast<float>(some[p][static_cast<Index>(axis)]);
-    TrianglePotentials inverse_distances(size, padded);
-    detail::best_kernels<detail::NodeKernels>().fill(
-        {at[0].data(), at[1].data(), at[2].data(), size},
-        {sources.x.data(), sources.y.data(), sources.z.data(), sources.given.rows()},
-        inverse_distances.data());
-    machine_->correct(some, sources, close, inverse_distances);
-    values.of_loads.middleRows(static_cast<Index>(begin), size) =
-        inverse_distances.leftCols(sources.given.rows()) * sources.given;
-    if (!with_parts)
-      return;
-    for (Index p = 0; p < size; ++p) {
-      const float* row = inverse_distances.row(p).data();
-      for (Index part = 0; part < parts; ++part) {
-        float sum = 0;
-        for (std::size_t k = sources.first[static_cast<std::size_t>(part)];
-             k < sources.first[static_cast<std::size_t>(part) + 1]; ++k)
-          sum += row[k] * sources.shares[k];
-        values.of_parts(static_cast<Index>(begin) + p, part) = sum;
-      }
-    }
-  });
-  return values;
+  return machine_->at(points, with_parts, nullptr, threads);
+}
+
+MachinePotentials::Values MachinePotentials::at(std::span<const Vector3d> points, const MatrixXf& charges,
+                                                std::size_t threads) const {
+  if (const std::size_t parts = machine_->rest.functions().count();
+      static_cast<std::size_t>(charges.rows()) != parts)
+    throw InputError(fmt::format("charges have {} rows, but there are {} parts", charges.rows(), parts));
+  return machine_->at(points, true, &charges, threads);
 }
 
 }  // namespace fringe

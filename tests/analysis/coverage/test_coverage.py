@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from analysis import __main__ as command_line
-from analysis.coverage import findings, response as responses, survey as surveys, tables
+from analysis.coverage import claims, findings, response as responses, survey as surveys, tables
 from analysis.coverage.distances import Curves
+from analysis.coverage.machine import Reading
 from analysis.coverage.places import spread
 from analysis.coverage.probes import DEFAULT, probe
 from analysis.pipeline.model_stage import model_module
@@ -187,3 +188,31 @@ def test_findings_count_places_and_compare_methods() -> None:
     assert (
         compared.excess == pytest.approx(0.1) and compared.ratio == pytest.approx(2) and compared.false == 0
     )
+
+
+def test_claims_count_places_on_sensors_nearby_and_before_the_middle_of_plates(path: Path) -> None:
+    scene = reader.load(path)
+    conductors = scene.conductors()
+    places = spread({name: conductors[name] for name in ("front", "housing")}, frozenset(["front"]), 0.01)
+    distances = np.geomspace(0.01, 1, 5)
+    x, y, _ = np.abs(places.points.T)
+    on_plate = np.array(places.owners) == "front"
+    is_middle = on_plate & (np.maximum(x, y) < 0.05 / 3)
+    changes = np.where(is_middle[:, None], 1e-18, 1e-14) / distances
+    reading = Reading("self", 1.0, None, True)
+    survey: Any = surveys.Survey(
+        (reading,), (2e-14,), places, distances, (probe("fist"),), (changes[..., None],), np.arange(0), {}, 0, 0.0,
+    )  # fmt: skip
+    middle, margin = claims.on_plates(scene, survey, 0)
+    assert (middle.held, middle.noticed) == (is_middle.sum(), 0) and margin.share == 1
+    assert "the blind spot is there" in claims.centre_sentence(scene, survey)
+    before, beside, farther = claims.around(scene, survey, 0)
+    assert before.held == on_plate.sum() and before.noticed == on_plate.sum() - is_middle.sum()
+    assert beside.held + farther.held == (~on_plate).sum() and beside.share == 1
+    assert "it does not hold for fist" in claims.nearby_sentence(scene, survey)
+    even: Any = surveys.Survey(
+        (reading,), (2e-14,), places, distances, (probe("fist"),),
+        ((np.ones((len(x), 1)) * 1e-14 / distances)[..., None],), np.arange(0), {}, 0, 0.0,
+    )  # fmt: skip
+    assert "no blind spot at the centre" in claims.centre_sentence(scene, even)
+    assert "it holds for fist" in claims.nearby_sentence(scene, even)

@@ -1,0 +1,143 @@
+"""Two claims about capacitive sensors on a machine, held against a survey: that they notice whatever conducts nearby, and that an electrode is blind
+before its centre."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.coverage import tables
+from analysis.coverage.survey import Survey
+from geometries.scene.readings import readings
+from geometries.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+NEARBY = 0.1
+"""Distance (m) from a sensor's plate up to which a place counts as nearby."""
+MIDDLE, MARGIN = 1 / 3, 2 / 3
+"""Positions on a plate, from 0 at its centre to 1 at its edge: the middle ends at one, the margin begins at the other."""
+
+
+@dataclass(frozen=True)
+class Noticed:
+    """Of places where a probe can be held: how many there are, how many notice it, and the median distance (m) of these; 0 without any."""
+
+    held: int
+    noticed: int
+    median: float
+
+    @property
+    def share(self) -> float:
+        return self.noticed / self.held if self.held else 0.0
+
+    @staticmethod
+    def of(distances: Array) -> Noticed:
+        held = distances[np.isfinite(distances)]
+        seen = held[held > 0]
+        return Noticed(len(held), len(seen), float(np.median(seen)) if len(seen) else 0.0)
+
+
+def around(scene: Scene, survey: Survey, probe: int) -> tuple[Noticed, Noticed, Noticed]:
+    """Returns how any reading notices a probe at places on sensors, at others nearby, and at those farther away."""
+    distances, _ = tables.distances(survey, probe, None)
+    names = {sensor.name for sensor in scene.sensors}
+    on_sensor = np.array([name in names for name in survey.places.owners])
+    offsets = [
+        _offset(survey.places.points, *plate) for name in names for plate in scene.sensor_rectangles(name)
+    ]
+    nearby = np.min(offsets, axis=0) <= NEARBY
+    chosen = (on_sensor, nearby & ~on_sensor, ~nearby & ~on_sensor)
+    return (
+        Noticed.of(distances[chosen[0]]),
+        Noticed.of(distances[chosen[1]]),
+        Noticed.of(distances[chosen[2]]),
+    )
+
+
+def on_plates(scene: Scene, survey: Survey, probe: int) -> tuple[Noticed, Noticed]:
+    """Returns how sensors notice a probe before the middle of their own plates and before the margin, by readings that sense and drive them."""
+    names = [reading.name for reading in survey.readings]
+    middle, margin = [], []
+    for asked in readings(scene):
+        if asked.name not in names or asked.sense not in asked.drive:
+            continue
+        own = np.array([owner == asked.sense for owner in survey.places.owners])
+        if not own.any() or asked.sense not in {sensor.name for sensor in scene.sensors}:
+            continue
+        distances, _ = tables.distances(survey, probe, names.index(asked.name))
+        for plate in scene.sensor_rectangles(asked.sense):
+            on_plate = own & (_offset(survey.places.points, *plate) < 1e-9 + 1e-6 * np.linalg.norm(plate[1]))
+            position = np.abs(_position(survey.places.points, *plate)).max(axis=1)
+            middle.append(distances[on_plate & (position <= MIDDLE)])
+            margin.append(distances[on_plate & (position >= MARGIN)])
+    none = [np.zeros(0)]
+    return Noticed.of(np.concatenate(middle or none)), Noticed.of(np.concatenate(margin or none))
+
+
+def nearby_sentence(scene: Scene, survey: Survey) -> str:
+    """Tells for each probe where the machine notices it, and whether the claim that nothing nearby is missed holds."""
+    phrases, held = [], []
+    for p, probe in enumerate(survey.probes):
+        before, beside, farther = around(scene, survey, p)
+        phrases.append(f"{probe.name} at {_count(before)}, {_count(beside)} and {_count(farther)}")
+        held.append(before.share == 1 and beside.share == 1)
+    names = [probe.name for probe in survey.probes]
+    yes = ", ".join(name for name, holds in zip(names, held) if holds)
+    no = ", ".join(name for name, holds in zip(names, held) if not holds)
+    verdict = "; ".join(
+        told
+        for told in (f"it holds for {yes}" if yes else "", f"it does not hold for {no}" if no else "")
+        if told
+    )
+    return (
+        "A sensor with a sensing volume misses what is outside of it, a capacitive sensor would notice any conducting body nearby: so the thesis that the model comes from. Here the probes "
+        f"are noticed on the sensors, at other places at most {100 * NEARBY:g} cm from a sensor, and farther away: {'; '.join(phrases)}. For what is nearby {verdict}."
+    )
+
+
+def centre_sentence(scene: Scene, survey: Survey) -> str:
+    """Tells for each probe how it is noticed before the middle and the margin of the plates, and whether there is a blind spot in the middle."""
+    phrases, blind, weaker = [], [], []
+    for p, probe in enumerate(survey.probes):
+        middle, margin = on_plates(scene, survey, p)
+        if not middle.held or not margin.held:
+            continue
+        phrases.append(f"{probe.name} at {_told(middle)} and at {_told(margin)}")
+        blind += [probe.name] if middle.share < margin.share else []
+        weaker += [probe.name] if middle.median < margin.median else []
+    if not phrases:
+        return ""
+    verdict = (
+        f"The middle misses more of the places than the margin for {', '.join(blind)}: the blind spot is there."
+        if blind
+        else "The middle misses no larger share of its places than the margin does: there is no blind spot at the centre."
+    )
+    if weaker:
+        verdict += f" It notices {', '.join(weaker)} from a shorter distance than the margin."
+    return (
+        "A manual of such a machine warns of a blind spot at an electrode's centre. Before the middle ninth of the plates, and before their margin, the outer third on all sides, "
+        f"a sensor notices by its own reading: {'; '.join(phrases)}. {verdict}"
+    )
+
+
+def _count(told: Noticed) -> str:
+    return f"{told.noticed} of {told.held}"
+
+
+def _told(told: Noticed) -> str:
+    return f"{_count(told)} places" + (f" (from {100 * told.median:.3g} cm)" if told.noticed else "")
+
+
+def _position(points: Array, corner: Array, u: Array, v: Array) -> Array:
+    """Returns the points' coordinates (n, 2) along a rectangle's edges, from −1 to 1 over it."""
+    offset = points - corner
+    return np.stack([2 * (offset @ edge) / (edge @ edge) - 1 for edge in (u, v)], axis=1)
+
+
+def _offset(points: Array, corner: Array, u: Array, v: Array) -> Array:
+    """Returns the points' distances (n,) from a rectangle."""
+    share = np.clip((_position(points, corner, u, v) + 1) / 2, 0, 1)
+    return np.asarray(np.linalg.norm(points - corner - share @ np.stack([u, v]), axis=1))

@@ -1,0 +1,94 @@
+"""A machine at rest as others feel it, against closed forms: a ball and its images, and a cube from afar."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import fringe
+
+RADIUS = 0.1
+BALL = f"""
+[[object]]
+name = "ball"
+shape = {{ type = "sphere", radius = {RADIUS}, segments = 40 }}
+potential = "electrode"
+"""
+READ = """
+[[reading]]
+name = "own"
+sense = "NAME"
+drive = ["NAME"]
+"""
+CUBE_CAPACITY = 0.6606782
+"""Capacity of a cube over 4πε and its side (C.-O. Hwang, M. Mascagni, T. Won, Math. Comput. Simulat. 80 (2010) 1089)."""
+WITHIN = 1e-2
+"""The ball is a polyhedron within it."""
+
+
+def around(count: int, nearest: float, farthest: float) -> NDArray[np.float64]:
+    """Points in all directions at such distances from the origin."""
+    chance = np.random.default_rng(1)
+    directions = chance.normal(size=(count, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    return directions * chance.uniform(nearest, farthest, size=(count, 1))
+
+
+def images(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The potential, over that of a unit charge, at x of the image in a grounded ball of a charge at y, with the sign turned (Kelvin)."""
+    lengths = np.linalg.norm(x, axis=1)[:, None] * np.linalg.norm(y, axis=1)
+    return np.asarray(RADIUS / np.sqrt(lengths**2 - 2 * RADIUS**2 * (x @ y.T) + RADIUS**4))
+
+
+def test_a_driven_ball_has_the_potential_of_a_charge_at_its_centre() -> None:
+    scene = fringe.Scene.loads(BALL + READ.replace("NAME", "ball"))
+    machine = scene.machine_potentials(rtol=5e-3)
+    points = around(300, 1.05 * RADIUS, 20 * RADIUS)
+    loads, _ = machine.at(points)
+    (reading,) = machine.readings
+    assert reading[0] == reading[1] and reading[2] == 1
+    np.testing.assert_allclose(loads[:, reading[0]], RADIUS / np.linalg.norm(points, axis=1), rtol=WITHIN)
+
+
+def test_a_grounded_ball_answers_a_charge_with_its_image() -> None:
+    scene = fringe.Scene.loads(BALL + READ.replace("NAME", "ball"))
+    machine = scene.machine_potentials(rtol=5e-3)
+    points = around(60, 1.5 * RADIUS, 6 * RADIUS)
+    _, parts = machine.at(points)
+    answers = parts.astype(np.float64) @ machine.answers @ parts.T
+    expected = images(points, points)
+    np.testing.assert_allclose(answers, expected, rtol=0, atol=WITHIN * expected.max())
+
+
+def test_a_cube_is_a_charge_of_its_capacity_from_afar() -> None:
+    text = '[[object]]\nname = "cube"\nshape = { type = "cube", size = 0.2 }\npotential = "electrode"\n'
+    machine = fringe.Scene.loads(text + READ.replace("NAME", "cube")).machine_potentials(rtol=1e-3)
+    points = around(50, 3.0, 10.0)
+    expected = CUBE_CAPACITY * 0.2 / np.linalg.norm(points, axis=1)
+    np.testing.assert_allclose(machine.at(points)[0][:, 0], expected, rtol=2e-3)
+
+
+def test_potentials_do_not_depend_on_the_order_of_the_points() -> None:
+    machine = fringe.Scene.loads(BALL + READ.replace("NAME", "ball")).machine_potentials()
+    points = around(500, 1.02 * RADIUS, 5 * RADIUS)
+    order = np.random.default_rng(2).permutation(len(points))
+    for whole, mixed in zip(machine.at(points), machine.at(points[order])):
+        np.testing.assert_array_equal(whole[order], mixed)
+        one_by_one = np.concatenate(
+            [machine.at(point[None])[0 if whole.shape[1] == 1 else 1] for point in points[:20]]
+        )
+        np.testing.assert_allclose(whole[:20], one_by_one, rtol=5e-3)
+    assert machine.at(np.zeros((0, 3)))[0].shape == (0, 1)
+
+
+def test_charges_on_the_parts_have_the_potentials_of_their_sum() -> None:
+    machine = fringe.Scene.loads(BALL + READ.replace("NAME", "ball")).machine_potentials()
+    points = around(300, 1.02 * RADIUS, 5 * RADIUS)
+    loads, parts = machine.at(points)
+    charges = np.random.default_rng(3).normal(size=(parts.shape[1], 7)).astype(np.float32)
+    again, summed = machine.at(points, charges=charges)
+    np.testing.assert_array_equal(loads, again)
+    np.testing.assert_allclose(summed, parts @ charges, rtol=0, atol=1e-4 * np.abs(summed).max())
+    with pytest.raises(ValueError, match="charges have 3 rows, but there are"):
+        machine.at(points, charges=charges[:3])
