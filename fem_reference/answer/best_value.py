@@ -16,7 +16,7 @@ from fem_reference.solve.level import Level
 LEAST_NARROWING = 1.5
 """Least ratio of two interval widths at which the value is extrapolated; in theory each halving of the edge size gives 2. Below it
 one of the two meshes is bad in a place that spoils one bound more than the other, and the middle of the interval is the better value."""
-LEAST_FRACTION_OF_WIDTH = 0.25
+LEAST_FRACTION_OF_WIDTH = 0.35
 """Least stated error of a value between bounds, as a fraction of their distance: NUMERICS.md section 5."""
 
 

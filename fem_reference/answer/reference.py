@@ -234,7 +234,7 @@ def solve_conductors(
     planes = _planes(problem, symmetry)
     levels: list[Level] = []
     shape: GeometryError | None = None
-    sizing = sizing_for(rtol, _first_refinement(problem, rtol, error), error == "enclosure")
+    sizing = sizing_for(rtol, first_refinement(problem, rtol, error), error == "enclosure")
     while True:
         number = len(levels)
         # Bounds on the first mesh reveal what differences between meshes cannot: a mistake that all meshes share.
@@ -282,7 +282,7 @@ def _planes(problem: Conductors, symmetry: bool) -> tuple[Plane, ...]:
     return mirror_planes(problem.bodies, problem.owner, problem.room) if symmetry else ()
 
 
-def _first_refinement(problem: Conductors, rtol: float, error: ErrorKind) -> float:
+def first_refinement(problem: Conductors, rtol: float, error: ErrorKind) -> float:
     """The divisor of the sizes at edges on the first mesh."""
     if error == "estimate" or rtol < COARSE_RTOL_IN_GAPS:
         return 1.0

@@ -43,7 +43,7 @@ time of an answer of three levels. With degree 1 no flux is left in quarter-poin
 
 @dataclass(frozen=True)
 class Level:
-    """The solution on one mesh; matrices in farads, `edge_size` in metres at the edges of the smallest body."""
+    """The solution on one mesh; matrices in farads, `edge_size` in metres: that at the edges of the smallest body, or the smallest adapted one."""
 
     edge_size: float
     unknowns: int
@@ -99,9 +99,12 @@ def solve_level(
     )
     release_unused(mesh.mesh.comm)
     smallest = min(body.size for body in problem.bodies)
+    edge_size = sizing.edge * smallest / sizing.refinement
+    if sizing.adapted is not None and len(sizing.adapted.sizes):
+        edge_size = float(sizing.adapted.sizes.min())
     end = time.monotonic()
     return Level(
-        sizing.edge * smallest * problem.unit / sizing.refinement,
+        edge_size * problem.unit,
         found.unknowns,
         mesh.cell_count,
         end - start,

@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import json
 import logging
+import math
 import sys
 import tempfile
 import time
@@ -89,12 +90,17 @@ def _boxes(count: int) -> tuple[Object, ...]:
     )
 
 
-def answer(machine: Machine) -> Document:
-    """Encloses a machine's capacitances, in picofarad; for machines of plane faces boundary elements add the readings."""
+def answer(machine: Machine, max_seconds: float = math.inf) -> Document:
+    """Encloses a machine's capacitances, in picofarad; for machines of plane faces boundary elements add the readings.
+
+    The refinement ends before a mesh that would be done after `max_seconds`.
+    """
     from fem_reference.answer import reference
 
     start = time.process_time()
-    found = reference.maxwell(machine.scene, machine.rtol, source=machine.name, columns=machine.columns)
+    found = reference.maxwell(
+        machine.scene, machine.rtol, max_seconds, source=machine.name, columns=machine.columns
+    )
     seconds = time.process_time() - start
     entries = [
         (f"M[{found.names[i]}, {found.names[j]}]", found.maxwell.value[i, j], found.maxwell.error[i, j], found.lower[i, j], found.upper[i, j])
@@ -200,6 +206,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "names", nargs="*", metavar="NAME", help=f"machines to solve anew: {', '.join(known)}"
     )
+    parser.add_argument(
+        "--max-seconds", type=float, default=math.inf, help="limit for the solution of each machine"
+    )
     parser.add_argument("--scene", choices=known, help="print the scene of a machine instead")
     options = parser.parse_args(arguments)
     if options.scene is not None:
@@ -213,7 +222,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         is_missing = name not in answers or answers[name]["scene"] != identity(machine.scene)
         if name in options.names or (not options.names and is_missing):
             # Another process may have written meanwhile.
-            answers = {**stored(), name: answer(machine)}
+            answers = {**stored(), name: answer(machine, options.max_seconds)}
             ordered = {each: answers[each] for each in known if each in answers}
             write_text(ANSWERS, json.dumps(ordered, indent=1) + "\n")
             write_text(TABLE, page(ordered))

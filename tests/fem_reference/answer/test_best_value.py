@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fem_reference.answer.best_value import best_value
+from fem_reference.answer.best_value import LEAST_FRACTION_OF_WIDTH, best_value
 from fem_reference.solve.enclosure import Enclosure
 from fem_reference.solve.level import Level
 
@@ -22,7 +22,7 @@ def test_bounds_that_narrow_in_proportion_meet_in_the_truth(narrowing: float) ->
     """The value is found for any ratio of the two widths."""
     found = best_value([level(0.07, 0.1), level(0.07 / narrowing, 0.1 / narrowing)])
     assert found.value[0, 0] == pytest.approx(1, abs=1e-14) and found.extrapolated[0, 0]
-    assert found.error[0, 0] == pytest.approx(0.17 / narrowing / 4)
+    assert found.error[0, 0] == pytest.approx(LEAST_FRACTION_OF_WIDTH * 0.17 / narrowing)
 
 
 def test_levels_without_bounds_between_do_not_matter() -> None:

@@ -7,7 +7,9 @@ import pytest
 
 from fem_reference.answer.convergence import Estimate
 from fem_reference.solve.level import Level
-from fem_reference.answer.reference import Reference
+from fem_reference.answer.reference import ErrorKind, Reference, first_refinement
+from fem_reference.bodies.conductors import normalised
+from fem_reference.bodies.shapes import Rectangle
 
 
 def answer(levels: int, error: float) -> Reference:
@@ -30,3 +32,21 @@ def test_reached_takes_a_small_error_and_three_levels(levels: int, error: float,
 def test_the_interval_is_the_value_and_its_error() -> None:
     found = answer(3, 0.25)
     assert (found.lower[0, 0], found.upper[0, 0], found.worst) == (0.75, 1.25, 0.25)
+
+
+@pytest.mark.parametrize(
+    "gap, rtol, error, refinement",
+    [
+        (0.04, 1e-2, "enclosure", 0.5),
+        (0.04, 1e-3, "enclosure", 1.0),
+        (0.04, 1e-2, "estimate", 1.0),
+        (0.1, 1e-2, "enclosure", 1.0),
+    ],
+)
+def test_enclosures_that_may_be_wide_start_coarser_in_narrow_gaps(
+    gap: float, rtol: float, error: ErrorKind, refinement: float
+) -> None:
+    plates = [
+        Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("a", 0), ("b", gap))
+    ]
+    assert first_refinement(normalised(["a", "b"], 1, plates, range(2)), rtol, error) == refinement
