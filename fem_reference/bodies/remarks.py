@@ -64,7 +64,7 @@ class _Surface:
 
 
 def remarks(scene: Scene) -> list[str]:
-    """Returns the remarks on a scene: on what the reader mended, sizes, triangles that do not count or face inwards, and objects in others."""
+    """Returns the remarks on a scene: on what the reader mended, sizes, triangles that do not count or face inwards, permittivities below 1, and objects in others."""
     surfaces = []
     for body in scene.objects:
         own = body.shape.triangles()
@@ -72,7 +72,7 @@ def remarks(scene: Scene) -> list[str]:
     found = [*scene.changes, *_on_sizes(scene, surfaces)]
     for surface in surfaces:
         found += _on_triangles(surface.body)
-    return found + _on_insides(surfaces)
+    return found + _on_permittivities(scene) + _on_insides(surfaces)
 
 
 def _on_sizes(scene: Scene, surfaces: list[_Surface]) -> list[str]:
@@ -121,6 +121,16 @@ def _on_triangles(body: Object) -> list[str]:
             "reverse the order of their vertices"
         )
     return found
+
+
+def _on_permittivities(scene: Scene) -> list[str]:
+    """Remarks on dielectric objects that polarise less than empty space."""
+    return [
+        f'object "{body.name}": its relative permittivity of {body.relative_permittivity:.3g} is less than that of empty space, 1; '
+        "no material has it at rest"
+        for body in scene.objects
+        if body.relative_permittivity is not None and body.relative_permittivity < 1
+    ]
 
 
 def _on_insides(surfaces: list[_Surface]) -> list[str]:

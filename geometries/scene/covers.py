@@ -22,6 +22,11 @@ def read_cover(table: Table, sensor: Sensor) -> tuple[Object, ...]:
     if permittivity < 1:
         raise cover.error("relative_permittivity", "a cover's must be at least 1")
     cover.finish()
+    return covers(sensor, thickness, permittivity)
+
+
+def covers(sensor: Sensor, thickness: float, permittivity: float) -> tuple[Object, ...]:
+    """Returns the bodies of a cover (m, relative permittivity at least 1) on a sensor, one for each plate, in the plates' order."""
     return tuple(
         _layer(sensor, plate, _name(sensor, index), thickness, permittivity)
         for index, plate in enumerate(sensor.plates)

@@ -133,8 +133,10 @@ class CornerWeld {
 
 Role role_of(const Object& object) {
   if (std::holds_alternative<Dielectric>(object.role))
-    throw InputError(
-        fmt::format("object \"{}\" is dielectric: the reduced method computes only conductors", object.name));
+    throw InputError(fmt::format(
+        "object \"{}\" is dielectric: the reduced method computes only conductors; boundary-elements "
+        "and the field solver take dielectric bodies",
+        object.name));
   if (std::holds_alternative<Electrode>(object.role))
     return Role::electrode;
   return std::holds_alternative<Floating>(object.role) ? Role::floating : Role::grounded;

@@ -88,6 +88,20 @@ bool has_insulators(const Scene& scene) {
                      [](const Object& object) { return std::holds_alternative<Dielectric>(object.role); });
 }
 
+void refuse_thick_covers(const Scene& scene) {
+  if (!std::ranges::any_of(scene.objects, is_cover))
+    return;
+  const std::vector<Eigen::Isometry3d> link_poses = world_poses(scene.links);
+  ChargedBodies conductors = bodies_on_links(without_insulators(scene));
+  for (ChargedBody& body : conductors.bodies)
+    body = moved(body, attachment_pose(link_poses, body.link));
+  for (const Object& object : scene.objects)
+    if (is_cover(object))
+      refuse_conductors_inside(
+          insulator_of(object, attachment_pose(link_poses, object.link), scene.medium.relative_permittivity),
+          conductors);
+}
+
 InsulatedBodies insulated_bodies(const Scene& scene) {
   InsulatedBodies result;
   result.conductors = charged_bodies(without_insulators(scene));

@@ -37,6 +37,10 @@ struct InsulatedBodies {
 /// Returns true if a scene has a dielectric body.
 bool has_insulators(const Scene& scene);
 
+/// Throws InputError, with both names, if a conductor reaches into a sensor's cover: it is thicker than the
+/// gap.
+void refuse_thick_covers(const Scene& scene);
+
 /// Returns the bodies of a scene in world coordinates. Throws InputError as charged_bodies() does, for a
 /// dielectric body whose surface is not closed, and for a sensor's cover that a conductor reaches into.
 InsulatedBodies insulated_bodies(const Scene& scene);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
-#include <variant>
 
 #include "bem/contact.hpp"
 #include "bem/readings.hpp"
@@ -62,15 +61,6 @@ ChargedBodies part_of(const ChargedBodies& bodies, bool of_targets) {
 }  // namespace
 
 CompanyReadings::CompanyReadings(std::shared_ptr<LinkPoses> poses) : motion_(std::move(poses)) {}
-
-bool CompanyReadings::knows(const Scene& scene) {
-  const std::vector<bool> are_targets = targets(scene);
-  return asks_for_changes(scene) && !scene.has_room &&
-         std::find(are_targets.begin(), are_targets.end(), true) != are_targets.end() &&
-         std::ranges::none_of(scene.objects, [](const Object& object) {
-           return std::holds_alternative<Dielectric>(object.role);
-         });
-}
 
 CompanyReadings::Group CompanyReadings::group(const ChargedBodies& bodies, bool of_targets) const {
   ChargedBodies part = part_of(bodies, of_targets);

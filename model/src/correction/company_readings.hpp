@@ -26,12 +26,10 @@ class CompanyReadings {
   /// The name of the formula as a method.
   static constexpr const char* name = "formula in company";
 
-  /// Tells whether the formula knows a scene: one that asks for changes, of conductors without a room.
-  static bool knows(const Scene& scene);
-
-  /// Writes the changes of the scene's readings, which must be the same in every call, except for its poses.
-  /// The change is infinite where a grounded target touches what a reading senses or drives; it is not known
-  /// where contact joins other conductors that may have different potentials.
+  /// Writes the changes of the readings of a scene of conductors without a room, some of them targets. It
+  /// must be the same in every call, except for its poses. The change is infinite where a grounded target
+  /// touches what a reading senses or drives; it is not known where contact joins other conductors that may
+  /// have different potentials.
   /// @throws InputError for scenes that maxwell() refuses, but for contact with targets.
   void write(const Scene& scene, std::vector<ReadingAnswer>& answers);
 

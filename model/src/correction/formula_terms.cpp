@@ -1,13 +1,15 @@
 #include "correction/formula.hpp"
+#include "correction/layer_rule.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 
 namespace fringe {
 
-std::vector<std::vector<FormulaTerms>> formula_terms(const Scene& scene) {
+std::vector<std::vector<FormulaTerms>> formula_terms(const Scene& with_covers) {
   // Throws for the scenes that the correction refuses.
-  capacitance(scene, {.correction = Correction::formula});
+  capacitance(with_covers, {.correction = Correction::formula});
+  const Scene scene = detail::without_covers(with_covers, detail::CoveredPlate::moved);
   const std::vector<Eigen::Isometry3d> link_poses = world_poses(scene.links);
   std::vector<std::vector<FormulaTerms>> result;
   for (const Sensor& sensor : scene.sensors) {

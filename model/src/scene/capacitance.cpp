@@ -1,5 +1,6 @@
 #include "fringe/capacitance.hpp"
 
+#include "bem/insulators.hpp"
 #include "fringe/scene_evaluator.hpp"
 
 namespace fringe {
@@ -21,6 +22,7 @@ double divider_voltage(const Sensor& sensor, double total) {
 }
 
 SceneCapacitance capacitance(const Scene& scene, const CapacitanceOptions& options) {
+  detail::refuse_thick_covers(scene);
   return SceneEvaluator(scene, options).capacitance();
 }
 

@@ -6,7 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "correction/company_readings.hpp"
+#include "bem/insulators.hpp"
+#include "correction/insulated_readings.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/reduced_capacitance.hpp"
@@ -47,7 +48,7 @@ class LiveScene::Implementation {
       // An interrupted preparation is incomplete and must not serve the next answer.
       reduced_.reset();
       recommended_.reset();
-      company_ = detail::CompanyReadings(poses_);
+      company_ = detail::InsulatedReadings(poses_);
       throw;
     }
     return answer_;
@@ -81,7 +82,8 @@ class LiveScene::Implementation {
   void integrate(const EvaluationOptions& asked) {
     const CapacitanceOptions options = integral_options(asked);
     const bool knows_company =
-        options.correction != Correction::none && detail::CompanyReadings::knows(scene_);
+        options.correction != Correction::none && detail::InsulatedReadings::knows(scene_);
+    detail::refuse_thick_covers(scene_);
     answer_.matrix.reset();
     answer_.reached = true;
     if (knows_company)
@@ -155,7 +157,7 @@ class LiveScene::Implementation {
   std::optional<ReducedEvaluator> reduced_;
   ReducedOptions reduced_options_;
   std::optional<detail::RecommendedMethod> recommended_;
-  detail::CompanyReadings company_;
+  detail::InsulatedReadings company_;
   std::optional<CollisionDetector> detector_;
   std::optional<SceneSensing> sensing_;
   ConeMethod sensing_method_ = ConeMethod::field_of_view;

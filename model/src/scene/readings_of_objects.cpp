@@ -5,16 +5,19 @@
 #include <utility>
 #include <variant>
 
+#include "correction/insulated_readings.hpp"
 #include "fringe/reading.hpp"
 #include "geometry/wrench.hpp"
 
 namespace fringe::detail {
 
 std::vector<bool> have_capacitances(const Scene& scene) {
+  const std::vector<bool> enclosed = are_enclosed(scene);
   std::vector<bool> result;
   for (const Object& object : scene.objects)
-    result.push_back(!std::holds_alternative<Electrode>(object.role) &&
-                     !(std::holds_alternative<Floating>(object.role) && asks_for_changes(scene)));
+    result.push_back(!std::holds_alternative<Electrode>(object.role) && !is_cover(object) &&
+                     !(std::holds_alternative<Floating>(object.role) && asks_for_changes(scene)) &&
+                     !enclosed[result.size()]);
   return result;
 }
 

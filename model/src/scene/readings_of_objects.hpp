@@ -13,8 +13,9 @@
 
 namespace fringe::detail {
 
-/// Tells for every object whether the triangle-integral methods give it a capacitance. Electrodes have none,
-/// nor have floating objects of a scene that asks for changes; in other scenes these are refused.
+/// Tells for every object whether the triangle-integral methods give it a capacitance. Electrodes and covers
+/// have none, nor have floating objects and dielectric targets of a scene that asks for changes; in other
+/// scenes these are refused.
 std::vector<bool> have_capacitances(const Scene& scene);
 
 /// The readings of a scene by the capacitances of its objects: the change is the sum over the targets, if the

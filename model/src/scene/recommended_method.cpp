@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "bem/insulators.hpp"
 #include "bem/readings.hpp"
 #include "fringe/error.hpp"
 #include "fringe/reading.hpp"
@@ -130,6 +131,7 @@ std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_boundary_eleme
 }
 
 Evaluation RecommendedMethod::by_formula(const Scene& scene) {
+  refuse_thick_covers(scene);
   if (!formula_)
     formula_.emplace(scene, CapacitanceOptions{.correction = Correction::formula}, poses_);
   SceneCapacitance felt = formula_->capacitance();
@@ -142,7 +144,7 @@ Evaluation RecommendedMethod::by_formula(const Scene& scene) {
       reached = reached && object.error.has_value();
     }
   Evaluation answer{std::move(felt), std::nullopt, {}, to_string(Correction::formula), reached};
-  if (CompanyReadings::knows(scene)) {
+  if (InsulatedReadings::knows(scene)) {
     company_.write(scene, answer.readings);
     answer.reached =
         reached &&

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "correction/company_readings.hpp"
+#include "correction/insulated_readings.hpp"
 #include "fringe/evaluation.hpp"
 #include "fringe/reduced_capacitance.hpp"
 #include "fringe/scene_evaluator.hpp"
@@ -42,7 +42,7 @@ class RecommendedMethod {
   bool reduced_refuses_ = false;  ///< in every pose
   std::string refusal_;           ///< why a method that finds a matrix last refused
   std::optional<SceneEvaluator> formula_;
-  CompanyReadings company_;
+  InsulatedReadings company_;
 };
 
 }  // namespace fringe::detail

@@ -159,6 +159,17 @@ bool is_inside(const Body& inner, const Body& outer, std::optional<bool>& outer_
   return count > 0;
 }
 
+/// Remarks on dielectric objects that polarise less than empty space.
+void remark_on_permittivities(const Scene& scene, std::vector<std::string>& found) {
+  for (const Object& object : scene.objects)
+    if (const auto* dielectric = std::get_if<Dielectric>(&object.role);
+        dielectric != nullptr && dielectric->relative_permittivity < 1)
+      found.push_back(fmt::format(
+          "object \"{}\": its relative permittivity of {:.3g} is less than that of empty space, 1; "
+          "no material has it at rest",
+          object.name, dielectric->relative_permittivity));
+}
+
 void remark_on_insides(const std::vector<Body>& bodies, std::vector<std::string>& found) {
   for (const Body& outer : bodies) {
     std::optional<bool> outer_is_closed;
@@ -246,6 +257,38 @@ void remark_on_shields(const Scene& scene, const std::vector<Body>& bodies, cons
   }
 }
 
+/// Remarks on what the triangle integrals and the formula take in the place of covers and dielectric targets.
+void remark_on_insulators(const Scene& scene, const Evaluation& answer, std::vector<std::string>& found) {
+  std::vector<std::string> covered, enclosed;
+  for (const Sensor& sensor : scene.sensors)
+    if (std::ranges::any_of(scene.objects, [&](const Object& object) {
+          return is_cover(object) && object.conductor == sensor.name;
+        }))
+      covered.push_back(sensor.name);
+  for (const Object& object : scene.objects)
+    if (std::holds_alternative<Dielectric>(object.role) && !is_cover(object))
+      enclosed.push_back(object.name);
+  if (!covered.empty())
+    found.push_back(fmt::format(
+        "sensor {}: the method {} takes the cover by the layer rule, as a plate nearer by t(1 - 1/e); "
+        "compare with boundary-elements",
+        listed(covered), answer.answered_by));
+  if (enclosed.empty())
+    return;
+  const bool is_known = std::ranges::all_of(
+      answer.readings, [](const ReadingAnswer& reading) { return reading.change.value.has_value(); });
+  found.push_back(
+      is_known
+          ? fmt::format(
+                "object {}: dielectric, of which the formula only knows between which conductors' changes "
+                "its change lies; the error says so. Compare with boundary-elements",
+                listed(enclosed))
+          : fmt::format(
+                "object {}: dielectric, of which the method {} knows no change; the correction formula "
+                "and boundary-elements do",
+                listed(enclosed), answer.answered_by));
+}
+
 /// Remarks on derivatives that are asked for and not known.
 void remark_on_derivatives(const std::vector<ReadingAnswer>& readings, std::vector<std::string>& found) {
   for (const ReadingAnswer& reading : readings)
@@ -262,6 +305,7 @@ std::vector<std::string> remarks(const Scene& scene, const std::vector<Body>& bo
   remark_on_sizes(scene, bodies, found);
   for (const Object& object : scene.objects)
     remark_on_triangles(object, found);
+  remark_on_permittivities(scene, found);
   remark_on_insides(bodies, found);
   return found;
 }
@@ -286,6 +330,7 @@ std::vector<std::string> remarks(const Scene& scene, const EvaluationOptions& op
         "plates");
   if (options.faces == FaceRule::facing)
     remark_on_backs(answer.capacitance, found);
+  remark_on_insulators(scene, answer, found);
   remark_on_shields(scene, bodies, answer, found);
   return found;
 }

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "correction/formula.hpp"
+#include "correction/layer_rule.hpp"
 #include "correction/recommended.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
@@ -26,13 +27,18 @@ using detail::SurfaceIntegral;
 
 /// Returns what an object is that is not grounded, for a message.
 std::string_view kind_of(const ElectricalRole& role) {
-  if (std::holds_alternative<Floating>(role))
-    return "floating";
-  return std::holds_alternative<Electrode>(role) ? "an electrode" : "dielectric";
+  return std::holds_alternative<Floating>(role) ? "floating" : "an electrode";
 }
 
 /// Prepares the surface of an object. Throws InputError for an object that the model does not support.
 Surface surface_of(const Object& object, const CapacitanceOptions& options) {
+  if (std::holds_alternative<Dielectric>(object.role))
+    throw InputError(fmt::format("object \"{}\" is dielectric: the triangle-integral model knows only "
+                                 "covers, and the formula dielectric "
+                                 "targets of readings, of no less than the medium's permittivity; "
+                                 "boundary-elements and the field solver "
+                                 "know all",
+                                 object.name));
   if (!std::holds_alternative<Grounded>(object.role))
     throw InputError(
         fmt::format("object \"{}\" is {}: the triangle-integral model knows only grounded conductors",
@@ -339,19 +345,25 @@ class SceneEvaluator::Implementation {
 
 /// Leaves electrodes out: to the triangle-integral model they are as other sensors are, of which it knows
 /// nothing. The correction `recommended`, which solves for all conductors, takes no scene that has any.
+/// Covers are replaced by the layer rule; in scenes that have any `recommended` is the formula.
 std::unique_ptr<SceneEvaluator::Implementation>
 SceneEvaluator::make_implementation(const Scene& scene, const CapacitanceOptions& options,
                                     const std::shared_ptr<detail::LinkPoses>& poses) {
   const std::vector<bool> are_known = detail::have_capacitances(scene);
-  if (options.correction == Correction::recommended ||
+  const bool is_insulated = std::ranges::any_of(
+      scene.objects, [](const Object& object) { return std::holds_alternative<Dielectric>(object.role); });
+  if ((options.correction == Correction::recommended && !is_insulated) ||
       std::find(are_known.begin(), are_known.end(), false) == are_known.end())
     return std::make_unique<Implementation>(scene, options, poses);
-  Scene known = scene;
+  Scene known = detail::without_covers(scene, detail::CoveredPlate::moved);
   known.objects.clear();
   for (std::size_t k = 0; k < scene.objects.size(); ++k)
     if (are_known[k])
       known.objects.push_back(scene.objects[k]);
-  return std::make_unique<Implementation>(known, options, poses);
+  CapacitanceOptions chosen = options;
+  if (chosen.correction == Correction::recommended)
+    chosen.correction = Correction::formula;
+  return std::make_unique<Implementation>(known, chosen, poses);
 }
 
 SceneEvaluator::SceneEvaluator(const Scene& scene, const CapacitanceOptions& options)

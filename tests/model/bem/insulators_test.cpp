@@ -1,8 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "bem/double_layer.hpp"
 #include "bem/scenes.hpp"
@@ -103,6 +105,41 @@ TEST(Insulators, AnInsulatingTargetAddsLessThanAGroundedOne) {
   EXPECT_GT(*insulating.readings[0].change.value, *insulating.readings[0].change.error);
   EXPECT_LT(*insulating.readings[0].change.value, *grounded.readings[0].change.value);
   EXPECT_FALSE(insulating.lower_bounds[0]);
+}
+
+/// A plate of 2 cm in the middle of others at its potential, of 6 cm together, between grounded plates 5 mm
+/// above and below, with a layer on both of its sides.
+Scene guarded_condenser(double layer, double permittivity) {
+  constexpr double outer = 0.03, inner = 0.01, gap = 0.005;
+  constexpr std::array<double, 4> edges{-outer, -inner, inner, outer};
+  Scene scene;
+  const auto add = [&](int column, int row) {
+    const double width = edges[column + 1] - edges[column], depth = edges[row + 1] - edges[row];
+    const double x = (edges[column] + edges[column + 1]) / 2, y = (edges[row] + edges[row + 1]) / 2;
+    scene.objects.push_back(
+        object("plate" + std::to_string(3 * column + row), Plate{width, depth}, at(x, y, 0), Electrode{}));
+    scene.objects.back().conductor = "plates";
+  };
+  add(1, 1);
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row)
+      if (column != 1 || row != 1)
+        add(column, row);
+  for (const double side : {1.0, -1.0}) {
+    const std::string name = side > 0 ? "upper" : "lower";
+    scene.objects.push_back(object(name, Plate{2 * outer, 2 * outer}, at(0, 0, side * gap)));
+    scene.objects.push_back(object(name + " layer", Cuboid{2 * outer, 2 * outer, layer},
+                                   at(0, 0, side * layer / 2), Dielectric{permittivity}));
+  }
+  return scene;
+}
+
+TEST(Insulators, AGuardedCondenserFilledInLayersHasTheCapacitanceOfTheirSeries) {
+  BoundaryElementOptions options;
+  options.rtol = 0.1;
+  const MaxwellMatrix found = maxwell(guarded_condenser(0.002, 4), options);
+  const double exact = 2 * vacuum_permittivity * 0.02 * 0.02 / (0.002 / 4 + 0.003);
+  EXPECT_NEAR(found.charges(0, 0), exact, 1e-4 * exact);
 }
 
 TEST(Insulators, OneInsideAConductorIsRefused) {

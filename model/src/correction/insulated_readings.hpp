@@ -1,0 +1,54 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "correction/company_readings.hpp"
+#include "fringe/reading_answer.hpp"
+#include "fringe/scene.hpp"
+#include "geometry/link_motion.hpp"
+
+namespace fringe::detail {
+
+/// Tells for every object whether its share of a change is enclosed: of targets that are dielectric, with at
+/// least the medium's permittivity, in a scene that asks for changes.
+std::vector<bool> are_enclosed(const Scene& scene);
+
+/// The readings by the formula in company of scenes that may have covers and dielectric targets, while links
+/// move (model/CORRECTIONS.md, section 9). Covers follow the layer rule. More permittivity anywhere raises
+/// the energy at given potentials, so that the change lies between those without the dielectric targets and
+/// with conductors in their place: floating ones, or grounded ones where these touch others. The error states
+/// that.
+class InsulatedReadings {
+ public:
+  /// Prepares nothing yet; the scene's links have the poses given.
+  explicit InsulatedReadings(std::shared_ptr<LinkPoses> poses);
+
+  /// Tells whether the readings of a scene are known: it asks for changes, has no room, and of dielectric
+  /// objects only covers and targets that are enclosed.
+  static bool knows(const Scene& scene);
+
+  /// Writes the changes of the scene's readings, as CompanyReadings does.
+  void write(const Scene& scene, std::vector<ReadingAnswer>& answers);
+
+ private:
+  /// A scene of conductors only, and its readings.
+  struct Conducting {
+    Scene scene;
+    CompanyReadings readings;
+  };
+
+  void prepare(const Scene& scene);
+  void enclose(std::vector<ReadingAnswer>& answers);
+
+  std::shared_ptr<LinkPoses> poses_;
+  std::optional<Conducting> upper_;     ///< conductors in the place of dielectric targets; else all there is
+  std::optional<Conducting> grounded_;  ///< with grounded ones where `upper_` has floating ones
+  std::optional<Conducting> lower_;     ///< without dielectric targets, if there are others, too
+  /// Estimated share that dielectric targets have of the change by conductors; none: there are none of them.
+  std::optional<double> share_;
+  std::vector<bool> drive_themselves_;  ///< for every reading, whether it drives what it senses only
+};
+
+}  // namespace fringe::detail

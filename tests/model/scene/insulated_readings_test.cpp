@@ -1,0 +1,166 @@
+#include <cmath>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fringe/capacitance.hpp"
+#include "fringe/error.hpp"
+#include "fringe/evaluation.hpp"
+#include "fringe/pose.hpp"
+#include "fringe/remarks.hpp"
+
+/// Covers and dielectric targets by the triangle integrals and the formula (model/CORRECTIONS.md, section 9).
+namespace fringe {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr const char* cover_name = "front cover";
+
+Eigen::Isometry3d at(double x, double y, double z) {
+  return pose_from_axis({0, 0, 1}, 0, {x, y, z});
+}
+
+/// A sensor of 6 cm × 8 cm on a housing, and a target before it.
+Scene before_a_hand(double gap, const ElectricalRole& role = Grounded{}) {
+  Scene scene;
+  Sensor sensor;
+  sensor.name = "front";
+  sensor.plates = {{{-0.03, -0.04, 0}, {0.06, 0, 0}, {0, 0.08, 0}}};
+  scene.sensors = {sensor};
+  scene.objects = {{"housing", std::nullopt, Cuboid{0.08, 0.1, 0.05}, at(0, 0, -0.035)},
+                   {"hand", std::nullopt, Cuboid{0.08, 0.09, 0.02}, at(0.01, 0.005, gap + 0.01), role}};
+  scene.objects[1].target = true;
+  return scene;
+}
+
+Scene covered(Scene scene, double thickness, double permittivity) {
+  Object cover{cover_name,
+               std::nullopt,
+               Cuboid{0.06, 0.08, thickness},
+               at(0, 0, thickness / 2),
+               Dielectric{permittivity},
+               false};
+  cover.conductor = "front";
+  scene.objects.insert(scene.objects.begin(), cover);
+  return scene;
+}
+
+double change(const Scene& scene, const EvaluationOptions& options) {
+  return evaluate(scene, options).readings.at(0).change.value.value();
+}
+
+std::string refusal(const Scene& scene, const EvaluationOptions& options) {
+  try {
+    evaluate(scene, options);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+const EvaluationOptions by_integral{};
+const EvaluationOptions by_formula{.correction = Correction::formula};
+EvaluationOptions by_boundary_elements(double rtol) {
+  return {.method = BoundaryElements{}, .rtol = rtol, .entries = Entries::of_readings};
+}
+
+TEST(LayerRule, ACoveredPlateIsNearerByItsThicknessTimesOneLessTheInversePermittivity) {
+  Scene moved = before_a_hand(0.02);
+  moved.sensors[0].plates[0].corner.z() = 0.003 * (1 - 1 / 4.0);
+  EXPECT_NEAR(change(covered(before_a_hand(0.02), 0.003, 4), by_integral), change(moved, by_integral),
+              1e-12 * change(moved, by_integral));
+}
+
+TEST(LayerRule, ACoverOfTheMediumChangesNothing) {
+  for (const EvaluationOptions& options : {by_integral, by_formula}) {
+    Scene scene = before_a_hand(0.02);
+    scene.medium.relative_permittivity = 2;
+    EXPECT_EQ(change(covered(scene, 0.003, 2), options), change(scene, options));
+  }
+}
+
+TEST(LayerRule, TheFormulaUnderACoverIsWithinItsErrorOfBoundaryElements) {
+  for (const auto& [gap, thickness] : {std::pair{0.012, 0.004}, std::pair{0.06, 0.008}}) {
+    const Scene scene = covered(before_a_hand(gap), thickness, 4);
+    const double truth = change(scene, by_boundary_elements(5e-2));
+    const Evaluation answer = evaluate(scene, by_formula);
+    const Estimate found = answer.readings.at(0).change;
+    EXPECT_LT(std::abs(*found.value - truth), 0.12 * truth) << gap;
+    EXPECT_LT(std::abs(*found.value - truth), found.error.value()) << gap;
+    // The cover is no object of its own.
+    EXPECT_EQ(answer.capacitance.sensors.at(0).objects.size(), 2);
+    EXPECT_THAT(remarks(scene, by_formula, answer), ::testing::Contains(HasSubstr("layer rule")));
+  }
+}
+
+TEST(LayerRule, ACoverThickerThanTheGapIsRefusedByBothNames) {
+  const Scene scene = covered(before_a_hand(0.003), 0.004, 3);
+  for (const EvaluationOptions& options : {by_integral, by_formula, by_boundary_elements(0.15)})
+    EXPECT_THAT(refusal(scene, options),
+                AllOf(HasSubstr(cover_name), HasSubstr("hand"), HasSubstr("thicker than the gap")));
+  EXPECT_EQ(refusal(covered(before_a_hand(0.003), 0.003, 3), by_formula), "accepted");
+}
+
+TEST(DielectricTargets, TheTruthIsWithinTheStatedErrorBetweenNothingAndAConductor) {
+  for (const double permittivity : {2.0, 80.0}) {
+    const Scene scene = before_a_hand(0.03, Dielectric{permittivity});
+    const Estimate found = evaluate(scene, by_formula).readings.at(0).change;
+    const double truth = change(scene, by_boundary_elements(0.15));
+    EXPECT_LT(std::abs(*found.value - truth), found.error.value()) << permittivity;
+    EXPECT_GT(*found.value, 0);
+    EXPECT_LT(*found.value, change(before_a_hand(0.03, Floating{}), by_formula));
+  }
+}
+
+TEST(DielectricTargets, BesideAConductorTheyAddToItsChange) {
+  Scene scene = before_a_hand(0.03);
+  Object blanket{"blanket", std::nullopt, Cuboid{0.1, 0.1, 0.004}, at(0.01, 0.005, 0.028), Dielectric{2}};
+  blanket.target = true;
+  scene.objects.push_back(blanket);
+  const Estimate found = evaluate(scene, by_formula).readings.at(0).change;
+  EXPECT_GT(*found.value, change(before_a_hand(0.03), by_formula));
+  EXPECT_LT(std::abs(*found.value - change(scene, by_boundary_elements(0.15))), found.error.value());
+}
+
+TEST(DielectricTargets, OnGroundedBodiesTheyAreEnclosedByGroundedConductors) {
+  Scene scene = before_a_hand(0.03, Dielectric{3});
+  scene.objects[1].pose = at(0.05, 0, 0);
+  scene.objects[1].shape = Cuboid{0.02, 0.02, 0.02};
+  scene.objects[0].shape = Cuboid{0.2, 0.1, 0.05};
+  const Estimate found = evaluate(scene, by_formula).readings.at(0).change;
+  ASSERT_TRUE(found.value.has_value());
+  EXPECT_GE(*found.error, *found.value);
+}
+
+TEST(DielectricTargets, IntegralsKnowNoChangeAndSaySo) {
+  const Scene scene = before_a_hand(0.03, Dielectric{3});
+  const Evaluation answer = evaluate(scene, by_integral);
+  EXPECT_FALSE(answer.readings.at(0).change.value.has_value());
+  EXPECT_THAT(remarks(scene, by_integral, answer), ::testing::Contains(HasSubstr("\"hand\": dielectric")));
+}
+
+TEST(DielectricTargets, OfLessThanTheMediumsPermittivityAreRefused) {
+  Scene scene = before_a_hand(0.03, Dielectric{1.5});
+  scene.medium.relative_permittivity = 2;
+  EXPECT_THAT(refusal(scene, by_formula), AllOf(HasSubstr("\"hand\""), HasSubstr("boundary-elements")));
+}
+
+TEST(DielectricMachines, AreRefusedByNameWithTheMethodsThatKnowThem) {
+  Scene scene = before_a_hand(0.03);
+  scene.objects[0].role = Dielectric{3};
+  for (const EvaluationOptions& options : {by_integral, by_formula})
+    EXPECT_THAT(refusal(scene, options), AllOf(HasSubstr("\"housing\""), HasSubstr("boundary-elements")));
+}
+
+TEST(Remarks, APermittivityBelowOneIsRemarkedOn) {
+  EXPECT_THAT(remarks(before_a_hand(0.03, Dielectric{0.5})),
+              ::testing::Contains(HasSubstr("permittivity of 0.5 is less than")));
+  EXPECT_THAT(remarks(before_a_hand(0.03, Dielectric{1})),
+              Not(::testing::Contains(HasSubstr("permittivity"))));
+}
+
+}  // namespace
+}  // namespace fringe
