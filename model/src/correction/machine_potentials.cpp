@@ -37,9 +37,6 @@ constexpr double far = 6;
 /// Number of points that are evaluated together, with the same levels.
 constexpr std::size_t together = 16;
 
-/// Coordinate of points that only fill a block, in m: 1/distance is negligible.
-constexpr float padded_coordinate = 1e15F;
-
 }  // namespace
 
 struct MachinePotentials::Machine {
@@ -58,7 +55,7 @@ struct MachinePotentials::Machine {
 
   Machine(const Scene& scene, const MachinePotentialsOptions& options)
       : rest(detail::charged_bodies(scene), fringe::readings(scene),
-             {options.rtol, options.most_panels, options.functions, options.threads}) {
+             {options.rtol, options.most_panels, options.functions, 0, options.threads}) {
     for (const detail::MachineAtRest::OfReading& reading : rest.readings())
       readings.push_back(
           {static_cast<std::size_t>(reading.sense), static_cast<std::size_t>(reading.drive), reading.sign});
@@ -104,7 +101,7 @@ struct MachinePotentials::Machine {
     const auto padded =
         static_cast<std::size_t>(detail::whole_blocks(static_cast<std::ptrdiff_t>(rows.size())));
     for (std::vector<float>* coordinates : {&result.x, &result.y, &result.z})
-      coordinates->resize(padded, padded_coordinate);
+      coordinates->resize(padded, detail::padded_coordinate);
     return result;
   }
 
