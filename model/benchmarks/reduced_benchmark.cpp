@@ -2,8 +2,9 @@
 /// true one, over random poses of plates, of boxes and of bodies of triangles, and over the scene files
 /// given; with --meshes COUNT only over this many poses of the bodies of triangles. The true values are those
 /// of boundary elements at rtol = 1e-4 (less strict for triangles); a set-up for which that is not reached is
-/// omitted. Methods take turns; times are processor times of this thread, the least of five moves to the same
-/// pose.
+/// omitted; with --machine COUNT only the formula in company, for a hand in 500 poses before an arm, compared
+/// in COUNT of them with boundary elements. Methods take turns; times are processor times of this thread, the
+/// least of five moves to the same pose.
 
 #include <algorithm>
 #include <cmath>
@@ -16,9 +17,11 @@
 #include <fmt/format.h>
 
 #include "fringe/error.hpp"
+#include "fringe/live_scene.hpp"
 #include "fringe/reduced_capacitance.hpp"
 #include "fringe/scene_evaluator.hpp"
 #include "fringe/scene_reader.hpp"
+#include "hand_before_arm.hpp"
 #include "mesh_poses.hpp"
 
 namespace {
@@ -230,12 +233,63 @@ void measure_meshes(int count) {
   }
 }
 
+/// Measures the readings of a motion by the formula in company at an accuracy asked for.
+void measure_machine(std::size_t compared) {
+  constexpr std::size_t poses = 500;
+  constexpr double truth_rtol = 1e-2;
+  const Scene scene = benchmarks::hand_before_arm();
+  const std::vector<Frame> motion = benchmarks::hand_poses(scene, poses);
+  for (const double rtol : {2e-2, 1e-2}) {
+    LiveScene live(scene);
+    const EvaluationOptions options{.correction = Correction::formula, .rtol = rtol};
+    double start = processor_seconds();
+    live.readings_of(motion, options, 1);
+    const double first = processor_seconds() - start;
+    start = processor_seconds();
+    const std::vector<std::vector<ReadingAnswer>> answers = live.readings_of(motion, options, 1);
+    const double again = processor_seconds() - start;
+    fmt::print("hand of {} triangles before an arm of {} with {} sensors, rtol {}: {} poses, {:.2f} ms each, "
+               "{:.1f} s to prepare\n",
+               benchmarks::triangles_of(scene, true), benchmarks::triangles_of(scene, false),
+               scene.sensors.size(), rtol, poses, 1e3 * again / poses, first - again);
+    std::vector<double> errors;
+    double squares = 0, stated = 0, ratio = 0;
+    std::size_t covered = 0;
+    for (std::size_t k = 0; k < compared; ++k) {
+      const std::size_t pose = (k + 1) * poses / compared - 1;
+      LiveScene there(scene);
+      there.set_poses(motion[pose].poses);
+      const Evaluation truth =
+          there.evaluate({.method = BoundaryElements{}, .rtol = truth_rtol, .entries = Entries::of_readings});
+      for (std::size_t reading = 0; reading < truth.readings.size(); ++reading) {
+        const Estimate &known = truth.readings[reading].change, &found = answers[pose][reading].change;
+        const double error = std::abs(*found.value - *known.value);
+        errors.push_back(100 * error / std::abs(*known.value));
+        squares += errors.back() * errors.back();
+        stated += 100 * *found.error / std::abs(*known.value);
+        covered += error <= *found.error + *known.error;
+        ratio = std::max(ratio, error / *found.error);
+      }
+    }
+    if (!errors.empty())
+      fmt::print("  {} changes: rms {:.2f} %, median {:.2f} %, worst {:.2f} %; stated in the mean {:.2f} %; "
+                 "covered {}, largest difference per stated error {:.2f}\n",
+                 errors.size(), std::sqrt(squares / static_cast<double>(errors.size())),
+                 quantile(errors, 0.5), quantile(errors, 1), stated / static_cast<double>(errors.size()),
+                 covered, ratio);
+  }
+}
+
 }  // namespace
 
 int main(int argument_count, char** arguments) {
   constexpr int mesh_count = 40;
   if (argument_count == 3 && std::string(arguments[1]) == "--meshes") {
     measure_meshes(std::stoi(arguments[2]));
+    return 0;
+  }
+  if (argument_count == 3 && std::string(arguments[1]) == "--machine") {
+    measure_machine(std::stoul(arguments[2]));
     return 0;
   }
   Measurements of_files;

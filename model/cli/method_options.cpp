@@ -54,7 +54,7 @@ void add_method_options(CLI::App& command, MethodRequest& request) {
                    "boundary-elements");
   command.add_flag("--derivatives", request.derivatives,
                    "Also the derivatives of the readings' changes with respect to the pose of every link; "
-                   "only with exact, boundary-elements and reduced:K");
+                   "only with exact, boundary-elements, reduced:K and the correction formula with --rtol");
 }
 
 void add_refining_options(CLI::App& command, MethodRequest& request) {
@@ -78,7 +78,9 @@ void add_refining_options(CLI::App& command, MethodRequest& request) {
   command.add_option(
       "--rtol", request.rtol,
       "The relative error to be reached in every entry; only with boundary-elements (if not given "
-      "0.001), reduced:1, 2, 3 (0.01, 0.001, 0.0003) and recommended (0.01)");
+      "0.001), reduced:1, 2, 3 (0.01, 0.001, 0.0003), recommended (0.01) and, in the changes of readings, "
+      "the "
+      "correction formula");
 }
 
 EvaluationOptions options_of(const MethodRequest& written) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -177,6 +178,76 @@ std::vector<PythonFrame> sweep_of(SharedScene& scene, const std::filesystem::pat
   return frames;
 }
 
+/// Returns the pose in the 16 numbers of a (4, 4) matrix.
+Eigen::Isometry3d pose_of(const double* numbers) {
+  const Eigen::Matrix4d matrix = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>(numbers);
+  if (matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+    throw InputError("the last row of a (4, 4) pose must be 0, 0, 0, 1");
+  return pose_from_matrix(matrix.topLeftCorner<3, 3>(), matrix.topRightCorner<3, 1>());
+}
+
+/// Returns the frames of a motion: a file, or poses of all links, (frames, links, 4, 4).
+std::vector<Frame> frames_of(const py::object& motion, const Scene& scene) {
+  if (!py::isinstance<py::array>(motion) && !py::isinstance<py::list>(motion))
+    return load_motion(motion.cast<std::filesystem::path>(), scene);
+  const auto poses = motion.cast<Array>();
+  const auto links = static_cast<py::ssize_t>(scene.links.size());
+  if (poses.ndim() != 4 || poses.shape(1) != links || poses.shape(2) != 4 || poses.shape(3) != 4)
+    throw InputError(fmt::format("poses must have shape (frames, {}, 4, 4), a pose for each link", links));
+  std::vector<Frame> frames;
+  for (py::ssize_t frame = 0; frame < poses.shape(0); ++frame) {
+    Frame& entry = frames.emplace_back(fmt::format("{}", frame + 1), std::vector<Eigen::Isometry3d>());
+    for (py::ssize_t link = 0; link < links; ++link)
+      entry.poses.push_back(pose_of(poses.data() + 16 * (frame * links + link)));
+  }
+  return frames;
+}
+
+/// Returns estimates of readings (columns) in frames (rows); NaN for those that are not known.
+template <std::optional<double> Estimate::*part>
+Eigen::MatrixXd table_of(const std::vector<std::vector<ReadingAnswer>>& answers,
+                         Estimate ReadingAnswer::*estimate) {
+  Eigen::MatrixXd table(static_cast<Eigen::Index>(answers.size()),
+                        static_cast<Eigen::Index>(answers.empty() ? 0 : answers.front().size()));
+  for (Eigen::Index frame = 0; frame < table.rows(); ++frame)
+    for (Eigen::Index reading = 0; reading < table.cols(); ++reading)
+      table(frame, reading) =
+          (answers[static_cast<std::size_t>(frame)][static_cast<std::size_t>(reading)].*estimate.*part)
+              .value_or(std::numeric_limits<double>::quiet_NaN());
+  return table;
+}
+
+py::dict readings_of_motion(SharedScene& scene, const py::object& motion, const std::string& method,
+                            std::optional<double> rtol, const std::optional<std::string>& correction,
+                            std::size_t threads) {
+  const EvaluationOptions options = options_of(method, {}, {}, {}, rtol, correction);
+  validate(options);
+  std::vector<Frame> frames;
+  {
+    const Scene present = scene.locked([](const LiveScene& live) { return live.scene(); });
+    frames = frames_of(motion, present);
+  }
+  const std::vector<std::vector<ReadingAnswer>> answers =
+      scene.locked([&](LiveScene& live) { return live.readings_of(frames, options, threads); });
+  std::vector<std::string> names, readings;
+  for (const Frame& frame : frames)
+    names.push_back(frame.name);
+  std::vector<std::vector<std::string>> answered_by;
+  for (const std::vector<ReadingAnswer>& frame : answers) {
+    answered_by.emplace_back();
+    for (const ReadingAnswer& reading : frame)
+      answered_by.back().push_back(reading.answered_by);
+  }
+  if (!answers.empty())
+    for (const ReadingAnswer& reading : answers.front())
+      readings.push_back(reading.name);
+  return py::dict("frames"_a = names, "readings"_a = readings, "answered_by"_a = answered_by,
+                  "value"_a = table_of<&Estimate::value>(answers, &ReadingAnswer::value),
+                  "background"_a = table_of<&Estimate::value>(answers, &ReadingAnswer::background),
+                  "change"_a = table_of<&Estimate::value>(answers, &ReadingAnswer::change),
+                  "error"_a = table_of<&Estimate::error>(answers, &ReadingAnswer::change));
+}
+
 /// Describes an answer by `describe`, a function of the scene, with the remarks on the scene.
 template <typename Describe>
 py::dict described_geometry(SharedScene& shared, const Describe& describe) {
@@ -294,14 +365,6 @@ py::dict roles_of(SharedScene& scene) {
   return python_object(scene.locked([](LiveScene& live) { return scene_roles(live.scene()); }));
 }
 
-/// Returns the pose in a (4, 4) matrix.
-Eigen::Isometry3d pose_of(const Array& array) {
-  const Eigen::Matrix4d matrix = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>(array.data());
-  if (matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
-    throw InputError("the last row of a (4, 4) pose must be 0, 0, 0, 1");
-  return pose_from_matrix(matrix.topLeftCorner<3, 3>(), matrix.topRightCorner<3, 1>());
-}
-
 /// Returns the pose of a rotation, a matrix or a quaternion, and a translation.
 Eigen::Isometry3d pose_of(const Eigen::Vector3d& translation, const Array& rotation) {
   if (rotation.ndim() == 2 && rotation.shape(0) == 3 && rotation.shape(1) == 3)
@@ -332,7 +395,7 @@ void set_link_pose(SharedScene& scene, const std::string& link, const Array& tra
     throw InputError("a (4, 4) pose has its rotation: leave `rotation` out");
   if (is_pose || rotation) {
     const Eigen::Isometry3d pose =
-        is_pose ? pose_of(translation) : pose_of(vector3(translation, "translation"), *rotation);
+        is_pose ? pose_of(translation.data()) : pose_of(vector3(translation, "translation"), *rotation);
     scene.locked([&](LiveScene& live) { live.set_pose(link, pose); });
     return;
   }
@@ -491,7 +554,8 @@ faces: "all", or "facing": only triangles whose outward side sees the plate, and
 tolerance: what may be left out of a sensor's total, relative to it; each object's "bound" says how much of it was left
 out at most. 0: nothing is left out but by "nearest", 1e-12. Only with the method "exact".
 rtol: the error of every entry in the sensors' rows of the Maxwell matrix to be reached. Only with "boundary-elements" (if not given 1e-3),
-"reduced:1", 2, 3 (1e-2, 1e-3, 3e-4) and "recommended" (1e-2, of the sensors' own entries and the objects' capacitances).
+"reduced:1", 2, 3 (1e-2, 1e-3, 3e-4) and "recommended" (1e-2, of the sensors' own entries and the objects' capacitances); and the
+correction "formula", of the changes of readings (model/CORRECTIONS.md, section 8).
 correction: "none", or what takes the place of the integral, "formula" or "recommended" (fringe.corrections()).
 derivatives: also those of the readings' changes, as readings() explains them.
 
@@ -514,7 +578,8 @@ the first call and whenever its parts move relative to each other, is known to i
 derivatives: fill in Reading.derivatives, {link: (6,) array}, the derivatives of the change as the link moves with all
 links that hang on it: in F/m along the axes of the world, then in F/rad about the axes of the world through the link's
 origin. They are NaN in contact, and Reading.derivative_errors estimates their errors where the method knows them. Only with
-"exact" without a correction, where `tolerance` does not apply to them, "boundary-elements" and "reduced:K".
+"exact" without a correction, where `tolerance` does not apply to them, "boundary-elements", "reduced:K" and the correction
+"formula" with an rtol.
 
 Raises InputError as capacitance() does.)")
       .def(
@@ -525,6 +590,16 @@ Raises InputError as capacitance() does.)")
 
 The scene stays in the poses of the last frame, and begins in those that it has. Raises InputError for a file that cannot
 be used with the scene, and as readings() does.)")
+      .def(
+          "readings_of", &readings_of_motion, "motion"_a, "method"_a = "exact", py::kw_only(),
+          "rtol"_a = py::none(), "correction"_a = py::none(), "threads"_a = 0,
+          R"(The readings in every frame of a motion, a file or an array (frames, links, 4, 4) of the links' poses relative to their
+parents, as a dictionary of arrays (frames, readings) in F: "value", "background", "change" and "error", an estimate of the error of the
+change; NaN is what the method does not know. "frames" and "readings" are their names, "answered_by" the methods.
+
+With correction "formula" many frames are answered at once, by all processors if threads is 0, with the same bits for any number; the
+target is prepared for all of them. rtol: the relative error asked of the changes. The scene stays in the poses of the last
+frame. Raises InputError as sweep() does.)")
       .def("maxwell", &maxwell_of, py::kw_only(), "method"_a = "boundary-elements", "rtol"_a = py::none(),
            R"(The Maxwell matrix of the sensors and objects in free space, by boundary elements. F.
 

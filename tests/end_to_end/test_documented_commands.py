@@ -133,6 +133,8 @@ MINUTES = {
     "python3 -m tests.fem_reference.invariances": "python3 -m tests.fem_reference.invariances --first 31 --count 1",
     "build/bin/boundary_elements_benchmark": "build/bin/boundary_elements_benchmark",
     "build/bin/boundary_element_scenes_benchmark": "build/bin/boundary_element_scenes_benchmark",
+    "python3 -m analysis.topics.machines.accuracy --every 13": "python3 -m analysis.topics.machines.accuracy --every 400",
+    "build/bin/reduced_benchmark --machine 3": "build/bin/reduced_benchmark --machine 0",
     "build/bin/reduced_benchmark --meshes 40": "build/bin/reduced_benchmark --meshes 1",
     "build/bin/reduced_benchmark SCENE…": f"build/bin/reduced_benchmark {HAND}",
     "python3 -m analysis.nightly.planning_benchmark": "python3 -m analysis.nightly.planning_benchmark --planned 500 --idle 4",

@@ -355,3 +355,19 @@ def test_both_readers_put_the_links_of_a_motion_in_the_same_places(tmp_path: Pat
                 placed.set_pose(link, np.array(pose.translation), pose.rotation.matrix())
             for conductor, triangles in placed.conductors().items():
                 np.testing.assert_allclose(live.conductors()[conductor], triangles, rtol=0, atol=1e-14)
+
+
+def test_readings_of_a_motion_are_those_of_its_frames(scene: Path) -> None:
+    motion_file = str(scene.with_name("scene.motion.toml"))
+    live = fringe.Scene.load(str(scene))
+    found = live.readings_of(motion_file, correction="formula")
+    assert (found["frames"], found["readings"]) == (["far", "near", "near"], ["self, front"])
+    swept = [readings["self, front"] for _, readings in live.sweep(motion_file, correction="formula")]
+    assert found["change"].tolist() == [[reading.change] for reading in swept]
+    assert found["error"].tolist() == [[reading.error["change"]] for reading in swept]
+    assert np.isnan(found["value"]).all()
+    poses = np.tile(np.eye(4), (len(HEIGHTS), 1, 1, 1))
+    poses[:, 0, 2, 3] = HEIGHTS
+    assert live.readings_of(poses, correction="formula")["change"].tolist() == found["change"].tolist()
+    with pytest.raises(fringe.InputError, match=r"shape \(frames, 1, 4, 4\)"):
+        live.readings_of(poses[:, :, :3], correction="formula")

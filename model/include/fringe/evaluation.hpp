@@ -23,10 +23,11 @@ struct EvaluationOptions {
   std::optional<double> tolerance = {};       ///< of the triangle-integral methods; default 0
   std::optional<Correction> correction = {};  ///< of the triangle-integral methods; default none
   /// Largest relative error asked for: of boundary elements (default 1e-3), of the reduced method (1e-2, 1e-3
-  /// and 3e-4 for 1, 2 and 3 steps) and of `recommended` (1e-2).
+  /// and 3e-4 for 1, 2 and 3 steps) and of `recommended` (1e-2); and, in the changes of readings in company,
+  /// of the correction `formula` (no default: without it that answers in closed form).
   std::optional<double> rtol = {};
   bool derivatives = false;  ///< also of the readings' changes with respect to poses; of exact without a
-                             ///< correction, boundary elements and the reduced method
+                             ///< correction, boundary elements, the reduced method and formula with an rtol
   Entries entries = Entries::of_sensors;  ///< that boundary elements refine
   /// Is called before each refinement of boundary elements; may be empty.
   std::function<void(const RefinementLevel&)> before_refinement = {};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string_view>
 #include <vector>
@@ -7,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "fringe/evaluation.hpp"
+#include "fringe/motion.hpp"
 #include "fringe/scene.hpp"
 #include "fringe/scene_collision.hpp"
 #include "fringe/scene_sensing.hpp"
@@ -47,6 +49,14 @@ class LiveScene {
   /// this call. Boundary elements begin anew every time. After an interruption (InterruptionScope) the
   /// preparations of the reduced method are made again.
   const Evaluation& evaluate(const EvaluationOptions& options = {});
+
+  /// Returns the readings in each frame of a motion, as evaluate() finds them; the scene stays in the poses
+  /// of the last one. The corrections that know company answer many frames at once, prepared for all of them,
+  /// on up to so many threads (0: as many as this process may run at once), with the same bits for any
+  /// number; other methods answer one frame after the other.
+  std::vector<std::vector<ReadingAnswer>> readings_of(const std::vector<Frame>& motion,
+                                                      const EvaluationOptions& options = {},
+                                                      std::size_t threads = 0);
 
   /// Finds the objects that collide, as fringe::collide() does; valid until the next call.
   const SceneCollision& collide();

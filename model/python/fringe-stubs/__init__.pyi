@@ -84,6 +84,15 @@ class Scene:
         rtol: float | None = None,
         correction: str | None = None,
     ) -> list[tuple[str, dict[str, Reading]]]: ...
+    def readings_of(
+        self,
+        motion: str | PathLike[str] | ArrayLike,
+        method: str = "exact",
+        *,
+        rtol: float | None = None,
+        correction: str | None = None,
+        threads: int = 0,
+    ) -> dict[str, Any]: ...
     def maxwell(self, *, method: str = "boundary-elements", rtol: float | None = None) -> dict[str, Any]: ...
     def formula_terms(self) -> list[list[dict[str, Any]]]: ...
     def sense(

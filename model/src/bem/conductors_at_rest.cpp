@@ -1,8 +1,10 @@
 #include "bem/conductors_at_rest.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "bem/error_indicators.hpp"
 #include "bem/group_densities.hpp"
@@ -12,6 +14,7 @@
 namespace fringe::detail {
 namespace {
 
+using Eigen::AlignedBox3d;
 using Eigen::Index;
 using Eigen::VectorXd;
 
@@ -42,15 +45,39 @@ double largest_error(const PanelSolution& solution, const ChargedBodies& bodies)
   return error_per_panel_change * missing.cwiseQuotient(own).maxCoeff();
 }
 
+/// Marks the groups of panels that are at least half as important as the most important one, or all of them
+/// if importance is not known.
+std::vector<bool> most_important(const PanelMesh& mesh,
+                                 const std::function<double(const AlignedBox3d&)>& importance) {
+  std::vector<bool> marked(mesh.groups().size(), true);
+  if (!importance)
+    return marked;
+  std::vector<double> values;
+  values.reserve(marked.size());
+  for (const PanelGroup& group : mesh.groups()) {
+    AlignedBox3d box;
+    for (std::size_t k = group.first; k < group.first + group.count; ++k)
+      for (const Eigen::Vector3d& corner : mesh.panels()[k].corners)
+        box.extend(corner);
+    values.push_back(importance(box));
+  }
+  const double limit = *std::max_element(values.begin(), values.end()) / 2;
+  for (std::size_t k = 0; k < values.size(); ++k)
+    marked[k] = values[k] >= limit;
+  return marked;
+}
+
 }  // namespace
 
 ConductorsAtRest::ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_t most_panels,
-                                   std::size_t least_panels, std::size_t threads)
+                                   std::size_t least_panels, std::size_t threads,
+                                   const std::function<double(const AlignedBox3d&)>& importance)
     : bodies_(in_triangles(std::move(bodies), rtol, most_panels)),
       system_(bodies_, {grading_part * rtol, most_panels / most_graded_part}, threads) {
-  while (mesh().panels().size() < least_panels)
+  const std::size_t enough = least_panels + (importance ? mesh().panels().size() : 0);
+  while (mesh().panels().size() < enough)
     // With equal charges, triangles are halved across their longest sides.
-    system_.refine_groups(std::vector<bool>(mesh().groups().size(), true),
+    system_.refine_groups(most_important(mesh(), importance),
                           Eigen::MatrixXd::Ones(index_of(mesh().panels().size()), 1));
   double tolerance = rtol / quadrature_part;
   while (true) {

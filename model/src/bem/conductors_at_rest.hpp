@@ -1,8 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "bem/bodies.hpp"
 #include "bem/panel_system.hpp"
@@ -15,10 +16,12 @@ class ConductorsAtRest {
  public:
   /// Solves for every conductor at unit potential, the others grounded. Panels are refined until the stated
   /// errors of the diagonal entries that are asked for are within `rtol`, as far as `most_panels` allow.
-  /// There are at least `least_panels`, even if the entries do not need them.
+  /// There are at least `least_panels`, even if the entries do not need them; with an `importance` of the
+  /// boxes around groups of panels, so many more than without it, where that is largest.
   /// @throws std::runtime_error if the matrix is not positive definite.
   ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_t most_panels, std::size_t least_panels = 0,
-                   std::size_t threads = 1);
+                   std::size_t threads = 1,
+                   const std::function<double(const Eigen::AlignedBox3d&)>& importance = {});
   ConductorsAtRest(const ConductorsAtRest&) = delete;
   ConductorsAtRest& operator=(const ConductorsAtRest&) = delete;
 
@@ -27,6 +30,8 @@ class ConductorsAtRest {
   const PanelOperator& panel_operator() const { return system_.panel_operator(); }
   /// Returns the charge of every panel (rows) for every conductor at unit potential.
   const Eigen::MatrixXd& charges() const { return solution_.charges; }
+  /// Returns the same with one density on each group of panels.
+  const Eigen::MatrixXd& coarse_charges() const { return solution_.coarse_charges; }
   /// Returns the Maxwell matrix of all conductors, in metres (to be multiplied by 4πε).
   const Eigen::MatrixXd& matrix() const { return solution_.all.fine; }
   /// Returns the largest stated error of the diagonal entries that are asked for, relative to these.

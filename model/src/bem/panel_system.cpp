@@ -339,6 +339,11 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
       conjugate_gradients(coarse_matrix, coarse_preconditioner, net, accuracies, std::move(start));
   result.positive_definite = of_groups.positive_definite;
   result.matrix = {fine.energies(right_sides), of_groups.energies(net)};
+  result.coarse_charges.resize(panels, right_sides.cols());
+  for (Index k = 0; k < panels; ++k)
+    result.coarse_charges.row(tree.panels()[static_cast<std::size_t>(k)]) =
+        to_groups.weights[k] *
+        of_groups.charges.row(coarse_functions + to_groups.target[static_cast<std::size_t>(k)]);
   return result;
 }
 
@@ -401,6 +406,7 @@ PanelSolution PanelSystem::solve(double accuracy) const {
   solution.all = solved.matrix;
   solution.iteration_error = solved.iteration_error;
   solution.charges = solved.charges.bottomRows(index_of(mesh_.panels().size()));
+  solution.coarse_charges = solved.coarse_charges;
   solution.body_charges = body_charges(unknowns, solved.charges);
   const VectorXd own = asked_energies(solution.all.fine, bodies_);
   const VectorXd shares = area_shares(mesh_);

@@ -21,6 +21,7 @@ namespace fringe::detail {
 /// panels.
 struct PanelSolution : GalerkinSolution {
   Eigen::MatrixXd charges;           ///< of every panel (rows) for every conductor at unit potential
+  Eigen::MatrixXd coarse_charges;    ///< the same with one density on each group
   Eigen::MatrixXd reading_charges;   ///< of every panel (rows) in the columns of ReadingCharges::all()
   Eigen::VectorXd error_indicators;  ///< error indicators of the groups of panels
   Eigen::MatrixXd iteration_error;   ///< error of `all` that the conjugate gradients may have left
@@ -61,7 +62,8 @@ class PanelSystem {
   struct Solved {
     bool positive_definite = true;
     NestedMatrix matrix;
-    Eigen::MatrixXd charges;  ///< of all unknowns
+    Eigen::MatrixXd charges;         ///< of all unknowns
+    Eigen::MatrixXd coarse_charges;  ///< of all panels, with one density on each group
     Eigen::MatrixXd iteration_error;
   };
   Solved solve_equations(const PanelEquations& equations, double accuracy,

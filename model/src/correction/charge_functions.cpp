@@ -18,8 +18,10 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Largest ratios of a function's radius to the distance at which each level but the finest suffices.
-constexpr std::array<double, 3> largest_ratios{0.6, 1.5, 4};
+/// Largest ratios of a function's radius to the distance at which each level but the finest suffices, for the
+/// formula in closed form and for an accuracy.
+using Ratios = std::array<double, 3>;
+constexpr std::array<Ratios, 2> largest_ratios{Ratios{0.6, 1.5, 4}, Ratios{0.25, 0.7, 1.6}};
 
 /// Returns a row of a matrix that may have no columns, and then no data of which a row could be a part.
 Eigen::RowVectorXd row_of(const MatrixXd& matrix, std::size_t row) {
@@ -99,6 +101,7 @@ struct Candidate {
   std::size_t first;
   std::size_t count;
   std::size_t body;
+  std::size_t whole;  ///< number of the part it belonged to when there were half as many
   bool operator<(const Candidate& other) const {
     return importance != other.importance ? importance < other.importance : first > other.first;
   }
@@ -128,39 +131,50 @@ ChargeFunctions::ChargeFunctions(const ConductorsAtRest& conductors, const Matri
   densities.reserve(of_bodies.size());
   for (const auto& panels : of_bodies)
     densities.push_back(panels.empty() ? 0 : density(panels));
-  const auto add_candidate = [&](std::size_t first, std::size_t count, std::size_t body) {
+  const auto add_candidate = [&](std::size_t first, std::size_t count, std::size_t body, std::size_t whole) {
     const auto panels = std::span(order).subspan(first, count);
     const double value = count > 1 ? importance({box_of(mesh, panels), density(panels), densities[body]}) : 0;
-    candidates.push({value, first, count, body});
+    candidates.push({value, first, count, body, whole});
+  };
+  const auto divide_into = [&](std::size_t number) {
+    while (candidates.size() < number && candidates.top().importance > 0) {
+      const auto [value, first, count, body, whole] = candidates.top();
+      candidates.pop();
+      split_at_median(std::span(order).subspan(first, count), count / 2,
+                      [&](std::size_t panel) -> const Vector3d& { return mesh.panels()[panel].centre; });
+      add_candidate(first, count / 2, body, whole);
+      add_candidate(first + count / 2, count - count / 2, body, whole);
+    }
+    std::vector<Candidate> parts;
+    for (; !candidates.empty(); candidates.pop())
+      parts.push_back(candidates.top());
+    std::sort(parts.begin(), parts.end(),
+              [](const Candidate& a, const Candidate& b) { return a.first < b.first; });
+    return parts;
   };
   for (const auto& panels : of_bodies)
     order.insert(order.end(), panels.begin(), panels.end());
   for (std::size_t body = 0, first = 0; body < of_bodies.size(); first += of_bodies[body].size(), ++body)
     if (!of_bodies[body].empty()) {
       boxes_.push_back(box_of(mesh, of_bodies[body]));
-      add_candidate(first, of_bodies[body].size(), body);
+      add_candidate(first, of_bodies[body].size(), body, 0);
     }
-  while (candidates.size() < most && candidates.top().importance > 0) {
-    const auto [value, first, count, body] = candidates.top();
-    candidates.pop();
-    split_at_median(std::span(order).subspan(first, count), count / 2,
-                    [&](std::size_t panel) -> const Vector3d& { return mesh.panels()[panel].centre; });
-    add_candidate(first, count / 2, body);
-    add_candidate(first + count / 2, count - count / 2, body);
+  for (Candidate part : divide_into(most / 2)) {
+    part.whole = static_cast<std::size_t>(coarse_.count++);
+    candidates.push(part);
   }
-  std::vector<Candidate> parts;
-  for (; !candidates.empty(); candidates.pop())
-    parts.push_back(candidates.top());
-  std::sort(parts.begin(), parts.end(),
-            [](const Candidate& a, const Candidate& b) { return a.first < b.first; });
+  const std::vector<Candidate> parts = divide_into(most);
 
   const ClusterTree& tree = conductors.panel_operator().tree();
+  coarse_.shares.resize(index_of(parts.size()));
   Restriction restriction{std::vector<Index>(mesh.panels().size()), VectorXd(index_of(mesh.panels().size()))};
   for (std::size_t function = 0; function < parts.size(); ++function) {
     const auto panels = std::span(order).subspan(parts[function].first, parts[function].count);
     double total = 0;
     for (const std::size_t panel : panels)
       total += weights[index_of(panel)];
+    coarse_.of.push_back(index_of(parts[function].whole));
+    coarse_.shares[index_of(function)] = total;
     for (const std::size_t panel : panels) {
       const Index place = tree.places()[panel];
       restriction.target[static_cast<std::size_t>(place)] = index_of(function);
@@ -178,6 +192,11 @@ ChargeFunctions::ChargeFunctions(const ConductorsAtRest& conductors, const Matri
   panels_.given.resize(index_of(order.size()), given.cols());
   for (std::size_t k = 0; k < order.size() && given.cols() > 0; ++k)
     panels_.given.row(index_of(k)) = given.row(index_of(order[k])).cast<float>();
+  VectorXd totals = VectorXd::Zero(coarse_.count);
+  for (std::size_t function = 0; function < parts.size(); ++function)
+    totals[coarse_.of[function]] += coarse_.shares[index_of(function)];
+  for (std::size_t function = 0; function < parts.size(); ++function)
+    coarse_.shares[index_of(function)] /= totals[coarse_.of[function]];
   energies_ = conductors.panel_operator().matrix().dense_restricted(restriction, index_of(parts.size()));
   for (std::size_t level = 0; level < points_.size(); ++level) {
     points_[level].first.push_back(points_[level].at.size());
@@ -254,9 +273,10 @@ MatrixXd ChargeFunctions::net(std::size_t conductors) const {
   return net;
 }
 
-std::size_t ChargeFunctions::level(std::size_t function, double distance) const {
+std::size_t ChargeFunctions::level(std::size_t function, double distance, bool is_fine) const {
+  const Ratios& ratios = largest_ratios[is_fine ? 1 : 0];
   std::size_t level = 0;
-  while (level < largest_ratios.size() && radii_[function] > largest_ratios[level] * distance)
+  while (level < ratios.size() && radii_[function] > ratios[level] * distance)
     ++level;
   return level;
 }

@@ -14,6 +14,9 @@
 /// (model/CORRECTIONS.md, section 8).
 namespace fringe::detail {
 
+/// Coordinate of points that only fill a block, in m: 1/distance is negligible.
+constexpr float padded_coordinate = 1e15F;
+
 /// The charges of all functions as points, one function after the other.
 struct FunctionPoints {
   std::vector<std::size_t> first;   ///< for each function its first point, and the end
@@ -28,6 +31,13 @@ struct FunctionPanels {
   std::vector<Triangle> corners;   ///< m
   std::vector<float> shares;       ///< charges of the panels of a function with unit charge
   Eigen::MatrixXf given;           ///< the given charges of the panels (rows)
+};
+
+/// Sums of neighbouring functions: the parts that were there when there were half as many.
+struct CoarseFunctions {
+  std::vector<Eigen::Index> of;  ///< for each function the sum that it belongs to
+  Eigen::VectorXd shares;        ///< the charge of each function in a sum of unit charge
+  Eigen::Index count = 0;
 };
 
 /// Functions of unit charge on parts of the bodies' surfaces. Within a part they are proportional to the
@@ -64,11 +74,13 @@ class ChargeFunctions {
 
   /// Returns the single-layer matrix of the functions, in 1/m.
   const Eigen::MatrixXd& energies() const { return energies_; }
+  const CoarseFunctions& coarse() const { return coarse_; }
   /// Returns the functions' net charges on each conductor (columns).
   Eigen::MatrixXd net(std::size_t conductors) const;
 
-  /// Returns the level whose points resolve a function's charge at a distance from it.
-  std::size_t level(std::size_t function, double distance) const;
+  /// Returns the level whose points resolve a function's charge at a distance from it; more finely if
+  /// `is_fine`.
+  std::size_t level(std::size_t function, double distance, bool is_fine) const;
 
  private:
   void add_function(const PanelMesh& mesh, std::span<std::size_t> panels, std::size_t conductor,
@@ -82,6 +94,7 @@ class ChargeFunctions {
   std::array<std::vector<Eigen::VectorXd>, points_per_function.size()> given_;  ///< while it is made
   std::vector<Eigen::AlignedBox3d> boxes_;
   Eigen::MatrixXd energies_;
+  CoarseFunctions coarse_;
 };
 
 }  // namespace fringe::detail

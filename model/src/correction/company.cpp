@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
@@ -25,18 +27,6 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Stated error at which the refinement of the target's charges ends.
-constexpr double target_rtol = 2e-2;
-
-/// Largest number of panels of the target.
-constexpr std::size_t most_target_panels = 2500;
-
-/// Number of functions of the target.
-constexpr std::size_t target_functions = 128;
-
-/// Coordinate of points that only fill a block, in m: 1/distance is negligible.
-constexpr float padding = 1e15F;
-
 /// Returns the inverse of a single-layer matrix. Functions that coincide up to rounding share their charge.
 MatrixXd inverse(const MatrixXd& energies) {
   /// Part of the diagonal that is added, growing until the matrix is positive definite.
@@ -51,35 +41,85 @@ MatrixXd inverse(const MatrixXd& energies) {
   }
 }
 
+/// Returns the charges by their potentials, with floating conductors: `net` has the net charges on them.
+MatrixXd inverse(MatrixXd energies, const MatrixXd& net, const VectorXd& to_ground) {
+  MatrixXd answers = inverse(std::move(energies));
+  if (net.cols() > 0) {
+    const MatrixXd responses = answers * net;
+    MatrixXd block = net.transpose() * responses;
+    block.diagonal() += to_ground;
+    answers -= responses * block.llt().solve(responses.transpose());
+  }
+  return answers;
+}
+
+/// Returns the capacitances to the ground of the conductors that float, in m.
+VectorXd to_ground_of(const ChargedBodies& bodies) {
+  const std::size_t count = count_of(bodies, Role::floating);
+  VectorXd result(index_of(count));
+  for (std::size_t k = 0; k < count; ++k)
+    result[index_of(k)] = bodies.conductors[bodies.conductors.size() - count + k].to_ground;
+  return result;
+}
+
+/// Returns the net charges of functions on the conductors that float (columns).
+MatrixXd net_on_floating(const ChargeFunctions& functions, const ChargedBodies& bodies) {
+  return functions.net(bodies.conductors.size()).rightCols(index_of(count_of(bodies, Role::floating)));
+}
+
+/// Returns a box around a body.
+PlacedBox placed_box(std::span<const Triangle> triangles) {
+  const Triangle& first = triangles.front();
+  const Vector3d u = (first[1] - first[0]).stableNormalized(),
+                 normal = u.cross(first[2] - first[0]).stableNormalized();
+  PlacedBox result{Isometry3d::Identity(), {}};
+  if (normal.norm() > 0.5) {
+    result.to_box.linear().row(0) = u;
+    result.to_box.linear().row(1) = normal.cross(u);
+    result.to_box.linear().row(2) = normal;
+  }
+  for (const Triangle& triangle : triangles)
+    for (const Vector3d& corner : triangle)
+      result.box.extend(result.to_box * corner);
+  return result;
+}
+
 /// Returns boxes around the sensed and driven bodies.
-std::vector<AlignedBox3d> boxes_of_used(const ChargedBodies& bodies,
-                                        const std::vector<ChargedReading>& readings) {
-  std::vector<AlignedBox3d> boxes;
+std::vector<PlacedBox> boxes_of_used(const ChargedBodies& bodies,
+                                     const std::vector<ChargedReading>& readings) {
+  std::vector<PlacedBox> boxes;
   for (const ChargedBody& body : bodies.bodies) {
     const auto conductor = static_cast<Index>(body.conductor);
     if (std::none_of(readings.begin(), readings.end(), [&](const ChargedReading& reading) {
           return reading.sense[conductor] != 0 || reading.drive[conductor] != 0;
         }))
       continue;
-    AlignedBox3d& box = boxes.emplace_back();
-    for (const Triangle& triangle : triangles_of(body.surface))
-      for (const Vector3d& corner : triangle)
-        box.extend(corner);
+    boxes.push_back(placed_box(triangulated(body.surface).triangles));
   }
   return boxes;
 }
 
-/// Returns the importance of dividing a part of the machine: its size, relative to the distance from what is
-/// sensed and driven.
-double importance_for(const ChargeFunctions::Part& part, const std::vector<AlignedBox3d>& used) {
-  /// Distance from a body, relative to its size, within which parts are to be equal in size.
-  constexpr double softness = 0.2;
-  const double size = part.box.diagonal().norm();
+/// Distance from a body, relative to its size, within which parts are to be equal in size.
+constexpr double softness = 0.2;
+
+/// Returns the size of a part of the machine relative to its distance from what is sensed and driven.
+double relative_size(const AlignedBox3d& part, const std::vector<PlacedBox>& used) {
+  const double size = part.diagonal().norm();
   double largest = 0;
-  for (const AlignedBox3d& box : used)
-    largest = std::max(largest, size / (std::sqrt(part.box.squaredExteriorDistance(box)) +
-                                        softness * box.diagonal().norm()));
+  for (const PlacedBox& box : used) {
+    const AlignedBox3d around = moved_box(box.box, box.to_box.inverse(Eigen::Isometry));
+    largest =
+        std::max(largest, size / (part.exteriorDistance(around) + softness * box.box.diagonal().norm()));
+  }
   return largest;
+}
+
+/// Returns the importance of dividing a part of a target.
+double importance_for(const ChargeFunctions::Part& part, const std::optional<Approach>& approach) {
+  if (!approach)
+    return part.box.diagonal().squaredNorm() * part.density * part.density_of_body;
+  const double size = approach->relative_size(part.box);
+  return size * size * part.density / part.density_of_body;
 }
 
 /// Returns the distinct loads of readings as combinations of the conductors' unit potentials (columns), and
@@ -105,19 +145,53 @@ loads_of(const std::vector<ChargedReading>& readings, Index conductors) {
   return {matrix, places};
 }
 
-ChargeFunctions functions_of_machine(const ConductorsAtRest& conductors,
-                                     const std::vector<AlignedBox3d>& used, const MatrixXd& loads,
-                                     std::size_t most_functions) {
+ChargeFunctions functions_of_machine(const ConductorsAtRest& conductors, const std::vector<PlacedBox>& used,
+                                     const MatrixXd& loads, const CompanyResolution& resolution) {
   const MatrixXd all = potentials(conductors.matrix(), conductors.bodies());
-  const MatrixXd given = conductors.charges() * (all * loads.topRows(all.cols()));
-  return {conductors, given, [&](const ChargeFunctions::Part& part) { return importance_for(part, used); },
-          most_functions};
+  const MatrixXd potentials_of_loads = all * loads.topRows(all.cols());
+  MatrixXd given = conductors.charges() * potentials_of_loads;
+  if (resolution.least_panels > 0) {
+    given.conservativeResize(Eigen::NoChange, 2 * loads.cols());
+    given.rightCols(loads.cols()) =
+        given.leftCols(loads.cols()) - conductors.coarse_charges() * potentials_of_loads;
+  }
+  return {conductors, given, [&](const ChargeFunctions::Part& part) { return relative_size(part.box, used); },
+          resolution.functions};
 }
 
 }  // namespace
 
+AlignedBox3d moved_box(const AlignedBox3d& box, const Isometry3d& pose) {
+  AlignedBox3d result;
+  for (int corner = 0; corner < 8; ++corner)
+    result.extend(pose * box.corner(static_cast<AlignedBox3d::CornerType>(corner)));
+  return result;
+}
+
+CoarseSpace::CoarseSpace(const ChargeFunctions& functions, const MatrixXd& net, const VectorXd& to_ground)
+    : functions_(functions.coarse()) {
+  MatrixXd energies = MatrixXd::Zero(functions_.count, functions_.count);
+  const auto count = index_of(functions_.of.size());
+  for (Index a = 0; a < count; ++a)
+    for (Index b = 0; b < count; ++b)
+      energies(functions_.of[static_cast<std::size_t>(a)], functions_.of[static_cast<std::size_t>(b)]) +=
+          functions_.shares[a] * functions_.shares[b] * functions.energies()(a, b);
+  MatrixXd sums = MatrixXd::Zero(functions_.count, net.cols());
+  for (Index k = 0; k < count; ++k)
+    sums.row(functions_.of[static_cast<std::size_t>(k)]) += functions_.shares[k] * net.row(k);
+  inverse_ = inverse(std::move(energies), sums, to_ground).cast<float>();
+}
+
+MatrixXd CoarseSpace::defects(const Eigen::MatrixXf& charges, const Eigen::MatrixXf& potentials) const {
+  Eigen::MatrixXf sums = Eigen::MatrixXf::Zero(functions_.count, potentials.cols());
+  for (std::size_t k = 0; k < functions_.of.size(); ++k)
+    sums.row(functions_.of[k]) +=
+        static_cast<float>(functions_.shares[index_of(k)]) * potentials.row(index_of(k));
+  return (charges.transpose() * potentials - sums.transpose() * (inverse_ * sums)).cast<double>();
+}
+
 MachineAtRest::MachineAtRest(ChargedBodies bodies, const std::vector<Reading>& readings,
-                             const MachineResolution& resolution)
+                             const CompanyResolution& resolution)
     : MachineAtRest(
           [&] {
             const std::vector<ChargedReading> charged =
@@ -131,46 +205,59 @@ MachineAtRest::MachineAtRest(ChargedBodies bodies, const std::vector<Reading>& r
                     return reading.sense[at] != 0 || reading.drive[at] != 0;
                   });
             }
-            return ConductorsAtRest(std::move(bodies), resolution.rtol, resolution.most_panels, 0,
-                                    resolution.threads);
+            const std::vector<PlacedBox> used = boxes_of_used(bodies, charged);
+            std::function<double(const AlignedBox3d&)> importance;
+            if (resolution.least_panels > 0)
+              importance = [&](const AlignedBox3d& box) { return relative_size(box, used); };
+            return ConductorsAtRest(std::move(bodies), resolution.rtol, resolution.most_panels,
+                                    resolution.least_panels, resolution.threads, importance);
           }(),
-          readings, resolution.functions) {}
+          readings, resolution) {}
 
 MachineAtRest::MachineAtRest(const ConductorsAtRest& conductors, const std::vector<Reading>& readings,
-                             std::size_t most_functions)
+                             const CompanyResolution& resolution)
     : error_(conductors.error()), functions_([&] {
         const ChargedBodies& bodies = conductors.bodies();
         const std::vector<ChargedReading> charged = charged_readings(readings, drivable_conductors(bodies));
         auto [loads, places] = loads_of(charged, static_cast<Index>(bodies.conductors.size()));
         readings_ = std::move(places);
+        loads_ = loads.cols();
         used_ = boxes_of_used(bodies, charged);
-        return functions_of_machine(conductors, used_, loads, most_functions);
-      }()) {
-  const ChargedBodies& bodies = conductors.bodies();
-  MatrixXd answers = inverse(functions_.energies());
-  const auto floating = static_cast<Index>(count_of(bodies, Role::floating));
-  if (floating > 0) {
-    const MatrixXd responses = answers * functions_.net(bodies.conductors.size()).rightCols(floating);
-    MatrixXd block = functions_.net(bodies.conductors.size()).rightCols(floating).transpose() * responses;
-    for (Index k = 0; k < floating; ++k)
-      block(k, k) +=
-          bodies.conductors[bodies.conductors.size() - static_cast<std::size_t>(floating - k)].to_ground;
-    answers -= responses * block.llt().solve(responses.transpose());
+        return functions_of_machine(conductors, used_, loads, resolution);
+      }()),
+      coarse_(functions_, net_on_floating(functions_, conductors.bodies()),
+              to_ground_of(conductors.bodies())),
+      answers_(stored(inverse(functions_.energies(), net_on_floating(functions_, conductors.bodies()),
+                              to_ground_of(conductors.bodies())))) {}
+
+double Approach::relative_size(const AlignedBox3d& part) const {
+  const double size = part.diagonal().norm();
+  double largest = 0;
+  for (const Isometry3d& pose : poses) {
+    const Vector3d centre = pose * part.center();
+    for (const PlacedBox& box : boxes)
+      largest = std::max(largest, size / (std::max(box.distance(centre) - size / 2, 0.0) +
+                                          softness * box.box.diagonal().norm()));
   }
-  answers_ = stored(answers);
+  return largest;
 }
 
-TargetAtRest::TargetAtRest(ChargedBodies bodies)
-    : TargetAtRest(
-          ConductorsAtRest(std::move(bodies), target_rtol, most_target_panels, 2 * target_functions)) {}
+TargetAtRest::TargetAtRest(ChargedBodies bodies, const CompanyResolution& resolution,
+                           const std::optional<Approach>& approach)
+    : TargetAtRest(ConductorsAtRest(std::move(bodies), resolution.rtol, resolution.most_panels,
+                                    (approach ? 4 : 2) * resolution.functions, resolution.threads,
+                                    approach ? std::bind_front(&Approach::relative_size, &*approach)
+                                             : std::function<double(const AlignedBox3d&)>()),
+                   resolution, approach) {}
 
-TargetAtRest::TargetAtRest(const ConductorsAtRest& conductors)
+TargetAtRest::TargetAtRest(const ConductorsAtRest& conductors, const CompanyResolution& resolution,
+                           const std::optional<Approach>& approach)
     : functions_(
           conductors, MatrixXd(index_of(conductors.mesh().panels().size()), 0),
-          [](const ChargeFunctions::Part& part) {
-            return part.box.diagonal().squaredNorm() * part.density * part.density_of_body;
-          },
-          target_functions) {
+          [&](const ChargeFunctions::Part& part) { return importance_for(part, approach); },
+          resolution.functions),
+      coarse_(functions_, MatrixXd(index_of(functions_.count()), 0), VectorXd(0)),
+      error_(conductors.error()) {
   const ChargedBodies& bodies = conductors.bodies();
   const MatrixXd inverse = detail::inverse(functions_.energies());
   inverse_ = stored(inverse);
@@ -192,6 +279,7 @@ TargetAtRest::TargetAtRest(const ConductorsAtRest& conductors)
   MatrixXd ones(net.rows(), static_cast<Index>(columns.size()));
   for (std::size_t k = 0; k < columns.size(); ++k)
     ones.col(static_cast<Index>(k)) = columns[k];
+  net_ = ones;
   equilibrium_ = inverse * ones;
   own_ = ones.transpose() * equilibrium_;
   to_ground_ = Eigen::Map<const VectorXd>(to_ground.data(), static_cast<Index>(to_ground.size()));
@@ -199,6 +287,16 @@ TargetAtRest::TargetAtRest(const ConductorsAtRest& conductors)
 
 const std::vector<double>& CompanyFormula::changes(const MachineAtRest& machine, const TargetAtRest& target,
                                                    const Isometry3d& pose) {
+  is_fine_ = false;
+  place(machine, target, pose);
+  find_potentials(machine, target);
+  find_answers(machine, target);
+  combine(machine, target);
+  return changes_;
+}
+
+/// Places all points and finds the distances between them.
+void CompanyFormula::place(const MachineAtRest& machine, const TargetAtRest& target, const Isometry3d& pose) {
   place_target(machine, target, pose);
   place_machine(machine, target, pose);
   const auto padded = static_cast<std::size_t>(whole_blocks(static_cast<std::ptrdiff_t>(machine_.count)));
@@ -208,10 +306,16 @@ const std::vector<double>& CompanyFormula::changes(const MachineAtRest& machine,
       {target_.x.data(), target_.y.data(), target_.z.data(), static_cast<std::ptrdiff_t>(target_.count)},
       {machine_.x.data(), machine_.y.data(), machine_.z.data(), static_cast<std::ptrdiff_t>(machine_.count)},
       distances_.data());
-  find_potentials(machine, target);
-  find_answers(machine, target);
-  combine(machine, target);
-  return changes_;
+}
+
+double CompanyFormula::nearness(const MachineAtRest& machine, const TargetAtRest& target,
+                                const Isometry3d& pose) {
+  double nearness = 0;
+  for (std::size_t function = 0; function < target.functions().count(); ++function)
+    for (const PlacedBox& box : machine.used())
+      nearness = std::max(nearness, target.functions().radius(function) /
+                                        box.distance(pose * target.functions().centre(function)));
+  return nearness;
 }
 
 /// Places the target's points, finer where it is close to a body of the machine.
@@ -219,7 +323,7 @@ void CompanyFormula::place_target(const MachineAtRest& machine, const TargetAtRe
                                   const Isometry3d& pose) {
   const ChargeFunctions& functions = target.functions();
   target_.levels.resize(functions.count());
-  nearness_ = 0;
+  nearness_ = nearness(machine, target, pose);
   target_.x.clear(), target_.y.clear(), target_.z.clear(), target_.shares.clear();
   const Eigen::Isometry3f moved = pose.cast<float>();
   for (std::size_t function = 0; function < functions.count(); ++function) {
@@ -227,10 +331,8 @@ void CompanyFormula::place_target(const MachineAtRest& machine, const TargetAtRe
     double nearest = std::numeric_limits<double>::infinity();
     for (const AlignedBox3d& box : machine.functions().boxes())
       nearest = std::min(nearest, box.squaredExteriorDistance(centre));
-    for (const AlignedBox3d& box : machine.used())
-      nearness_ =
-          std::max(nearness_, functions.radius(function) / std::sqrt(box.squaredExteriorDistance(centre)));
-    const std::size_t level = target_.levels[function] = functions.level(function, std::sqrt(nearest));
+    const std::size_t level = target_.levels[function] =
+        functions.level(function, std::sqrt(nearest), is_fine_);
     const FunctionPoints& points = functions.points(level);
     for (std::size_t k = points.first[function]; k < points.first[function + 1]; ++k) {
       const Eigen::Vector3f at = moved * points.at[k];
@@ -250,7 +352,7 @@ void CompanyFormula::place_machine(const MachineAtRest& machine, const TargetAtR
   const Isometry3d to_target = pose.inverse(Eigen::Isometry);
   machine_.levels.resize(functions.count());
   machine_.x.clear(), machine_.y.clear(), machine_.z.clear(), machine_.shares.clear();
-  given_.resize(static_cast<std::size_t>(machine.loads()));
+  given_.resize(static_cast<std::size_t>(machine.given()));
   for (std::vector<float>& charges : given_)
     charges.clear();
   for (std::size_t function = 0; function < functions.count(); ++function) {
@@ -259,8 +361,8 @@ void CompanyFormula::place_machine(const MachineAtRest& machine, const TargetAtR
     for (const AlignedBox3d& box : target.functions().boxes())
       nearest = std::min(nearest, box.squaredExteriorDistance(centre));
     // Charges of both signs nearly cancel far away, where their moments are what is left.
-    const std::size_t level = machine_.levels[function] =
-        std::max(functions.level(function, std::sqrt(nearest)), ChargeFunctions::first_with_moments);
+    const std::size_t level = machine_.levels[function] = std::max(
+        functions.level(function, std::sqrt(nearest), is_fine_), ChargeFunctions::first_with_moments);
     const FunctionPoints& points = functions.points(level);
     for (std::size_t k = points.first[function]; k < points.first[function + 1]; ++k) {
       machine_.x.push_back(points.at[k].x()), machine_.y.push_back(points.at[k].y());
@@ -273,7 +375,7 @@ void CompanyFormula::place_machine(const MachineAtRest& machine, const TargetAtR
   machine_.count = machine_.x.size();
   const auto padded = static_cast<std::size_t>(whole_blocks(static_cast<std::ptrdiff_t>(machine_.count)));
   for (std::vector<float>* coordinates : {&machine_.x, &machine_.y, &machine_.z})
-    coordinates->resize(padded, padding);
+    coordinates->resize(padded, padded_coordinate);
   for (std::vector<float>& charges : given_)
     charges.resize(padded, 0.0F);
   machine_.charges.assign(padded, 0.0F);

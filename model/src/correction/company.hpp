@@ -1,23 +1,52 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "correction/charge_functions.hpp"
 #include "fringe/scene.hpp"
+#include "geometry/wrench.hpp"
 
 /// The formula that knows company: what targets change in the readings of a machine at rest
 /// (model/CORRECTIONS.md, section 8).
 namespace fringe::detail {
 
-/// How finely a machine is resolved.
-struct MachineResolution {
-  double rtol = 3e-2;              ///< stated error at which the refinement of its charges ends
-  std::size_t most_panels = 6000;  ///< refinement ends there, too
-  std::size_t functions = 200;     ///< largest number of parts of its surface
-  std::size_t threads = 1;         ///< 0: as many as this process may run at once
+/// How finely conductors are prepared.
+struct CompanyResolution {
+  double rtol;              ///< stated error at which the refinement of their charges ends
+  std::size_t most_panels;  ///< refinement ends there, too
+  std::size_t functions;    ///< largest number of parts of their surfaces
+  std::size_t least_panels = 0;
+  std::size_t threads = 1;  ///< 0: as many as this process may run at once
+};
+
+/// Charges in the sums of neighbouring functions: the defect of a charge is the energy that these lack.
+class CoarseSpace {
+ public:
+  /// Prepares the sums, without net charge on conductors that float: `net` has the charges of the functions
+  /// on each of these.
+  CoarseSpace(const ChargeFunctions& functions, const Eigen::MatrixXd& net, const Eigen::VectorXd& to_ground);
+  /// Returns how much less energy, of given potentials, the sums take than the charges (columns) that are the
+  /// functions' own answer to them.
+  Eigen::MatrixXd defects(const Eigen::MatrixXf& charges, const Eigen::MatrixXf& potentials) const;
+
+ private:
+  CoarseFunctions functions_;
+  Eigen::MatrixXf inverse_;
+};
+
+/// Returns the aligned box around a moved one.
+Eigen::AlignedBox3d moved_box(const Eigen::AlignedBox3d& box, const Eigen::Isometry3d& pose);
+
+/// A box around a body, along the sides of its first triangle.
+struct PlacedBox {
+  Eigen::Isometry3d to_box;  ///< to the frame in which the box is aligned
+  Eigen::AlignedBox3d box;
+
+  double distance(const Eigen::Vector3d& point) const { return box.exteriorDistance(to_box * point); }
 };
 
 /// What does not change while targets move: the charges of the readings' conductors, and how the machine
@@ -27,7 +56,7 @@ class MachineAtRest {
   /// Prepares the conductors of a machine, in world coordinates, for readings of them.
   /// @throws InputError for a reading of what is neither a sensor nor an electrode.
   MachineAtRest(ChargedBodies bodies, const std::vector<Reading>& readings,
-                const MachineResolution& resolution = {});
+                const CompanyResolution& resolution);
 
   /// A reading by the places of what it senses and drives among the given charges of the functions.
   struct OfReading {
@@ -39,29 +68,49 @@ class MachineAtRest {
   const ChargeFunctions& functions() const { return functions_; }
   const std::vector<OfReading>& readings() const { return readings_; }
   /// Returns boxes around the bodies that are sensed or driven.
-  const std::vector<Eigen::AlignedBox3d>& used() const { return used_; }
-  Eigen::Index loads() const { return functions_.points(0).given.cols(); }
+  const std::vector<PlacedBox>& used() const { return used_; }
+  Eigen::Index loads() const { return loads_; }
+  /// Returns the number of charges that the functions are given: those of the loads and, if there are
+  /// `least_panels`, what these lack with one density on each group of panels.
+  Eigen::Index given() const { return functions_.points(0).given.cols(); }
   /// Returns the charges of the functions by their potentials, floating conductors without net charge: a
   /// symmetric matrix in whole blocks.
   const std::vector<float>& answers() const { return answers_; }
+  const CoarseSpace& coarse() const { return coarse_; }
   /// Returns the largest stated error of the energies of what is sensed, driven or floats, relative to these.
   double error() const { return error_; }
 
+  /// Resolution of the formula, 0.1 to 1 s to prepare.
+  static constexpr CompanyResolution usual{3e-2, 6000, 200};
+
  private:
   MachineAtRest(const ConductorsAtRest& conductors, const std::vector<Reading>& readings,
-                std::size_t most_functions);
+                const CompanyResolution& resolution);
 
   std::vector<OfReading> readings_;
-  std::vector<Eigen::AlignedBox3d> used_;
+  Eigen::Index loads_ = 0;
+  std::vector<PlacedBox> used_;
   double error_;
   ChargeFunctions functions_;
+  CoarseSpace coarse_;
   std::vector<float> answers_;
+};
+
+/// Where targets come near what is sensed or driven.
+struct Approach {
+  std::vector<PlacedBox> boxes;          ///< around what is sensed or driven, in the frame of the machine
+  std::vector<Eigen::Isometry3d> poses;  ///< from the frame of the targets to that of the machine
+
+  /// Returns the size of a part of a target relative to its distance, the largest one in the poses.
+  double relative_size(const Eigen::AlignedBox3d& part) const;
 };
 
 /// The targets, which keep their poses to each other.
 class TargetAtRest {
  public:
-  explicit TargetAtRest(ChargedBodies bodies);
+  /// Prepares the targets, finer where they come near if an approach is known.
+  TargetAtRest(ChargedBodies bodies, const CompanyResolution& resolution,
+               const std::optional<Approach>& approach = {});
 
   const ChargeFunctions& functions() const { return functions_; }
   Eigen::Index conductors() const { return equilibrium_.cols(); }
@@ -71,19 +120,31 @@ class TargetAtRest {
   const Eigen::MatrixXd& equilibrium() const { return equilibrium_; }
   /// Returns the Maxwell matrix of the targets by themselves, in m.
   const Eigen::MatrixXd& own() const { return own_; }
+  /// Returns the net charges of the functions on each conductor.
+  const Eigen::MatrixXd& net() const { return net_; }
   /// Returns the numbers of the conductors that are not grounded, and their capacitances to the ground in m.
   const std::vector<Eigen::Index>& floating() const { return floating_; }
   const Eigen::VectorXd& to_ground() const { return to_ground_; }
+  const CoarseSpace& coarse() const { return coarse_; }
+  /// Returns the stated error of the targets' own charges, relative.
+  double error() const { return error_; }
+
+  /// Resolution of the formula, 0.1 to 1 s to prepare.
+  static constexpr CompanyResolution usual{2e-2, 2500, 128};
 
  private:
-  explicit TargetAtRest(const ConductorsAtRest& conductors);
+  TargetAtRest(const ConductorsAtRest& conductors, const CompanyResolution& resolution,
+               const std::optional<Approach>& approach);
 
   ChargeFunctions functions_;
+  CoarseSpace coarse_;
   std::vector<float> inverse_;
+  Eigen::MatrixXd net_;
   Eigen::MatrixXd equilibrium_;
   Eigen::MatrixXd own_;
   std::vector<Eigen::Index> floating_;
   Eigen::VectorXd to_ground_;
+  double error_;
 };
 
 /// Evaluates what targets change, pose by pose.
@@ -95,9 +156,26 @@ class CompanyFormula {
   const std::vector<double>& changes(const MachineAtRest& machine, const TargetAtRest& target,
                                      const Eigen::Isometry3d& pose);
 
+  /// A change and what is stated of its error, in m.
+  struct Change {
+    double value;
+    double error;
+  };
+
+  /// Returns the changes with all charges that the target's functions can carry, within `rtol` of these.
+  const std::vector<Change>& solved(const MachineAtRest& machine, const TargetAtRest& target,
+                                    const Eigen::Isometry3d& pose, double rtol);
+
+  /// Returns the derivatives of the changes that solved() has just found, as the target moves: in 1 and in m,
+  /// in the frame of the machine, to be multiplied by 4πε.
+  std::vector<Wrench> wrenches(const MachineAtRest& machine, const TargetAtRest& target);
+
   /// Returns the largest ratio, in the last pose, of the radius of a function of the target to its distance
   /// from what is sensed or driven: gaps below it are not resolved.
   double nearness() const { return nearness_; }
+  /// Returns that ratio in a pose.
+  static double nearness(const MachineAtRest& machine, const TargetAtRest& target,
+                         const Eigen::Isometry3d& pose);
 
  private:
   /// Points of functions, in the frame of the machine.
@@ -107,6 +185,8 @@ class CompanyFormula {
     std::size_t count = 0;
   };
 
+  void place(const MachineAtRest& machine, const TargetAtRest& target, const Eigen::Isometry3d& pose);
+  void couple(const MachineAtRest& machine, const TargetAtRest& target);
   void place_target(const MachineAtRest& machine, const TargetAtRest& target, const Eigen::Isometry3d& pose);
   void place_machine(const MachineAtRest& machine, const TargetAtRest& target, const Eigen::Isometry3d& pose);
   void find_potentials(const MachineAtRest& machine, const TargetAtRest& target);
@@ -126,6 +206,12 @@ class CompanyFormula {
   Eigen::MatrixXd potentials_;  ///< of the given charges (columns) by direction
   Eigen::MatrixXd net_;         ///< net charges of the directions on each target conductor (columns)
   double nearness_ = 0;
+  bool is_fine_ = false;              ///< true if points are finer than the formula in closed form needs
+  Eigen::MatrixXf coupling_;          ///< potentials of the target's functions (columns) on the machine's
+  Eigen::MatrixXf target_charges_;    ///< of the target's functions in each load (columns)
+  Eigen::MatrixXf machine_charges_;   ///< that the machine's functions answer with
+  Eigen::MatrixXf given_potentials_;  ///< of the given charges (columns) on the target's functions
+  std::vector<Change> solved_;
   std::vector<double> changes_;
 };
 

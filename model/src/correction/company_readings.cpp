@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -9,7 +10,9 @@
 #include "bem/readings.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/reading.hpp"
+#include "geometry/wrench.hpp"
 #include "numeric/infinity.hpp"
+#include "numeric/parallel.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -24,19 +27,22 @@ double stated_error(double nearness) {
   return std::min(0.25 * std::sqrt(std::max(nearness, 1.0)), 1.0);
 }
 
+/// Returns how finely the machine is prepared for an accuracy.
+CompanyResolution machine_resolution(std::optional<double> rtol) {
+  return rtol ? CompanyResolution{*rtol / 2, 20000, 400, 1600} : MachineAtRest::usual;
+}
+
+/// Returns how finely the target is prepared for an accuracy.
+CompanyResolution target_resolution(std::optional<double> rtol) {
+  return rtol ? CompanyResolution{*rtol, 6000, 256} : TargetAtRest::usual;
+}
+
 AlignedBox3d bounds_of(const ChargedBody& body) {
   AlignedBox3d box;
   for (const Triangle& triangle : triangulated(body.surface).triangles)
     for (const Vector3d& corner : triangle)
       box.extend(corner);
   return box;
-}
-
-AlignedBox3d moved_box(const AlignedBox3d& box, const Isometry3d& pose) {
-  AlignedBox3d result;
-  for (int corner = 0; corner < 8; ++corner)
-    result.extend(pose * box.corner(static_cast<AlignedBox3d::CornerType>(corner)));
-  return result;
 }
 
 /// Returns some of the bodies, with the conductors that these belong to.
@@ -58,9 +64,20 @@ ChargedBodies part_of(const ChargedBodies& bodies, bool of_targets) {
   return part;
 }
 
+double unit_of(const Scene& scene) {
+  return 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
+}
+
 }  // namespace
 
-CompanyReadings::CompanyReadings(std::shared_ptr<LinkPoses> poses) : motion_(std::move(poses)) {}
+bool are_within(const std::vector<ReadingAnswer>& answers, double rtol) {
+  return std::ranges::all_of(answers, [&](const ReadingAnswer& reading) {
+    return reading.change.error && *reading.change.error <= rtol * std::abs(*reading.change.value);
+  });
+}
+
+CompanyReadings::CompanyReadings(std::shared_ptr<LinkPoses> poses)
+    : poses_(std::move(poses)), motion_(poses_) {}
 
 CompanyReadings::Group CompanyReadings::group(const ChargedBodies& bodies, bool of_targets) const {
   ChargedBodies part = part_of(bodies, of_targets);
@@ -85,24 +102,51 @@ Isometry3d CompanyReadings::frame(const Group& group) const {
   return motion_.world_pose(group.bodies.bodies.front().link);
 }
 
-void CompanyReadings::prepare(const Scene& scene) {
+void CompanyReadings::update(std::optional<double> rtol) {
   motion_.update();
-  if (machine_ && has_moved(*machine_group_))
+  if (machine_group_ && has_moved(*machine_group_)) {
+    machine_group_.reset();
     machine_.reset();
-  if (target_ && has_moved(*target_group_))
+  }
+  if (target_group_ && has_moved(*target_group_)) {
+    target_group_.reset();
     target_.reset();
-  if (machine_ && target_)
+  }
+  if (rtol != rtol_) {
+    machine_.reset();
+    target_.reset();
+    rtol_ = rtol;
+  }
+  // An approach is to what is sensed or driven, which has moved.
+  if (!machine_ && rtol_)
+    target_.reset();
+}
+
+void CompanyReadings::find_groups(const Scene& scene) {
+  if (machine_group_ && target_group_)
     return;
   const ChargedBodies bodies = bodies_on_links(scene);
-  if (!machine_) {
+  if (!machine_group_)
     machine_group_ = group(bodies, false);
-    charged_readings_ = charged_readings(readings(scene), drivable_conductors(machine_group_->bodies));
-    machine_.emplace(machine_group_->bodies, readings(scene));
-  }
-  if (!target_) {
+  if (!target_group_)
     target_group_ = group(bodies, true);
-    target_.emplace(target_group_->bodies);
+}
+
+void CompanyReadings::prepare(const Scene& scene, const std::vector<Isometry3d>& poses) {
+  if (!machine_) {
+    charged_readings_ = charged_readings(readings(scene), drivable_conductors(machine_group_->bodies));
+    machine_.emplace(machine_group_->bodies, readings(scene), machine_resolution(rtol_));
   }
+  if (target_)
+    return;
+  std::optional<Approach> approach;
+  if (rtol_)
+    approach = {machine_->used(), poses};
+  target_.emplace(target_group_->bodies, target_resolution(rtol_), approach);
+  approach_ = poses;
+  prepared_nearness_ = 0;
+  for (const Isometry3d& pose : poses)
+    prepared_nearness_ = std::max(prepared_nearness_, CompanyFormula::nearness(*machine_, *target_, pose));
 }
 
 CompanyReadings::Contacts CompanyReadings::contacts(const Isometry3d& pose) const {
@@ -126,13 +170,16 @@ CompanyReadings::Contacts CompanyReadings::contacts(const Isometry3d& pose) cons
   return found;
 }
 
-void CompanyReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answers) {
-  prepare(scene);
-  const Isometry3d pose = frame(*machine_group_).inverse(Eigen::Isometry) * frame(*target_group_);
-  motion_.settle();
+void CompanyReadings::write_pose(CompanyFormula& formula, const Isometry3d& pose,
+                                 std::vector<ReadingAnswer>& answers) const {
   const Contacts touching = contacts(pose);
-  const std::vector<double>& changes = formula_.changes(*machine_, *target_, pose);
-  const double unit = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
+  std::vector<CompanyFormula::Change> changes;
+  if (rtol_) {
+    changes = formula.solved(*machine_, *target_, pose, *rtol_);
+  } else {
+    for (const double change : formula.changes(*machine_, *target_, pose))
+      changes.push_back({change, stated_error(formula.nearness()) * std::abs(change)});
+  }
   answers.resize(changes.size());
   for (std::size_t k = 0; k < changes.size(); ++k) {
     ReadingAnswer& answer = answers[k];
@@ -147,10 +194,101 @@ void CompanyReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answ
           const auto conductor = static_cast<Eigen::Index>(at);
           return reading.sense[conductor] != 0 || reading.drive[conductor] != 0;
         });
-    answer.change = is_shorted ? Estimate{infinity, 0}
-                               : Estimate{unit * changes[k],
-                                          stated_error(formula_.nearness()) * std::abs(unit * changes[k])};
+    answer.change =
+        is_shorted ? Estimate{infinity, 0} : Estimate{unit_ * changes[k].value, unit_ * changes[k].error};
   }
+}
+
+void CompanyReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answers,
+                            std::optional<double> rtol) {
+  /// Ratio to the largest prepared nearness beyond which the target is prepared again.
+  constexpr double much_nearer = 1.5;
+  /// Ratio of a function's radius to its distance below which the functions are fine enough.
+  constexpr double near_enough = 0.5;
+  update(rtol);
+  find_groups(scene);
+  const Isometry3d pose = target_pose();
+  prepare(scene, {pose});
+  motion_.settle();
+  unit_ = unit_of(scene);
+  write_pose(formula_, pose, answers);
+  if (!rtol || formula_.nearness() <= much_nearer * std::max(prepared_nearness_, near_enough) ||
+      are_within(answers, *rtol))
+    return;
+  approach_.push_back(pose);
+  target_.reset();
+  prepare(scene, std::vector<Isometry3d>(approach_));
+  write_pose(formula_, pose, answers);
+}
+
+void CompanyReadings::write_derivatives(std::vector<ReadingAnswer>& answers) {
+  /// Ratio of the relative errors of derivatives and changes, that of boundary elements.
+  constexpr double error_per_error = 10;
+  const std::vector<Wrench> wrenches = formula_.wrenches(*machine_, *target_);
+  const Isometry3d to_world = frame(*machine_group_);
+  // Parts of the machine or of the targets that move relative to each other are not prepared.
+  const Vector3d unknown = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  std::vector<PairWrench> pairs;
+  for (const Group* each : {&*machine_group_, &*target_group_})
+    for (const ChargedBody& body : each->bodies.bodies)
+      if (const std::optional<std::size_t> first = each->bodies.bodies.front().link; body.link != first)
+        pairs.push_back({body.link, first, {unknown, unknown}});
+  pairs.push_back(
+      {target_group_->bodies.bodies.front().link, machine_group_->bodies.bodies.front().link, {}});
+  for (std::size_t k = 0; k < answers.size(); ++k) {
+    ReadingAnswer& answer = answers[k];
+    answer.derivatives.clear();
+    // In contact there are none.
+    if (!answer.change.value || std::isinf(*answer.change.value))
+      continue;
+    pairs.back().wrench = unit_ * in_outer_frame(wrenches[k], to_world);
+    answer.derivatives = derivatives_by_link(*poses_, pairs);
+    const double relative = error_per_error * *answer.change.error / std::abs(*answer.change.value);
+    for (LinkDerivatives& of_link : answer.derivatives) {
+      PoseDerivatives& error = of_link.error.emplace();
+      error << Vector3d::Constant(relative * of_link.change.head<3>().norm()),
+          Vector3d::Constant(relative * of_link.change.tail<3>().norm());
+    }
+  }
+}
+
+std::vector<std::vector<ReadingAnswer>>
+CompanyReadings::write_frames(const Scene& scene, std::size_t frames,
+                              const std::function<void(std::size_t)>& pose, std::optional<double> rtol,
+                              std::size_t threads) {
+  /// Number of poses that one thread answers in turn, with the same arrays.
+  constexpr std::size_t together = 8;
+  unit_ = unit_of(scene);
+  std::vector<std::vector<ReadingAnswer>> answers(frames);
+  std::vector<Isometry3d> poses;
+  const auto answer_all = [&](std::size_t end) {
+    if (poses.empty())
+      return;
+    if (approach_.size() != poses.size() ||
+        !std::equal(poses.begin(), poses.end(), approach_.begin(),
+                    [](const Isometry3d& a, const Isometry3d& b) { return a.matrix() == b.matrix(); }))
+      target_.reset();
+    prepare(scene, poses);
+    const std::size_t first = end - poses.size();
+    parallel_for((poses.size() + together - 1) / together, threads, [&](std::size_t part) {
+      CompanyFormula formula;
+      for (std::size_t k = part * together; k < std::min((part + 1) * together, poses.size()); ++k)
+        write_pose(formula, poses[k], answers[first + k]);
+    });
+    poses.clear();
+  };
+  for (std::size_t k = 0; k < frames; ++k) {
+    pose(k);
+    motion_.update();
+    if ((machine_group_ && has_moved(*machine_group_)) || (target_group_ && has_moved(*target_group_)))
+      answer_all(k);
+    update(rtol);
+    find_groups(scene);
+    motion_.settle();
+    poses.push_back(target_pose());
+  }
+  answer_all(frames);
+  return answers;
 }
 
 }  // namespace fringe::detail

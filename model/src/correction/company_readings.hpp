@@ -1,6 +1,7 @@
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +15,9 @@
 #include "geometry/link_motion.hpp"
 
 namespace fringe::detail {
+
+/// Tells whether the stated errors of all changes are within `rtol` of these.
+bool are_within(const std::vector<ReadingAnswer>& answers, double rtol);
 
 /// The readings of a scene by the formula in company (model/CORRECTIONS.md, section 8), while links move. The
 /// machine is prepared when it is first needed, and again when its parts have moved relative to each other;
@@ -31,7 +35,17 @@ class CompanyReadings {
   /// touches what a reading senses or drives; it is not known where contact joins other conductors that may
   /// have different potentials.
   /// @throws InputError for scenes that maxwell() refuses, but for contact with targets.
-  void write(const Scene& scene, std::vector<ReadingAnswer>& answers);
+  /// @param rtol the error asked of the changes, relative; without it the formula in closed form answers
+  void write(const Scene& scene, std::vector<ReadingAnswer>& answers, std::optional<double> rtol = {});
+
+  /// Writes the derivatives of the changes that write() has just found at an accuracy.
+  void write_derivatives(std::vector<ReadingAnswer>& answers);
+
+  /// Returns the readings in so many frames of a motion. The same bits for any number of threads.
+  /// @param pose sets the poses of a frame
+  std::vector<std::vector<ReadingAnswer>> write_frames(const Scene& scene, std::size_t frames,
+                                                       const std::function<void(std::size_t)>& pose,
+                                                       std::optional<double> rtol, std::size_t threads);
 
  private:
   /// Bodies that keep their poses to each other, in the frame of the first one's link: what is prepared then
@@ -41,7 +55,16 @@ class CompanyReadings {
     std::vector<Eigen::AlignedBox3d> boxes;  ///< of every body
   };
 
-  void prepare(const Scene& scene);
+  /// Ends the preparations of what an accuracy or moved links make useless.
+  void update(std::optional<double> rtol);
+  void find_groups(const Scene& scene);
+  /// Prepares what is not prepared; the target for an approach in these poses if it is not.
+  void prepare(const Scene& scene, const std::vector<Eigen::Isometry3d>& poses);
+  Eigen::Isometry3d target_pose() const {
+    return frame(*machine_group_).inverse(Eigen::Isometry) * frame(*target_group_);
+  }
+  void write_pose(CompanyFormula& formula, const Eigen::Isometry3d& pose,
+                  std::vector<ReadingAnswer>& answers) const;
   bool has_moved(const Group& group) const;
   Eigen::Isometry3d frame(const Group& group) const;
   Group group(const ChargedBodies& bodies, bool of_targets) const;
@@ -53,11 +76,16 @@ class CompanyReadings {
   };
   Contacts contacts(const Eigen::Isometry3d& pose) const;
 
+  std::shared_ptr<LinkPoses> poses_;
   LinkMotion motion_;
   std::optional<Group> machine_group_, target_group_;
+  std::optional<double> rtol_;  ///< that machine and target are prepared for
   std::optional<MachineAtRest> machine_;
   std::optional<TargetAtRest> target_;
+  std::vector<Eigen::Isometry3d> approach_;  ///< poses that the target is prepared for
+  double prepared_nearness_ = 0;             ///< largest one in these
   std::vector<ChargedReading> charged_readings_;
+  double unit_ = 0;  ///< 4πε, F/m
   CompanyFormula formula_;
 };
 

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "correction/layer_rule.hpp"
+#include "fringe/error.hpp"
 #include "fringe/reading.hpp"
 
 namespace fringe::detail {
@@ -78,7 +79,14 @@ bool InsulatedReadings::knows(const Scene& scene) {
          std::find(are_targets.begin(), are_targets.end(), true) != are_targets.end();
 }
 
-void InsulatedReadings::prepare(const Scene& scene) {
+void InsulatedReadings::prepare(const Scene& scene, std::optional<double> rtol) {
+  has_insulators_ = std::ranges::any_of(
+      scene.objects, [](const Object& object) { return std::holds_alternative<Dielectric>(object.role); });
+  if (rtol && has_insulators_)
+    throw InputError("rtol is an option of the correction formula for scenes without dielectric objects: ask "
+                     "boundary-elements for an accuracy beside these");
+  if (upper_)
+    return;
   const std::vector<bool> enclosed = are_enclosed(scene);
   for (std::size_t k = 0; k < scene.objects.size(); ++k)
     if (enclosed[k])
@@ -103,12 +111,27 @@ void InsulatedReadings::prepare(const Scene& scene) {
   }
 }
 
-void InsulatedReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answers) {
-  if (!upper_)
-    prepare(scene);
-  upper_->readings.write(upper_->scene, answers);
+void InsulatedReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answers,
+                              std::optional<double> rtol) {
+  prepare(scene, rtol);
+  upper_->readings.write(upper_->scene, answers, rtol);
   if (share_)
     enclose(answers);
+}
+
+std::vector<std::vector<ReadingAnswer>>
+InsulatedReadings::write_frames(const Scene& scene, std::size_t frames,
+                                const std::function<void(std::size_t)>& pose, std::optional<double> rtol,
+                                std::size_t threads) {
+  prepare(scene, rtol);
+  if (!has_insulators_)
+    return upper_->readings.write_frames(upper_->scene, frames, pose, rtol, threads);
+  std::vector<std::vector<ReadingAnswer>> answers(frames);
+  for (std::size_t k = 0; k < frames; ++k) {
+    pose(k);
+    write(scene, answers[k]);
+  }
+  return answers;
 }
 
 /// Replaces the changes with conductors in the place of dielectric targets by what these make.

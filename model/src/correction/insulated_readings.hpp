@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -29,8 +31,17 @@ class InsulatedReadings {
   /// objects only covers and targets that are enclosed.
   static bool knows(const Scene& scene);
 
-  /// Writes the changes of the scene's readings, as CompanyReadings does.
-  void write(const Scene& scene, std::vector<ReadingAnswer>& answers);
+  /// Writes the changes of the scene's readings, as CompanyReadings does. Throws InputError for an rtol in a
+  /// scene with dielectric objects, whose effect has errors of its own.
+  void write(const Scene& scene, std::vector<ReadingAnswer>& answers, std::optional<double> rtol = {});
+
+  /// Writes the derivatives of the changes that write() has just found at an accuracy.
+  void write_derivatives(std::vector<ReadingAnswer>& answers) { upper_->readings.write_derivatives(answers); }
+
+  /// Returns the readings in so many frames of a motion, as CompanyReadings does.
+  std::vector<std::vector<ReadingAnswer>> write_frames(const Scene& scene, std::size_t frames,
+                                                       const std::function<void(std::size_t)>& pose,
+                                                       std::optional<double> rtol, std::size_t threads);
 
  private:
   /// A scene of conductors only, and its readings.
@@ -39,13 +50,14 @@ class InsulatedReadings {
     CompanyReadings readings;
   };
 
-  void prepare(const Scene& scene);
+  void prepare(const Scene& scene, std::optional<double> rtol);
   void enclose(std::vector<ReadingAnswer>& answers);
 
   std::shared_ptr<LinkPoses> poses_;
   std::optional<Conducting> upper_;     ///< conductors in the place of dielectric targets; else all there is
   std::optional<Conducting> grounded_;  ///< with grounded ones where `upper_` has floating ones
   std::optional<Conducting> lower_;     ///< without dielectric targets, if there are others, too
+  bool has_insulators_ = false;
   /// Estimated share that dielectric targets have of the change by conductors; none: there are none of them.
   std::optional<double> share_;
   std::vector<bool> drive_themselves_;  ///< for every reading, whether it drives what it senses only

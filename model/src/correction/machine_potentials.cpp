@@ -38,9 +38,6 @@ constexpr double far = 6;
 /// Number of points that are evaluated together, with the same levels: a block of the kernels.
 constexpr std::size_t together = detail::node_block;
 
-/// Coordinate of points that only fill a block, in m: 1/distance is negligible.
-constexpr float padded_coordinate = 1e15F;
-
 /// Bits of a coordinate's number in the Z-order, three of which fill a word.
 constexpr unsigned order_bits = 21;
 
@@ -90,7 +87,7 @@ struct MachinePotentials::Machine {
 
   Machine(const Scene& scene, const MachinePotentialsOptions& options)
       : rest(detail::charged_bodies(scene), fringe::readings(scene),
-             {options.rtol, options.most_panels, options.functions, options.threads}) {
+             {options.rtol, options.most_panels, options.functions, 0, options.threads}) {
     for (const detail::MachineAtRest::OfReading& reading : rest.readings())
       readings.push_back(
           {static_cast<std::size_t>(reading.sense), static_cast<std::size_t>(reading.drive), reading.sign});
@@ -202,7 +199,7 @@ struct MachinePotentials::Machine {
     Eigen::AlignedBox3d box;
     std::array<std::array<float, together>, 3> at{};
     for (std::array<float, together>& coordinates : at)
-      coordinates.fill(padded_coordinate);
+      coordinates.fill(detail::padded_coordinate);
     for (const std::size_t index : indices) {
       for (std::size_t axis = 0; axis < 3; ++axis)
         at[axis][some.size()] = static_cast<float>(points[index][static_cast<Index>(axis)]);

@@ -11,10 +11,14 @@ namespace {
 
 constexpr std::array registry{
     CorrectionInfo{Correction::none, "none", "ε∫dA/d", "thesis 5.3", "", "one integral per triangle"},
-    CorrectionInfo{Correction::formula, "formula",
-                   "coupling of the bodies' own charges, polarised, and the flux between surfaces that face",
-                   "model/CORRECTIONS.md", "eight: fourth powers of the logarithm, set-ups not sealed",
-                   "one polygon and two integrals per facing triangle, 36 × 36 distances"},
+    CorrectionInfo{
+        Correction::formula, "formula",
+        "coupling of the bodies' own charges, polarised, and the flux between surfaces that face; "
+        "changes of readings in company: Galerkin projection of boundary elements on a few hundred "
+        "functions, the machine at rest",
+        "model/CORRECTIONS.md", "eight: fourth powers of the logarithm, set-ups not sealed; in company none",
+        "one polygon and two integrals per facing triangle, 36 × 36 distances; in company the "
+        "distances of some thousand points and two products with matrices"},
     CorrectionInfo{
         Correction::recommended, "recommended",
         "the Maxwell matrix by reduced boundary elements; formula where it states an error above 10 %, and "

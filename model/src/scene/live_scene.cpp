@@ -1,5 +1,7 @@
 #include "fringe/live_scene.hpp"
 
+#include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -40,18 +42,24 @@ class LiveScene::Implementation {
   }
 
   const Evaluation& evaluate(const EvaluationOptions& options) {
-    try {
-      choose_method(options);
-    } catch (const InputError&) {
-      throw;
-    } catch (...) {
-      // An interrupted preparation is incomplete and must not serve the next answer.
-      reduced_.reset();
-      recommended_.reset();
-      company_ = detail::InsulatedReadings(poses_);
-      throw;
-    }
+    uninterrupted([&] { choose_method(options); });
     return answer_;
+  }
+
+  std::vector<std::vector<ReadingAnswer>> readings_of(std::size_t frames,
+                                                      const std::function<void(std::size_t)>& pose,
+                                                      EvaluationOptions options, std::size_t threads) {
+    options.entries = Entries::of_readings;
+    std::vector<std::vector<ReadingAnswer>> answers;
+    if (is_integral(options.method) && knows_company(integral_options(options))) {
+      uninterrupted([&] { answers = company_.write_frames(scene_, frames, pose, options.rtol, threads); });
+      return answers;
+    }
+    for (std::size_t frame = 0; frame < frames; ++frame) {
+      pose(frame);
+      answers.push_back(evaluate(options).readings);
+    }
+    return answers;
   }
 
   const SceneCollision& collide() {
@@ -69,6 +77,25 @@ class LiveScene::Implementation {
   }
 
  private:
+  /// Ends the preparations that an exception leaves incomplete: they must not serve the next answer.
+  template <typename Answer>
+  void uninterrupted(const Answer& answer) {
+    try {
+      answer();
+    } catch (const InputError&) {
+      throw;
+    } catch (...) {
+      reduced_.reset();
+      recommended_.reset();
+      company_ = detail::InsulatedReadings(poses_);
+      throw;
+    }
+  }
+
+  bool knows_company(const CapacitanceOptions& options) const {
+    return options.correction != Correction::none && detail::InsulatedReadings::knows(scene_);
+  }
+
   void choose_method(const EvaluationOptions& options) {
     if (is_integral(options.method))
       integrate(options);
@@ -81,14 +108,21 @@ class LiveScene::Implementation {
   /// Answers by a triangle-integral method or a correction.
   void integrate(const EvaluationOptions& asked) {
     const CapacitanceOptions options = integral_options(asked);
-    const bool knows_company =
-        options.correction != Correction::none && detail::InsulatedReadings::knows(scene_);
+    const bool in_company = knows_company(options);
     detail::refuse_thick_covers(scene_);
     answer_.matrix.reset();
     answer_.reached = true;
-    if (knows_company)
-      company_.write(scene_, answer_.readings);
-    if (knows_company && asked.entries == Entries::of_readings) {
+    if (in_company)
+      company_.write(scene_, answer_.readings, asked.rtol);
+    if (asked.rtol) {
+      if (!in_company)
+        throw InputError("rtol is an option of the correction formula for the changes of readings, which "
+                         "this scene does not ask for");
+      answer_.reached = detail::are_within(answer_.readings, *asked.rtol);
+      if (asked.derivatives)
+        company_.write_derivatives(answer_.readings);
+    }
+    if (in_company && asked.entries == Entries::of_readings) {
       answer_.answered_by = detail::CompanyReadings::name;
       answer_.capacitance = {};
       return;
@@ -101,9 +135,9 @@ class LiveScene::Implementation {
     }
     answer_.answered_by = evaluator_name_;
     answer_.capacitance = evaluator_->capacitance();
-    if (!knows_company)
+    if (!in_company)
       readings_of_objects_.write(answer_.capacitance, answer_.answered_by, answer_.readings);
-    if (asked.derivatives)
+    if (asked.derivatives && !in_company)
       readings_of_objects_.write_derivatives(*evaluator_, *poses_, answer_.readings);
   }
 
@@ -193,6 +227,13 @@ void LiveScene::set_joint(std::string_view joint, double position) {
 
 const Evaluation& LiveScene::evaluate(const EvaluationOptions& options) {
   return implementation_->evaluate(options);
+}
+
+std::vector<std::vector<ReadingAnswer>> LiveScene::readings_of(const std::vector<Frame>& motion,
+                                                               const EvaluationOptions& options,
+                                                               std::size_t threads) {
+  return implementation_->readings_of(
+      motion.size(), [&](std::size_t frame) { set_poses(motion[frame].poses); }, options, threads);
 }
 
 const SceneCollision& LiveScene::collide() {

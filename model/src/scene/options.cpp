@@ -15,9 +15,9 @@ namespace fringe {
 namespace {
 
 [[noreturn]] void refuse_derivatives(const std::string& answering) {
-  throw InputError(fmt::format(
-      "derivatives are known by exact without a correction, boundary-elements and reduced:K, not by {}",
-      answering));
+  throw InputError(fmt::format("derivatives are known by exact without a correction, boundary-elements, "
+                               "reduced:K and the correction formula with an rtol, not by {}",
+                               answering));
 }
 
 }  // namespace
@@ -77,13 +77,20 @@ void validate(const EvaluationOptions& options) {
 }
 
 CapacitanceOptions integral_options(const EvaluationOptions& options) {
-  if (options.rtol)
-    throw InputError("rtol is an option of the methods boundary-elements, reduced:K and recommended");
+  if (options.rtol) {
+    if (options.correction != Correction::formula)
+      throw InputError(
+          "rtol is an option of the methods boundary-elements, reduced:K and recommended, and of the "
+          "correction formula");
+    validate(BoundaryElementOptions{.rtol = *options.rtol});
+  }
   const CapacitanceOptions defaults;
   const CapacitanceOptions asked{
       options.method, options.plates.value_or(defaults.plates), options.faces.value_or(defaults.faces),
       options.tolerance.value_or(defaults.tolerance), options.correction.value_or(defaults.correction)};
   validate(asked);
+  if (options.derivatives && options.rtol)
+    return asked;
   if (options.derivatives && asked.correction != Correction::none)
     refuse_derivatives("the correction " + to_string(asked.correction));
   if (options.derivatives && !std::holds_alternative<Exact>(asked.method))
@@ -92,6 +99,10 @@ CapacitanceOptions integral_options(const EvaluationOptions& options) {
 }
 
 double rtol_of(const EvaluationOptions& options) {
+  if (is_integral(options.method) && options.rtol) {
+    validate(options);
+    return *options.rtol;
+  }
   const auto refuse = [&](bool is_given, std::string_view option) {
     if (is_given)
       throw InputError(fmt::format("{} is an option of the triangle-integral methods, not of {}", option,

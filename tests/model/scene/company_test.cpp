@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "fringe/error.hpp"
 #include "fringe/evaluation.hpp"
 #include "fringe/live_scene.hpp"
 #include "fringe/pose.hpp"
@@ -101,6 +102,101 @@ TEST(FormulaInCompany, KnowsTargetsOfSeveralBodiesAndFloatingMachines) {
   scene.objects.push_back(object_of("shield", Plate{0.1, 0.03}, at(0, 0.09, 0.02)));
   scene.objects.back().role = Floating{};
   expect_near_truth(with_one_reading(scene));
+}
+
+TEST(FormulaInCompany, StatesItsErrorWhereAnAccuracyIsAskedFor) {
+  const Scene scene = with_one_reading(machine(0.03));
+  EvaluationOptions options = by_formula;
+  options.rtol = 2e-2;
+  const Evaluation answer = evaluate(scene, options);
+  const Estimate found = answer.readings[0].change;
+  const double truth =
+      evaluate(scene, {.method = BoundaryElements{}, .rtol = 1e-2, .entries = Entries::of_readings})
+          .readings[0]
+          .change.value.value();
+  EXPECT_NEAR(found.value.value(), truth, 0.03 * truth);
+  EXPECT_GE(found.error.value(), std::abs(found.value.value() - truth));
+  EXPECT_EQ(answer.reached, found.error.value() <= 2e-2 * found.value.value());
+}
+
+TEST(FormulaInCompany, RefusesAnAccuracyForWhatItDoesNotKnow) {
+  Scene scene = machine(0.03);
+  scene.has_room = true;
+  EvaluationOptions options = by_formula;
+  options.rtol = 2e-2;
+  EXPECT_THROW(evaluate(scene, options), InputError);
+}
+
+/// The hand comes near from 8 to 2 cm, in frames.
+std::vector<Frame> approach(const Scene& scene) {
+  std::vector<Frame> motion;
+  for (int k = 0; k < 12; ++k) {
+    Frame& frame = motion.emplace_back(std::to_string(k));
+    for (const Link& link : scene.links)
+      frame.poses.push_back(link.pose);
+    frame.poses[0] = at(0.002 * k, 0, 0.005 * (12 - k));
+  }
+  return motion;
+}
+
+std::vector<double> changes(const std::vector<std::vector<ReadingAnswer>>& answers) {
+  std::vector<double> found;
+  for (const std::vector<ReadingAnswer>& frame : answers)
+    for (const ReadingAnswer& reading : frame) {
+      found.push_back(reading.change.value.value());
+      found.push_back(reading.change.error.value());
+    }
+  return found;
+}
+
+TEST(FormulaInCompany, AnswersAMotionAsItsFrames) {
+  const Scene scene = machine(0.02);
+  const std::vector<Frame> motion = approach(scene);
+  LiveScene live(scene), other(scene);
+  std::vector<std::vector<ReadingAnswer>> one_by_one;
+  for (const Frame& frame : motion) {
+    other.set_poses(frame.poses);
+    one_by_one.push_back(other.evaluate(by_formula).readings);
+  }
+  EXPECT_EQ(changes(live.readings_of(motion, by_formula, 2)), changes(one_by_one));
+}
+
+TEST(FormulaInCompany, AnswersAMotionWithTheSameBitsForAnyNumberOfThreads) {
+  const Scene scene = machine(0.02);
+  EvaluationOptions options = by_formula;
+  options.rtol = 5e-2;
+  LiveScene one(scene), two(scene);
+  EXPECT_EQ(changes(one.readings_of(approach(scene), options, 1)),
+            changes(two.readings_of(approach(scene), options, 2)));
+}
+
+TEST(FormulaInCompany, KnowsDerivativesWhereAnAccuracyIsAskedFor) {
+  Scene scene = machine(0.03);
+  EvaluationOptions options = by_formula;
+  options.rtol = 2e-2;
+  options.derivatives = true;
+  LiveScene live(scene);
+  const std::vector<ReadingAnswer> found = live.evaluate(options).readings;
+  options.derivatives = false;
+  constexpr double step = 1e-3;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> differences(found.size(), 0);
+    for (const double sign : {1.0, -1.0}) {
+      live.set_pose("hand",
+                    Eigen::Isometry3d(Eigen::Translation3d(sign * step * Eigen::Vector3d::Unit(axis))));
+      const std::vector<ReadingAnswer>& moved = live.evaluate(options).readings;
+      for (std::size_t k = 0; k < found.size(); ++k)
+        differences[k] += sign * moved[k].change.value.value() / (2 * step);
+    }
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const LinkDerivatives &hand = found[k].derivatives[0], &body = found[k].derivatives[1];
+      const double largest = hand.change.head<3>().norm();
+      EXPECT_NEAR(hand.change[axis], differences[k], 0.02 * largest) << found[k].name << axis;
+      // The housing would move away from the sensors, for which the machine is not prepared.
+      EXPECT_TRUE(std::isnan(body.change[axis]));
+      EXPECT_GT(hand.error.value()[axis], 0);
+    }
+  }
 }
 
 TEST(FormulaInCompany, IsReciprocal) {
