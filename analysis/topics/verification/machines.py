@@ -35,6 +35,10 @@ BOUNDARY_RTOL = 1e-2
 """Relative tolerance of the changes of readings by boundary elements, with which machines of plane faces are compared."""
 
 
+MOST_BODIES = 20
+"""Largest number of sensors and objects of such a machine: boundary elements take more time than the enclosure of more bodies."""
+
+
 @dataclass(frozen=True)
 class Machine:
     """A scene, the conductors whose rows are asked for, and the relative accuracy that is asked for."""
@@ -91,7 +95,8 @@ def _boxes(count: int) -> tuple[Object, ...]:
 
 
 def answer(machine: Machine, max_seconds: float = math.inf) -> Document:
-    """Encloses a machine's capacitances, in picofarad; for machines of plane faces boundary elements add the readings.
+    """Encloses a machine's capacitances, in picofarad; for machines of a few bodies with plane faces boundary elements add the
+    readings.
 
     The refinement ends before a mesh that would be done after `max_seconds`.
     """
@@ -123,7 +128,8 @@ def answer(machine: Machine, max_seconds: float = math.inf) -> Document:
             for name, *values in entries
         ],
     }
-    if document["proven"] and machine.scene.room is None:
+    bodies = len(machine.scene.sensors) + len(machine.scene.objects)
+    if document["proven"] and machine.scene.room is None and bodies <= MOST_BODIES:
         document["boundary_elements"] = _boundary_elements(machine)
     return document
 
