@@ -28,7 +28,7 @@ RTOL = 1e-2
 """Relative accuracy asked of boundary elements."""
 GOAL = 5e-3
 """Largest difference, relative to the field solver's value, that the methods should have."""
-MOST_UNKNOWNS = (400_000, 900_000)
+MOST_UNKNOWNS = (600_000, 1_200_000)
 """Limits of a mesh's unknowns, tried in turn until two meshes have fewer."""
 _DIGITS = 7
 _DESCRIPTION = (
