@@ -41,7 +41,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=program,
         description="Run studies and report them, also night by night; compare results; verify the reference; study the model's error, "
-        "its corrections, readings in company, and the model on machines; show a scene, its readings over a motion, or where probes are noticed around it.",
+        "its corrections, readings in company, the model on machines, and insulators; show a scene, its readings over a motion, or where probes are noticed around it.",
         epilog="Exit status: 0 answered; 2 wrong input; 3 a case is short of the asked accuracy, its wider errors are "
         "reported; 1 a case failed or has no answer by any method, a value moved, or anything else.",
     )
@@ -86,6 +86,11 @@ def _parser(program: str) -> argparse.ArgumentParser:
         help="the model's error on machines, taken apart in hundreds of set-ups with stored truths by boundary elements (a minute; finished ones are kept)",
     )
     _add_output_and_jobs(machines, "answers", "set-ups", "machines")
+    insulators = commands.add_parser(
+        "insulators",
+        help="Experiment VIII: covers, wet films, mattresses, blankets and insulating targets before a sensor, with stored truths by boundary elements (a minute; finished ones are kept)",
+    )
+    _add_output_and_jobs(insulators, "answers", "set-ups", "insulators")
     documentation = commands.add_parser(
         "documentation", help="make a site of all notes, algorithms and references (the model must be built)"
     )

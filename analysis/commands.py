@@ -28,6 +28,11 @@ from analysis.topics.corrections import (
 )
 from analysis.topics.errors import page as errors_page, set_ups as errors_set_ups, stage as errors_stage
 from analysis.topics.history import difference, nights, page as history_page
+from analysis.topics.insulators import (
+    page as insulators_page,
+    set_ups as insulators_set_ups,
+    stage as insulators_stage,
+)
 from analysis.topics.machines import (
     page as machines_page,
     set_ups as machines_set_ups,
@@ -302,6 +307,9 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     ),
     "machines": lambda options: _of_set_ups(
         machines_stage.STAGES, machines_set_ups.all_set_ups(), machines_page.make, options
+    ),
+    "insulators": lambda options: _of_set_ups(
+        insulators_stage.STAGES, insulators_set_ups.all_set_ups(), insulators_page.make, options
     ),
     "corrections": lambda options: _corrections(options.output),
     "table": lambda options: _table(options.answers, options.output, options.jobs),

@@ -32,6 +32,11 @@ from analysis.topics.cross_check import section as cross_check_section
 from analysis.topics.errors import records as error_records, section as errors_section
 from analysis.topics.errors.records import Entry
 from analysis.topics.experiments import section as experiments_section
+from analysis.topics.insulators import (
+    field_check as insulators_field_check,
+    records as insulators_records,
+    section as insulators_section,
+)
 from analysis.topics.machines import (
     field_check as machines_field_check,
     records as machines_records,
@@ -65,6 +70,7 @@ class Material:
     faults: Document | None = None
     in_company: tuple[company_factors.Entry, ...] = ()
     on_machines: tuple[machines_records.Entry, ...] = ()
+    insulated: tuple[insulators_records.Entry, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -114,6 +120,10 @@ def _machines(material: Material) -> list[Markup]:
 
 def _company(material: Material) -> list[Markup]:
     return [company_section.section(list(material.in_company), company_field_check.load())]
+
+
+def _insulators(material: Material) -> list[Markup]:
+    return [insulators_section.section(list(material.insulated), insulators_field_check.comparisons())]
 
 
 def _corrections(material: Material) -> list[Markup]:
@@ -174,6 +184,9 @@ QUESTIONS = (
         "error_parts", "parts of the error", "Where does the model's error come from?", _parts, own=False
     ),
     Question("company", "in company", "What does a machine around the sensor change?", _company, own=False),
+    Question(
+        "insulators", "insulators", "What do insulators before a sensor change?", _insulators, own=False
+    ),
     Question(CORRECTIONS, "corrections", "What can be corrected, and at what cost?", _corrections, own=False),
     Question(PUBLISHED, "published table", "Which values can others be held against?", _published, own=False),
     Question("reference", "reference", "How sure is the reference?", _reference),

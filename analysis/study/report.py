@@ -26,6 +26,12 @@ from analysis.topics.corrections import stage as corrections_stage
 from analysis.topics.cross_check import agreement, section as cross_check_section
 from analysis.topics.errors import records as error_records, set_ups as error_set_ups, stage as errors_stage
 from analysis.topics.history import nights as history, page as history_page
+from analysis.topics.insulators import (
+    field_check as insulators_field_check,
+    records as insulators_records,
+    set_ups as insulators_set_ups,
+    stage as insulators_stage,
+)
 from analysis.topics.machines import (
     field_check as machines_field_check,
     records as machines_records,
@@ -69,11 +75,24 @@ def make(folder: Path) -> Report:
     on_machines = machines_stage.STAGES.load(
         machines_stage.STAGES.beside(folder), machines_set_ups.all_set_ups()
     )
+    insulated = insulators_stage.STAGES.load(
+        insulators_stage.STAGES.beside(folder), insulators_set_ups.all_set_ups()
+    )
     faults = faults_section.beside(folder)
     answers = _answers(folder, found)
-    in_field = [read_json(check.FILE) for check in (company_field_check, machines_field_check)]
+    field_checks = (company_field_check, machines_field_check, insulators_field_check)
+    in_field = [read_json(check.FILE) for check in field_checks]
     inputs = keys.page_inputs(
-        answers, verified, apart, corrected, faults, in_company, on_machines, in_field, published.digest()
+        answers,
+        verified,
+        apart,
+        corrected,
+        faults,
+        in_company,
+        on_machines,
+        insulated,
+        in_field,
+        published.digest(),
     )
     nights = history.load(folder)
     live = live_page.beside(folder)
@@ -86,7 +105,10 @@ def make(folder: Path) -> Report:
         entries = error_records.entries(apart, error_set_ups.all_set_ups())
         company = tuple(company_factors.entries(in_company, company_set_ups.all_set_ups()))
         machines = tuple(machines_records.entries(on_machines, machines_set_ups.all_set_ups()))
-        material = Material(found, rows, summaries, verified, entries, corrected, faults, company, machines)
+        behind = tuple(insulators_records.entries(insulated, insulators_set_ups.all_set_ups()))
+        material = Material(
+            found, rows, summaries, verified, entries, corrected, faults, company, machines, behind
+        )
         _write(material, nights, live, inputs, whole)
     return Report(
         folder / page.REPORT,

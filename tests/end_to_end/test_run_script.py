@@ -35,6 +35,7 @@ def test_a_folder_named_like_ours_where_the_user_stands_is_not_taken_for_ours(tm
                 "corrections",
                 "company",
                 "machines",
+                "insulators",
                 "live sensor_head",
                 "run default --measure-model",
             ],

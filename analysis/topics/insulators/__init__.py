@@ -1,0 +1,1 @@
+"""Experiment VIII: what insulators before a sensor do to its reading."""

@@ -1,0 +1,113 @@
+"""Set-ups of Experiment VIII with the true change of their reading and the model's, and what insulators make of both."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis.results.answers import Estimate
+from analysis.results.store import Document
+from analysis.topics.insulators.set_ups import COUNTS, SetUp
+from analysis.topics.insulators.stage import FORMULA, IGNORING
+from analysis.topics.insulators.truths import Truth, Truths
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """A set-up; `changes` holds the change (F) by the formula, with the insulator and without it, where it answers."""
+
+    set_up: SetUp
+    true: Truths
+    changes: dict[str, Estimate]
+    pairs: dict[str, float]
+
+    @property
+    def factor(self) -> float:
+        """The true change with the insulator over that without it; of an insulating target over that of a grounded one."""
+        return self.true.insulated.change.value / self.true.without.change.value
+
+    @property
+    def uncertainty(self) -> float:
+        """The relative error of the factor."""
+        return sum(
+            each.change.error / abs(each.change.value) for each in (self.true.insulated, self.true.without)
+        )
+
+    @property
+    def false_change(self) -> float:
+        """What the insulator alone adds to the reading, over the change by the hand without it."""
+        added = self.true.insulated.background.value - self.true.without.background.value
+        return added / self.true.without.change.value
+
+    def error(self, method: str) -> float:
+        """Returns a change by the formula over the true one with the insulator, less one."""
+        return self.changes[method].value / self.true.insulated.change.value - 1
+
+    @property
+    def is_enclosed(self) -> bool:
+        """Tells whether the true change lies within the error that the formula states."""
+        found, true = self.changes[FORMULA], self.true.insulated.change
+        return abs(found.value - true.value) <= found.error + true.error
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Median, least and greatest of some numbers, their root mean square, and the one that is farthest from zero."""
+
+    count: int
+    median: float
+    least: float
+    greatest: float
+    rms: float
+    worst: float
+
+
+def statistics(values: Iterable[float]) -> Statistics | None:
+    """Returns the statistics of some numbers; None without any."""
+    found = np.array(list(values))
+    if not len(found):
+        return None
+    return Statistics(
+        count=len(found),
+        median=float(np.median(found)),
+        least=float(found.min()),
+        greatest=float(found.max()),
+        rms=float(np.sqrt((found**2).mean())),
+        worst=float(found[np.abs(found).argmax()]),
+    )
+
+
+def entries(answers: dict[str, Document], set_ups: Iterable[SetUp]) -> list[Entry]:
+    """Returns the set-ups that have an answer, in their order."""
+    return [_entry(each, answers[each.id]) for each in set_ups if each.id in answers]
+
+
+def by_family(found: list[Entry]) -> dict[str, list[Entry]]:
+    """Returns the entries of each family that has any."""
+    families = {family: [entry for entry in found if entry.set_up.family == family] for family in COUNTS}
+    return {family: members for family, members in families.items() if members}
+
+
+def errors(found: Iterable[Entry], method: str) -> Statistics | None:
+    """Returns the statistics of the formula's relative errors, of those entries for which it has an answer."""
+    return statistics(entry.error(method) for entry in found if method in entry.changes)
+
+
+def _entry(set_up: SetUp, answer: Document) -> Entry:
+    changes = {
+        name: Estimate(**answer["changes"][name])
+        for name in (FORMULA, IGNORING)
+        if "refused" not in answer["changes"][name]
+    }
+    true = answer["truths"]
+    return Entry(set_up, Truths(_truth(true["insulated"]), _truth(true["without"])), changes, answer["pairs"])
+
+
+def _truth(record: Document) -> Truth:
+    background, change, mutual = (
+        Estimate(**record[key]) if record[key] else None for key in ("background", "change", "mutual")
+    )
+    assert background is not None and change is not None
+    return Truth(background, change, mutual)

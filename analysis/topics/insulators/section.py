@@ -1,0 +1,219 @@
+"""Experiment VIII in the report: what insulators before a sensor make of its reading, and the model's layer rule beside it."""
+
+from __future__ import annotations
+
+from markupsafe import Markup
+
+from analysis.report import page
+from analysis.results.units import percent, picofarads, signed_percent
+from analysis.topics.insulators import plots, records
+from analysis.topics.insulators.field_check import GOAL, QUANTITIES, Comparison
+from analysis.topics.insulators.records import Entry, Statistics, by_family, statistics
+from analysis.topics.insulators.set_ups import BLANKET, COVER, FILM, TARGET
+from analysis.topics.insulators.stage import FORMULA, IGNORING
+from analysis.topics.insulators.truths import RTOL
+
+TITLE = "Insulators: Experiment VIII"
+ABSENT = "This version of the model has no study of insulators yet: python3 -m analysis insulators does it in a minute."
+UNCHECKED = "None of these set-ups has a reading by the field solver."
+_WHAT = (
+    "Change: the reading with the hand less that without it, the insulator as it is; a blanket comes with the hand. Factor: the change with the insulator over that "
+    "without it, and of an insulating target over that of a grounded one of the same shape. False change: what the insulator by itself adds to the reading, over the "
+    "change by the hand without it. Layer rule: a covered plate counts as moved to the front by its cover's thickness times (1 − 1/permittivity), and the formula in company "
+    "keeps the plate behind it. Insulating targets: the formula has bounds, the changes without them and with conductors in their place, and an estimate "
+    "between both. Mattresses belong to the machine; the formula refuses them. Definitions: analysis/topics/experiments/EXPERIMENTS.md."
+)
+
+
+def section(found: list[Entry], checks: list[Comparison]) -> Markup:
+    """Returns the section, with the comparisons with the field solver; one sentence without answers."""
+    if not found:
+        return page.section(TITLE, page.paragraph(ABSENT))
+    return page.section(
+        TITLE,
+        page.finding(finding(found)),
+        page.figures([plots.of_families(found), plots.of_layers(found)]),
+        page.table(
+            [
+                "family",
+                "set-ups",
+                "factor: median (least to greatest)",
+                "false change",
+                "error of the factor",
+            ],
+            _rows(found),
+        ),
+        page.finding(warnings(found)),
+        page.figures([plots.of_targets(found)]),
+        page.finding(rule_finding(found)),
+        page.figures([plots.of_rule(found)]),
+        page.table(
+            ["family", "formula", "answers", "rms error", "median", "worst", "within stated errors"],
+            _rows_of_model(found),
+            text_columns=2,
+        ),
+        page.soft(_WHAT),
+        page.heading("Checked by the field solver"),
+        page.finding(check_finding(checks)) if checks else page.paragraph(UNCHECKED),
+        page.folded("Show the comparison", _comparisons(checks)),
+        page.folded("Show the numbers", _numbers(found)),
+    )
+
+
+def finding(found: list[Entry]) -> str:
+    """Tells by how much each kind of insulator multiplies the change."""
+    phrases = [
+        f"{_name(family)} {_range(statistics(entry.factor for entry in members))}"
+        for family, members in by_family(found).items()
+        if family != TARGET
+    ]
+    sure = statistics(entry.uncertainty for entry in found)
+    assert sure is not None
+    return (
+        f"Over {len(found)} set-ups insulators multiply the change that a hand makes, in the median and from least to most, by: {'; '.join(phrases)}. The factors are "
+        f"known to {percent(sure.median)} in the median and {percent(sure.greatest)} at worst, by boundary elements asked for {percent(RTOL)} of each entry and change."
+    )
+
+
+def warnings(found: list[Entry]) -> str:
+    """Says in numbers what manuals warn of: keep dry, and insulating objects are not seen."""
+    families, told = by_family(found), []
+    wet = statistics(entry.false_change for entry in families.get(FILM, []))
+    if wet:
+        told.append(
+            "Keep dry: a wet film of half a millimetre adds to the reading, before any hand comes, "
+            f"{_range(wet)} of the change by the hand."
+        )
+    seen = statistics(entry.factor for entry in families.get(TARGET, []))
+    if seen:
+        told.append(
+            f"Insulating objects are seen less, not unseen: they make {_range(seen)} of the change by a grounded one of the same shape."
+        )
+    return " ".join(told)
+
+
+def rule_finding(found: list[Entry]) -> str:
+    """Tells how far off the formula is under layers, with the layer rule and without it."""
+    phrases = []
+    for family in (COVER, FILM):
+        members = by_family(found).get(family, [])
+        ruled, ignoring = (records.errors(members, method) for method in (FORMULA, IGNORING))
+        if ruled and ignoring:
+            phrases.append(
+                f"under a {family} {percent(ruled.rms)} rms and {signed_percent(ruled.worst)} at worst ({percent(ignoring.rms)} and "
+                f"{signed_percent(ignoring.worst)} without regard to the layer)"
+            )
+    return f"The formula in company, with the layer rule, is off by: {'; '.join(phrases)}."
+
+
+def check_finding(checks: list[Comparison]) -> str:
+    """Tells how many values of both methods agree, within the goal and within the stated errors."""
+    count = len({each.set_up.identity for each in checks})
+    phrases = []
+    for quantity in QUANTITIES:
+        own = [each for each in checks if each.quantity == quantity]
+        near = sum(abs(each.difference) <= GOAL for each in own)
+        stated = sum(each.over_errors <= 1 for each in own)
+        worst = max((each.difference for each in own), key=abs)
+        phrases.append(
+            f"{quantity} {near} of {len(own)} within {percent(GOAL)} and {stated} within the stated errors, {signed_percent(worst)} at worst"
+        )
+    return f"Boundary elements less the field solver in {count} set-ups, relative: {'; '.join(phrases)}."
+
+
+def _name(family: str) -> str:
+    return f"a {family}"
+
+
+def _range(each: Statistics | None) -> str:
+    return f"{each.median:.3g} ({each.least:.3g} to {each.greatest:.3g})" if each else ""
+
+
+def _rows(found: list[Entry]) -> list[list[str]]:
+    rows = []
+    for family, members in by_family(found).items():
+        sure = statistics(entry.uncertainty for entry in members)
+        wrong = (
+            "" if family in (BLANKET, TARGET) else _range(statistics(entry.false_change for entry in members))
+        )
+        factor = _range(statistics(entry.factor for entry in members))
+        rows.append([family, str(len(members)), factor, wrong, percent(sure.greatest) if sure else ""])
+    return rows
+
+
+def _rows_of_model(found: list[Entry]) -> list[list[str]]:
+    rows = []
+    for family, members in by_family(found).items():
+        for method, name in ((FORMULA, "as it is"), (IGNORING, "without regard to the insulator")):
+            each = records.errors(members, method)
+            if family == TARGET and method == IGNORING:
+                continue
+            if each is None:
+                rows.append([family, name, f"refuses all {len(members)}", "", "", "", ""])
+                continue
+            enclosed = sum(entry.is_enclosed for entry in members if FORMULA in entry.changes)
+            rows.append(
+                [
+                    family,
+                    name,
+                    str(each.count),
+                    percent(each.rms),
+                    signed_percent(each.median),
+                    signed_percent(each.worst),
+                    f"{enclosed} of {each.count}" if method == FORMULA else "",
+                ]
+            )
+    return rows
+
+
+def _comparisons(checks: list[Comparison]) -> Markup:
+    header = [
+        "set-up",
+        "quantity",
+        "field solver (pF)",
+        "boundary elements (pF)",
+        "difference",
+        "difference/errors",
+    ]
+    rows = [
+        [
+            each.set_up.name,
+            each.quantity,
+            *(picofarads(by.value, by.error) for by in (each.field, each.boundary)),
+            signed_percent(each.difference),
+            f"{each.over_errors:.2f}",
+        ]
+        for each in checks
+    ]
+    return page.table(header, rows, text_columns=2)
+
+
+def _numbers(found: list[Entry]) -> Markup:
+    header = [
+        "set-up",
+        "name",
+        "permittivity",
+        "thickness (mm)",
+        "distance (mm)",
+        "change (pF)",
+        "without (pF)",
+        "formula (pF)",
+    ]
+    rows = [
+        [
+            page.code(entry.set_up.id),
+            entry.set_up.name,
+            f"{entry.set_up.permittivity:g}",
+            f"{1e3 * entry.set_up.thickness:.1f}",
+            f"{1e3 * entry.set_up.gap:.1f}",
+            *(
+                picofarads(each.change.value, each.change.error)
+                for each in (entry.true.insulated, entry.true.without)
+            ),
+            picofarads(entry.changes[FORMULA].value, entry.changes[FORMULA].error)
+            if FORMULA in entry.changes
+            else "refused",
+        ]
+        for entry in found
+    ]
+    return page.table(header, rows, text_columns=2)

@@ -1,0 +1,196 @@
+"""The set-ups of Experiment VIII: a sensor and a hand with an insulator between, and the same without it. Metres, farads.
+
+The sensor's plate is centred in the plane z = 0 and looks in the direction of +z. Half of the covered sensors have a grounded housing behind.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+
+from geometries.scene.covers import covers
+from geometries.scene.poses import Pose, Vector3
+from geometries.scene.scene import Object, Plate, Reading, Scene, Sensor
+from geometries.scene.shapes import Cuboid
+from geometries.scene.writer import canonical_and_identity
+from geometries.studies.study import IDENTITY_DIGITS
+
+COVER, FILM, MATTRESS, BLANKET, TARGET = "cover", "wet film", "mattress", "blanket", "insulating target"
+COUNTS = {COVER: 70, FILM: 30, MATTRESS: 30, BLANKET: 30, TARGET: 50}
+"""Families and how many set-ups each has."""
+SENSOR, HAND, READING = "sensor", "hand", "reading"
+FILM_THICKNESS, FILM_PERMITTIVITY = 0.5e-3, 80.0
+
+_SEEDS = {COVER: 81, FILM: 82, MATTRESS: 83, BLANKET: 84, TARGET: 85}
+_SIDES, _GAPS = (0.04, 0.15), (0.01, 0.15)
+_HAND: tuple[tuple[float, float], ...] = ((0.06, 0.12), (0.08, 0.2), (0.015, 0.04))
+_SHIFT = 0.4
+"""Largest shift of the hand to the side, relative to the sensor's size."""
+_DIGITS = 4
+"""Decimals of a length: a tenth of a millimetre."""
+
+
+@dataclass(frozen=True)
+class SetUp:
+    """A scene with the insulator (relative permittivity, thickness in m) and the one without it.
+
+    `gap` (m) is from the plate to the hand. Without the insulator an insulating target is a grounded one.
+    """
+
+    family: str
+    number: int
+    permittivity: float
+    thickness: float
+    gap: float
+    size: float
+    has_housing: bool
+    scene: Scene
+    without: Scene
+    text: str
+    identity: str
+
+    @property
+    def id(self) -> str:
+        return self.identity[:IDENTITY_DIGITS]
+
+    @property
+    def shift(self) -> float:
+        """How far the layer rule moves the plate (m)."""
+        return self.thickness * (1 - 1 / self.permittivity)
+
+    @property
+    def name(self) -> str:
+        """The set-up in words."""
+        return f"{self.family} {self.number}"
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """The insulator, and the bodies before it is there and with it."""
+
+    permittivity: float
+    thickness: float
+    gap: float
+    without: tuple[Object, ...]
+    objects: tuple[Object, ...]
+
+
+@cache
+def all_set_ups() -> tuple[SetUp, ...]:
+    """Returns every set-up, family by family."""
+    return tuple(each for family in COUNTS for each in _of_family(family))
+
+
+def _of_family(family: str) -> Iterator[SetUp]:
+    """Draws a family. Python promises that the generator's numbers stay the same."""
+    chance = random.Random(_SEEDS[family])
+    for number in range(1, COUNTS[family] + 1):
+        width, depth = (_logarithmic(chance, _SIDES) for _ in range(2))
+        plate = Plate((-width / 2, -depth / 2, 0.0), (width, 0.0, 0.0), (0.0, depth, 0.0))
+        sensor = Sensor(SENSOR, (plate,))
+        parts = _DRAWN[family](chance, sensor)
+        behind = _housing(chance, sensor) if family in (COVER, FILM) and number % 2 == 0 else ()
+        scene = Scene(sensors=(sensor,), readings=(Reading(READING, SENSOR, (SENSOR,)),))
+        # Readers put covers first.
+        objects = sorted((*behind, *parts.objects), key=lambda body: body.conductor != SENSOR)
+        whole = replace(scene, objects=tuple(objects))
+        text, identity = canonical_and_identity(whole)
+        yield SetUp(
+            family=family,
+            number=number,
+            permittivity=parts.permittivity,
+            thickness=parts.thickness,
+            gap=parts.gap,
+            size=round(math.sqrt(width * depth), 6),
+            has_housing=bool(behind),
+            scene=whole,
+            without=replace(scene, objects=(*behind, *parts.without)),
+            text=text,
+            identity=identity,
+        )
+
+
+def _covered(chance: random.Random, sensor: Sensor, thickness: float, permittivity: float) -> _Parts:
+    gap = round(thickness + _logarithmic(chance, _GAPS), _DIGITS)
+    hand = (_hand(chance, sensor, gap),)
+    return _Parts(permittivity, thickness, gap, hand, (*covers(sensor, thickness, permittivity), *hand))
+
+
+def _cover(chance: random.Random, sensor: Sensor) -> _Parts:
+    return _covered(chance, sensor, _logarithmic(chance, (0.5e-3, 10e-3)), round(chance.uniform(2, 6), 1))
+
+
+def _film(chance: random.Random, sensor: Sensor) -> _Parts:
+    return _covered(chance, sensor, FILM_THICKNESS, FILM_PERMITTIVITY)
+
+
+def _mattress(chance: random.Random, sensor: Sensor) -> _Parts:
+    thickness, permittivity = _logarithmic(chance, (0.03, 0.12)), round(chance.uniform(1.05, 2), 2)
+    below, above = (_logarithmic(chance, (0.001, 0.01)) for _ in range(2))
+    sides = [round(3 * edge, _DIGITS) for edge in (sensor.plates[0].edge_u[0], sensor.plates[0].edge_v[1])]
+    slab = _box("mattress", (sides[0], sides[1], thickness), (0.0, 0.0), below, permittivity)
+    gap = round(below + thickness + above, _DIGITS)
+    hand = (_hand(chance, sensor, gap),)
+    return _Parts(permittivity, thickness, gap, hand, (slab, *hand))
+
+
+def _blanket(chance: random.Random, sensor: Sensor) -> _Parts:
+    thickness, permittivity = _logarithmic(chance, (0.002, 0.01)), round(chance.uniform(1.2, 2.5), 1)
+    gap = round(thickness + _logarithmic(chance, _GAPS), _DIGITS)
+    hand = _hand(chance, sensor, gap)
+    assert isinstance(hand.shape, Cuboid)
+    width, depth = (round(1.5 * side, _DIGITS) for side in hand.shape.size[:2])
+    x, y, _ = hand.pose.translation
+    low = round(gap - thickness, _DIGITS)
+    layer = replace(_box("blanket", (width, depth, thickness), (x, y), low, permittivity), target=True)
+    return _Parts(permittivity, thickness, gap, (hand,), (layer, hand))
+
+
+def _target(chance: random.Random, sensor: Sensor) -> _Parts:
+    gap = _logarithmic(chance, _GAPS)
+    hand = _hand(chance, sensor, gap)
+    assert isinstance(hand.shape, Cuboid)
+    permittivity = round(math.exp(chance.uniform(math.log(2), math.log(80))), 1)
+    insulating = replace(hand, relative_permittivity=permittivity)
+    return _Parts(permittivity, hand.shape.size[2], gap, (hand,), (insulating,))
+
+
+_DRAWN: dict[str, Callable[[random.Random, Sensor], _Parts]] = {
+    COVER: _cover,
+    FILM: _film,
+    MATTRESS: _mattress,
+    BLANKET: _blanket,
+    TARGET: _target,
+}
+
+
+def _hand(chance: random.Random, sensor: Sensor, gap: float) -> Object:
+    (plate,) = sensor.plates
+    width, depth, height = (round(chance.uniform(*ends), _DIGITS) for ends in _HAND)
+    x, y = (
+        round(_SHIFT * edge * chance.uniform(-1, 1), _DIGITS) for edge in (plate.edge_u[0], plate.edge_v[1])
+    )
+    return replace(_box(HAND, (width, depth, height), (x, y), gap, None), target=True)
+
+
+def _housing(chance: random.Random, sensor: Sensor) -> tuple[Object, ...]:
+    (plate,) = sensor.plates
+    width, depth = (round(1.2 * edge, _DIGITS) for edge in (plate.edge_u[0], plate.edge_v[1]))
+    below = _logarithmic(chance, (0.003, 0.03))
+    return (_box("housing", (width, depth, 0.05), (0.0, 0.0), round(-below - 0.05, _DIGITS), None),)
+
+
+def _box(
+    name: str, size: Vector3, centre: tuple[float, float], low: float, permittivity: float | None
+) -> Object:
+    """Returns a box whose lowest points are at z = `low`."""
+    pose = Pose((*centre, round(low + size[2] / 2, 6)))
+    return Object(name, Cuboid(size), pose=pose, relative_permittivity=permittivity)
+
+
+def _logarithmic(chance: random.Random, ends: tuple[float, float]) -> float:
+    """Draws a length uniformly in its logarithm, so that small and large ones are equally frequent."""
+    return round(math.exp(chance.uniform(math.log(ends[0]), math.log(ends[1]))), _DIGITS)

@@ -1,0 +1,165 @@
+"""Experiment VIII: which set-ups there are, that stored truths and checks hold, and what page and command tell."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from analysis import __main__ as command_line
+from analysis.pipeline.processes import Processes
+from analysis.results import store
+from analysis.results.answers import Estimate
+from analysis.topics.insulators import field_check, page, records, section, set_ups, truths
+from analysis.topics.insulators.field_check import QUANTITIES, Comparison, comparisons
+from analysis.topics.insulators.records import Entry
+from analysis.topics.insulators.set_ups import (
+    BLANKET,
+    COUNTS,
+    COVER,
+    FILM,
+    MATTRESS,
+    TARGET,
+    SetUp,
+    all_set_ups,
+)
+from analysis.topics.insulators.stage import FORMULA, IGNORING, STAGES
+from geometries.scene import reader
+from tests.analysis.synthetic import make_results, report_text
+
+
+def some() -> tuple[SetUp, ...]:
+    """The first of each family."""
+    return tuple(each for each in all_set_ups() if each.number == 1)
+
+
+def first(family: str) -> SetUp:
+    return next(each for each in some() if each.family == family)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("results") / STAGES.name
+    assert STAGES.run(place, some(), 2) == []
+    return place
+
+
+@pytest.fixture(scope="module")
+def found(folder: Path) -> list[Entry]:
+    return records.entries(STAGES.load(folder, some()), some())
+
+
+def test_there_are_two_hundred_set_ups_with_covers_films_and_targets() -> None:
+    counts = Counter(each.family for each in all_set_ups())
+    assert counts == COUNTS and sum(counts.values()) >= 200
+    assert counts[COVER] + counts[FILM] == 100 and counts[TARGET] == 50
+    assert len({each.identity for each in all_set_ups()}) == sum(counts.values())
+
+
+def test_the_text_of_a_set_up_is_its_scene(tmp_path: Path) -> None:
+    for each in some():
+        file = tmp_path / f"{each.id}.toml"
+        file.write_text(each.text)
+        read = reader.load(file)
+        assert [body.name for body in read.objects] == [body.name for body in each.scene.objects]
+        assert [body.relative_permittivity for body in read.objects] == [
+            body.relative_permittivity for body in each.scene.objects
+        ]
+
+
+def test_every_record_is_of_a_set_up_and_states_its_error() -> None:
+    known = truths.load()
+    assert known.keys() == {each.identity for each in all_set_ups()}
+    for each in known.values():
+        for truth in (each.insulated, each.without):
+            assert 0 < truth.change.value and 0 < truth.change.error < 0.1 * truth.change.value
+
+
+def test_insulating_targets_have_the_order_of_the_theorem() -> None:
+    for each in all_set_ups():
+        if each.family == TARGET:
+            true = truths.load()[each.identity]
+            grounded = true.without.change
+            assert 0 < true.insulated.change.value < grounded.value + grounded.error
+
+
+def test_truths_are_solved_where_there_is_no_record(tmp_path: Path) -> None:
+    file = tmp_path / "truths.json"
+    one, other = first(COVER), first(TARGET)
+    assert truths.make([one], file) == 1
+    assert truths.make([one, other], file) == 1
+    assert truths.make([other], file) == 0
+    truths.load.cache_clear()
+    again = truths.load(file)
+    truths.load.cache_clear()
+    assert list(again) == [other.identity]
+    stored = truths.load()[other.identity].insulated.change
+    assert again[other.identity].insulated.change.agrees_with(stored)
+
+
+def test_checks_are_solved_where_there_is_no_record(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    quantities = {name: {"value": 2e-12, "error": 1e-14} for name in QUANTITIES}
+    record = {"field": quantities, "boundary": quantities, "seconds": 1.0, "unknowns": 1000}
+    asked: list[str] = []
+
+    def solved(model: object, processes: Processes, set_up: SetUp) -> store.Document:
+        asked.append(set_up.name)
+        return dict(record)
+
+    monkeypatch.setattr(field_check, "solved", solved)
+    file = tmp_path / "checks.json"
+    one, other = field_check.chosen()[:2]
+    assert field_check.make([one, other], 0, file) == 2 and not asked
+    assert field_check.make([one], file=file) == 0
+    assert field_check.make([one, other], file=file) == 0
+    assert asked == [one.name, other.name]
+    assert len(comparisons(file)) == 2 * len(QUANTITIES)
+
+
+def test_boundary_elements_agree_with_every_record_of_the_field_solver() -> None:
+    told = [f"{each.set_up.name} {each.quantity}" for each in comparisons() if each.over_errors > 1]
+    assert told == []
+
+
+def test_the_formula_follows_layers_and_encloses_insulating_targets(found: list[Entry]) -> None:
+    for entry in found:
+        if entry.set_up.family == MATTRESS:
+            assert FORMULA not in entry.changes and IGNORING in entry.changes
+            continue
+        assert entry.is_enclosed, entry.set_up.name
+        if entry.set_up.family in (COVER, FILM):
+            assert abs(entry.error(FORMULA)) < abs(entry.error(IGNORING))
+
+
+def test_the_section_warns_in_numbers(found: list[Entry]) -> None:
+    told = section.warnings(found)
+    assert re.search(r"Keep dry: .* [\d.]+ \([\d.]+ to [\d.]+\)", told) and "seen less" in told
+    assert f"Over {len(found)} set-ups" in section.finding(found)
+    estimate = Estimate(2e-12, 1e-14)
+    check = [Comparison(found[0].set_up, quantity, estimate, estimate) for quantity in QUANTITIES]
+    text = str(section.section(found, check))
+    assert text.count("plotly-graph-div") == 4 and "refuses all 1" in text and BLANKET in text
+    assert "change 1 of 1 within 0.5 %" in text
+    assert section.UNCHECKED in str(section.section(found, [])) and section.ABSENT in str(
+        section.section([], [])
+    )
+
+
+def test_the_command_computes_what_is_missing_and_makes_the_page(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(set_ups, "all_set_ups", some)
+    assert command_line.main(["insulators", "--output", str(folder)]) == 0
+    printed = capsys.readouterr()
+    assert f"report: {folder / page.PAGE}" in printed.out and "Over 5 set-ups" in printed.out
+    assert "with insulators" not in printed.err, "nothing was left to do"
+    made = page.make(folder)
+    assert "analysis insulators" in made.path.read_text()
+    assert page.make(folder).path.stat().st_mtime_ns == made.path.stat().st_mtime_ns
+
+
+def test_a_report_beside_the_answers_shows_them(folder: Path) -> None:
+    text = report_text(make_results(folder.parent / "study"))
+    assert section.TITLE in text and section.ABSENT not in text
