@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <ctime>
 #include <functional>
 #include <random>
@@ -252,6 +253,7 @@ void measure_machine(std::size_t compared) {
                "{:.1f} s to prepare\n",
                benchmarks::triangles_of(scene, true), benchmarks::triangles_of(scene, false),
                scene.sensors.size(), rtol, poses, 1e3 * again / poses, first - again);
+    std::fflush(stdout);
     std::vector<double> errors;
     double squares = 0, stated = 0, ratio = 0;
     std::size_t covered = 0;

@@ -216,7 +216,7 @@ MachineAtRest::MachineAtRest(ChargedBodies bodies, const std::vector<Reading>& r
 
 MachineAtRest::MachineAtRest(const ConductorsAtRest& conductors, const std::vector<Reading>& readings,
                              const CompanyResolution& resolution)
-    : error_(conductors.error()), functions_([&] {
+    : error_(conductors.error()), excess_(error_ / resolution.rtol), functions_([&] {
         const ChargedBodies& bodies = conductors.bodies();
         const std::vector<ChargedReading> charged = charged_readings(readings, drivable_conductors(bodies));
         auto [loads, places] = loads_of(charged, static_cast<Index>(bodies.conductors.size()));

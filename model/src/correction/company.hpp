@@ -79,6 +79,8 @@ class MachineAtRest {
   const CoarseSpace& coarse() const { return coarse_; }
   /// Returns the largest stated error of the energies of what is sensed, driven or floats, relative to these.
   double error() const { return error_; }
+  /// Returns the ratio of that error to the one asked for: more than 1 where the panels did not suffice.
+  double excess() const { return excess_; }
 
   /// Resolution of the formula, 0.1 to 1 s to prepare.
   static constexpr CompanyResolution usual{3e-2, 6000, 200};
@@ -91,6 +93,7 @@ class MachineAtRest {
   Eigen::Index loads_ = 0;
   std::vector<PlacedBox> used_;
   double error_;
+  double excess_;
   ChargeFunctions functions_;
   CoarseSpace coarse_;
   std::vector<float> answers_;

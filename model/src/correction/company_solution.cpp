@@ -147,8 +147,10 @@ const std::vector<CompanyFormula::Change>& CompanyFormula::solved(const MachineA
   machine_charges_ = charged * chosen;
   const MatrixXd lacking = target.coarse().defects(target_charges_, own * chosen),
                  unanswered = machine.coarse().defects(machine_charges_, on_machine * chosen);
-  // The error of the given potentials is estimated by what fewer panels lack.
-  const MatrixXf shifts = target_charges_.transpose() * given_potentials_.rightCols(loads);
+  // The error of the given potentials is estimated by what fewer panels lack, and more where the panels are
+  // too few to tell how fast it falls.
+  const MatrixXf shifts = target_charges_.transpose() * given_potentials_.rightCols(loads) *
+                          static_cast<float>(std::sqrt(std::max(machine.excess(), 1.0)));
   for (std::size_t k = 0; k < solved_.size(); ++k) {
     const auto [sense, drive, sign] = machine.readings()[k];
     const auto part = [&](const MatrixXd& defects) {
