@@ -269,12 +269,15 @@ def test_by_the_reduced_method_they_are_those_of_boundary_elements(module: Any) 
 
 def test_the_reduced_method_knows_them_without_marked_targets_and_beside_round_bodies(module: Any) -> None:
     ball = '{ type = "sphere", radius = 0.03, segments = 12 }'
-    text = MACHINE[: MACHINE.index("[[object]]")] + f"""
+    text = (
+        MACHINE[: MACHINE.index("[[object]]")]
+        + f"""
 [[object]]
 name = "ball"
 link = "hand"
 shape = {ball}
 """
+    )
     marked, unmarked = (module.Scene.loads(text + more) for more in ("target = true", ""))
     expected = marked.readings("boundary-elements", rtol=5e-3, derivatives=True)["front"].derivatives["hand"]
     for scene in (marked, unmarked):
