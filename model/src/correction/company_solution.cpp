@@ -152,7 +152,7 @@ const std::vector<CompanyFormula::Change>& CompanyFormula::solved(const MachineA
   const MatrixXf shifts = target_charges_.transpose() * given_potentials_.rightCols(loads) *
                           static_cast<float>(std::sqrt(std::max(machine.excess(), 1.0)));
   for (std::size_t k = 0; k < solved_.size(); ++k) {
-    const auto [sense, drive, sign] = machine.readings()[k];
+    const Index sense = machine.readings()[k].sense, drive = machine.readings()[k].drive;
     const auto part = [&](const MatrixXd& defects) {
       return std::sqrt(std::max(defects(sense, sense), 0.0) * std::max(defects(drive, drive), 0.0));
     };
