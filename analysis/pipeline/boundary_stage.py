@@ -22,7 +22,7 @@ _STRICTEST_INSULATED = 1e-2
 _ROUND = "round bodies: boundary elements answer for the polyhedron of their triangles, the field solver for what is round"
 
 
-def rtol(study: Study, scene: Scene, alone: float | None) -> float:
+def rtol(study: Study, scene: Scene, alone: float | None = None) -> float:
     """Returns the relative accuracy asked of boundary elements in a case; `alone` is the case's.
 
     If that is None, it is the study's where they answer alone, and for a mesh, whose charges converge so slowly that a tenth would take minutes and
@@ -36,7 +36,7 @@ def rtol(study: Study, scene: Scene, alone: float | None) -> float:
     return min(max(share * study.rtol, _STRICTEST_INSULATED if is_insulated else _STRICTEST), _LOOSEST)
 
 
-def answer(scene: Path, study: Study, alone: float | None) -> Document:
+def answer(scene: Path, study: Study, alone: float | None = None) -> Document:
     """Solves a scene file as accurately as the study asks, or says why boundary elements have no answer."""
     try:
         described = reader.load(scene)

@@ -91,7 +91,7 @@ def test_the_first_page_draws_each_family_and_leads_to_its_first_case(folder: Pa
 def test_every_page_leads_only_to_files_that_are_there(folder: Path) -> None:
     pages = pages_of(folder)
     assert (
-        len(pages) == 1 + 12 + 1 + 6
+        len(pages) == 1 + 13 + 1 + 6
     )  # the report, the questions, the published set-ups, the cases with the sensor alone
     for page in pages:
         targets = re.findall(r'(?:href|src)="([^"]*)"', page.read_text())
