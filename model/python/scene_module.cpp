@@ -196,7 +196,7 @@ std::vector<Frame> frames_of(const py::object& motion, const Scene& scene) {
     throw InputError(fmt::format("poses must have shape (frames, {}, 4, 4), a pose for each link", links));
   std::vector<Frame> frames;
   for (py::ssize_t frame = 0; frame < poses.shape(0); ++frame) {
-    Frame& entry = frames.emplace_back(fmt::format("{}", frame + 1), std::vector<Eigen::Isometry3d>());
+    Frame& entry = frames.emplace_back(Frame{fmt::format("{}", frame + 1), {}});
     for (py::ssize_t link = 0; link < links; ++link)
       entry.poses.push_back(pose_of(poses.data() + 16 * (frame * links + link)));
   }

@@ -20,8 +20,8 @@ using Eigen::VectorXd;
 
 /// Largest ratios of a function's radius to the distance at which each level but the finest suffices, for the
 /// formula in closed form and for an accuracy.
-using Ratios = std::array<double, 3>;
-constexpr std::array<Ratios, 2> largest_ratios{Ratios{0.6, 1.5, 4}, Ratios{0.25, 0.7, 1.6}};
+using LevelRatios = std::array<double, 3>;
+constexpr std::array<LevelRatios, 2> largest_ratios{LevelRatios{0.6, 1.5, 4}, LevelRatios{0.25, 0.7, 1.6}};
 
 /// Returns a row of a matrix that may have no columns, and then no data of which a row could be a part.
 Eigen::RowVectorXd row_of(const MatrixXd& matrix, std::size_t row) {
@@ -274,7 +274,7 @@ MatrixXd ChargeFunctions::net(std::size_t conductors) const {
 }
 
 std::size_t ChargeFunctions::level(std::size_t function, double distance, bool is_fine) const {
-  const Ratios& ratios = largest_ratios[is_fine ? 1 : 0];
+  const LevelRatios& ratios = largest_ratios[is_fine ? 1 : 0];
   std::size_t level = 0;
   while (level < ratios.size() && radii_[function] > ratios[level] * distance)
     ++level;

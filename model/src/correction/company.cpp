@@ -168,7 +168,7 @@ AlignedBox3d moved_box(const AlignedBox3d& box, const Isometry3d& pose) {
   return result;
 }
 
-CoarseSpace::CoarseSpace(const ChargeFunctions& functions, const MatrixXd& net, const VectorXd& to_ground)
+CoarseCharges::CoarseCharges(const ChargeFunctions& functions, const MatrixXd& net, const VectorXd& to_ground)
     : functions_(functions.coarse()) {
   MatrixXd energies = MatrixXd::Zero(functions_.count, functions_.count);
   const auto count = index_of(functions_.of.size());
@@ -182,7 +182,7 @@ CoarseSpace::CoarseSpace(const ChargeFunctions& functions, const MatrixXd& net, 
   inverse_ = inverse(std::move(energies), sums, to_ground).cast<float>();
 }
 
-MatrixXd CoarseSpace::defects(const Eigen::MatrixXf& charges, const Eigen::MatrixXf& potentials) const {
+MatrixXd CoarseCharges::defects(const Eigen::MatrixXf& charges, const Eigen::MatrixXf& potentials) const {
   Eigen::MatrixXf sums = Eigen::MatrixXf::Zero(functions_.count, potentials.cols());
   for (std::size_t k = 0; k < functions_.of.size(); ++k)
     sums.row(functions_.of[k]) +=

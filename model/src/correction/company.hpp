@@ -24,11 +24,12 @@ struct CompanyResolution {
 };
 
 /// Charges in the sums of neighbouring functions: the defect of a charge is the energy that these lack.
-class CoarseSpace {
+class CoarseCharges {
  public:
   /// Prepares the sums, without net charge on conductors that float: `net` has the charges of the functions
   /// on each of these.
-  CoarseSpace(const ChargeFunctions& functions, const Eigen::MatrixXd& net, const Eigen::VectorXd& to_ground);
+  CoarseCharges(const ChargeFunctions& functions, const Eigen::MatrixXd& net,
+                const Eigen::VectorXd& to_ground);
   /// Returns how much less energy, of given potentials, the sums take than the charges (columns) that are the
   /// functions' own answer to them.
   Eigen::MatrixXd defects(const Eigen::MatrixXf& charges, const Eigen::MatrixXf& potentials) const;
@@ -76,7 +77,7 @@ class MachineAtRest {
   /// Returns the charges of the functions by their potentials, floating conductors without net charge: a
   /// symmetric matrix in whole blocks.
   const std::vector<float>& answers() const { return answers_; }
-  const CoarseSpace& coarse() const { return coarse_; }
+  const CoarseCharges& coarse() const { return coarse_; }
   /// Returns the largest stated error of the energies of what is sensed, driven or floats, relative to these.
   double error() const { return error_; }
   /// Returns the ratio of that error to the one asked for: more than 1 where the panels did not suffice.
@@ -95,7 +96,7 @@ class MachineAtRest {
   double error_;
   double excess_;
   ChargeFunctions functions_;
-  CoarseSpace coarse_;
+  CoarseCharges coarse_;
   std::vector<float> answers_;
 };
 
@@ -128,7 +129,7 @@ class TargetAtRest {
   /// Returns the numbers of the conductors that are not grounded, and their capacitances to the ground in m.
   const std::vector<Eigen::Index>& floating() const { return floating_; }
   const Eigen::VectorXd& to_ground() const { return to_ground_; }
-  const CoarseSpace& coarse() const { return coarse_; }
+  const CoarseCharges& coarse() const { return coarse_; }
   /// Returns the stated error of the targets' own charges, relative.
   double error() const { return error_; }
 
@@ -140,7 +141,7 @@ class TargetAtRest {
                const std::optional<Approach>& approach);
 
   ChargeFunctions functions_;
-  CoarseSpace coarse_;
+  CoarseCharges coarse_;
   std::vector<float> inverse_;
   Eigen::MatrixXd net_;
   Eigen::MatrixXd equilibrium_;
