@@ -42,8 +42,8 @@ MatrixXd inverse(const MatrixXd& energies) {
 }
 
 /// Returns the charges by their potentials, with floating conductors: `net` has the net charges on them.
-MatrixXd inverse(MatrixXd energies, const MatrixXd& net, const VectorXd& to_ground) {
-  MatrixXd answers = inverse(std::move(energies));
+MatrixXd inverse(const MatrixXd& energies, const MatrixXd& net, const VectorXd& to_ground) {
+  MatrixXd answers = inverse(energies);
   if (net.cols() > 0) {
     const MatrixXd responses = answers * net;
     MatrixXd block = net.transpose() * responses;

@@ -62,7 +62,7 @@ void append(MatrixXf& matrix, const MatrixXf& columns) {
 
 /// Finds the potentials of the target's functions on the machine's, and those of the given charges.
 void CompanyFormula::couple(const MachineAtRest& machine, const TargetAtRest& target) {
-  const NodeKernels& kernels = best_kernels<NodeKernels>();
+  const auto& kernels = best_kernels<NodeKernels>();
   const ChargeFunctions &of_target = target.functions(), &of_machine = machine.functions();
   const std::ptrdiff_t padded = whole_blocks(static_cast<std::ptrdiff_t>(machine_.count));
   coupling_.resize(index_of(of_machine.count()), index_of(of_target.count()));

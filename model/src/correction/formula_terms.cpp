@@ -6,18 +6,18 @@
 
 namespace fringe {
 
-std::vector<std::vector<FormulaTerms>> formula_terms(const Scene& with_covers) {
+std::vector<std::vector<FormulaTerms>> formula_terms(const Scene& scene) {
   // Throws for the scenes that the correction refuses.
-  capacitance(with_covers, {.correction = Correction::formula});
-  const Scene scene = detail::without_covers(with_covers, detail::CoveredPlate::moved);
-  const std::vector<Eigen::Isometry3d> link_poses = world_poses(scene.links);
+  capacitance(scene, {.correction = Correction::formula});
+  const Scene bare = detail::without_covers(scene, detail::CoveredPlate::moved);
+  const std::vector<Eigen::Isometry3d> link_poses = world_poses(bare.links);
   std::vector<std::vector<FormulaTerms>> result;
-  for (const Sensor& sensor : scene.sensors) {
+  for (const Sensor& sensor : bare.sensors) {
     const Eigen::Isometry3d sensor_pose = attachment_pose(link_poses, sensor.link);
     const detail::ChargedSurface charged_sensor =
         detail::make_charged_surface(detail::plate_triangles(sensor.plates));
     result.emplace_back();
-    for (const Object& object : scene.objects) {
+    for (const Object& object : bare.objects) {
       const Eigen::Isometry3d pose = attachment_pose(link_poses, object.link) * object.pose;
       const Eigen::Isometry3d to_object = pose.inverse(Eigen::Isometry) * sensor_pose;
       std::vector<Rectangle> plates;
