@@ -131,7 +131,7 @@ TEST(FormulaInCompany, RefusesAnAccuracyForWhatItDoesNotKnow) {
 std::vector<Frame> approach(const Scene& scene) {
   std::vector<Frame> motion;
   for (int k = 0; k < 12; ++k) {
-    Frame& frame = motion.emplace_back(std::to_string(k));
+    Frame& frame = motion.emplace_back(Frame{std::to_string(k), {}});
     for (const Link& link : scene.links)
       frame.poses.push_back(link.pose);
     frame.poses[0] = at(0.002 * k, 0, 0.005 * (12 - k));
