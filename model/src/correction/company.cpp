@@ -41,6 +41,18 @@ MatrixXd inverse(const MatrixXd& energies) {
   }
 }
 
+/// Returns the rows of a matrix, which belong to functions, weighted and added up to the sums of functions.
+template <typename Matrix>
+Matrix summed(const CoarseFunctions& functions, const Matrix& rows) {
+  Matrix sums = Matrix::Zero(functions.count, rows.cols());
+  // Without conductors that float there are no columns, and of an empty matrix no row can be taken.
+  for (Index column = 0; column < rows.cols(); ++column)
+    for (Index k = 0; k < rows.rows(); ++k)
+      sums(functions.of[static_cast<std::size_t>(k)], column) +=
+          static_cast<typename Matrix::Scalar>(functions.shares[k]) * rows(k, column);
+  return sums;
+}
+
 /// Returns the charges by their potentials, with floating conductors: `net` has the net charges on them.
 MatrixXd inverse(const MatrixXd& energies, const MatrixXd& net, const VectorXd& to_ground) {
   MatrixXd answers = inverse(energies);
@@ -176,17 +188,11 @@ CoarseCharges::CoarseCharges(const ChargeFunctions& functions, const MatrixXd& n
     for (Index b = 0; b < count; ++b)
       energies(functions_.of[static_cast<std::size_t>(a)], functions_.of[static_cast<std::size_t>(b)]) +=
           functions_.shares[a] * functions_.shares[b] * functions.energies()(a, b);
-  MatrixXd sums = MatrixXd::Zero(functions_.count, net.cols());
-  for (Index k = 0; k < count; ++k)
-    sums.row(functions_.of[static_cast<std::size_t>(k)]) += functions_.shares[k] * net.row(k);
-  inverse_ = inverse(std::move(energies), sums, to_ground).cast<float>();
+  inverse_ = inverse(energies, summed(functions_, net), to_ground).cast<float>();
 }
 
 MatrixXd CoarseCharges::defects(const Eigen::MatrixXf& charges, const Eigen::MatrixXf& potentials) const {
-  Eigen::MatrixXf sums = Eigen::MatrixXf::Zero(functions_.count, potentials.cols());
-  for (std::size_t k = 0; k < functions_.of.size(); ++k)
-    sums.row(functions_.of[k]) +=
-        static_cast<float>(functions_.shares[index_of(k)]) * potentials.row(index_of(k));
+  const Eigen::MatrixXf sums = summed(functions_, potentials);
   return (charges.transpose() * potentials - sums.transpose() * (inverse_ * sums)).cast<double>();
 }
 
