@@ -61,6 +61,8 @@ COARSE_RTOL_IN_GAPS = 5e-3
 """Relative accuracy from which on an enclosure of a scene with narrow gaps starts from sizes twice as large, which halves the unknowns."""
 MOST_GROWTH_OF_CELLS = 8.0
 """Largest growth of the number of cells at which the next mesh is to reach the goal at once."""
+PETSC_OUT_OF_MEMORY = "error code 55"
+"""What PETSc's exceptions say where memory is wanting (PETSC_ERR_MEM)."""
 GROWTH_OF_TIME = 3.2
 """Predicted ratio of the times of successive levels, somewhat above the largest measured in the default study (2.9)."""
 GROWTH_OF_UNKNOWNS = 2.4
@@ -256,13 +258,19 @@ def solve_conductors(
     problem, left_out = without_distant(whole, epsilon_0 * relative_permittivity, rtol)
     planes = _planes(problem, symmetry)
     levels: list[Level] = []
+    answer: Reference
     shape: GeometryError | None = None
     # Fluxes are solved by a single process. Several ones estimate errors from meshes of halved sizes.
     bounds: Bounds = error if MPI.COMM_WORLD.size == 1 else "none"
     bounded = bounds != "none"
     sizing = sizing_for(rtol, first_refinement(problem, rtol) if bounded else 1.0, bounded)
     while True:
-        level = solve_level(problem, relative_permittivity, sizing, bounds, planes, only_readings)
+        try:
+            level = solve_level(problem, relative_permittivity, sizing, bounds, planes, only_readings)
+        except (MemoryError, RuntimeError) as failure:
+            if not levels or not _is_want_of_memory(failure):
+                raise
+            return replace(answer, stopped_by="the next level took more memory than there is")
         bound = sum((body.bound for body in left_out), np.zeros(len(problem.names)))
         changes, of_changes = level.delta_self, bound[: problem.sensors]
         if level.readings is not None:
@@ -293,10 +301,24 @@ def solve_conductors(
         following = _next_sizing(sizing, level, answer, rtol)
         # Clocks differ between processes, so that all of them follow the decision of the first.
         stopped_by = MPI.COMM_WORLD.bcast(_stopped_by(level, following, limits, answer.seconds))
+        if shape is not None and stopped_by is None:
+            changes = np.array([reading.change.value for reading in answer.readings])
+            least = shape.least_error(
+                answer.maxwell.value, answer.delta_self.value, problem.readings, changes, only_readings
+            )
+            if least > rtol:
+                stopped_by = (
+                    f"the wraps alone cost {least:.2g}, on any mesh; a smaller --wrap-offset costs less"
+                )
         if answer.reached or len(levels) == MOST_LEVELS or stopped_by is not None:
             most = f"the refinement ends after {MOST_LEVELS} levels"
             return answer if answer.reached else replace(answer, stopped_by=stopped_by or most)
         sizing = following
+
+
+def _is_want_of_memory(failure: BaseException) -> bool:
+    """Whether an exception is a MemoryError, or PETSc's of its kind, perhaps inside of the message of a stage."""
+    return isinstance(failure, MemoryError) or PETSC_OUT_OF_MEMORY in str(failure)
 
 
 def _planes(problem: Conductors, symmetry: bool) -> tuple[Plane, ...]:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from fem_reference.answer import reference
 from fem_reference.answer.convergence import Estimate
-from fem_reference.solve.level import Level
+from fem_reference.solve.level import Level, solve_level
 from fem_reference.answer.reference import Reference, first_refinement
 from fem_reference.bodies.conductors import normalised
 from fem_reference.bodies.shapes import Rectangle
@@ -53,3 +56,24 @@ def test_answers_that_may_be_coarse_start_coarser_in_narrow_gaps(
         Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("a", 0), ("b", gap))
     ]
     assert first_refinement(normalised(["a", "b"], 1, plates, range(2)), rtol) == refinement
+
+
+@pytest.mark.parametrize(
+    "failure", [MemoryError(), RuntimeError("solving the equations failed: error code 55")]
+)
+def test_what_does_not_fit_in_memory_ends_with_the_answer_so_far(
+    monkeypatch: pytest.MonkeyPatch, failure: Exception
+) -> None:
+    levels: list[Callable[..., Level] | Exception] = [solve_level, failure]
+
+    def limited(*arguments: Any) -> Level:
+        step = levels.pop(0)
+        if isinstance(step, Exception):
+            raise step
+        return step(*arguments)
+
+    monkeypatch.setattr(reference, "solve_level", limited)
+    plate = Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))
+    found = reference.solve_conductors(normalised(["plate"], 1, [plate], [0]), rtol=1e-5)
+    assert not found.reached and len(found.levels) == 1 and found.enclosure is not None
+    assert found.stopped_by == "the next level took more memory than there is"
