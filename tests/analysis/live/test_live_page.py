@@ -12,7 +12,7 @@ import pytest
 
 from analysis.live import make as live, paths, scene_text
 from analysis.pipeline.model_stage import model_module
-from analysis.report.live_page import DEFAULT
+from analysis.report.scene_pages import LIVE
 from geometries.common.installation import page_library
 from geometries.scene import poses, reader
 from tests.analysis.live.browser import Browser, is_missing
@@ -25,7 +25,7 @@ if not page_library().is_file():
 if is_missing():
     pytest.skip(f"no browser: {is_missing()} not installed", allow_module_level=True)
 
-SCENE = live.find_scene(DEFAULT)
+SCENE = live.find_scene(LIVE.scene)
 ROUNDING = 1e-9
 """Largest relative difference between the page and the native library, which use other instructions and other logarithms."""
 ITERATION = 1e-4
@@ -45,7 +45,7 @@ ALL_READY = "return window.livePage ? window.livePage.ready() : null"
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     target = tmp_path_factory.mktemp("live") / "page.html"
-    return live.make(DEFAULT, None, target, live.Options(rtol=None))
+    return live.make(LIVE.scene, None, target, live.Options(rtol=None))
 
 
 @pytest.fixture(scope="module")
