@@ -108,7 +108,7 @@ def check_finding(checks: list[Check]) -> str:
     differences = [abs(check.difference) for check in checks]
     cases = len({check.case for check in checks})
     return (
-        f"In every {stage.CHECKED_EACH}th set-up, {cases} of them, the field solver computed its best values, by three meshes or more "
+        f"In every {stage.CHECKED_EACH}th set-up, {cases} of them, the field solver computed its best values with estimated errors "
         f"(`{CHECKS}`): {agreeing} of {len(checks)} agree within the sum of both errors; the difference is {_scientific(float(np.median(differences)))} in "
         f"the median and {_scientific(max(differences))} at most."
     )

@@ -72,7 +72,7 @@ def _load(answers: Path, case: Case, file: str) -> Document:
 
 
 def _checks(row: Row, solved: Document) -> list[Check]:
-    """Returns the field solver's values, by three meshes or more and with estimated errors, beside the table's."""
+    """Returns the field solver's values, with estimated errors, beside the table's."""
     matrix, error = solved["maxwell"], solved["error"]
     change = solved["delta_self"]["sensor"]
     values = {
