@@ -150,7 +150,7 @@ def tagged_mesh(
 
     def build() -> None:
         with stage("building the geometry"):
-            _build_geometry(bodies, owner, centre, radius, planes, room)
+            _build_geometry(bodies, owner, centre, radius, planes, room, dielectrics)
         with stage("meshing"):
             size = size_function(bodies, owner, sizing, dielectrics, room, grounded)
             size.set_in_gmsh()
@@ -276,10 +276,12 @@ def _build_geometry(
     radius: float,
     planes: Sequence[Plane],
     room: Cuboid | None,
+    dielectrics: Collection[int] = (),
 ) -> None:
     """Build the geometry in the current gmsh model and tag it.
 
-    The solid bodies of one conductor are united: its cells have the tag of the first of them.
+    The solid bodies of one conductor are united: its cells have the tag of the first of them. What several dielectric bodies have in common
+    belongs to the last of them.
     """
     occ = gmsh.model.occ
     shapes = [add_body(body) for body in bodies]
@@ -304,7 +306,9 @@ def _build_geometry(
     free_space = [tag for _, tag in parts[0] if tag not in solid_cells]
     gmsh.model.addPhysicalGroup(3, free_space, FREE_SPACE)
     tagged: set[tuple[int, int]] = set()
-    for k, part in enumerate(parts[1:]):
+    conducting = [k for k in range(len(bodies)) if k not in dielectrics]
+    for k in (*conducting, *sorted(dielectrics, reverse=True)):
+        part = parts[1 + k]
         # Plates of one conductor may overlap, and so may parts of a wrap: each piece belongs to the first one that it is a part of.
         own = [entity for entity in dict.fromkeys(part) if entity not in tagged]
         tagged.update(own)
