@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection, wait
 
+MOST_STATUS = 3
+"""The largest status that the command itself returns; libraries abort with others."""
 INTERRUPTED = 130
 """What shells report for a command that was interrupted."""
 # Of Linux' prctl: the signal that a process gets when its parent ends.
@@ -79,7 +81,7 @@ def _watched(child: int, reports: Connection, wakes: int, unreached: int) -> int
     status = os.waitstatus_to_exitcode(state)
     if interrupted:
         print("", file=sys.stderr)
-    elif status >= 0:
+    elif 0 <= status <= MOST_STATUS or status > 0 and (latest is None or not latest.is_answer):
         return status
     out_of_time = not interrupted and status == -signal.SIGKILL and time.monotonic() >= ends
     if latest is not None and (out_of_time or latest.is_answer):
@@ -99,6 +101,8 @@ def _watched(child: int, reports: Connection, wakes: int, unreached: int) -> int
 
 def _ended_by(status: int) -> str:
     """Says what ended the command from outside; the system does for want of memory."""
+    if status > 0:
+        return f"aborted by a library with status {status}, as for want of memory"
     name = signal.Signals(-status).name
     return (
         f"ended by {name}, as the system does for want of memory"

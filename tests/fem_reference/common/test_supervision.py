@@ -106,6 +106,14 @@ def test_a_command_that_is_killed_says_by_what_and_keeps_its_answer() -> None:
     assert finished(started(answered + killed)) == (UNREACHED, "the first answer\n", f"not accurate\n{words}")
 
 
+def test_a_command_that_a_library_aborts_keeps_its_answer() -> None:
+    """MPI ends the process with a status of its own where PETSc or hypre get no memory."""
+    assert finished(started("os._exit(255)")) == (255, "", "")
+    answered = 'report(AnswerSoFar("the first answer", "not accurate", float("inf")))\n'
+    status, output, errors = finished(started(f"{answered}os._exit(255)"))
+    assert (status, output) == (UNREACHED, "the first answer\n") and "status 255" in errors
+
+
 def test_the_command_ends_with_the_process_that_watches_it() -> None:
     process = started(f"print(os.getpid(), flush=True)\n{BUSY}")
     assert process.stdout is not None
