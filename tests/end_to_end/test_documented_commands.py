@@ -71,6 +71,7 @@ ELSEWHERE = {
     "build/bin/fringe capacitance hand.toml --method boundary-elements": (README, "test_boundary_elements_print_what_the_guide_shows", "--method boundary-elements"),
     "build/bin/fringe capacitance geometries/scenes/guarded_sensor.toml --method boundary-elements": ("model/test_readings.py", "test_the_table_has_a_line_for_every_reading", ""),
     "build/bin/fringe sweep geometries/scenes/guarded_sensor.toml --method boundary-elements --rtol 0.02 --output sweep.csv": ("model/test_sweep.py", "test_the_guide_shows_what_the_command_prints", "guarded_sensor.toml"),
+    "python3 -m analysis show position_sensor --readings": ("analysis/show/test_show.py", "test_readings_along_the_motion_are_those_of_the_library", "--readings"),
     "python3 -m analysis live sensor_head": ("analysis/live/test_paths.py", "test_every_option_of_the_command_acts", "live"),
     "python3 -m analysis live SCENE": ("analysis/live/test_paths.py", "test_every_option_of_the_command_acts", "live"),
     "python3 -m analysis sweep SCENE": ("analysis/sweep/test_sweep_page.py", "test_the_command_makes_a_page_and_its_table_from_its_options", "sweep"),

@@ -24,6 +24,7 @@ PAGE_OF_A_SWEEP = (
     "analysis/sweep/test_sweep_page.py",
     "test_the_command_makes_a_page_and_its_table_from_its_options",
 )
+FILM = ("analysis/show/test_show.py", "test_readings_along_the_motion_are_those_of_the_library")
 LIVE = ("analysis/live/test_paths.py", "test_every_option_of_the_command_acts")
 COVERAGE = (
     "analysis/coverage/test_coverage.py",
@@ -140,6 +141,9 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
         "--help": SAID,
         "--motion": ("analysis/show/test_show.py", "test_a_wrong_motion_is_refused"),
         "--output": ("analysis/show/test_show.py", "test_the_example_is_shown_by_its_name"),
+        "--readings": FILM,
+        "--between": FILM,
+        "--rtol": FILM,
     },
     ("analysis", "live"): {
         "--help": SAID,

@@ -230,12 +230,13 @@ def test_a_wrong_motion_is_refused(scene: Path, tmp_path: Path) -> None:
 
 def test_readings_along_the_motion_are_those_of_the_library(tmp_path: Path) -> None:
     target = tmp_path / "page.html"
-    options = readings.Options(between=1, rtol=0.05)
     (tmp_path / "short.motion.toml").write_text(
         '[[frame]]\njoints = [ { joint = "slide", position = -0.01 } ]\n'
         '[[frame]]\njoints = [ { joint = "slide", position = 0.01 } ]\n'
     )
-    show.make("position_sensor", tmp_path / "short.motion.toml", target, options)
+    asked = ("position_sensor", "--readings", "--between", 1, "--rtol", 0.05)
+    done = run(*asked, "--motion", tmp_path / "short.motion.toml", "--output", target)
+    assert done.returncode == 0, done.stderr
     found = re.search(r'id="along-data">(.*?)</script>', target.read_text())
     assert found is not None
     along = json.loads(found.group(1))
@@ -249,7 +250,7 @@ def test_readings_along_the_motion_are_those_of_the_library(tmp_path: Path) -> N
         assert series["reduced"]["changes"][name][1] == pytest.approx(solved[name].change, rel=1e-9)
         assert series["reduced"]["errors"][name][1] == pytest.approx(solved[name].error["change"], rel=1e-6)
     written = target.stat().st_mtime_ns
-    show.make("position_sensor", tmp_path / "short.motion.toml", target, options)
+    assert run(*asked, "--motion", tmp_path / "short.motion.toml", "--output", target).returncode == 0
     assert target.stat().st_mtime_ns == written
 
 
