@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from fem_reference.bodies.contacts import refuse_contact, refuse_outside
+from fem_reference.bodies.distances import overlap
 from fem_reference.bodies.parts import Part, merged, meshable, object_part
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.shapes import Body, Cuboid, PlanePolygon, Rectangle, bounding_sphere, rectangle
@@ -234,8 +235,10 @@ def _targets(scene: Scene, parts: Sequence[Part], solid: Sequence[Object], sourc
 
 
 def _refuse_contacts(parts: Sequence[Part], sensors: Collection[str], source: str) -> None:
-    """Raise InputError when bodies of different conductors meet or are too close to mesh."""
+    """Raise InputError when bodies of different conductors meet or are too close to mesh. Dielectric bodies may overlap."""
     for first, second in combinations(parts, 2):
+        if first.dielectric and second.dielectric and overlap(first.surface, second.surface):
+            continue
         if first.conductor != second.conductor:
             may_be_one = first.conductor not in sensors and not second.dielectric
             remedy = '; objects with the same key "conductor" may touch' if may_be_one else ""

@@ -40,6 +40,8 @@ SHRINKING = 1e-6
 """Share of its size by which the faces of a body are moved inwards to decide whether it overlaps another body or only touches it."""
 MOST_SHRINKING = 0.1
 """Largest share of its own extent by which a thin body is shrunk to that end."""
+LEAST_OVERLAP = 1e-2
+"""Share of its size by which a body is shrunk, and overlaps another one still, where what both have in common is thick enough to mesh."""
 FLAT = 1e-7
 """Largest distance from a plane, over the bounding radius of a piece, at which points count as lying in the plane."""
 CUBOID_FACES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
@@ -150,10 +152,17 @@ class _Pieces:
 
 
 def in_contact(first: Body, second: Body) -> bool:
-    """Whether two bodies touch; always False for shapes that may not."""
-    if not (isinstance(first, MAY_TOUCH) and isinstance(second, MAY_TOUCH)):
-        return False
+    """Whether two bodies touch or overlap."""
     return distance(first, second) <= TOUCHING * min(first.size, second.size)
+
+
+def overlap(first: Surface, second: Surface) -> bool:
+    """Whether two convex solids have a volume in common that is not too thin to mesh, and neither contains the other."""
+    one, other = pieces(first), pieces(second)
+    if len(one) > 1 or len(other) > 1 or holds(first, second) or holds(second, first):
+        return False
+    smaller = _shrunk(other[0], second.corners.mean(axis=0), LEAST_OVERLAP)
+    return _piece_distance(one[0], smaller) <= TOUCHING * min(first.size, second.size)
 
 
 def touch_with_faces(first: Surface, second: Surface) -> bool:
@@ -167,20 +176,23 @@ def touch_with_faces(first: Surface, second: Surface) -> bool:
     (one,), (other,) = pieces(first), pieces(second)
     # The faces of a thin body, too, move by a length that the search for the distance resolves.
     shrinking = min(SHRINKING * other.reach / _half_thickness(second), MOST_SHRINKING)
-    shrunk = Piece(
-        second.centre + (1 - shrinking) * (other.points - second.centre),
-        tuple(
-            (
-                second.centre + (1 - shrinking) * (centre - second.centre),
-                *((1 - shrinking) * u for u in radii),
-            )
-            for centre, *radii in other.circles
-        ),
-    )
+    shrunk = _shrunk(other, second.centre, shrinking)
     apart, direction = _distance_and_direction(one, shrunk)
     if apart <= TOUCHING * min(first.size, second.size):
         return False
     return one.ends_in_face(-direction) and shrunk.ends_in_face(direction)
+
+
+def _shrunk(piece: Piece, about: Vector, share: float) -> Piece:
+    """The piece, shrunk about a point by a share of its size."""
+    return Piece(
+        about + (1 - share) * (piece.points - about),
+        tuple(
+            (about + (1 - share) * (centre - about), *((1 - share) * u for u in radii))
+            for centre, *radii in piece.circles
+        ),
+        (1 - share) * piece.radius,
+    )
 
 
 def _half_thickness(body: Body) -> float:

@@ -29,6 +29,8 @@ class Sizing:
     edge_in_gap: float = 0.3
     """Size at an edge over the width of the gap there, on the coarsest level. With 0.4 or more the first level may lie outside the
     range in which the errors fall as in theory."""
+    edge_in_layer: float = 0.6
+    """Size at an edge of a dielectric body, or of what touches it, over the dielectric body's size, on the coarsest level."""
     gap: float = 1.0
     """Size in a gap over its width. One cubic element resolves the smooth field across a gap."""
     gap_between_faces: float = 5.0

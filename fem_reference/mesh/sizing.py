@@ -83,9 +83,11 @@ def size_function(
         if room is not None and i not in grounded:
             across.append(known[i] + wall_distance(room, tape.point))
             sizes.append(_in_gap(body, room, sizing) * across[-1])
-        edge: list[Quantity] = [sizing.edge * body.size, *(sizing.edge_in_gap * gap for gap in across)]
+        own = sizing.edge_in_layer if i in dielectrics else sizing.edge
+        edge: list[Quantity] = [own * body.size, *(sizing.edge_in_gap * gap for gap in across)]
         for j in (k + j - i for k, j in contacts if i in (k, j)):
-            edge.append(sizing.edge * bodies[j].size + sizing.edge_in_gap * known[j])
+            thin = sizing.edge_in_layer if {i, j} & {*dielectrics} else sizing.edge
+            edge.append(thin * bodies[j].size + sizing.edge_in_gap * known[j])
         least = 0.0
         if i in grounded and driven:
             least = sizing.far * smallest([known[k] for k in driven])
@@ -95,7 +97,8 @@ def size_function(
         else:
             sizes += _sizes_of_body(body, at_edges, known[i], sizing, tape)
         if i in dielectrics:
-            sizes.append(sizing.gap * (body.size + 2 * known[i]))
+            across_it = sizing.gap_between_faces if _is_plane_faced(body) else sizing.gap
+            sizes.append(across_it * (body.size + 2 * known[i]))
     adapted = sizing.adapted
     if adapted is not None:
         sizes.append(sizing.growth * tape.distance(adapted.triangles, adapted.sizes / sizing.growth))

@@ -64,6 +64,19 @@ def volume_of_mesh(body: Body, refinement: float) -> float:
     return float(fem.assemble_scalar(fem.form(one * inside)) * problem.unit**3)
 
 
+def test_of_dielectric_bodies_that_overlap_the_later_one_fills_the_common_space() -> None:
+    cubes: list[Body] = [
+        Cuboid(name, np.array([x, 0, 0]), np.eye(3), (0.5, 0.5, 0.5)) for name, x in (("a", 0.0), ("b", 0.6))
+    ]
+    kinds = [Dielectric("a", 2.0, 2.0), Dielectric("b", 5.0, 5.0)]
+    problem = normalised([], 0, cubes, [0, 1], dielectrics=kinds)
+    tagged = tagged_mesh(problem.bodies, problem.owner, Sizing(), dielectrics=problem.permittivities)
+    measure = ufl.Measure("dx", domain=tagged.mesh, subdomain_data=tagged.cells)
+    one = fem.Constant(tagged.mesh, 1.0)
+    volumes = [fem.assemble_scalar(fem.form(one * measure(FIRST_BODY + k))) for k in range(2)]
+    assert np.array(volumes) * problem.unit**3 == pytest.approx([0.6, 1.0], rel=1e-9)
+
+
 def slab_between_plates(slab: Cuboid | None, contrast: float) -> Charges:
     plates: list[Body] = [
         Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("s", 0.0), ("p", 0.5))

@@ -134,8 +134,8 @@ class CornerWeld {
 Role role_of(const Object& object) {
   if (std::holds_alternative<Dielectric>(object.role))
     throw InputError(fmt::format(
-        "object \"{}\" is dielectric: the reduced method computes only conductors; boundary-elements "
-        "and the field solver take dielectric bodies",
+        "object \"{}\" is dielectric: the formula knows no such body of a machine; boundary-elements, the "
+        "reduced method and the field solver take it",
         object.name));
   if (std::holds_alternative<Electrode>(object.role))
     return Role::electrode;

@@ -37,6 +37,9 @@ constexpr std::size_t most_graded_with_insulators = 2;
 constexpr double tolerance_part = 1.0 / 100;
 constexpr double coarsest_tolerance = 1e-4;
 
+/// Estimated error of an extrapolated value, per change from the coarse to the whole space.
+constexpr double error_per_extrapolated_change = 1;
+
 /// Factor by which a refinement aims below the allowed error.
 constexpr double excess_margin = 1.25;
 
@@ -44,8 +47,10 @@ MatrixXd symmetric(const MatrixXd& matrix) {
   return (matrix + matrix.transpose()) / 2;
 }
 
-/// A symmetric matrix in both spaces, without floating conductors, and how far from symmetric it was solved.
+/// A symmetric matrix, extrapolated and in both spaces, without floating conductors, and how far from
+/// symmetric it was solved.
 struct Solved {
+  MatrixXd values;
   MatrixXd fine;
   MatrixXd coarse;
   MatrixXd asymmetry;
@@ -53,20 +58,36 @@ struct Solved {
 
 Solved solved(const InsulatedSolution& solution, const ChargedBodies& bodies) {
   const MatrixXd asymmetry = (solution.matrix.fine - solution.matrix.fine.transpose()).cwiseAbs() / 2;
-  const MatrixXd fine = without_floating(symmetric(solution.matrix.fine), bodies);
-  return {fine, without_floating(symmetric(solution.matrix.coarse), bodies),
-          asymmetry.topLeftCorner(fine.rows(), fine.cols())};
+  const MatrixXd values = without_floating(symmetric(solution.extrapolated), bodies);
+  return {values, without_floating(symmetric(solution.matrix.fine), bodies),
+          without_floating(symmetric(solution.matrix.coarse), bodies),
+          asymmetry.topLeftCorner(values.rows(), values.cols())};
+}
+
+/// Returns the charges of the members: on a conductor of one member its entries, else those in the whole
+/// space, which are not extrapolated: smooth charges far from edges have no error left.
+MatrixXd charges_of(const Solved& one, const InsulatedSolution& solution, const ChargedBodies& bodies) {
+  MatrixXd charges = member_charges(symmetric(solution.matrix.fine), solution.body_charges, bodies);
+  Index row = 0;
+  for (Index conductor = 0; conductor < one.values.rows(); ++conductor) {
+    const auto members = index_of(bodies.conductors[static_cast<std::size_t>(conductor)].members.size());
+    if (members == 1)
+      charges.row(row) = one.values.row(conductor);
+    row += members;
+  }
+  return charges;
 }
 
 /// Returns the errors of all entries.
 MatrixXd errors_of(const Solved& one, double undivided) {
-  return error_per_panel_change * changes(one.fine, one.coarse) + one.asymmetry +
-         undivided * one.fine.cwiseAbs();
+  return error_per_extrapolated_change * changes(one.fine, one.coarse) + one.asymmetry +
+         undivided * one.values.cwiseAbs();
 }
 
-Estimate estimate_of(double fine, double coarse, double least_part, double undivided, double other) {
-  return {fine, error_per_panel_change * std::max(std::abs(fine - coarse), least_part * std::abs(fine)) +
-                    undivided * std::abs(fine) + other};
+/// Estimates a quantity and its error. `change` is that from the coarse to the whole space.
+Estimate estimate_of(double value, double change, double least_part, double undivided, double other) {
+  return {value, error_per_extrapolated_change * std::max(std::abs(change), least_part * std::abs(value)) +
+                     undivided * std::abs(value) + other};
 }
 
 /// Returns the part by which the coarse space errs, for potentials.
@@ -86,12 +107,14 @@ std::vector<ReadingAnswer> reading_answers(const Solved& all, const Solved& back
     const auto form = [&](const MatrixXd& matrix) { return sense.dot(matrix * drive); };
     const auto absolute_form = [&](const MatrixXd& matrix) { return sense.cwiseAbs().dot(matrix * drive); };
     const double part = std::sqrt(missing_part(sense, all) * missing_part(drive, all));
-    const double value = form(all.fine), alone = form(background.fine);
+    const double value = form(all.values), alone = form(background.values);
+    const double change = form(all.fine) - form(all.coarse);
+    const double change_alone = form(background.fine) - form(background.coarse);
     const double other = absolute_form(all.asymmetry), other_alone = absolute_form(background.asymmetry);
-    answers.push_back({reading.name, estimate_of(value, form(all.coarse), part, undivided, other),
-                       estimate_of(alone, form(background.coarse), part, undivided, other_alone),
-                       estimate_of(value - alone, form(all.coarse) - form(background.coarse), part, undivided,
-                                   other + other_alone)});
+    answers.push_back(
+        {reading.name, estimate_of(value, change, part, undivided, other),
+         estimate_of(alone, change_alone, part, undivided, other_alone),
+         estimate_of(value - alone, change - change_alone, part, undivided, other + other_alone)});
   }
   return answers;
 }
@@ -102,7 +125,8 @@ void write_delta_self(const Solved& all, const Solved& alone, double undivided, 
   answer.delta_self_errors.resize(sensors);
   for (Index k = 0; k < sensors; ++k) {
     const Estimate change =
-        estimate_of(all.fine(k, k) - alone.fine(k, k), all.coarse(k, k) - alone.coarse(k, k),
+        estimate_of(all.values(k, k) - alone.values(k, k),
+                    all.fine(k, k) - alone.fine(k, k) - (all.coarse(k, k) - alone.coarse(k, k)),
                     missing_part(VectorXd::Unit(all.fine.rows(), k), all), undivided, 0);
     answer.delta_self[k] = *change.value;
     answer.delta_self_errors[k] = *change.error;
@@ -124,7 +148,8 @@ MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const BoundaryEle
                          options.threads);
   if (system.panels() > most)
     throw InputError(fmt::format(
-        "the scene has dielectric bodies and needs at least {} panels: boundary elements take at most {}",
+        "the scene has dielectric bodies and needs at least {} panels: boundary elements take at most {}; a "
+        "larger rtol, fewer segments of round bodies or a larger distance between bodies need fewer",
         system.panels(), most));
   MaxwellMatrix answer = named_answer(conductors);
   while (true) {
@@ -143,10 +168,10 @@ MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const BoundaryEle
         throw;
       break;
     }
-    answer.values = all.fine;
+    answer.values = all.values;
     const double undivided = system.undivided_error();
     answer.errors = errors_of(all, undivided);
-    answer.charges = member_charges(symmetric(solution.matrix.fine), solution.body_charges, conductors);
+    answer.charges = charges_of(all, solution, conductors);
     answer.unknowns = system.panels();
     write_delta_self(all, alone, undivided, answer);
     answer.readings =

@@ -14,10 +14,20 @@ namespace fringe::detail {
 /// The capacitances of a set of bodies, in metres, and what the panels carry for every conductor at unit
 /// potential (columns): the charge of a conductor's panel, the potential of an interface's.
 struct InsulatedSolution {
-  NestedMatrix matrix;  ///< as it is solved: not quite symmetric
+  NestedMatrix matrix;           ///< as it is solved: not quite symmetric
+  Eigen::MatrixXd extrapolated;  ///< beyond the whole space
   Eigen::MatrixXd panels;
-  Eigen::MatrixXd body_charges;      ///< on each body of a conductor
+  Eigen::MatrixXd body_charges;      ///< on each body of a conductor, in the whole space
   Eigen::VectorXd error_indicators;  ///< of the groups of panels, relative to each conductor's own entry
+};
+
+/// What bodies with grounded conductors answer to potentials of charges elsewhere (columns); zeros where a
+/// panel has none.
+struct InsulatedResponse {
+  Eigen::MatrixXd potentials;         ///< of the interfaces' panels (rows: all panels)
+  Eigen::MatrixXd coarse_potentials;  ///< the same in the coarse space
+  Eigen::MatrixXd charges;            ///< free charges of the conductors' panels
+  Eigen::VectorXd energies;           ///< that groups of panels miss, the largest of all columns
 };
 
 /// The boundary element equations of conductors and dielectric bodies (model/BOUNDARY_ELEMENTS.md, section
@@ -29,6 +39,7 @@ class InsulatedSystem {
   InsulatedSystem(const InsulatedBodies& bodies, const std::vector<Presence>& others,
                   const PanelGrading& grading, std::size_t threads);
 
+  const PanelMesh& mesh() const { return mesh_; }
   std::size_t panels() const { return mesh_.panels().size(); }
   const std::vector<PanelGroup>& groups() const { return mesh_.groups(); }
 
@@ -41,6 +52,15 @@ class InsulatedSystem {
 
   /// Solves for all bodies (set 0) or for one of the `others` (1, 2, …).
   InsulatedSolution solve(std::size_t set) const;
+
+  /// Solves for all bodies in outer potentials, given by their means on the panels (rows). Energies are
+  /// relative to `own`, one for each column.
+  InsulatedResponse respond(const Eigen::MatrixXd& outer, const Eigen::VectorXd& own) const;
+
+  /// Returns the panels that border on the space outside of all bodies, in their order.
+  std::vector<Eigen::Index> outermost_panels() const;
+
+  const Eigen::MatrixXd& single_layer() const { return single_layer_; }
 
   /// Divides the marked groups of panels.
   void refine(const std::vector<bool>& marked, const Eigen::MatrixXd& panels);

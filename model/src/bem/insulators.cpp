@@ -20,13 +20,8 @@ namespace {
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
-Scene without_insulators(const Scene& scene) {
-  Scene result = scene;
-  std::erase_if(result.objects,
-                [](const Object& object) { return std::holds_alternative<Dielectric>(object.role); });
-  result.readings.clear();
-  return result;
-}
+/// Distance of the points beside a part of a surface, relative to its size; above rounding, below any feature.
+constexpr double beside_part = 1e-5;
 
 Insulator insulator_of(const Object& object, const Eigen::Isometry3d& pose, double medium) {
   Insulator result;
@@ -51,7 +46,7 @@ void refuse_conductors_inside(const Insulator& cover, const ChargedBodies& condu
   /// Part of its size by which a cover is shrunk: what only touches it is then apart.
   constexpr double shrinking = 1e-6;
   const Vector3d centre = cover.box.center();
-  ChargedBody shrunk{0, 0, TriangleSurface{cover.surface}, cover.name, {}};
+  ChargedBody shrunk = surface_of(cover);
   for (Triangle& triangle : std::get<TriangleSurface>(shrunk.surface).triangles)
     for (Vector3d& corner : triangle)
       corner += shrinking * (centre - corner);
@@ -81,6 +76,41 @@ bool lies_on(const Vector3d& point, const Vector3d& normal, std::span<const Tria
 
 Vector3d unit_normal(const Triangle& triangle) {
   return (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
+}
+
+Scene without_insulators(const Scene& scene) {
+  Scene result = scene;
+  std::erase_if(result.objects,
+                [](const Object& object) { return std::holds_alternative<Dielectric>(object.role); });
+  result.readings.clear();
+  return result;
+}
+
+std::vector<LinkedInsulator> insulators_on_links(const Scene& scene) {
+  std::vector<LinkedInsulator> result;
+  const std::vector<bool> are_targets = targets(scene);
+  for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+    const Object& object = scene.objects[k];
+    if (!std::holds_alternative<Dielectric>(object.role))
+      continue;
+    result.push_back(
+        {insulator_of(object, Eigen::Isometry3d::Identity(), scene.medium.relative_permittivity),
+         object.link});
+    result.back().body.is_target = are_targets[k];
+  }
+  return result;
+}
+
+Insulator moved(const Insulator& insulator, const Eigen::Isometry3d& pose) {
+  Insulator result = insulator;
+  for (Triangle& triangle : result.surface)
+    triangle = transformed(triangle, pose);
+  result.box = axis_aligned_box(result.surface);
+  return result;
+}
+
+ChargedBody surface_of(const Insulator& insulator) {
+  return {0, 0, TriangleSurface{insulator.surface}, insulator.name, {}};
 }
 
 bool has_insulators(const Scene& scene) {
@@ -178,6 +208,22 @@ double Surroundings::ratio_at(const Vector3d& point) const {
   return 1;
 }
 
+bool Surroundings::is_outside(const Vector3d& point) const {
+  for (std::size_t k = 0; k < bodies_.insulators.size(); ++k) {
+    const Insulator& insulator = bodies_.insulators[k];
+    if (presence_.insulators[k] && insulator.box.contains(point) &&
+        is_in_polyhedron(insulator.surface, point))
+      return false;
+  }
+  return !is_in_conductor(point);
+}
+
+bool Surroundings::is_outermost(const Triangle& part) const {
+  const Vector3d centre = (part[0] + part[1] + part[2]) / 3;
+  const Vector3d away = beside_part * std::sqrt(twice_area(part)) * unit_normal(part);
+  return is_outside(centre - away) || is_outside(centre + away);
+}
+
 bool Surroundings::is_inside_conductor(std::size_t insulator) const {
   const auto& surface = bodies_.insulators[insulator].surface;
   return std::all_of(surface.begin(), surface.end(), [&](const Triangle& triangle) {
@@ -186,15 +232,13 @@ bool Surroundings::is_inside_conductor(std::size_t insulator) const {
 }
 
 PartState Surroundings::state(const Triangle& part, std::size_t body) const {
-  /// Distance of the points beside a part, relative to its size; above rounding, below any feature.
-  constexpr double shift = 1e-5;
   const std::size_t conductors = bodies_.conductors.bodies.size();
   const bool is_conductor = body < conductors;
   if (!(is_conductor ? presence_.conductors[body] : presence_.insulators[body - conductors]))
     return {};
   const Vector3d centre = (part[0] + part[1] + part[2]) / 3, normal = unit_normal(part);
   const double size = std::sqrt(twice_area(part));
-  const Vector3d away = shift * size * normal;
+  const Vector3d away = beside_part * size * normal;
   const Ratios ratios{ratio_at(centre - away), ratio_at(centre + away)};
   if (is_conductor)
     return {PartKind::conductor, ratios};

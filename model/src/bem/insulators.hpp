@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,25 @@ struct InsulatedBodies {
 
 /// Returns true if a scene has a dielectric body.
 bool has_insulators(const Scene& scene);
+
+/// Returns a scene without its dielectric bodies and readings.
+Scene without_insulators(const Scene& scene);
+
+/// A dielectric body in the frame of the link that carries it.
+struct LinkedInsulator {
+  Insulator body;
+  std::optional<std::size_t> link;
+};
+
+/// Returns the dielectric bodies of a scene in the frames of their links. Throws InputError for one whose
+/// surface is not closed.
+std::vector<LinkedInsulator> insulators_on_links(const Scene& scene);
+
+/// Returns a dielectric body moved by a pose.
+Insulator moved(const Insulator& insulator, const Eigen::Isometry3d& pose);
+
+/// Returns the body of a dielectric surface as contact() takes it.
+ChargedBody surface_of(const Insulator& insulator);
 
 /// Throws InputError, with both names, if a conductor reaches into a sensor's cover: it is thicker than the
 /// gap.
@@ -82,6 +102,9 @@ class Surroundings {
 
   PartState state(const Triangle& part, std::size_t body) const;
 
+  /// Returns true if one side of a part borders on the space outside of all bodies.
+  bool is_outermost(const Triangle& part) const;
+
   /// Returns true if all corners of a dielectric body are inside conductors.
   bool is_inside_conductor(std::size_t insulator) const;
 
@@ -91,6 +114,7 @@ class Surroundings {
     Eigen::AlignedBox3d box;
   };
   bool is_in_conductor(const Eigen::Vector3d& point) const;
+  bool is_outside(const Eigen::Vector3d& point) const;
   double ratio_at(const Eigen::Vector3d& point) const;
 
   const InsulatedBodies& bodies_;

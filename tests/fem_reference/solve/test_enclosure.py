@@ -14,7 +14,7 @@ from fem_reference.bodies.shapes import Body, Cuboid, Rectangle, rectangle
 from fem_reference.solve.enclosure import Enclosure, enclosure, intersection
 from fem_reference.solve.level import Level, solve_level
 from fem_reference.answer.reference import solve_conductors
-from fem_reference.bodies.conductors import Conductors, normalised
+from fem_reference.bodies.conductors import Conductors, Dielectric, normalised
 from fem_reference.mesh.size_rules import Sizing
 from fem_reference.bodies.symmetry import mirror_planes
 from tests.fem_reference.panel_method import Plate
@@ -107,6 +107,31 @@ def test_cube() -> None:
     cube = alone(Cuboid("cube", np.zeros(3), np.eye(3), (0.5, 0.5, 0.5)))
     widths = widths_around("cube", cube, 4 * np.pi * epsilon_0 * UNIT_CUBE, 1e-12)
     assert widths[1] < 0.6 * widths[0] and widths[2] < 0.6 * widths[1]
+
+
+def covered_plate(contrast: float) -> Conductors:
+    """A square plate under a layer of a tenth of its side; of an infinite `contrast` the layer is a conductor of the plate."""
+    plate = Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))
+    layer = Cuboid("layer", np.array([0, 0, 0.05]), np.eye(3), (0.5, 0.5, 0.05))
+    if np.isinf(contrast):
+        return normalised(["plate"], 0, [layer], [0])
+    kind = Dielectric("layer", contrast, contrast)
+    return normalised(["plate"], 0, [plate, layer], [0, 1], dielectrics=[kind])
+
+
+def test_bounds_beside_jumps_of_the_permittivity() -> None:
+    """Intervals of two meshes have the truth in common, which lies between the bare plate and the conducting layer (Dirichlet's principle)."""
+
+    def interval(contrast: float, refinement: float) -> tuple[float, float]:
+        found = level(covered_plate(contrast), refinement).enclosure
+        assert found is not None
+        return float(found.lower[0, 0]), float(found.upper[0, 0])
+
+    coarse, fine = interval(6.0, 0.5), interval(6.0, 2.0)
+    assert max(coarse[0], fine[0]) < min(coarse[1], fine[1]) and np.ptp(fine) < 0.7 * np.ptp(coarse)
+    assert interval(1.0, 0.5)[1] < fine[0] and fine[1] < interval(np.inf, 0.5)[0]
+    bare, truth = interval(1.0, 0.5), 4 * np.pi * epsilon_0 * UNIT_SQUARE_PLATE
+    assert bare[0] < truth < bare[1], "a layer of the medium is not there"
 
 
 @pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])

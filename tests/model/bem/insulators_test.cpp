@@ -136,7 +136,7 @@ Scene guarded_condenser(double layer, double permittivity) {
 
 TEST(Insulators, AGuardedCondenserFilledInLayersHasTheCapacitanceOfTheirSeries) {
   BoundaryElementOptions options;
-  options.rtol = 0.1;
+  options.rtol = 0.05;
   const MaxwellMatrix found = maxwell(guarded_condenser(0.002, 4), options);
   const double exact = 2 * vacuum_permittivity * 0.02 * 0.02 / (0.002 / 4 + 0.003);
   EXPECT_NEAR(found.charges(0, 0), exact, 1e-4 * exact);
