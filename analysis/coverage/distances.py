@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
 Array = NDArray[np.float64]
 
@@ -15,8 +15,8 @@ _LEAST = 1e-30
 
 
 class Curves:
-    """Changes over the distance, interpolated in double logarithmic scale by monotone cubics (Fritsch and Carlson 1980), so that a falling change
-    stays falling."""
+    """Changes over the distance, interpolated in double logarithmic scale: by cubic splines where these stay falling between falling changes, else
+    by monotone cubics (Fritsch and Carlson 1980)."""
 
     def __init__(self, distances: Array, changes: Array) -> None:
         """`changes` (n, distances) in F, NaN from where on a probe cannot be held."""
@@ -24,11 +24,9 @@ class Curves:
         logs = np.log(np.maximum(np.abs(changes), _LEAST))
         known = np.isfinite(changes)
         last = known.sum(axis=1)
-        # What is unknown is filled by the last known value, and cut off again.
-        fill = np.nan_to_num(logs[np.arange(len(logs)), np.maximum(last - 1, 0)])
-        logs = np.where(known, logs, fill[:, None])
+        logs = _filled(np.log(distances), np.where(known, logs, np.nan), last)
         self._at = np.geomspace(distances[0], distances[-1], count)
-        curve = PchipInterpolator(np.log(distances), logs, axis=1)(np.log(self._at))
+        curve = _interpolated(np.log(distances), logs, np.log(self._at))
         reached = np.arange(count) <= FINER * (last[:, None] - 1)
         self._logs: Array = np.where(reached, curve, -np.inf)
         self._is_cut = last < len(distances)
@@ -53,3 +51,24 @@ class Curves:
         is_last = (first == count) | ((first > 0) & ~np.isfinite(low))
         found = np.where(first == 0, 0.0, np.where(is_last, self._last, found))
         return np.where(self._has_any, found, np.nan), is_last & self._has_any
+
+
+def _filled(at: Array, logs: Array, last: NDArray[np.int64]) -> Array:
+    """Continues each row along the line through its last two known values, which puts no kink between known ones; a row of one value by it, of none by 0."""
+    rows = np.arange(len(logs))
+    end, before = np.maximum(last - 1, 0), np.maximum(last - 2, 0)
+    value = np.nan_to_num(logs[rows, end])
+    step = np.where(end > before, at[end] - at[before], 1.0)
+    slope = np.where(end > before, (value - np.nan_to_num(logs[rows, before])) / step, 0.0)
+    return np.where(np.isfinite(logs), logs, value[:, None] + slope[:, None] * (at - at[end][:, None]))
+
+
+def _interpolated(at: Array, logs: Array, finer: Array) -> Array:
+    """Returns the rows at finer places."""
+    curve = np.asarray(PchipInterpolator(at, logs, axis=1)(finer))
+    falling = np.flatnonzero((np.diff(logs, axis=1) < 0).all(axis=1))
+    if len(falling):
+        spline = np.asarray(CubicSpline(at, logs[falling], axis=1)(finer))
+        fits = (np.diff(spline, axis=1) < 0).all(axis=1)
+        curve[falling[fits]] = spline[fits]
+    return curve

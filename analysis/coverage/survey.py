@@ -23,7 +23,7 @@ Mask = NDArray[np.bool_]
 
 BOUNDARY_ELEMENTS, SMALL = "boundary-elements", "small-probe"
 """The survey's own method; and its limit for small probes, the probe's capacitance times the potentials φ·φ' at its middle."""
-NEAREST, FARTHEST, COUNT = 0.005, 1.0, 11
+NEAREST, FARTHEST, COUNT = 0.005, 1.0, 9
 """The distances (m) between a place and the nearest point of a probe."""
 NEGLIGIBLE = 0.03
 """Changes below this part of the threshold are those of the limit for small probes."""
@@ -194,7 +194,7 @@ def _accurate(
     """Returns the changes as `_changes_of` does, with the machine's answer to the probe; the estimates of the limit for small probes where
     these are negligible."""
     found, rotations = estimate.copy(), places.rotations()
-    fits = np.ones(len(rotations), dtype=bool)
+    fits, exact = np.ones(len(rotations), dtype=bool), np.zeros(estimate.shape[:2], dtype=bool)
     for step, distance in enumerate(distances):
         translations, _ = held(answer.probe, places, float(distance))
         fits &= np.isfinite(estimate[:, step]).all(axis=1)
@@ -205,7 +205,20 @@ def _accurate(
         )
         fits[counts] = clears
         found[~fits, step] = np.nan
-    return found
+        exact[counts, step] = clears
+    return _continued(found, estimate, exact)
+
+
+def _continued(found: Array, estimate: Array, exact: Mask) -> Array:
+    """Scales the estimates (places, distances, readings) beyond the last exact change by the ratio there, so that they go on from it."""
+    count = exact.shape[1]
+    last = count - 1 - exact[:, ::-1].argmax(axis=1)
+    rows = np.arange(len(found))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = found[rows, last] / estimate[rows, last]
+    ratio = np.where(np.isfinite(ratio) & exact.any(axis=1)[:, None], ratio, 1.0)
+    beyond = np.arange(count) > last[:, None]
+    return np.where(beyond[..., None], found * ratio[:, None], found)
 
 
 def _changes_of(

@@ -98,6 +98,29 @@ def test_a_power_law_is_met_where_it_is() -> None:
     assert np.isnan(blocked).all()
 
 
+def test_a_smooth_curve_is_met_between_the_distances_of_a_survey() -> None:
+    """From one power law to another, as before a sensor on a housing: within 0.5 % of the distance."""
+    distances = np.geomspace(surveys.NEAREST, surveys.FARTHEST, surveys.COUNT)
+
+    def change(distance: Any) -> Any:
+        return 1e-17 / ((distance + 0.02) * (distance + 0.1) ** 3)
+
+    curves = Curves(distances, change(distances)[None])
+    cut = Curves(distances, np.where(distances > 0.3, np.nan, change(distances))[None])
+    for distance in (0.007, 0.013, 0.05, 0.12, 0.24, 0.6):
+        assert curves.noticed(change(distance))[0][0] == pytest.approx(distance, rel=5e-3)
+        if distance < 0.2:
+            assert cut.noticed(change(distance))[0][0] == pytest.approx(distance, rel=2e-2)
+
+
+def test_a_curve_that_does_not_fall_stays_between_its_points() -> None:
+    distances = np.geomspace(surveys.NEAREST, surveys.FARTHEST, surveys.COUNT)
+    changes = np.full((1, surveys.COUNT), 1e-14)
+    changes[0, 4:] = 1e-16
+    found, _ = Curves(distances, changes).noticed(0.99e-14)
+    assert distances[3] <= found[0] <= distances[4]
+
+
 def test_places_lie_outside_with_the_way_that_is_free() -> None:
     lower = Cuboid((1.0, 1.0, 1.0)).triangles()
     conductors = {"lower": lower, "upper": lower + [0.3, 0.0, 0.9], "ceiling": lower + [0.3, 0.0, 3.0]}
