@@ -133,6 +133,24 @@ def _parser(program: str) -> argparse.ArgumentParser:
         metavar="FILE",
         help="the page (default: <scene>.html in the current folder; results/show/<scene>.html for scenes of the repository)",
     )
+    show.add_argument(
+        "--readings",
+        action="store_true",
+        help="plot the changes of the readings along the motion: model, formula and reduced method in every frame, boundary elements "
+        "in those of the motion file",
+    )
+    show.add_argument(
+        "--between",
+        type=_count,
+        metavar="N",
+        help="frames shown between two of the motion file, with --readings (default: 8)",
+    )
+    show.add_argument(
+        "--rtol",
+        type=_relative,
+        metavar="R",
+        help="relative error asked of boundary elements, with --readings (default: 1e-2)",
+    )
     _add_live(commands)
     _add_sweep(commands)
     _add_coverage(commands)

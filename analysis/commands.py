@@ -17,7 +17,7 @@ from analysis.results import statistics, store
 from analysis.results.refusals import named
 from analysis.results.store import InUse, exclusive
 from analysis.results.study_results import Failure
-from analysis.show import make as show
+from analysis.show import make as show, readings as show_readings
 from analysis.study import report, workflow
 from analysis.sweep import make as sweep
 from analysis.topics.company import page as company_page, set_ups as company_set_ups, stage as company_stage
@@ -239,8 +239,13 @@ def _documentation(folder: Path | None) -> int:
     return ANSWERED
 
 
-def _show(scene: str, motion: Path | None, target: Path | None) -> int:
-    print(f"page: {show.make(scene, motion, target)}")
+def _show(options: argparse.Namespace) -> int:
+    given = {"between": options.between, "rtol": options.rtol}
+    given = {name: value for name, value in given.items() if value is not None}
+    if given and not options.readings:
+        raise InputError("", "", f"--{next(iter(given))} is an option of --readings, which is missing")
+    readings = show_readings.Options(**given) if options.readings else None
+    print(f"page: {show.make(options.scene, options.motion, options.output, readings)}")
     return ANSWERED
 
 
@@ -314,7 +319,7 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "corrections": lambda options: _corrections(options.output),
     "table": lambda options: _table(options.answers, options.output, options.jobs),
     "documentation": lambda options: _documentation(options.output),
-    "show": lambda options: _show(options.scene, options.motion, options.output),
+    "show": _show,
     "live": _live,
     "sweep": _sweep,
     "coverage": _coverage,

@@ -1,7 +1,7 @@
 """Command line: python3 -m fem_reference SCENE [options].
 
-Options are --rtol R, --error KIND, --columns NAME,…, --max-seconds, --max-unknowns, --max-memory, --no-symmetry, --geometry KIND,
---wrap-alpha M, --wrap-offset M, --json, --output F.vtu and --slice F.
+Options are --rtol R, --error KIND, --columns NAME,…, --max-seconds, --max-unknowns, --max-memory, --only-readings,
+--no-symmetry, --geometry KIND, --wrap-alpha M, --wrap-offset M, --json, --output F.vtu and --slice F.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
         choices=("enclosure", "estimate"),
         default="enclosure",
         help="the error that --rtol limits: half the width of an interval that is proven to contain the true value (default), or an "
-        "error estimated from successive meshes, which is several times faster",
+        "error estimated from wider bounds, which is several times faster",
     )
     parser.add_argument(
         "--columns",
@@ -97,6 +97,11 @@ def _parser(program: str) -> argparse.ArgumentParser:
         default=(),
         help="solve for the rows and columns of these conductors only, and for their readings, with the other conductors grounded and their "
         "edges meshed more coarsely; much faster in scenes of large machines (default: all)",
+    )
+    parser.add_argument(
+        "--only-readings",
+        action="store_true",
+        help="ask for the accuracy of the readings and their changes only, not of every entry of the matrix and of delta_self",
     )
     parser.add_argument(
         "--no-symmetry",
@@ -190,6 +195,7 @@ def main(arguments: list[str] | None = None, report: Report = lambda _: None) ->
             not options.no_symmetry,
             Geometry(options.geometry, options.wrap_alpha, options.wrap_offset),
             report,
+            options.only_readings,
         )
     except InputError as wrong:
         print(f"fem_reference: {wrong}", file=error_stream)

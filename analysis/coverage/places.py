@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 _LIFT = 1e-6
 """Distance of a ray's origin from its surface, over the size of the machine."""
-_TOGETHER = 2_000_000
+_TOGETHER = 200_000
 """Number of pairs of rays and triangles at once."""
 _GOLDEN = (0.7548776662466927, 0.5698402909980532)
 """The two-dimensional golden ratio: multiples of it spread evenly."""
@@ -83,29 +83,59 @@ def _free_length(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Returns how far rays go until they meet a triangle, and whether the first one, of no sheet, is met from behind: then the ray began inside.
 
-    Möller and Trumbore (1997).
+    Triangles next to each other in the list, as those of a body are, are left out for the rays that miss the box around them.
     """
     free, is_inside = np.full(len(origins), np.inf), np.zeros(len(origins), dtype=bool)
-    a, u, v = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    step = max(1, _TOGETHER // len(triangles))
-    for k in range(0, len(origins), step):
-        origin, direction = origins[k : k + step, None], directions[k : k + step, None]
-        across = np.cross(direction, v)
-        volume = np.einsum("nti,ti->nt", across, u)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            inverse = 1 / volume
-            offset = origin - a
-            s = np.einsum("nti,nti->nt", offset, across) * inverse
-            turned = np.cross(offset, u)
-            t = np.einsum("ni,nti->nt", direction[:, 0], turned) * inverse
-            length = np.einsum("ti,nti->nt", v, turned) * inverse
-            hits = (s >= 0) & (t >= 0) & (s + t <= 1) & (length > least)
-        length = np.where(hits, length, np.inf)
-        first = length.argmin(axis=1)
-        rows = np.arange(len(first))
-        free[k : k + step] = length[rows, first]
-        # The determinant is negative where the ray goes along the normal: it leaves a body.
-        is_inside[k : k + step] = (
-            np.isfinite(length[rows, first]) & (volume[rows, first] < 0) & ~is_sheet[first]
-        )
+    for k in range(0, len(triangles), _TRIANGLES):
+        own = triangles[k : k + _TRIANGLES]
+        low, high = own.min(axis=(0, 1)) - least, own.max(axis=(0, 1)) + least
+        met = np.flatnonzero(_meets_box(origins, directions, low, high))
+        step = max(1, _TOGETHER // len(own))
+        for some in np.split(met, range(step, len(met), step)):
+            length, first, leaves = _first_hit(origins[some], directions[some], own, least)
+            nearer = length < free[some]
+            chosen = some[nearer]
+            free[chosen] = length[nearer]
+            is_inside[chosen] = leaves[nearer] & ~is_sheet[k + first[nearer]]
     return free, is_inside
+
+
+_TRIANGLES = 64
+"""Number of triangles that share a box."""
+
+
+def _meets_box(origins: Array, directions: Array, low: Array, high: Array) -> NDArray[np.bool_]:
+    """Returns which rays meet a box: the intervals within its three slabs have a common part (Kay and Kajiya 1986)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        one, other = (low - origins) / directions, (high - origins) / directions
+    parallel = directions == 0
+    within = (origins >= low) & (origins <= high)
+    enter = np.where(parallel, np.where(within, -np.inf, np.inf), np.minimum(one, other)).max(axis=1)
+    leave = np.where(parallel, np.where(within, np.inf, -np.inf), np.maximum(one, other)).min(axis=1)
+    return np.asarray((leave >= enter) & (leave >= 0))
+
+
+def _first_hit(
+    origins: Array, directions: Array, triangles: Array, least: float
+) -> tuple[Array, NDArray[np.int64], NDArray[np.bool_]]:
+    """Returns for each ray the length to the first triangle, infinite without any, its number, and whether the ray meets it from behind.
+
+    Möller and Trumbore (1997).
+    """
+    a, u, v = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    origin, direction = origins[:, None], directions[:, None]
+    across = np.cross(direction, v)
+    volume = np.einsum("nti,ti->nt", across, u)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inverse = 1 / volume
+        offset = origin - a
+        s = np.einsum("nti,nti->nt", offset, across) * inverse
+        turned = np.cross(offset, u)
+        t = np.einsum("ni,nti->nt", directions, turned) * inverse
+        length = np.einsum("ti,nti->nt", v, turned) * inverse
+        hits = (s >= 0) & (t >= 0) & (s + t <= 1) & (length > least)
+    length = np.where(hits, length, np.inf)
+    first = length.argmin(axis=1)
+    rows = np.arange(len(first))
+    # The determinant is negative where the ray goes along the normal: it leaves a body.
+    return length[rows, first], first, volume[rows, first] < 0

@@ -13,7 +13,7 @@ from typing import Any
 from analysis.live import page as live_page, paths, scene_text
 from analysis.pipeline.model_stage import model_module
 from analysis.report import page as report_page
-from analysis.report.live_page import FOLDER
+from analysis.report.scene_pages import LIVE
 from analysis.results.store import Document, write_text
 from analysis.show.make import find_scene, motion_beside
 from fem_reference.bodies.remarks import remarks
@@ -64,7 +64,7 @@ def make(name: str, motion_file: Path | None, target: Path | None, options: Opti
         print(f"analysis: remark: {remark}", file=sys.stderr)
     moved = motion_file or motion_beside(path)
     frames = motion.load(moved, scene) if moved else ()
-    place = target or (results_folder() / FOLDER if is_own(path) else Path.cwd()) / f"{path.stem}.html"
+    place = target or (results_folder() / LIVE.folder if is_own(path) else Path.cwd()) / f"{path.stem}.html"
     data: Document = {
         "scene": text,
         "covers": _covers(text, scene, path),

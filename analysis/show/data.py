@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from analysis.results.store import Document
 from geometries.common.errors import InputError
-from geometries.scene.motion import Frame
+from geometries.scene.motion import Frame, with_frames_between
 from geometries.scene.poses import Transform
 from geometries.scene.scene import Object, Scene, Sensor
 
@@ -22,10 +22,20 @@ _DIGITS = 5
 """Decimals of a coordinate in metres: hundredths of a millimetre are finer than any screen."""
 
 
-def collect(path: Path, scene: Scene, frames: Sequence[Frame], model: Any) -> Document:
-    """Collects everything that the page needs, as JSON. `model` is the module fringe; InputError for what it refuses."""
+def collect(
+    path: Path,
+    scene: Scene,
+    frames: Sequence[Frame],
+    model: Any,
+    between: int = 0,
+) -> Document:
+    """Collects everything that the page needs, as JSON. `model` is the module fringe; InputError for what it refuses.
+
+    `between` frames are added between every two of the motion.
+    """
+    frames = with_frames_between(frames, between)
     index = {link.name: number for number, link in enumerate(scene.links)}
-    live = _load(path, model)
+    live = load(path, model)
     return {
         "links": [
             {"name": link.name, "parent": index.get(link.parent) if link.parent else None}
@@ -56,10 +66,12 @@ def collect(path: Path, scene: Scene, frames: Sequence[Frame], model: Any) -> Do
             for eye in scene.distance_sensors
         ],
         "frames": [_frame(frame, scene, live, model) for frame in frames],
+        "every": between + 1,
     }
 
 
-def _load(path: Path, model: Any) -> Any:
+def load(path: Path, model: Any) -> Any:
+    """Returns the scene of the module fringe, `model`; InputError for what it refuses."""
     try:
         return model.Scene.load(str(path))
     except ValueError as error:

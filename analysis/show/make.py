@@ -8,24 +8,29 @@ import sys
 from pathlib import Path
 
 from analysis.pipeline.model_stage import model_module
-from analysis.results.store import write_text
-from analysis.show import data as show_data, page as show_page
+from analysis.report.page import is_current
+from analysis.report.scene_pages import MOTION
+from analysis.results.store import Document, write_text
+from analysis.show import data as show_data, page as show_page, readings as show_readings
 from fem_reference.bodies.remarks import remarks
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT, is_own, results_folder
 from geometries.common.tables import is_file
 from geometries.scene import motion, reader
+from geometries.scene.motion import with_frames_between
 
 SCENES = ROOT / "geometries" / "scenes"
 MOTION_SUFFIX = ".motion.toml"
 
 
-def make(name: str, motion_file: Path | None, target: Path | None) -> Path:
+def make(
+    name: str, motion_file: Path | None, target: Path | None, readings: show_readings.Options | None = None
+) -> Path:
     """Writes the page of a scene, a file or a name in geometries/scenes; returns where it is.
 
     The page of a scene of the repository is in its results, of any other scene in the current folder, unless `target` names it.
     Without a motion file the one beside the scene is taken, SCENE.motion.toml for SCENE.toml, or else the scene as it
-    stands. Prints remarks on the scene on standard error. InputError for files that cannot be used.
+    stands. With `readings`, plots of the readings along the motion follow. A page that is up to date stays. Prints remarks on the scene on standard error. InputError for files that cannot be used.
     """
     path = find_scene(name)
     scene = reader.load(path)
@@ -33,12 +38,24 @@ def make(name: str, motion_file: Path | None, target: Path | None) -> Path:
         print(f"analysis: remark: {remark}", file=sys.stderr)
     motion_file = motion_file or motion_beside(path)
     frames = motion.load(motion_file, scene) if motion_file else (motion.at_rest(scene),)
-    data = show_data.collect(path, scene, frames, model_module())
-    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
-    digest = hashlib.sha256(text.encode()).hexdigest()
-    page = target or (results_folder() / "show" if is_own(path) else Path.cwd()) / f"{path.stem}.html"
-    write_text(page, show_page.document(path.stem.replace("_", " "), digest, text, data))
+    model = model_module()
+    data = show_data.collect(path, scene, frames, model, readings.between if readings else 0)
+    page = target or (results_folder() / MOTION.folder if is_own(path) else Path.cwd()) / f"{path.stem}.html"
+    title = path.stem.replace("_", " ")
+    inputs = [_text(data), repr(readings), str(model.__version__), show_page.document("", "", "", data, "")]
+    digest = hashlib.sha256("\n".join(inputs).encode()).hexdigest()
+    if is_current(page, digest):
+        return page
+    along = None
+    if readings:
+        moved = with_frames_between(frames, readings.between)
+        along = _text(show_readings.collect(show_data.load(path, model), moved, readings))
+    write_text(page, show_page.document(title, digest, _text(data), data, along))
     return page
+
+
+def _text(data: Document) -> str:
+    return json.dumps(data, separators=(",", ":"), allow_nan=False)
 
 
 def motion_beside(scene: Path) -> Path | None:

@@ -9,8 +9,9 @@ from pathlib import Path
 from markupsafe import Markup
 
 from analysis.pipeline import keys
-from analysis.report import faults_section, index_page, live_page, page, plot_of_changes, sections
+from analysis.report import faults_section, index_page, page, plot_of_changes, scene_pages, sections
 from analysis.report.index_page import Card
+from analysis.report.scene_pages import ScenePage
 from analysis.results import refusals, statistics, study_results as results, table
 from analysis.results.refusals import Refusal
 from analysis.results.store import Document, read_json, write_json, write_text
@@ -95,8 +96,8 @@ def make(folder: Path) -> Report:
         published.digest(),
     )
     nights = history.load(folder)
-    live = live_page.beside(folder)
-    whole = keys.page_inputs(inputs, nights, live)
+    scenes = scene_pages.all_beside(folder)
+    whole = keys.page_inputs(inputs, nights, scenes)
     if not (
         (folder / table.TABLE).is_file()
         and page.is_current(folder / page.REPORT, whole)
@@ -109,7 +110,7 @@ def make(folder: Path) -> Report:
         material = Material(
             found, rows, summaries, verified, entries, corrected, faults, company, machines, behind
         )
-        _write(material, nights, live, inputs, whole)
+        _write(material, nights, scenes, inputs, whole)
     return Report(
         folder / page.REPORT,
         summaries,
@@ -145,8 +146,14 @@ def _is_complete(folder: Path) -> bool:
     return all((folder / target).is_file() for target in _HREF.findall(text))
 
 
-def _write(material: Material, nights: list[Document], live: str | None, inputs: str, whole: str) -> None:
-    """Writes the table, the pages, and last the report itself, which marks all of them as complete. `live` is the live page, if any."""
+def _write(
+    material: Material,
+    nights: list[Document],
+    scenes: list[tuple[ScenePage, str]],
+    inputs: str,
+    whole: str,
+) -> None:
+    """Writes the table, the pages, and last the report itself, which marks all of them as complete. `scenes` are the pages of scenes, with their files."""
     folder = material.found.folder
     write_text(folder / table.TABLE, table.to_csv(material.rows, material.found.methods))
     cards = _pages(material, inputs)
@@ -154,8 +161,7 @@ def _write(material: Material, nights: list[Document], live: str | None, inputs:
         cards.append(
             Card(history_page.HISTORY, "What has moved from night to night?", history_page.finding(nights))
         )
-    if live is not None:
-        cards.append(Card(live, live_page.TITLE, live_page.SAYS))
+    cards += [Card(file, each.title, each.says) for each, file in scenes]
     warning = cross_check_section.warning(material.found, f"{PAGES}/{CROSS_CHECK}.html")
     headline = sections.refused(material.found)
     headline += sections.headline(material.found, material.rows, material.summaries)

@@ -8,10 +8,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem_reference.answer.convergence import Estimate, estimate
 from fem_reference.solve.enclosure import Enclosure
 from fem_reference.solve.level import Level
+
+Array = NDArray[np.float64]
 
 LEAST_NARROWING = 1.5
 """Least ratio of two interval widths at which the value is extrapolated; in theory each halving of the edge size gives 2. Below it
@@ -22,6 +25,9 @@ LEAST_FRACTION_OF_WIDTH = 0.35
 
 def best_value(levels: Sequence[Level]) -> Estimate:
     """The Maxwell matrix and its estimated error: from the levels' bounds where there are any, else from the potentials."""
+    likely = [level.estimated for level in levels if level.estimated is not None]
+    if likely:
+        return _consistent(likely)
     bounds = [level.enclosure for level in levels if level.enclosure is not None]
     potentials = [level.maxwell for level in levels]
     if not bounds:
@@ -30,6 +36,14 @@ def best_value(levels: Sequence[Level]) -> Estimate:
         return _extrapolated_to_zero_width(bounds)
     (only,) = bounds
     return Estimate((only.lower + only.upper) / 2, only.half_width, np.zeros(only.lower.shape, dtype=bool))
+
+
+def _consistent(likely: Sequence[tuple[Array, Array]]) -> Estimate:
+    """The values on the finest mesh, with an error that reaches the intervals which coarser meshes stated."""
+    value, error = likely[-1]
+    for before, stated in likely[:-1]:
+        error = np.maximum(error, np.abs(value - before) - stated)
+    return Estimate(value, error, np.zeros(value.shape, dtype=bool))
 
 
 def _extrapolated_to_zero_width(bounds: Sequence[Enclosure]) -> Estimate:

@@ -1,4 +1,4 @@
-"""Checks of an estimated Maxwell matrix, against entries that are equal by symmetry and against bounds from the coarsest mesh.
+"""Checks of an estimated Maxwell matrix, against entries that are equal by symmetry and against bounds of its meshes.
 
 An answer needs neither check. Both cost little, and both are independent of the differences between levels from which the errors
 are estimated.
@@ -36,9 +36,7 @@ def checked(
     if bounds is not None:
         outside = np.maximum(np.maximum(bounds.lower - value, value - bounds.upper), 0.0)
         if np.any(outside > found.error):
-            contradicted.append(
-                "entries are outside of the bounds of the coarsest mesh by more than their errors"
-            )
+            contradicted.append("entries are outside of the bounds of a mesh by more than their errors")
         error = np.maximum(error, outside)
     words = "; ".join(dict.fromkeys(contradicted)) or None
     return Estimate(value, error, found.extrapolated), words

@@ -42,6 +42,11 @@ class ReadingAnswer:
     change: Quantity
 
     @property
+    def relative_error_of_value(self) -> float:
+        """The error of the value over the value."""
+        return self.value.error / abs(self.value.value) if self.value.value else np.inf
+
+    @property
     def relative_error_of_change(self) -> float:
         """The error of the change over the change; 0 if nothing comes and goes."""
         if self.change.error == 0:

@@ -31,10 +31,18 @@ from fem_reference.solve.level import Bounds, Level, solve_level
 from fem_reference.common.limits import Limits
 from fem_reference.mesh.tagged_mesh import OUTER_RADIUS
 from fem_reference.bodies.conductors import Conductors, Dielectric, conductors
-from fem_reference.mesh.marks import FIRST_ORDER, FRACTION_OF_GOAL, LATER_ORDER, adapted_sizes
-from fem_reference.mesh.size_rules import Sizing, growth_for, sizing_for
+from fem_reference.mesh.marks import (
+    AWAY_ORDER,
+    AWAY_ORDER_OF_ESTIMATES,
+    FIRST_ORDER,
+    FRACTION_OF_GOAL,
+    LATER_ORDER,
+    adapted_sizes,
+)
+from fem_reference.mesh.size_rules import Sizing, sizing_for
 from fem_reference.bodies.symmetry import Plane, exchanges, mirror_planes
 from fem_reference.bodies.wrapping import Geometry, Wrap
+from geometries.common.errors import InputError
 from geometries.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -53,6 +61,8 @@ COARSE_RTOL_IN_GAPS = 5e-3
 """Relative accuracy from which on an enclosure of a scene with narrow gaps starts from sizes twice as large, which halves the unknowns."""
 MOST_GROWTH_OF_CELLS = 8.0
 """Largest growth of the number of cells at which the next mesh is to reach the goal at once."""
+PETSC_OUT_OF_MEMORY = "error code 55"
+"""What PETSc's exceptions say where memory is wanting (PETSC_ERR_MEM)."""
 GROWTH_OF_TIME = 3.2
 """Predicted ratio of the times of successive levels, somewhat above the largest measured in the default study (2.9)."""
 GROWTH_OF_UNKNOWNS = 2.4
@@ -102,6 +112,8 @@ class Reference:
     """What the wraps cost, if there are any; the errors and the interval account for it."""
     readings: tuple[ReadingAnswer, ...] = ()
     """The readings whose conductors all have a row."""
+    only_readings: bool = False
+    """Whether the accuracy is asked of the readings and their changes only, not of every entry of the matrix and of `delta_self`."""
     stopped_by: str | None = None
     """The limit that ended the refinement, if one did."""
     contradicted: str | None = None
@@ -118,11 +130,12 @@ class Reference:
     def reached(self) -> bool:
         """Whether every error is at most `rtol`, rests on enough levels, and is contradicted by no check.
 
-        An enclosure needs no further level for itself, only for delta_self and the changes of readings, if their errors are larger.
+        An enclosure needs no further level for itself, only for delta_self and the changes of readings, if their errors are larger. An
+        estimate by both bounds of one mesh needs no other mesh.
         """
         enclosed = self.enclosure is not None
         proven = enclosed and (self.levels[-1].unknowns >= LARGE or self.worst_of_changes <= self.rtol)
-        enough = proven or len(self.levels) >= LEVELS_BEFORE_CHECK
+        enough = proven or self.levels[-1].estimated is not None or len(self.levels) >= LEVELS_BEFORE_CHECK
         return enough and self.worst <= self.rtol and self.contradicted is None
 
     @property
@@ -131,20 +144,25 @@ class Reference:
 
     @property
     def worst(self) -> float:
-        """The largest relative error: of the entries of the Maxwell matrix and, if errors are estimates, of delta_self and changes.
+        """The largest relative error: of the entries of the Maxwell matrix, or only of the readings, and, if errors are estimates, of
+        delta_self and changes.
 
         The error of an enclosed entry is half the width of its interval. The bounds of a matrix prove little about delta_self and the
         changes of readings, which are differences of two solutions.
         """
-        if self.enclosure is not None:
-            return float(np.max(self.enclosure.half_width / np.abs(self.maxwell.value)))
-        return max(float(np.max(self.maxwell.error / np.abs(self.maxwell.value))), self.worst_of_changes)
+        if self.only_readings:
+            own = max(reading.relative_error_of_value for reading in self.readings)
+        elif self.enclosure is not None:
+            own = float(np.max(self.enclosure.half_width / np.abs(self.maxwell.value)))
+        else:
+            own = float(np.max(self.maxwell.error / np.abs(self.maxwell.value)))
+        return own if self.enclosure is not None else max(own, self.worst_of_changes)
 
     @property
     def worst_of_changes(self) -> float:
         """The largest relative error of delta_self and of the changes of readings; 0 if there are none."""
         errors = [reading.relative_error_of_change for reading in self.readings]
-        if self.has_objects and self.sensors:
+        if self.has_objects and self.sensors and not self.only_readings:
             errors.append(float(np.max(self.delta_self.error / np.abs(self.delta_self.value))))
         return float(max(errors, default=0.0))
 
@@ -189,6 +207,7 @@ def maxwell(
     columns: Sequence[str] = (),
     symmetry: bool = True,
     geometry: Geometry = Geometry(),
+    only_readings: bool = False,
 ) -> Reference:
     """Solve the scene on finer and finer meshes until every entry's relative error is at most `rtol`.
 
@@ -197,11 +216,15 @@ def maxwell(
     reached) when the next level would end after `max_seconds`, have more than `max_unknowns` or take more than `max_memory` bytes.
     `progress` is called after each level with the answer so far; `source` names the scene in error messages. With `columns`, names of conductors, only their rows and columns are solved and returned, and the other conductors are
     grounded. Without `symmetry` the whole of space is meshed even if the scene is its own mirror image. `geometry` says which bodies
-    are wrapped, and how closely. Raises InputError for scenes that cannot be solved, RuntimeError when the mesher or the solver fails.
+    are wrapped, and how closely. With `only_readings` the accuracy is asked of the readings and their changes, and not of every entry. Raises InputError for scenes that cannot be solved, RuntimeError when the mesher or the solver fails.
     """
     limits = Limits(max_seconds, max_unknowns, max_memory)
     geometry = replace(geometry, rtol=rtol)
     problem = conductors(scene, source, columns, geometry)
+    if only_readings and not problem.readings:
+        raise InputError(
+            source, "--only-readings", "the scene has no readings of conductors that are solved for"
+        )
     coarser = None
     if problem.wraps:
         coarser = conductors(scene, source, columns, replace(geometry, coarseness=2 * geometry.coarseness))
@@ -214,6 +237,7 @@ def maxwell(
         error,
         symmetry,
         coarser,
+        only_readings,
     )
 
 
@@ -226,6 +250,7 @@ def solve_conductors(
     error: ErrorKind = "enclosure",
     symmetry: bool = True,
     coarser: Conductors | None = None,
+    only_readings: bool = False,
 ) -> Reference:
     """Solve as `maxwell` does, for conductors given as bodies; `coarser` are the same, with wraps of twice the offset."""
     start = time.monotonic()
@@ -233,14 +258,19 @@ def solve_conductors(
     problem, left_out = without_distant(whole, epsilon_0 * relative_permittivity, rtol)
     planes = _planes(problem, symmetry)
     levels: list[Level] = []
+    answer: Reference
     shape: GeometryError | None = None
-    sizing = sizing_for(rtol, first_refinement(problem, rtol, error), error == "enclosure")
+    # Fluxes are solved by a single process. Several ones estimate errors from meshes of halved sizes.
+    bounds: Bounds = error if MPI.COMM_WORLD.size == 1 else "none"
+    bounded = bounds != "none"
+    sizing = sizing_for(rtol, first_refinement(problem, rtol) if bounded else 1.0, bounded)
     while True:
-        number = len(levels)
-        # Bounds on the first mesh reveal what differences between meshes cannot: a mistake that all meshes share.
-        checks = number == 0 and MPI.COMM_WORLD.size == 1
-        bounds: Bounds = "enclosure" if error == "enclosure" else "check" if checks else "none"
-        level = solve_level(problem, relative_permittivity, sizing, bounds, planes)
+        try:
+            level = solve_level(problem, relative_permittivity, sizing, bounds, planes, only_readings)
+        except (MemoryError, RuntimeError) as failure:
+            if not levels or not _is_want_of_memory(failure):
+                raise
+            return replace(answer, stopped_by="the next level took more memory than there is")
         bound = sum((body.bound for body in left_out), np.zeros(len(problem.names)))
         changes, of_changes = level.delta_self, bound[: problem.sensors]
         if level.readings is not None:
@@ -259,22 +289,36 @@ def solve_conductors(
             relative_permittivity,
             levels,
             rtol,
-            0.0 if error == "enclosure" else shared_error(sizing.growth),
+            0.0 if bounded else shared_error(sizing.growth),
             time.monotonic() - start,
             planes,
             bound,
             shape,
         )
-        answer = replace(answer, left_out=left_out)
+        answer = replace(answer, left_out=left_out, only_readings=only_readings)
         if progress is not None:
             progress(answer)
         following = _next_sizing(sizing, level, answer, rtol)
         # Clocks differ between processes, so that all of them follow the decision of the first.
         stopped_by = MPI.COMM_WORLD.bcast(_stopped_by(level, following, limits, answer.seconds))
+        if shape is not None and stopped_by is None:
+            changes = np.array([reading.change.value for reading in answer.readings])
+            least = shape.least_error(
+                answer.maxwell.value, answer.delta_self.value, problem.readings, changes, only_readings
+            )
+            if least > rtol:
+                stopped_by = (
+                    f"the wraps alone cost {least:.2g}, on any mesh; a smaller --wrap-offset costs less"
+                )
         if answer.reached or len(levels) == MOST_LEVELS or stopped_by is not None:
             most = f"the refinement ends after {MOST_LEVELS} levels"
             return answer if answer.reached else replace(answer, stopped_by=stopped_by or most)
         sizing = following
+
+
+def _is_want_of_memory(failure: BaseException) -> bool:
+    """Whether an exception is a MemoryError, or PETSc's of its kind, perhaps inside of the message of a stage."""
+    return isinstance(failure, MemoryError) or PETSC_OUT_OF_MEMORY in str(failure)
 
 
 def _planes(problem: Conductors, symmetry: bool) -> tuple[Plane, ...]:
@@ -282,9 +326,9 @@ def _planes(problem: Conductors, symmetry: bool) -> tuple[Plane, ...]:
     return mirror_planes(problem.bodies, problem.owner, problem.room) if symmetry else ()
 
 
-def first_refinement(problem: Conductors, rtol: float, error: ErrorKind) -> float:
-    """The divisor of the sizes at edges on the first mesh."""
-    if error == "estimate" or rtol < COARSE_RTOL_IN_GAPS:
+def first_refinement(problem: Conductors, rtol: float) -> float:
+    """The divisor of the sizes at edges on the first mesh, if the next ones are adapted."""
+    if rtol < COARSE_RTOL_IN_GAPS:
         return 1.0
     bodies, owner = problem.bodies, problem.owner
     return (
@@ -310,8 +354,11 @@ def _next_sizing(sizing: Sizing, level: Level, answer: Reference, rtol: float) -
         return replace(sizing, refinement=2 * sizing.refinement)
     present = max(answer.worst, answer.worst_of_changes) / rtol
     order = FIRST_ORDER if sizing.adapted is None else LATER_ORDER
+    away_order = AWAY_ORDER if level.estimated is None else AWAY_ORDER_OF_ESTIMATES
     for ratio in (1.0, np.sqrt(max(present, 1.0))):
-        adapted = adapted_sizes(level.marks, FRACTION_OF_GOAL * rtol * ratio, order)
+        # Errors that a check contradicts are smaller than the true ones.
+        goal = FRACTION_OF_GOAL * rtol * ratio * min(present, 1.0)
+        adapted = adapted_sizes(level.marks, goal, order, away_order)
         if adapted.growth_of_cells <= MOST_GROWTH_OF_CELLS:
             break
     return replace(sizing, refinement=sizing.refinement * max(present / ratio, 1.0), adapted=adapted)
@@ -377,7 +424,8 @@ def _combined(
         matrix_error = np.minimum(matrix_error, np.maximum(value - interval.lower, interval.upper - value))
         answer = Estimate(value, matrix_error, matrix.extrapolated)
     else:
-        check = None if levels[0].check is None else with_left_out(levels[0].check, left_out)
+        checks = [level.check for level in levels if level.check is not None]
+        check = with_left_out(intersection(checks), left_out) if checks else None
         check = check if check is None or shape is None else shape.widened(check)
         estimated = Estimate(value, matrix_error, matrix.extrapolated)
         answer, contradicted = checked(estimated, _exchanges(problem), check)

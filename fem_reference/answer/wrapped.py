@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_reference.answer.convergence import Estimate
-from fem_reference.bodies.conductors import Conductors
+from fem_reference.bodies.conductors import Conductors, Measured
 from fem_reference.bodies.wrapping import Wrap
 from fem_reference.solve.enclosure import Enclosure
 from fem_reference.solve.level import Level
@@ -57,6 +58,28 @@ class GeometryError:
         upper = interval.upper + np.where(self.upper_proven, 0.0, np.maximum(-twice, self.error))
         off_diagonal = ~np.eye(len(upper), dtype=bool)
         return Enclosure(lower, np.where(off_diagonal, np.minimum(upper, 0.0), upper))
+
+    def least_error(
+        self,
+        maxwell: Array,
+        delta_self: Array,
+        readings: Sequence[Measured],
+        changes: Array,
+        only_readings: bool,
+    ) -> float:
+        """The largest relative error that the wraps leave on any mesh: in the entries (n, n) and `delta_self` (m,), unless only readings are
+        asked for, and in the `changes` (k,) of readings."""
+        sums = [
+            (form[reading.sense, list(reading.drive)].sum() for form in (self.growth, maxwell))
+            for reading in readings
+        ]
+        parts = [abs(float(growth / value)) for growth, value in sums if value]
+        if self.growth_of_readings is not None:
+            parts += [abs(float(g / v)) for g, v in zip(self.growth_of_readings, changes) if v]
+        if not only_readings:
+            parts += list(np.abs(self.growth / maxwell).ravel())
+            parts += [abs(float(g / v)) for g, v in zip(self.growth_of_change, delta_self) if v]
+        return max(parts, default=0.0)
 
 
 def _corrected(found: Estimate, growth: Array) -> Estimate:

@@ -40,8 +40,8 @@ Report = Callable[[AnswerSoFar], None]
 def supervised(command: Callable[[Report], int], unreached: int) -> int:
     """Runs `command` in a child process, in which it returns its exit status; returns that of this process.
 
-    The command reports answers so far. After the time that the last one leaves, this process prints it and returns `unreached`; after
-    Ctrl-C it prints it and returns INTERRUPTED. Under mpirun, which ends its processes itself, the command runs in this process.
+    The command reports answers so far. After the time that the last one leaves, or if the system ends the command, this process prints it
+    and returns `unreached`; after Ctrl-C it prints it and returns INTERRUPTED. Under mpirun, which ends its processes itself, the command runs in this process.
     """
     if int(os.environ.get("OMPI_COMM_WORLD_SIZE", "1")) > 1:
         return command(lambda _: None)
@@ -82,17 +82,29 @@ def _watched(child: int, reports: Connection, wakes: int, unreached: int) -> int
     elif status >= 0:
         return status
     out_of_time = not interrupted and status == -signal.SIGKILL and time.monotonic() >= ends
-    if latest is not None and (out_of_time or interrupted and latest.is_answer):
+    if latest is not None and (out_of_time or latest.is_answer):
         if latest.text:
             print(latest.text, flush=True)
         print(latest.message, file=sys.stderr)
+        if not (out_of_time or interrupted):
+            print(f"fem_reference: {_ended_by(status)}", file=sys.stderr)
         return INTERRUPTED if interrupted else unreached
     if interrupted:
         print("fem_reference: interrupted before the first answer", file=sys.stderr)
         return INTERRUPTED
-    # Ended from outside, by the system for want of memory for instance: as a shell reports it.
-    print(f"fem_reference: ended by {signal.Signals(-status).name}", file=sys.stderr)
+    print(f"fem_reference: {_ended_by(status)}", file=sys.stderr)
+    # As a shell reports it.
     return 128 - status
+
+
+def _ended_by(status: int) -> str:
+    """Says what ended the command from outside; the system does for want of memory."""
+    name = signal.Signals(-status).name
+    return (
+        f"ended by {name}, as the system does for want of memory"
+        if status == -signal.SIGKILL
+        else f"ended by {name}"
+    )
 
 
 def _wakes_on_interrupt() -> int:

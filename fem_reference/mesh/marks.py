@@ -2,8 +2,8 @@
 
 The error of a capacitance is a sum over cells (`solve.cell_gaps`). Next to an edge with cells of size h it is κ·h^p per length of the edge, with a κ
 that depends on how strong the singularity is there, and takes a number of cells in proportion to 1/h. For a given sum of the errors
-the number of cells is least where κ·h^(p+1) is the same along all edges. Away from edges the error of a volume falls with the sixth power of the
-size of its cells. What the sum must be, and hence κ·h^(p+1), follows from the accuracy asked for: NUMERICS.md section 5.
+the number of cells is least where κ·h^(p+1) is the same along all edges. Away from edges the error of a volume falls with a higher power of the size
+of its cells. What the sum must be, and hence κ·h^(p+1), follows from the accuracy asked for: NUMERICS.md section 5.
 """
 
 from __future__ import annotations
@@ -15,21 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.shapes import Body
-from fem_reference.mesh.body_distances import edge_distance
-from fem_reference.mesh.size_function import SizeFunction
+from fem_reference.mesh.edges import ON_EDGE, sides_along_edges
 from fem_reference.mesh.size_rules import AdaptedSizes
-from fem_reference.mesh.tape import Tape
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-ON_EDGE = 1e-7
-"""Largest distance of a vertex on an edge, over the size of the body."""
-ALONG_EDGE = 0.15
-"""Largest distance of the middle of a tetrahedron's side from an edge, over the length of the side, if it lies along this edge: a
-side along a circular edge is a chord, and one across a right-angled corner is 0.35 of its length away."""
 REACH = 3.0
 """Distance from an edge, over the size of the cells there, up to which cells count as next to it: their sizes grow from that at the edge."""
 REACH_OF_GROWTH = 12.0
@@ -42,6 +34,8 @@ LEAST_DIVISION = 1.15
 """Ratio of successive sizes away from edges, from which on cells there are made smaller."""
 FIRST_ORDER, LATER_ORDER = 1.2, 1.1
 """Orders of the errors at edges in the size there: 1 in theory, but 1.3 to 3 between the first two meshes."""
+AWAY_ORDER, AWAY_ORDER_OF_ESTIMATES = 6.0, 4.0
+"""Orders of the errors away from edges in the size of the cells: between bounds by fluxes of degree 3, and of degree 2."""
 LOGARITHMS, BISECTIONS = (-40.0, 10.0), 60
 """Interval of the logarithm of the error of one side along an edge, over the goal, and the number of times that it is halved."""
 FRACTION_OF_GOAL = 0.75
@@ -81,7 +75,7 @@ def marks(
 ) -> Marks:
     """Collect the errors (cells, q) of the cells (n, 4) of a mesh, whose sums are at most the `totals` (q,)."""
     corners = nodes[cells]
-    sides = _sides_along_edges(bodies, nodes, cells)
+    sides = sides_along_edges(bodies, nodes, cells)
     vertices, ends = np.unique(sides, return_inverse=True)
     ends = ends.reshape(-1, 2)
     lengths = np.linalg.norm(nodes[sides[:, 0]] - nodes[sides[:, 1]], axis=1)
@@ -124,41 +118,10 @@ def marks(
     )
 
 
-def _sides_along_edges(bodies: Sequence[Body], nodes: Array, cells: NDArray[np.int32]) -> Integers:
-    """The sides (n, 2) of tetrahedra that lie along the edges of bodies, by the numbers of their vertices."""
-    used = np.unique(cells)
-    found = [np.zeros((0, 2), dtype=np.int64)]
-    for body in bodies:
-        away = _distance_from_edges(body, nodes[used])
-        if away is None:
-            continue
-        on_edge = np.zeros(len(nodes), dtype=bool)
-        on_edge[used] = away < ON_EDGE * body.size
-        pairs = [cells[:, pair] for pair in ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))]
-        sides = np.unique(np.sort(np.concatenate([p[on_edge[p].all(axis=1)] for p in pairs]), axis=1), axis=0)
-        ends = nodes[sides]
-        length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-        middle = _distance_from_edges(body, ends.mean(axis=1)) if len(sides) else None
-        if middle is not None:
-            found.append(sides[middle < ALONG_EDGE * length])
-    return np.asarray(np.unique(np.concatenate(found), axis=0), dtype=np.int64)
-
-
-def _distance_from_edges(body: Body, points: Array) -> Array | None:
-    """The distances (n,) of points from the nearest edge of a body; None if it has none."""
-    if isinstance(body, Polyhedron):
-        edges = body.vertices[body.edges]
-        if not len(edges):
-            return None
-        return SizeFunction(Tape().distance(edges[:, [0, 1, 1]]))(points)
-    found = edge_distance(body, points.T)
-    return None if found is None else np.asarray(found)
-
-
-def adapted_sizes(found: Marks, goal: float, order: float) -> AdaptedSizes:
+def adapted_sizes(found: Marks, goal: float, order: float, away_order: float = AWAY_ORDER) -> AdaptedSizes:
     """Choose the sizes with the fewest cells that leave at most `goal` of each error, as far as the marks show.
 
-    `order` is that of the errors at edges in the size there. Errors outside of the mesh and those of curved surfaces fall in other
+    `order` is that of the errors at edges in the size there, `away_order` that of the errors elsewhere. Errors outside of the mesh and those of curved surfaces fall in other
     ways; at least half of the goal is for the cells.
     """
     goals = np.maximum(goal - found.rest, goal / 2)
@@ -169,7 +132,7 @@ def adapted_sizes(found: Marks, goal: float, order: float) -> AdaptedSizes:
         """The ratios of sizes at edges, and the divisors of sizes away from them, if a side along an edge is to leave this error."""
         of_side = np.exp(logarithm)
         ratio = (of_side / np.maximum(at_edges, 1e-300)) ** (1 / (order + 1))
-        division = (2 * CELLS_PER_SIDE * away / of_side) ** (1 / 9)
+        division = (away_order / 3 * CELLS_PER_SIDE * away / of_side) ** (1 / (away_order + 3))
         return np.clip(ratio, LEAST_RATIO, MOST_RATIO), np.where(division > LEAST_DIVISION, division, 1.0)
 
     low, high = LOGARITHMS
@@ -177,7 +140,7 @@ def adapted_sizes(found: Marks, goal: float, order: float) -> AdaptedSizes:
         middle = (low + high) / 2
         ratio, division = ratios(middle)
         left = (found.at_edges * ratio[:, None] ** order).sum(axis=0)
-        left += (found.away / division[:, None] ** 6).sum(axis=0)
+        left += (found.away / division[:, None] ** away_order).sum(axis=0)
         low, high = (middle, high) if np.all(left <= goals) else (low, middle)
     ratio, division = ratios(low)
     finer = division > 1

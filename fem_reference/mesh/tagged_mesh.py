@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.shapes import Body, Cuboid, bounding_sphere
-from fem_reference.mesh.curved_cells import curved_cells, shape_error, straighten_inverted
+from fem_reference.mesh.curved_cells import areas, curved_cells, shape_errors, straighten_inverted
 from fem_reference.mesh.occ_shapes import add_ball, add_body, cut_to, united
 from fem_reference.mesh.quarter_points import is_pulled, pull, straighten, vertices_on_edges
 from fem_reference.mesh.sizing import Sizing, size_function
@@ -79,7 +79,10 @@ class TaggedMesh:
     curved: NDArray[np.bool_]
     """(cells,): which cells follow a curved surface. The other cells have straight sides; some of them are quarter-point elements."""
     shape_error: float
-    """Relative error of capacitances due to the difference between the cells' curved surfaces and the bodies' (`curved_cells`)."""
+    """Relative error of capacitances due to the difference between the cells' curved surfaces and the bodies' (`curved_cells`): as if it
+    were everywhere that of the worst cell."""
+    mean_shape_error: float
+    """The same for the mean over the cells' areas, for errors that are estimates."""
     centre: NDArray[np.float64]
     """Centre of the outer sphere."""
     radius: float
@@ -164,12 +167,15 @@ def tagged_mesh(
     node_numbers = mesh.geometry.dofmap.array.reshape(local_count(mesh, 3), -1)
     on_edge = np.zeros((len(node_numbers), 4), dtype=bool)
     curved = np.zeros(len(node_numbers), dtype=bool)
-    error = 0.0
+    error, mean = 0.0, 0.0
     if not straight:
         curved = curved_cells(nodes, node_numbers, centre, radius if room is None else np.inf)
         straighten_inverted(nodes, node_numbers[curved])
         straighten(nodes, node_numbers[~curved])
-        error = comm.allreduce(shape_error(nodes, node_numbers[curved]), op=MPI.MAX)
+        own, weights = shape_errors(nodes, node_numbers[curved]), areas(nodes, node_numbers[curved])
+        error = comm.allreduce(float(own.max(initial=0.0)), op=MPI.MAX)
+        whole = comm.allreduce(float(weights.sum()))
+        mean = comm.allreduce(float(own @ weights)) / whole if whole else 0.0
         on_edge = vertices_on_edges(nodes, node_numbers, bodies)
         pull(nodes, node_numbers, on_edge)
     _refuse_flat_cells(nodes[node_numbers[:, :4]])
@@ -183,6 +189,7 @@ def tagged_mesh(
         on_edge,
         curved,
         error,
+        mean,
         centre,
         radius,
         2 ** len(planes),
@@ -302,8 +309,8 @@ def _build_geometry(
     conducting = [k for k in range(len(bodies)) if k not in dielectrics]
     for k in (*conducting, *sorted(dielectrics, reverse=True)):
         part = parts[1 + k]
-        # Plates of one conductor may overlap: each piece belongs to the first plate that it is a part of.
-        own = [entity for entity in part if entity not in tagged]
+        # Plates of one conductor may overlap, and so may parts of a wrap: each piece belongs to the first one that it is a part of.
+        own = [entity for entity in dict.fromkeys(part) if entity not in tagged]
         tagged.update(own)
         if own:
             gmsh.model.addPhysicalGroup(own[0][0], [tag for _, tag in own], FIRST_BODY + k)

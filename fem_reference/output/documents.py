@@ -38,10 +38,13 @@ ANSWERED, NOT_REACHED = 0, 3
 # Seconds after the limit of time in which the solver may end by itself, as it does between two levels.
 _GRACE = 2.0
 
-METHOD = (
-    "Richardson extrapolation over meshes of edge size h, h/2, h/4 … where the ratio of their differences is that of the "
-    "theory; the error is an estimate from those differences, plus a bound on the open boundary and what all meshes share"
-)
+METHOD: dict[bool, str] = {
+    True: "the value lies between an upper and a lower bound of the energies on one mesh, by shares of their distance that were measured for "
+    "each kind of edge; the next mesh is refined where the error arises",
+    False: "Richardson extrapolation over meshes of edge size h, h/2, h/4 … where the ratio of their differences is that of the "
+    "theory; the error is an estimate from those differences, plus a bound on the open boundary and what all meshes share",
+}
+"""How values and errors are found: between bounds on each mesh, or by several processes."""
 INTERVAL: dict[ErrorKind, str] = {
     "estimate": "lower and upper are the value less and plus its estimated error",
     "enclosure": "lower and upper enclose the true value: energies of a continuous potential and of a divergence-free flux, "
@@ -62,6 +65,7 @@ def answer(
     symmetry: bool = True,
     geometry: Geometry = Geometry(),
     report: Report = lambda _: None,
+    only_readings: bool = False,
 ) -> int:
     """Solve a scene file and print the answer; returns the exit status. `report` gets the answer so far after every level."""
     scene = load(path)
@@ -94,6 +98,7 @@ def answer(
         columns=columns,
         symmetry=symmetry,
         geometry=geometry,
+        only_readings=only_readings,
     )
     status = ANSWERED if reference.reached else NOT_REACHED
     if not is_first:
@@ -186,7 +191,7 @@ def document(reference: Reference, found: Sequence[str] = ()) -> dict[str, Any]:
         "symmetry_planes": [
             {"normal": plane.normal.tolist(), "offset": plane.offset} for plane in reference.planes
         ],
-        "method": METHOD,
+        "method": METHOD[finest.marks is not None],
         "levels": [_level_document(level) for level in reference.levels],
         "unknowns": finest.unknowns,
         "memory_per_unknown": finest.memory / finest.unknowns,

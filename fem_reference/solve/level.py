@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -23,22 +23,23 @@ from fem_reference.mesh.sizing import Sizing
 from fem_reference.solve.field_problem import Charges, FieldProblem, charges, release_unused
 from fem_reference.common.stages import stage
 from fem_reference.bodies.symmetry import Plane
-from fem_reference.solve.parts_of_errors import parts_of_errors
-from fem_reference.solve.readings import LevelReadings, level_readings
+from fem_reference.solve.parts_of_errors import parts_of_errors, parts_of_estimates
+from fem_reference.solve.readings import LevelReadings, level_readings, quantities
+from fem_reference.solve.shares import estimated, shares_by_kind
 from fem_reference.solve.two_sided import TwoSided, two_sided
 
 Array = NDArray[np.float64]
 
-Bounds = Literal["none", "check", "enclosure"]
-"""Which bounds to compute on a level: none, wide ones that only check its values, or narrow ones that are part of the answer."""
+Bounds = Literal["none", "estimate", "enclosure"]
+"""Which bounds to compute on a level: none, wide ones in which the values are estimated, or narrow ones that are part of the answer."""
 
 FLUX_DEGREE = 3
 """Degree of the Raviart–Thomas fluxes. Degree 3 matches the cubic potentials: on the square plate the lower bound is then about as
 far from the true value as the upper one, at four times the time of the potentials. Degree 2 is three to four times farther off at a
 third of the time; degree 4 takes three times as long for two thirds of the distance."""
-CHECK_DEGREE = 2
-"""Degree of the fluxes that only check a level: the bounds are some 0.5 to 1 % wide on the coarsest level, and take a tenth of the
-time of an answer of three levels. With degree 1 no flux is left in quarter-point cells."""
+ESTIMATE_DEGREE = 2
+"""Degree of the fluxes by which a level is estimated: the bounds are some 0.5 to 2 % wide on the coarsest level, and take half of the
+time of the potentials. With degree 1 no flux is left in quarter-point cells."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,8 @@ class Level:
     """Proven bounds of the Maxwell matrix, when asked for."""
     check: Enclosure | None = None
     """Wider proven bounds, by fluxes of lower degree, against which an estimated answer is checked."""
+    estimated: tuple[Array, Array] | None = None
+    """The Maxwell matrix between these bounds, and its estimated error."""
     body_charges: tuple[Array, ...] = ()
     """For each conductor with a row the charges (members, n) on its bodies; empty if each conductor is one body."""
     readings: LevelReadings | None = None
@@ -76,8 +79,9 @@ def solve_level(
     sizing: Sizing,
     bounds: Bounds,
     planes: Sequence[Plane] = (),
+    only_readings: bool = False,
 ) -> Level:
-    """Mesh and solve once, on one side of the planes of symmetry.
+    """Mesh and solve once, on one side of the planes of symmetry. With `only_readings` the marks are those of readings and their changes.
 
     Raises RuntimeError when the mesher or the solver fails, or when bounds are asked for and contradict each other.
     """
@@ -94,8 +98,8 @@ def solve_level(
         ],
     )
     farads = epsilon_0 * relative_permittivity * problem.unit * mesh.copies
-    found, on_bodies, done, interval, readings, from_bounds, marked = _charges_and_bounds(
-        problem, mesh, farads, bounds, planes
+    found, on_bodies, done, interval, readings, from_bounds, marked, matrix = _charges_and_bounds(
+        problem, mesh, farads, bounds, planes, only_readings
     )
     release_unused(mesh.mesh.comm)
     smallest = min(body.size for body in problem.bodies)
@@ -114,7 +118,8 @@ def solve_level(
         peak_memory(),
         end - done,
         interval if bounds == "enclosure" else None,
-        interval if bounds == "check" else None,
+        interval if bounds == "estimate" else None,
+        None if matrix is None else (farads * matrix[0], farads * matrix[1]),
         tuple(farads * own for own in on_bodies),
         None if readings is None else readings.scaled(farads),
         None if from_bounds is None else from_bounds.scaled(farads),
@@ -123,7 +128,12 @@ def solve_level(
 
 
 def _charges_and_bounds(
-    problem: Conductors, mesh: TaggedMesh, farads: float, bounds: Bounds, planes: Sequence[Plane]
+    problem: Conductors,
+    mesh: TaggedMesh,
+    farads: float,
+    bounds: Bounds,
+    planes: Sequence[Plane],
+    only_readings: bool,
 ) -> tuple[
     Charges,
     tuple[Array, ...],
@@ -132,10 +142,12 @@ def _charges_and_bounds(
     LevelReadings | None,
     TwoSided | None,
     Marks | None,
+    tuple[Array, Array] | None,
 ]:
     """Solve for the charges and, if asked for, their bounds, and for the readings.
 
-    Also returns the charges on bodies, the time when all charges were known, `delta_self` from the bounds (ε = 1), and the cells' marks.
+    Also returns the charges on bodies, the time when all charges were known, `delta_self` from the bounds (ε = 1), the cells' marks, and the
+    estimated matrix with its error (ε = 1).
 
     The matrices are local to this function, so that `release_unused` can free them afterwards.
     """
@@ -146,24 +158,39 @@ def _charges_and_bounds(
     on_bodies = body_charges(problem, system, found.potentials, planes)
     done = time.monotonic()
     if bounds == "none":
-        return found, on_bodies, done, None, level_readings(problem, system, found), None, None
+        return found, on_bodies, done, None, level_readings(problem, system, found), None, None, None
     with stage("bounding the energies"):
-        cells = CondensedCells(mesh, CHECK_DEGREE if bounds == "check" else FLUX_DEGREE)
+        cells = CondensedCells(mesh, ESTIMATE_DEGREE if bounds == "estimate" else FLUX_DEGREE)
         matrix = _bounded(problem, system, found.potentials, cells)
         interval = widened(enclosure(farads * matrix.lower, farads * matrix.upper), mesh.shape_error)
-        if bounds == "check":
-            return found, on_bodies, done, interval, level_readings(problem, system, found), None, None
+        shares = shares_by_kind(mesh, problem.bodies) if bounds == "estimate" else None
+        shape_error = mesh.shape_error if shares is None else mesh.mean_shape_error
         alone = _bounded_alone(problem, system, found.potentials_alone, cells)
-        readings = level_readings(problem, system, found, cells, matrix, alone)
+        readings = level_readings(problem, system, found, cells, matrix, alone, shares)
         from_bounds = None
         if alone is not None:
-            own, sensors = matrix.of(range(problem.sensors)), np.eye(problem.sensors)
-            from_bounds = two_sided(sensors, sensors, own, alone, 1.0, mesh.shape_error)
-        changes = [from_bounds, None if readings is None else readings.change_from_bounds]
-        parts = parts_of_errors(matrix, mesh.shape_error, [each for each in changes if each is not None])
+            of_sensors, sensors = matrix.of(range(problem.sensors)), np.eye(problem.sensors)
+            from_bounds = two_sided(sensors, sensors, of_sensors, alone, 1.0, shape_error, shares)
+        changes = [
+            None if only_readings else from_bounds,
+            None if readings is None else readings.change_from_bounds,
+        ]
+        asked = quantities(problem.readings, len(problem.names), only_readings)
+        known = [each for each in changes if each is not None]
+        between = None
+        if shares is None:
+            parts = parts_of_errors(matrix, asked, shape_error, known)
+        else:
+            likely = estimated(matrix, shares)
+            parts = parts_of_estimates(likely, asked, shape_error, known)
+            own = np.diag(likely.value)
+            between = likely.value, likely.error + shape_error * np.sqrt(np.outer(own, own))
+            readings = (
+                None if readings is None else replace(readings, value_bounds=None, background_bounds=None)
+            )
         corners = mesh.mesh.geometry.dofmap.array.reshape(mesh.local_cells, -1)[:, :4]
         marked = marks(problem.bodies, mesh.mesh.geometry.x, corners, parts.of_cells, parts.whole)
-    return found, on_bodies, done, interval, readings, from_bounds, marked
+    return found, on_bodies, done, interval, readings, from_bounds, marked, between
 
 
 def _bounded(

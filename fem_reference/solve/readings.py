@@ -15,6 +15,8 @@ from fem_reference.bodies.conductors import Conductors, Measured
 from fem_reference.solve.cell_gaps import BoundedMatrix, bounded_matrix
 from fem_reference.solve.field_problem import Charges, FieldProblem, without_floating
 from fem_reference.solve.flux import CondensedCells
+from fem_reference.solve.parts_of_errors import Quantities, entries
+from fem_reference.solve.shares import Shares
 from fem_reference.solve.two_sided import TwoSided, two_sided, unit_voltages
 
 Array = NDArray[np.float64]
@@ -94,17 +96,20 @@ def level_readings(
     cells: CondensedCells | None = None,
     matrix: BoundedMatrix | None = None,
     alone: BoundedMatrix | None = None,
+    shares: Shares | None = None,
 ) -> LevelReadings | None:
     """The readings on one mesh (ε = 1); None if there are none.
 
     `matrix` bounds the Maxwell matrix, by fluxes in `cells`, and `alone` that of the sensors alone. The background is bounded too if
-    that matrix is the background's, or if the problem says so.
+    that matrix is the background's, or if the problem says so. `shares` tell where in the cells' gaps the true values lie, by default in
+    the middle.
     """
     readings = problem.readings
     if not readings:
         return None
     value = _values(readings, found.maxwell)
-    shape_error = system.tagged.shape_error
+    tagged = system.tagged
+    shape_error = tagged.shape_error if shares is None else tagged.mean_shape_error
     bounds = None if matrix is None else reading_bounds(readings, matrix.lower, matrix.upper, shape_error)
     if not any(problem.is_target):
         return LevelReadings(value, value, bounds, bounds)
@@ -115,7 +120,7 @@ def level_readings(
         around = None
         if problem.bounded_readings:
             around = reading_bounds(readings, alone.lower, alone.upper, shape_error)
-        change = _change_from_bounds(readings, matrix, readings, alone, shape_error)
+        change = _change_from_bounds(readings, matrix, readings, alone, shape_error, shares)
         return LevelReadings(value, background_value, bounds, around, change)
     without = background(problem, system)
     measured = [_renumbered(reading, without.rows) for reading in readings]
@@ -124,7 +129,7 @@ def level_readings(
         return LevelReadings(value, background_value, bounds)
     of_background = _bounded_background(problem, without, cells)
     around = reading_bounds(measured, of_background.lower, of_background.upper, shape_error)
-    change = _change_from_bounds(readings, matrix, measured, of_background, shape_error)
+    change = _change_from_bounds(readings, matrix, measured, of_background, shape_error, shares)
     return LevelReadings(value, background_value, bounds, around, change)
 
 
@@ -144,6 +149,7 @@ def _change_from_bounds(
     measured: Sequence[Measured],
     around: BoundedMatrix,
     shape_error: float,
+    shares: Shares | None,
 ) -> TwoSided:
     """The changes of readings from the bounds with the targets and from those without, in which the readings are `measured`."""
     rows = sorted({k for reading in readings for k in (reading.sense, *reading.drive)})
@@ -152,7 +158,17 @@ def _change_from_bounds(
     sensed = unit_voltages(len(rows), [[reading.sense] for reading in chosen])
     driven = unit_voltages(len(rows), [reading.drive for reading in chosen])
     signs = np.array([float(reading.sign) for reading in readings])
-    return two_sided(sensed, driven, matrix.of(rows), around.of(rows_around), signs, shape_error)
+    return two_sided(sensed, driven, matrix.of(rows), around.of(rows_around), signs, shape_error, shares)
+
+
+def quantities(readings: Sequence[Measured], count: int, only_readings: bool) -> Quantities:
+    """The quantities of a matrix of `count` conductors whose errors count: all entries, or only the readings."""
+    if not only_readings:
+        return entries(count)
+    return Quantities(
+        unit_voltages(count, [[reading.sense] for reading in readings]),
+        unit_voltages(count, [reading.drive for reading in readings]),
+    )
 
 
 def _is_sensors_alone(problem: Conductors) -> bool:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_reference.solve.cell_gaps import BoundedMatrix
+from fem_reference.solve.shares import Shares, equal_shares
 
 Array = NDArray[np.float64]
 FRACTION_OF_DISTANCE = 0.33
@@ -43,18 +44,22 @@ def two_sided(
     absent: BoundedMatrix,
     signs: Array | float,
     shape_error: float,
+    shares: Shares | None = None,
 ) -> TwoSided:
     """The differences of aᵀMb in a scene and in that without some bodies, for pairs of voltages a, b, the rows of two arrays (k, n).
 
     Both scenes are bounded on one mesh. `signs` (k,) multiply the differences; `shape_error` is the relative effect of curved surfaces on
-    energies.
+    energies. `shares` tell where in the cells' gaps the true values lie; without them, in the middle.
     """
     low, high = present.lower - absent.lower, present.upper - absent.upper
-    value = signs * (_products(sensed, low, driven) + _products(sensed, high, driven)) / 2
     gaps = present.gaps - absent.gaps
-    of_cells = FRACTION_OF_DISTANCE * _sizes(sensed, gaps, driven)
-    outside = FRACTION_OF_DISTANCE * _sizes(sensed, high - low - gaps.sum(axis=0), driven)
-    return TwoSided(value, of_cells.sum(axis=0) + outside + shape_error * np.abs(value), of_cells)
+    known = shares or equal_shares(len(gaps), 0.5, FRACTION_OF_DISTANCE)
+    outside = high - low - gaps.sum(axis=0)
+    too_high = np.tensordot(known.of_upper[:-1], gaps, axes=1) + known.of_upper[-1] * outside
+    value = signs * _products(sensed, high - too_high, driven)
+    of_cells = known.error[:-1, None] * _sizes(sensed, gaps, driven)
+    error = of_cells.sum(axis=0) + known.error[-1] * _sizes(sensed, outside, driven)
+    return TwoSided(value, error + shape_error * np.abs(value), of_cells)
 
 
 def _products(left: Array, forms: Array, right: Array) -> Array:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+
+import numpy as np
 
 from geometries.common.errors import InputError
 from geometries.common.tables import Table, parse, read_text
 from geometries.scene import reader
 from geometries.scene.joints import PRISMATIC, Joint, resolved
-from geometries.scene.poses import Pose
+from geometries.scene.poses import Pose, QuaternionRotation, quaternion
 from geometries.scene.scene import Scene
 
 
@@ -58,6 +61,36 @@ def loads(text: str, scene: Scene, source: str = "motion") -> tuple[Frame, ...]:
 def at_rest(scene: Scene) -> Frame:
     """Returns the frame with the poses of the scene's file."""
     return Frame("as in the scene", {link.name: link.pose for link in scene.links})
+
+
+def with_frames_between(frames: Sequence[Frame], count: int) -> tuple[Frame, ...]:
+    """Returns the frames of a motion with `count` more between every two of them, in which links move evenly along straight lines and
+    turn evenly by the shorter way."""
+    filled: list[Frame] = []
+    for before, after in zip(frames, frames[1:]):
+        filled.append(before)
+        for k in range(1, count + 1):
+            share = k / (count + 1)
+            name = f"{before.name} to {after.name}, {100 * share:.0f} %"
+            filled.append(
+                Frame(
+                    name,
+                    {link: _between(pose, after.poses[link], share) for link, pose in before.poses.items()},
+                )
+            )
+    return (*filled, *frames[-1:])
+
+
+def _between(before: Pose, after: Pose, share: float) -> Pose:
+    x, y, z = ((1 - share) * np.array(before.translation) + share * np.array(after.translation)).tolist()
+    a, b = quaternion(before.rotation), quaternion(after.rotation)
+    if a @ b < 0:
+        b = -b
+    half = np.arctan2(np.linalg.norm(b - (a @ b) * a), a @ b)
+    if half < 1e-9:
+        return Pose((x, y, z), before.rotation)
+    w, i, j, k = ((np.sin((1 - share) * half) * a + np.sin(share * half) * b) / np.sin(half)).tolist()
+    return Pose((x, y, z), QuaternionRotation((w, i, j, k)))
 
 
 def _moved(frame: Table, before: dict[str, Pose]) -> dict[str, Pose]:

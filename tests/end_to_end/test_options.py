@@ -93,6 +93,7 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
         "--max-seconds": (REFERENCE, "test_the_limit_of_time_ends_the_first_level_too"),
         "--max-unknowns": (REFERENCE, "test_one_level_under_a_limit_still_encloses_the_truth"),
         "--max-memory": (REFERENCE, "test_one_level_under_a_limit_still_encloses_the_truth"),
+        "--only-readings": (REFERENCE, "test_only_readings_may_be_asked_for"),
         "--no-symmetry": (REFERENCE, "test_the_whole_of_space_is_meshed_when_symmetry_is_not_to_be_used"),
         "--geometry": ("bad_input/test_reference.py", "test_a_mesh_that_bounds_no_solid_unless_it_may_be_wrapped"),
         "--wrap-alpha": (REFERENCE, "test_lengths_of_a_wrap_are_positive"),

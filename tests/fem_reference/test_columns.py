@@ -70,7 +70,7 @@ def test_the_table_names_what_has_no_row_and_why() -> None:
 
 def test_an_object_alone_has_no_change_of_a_sensor() -> None:
     found = maxwell(loads(SCENE), max_seconds=1e-3, columns=["grounded"], error="estimate")
-    assert found.names == ("grounded",) and found.delta_self.value.shape == (0,) and found.worst >= 1
+    assert found.names == ("grounded",) and found.delta_self.value.shape == (0,) and 0 < found.worst < 0.1
 
 
 @pytest.mark.parametrize("name", ["nobody", "floating"])

@@ -51,7 +51,9 @@ def test_the_multipoles_of_two_balls_reproduce_published_values() -> None:
 
 
 def test_two_balls() -> None:
-    found = solve_conductors(normalised(["first", "second"], 1, balls(), [0, 1]), error="estimate").maxwell
+    found = solve_conductors(
+        normalised(["first", "second"], 1, balls(), [0, 1]), 1.0, 3e-4, error="estimate"
+    ).maxwell
     for (i, j), truth in zip(((0, 0), (1, 1), (0, 1)), LEKNER):
         check(f"balls {i}{j}", found.value[i, j], found.error[i, j], truth, 3e-4)
 
@@ -68,7 +70,7 @@ def test_a_ball_without_charge_of_its_own(
     name: str, answer: Callable[[int], float], others: dict[str, Any]
 ) -> None:
     """A floating or dielectric ball has no row, and changes the single entry of the other ball as a multipole expansion predicts."""
-    found = solve_conductors(normalised(["first"], 1, balls(), [0, 1], **others), error="estimate")
+    found = solve_conductors(normalised(["first"], 1, balls(), [0, 1], **others), 1.0, 3e-4, error="estimate")
     own, _ = two_balls(0.01, 0.02, 0.05, answer)
     assert found.maxwell.value.shape == (1, 1) and found.has_objects
     check(f"{name}, M", found.maxwell.value[0, 0], found.maxwell.error[0, 0], UNIT * own, 3e-4)
@@ -125,7 +127,7 @@ AT_ORIGIN = np.zeros(3)
     ids=lambda value: getattr(value, "name", ""),
 )
 def test_the_capacitance_of_one_body(body: Body, truth: float, exactness: float, widest: float) -> None:
-    found = solve_conductors(normalised([body.name], 1, [body], [0]), error="estimate").maxwell
+    found = solve_conductors(normalised([body.name], 1, [body], [0]), 1.0, widest, error="estimate").maxwell
     error = found.error[0, 0] + exactness * UNIT * truth
     check(body.name, found.value[0, 0], error, UNIT * truth, widest)
 

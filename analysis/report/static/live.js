@@ -30,7 +30,7 @@
   // --- the parts of the page ---
 
   const readings = Object.entries(roles.readings).map(([name, reading]) => ({ name, ...reading }));
-  const state = { link: null, reading: 0, reduced: data.reduced, rtol: RTOL, path: null, at: 0, playing: false, reference: null, cover: kept.cover, changed: kept.cover > 0, floats: new Set(), frames: 0, told: -1e9, moved: 0, dirty: true, answers: {}, geometry: {} };
+  const state = { link: null, reading: 0, reduced: data.reduced, rtol: RTOL, path: null, at: 0, playing: false, reference: null, cover: kept.cover, changed: kept.cover > 0, floats: new Set(), frames: 0, told: -1e9, moved: -1e9, isCoarse: false, dirty: true, answers: {}, geometry: {} };
   const spent = {}, trace = [], along = new Map();
   let firstAnswer = null;
   const page = { data, byId, element, scene, described, roles, view, state, readings, trace, along, pick, prepare };
@@ -63,6 +63,8 @@
     timed("colours", page.colour);
     firstAnswer ??= performance.now() - opened;
     const now = performance.now() / 1000, values = readings.map(({ name }) => METHODS.map(m => (m.name === "reduced" && state.isStale ? null : pick(state.answers[m.name], name).change ?? null)));
+    // A trace of 15 s takes 300 places at most: no eye tells more of them apart.
+    if (trace.length > 1 && now - trace[trace.length - 2].now < 0.05) trace.pop();
     trace.push({ now, values });
     while (trace.length && trace[0].now < now - 15) trace.shift();
     if (state.path !== null) along.set(Math.round(state.at * 1000) / 1000, values);
@@ -84,7 +86,7 @@
 
   // --- the frames ---
 
-  const SLOW = 120;  // ms between two changes of the texts while something moves
+  const SLOW = 200;  // ms between two changes of the texts while something moves
   function tell(isSlow) {
     page.tell(isSlow);
     if (isSlow) page.updateSliders();
@@ -92,14 +94,18 @@
   function frame(now) {
     page.advance(now);
     if (!state.dirty && state.isStale) state.dirty = true;
-    if (!state.dirty && state.told < state.moved && now > state.moved + SLOW) tell(true);
+    if (!state.dirty && now > state.moved + SLOW) {
+      if (state.isCoarse) page.draw(state.isCoarse = false);
+      if (state.told < state.moved) tell(true);
+    }
     if (state.dirty) {
+      state.isCoarse = now < state.moved + SLOW;
       state.moved = now;
       state.dirty = false;
       const start = performance.now();
       ask();
       const drawn = performance.now();
-      page.draw();
+      page.draw(state.isCoarse);
       tell(drawn > state.told + SLOW);
       spent.page = performance.now() - drawn;
       spent.frame = performance.now() - start;
@@ -113,7 +119,7 @@
     byId("speed").textContent = `The last frame took ${spent.frame.toFixed(1)} ms (${text}). The first answer came ${(firstAnswer / 1000).toFixed(2)} s after the page was read. ` + data.made;
   }
 
-  if (view) { view.setBodies(page.bodies); view.frame(page.whole); view.resize(); }
+  if (view) { view.setBodies(page.bodies); view.frame(page.whole); view.resize(false); }
   page.chosen();
   page.makeSliders();
   page.goOn(kept);

@@ -70,9 +70,9 @@ function makePicture({ byId, element, scene, described, roles, view, state, read
     const ends = [0, 1, 2].map(i => triangles.reduce(([low, high], x, k) => (k % 3 === i ? [Math.min(low, x), Math.max(high, x)] : [low, high]), [Infinity, -Infinity]));
     return [0, 1, 2, 3, 4, 5, 6, 7].map(n => ends.map((end, i) => end[(n >> i) & 1]));
   }
-  function draw() {
+  function draw(isMoving) {
     if (!view) return;
-    view.resize();
+    view.resize(isMoving);
     const worst = colliding(), count = described.objects.length;
     view.drawBodies((body, number) => ({ colour: number < count && roles.objects[body.name].potential !== "electrode" ? theme.bodyColour : theme.plateColour, hatched: number >= count || worst.has(body.name) || roles.objects[body.name].potential === "electrode" }), poseOf);
     view.clearOverlay();

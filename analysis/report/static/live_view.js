@@ -20,7 +20,7 @@ const space = {
 /** Five colours from dark to light (light to dark on a light page): brightness alone tells them apart. */
 const SCALE = [[0.00, 0.13, 0.30], [0.26, 0.30, 0.42], [0.49, 0.48, 0.47], [0.74, 0.68, 0.44], [1.00, 0.92, 0.28]];
 
-/** Tells whether WebGL is drawn without a graphics card: smooth edges would then cost as much as everything else in a frame. */
+/** Tells whether WebGL is drawn without a graphics card: smooth edges, or every pixel of what moves, would then cost as much as everything else in a frame. */
 function isDrawnByProcessor() {
   const probe = document.createElement("canvas").getContext("webgl"), more = probe && probe.getExtension("WEBGL_debug_renderer_info");
   const name = more ? probe.getParameter(more.UNMASKED_RENDERER_WEBGL) : "";
@@ -29,7 +29,7 @@ function isDrawnByProcessor() {
 }
 
 function makeView(surface, overlay) {
-  const gl = surface.getContext("webgl", { antialias: !isDrawnByProcessor(), alpha: true, premultipliedAlpha: false });
+  const isSlow = isDrawnByProcessor(), gl = surface.getContext("webgl", { antialias: !isSlow, alpha: true, premultipliedAlpha: false });
   if (!gl) return null;
   const pen = overlay.getContext("2d");
   const camera = { yaw: -0.9, pitch: 0.42, distance: 1, centre: [0, 0, 0] };
@@ -176,12 +176,13 @@ function makeView(surface, overlay) {
 
   // --- the picture ---
 
-  function resize() {
+  /** Fits the pictures to their places on the page. Without a graphics card, bodies that move have half as many pixels each way. */
+  function resize(isMoving) {
     const box = surface.getBoundingClientRect();
     ratio = Math.min(window.devicePixelRatio || 1, 2);
     size = [Math.max(box.width, 1), Math.max(box.height, 1)];
-    for (const canvas of [surface, overlay]) {
-      const wanted = size.map(s => Math.round(s * ratio));
+    for (const [canvas, share] of [[surface, isSlow && isMoving ? 0.5 : 1], [overlay, 1]]) {
+      const wanted = size.map(s => Math.round(s * ratio * share));
       if (canvas.width !== wanted[0]) canvas.width = wanted[0];
       if (canvas.height !== wanted[1]) canvas.height = wanted[1];
     }

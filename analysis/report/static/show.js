@@ -251,17 +251,22 @@
     return [...rows, ...clear, element("p", "soft", `${broad} tests of bounds, ${narrow} of shapes.`)];
   }
 
+  /** The number of a frame of the motion file; those in between have none. */
+  const place = n => (n % data.every === 0 ? `${n / data.every + 1} of ${(data.frames.length - 1) / data.every + 1}: ` : "");
+
   function tell(frame) {
     fill("distances", "Distance sensors", distanceRows(frame));
     fill("outputs", "Capacitive sensors", outputRows(frame));
     fill("collisions", "Collisions", collisionRows(frame));
-    document.getElementById("frame-name").textContent = data.frames.length > 1 ? `${state.frame + 1} of ${data.frames.length}: ${frame.name}` : "";
-    document.querySelectorAll("#frames button").forEach((button, n) => button.setAttribute("aria-pressed", n === state.frame));
+    document.getElementById("frame-name").textContent = data.frames.length > 1 ? `${place(state.frame)}${frame.name}` : "";
+    document.querySelectorAll("#frames button").forEach((button, n) => button.setAttribute("aria-pressed", n * data.every === state.frame));
+    readings.mark(state.frame);
     history.replaceState(null, "", `#frame=${state.frame + 1}&boxes=${state.boxes}&links=${state.links ? 1 : 0}&cones=${state.cones ? 1 : 0}`);
   }
 
   // --- the controls ---
 
+  const readings = makeReadings(data, frame => { stop(); go(frame); });
   const frames = document.getElementById("frames"), play = document.getElementById("play");
   let timer = null;
 
@@ -274,6 +279,13 @@
   function go(frame) {
     state.frame = (frame + data.frames.length) % data.frames.length;
     draw();
+  }
+  /** Goes to the next frame of the motion file in a direction, over those in between. */
+  function step(direction) {
+    const near = state.frame / data.every, last = (data.frames.length - 1) / data.every;
+    const next = direction > 0 ? Math.floor(near) + 1 : Math.ceil(near) - 1;
+    go(data.every * ((next + last + 1) % (last + 1)));
+    frames.children[state.frame / data.every].focus();
   }
 
   function readAddress() {
@@ -288,28 +300,27 @@
     document.getElementById("links").checked = state.links;
   }
 
-  data.frames.forEach((frame, n) => {
+  data.frames.filter((_, n) => n % data.every === 0).forEach((frame, n) => {
     const button = element("button", worstOf(frame), String(n + 1));
     button.type = "button";
     button.title = frame.name;
-    button.addEventListener("click", () => { stop(); go(n); });
+    button.addEventListener("click", () => { stop(); go(n * data.every); });
     frames.append(button);
   });
   const present = { motion: data.frames.length > 1, eyes: data.eyes.length, links: data.links.length, sensors: data.sensors.length,
                     collisions: data.frames[0].collisions };
   document.querySelectorAll("[data-needs]").forEach(part => { part.hidden = !present[part.dataset.needs]; });
   frames.addEventListener("keydown", event => {
-    const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-    if (!step) return;
+    const direction = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    if (!direction) return;
     event.preventDefault();
     stop();
-    go(state.frame + step);
-    frames.children[state.frame].focus();
+    step(direction);
   });
   play.addEventListener("click", () => {
     if (timer !== null) return stop();
     play.textContent = "Pause";
-    timer = setInterval(() => go(state.frame + 1), 1000 * FRAME_SECONDS);
+    timer = setInterval(() => go(state.frame + 1), 1000 * FRAME_SECONDS / data.every);
   });
   document.getElementById("boxes").addEventListener("change", event => { state.boxes = event.target.value; draw(); });
   document.getElementById("cones").addEventListener("change", event => { state.cones = event.target.checked; draw(); });

@@ -34,12 +34,17 @@ def is_missing() -> str:
 
 
 class Browser:
-    """Opens pages in a window of the given size, in CSS pixels."""
+    """Opens pages in a window of the given size, in CSS pixels; with `is_on_one_core`, all of the browser runs on one core."""
 
-    def __init__(self, width: int = 1000, height: int = 720, *options: str) -> None:
+    def __init__(
+        self, width: int = 1000, height: int = 720, *options: str, is_on_one_core: bool = False
+    ) -> None:
         self._driver = subprocess.Popen(
             ["chromedriver", "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
         )
+        if is_on_one_core:
+            driver = psutil.Process(self._driver.pid)
+            driver.cpu_affinity(driver.cpu_affinity()[:1])  # the browser inherits it
         self._address = f"http://127.0.0.1:{self._port()}"
         arguments = [*_OPTIONS, f"--window-size={width},{height}", *options]
         asked = {

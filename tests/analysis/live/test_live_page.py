@@ -12,7 +12,7 @@ import pytest
 
 from analysis.live import make as live, paths, scene_text
 from analysis.pipeline.model_stage import model_module
-from analysis.report.live_page import DEFAULT
+from analysis.report.scene_pages import LIVE
 from geometries.common.installation import page_library
 from geometries.scene import poses, reader
 from tests.analysis.live.browser import Browser, is_missing
@@ -25,7 +25,7 @@ if not page_library().is_file():
 if is_missing():
     pytest.skip(f"no browser: {is_missing()} not installed", allow_module_level=True)
 
-SCENE = live.find_scene(DEFAULT)
+SCENE = live.find_scene(LIVE.scene)
 ROUNDING = 1e-9
 """Largest relative difference between the page and the native library, which use other instructions and other logarithms."""
 ITERATION = 1e-4
@@ -45,7 +45,7 @@ ALL_READY = "return window.livePage ? window.livePage.ready() : null"
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     target = tmp_path_factory.mktemp("live") / "page.html"
-    return live.make(DEFAULT, None, target, live.Options(rtol=None))
+    return live.make(LIVE.scene, None, target, live.Options(rtol=None))
 
 
 @pytest.fixture(scope="module")
@@ -249,21 +249,32 @@ translation = [0.02, 0.02, 0.03]
     np.testing.assert_allclose(totals(said), totals(answer), rtol=ROUNDING)
 
 
-def test_how_fast_it_is(browser: Browser, page: Path, record_property: Any, capsys: Any) -> None:
-    times = opened(browser, page)
+def test_how_fast_it_is_on_one_core(page: Path, record_property: Any, capsys: Any) -> None:
     assert page.stat().st_size <= live.LARGEST
+    with Browser(is_on_one_core=True) as browser:
+        times = opened(browser, page)
+        # The browser compiles the library once more, for speed, while the first frames are shown.
+        first, *_, last = (shown_frames(browser) for _ in range(4))
+        assert browser.complaints() == []
+    record_property("frames_per_second", last["shown"])
+    with capsys.disabled():
+        print(
+            f"\nlive page on one core: first answer after {times['firstAnswer'] / 1000:.2f} s, reduced method prepared in "
+            f"{times['preparation'] / 1000:.2f} s, {first['shown']:.0f} frames a second at first and {last['shown']:.0f} after four "
+            f"ways along the path, each for {last['each']:.1f} ms of processor time of the whole browser; the median frame takes "
+            f"{last['frame']:.1f} ms (model {last['model']:.2f}, formula {last['formula']:.2f}, reduced {last['reduced']:.2f}, "
+            f"colours {last['colours']:.2f}, geometry {last['geometry']:.2f}, picture and page {last['page']:.2f})"
+        )
+
+
+def shown_frames(browser: Browser) -> dict[str, float]:
+    """Moves along a path in 60 frames; returns the frames shown in a second, and the median times of their parts, ms."""
     before = browser.processor_seconds()
     frames = browser.run_until_done("window.livePage.measure(0, 60, arguments[0])")
     each = 1000 * (browser.processor_seconds() - before) / len(frames)
     assert len(frames) == 60 and all(frame["frame"] > 0 for frame in frames)
     shown = 1000 * (len(frames) - 1) / (frames[-1]["now"] - frames[0]["now"])
-    middle = {part: float(np.median([frame[part] for frame in frames])) for part in frames[0]}
-    record_property("frames_per_second", shown)
-    with capsys.disabled():
-        print(
-            f"\nlive page: first answer after {times['firstAnswer'] / 1000:.2f} s, reduced method prepared in "
-            f"{times['preparation'] / 1000:.2f} s, {shown:.0f} frames a second, each for {each:.1f} ms of processor time of the whole browser; the median frame takes {middle['frame']:.1f} ms (model "
-            f"{middle['model']:.2f}, formula {middle['formula']:.2f}, reduced {middle['reduced']:.2f}, colours {middle['colours']:.2f}, "
-            f"geometry {middle['geometry']:.2f}, picture and page {middle['page']:.2f})"
-        )
-    assert browser.complaints() == []
+    return {part: float(np.median([frame[part] for frame in frames])) for part in frames[0]} | {
+        "shown": shown,
+        "each": each,
+    }

@@ -16,13 +16,12 @@ import pytest
 from analysis.__main__ import main
 from analysis.live import make as live, paths, scene_text
 from analysis.pipeline.model_stage import model_module
-from analysis.report import live_page
-from analysis.report.live_page import DEFAULT
+from analysis.report.scene_pages import LIVE
 from geometries.common.installation import ROOT
 from geometries.scene import motion, reader
 from geometries.scene.scene import Scene
 
-SCENE = live.find_scene(DEFAULT)
+SCENE = live.find_scene(LIVE.scene)
 
 
 def hand(scene: Scene, frame: motion.Frame) -> Any:
@@ -107,7 +106,7 @@ def test_every_option_of_the_command_acts(tmp_path: Path, monkeypatch: pytest.Mo
     path = tmp_path / "moved.toml"
     path.write_text('[[frame]]\nname = "there"\nposes = [ { link = "wrist", translation = [0, 0, 0.5] } ]\n')
     page = tmp_path / "page.html"
-    command = ["live", DEFAULT, "--output", str(page)]
+    command = ["live", LIVE.scene, "--output", str(page)]
     assert main([*command, "--motion", str(path), "--no-reference"]) == 0
     found = data_of(page)
     assert [way["name"] for way in found["paths"]] == ["motion", "approach", "over the edge"]
@@ -145,7 +144,7 @@ def test_a_page_that_would_be_too_large_is_refused(tmp_path: Path, monkeypatch: 
     monkeypatch.setattr(live, "page_library", lambda: library)
     monkeypatch.setattr(live, "LARGEST", 1000)
     with pytest.raises(live.InputError, match=r"its page would have 0\.\d MB"):
-        live.make(DEFAULT, None, tmp_path / "page.html", live.Options(rtol=None))
+        live.make(LIVE.scene, None, tmp_path / "page.html", live.Options(rtol=None))
     assert not (tmp_path / "page.html").exists()
 
 
@@ -154,15 +153,15 @@ def test_without_the_library_the_command_says_how_to_get_it(
 ) -> None:
     monkeypatch.setattr(live, "page_library", lambda: tmp_path / "fringe_page.js")
     with pytest.raises(live.NoLibrary, match="apt-get install emscripten"):
-        live.make(DEFAULT, None, tmp_path / "page.html", live.Options())
+        live.make(LIVE.scene, None, tmp_path / "page.html", live.Options())
     assert list(tmp_path.iterdir()) == []
 
 
 def test_reports_link_to_the_page_that_was_made(tmp_path: Path) -> None:
-    assert live_page.beside(tmp_path / "default") is None
+    assert LIVE.beside(tmp_path / "default") is None
     (tmp_path / "live").mkdir()
-    (tmp_path / "live" / f"{DEFAULT}.html").touch()
-    linked = live_page.beside(tmp_path / "default")
+    (tmp_path / "live" / f"{LIVE.scene}.html").touch()
+    linked = LIVE.beside(tmp_path / "default")
     (tmp_path / "default").mkdir()
     assert linked is not None and (tmp_path / "default" / linked).is_file()
 
@@ -172,10 +171,10 @@ def test_a_page_that_is_up_to_date_stays(tmp_path: Path, monkeypatch: pytest.Mon
     library.write_text("// none\n")
     monkeypatch.setattr(live, "page_library", lambda: library)
     target = tmp_path / "page.html"
-    live.make(DEFAULT, None, target, live.Options(rtol=None))
+    live.make(LIVE.scene, None, target, live.Options(rtol=None))
     before = target.stat().st_mtime_ns
-    live.make(DEFAULT, None, target, live.Options(rtol=None))
+    live.make(LIVE.scene, None, target, live.Options(rtol=None))
     assert target.stat().st_mtime_ns == before
     library.write_text("// another\n")
-    live.make(DEFAULT, None, target, live.Options(rtol=None))
+    live.make(LIVE.scene, None, target, live.Options(rtol=None))
     assert target.stat().st_mtime_ns != before

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from analysis.pipeline.model_stage import model_module
-from analysis.show import data as show_data, make as show
+from analysis.show import data as show_data, make as show, readings
 from geometries.common.installation import ROOT
 from geometries.scene import motion, reader
 
@@ -226,3 +226,34 @@ def test_a_wrong_motion_is_refused(scene: Path, tmp_path: Path) -> None:
     done = run(scene, "--motion", wrong, "--output", tmp_path / "page.html")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == f"analysis: {wrong}: frame[0].poses[0].link: there is no link 'leg'\n"
+
+
+def test_readings_along_the_motion_are_those_of_the_library(tmp_path: Path) -> None:
+    target = tmp_path / "page.html"
+    options = readings.Options(between=1, rtol=0.05)
+    (tmp_path / "short.motion.toml").write_text(
+        '[[frame]]\njoints = [ { joint = "slide", position = -0.01 } ]\n'
+        '[[frame]]\njoints = [ { joint = "slide", position = 0.01 } ]\n'
+    )
+    show.make("position_sensor", tmp_path / "short.motion.toml", target, options)
+    found = re.search(r'id="along-data">(.*?)</script>', target.read_text())
+    assert found is not None
+    along = json.loads(found.group(1))
+    series = {method["name"]: method for method in along["methods"]}
+    assert [series[name]["frames"] for name in ("model", "boundary elements")] == [[0, 1, 2], [0, 2]]
+    live = model_module().Scene.load(str(show.find_scene("position_sensor")))
+    live.set_joint("slide", 0.0)
+    model, solved = live.readings("exact"), live.readings("reduced:1", rtol=readings.RTOL_OF_REDUCED)
+    for name in ("electrode 1", "electrode 3"):
+        assert series["model"]["changes"][name][1] == pytest.approx(model[name].change, rel=1e-9)
+        assert series["reduced"]["changes"][name][1] == pytest.approx(solved[name].change, rel=1e-9)
+        assert series["reduced"]["errors"][name][1] == pytest.approx(solved[name].error["change"], rel=1e-6)
+    written = target.stat().st_mtime_ns
+    show.make("position_sensor", tmp_path / "short.motion.toml", target, options)
+    assert target.stat().st_mtime_ns == written
+
+
+def test_options_of_the_readings_need_them(scene: Path) -> None:
+    done = run(scene, "--between", 3)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "--between is an option of --readings, which is missing" in done.stderr

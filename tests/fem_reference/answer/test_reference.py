@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
+from fem_reference.answer import reference
 from fem_reference.answer.convergence import Estimate
-from fem_reference.solve.level import Level
-from fem_reference.answer.reference import ErrorKind, Reference, first_refinement
+from fem_reference.solve.level import Level, solve_level
+from fem_reference.answer.reference import Reference, first_refinement
 from fem_reference.bodies.conductors import normalised
 from fem_reference.bodies.shapes import Rectangle
 
@@ -29,24 +34,46 @@ def test_reached_takes_a_small_error_and_three_levels(levels: int, error: float,
     assert answer(levels, error).reached is reached
 
 
+def test_an_estimate_between_both_bounds_takes_one_level() -> None:
+    found = answer(1, 9e-4)
+    between = replace(found.levels[0], estimated=(found.maxwell.value, found.maxwell.error))
+    assert not found.reached and replace(found, levels=(between,)).reached
+
+
 def test_the_interval_is_the_value_and_its_error() -> None:
     found = answer(3, 0.25)
     assert (found.lower[0, 0], found.upper[0, 0], found.worst) == (0.75, 1.25, 0.25)
 
 
 @pytest.mark.parametrize(
-    "gap, rtol, error, refinement",
-    [
-        (0.04, 1e-2, "enclosure", 0.5),
-        (0.04, 1e-3, "enclosure", 1.0),
-        (0.04, 1e-2, "estimate", 1.0),
-        (0.1, 1e-2, "enclosure", 1.0),
-    ],
+    "gap, rtol, refinement",
+    [(0.04, 1e-2, 0.5), (0.04, 1e-3, 1.0), (0.1, 1e-2, 1.0)],
 )
-def test_enclosures_that_may_be_wide_start_coarser_in_narrow_gaps(
-    gap: float, rtol: float, error: ErrorKind, refinement: float
+def test_answers_that_may_be_coarse_start_coarser_in_narrow_gaps(
+    gap: float, rtol: float, refinement: float
 ) -> None:
     plates = [
         Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("a", 0), ("b", gap))
     ]
-    assert first_refinement(normalised(["a", "b"], 1, plates, range(2)), rtol, error) == refinement
+    assert first_refinement(normalised(["a", "b"], 1, plates, range(2)), rtol) == refinement
+
+
+@pytest.mark.parametrize(
+    "failure", [MemoryError(), RuntimeError("solving the equations failed: error code 55")]
+)
+def test_what_does_not_fit_in_memory_ends_with_the_answer_so_far(
+    monkeypatch: pytest.MonkeyPatch, failure: Exception
+) -> None:
+    levels: list[Callable[..., Level] | Exception] = [solve_level, failure]
+
+    def limited(*arguments: Any) -> Level:
+        step = levels.pop(0)
+        if isinstance(step, Exception):
+            raise step
+        return step(*arguments)
+
+    monkeypatch.setattr(reference, "solve_level", limited)
+    plate = Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))
+    found = reference.solve_conductors(normalised(["plate"], 1, [plate], [0]), rtol=1e-5)
+    assert not found.reached and len(found.levels) == 1 and found.enclosure is not None
+    assert found.stopped_by == "the next level took more memory than there is"

@@ -95,14 +95,15 @@ def test_when_the_time_is_over_before_the_first_answer_that_is_said() -> None:
     assert (status, output, errors.strip()) == (130, "", "fem_reference: interrupted before the first answer")
 
 
-def test_a_command_that_is_killed_says_by_what() -> None:
-    status, output, errors = finished(
-        started(
-            'report(AnswerSoFar("the first answer", "not accurate", float("inf")))\n'
-            "os.kill(os.getpid(), signal.SIGKILL)"
-        )
+def test_a_command_that_is_killed_says_by_what_and_keeps_its_answer() -> None:
+    """The system kills processes for want of memory."""
+    killed, words = (
+        "os.kill(os.getpid(), signal.SIGKILL)",
+        "fem_reference: ended by SIGKILL, as the system does for want of memory\n",
     )
-    assert (status, output, errors) == (137, "", "fem_reference: ended by SIGKILL\n")
+    assert finished(started(killed)) == (137, "", words)
+    answered = 'report(AnswerSoFar("the first answer", "not accurate", float("inf")))\n'
+    assert finished(started(answered + killed)) == (UNREACHED, "the first answer\n", f"not accurate\n{words}")
 
 
 def test_the_command_ends_with_the_process_that_watches_it() -> None:

@@ -18,7 +18,7 @@ def memory_in_use() -> int:
     return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * getpagesize()
 
 
-@pytest.mark.parametrize("bounds", ["none", "check", "enclosure"])
+@pytest.mark.parametrize("bounds", ["none", "estimate", "enclosure"])
 def test_a_level_leaves_no_memory_behind(bounds: Bounds) -> None:
     """The matrices of the level take some 10 MB, its bounds three times as much."""
     plates = [

@@ -204,3 +204,20 @@ def test_the_example_motion_fits_the_example_scene() -> None:
     assert len(frames) >= 10
     assert len(scene.distance_sensors) == 4
     assert len(scene.sensors) >= 4
+
+
+@pytest.mark.parametrize("sign", [1, -1], ids=["", "with the opposite quaternion"])
+def test_links_move_evenly_and_turn_by_the_shorter_way_between_frames(sign: int) -> None:
+    half = np.radians(100) / 2
+    turned = QuaternionRotation((float(sign * np.cos(half)), 0.0, 0.0, float(sign * np.sin(half))))
+    frames = (
+        motion.Frame("a", {"arm": Pose((0.0, 0.0, 1.0), AxisRotation((0.0, 0.0, 1.0), 40.0))}),
+        motion.Frame("b", {"arm": Pose((0.3, 0.0, 1.0), turned)}),
+    )
+    filled = motion.with_frames_between(frames, 2)
+    assert [frame.name for frame in filled] == ["a", "a to b, 33 %", "a to b, 67 %", "b"]
+    for frame, x, degrees in zip(filled, (0, 0.1, 0.2, 0.3), (40, 60, 80, 100)):
+        pose = frame.poses["arm"]
+        expected = AxisRotation((0.0, 0.0, 1.0), degrees).matrix()
+        np.testing.assert_allclose(pose.translation, (x, 0, 1), atol=1e-15)
+        np.testing.assert_allclose(pose.rotation.matrix(), expected, atol=1e-14)
