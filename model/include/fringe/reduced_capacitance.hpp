@@ -41,8 +41,8 @@ double rtol_of(const ReducedOptions& options);
 /// method: every body's charge is a combination of very few distributions, which are found anew for every
 /// pose (model/BOUNDARY_ELEMENTS.md, section 8). What does not depend on poses is prepared once. Bodies in
 /// contact at one potential are prepared as one body, as soon as they touch and again whenever they move
-/// relative to each other. Dielectric bodies are prepared with the conductor on their link that they touch, as
-/// covers with their plates, or by themselves.
+/// relative to each other. Dielectric bodies are prepared with the conductor on their link that they touch,
+/// as covers with their plates, or by themselves.
 class ReducedEvaluator {
  public:
   /// Prepares the scene. Plates and boxes take some milliseconds. A body of triangles, including round ones

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <numeric>
+#include <ranges>
 #include <utility>
 
 #include <fmt/format.h>
@@ -184,10 +184,10 @@ bool Arrangement::place() {
   for (std::size_t k = 0; k < rigid_.size(); ++k) {
     const Isometry3d pose = motion_.world_pose(link(k)) * rigid_[k].on_link;
     if (!pose.matrix().allFinite())
-      throw InputError(fmt::format("{}: its pose is not finite",
-                                   rigid_[k].parts.empty()
-                                       ? insulators_[rigid_[k].insulators.front()].body.name
-                                       : on_links_.bodies[rigid_[k].parts.front()].name));
+      throw InputError(
+          fmt::format("{}: its pose is not finite", rigid_[k].parts.empty()
+                                                        ? insulators_[rigid_[k].insulators.front()].body.name
+                                                        : on_links_.bodies[rigid_[k].parts.front()].name));
     placed_[k] = {rigid_[k].shape, rigid_[k].scale, pose.translation() / unit_, pose.linear()};
   }
   for (std::size_t a = 0; a < rigid_.size(); ++a)

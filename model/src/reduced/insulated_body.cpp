@@ -82,8 +82,8 @@ void answer(const InsulatedResponse& response, const Outermost& outermost, const
             InsulatedBody& body) {
   const MatrixXd outer = outermost.at(potentials);
   body.responses = outermost.factor.solve(outer - outermost.at(response.potentials));
-  const MatrixXd coarse = outermost.coarse.solve(
-      outermost.means(outer - outermost.at(response.coarse_potentials)));
+  const MatrixXd coarse =
+      outermost.coarse.solve(outermost.means(outer - outermost.at(response.coarse_potentials)));
   const auto symmetric = [](const MatrixXd& matrix) { return MatrixXd((matrix + matrix.transpose()) / 2); };
   body.energies = symmetric(outer.transpose() * body.responses);
   body.coarse_energies = symmetric(outermost.means(outer).transpose() * coarse);

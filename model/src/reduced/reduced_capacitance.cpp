@@ -464,8 +464,9 @@ const MaxwellMatrix& ReducedEvaluator::maxwell(bool with_derivatives) {
   return matrix;
 }
 
-/// Writes what objects, covers included, add to the sensors' own entries. Covers are prepared with the sensors, so
-/// that the sensors alone are solved by themselves; that answer is kept as long as they do not move.
+/// Writes what objects, covers included, add to the sensors' own entries. Covers are prepared with the
+/// sensors, so that the sensors alone are solved by themselves; that answer is kept as long as they do not
+/// move.
 void ReducedEvaluator::subtract_bare_sensors(MaxwellMatrix& matrix) {
   if (bare_ == nullptr) {
     Scene bare = scene_;

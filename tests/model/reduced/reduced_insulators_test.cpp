@@ -49,8 +49,9 @@ MaxwellMatrix by_boundary_elements(const Scene& scene) {
 /// Tests that two answers agree within the errors that they state.
 void expect_agreement(const MaxwellMatrix& one, const MaxwellMatrix& other) {
   const MatrixXd allowed = one.errors + other.errors;
-  EXPECT_TRUE(((one.values - other.values).array().abs() <= allowed.array()).all())
-      << one.values << "\n" << other.values << "\n" << allowed;
+  EXPECT_TRUE(((one.values - other.values).array().abs() <= allowed.array()).all()) << one.values << "\n"
+                                                                                    << other.values << "\n"
+                                                                                    << allowed;
   for (Eigen::Index k = 0; k < one.delta_self.size(); ++k)
     EXPECT_NEAR(one.delta_self[k], other.delta_self[k],
                 one.delta_self_errors[k] + other.delta_self_errors[k]);
