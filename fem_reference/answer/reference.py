@@ -35,6 +35,7 @@ from fem_reference.mesh.marks import (
     AWAY_ORDER,
     AWAY_ORDER_OF_ESTIMATES,
     FIRST_ORDER,
+    FIRST_ORDER_OF_ESTIMATES,
     FRACTION_OF_GOAL,
     LATER_ORDER,
     adapted_sizes,
@@ -353,8 +354,11 @@ def _next_sizing(sizing: Sizing, level: Level, answer: Reference, rtol: float) -
     if level.marks is None:
         return replace(sizing, refinement=2 * sizing.refinement)
     present = max(answer.worst, answer.worst_of_changes) / rtol
-    order = FIRST_ORDER if sizing.adapted is None else LATER_ORDER
-    away_order = AWAY_ORDER if level.estimated is None else AWAY_ORDER_OF_ESTIMATES
+    order, away_order = FIRST_ORDER, AWAY_ORDER
+    if level.estimated is not None:
+        order, away_order = FIRST_ORDER_OF_ESTIMATES, AWAY_ORDER_OF_ESTIMATES
+    if sizing.adapted is not None:
+        order = LATER_ORDER
     for ratio in (1.0, np.sqrt(max(present, 1.0))):
         # Errors that a check contradicts are smaller than the true ones.
         goal = FRACTION_OF_GOAL * rtol * ratio * min(present, 1.0)

@@ -39,6 +39,9 @@ ALGEBRAIC_SAFETY = 100
 """Factor on the square of the preconditioned residual, which is the energy of the iteration's remaining error up to the quality of
 the preconditioner. The factor covers a preconditioner that removes only a hundredth of an error's energy, far worse than observed."""
 
+FACES_AT_A_TIME = 20_000
+"""Number of faces whose rows are multiplied at a time: they take some tens of megabytes."""
+
 KERNEL = 1e-9
 """Eigenvalues of a face's block below this fraction of its largest are rounding noise. Such a multiplier tests a flow that is always
 zero, as between two quarter-point elements at a vertex on the edge. The smallest other eigenvalues met are 1e-3 of the largest."""
@@ -77,8 +80,8 @@ class FaceSystem:
             _assembled([(forms, number[faces]) for forms, faces in parts], len(self.free))
         )
         coarse = _coarse_space(face_vertices, self.free, fixed, degree)
+        self._coarse_matrix = _petsc_matrix(_galerkin_product(matrix, coarse))
         self._matrix, self._coarse = _petsc_block_matrix(matrix), _petsc_matrix(coarse)
-        self._coarse_matrix = _petsc_matrix((coarse.T @ (matrix.tocsr() @ coarse)).tocsr())
         self._solver = self._two_level_solver()
 
     @property
@@ -142,15 +145,19 @@ def _assembled(parts: Sequence[tuple[Array, NDArray[np.int64]]], count: int) -> 
         kept = (rows >= 0) & (columns >= 0)
         keys.append((rows * count + columns)[kept])
         blocks.append(split.reshape(len(faces), each * each, per_face, per_face)[kept])
+        # The largest arrays of a level are freed as soon as they are copied.
+        del split
     key, block = np.concatenate(keys), np.concatenate(blocks)
+    del keys, blocks
     order = np.argsort(key, kind="stable")
     places, starts, times = np.unique(key[order], return_index=True, return_counts=True)
     summed = block[order[starts]]
     # A face belongs to two cells, and a pair of different faces to one.
     twice = times == 2
     summed[twice] += block[order[starts[twice] + 1]]
+    del key, block, order
     pointers = np.searchsorted(places // count, np.arange(count + 1))
-    size = count * block.shape[1]
+    size = count * summed.shape[1]
     return scipy.sparse.bsr_matrix((summed, places % count, pointers), shape=(size, size))
 
 
@@ -189,6 +196,25 @@ def _coarse_space(
     return scipy.sparse.csr_matrix(
         (values[kept], (rows[kept], number[columns[kept]])), shape=(unknowns, int(is_free.sum()))
     )
+
+
+def _galerkin_product(
+    matrix: scipy.sparse.bsr_matrix, coarse: scipy.sparse.csr_matrix
+) -> scipy.sparse.csr_matrix:
+    """The product CᵀAC of a block matrix A and the coarse space C, some rows at a time: the whole of A without blocks takes half as much
+    memory again as with them."""
+    size, pointers = matrix.blocksize[0], matrix.indptr
+    found = scipy.sparse.csr_matrix((coarse.shape[1], coarse.shape[1]))
+    for start in range(0, len(pointers) - 1, FACES_AT_A_TIME):
+        own = pointers[start : start + FACES_AT_A_TIME + 1]
+        entries = slice(own[0], own[-1])
+        shape = (size * (len(own) - 1), matrix.shape[1])
+        rows = scipy.sparse.bsr_matrix(
+            (matrix.data[entries], matrix.indices[entries], own - own[0]), shape=shape
+        )
+        at = slice(size * start, size * start + shape[0])
+        found += coarse[at].T @ (rows.tocsr() @ coarse)
+    return found.tocsr()
 
 
 def _petsc_block_matrix(matrix: scipy.sparse.bsr_matrix) -> PETSc.Mat:

@@ -98,6 +98,7 @@ ELSEWHERE = {
     "python3 -m analysis errors": ("analysis/topics/errors/test_set_ups_and_stage.py", "test_the_command_computes_what_is_missing_and_makes_the_page", "errors"),
     "python3 -m analysis.topics.machines.truths": ("analysis/topics/machines/test_truths.py", "test_what_has_no_record_is_solved_and_what_is_no_set_up_is_dropped", "truths"),
     "python3 -m analysis.topics.verification.machines": ("analysis/topics/verification/test_machines.py", "test_a_machine_that_is_unknown_is_refused", "machines"),
+    "python3 -m analysis.topics.verification.widths": ("analysis/topics/verification/test_widths.py", "test_a_set_up_that_is_unknown_is_refused", "widths"),
     "python3 -m analysis machines": ("analysis/topics/machines/test_machines.py", "test_the_command_computes_what_is_missing_and_makes_the_page", "machines"),
     "python3 -m analysis insulators": ("analysis/topics/insulators/test_insulators.py", "test_the_command_computes_what_is_missing_and_makes_the_page", "insulators"),
     "python3 -m analysis.topics.insulators.truths": ("analysis/topics/insulators/test_insulators.py", "test_truths_are_solved_where_there_is_no_record", "truths"),

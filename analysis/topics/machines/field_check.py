@@ -124,11 +124,12 @@ def make(file: Path = FILE) -> int:
 def solved(set_up: SetUp, processes: Processes) -> FieldCheck:
     """Encloses the change of a set-up's reading; NoAnswer if the field solver has none."""
     (asked_for,) = set_up.scene.readings
+    columns = dict.fromkeys([asked_for.sense, *asked_for.drive])
     asked = ("--rtol", repr(_RTOL), "--error", "enclosure", "--max-unknowns", str(_MOST_UNKNOWNS))
     with tempfile.TemporaryDirectory() as folder:
         scene = Path(folder) / SCENE
         write_text(scene, set_up.text)
-        document = reference_stage.solve(scene, processes, *asked, "--columns", ",".join(asked_for.drive))
+        document = reference_stage.solve(scene, processes, *asked, "--columns", ",".join(columns))
     (reading,) = document["readings"]
     return FieldCheck(
         Estimate(reading["change"], reading["error"]["change"]),

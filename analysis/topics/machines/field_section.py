@@ -67,7 +67,7 @@ def _differences(found: list[Comparison]) -> Panel:
             continue
         traces.append(
             go.Scatter(
-                x=[each.field.change.value / PICOFARAD for each in members],
+                x=[abs(each.field.change.value) / PICOFARAD for each in members],
                 y=[_PERCENT * each.difference for each in members],
                 error_y={"array": [_PERCENT * each.allowed for each in members], "thickness": 1.5},
                 mode="markers",
@@ -78,7 +78,10 @@ def _differences(found: list[Comparison]) -> Panel:
             )
         )
     y = axis("boundary elements less field solver (%)", zeroline=True, zerolinewidth=2)
-    return Panel("both methods, set-up by set-up", figure(traces, log_axis("change of the reading (pF)"), y))
+    return Panel(
+        "both methods, set-up by set-up",
+        figure(traces, log_axis("size of the change of the reading (pF)"), y),
+    )
 
 
 def _rows(found: list[Comparison]) -> list[list[str]]:

@@ -10,7 +10,7 @@ from analysis.results.answers import Estimate
 from analysis.results.table import DELTA_SELF
 from analysis.topics.errors.parts import PARTS, QUANTITY, REST, Part, Split, Truth, parts, shares
 from analysis.topics.machines.set_ups import SetUp
-from geometries.scene.scene import Object, Scene
+from geometries.scene.scene import Object, Scene, Sensor
 from geometries.studies.families import GROUNDED
 
 OWN, OTHERS, SENSORS, MERGED, GROUNDING = (
@@ -23,9 +23,11 @@ OWN, OTHERS, SENSORS, MERGED, GROUNDING = (
 COMPANY = (OWN, OTHERS, SENSORS, MERGED, GROUNDING)
 """What a model of pairs neglects, each a difference between true changes."""
 TURNED_AWAY = "faces turned away"
-ALL_PARTS = (*COMPANY, TURNED_AWAY, *PARTS[DELTA_SELF])
+NOT_KNOWN = "no model of readings between sensors"
+"""The change by sensors and target by themselves, of which the plain model gives nothing if it is between two sensors."""
+ALL_PARTS = (*COMPANY, NOT_KNOWN, TURNED_AWAY, *PARTS[DELTA_SELF])
 """Every part, in the order in which they are shown. Those after COMPANY are of sensor and target by themselves: for a plate the parts of `errors`,
-for any other target the faces turned away, another quantity and the rest."""
+for any other target the faces turned away, another quantity and the rest, and for a reading between sensors that it is not known."""
 
 Chosen = frozenset[str]
 
@@ -44,6 +46,11 @@ class OnMachine:
     @property
     def full(self) -> Estimate:
         return self.changes[self.included]
+
+    @property
+    def alone(self) -> Estimate:
+        """The change with nothing included: by what is sensed and driven and the target by themselves."""
+        return self.changes[()]
 
     def company(self) -> dict[str, Part]:
         """Returns by how much each thing lowers the change, in the mean over all orders of including them (F); 0 for what is not there."""
@@ -90,7 +97,7 @@ def included(set_up: SetUp) -> tuple[str, ...]:
     there = {
         OWN: bool(set_up.own),
         OTHERS: bool(set_up.others),
-        SENSORS: len(set_up.scene.sensors) > 1,
+        SENSORS: len(set_up.scene.sensors) > len(_used(set_up.scene)),
         MERGED: len(set_up.targets) > 1,
         GROUNDING: any(body.potential != GROUNDED for body in set_up.targets),
     }
@@ -116,8 +123,14 @@ def scenes(set_up: SetUp, chosen: tuple[str, ...]) -> list[Scene]:
     machine = tuple(body for body in whole.objects if not body.target and body.name not in left_out)
     targets = set_up.targets if GROUNDING in chosen else grounded(set_up.targets)
     groups = [targets] if MERGED in chosen else [(body,) for body in targets]
-    sensors = whole.sensors if SENSORS in chosen else whole.sensors[:1]
+    sensors = whole.sensors if SENSORS in chosen else _used(whole)
     return [replace(whole, sensors=sensors, objects=(*group, *machine)) for group in groups]
+
+
+def _used(scene: Scene) -> tuple[Sensor, ...]:
+    """Returns the sensors that the reading senses or drives."""
+    (reading,) = scene.readings
+    return tuple(sensor for sensor in scene.sensors if sensor.name in (reading.sense, *reading.drive))
 
 
 def grounded(bodies: tuple[Object, ...]) -> tuple[Object, ...]:

@@ -18,11 +18,11 @@ from analysis.topics.machines.set_ups import SetUp
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """A set-up; `methods` holds the change (F) by each method that answers."""
+    """A set-up; `methods` holds the change (F) by each method that answers. `pairs` is None for a reading between two sensors."""
 
     set_up: SetUp
     true: OnMachine
-    pairs: Pairs
+    pairs: Pairs | None
     methods: dict[str, float]
 
     @property
@@ -36,13 +36,14 @@ class Entry:
 
     @property
     def error(self) -> float:
-        """(model − truth)/truth, by the model with all triangles."""
-        return self.pairs.every / self.change.value - 1
+        """(model − truth)/truth, by the model with all triangles; −1 for a reading between sensors, of which the model gives nothing."""
+        return (self.pairs.every if self.pairs else 0.0) / self.change.value - 1
 
     def parts(self) -> dict[str, float]:
         """Returns the parts of the relative error, which add up to it; 0 for what the set-up does not have."""
         company = {name: part.value for name, part in self.true.company().items()}
-        found = company | self.pairs.parts()
+        pair = self.pairs.parts() if self.pairs else {parts.NOT_KNOWN: -self.true.alone.value}
+        found = company | pair
         return {name: found.get(name, 0.0) / self.change.value for name in ALL_PARTS}
 
     @property
@@ -116,11 +117,15 @@ def _entry(set_up: SetUp, document: Document) -> Entry:
         tuple(each["included"]): Estimate(each["value"], each["error"]) for each in document["changes"]
     }
     stored = document["pairs"]
-    pairs = parts.Pairs(
+    pairs = None if stored is None else _pairs(stored)
+    methods = {name: each["change"] for name, each in document["methods"].items() if "change" in each}
+    return Entry(set_up, OnMachine(changes), pairs, methods)
+
+
+def _pairs(stored: Document) -> Pairs:
+    return Pairs(
         truths=tuple(records_of_pairs.truth(each) for each in stored["truths"]),
         every=stored["every"],
         facing=stored["facing"],
         split=records_of_pairs.split(stored["split"]) if stored["split"] else None,
     )
-    methods = {name: each["change"] for name, each in document["methods"].items() if "change" in each}
-    return Entry(set_up, OnMachine(changes), pairs, methods)

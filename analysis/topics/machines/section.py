@@ -23,7 +23,7 @@ _WHAT = (
     "the company are differences between true changes by boundary elements; the others are of the sensor and the target by themselves: faces turned away "
     "are triangles that the sensor does not see; another quantity is the charge on the target minus the change of the sensor's own; for a plate the rest is "
     "taken apart as in the page on two plates. The changes by exact and exact+facing are those of a grounded target: the plain model knows no other; the "
-    "formula knows company and floating targets. Definitions: "
+    "formula knows company and floating targets. Of a reading between two sensors the plain model gives nothing; its error is then the whole change. Definitions: "
     "analysis/topics/machines/MACHINES.md."
 )
 
@@ -106,7 +106,7 @@ def finding(found: list[Entry]) -> str:
 
 def parts_finding(found: list[Entry]) -> str:
     """Tells what company makes of the error, and which parts are the greatest."""
-    pairs = [entry.pairs.delta_self.value / entry.change.value for entry in found]
+    pairs = [entry.true.alone.value / entry.change.value for entry in found if entry.pairs] or [np.nan]
     of_company = {
         name: [entry.parts()[name] for entry in found if name in entry.true.included] for name in COMPANY
     }
@@ -172,7 +172,7 @@ def _numbers(found: list[Entry]) -> Markup:
             page.code(entry.set_up.id),
             entry.set_up.name,
             "yes" if entry.set_up.sealed else "",
-            *(picofarads(each.value, each.error) for each in (entry.change, entry.pairs.delta_self)),
+            *(picofarads(each.value, each.error) for each in (entry.change, entry.true.alone)),
             *(_number(entry.ratio(method)) if method in entry.methods else "" for method in METHODS),
             entry.largest,
         ]

@@ -20,13 +20,13 @@ from geometries.studies import machines
 from geometries.studies.families import FLOATING
 from geometries.studies.study import IDENTITY_DIGITS
 
-HOUSING, TABLE, ARM, PERSON, ROBOT = "housing", "table", "arm", "person", "robot"
-FAMILIES = (HOUSING, TABLE, ARM, PERSON, ROBOT)
+HOUSING, TABLE, ARM, PERSON, ROBOT, TRANSMIT = "housing", "table", "arm", "person", "robot", "transmit"
+FAMILIES = (HOUSING, TABLE, ARM, PERSON, ROBOT, TRANSMIT)
 READING = "reading"
 
 _COUNT, _SEALED = 66, 22
 """Set-ups of a family, and how many of them are sealed."""
-_SEEDS = {HOUSING: 71, TABLE: 72, ARM: 73, PERSON: 74, ROBOT: 75}
+_SEEDS = {HOUSING: 71, TABLE: 72, ARM: 73, PERSON: 74, ROBOT: 75, TRANSMIT: 76}
 # Ranges of a sensor's sides, of its distance from what it is mounted on, and of the target's from the sensor.
 _SIDES, _BEHIND, _GAPS = (0.03, 0.15), (0.003, 0.03), (0.015, 0.15)
 _SHIFT = 0.75
@@ -39,7 +39,7 @@ _TO_GROUND = (0.0, 1e-11, 1e-10, 1e-9)
 
 @dataclass(frozen=True)
 class SetUp:
-    """A scene with one reading, which drives and senses the first sensor.
+    """A scene with one reading, which drives and senses the first sensor; in the family `transmit` it drives the second and senses the first.
 
     `own` names the bodies that the sensors are mounted on, `others` the other bodies of the machine and around it. `text` is the canonical
     scene and `identity` its hash.
@@ -64,13 +64,19 @@ class SetUp:
         return f"{self.family} {self.number}"
 
     @property
+    def is_between_sensors(self) -> bool:
+        """Whether the reading drives another sensor than it senses."""
+        (reading,) = self.scene.readings
+        return reading.drive != (reading.sense,)
+
+    @property
     def targets(self) -> tuple[Object, ...]:
         return tuple(body for body in self.scene.objects if body.target)
 
 
 @dataclass(frozen=True)
 class _Parts:
-    """What a family draws: sensors, the first of which is read, the bodies below them, the others, and the targets."""
+    """What a family draws: sensors, the first of which is sensed, the bodies below them, the others, and the targets."""
 
     sensors: tuple[Sensor, ...]
     own: tuple[Object, ...]
@@ -96,8 +102,8 @@ def _of_family(family: str) -> Iterator[SetUp]:
         parts = _DRAWN[family](chance)
         around = (*parts.own, *parts.others)
         scene = machines.before(Scene(sensors=parts.sensors, objects=parts.targets), around)
-        read = parts.sensors[0].name
-        scene = replace(scene, readings=(Reading(READING, read, (read,)),))
+        driven = parts.sensors[1 if family == TRANSMIT else 0].name
+        scene = replace(scene, readings=(Reading(READING, parts.sensors[0].name, (driven,)),))
         text, identity = canonical_and_identity(scene)
         own, others = (tuple(body.name for body in some) for some in (parts.own, parts.others))
         yield SetUp(family, number, number > _COUNT - _SEALED, own, others, scene, text, identity)
@@ -146,12 +152,19 @@ def _robot(chance: random.Random) -> _Parts:
     return _Parts(sensors, links[:1], others, _connected((hand,), chance))
 
 
+def _transmit(chance: random.Random) -> _Parts:
+    sensors, size = _sensors(chance, chance.choice((2, 3)))
+    own = bodies.chain(chance, 1, size, -bodies.length(chance, _BEHIND))
+    return _Parts(sensors, own, (), _connected((_hand(chance, size),), chance))
+
+
 _DRAWN: dict[str, Callable[[random.Random], _Parts]] = {
     HOUSING: _housing,
     TABLE: _table,
     ARM: _arm,
     PERSON: _person,
     ROBOT: _robot,
+    TRANSMIT: _transmit,
 }
 
 

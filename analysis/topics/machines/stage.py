@@ -32,14 +32,19 @@ _FILES = (
 
 def answer(set_up: SetUp, _: Path) -> Document:
     """Computes the changes (F) of the reading by each method, beside the true ones, which are solved only if they are not stored; and the model
-    of sensor and target by themselves."""
+    of sensor and target by themselves, None for a reading between sensors."""
     model = model_stage.model_module()
     true = truths.load().get(set_up.identity) or truths.solved(model, set_up)
     return {
         "changes": [{"included": chosen, **asdict(value)} for chosen, value in true.changes.changes.items()],
-        "pairs": asdict(_pairs(model, set_up, true)),
-        "methods": {method: _by(model, set_up, method) for method in METHODS},
+        "pairs": None if set_up.is_between_sensors else asdict(_pairs(model, set_up, true)),
+        "methods": {method: _by(model, set_up, method) for method in methods(set_up)},
     }
+
+
+def methods(set_up: SetUp) -> tuple[str, ...]:
+    """Returns the methods that know a set-up's reading: the plain model knows none between two sensors."""
+    return (FORMULA,) if set_up.is_between_sensors else METHODS
 
 
 def _by(model: Any, set_up: SetUp, method: str) -> Document:

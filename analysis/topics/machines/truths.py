@@ -42,7 +42,7 @@ _DESCRIPTION = (
 
 @dataclass(frozen=True)
 class Truths:
-    """The true changes of a set-up, and the truth of the sensor with each body of the target by itself."""
+    """The true changes of a set-up, and the truth of the sensor with each body of the target by itself, empty for a reading between sensors."""
 
     changes: OnMachine
     pairs: tuple[Truth, ...]
@@ -72,18 +72,27 @@ def make(set_ups: Iterable[SetUp] | None = None, file: Path = FILE) -> int:
 
 def solved(model: Any, set_up: SetUp) -> Truths:
     """Solves a set-up for every choice of what is included. `model` is the model's module."""
-    everything = parts.included(set_up)
+    if set_up.is_between_sensors:
+        return Truths(OnMachine(_changes(model, set_up, parts.choices(set_up))), ())
     alone = parts.scenes(set_up, ())
     plates = len(alone) == 1 and rectangles(alone[0]) is not None
     pairs = tuple(_pair(model, scene, _RTOL_OF_PLATES if plates else RTOL) for scene in alone)
     changes: dict[tuple[str, ...], Estimate] = {(): parts.added(pair.delta_self for pair in pairs)}
-    for chosen in parts.choices(set_up):
-        if chosen:
-            rtol = RTOL if chosen == everything else _RTOL_BETWEEN
-            changes[chosen] = parts.added(
-                _change(model, scene, rtol) for scene in parts.scenes(set_up, chosen)
-            )
+    changes |= _changes(model, set_up, (chosen for chosen in parts.choices(set_up) if chosen))
     return Truths(OnMachine(changes), pairs)
+
+
+def _changes(
+    model: Any, set_up: SetUp, choices: Iterable[tuple[str, ...]]
+) -> dict[tuple[str, ...], Estimate]:
+    everything = parts.included(set_up)
+    return {
+        chosen: parts.added(
+            _change(model, scene, RTOL if chosen == everything else _RTOL_BETWEEN)
+            for scene in parts.scenes(set_up, chosen)
+        )
+        for chosen in choices
+    }
 
 
 def _change(model: Any, scene: Scene, rtol: float) -> Estimate:

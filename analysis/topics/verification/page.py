@@ -9,7 +9,7 @@ from markupsafe import Markup
 from analysis.pipeline import keys
 from analysis.report import page
 from analysis.results.store import Document, write_text
-from analysis.topics.verification import cost_section, records, section, stage
+from analysis.topics.verification import cost_section, records, section, stage, widths, widths_section
 
 PAGE = "verification.html"
 _INTRODUCTION = "Is the field reference right, are its stated errors right, and what does it cost? One command computes every number of this page."
@@ -42,7 +42,7 @@ def costs(rows: dict[str, Document]) -> Markup:
     ]
     ordered = _ordered(rows)
     found = [cost for cost in (records.cost(ordered, case) for case in asked) if cost is not None]
-    return cost_section.section(found)
+    return cost_section.section(found) + widths_section.section(widths.stored())
 
 
 def _ordered(rows: dict[str, Document]) -> dict[str, Document]:

@@ -13,7 +13,7 @@ from fem_reference.mesh.tagged_mesh import tagged_mesh
 from fem_reference.solve.cell_gaps import bounded_matrix
 from fem_reference.solve.field_problem import FieldProblem
 from fem_reference.solve.flux import CondensedCells
-from fem_reference.solve.parts_of_errors import parts_of_errors
+from fem_reference.solve.parts_of_errors import Quantities, entries, parts_of_errors
 
 COARSE = Sizing(edge=0.4, edge_in_gap=1.0, growth=0.6, curvature=0.6)
 
@@ -37,7 +37,7 @@ def test_gaps_of_cells_are_positive_and_add_up_to_the_gap_of_the_energies() -> N
     assert np.linalg.eigvalsh(found.gaps).min() > -1e-9 * np.trace(gap)
     # What is left is the gap outside of the mesh, and the quadrature in curved cells.
     assert np.abs(outside).max() < 1e-3 * np.trace(gap)
-    parts = parts_of_errors(found, mesh.shape_error, [])
+    parts = parts_of_errors(found, entries(2), mesh.shape_error, [])
     corners = mesh.mesh.geometry.dofmap.array.reshape(mesh.local_cells, -1)[:, :4]
     collected = marks(problem.bodies, mesh.mesh.geometry.x, corners, parts.of_cells, parts.whole)
     total = collected.at_edges.sum(axis=0) + collected.away.sum(axis=0) + collected.rest
@@ -45,6 +45,12 @@ def test_gaps_of_cells_are_positive_and_add_up_to_the_gap_of_the_energies() -> N
     half_width = np.sqrt(np.outer(np.diag(gap), np.diag(gap))) / 2
     middle = np.abs(found.lower + found.upper) / 2
     assert np.all(parts.whole >= (half_width / middle)[np.triu_indices(2)])
+    # A reading of both conductors' charge has the parts of the sum of their voltages.
+    both = Quantities(np.array([[1.0, 0.0]]), np.array([[1.0, 1.0]]))
+    reading = parts_of_errors(found, both, 0.0, [])
+    gaps = np.array([[gap[0, 0], gap.sum()]])
+    expected = np.sqrt(gaps.prod()) / 2 / np.abs((found.lower + found.upper)[0].sum() / 2)
+    np.testing.assert_allclose(reading.whole, expected, rtol=1e-9)
     # The sides along edges make up the edges: four of the plate, twelve of the box, and the chords of the disc's circle.
     lengths = np.linalg.norm(collected.sides[:, 1] - collected.sides[:, 0], axis=1).sum() * problem.unit
     edges = 4 * (0.5 + 0.4) + 8 * (0.3 + 0.2 + 0.2)
