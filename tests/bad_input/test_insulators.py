@@ -63,8 +63,12 @@ def test_the_model_refuses_a_cover_thicker_than_the_gap(options: dict[str, str])
 
 
 def test_the_reduced_method_refuses_what_touches_several_conductors() -> None:
-    text = SENSOR + HAND + glass("pad", 0).replace("translation = [0, 0, 0.025]", "translation = [0, 0, 0.005]")
-    with pytest.raises(ValueError, match='"pad" touches sensor "front" .* and object "hand".*boundary-elements'):
+    text = (
+        SENSOR + HAND + glass("pad", 0).replace("translation = [0, 0, 0.025]", "translation = [0, 0, 0.005]")
+    )
+    with pytest.raises(
+        ValueError, match='"pad" touches sensor "front" .* and object "hand".*boundary-elements'
+    ):
         model_module().Scene.loads(text).capacitance(method="reduced:1")
 
 
