@@ -620,8 +620,8 @@ Grounded objects that touch, overlap or contain each other are one conductor. "r
 for every pose in which they have moved relative to each other, which takes seconds.
 
 Round shapes are the polyhedra of their triangles here. Raises InputError (a ValueError) for conductors that may have
-different potentials and touch, cross or are inside each other, with "reduced:K" also for dielectric objects and for
-bodies of more than 2,000 triangles, those that touch them included.)")
+different potentials and touch, cross or are inside each other, with "reduced:K" also for dielectric objects that touch
+several conductors or another link, and for bodies of more than 2,000 triangles, those that touch them included.)")
       .def(
           "formula_terms",
           [](SharedScene& shared) {

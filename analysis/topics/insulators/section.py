@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from markupsafe import Markup
 
 from analysis.report import page
@@ -108,7 +110,8 @@ def rule_finding(found: list[Entry]) -> str:
 
 def check_finding(checks: list[Comparison]) -> str:
     """Tells how many values of both methods agree, within the goal and within the stated errors."""
-    count = len({each.set_up.identity for each in checks})
+    families = Counter({each.set_up.identity: each.set_up.family for each in checks}.values())
+    told = ", ".join(f"{family} {count}" for family, count in families.items())
     phrases = []
     for quantity in QUANTITIES:
         own = [each for each in checks if each.quantity == quantity]
@@ -118,7 +121,10 @@ def check_finding(checks: list[Comparison]) -> str:
         phrases.append(
             f"{quantity} {near} of {len(own)} within {percent(GOAL)} and {stated} within the stated errors, {signed_percent(worst)} at worst"
         )
-    return f"Boundary elements less the field solver in {count} set-ups, relative: {'; '.join(phrases)}."
+    return (
+        f"Boundary elements less the field solver in {families.total()} set-ups ({told}), their hands moved to the sensors' axes, relative: "
+        f"{'; '.join(phrases)}."
+    )
 
 
 def _name(family: str) -> str:

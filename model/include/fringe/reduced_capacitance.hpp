@@ -41,7 +41,8 @@ double rtol_of(const ReducedOptions& options);
 /// method: every body's charge is a combination of very few distributions, which are found anew for every
 /// pose (model/BOUNDARY_ELEMENTS.md, section 8). What does not depend on poses is prepared once. Bodies in
 /// contact at one potential are prepared as one body, as soon as they touch and again whenever they move
-/// relative to each other.
+/// relative to each other. Dielectric bodies are prepared with the conductor on their link that they touch,
+/// as covers with their plates, or by themselves.
 class ReducedEvaluator {
  public:
   /// Prepares the scene. Plates and boxes take some milliseconds. A body of triangles, including round ones
@@ -49,8 +50,8 @@ class ReducedEvaluator {
   /// bodies of equal shape are prepared once. What is refused is refused before that.
   ///
   /// @throws InputError for the scenes that maxwell() refuses, except those whose conductors touch, for
-  /// bodies of more than 2,000 triangles, alone or together with those they touch, and for options out of
-  /// range.
+  /// bodies of more than 2,000 triangles, alone or together with those they touch, for dielectric bodies that
+  /// touch several conductors, or something on another link, and for options out of range.
   explicit ReducedEvaluator(const Scene& scene, const ReducedOptions& options = {});
   /// Prepares the scene for a LiveScene, which owns the poses.
   ReducedEvaluator(const Scene& scene, const ReducedOptions& options,
@@ -77,13 +78,15 @@ class ReducedEvaluator {
   /// where bodies on different links touch. A scene that does not ask for changes is prepared again for them.
   ///
   /// @throws InputError for conductors that touch or cross though they may have different potentials, or
-  /// though the options do not allow it, and for bodies of more than 2,000 triangles together that touch.
+  /// though the options do not allow it, for bodies of more than 2,000 triangles together that touch, and for
+  /// dielectric bodies that touch something on another link.
   const MaxwellMatrix& maxwell(bool with_derivatives = false);
 
  private:
   class Implementation;
 
   void subtract_background(MaxwellMatrix& matrix, bool with_derivatives);
+  void subtract_bare_sensors(MaxwellMatrix& matrix);
 
   ReducedOptions options_;
   std::shared_ptr<detail::LinkPoses> poses_;
@@ -91,6 +94,7 @@ class ReducedEvaluator {
   Scene scene_;
   std::unique_ptr<Implementation> implementation_;
   std::unique_ptr<Implementation> background_;  ///< of the scene without the targets, where it is needed
+  std::unique_ptr<Implementation> bare_;        ///< of the sensors alone, where covers are prepared with them
 };
 
 /// Computes the matrix of a ReducedEvaluator for a scene as it is.

@@ -350,8 +350,7 @@ InsulatedResponse InsulatedSystem::respond(const MatrixXd& outer, const VectorXd
     result.potentials.row(panel) = found.fine.row(index_of(k));
     result.coarse_potentials.row(panel) = found.coarse.row(unknowns.coarse[k]);
   }
-  result.energies =
-      largest_energies(missed_energies(mesh_, unknowns, single_layer_, found.details), own);
+  result.energies = largest_energies(missed_energies(mesh_, unknowns, single_layer_, found.details), own);
   return result;
 }
 

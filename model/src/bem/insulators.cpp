@@ -20,7 +20,8 @@ namespace {
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
-/// Distance of the points beside a part of a surface, relative to its size; above rounding, below any feature.
+/// Distance of the points beside a part of a surface, relative to its size; above rounding, below any
+/// feature.
 constexpr double beside_part = 1e-5;
 
 Insulator insulator_of(const Object& object, const Eigen::Isometry3d& pose, double medium) {
@@ -93,9 +94,8 @@ std::vector<LinkedInsulator> insulators_on_links(const Scene& scene) {
     const Object& object = scene.objects[k];
     if (!std::holds_alternative<Dielectric>(object.role))
       continue;
-    result.push_back(
-        {insulator_of(object, Eigen::Isometry3d::Identity(), scene.medium.relative_permittivity),
-         object.link});
+    result.push_back({insulator_of(object, Eigen::Isometry3d::Identity(), scene.medium.relative_permittivity),
+                      object.link});
     result.back().body.is_target = are_targets[k];
   }
   return result;

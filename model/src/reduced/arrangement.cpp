@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <ranges>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "bem/insulators.hpp"
 #include "fringe/error.hpp"
+#include "fringe/reading.hpp"
 #include "reduced/body_gap.hpp"
 
 namespace fringe::detail {
@@ -32,15 +35,15 @@ std::vector<std::vector<std::size_t>> components(std::size_t bodies, const std::
 
 /// Moves groups of targets alone behind all others. Returns the number of those that are not targets, or none
 /// if a group has bodies of both kinds.
-std::optional<std::size_t> targets_last(std::vector<std::vector<std::size_t>>& groups,
-                                        const ChargedBodies& bodies) {
+std::optional<std::size_t> targets_last(std::vector<BodyGroup>& groups, const ChargedBodies& bodies,
+                                        const std::vector<LinkedInsulator>& insulators) {
   const auto is_target = [&](std::size_t body) { return bodies.bodies[body].is_target; };
-  const auto targets =
-      std::stable_partition(groups.begin(), groups.end(), [&](const std::vector<std::size_t>& group) {
-        return std::none_of(group.begin(), group.end(), is_target);
-      });
-  const bool are_separate = std::all_of(targets, groups.end(), [&](const std::vector<std::size_t>& group) {
-    return std::all_of(group.begin(), group.end(), is_target);
+  const auto comes = [&](std::size_t insulator) { return insulators[insulator].body.is_target; };
+  const auto targets = std::stable_partition(groups.begin(), groups.end(), [&](const BodyGroup& group) {
+    return std::ranges::none_of(group.parts, is_target) && std::ranges::none_of(group.insulators, comes);
+  });
+  const bool are_separate = std::all_of(targets, groups.end(), [&](const BodyGroup& group) {
+    return std::ranges::all_of(group.parts, is_target) && std::ranges::all_of(group.insulators, comes);
   });
   if (!are_separate)
     return std::nullopt;
@@ -59,8 +62,15 @@ bool are_equal(const Isometry3d& one, const Isometry3d& other, double size) {
 
 Arrangement::Arrangement(const Scene& scene, ReducedContacts contacts, double accuracy,
                          std::shared_ptr<LinkPoses> poses)
-    : allowed_(contacts), accuracy_(accuracy), motion_(std::move(poses)), objects_(ordered_objects(scene)),
-      on_links_(bodies_on_links(scene)) {
+    : allowed_(contacts), accuracy_(accuracy), motion_(std::move(poses)),
+      objects_(ordered_objects(without_insulators(scene))),
+      on_links_(bodies_on_links(without_insulators(scene))), insulators_(insulators_on_links(scene)) {
+  const std::vector<bool> are_targets = targets(scene);
+  for (ChargedBody& body : on_links_.bodies)
+    for (std::size_t k = 0; k < scene.objects.size(); ++k)
+      if (scene.objects[k].name == on_links_.conductors[body.conductor].members[body.member])
+        body.is_target = are_targets[k];
+  refuse_thick_covers(scene);
   join();
 }
 
@@ -121,18 +131,29 @@ bool Arrangement::joins_hold() const {
 void Arrangement::join() {
   const std::vector<Contact> found = contacts();
   ChargedBodies bodies = joined(on_links_, found);
-  std::vector<std::vector<std::size_t>> groups = components(bodies.bodies.size(), found);
-  const std::optional<std::size_t> machine_bodies = targets_last(groups, bodies);
+  std::vector<BodyGroup> groups = this->groups(found);
+  const std::optional<std::size_t> machine_bodies = targets_last(groups, bodies, insulators_);
   std::vector<std::vector<Isometry3d>> poses;
-  for (const std::vector<std::size_t>& group : groups) {
+  std::vector<Insulator> insulators;
+  insulators.reserve(insulators_.size());
+  for (const LinkedInsulator& insulator : insulators_)
+    insulators.push_back(insulator.body);
+  for (const BodyGroup& group : groups) {
     poses.emplace_back();
-    for (const std::size_t part : group) {
-      poses.back().push_back(relative_pose(part, group.front()));
-      if (on_links_.bodies[part].link != on_links_.bodies[group.front()].link)
+    for (const std::size_t part : group.parts) {
+      poses.back().push_back(relative_pose(part, group.parts.front()));
+      if (on_links_.bodies[part].link != on_links_.bodies[group.parts.front()].link)
         bodies.bodies[part] = moved(bodies.bodies[part], poses.back().back());
     }
+    for (const std::size_t insulator : group.insulators)
+      if (const auto link = group.parts.empty() ? insulators_[group.insulators.front()].link
+                                                : on_links_.bodies[group.parts.front()].link;
+          insulators_[insulator].link != link)
+        insulators[insulator] =
+            moved(insulators[insulator],
+                  motion_.world_pose(link).inverse() * motion_.world_pose(insulators_[insulator].link));
   }
-  std::vector<RigidBody> rigid = rigid_bodies(objects_, bodies, groups, accuracy_, shapes_);
+  std::vector<RigidBody> rigid = rigid_bodies(objects_, bodies, insulators, groups, accuracy_, shapes_);
   shapes_.forget_others(rigid);
   double largest = 0;
   for (const RigidBody& body : rigid)
@@ -164,7 +185,9 @@ bool Arrangement::place() {
     const Isometry3d pose = motion_.world_pose(link(k)) * rigid_[k].on_link;
     if (!pose.matrix().allFinite())
       throw InputError(
-          fmt::format("{}: its pose is not finite", on_links_.bodies[rigid_[k].parts.front()].name));
+          fmt::format("{}: its pose is not finite", rigid_[k].parts.empty()
+                                                        ? insulators_[rigid_[k].insulators.front()].body.name
+                                                        : on_links_.bodies[rigid_[k].parts.front()].name));
     placed_[k] = {rigid_[k].shape, rigid_[k].scale, pose.translation() / unit_, pose.linear()};
   }
   for (std::size_t a = 0; a < rigid_.size(); ++a)
@@ -200,7 +223,87 @@ bool Arrangement::must_be_joined(std::size_t a, std::size_t b) const {
             fmt::format("{} and {} touch: they would have to be joined for every pose", one.name, two.name));
       }
     }
+  refuse_contact_of_insulators(a, b);
   return false;
+}
+
+ChargedBody Arrangement::insulator_in_world(std::size_t insulator) const {
+  const LinkedInsulator& one = insulators_[insulator];
+  return surface_of(moved(one.body, motion_.world_pose(one.link)));
+}
+
+/// Throws InputError if dielectric bodies of a rigid body touch another one.
+void Arrangement::refuse_contact_of_insulators(std::size_t a, std::size_t b) const {
+  const auto refuse = [&](std::size_t insulator, const ChargedBody& other) {
+    const ChargedBody one = insulator_in_world(insulator);
+    if (are_in_contact(one, other))
+      throw InputError(
+          fmt::format("{} and {} touch: the reduced method takes dielectric bodies only with a conductor on "
+                      "their link; boundary-elements takes them",
+                      one.name, other.name));
+  };
+  for (const auto& [own, other] : {std::pair(a, b), std::pair(b, a)})
+    for (const std::size_t insulator : rigid_[own].insulators) {
+      for (const std::size_t part : rigid_[other].parts)
+        refuse(insulator, in_world(part));
+      for (const std::size_t second : rigid_[other].insulators)
+        refuse(insulator, insulator_in_world(second));
+    }
+}
+
+/// Returns the groups of bodies in contact, and with each the dielectric bodies on the same link that touch
+/// it. Throws InputError for a dielectric body that touches several.
+std::vector<BodyGroup> Arrangement::groups(const std::vector<Contact>& contacts) const {
+  std::vector<BodyGroup> result;
+  for (std::vector<std::size_t>& parts : components(on_links_.bodies.size(), contacts))
+    result.push_back({std::move(parts), {}});
+  const std::size_t conductors = result.size();
+  std::vector<ChargedBody> surfaces;
+  for (std::size_t k = 0; k < insulators_.size(); ++k)
+    surfaces.push_back(insulator_in_world(k));
+  const auto touches = [&](std::size_t insulator, const BodyGroup& group) {
+    return std::ranges::any_of(group.parts,
+                               [&](std::size_t part) {
+                                 return on_links_.bodies[part].link == insulators_[insulator].link &&
+                                        are_in_contact(surfaces[insulator], in_world(part));
+                               }) ||
+           std::ranges::any_of(group.insulators, [&](std::size_t other) {
+             return insulators_[other].link == insulators_[insulator].link &&
+                    are_in_contact(surfaces[insulator], surfaces[other]);
+           });
+  };
+  for (std::size_t k = 0; k < insulators_.size(); ++k) {
+    std::vector<std::size_t> touched;
+    for (std::size_t g = 0; g < result.size(); ++g)
+      if (touches(k, result[g]))
+        touched.push_back(g);
+    if (touched.empty()) {
+      result.push_back({{}, {k}});
+      continue;
+    }
+    if (touched.size() > 1 && touched[1] < conductors)
+      throw InputError(
+          fmt::format("{} touches {} and {}, which are no single conductor in contact: the reduced method "
+                      "prepares a dielectric body with one; boundary-elements takes it",
+                      insulators_[k].body.name, on_links_.bodies[result[touched[0]].parts.front()].name,
+                      on_links_.bodies[result[touched[1]].parts.front()].name));
+    BodyGroup& first = result[touched.front()];
+    first.insulators.push_back(k);
+    for (std::size_t g = touched.size(); g-- > 1;) {
+      const auto& others = result[touched[g]].insulators;
+      first.insulators.insert(first.insulators.end(), others.begin(), others.end());
+      result.erase(result.begin() + static_cast<std::ptrdiff_t>(touched[g]));
+    }
+    std::ranges::sort(first.insulators);
+  }
+  return result;
+}
+
+bool Arrangement::covers_sensors() const {
+  return std::ranges::any_of(rigid_, [&](const RigidBody& body) {
+    return !body.insulators.empty() && !body.parts.empty() &&
+           on_links_.role(on_links_.bodies[body.parts.front()]) == Role::sensor;
+  });
 }
 
 }  // namespace fringe::detail

@@ -22,8 +22,9 @@ namespace fringe::detail {
 /// relative pose.
 class Arrangement {
  public:
-  /// Prepares the bodies; energies of those of triangles are within `accuracy`. Throws InputError as
-  /// bodies_on_links and rigid_bodies do.
+  /// Prepares the bodies; energies of those of triangles are within `accuracy`. Dielectric bodies are
+  /// prepared with the conductor on their link that they touch, else by themselves. Throws InputError as
+  /// bodies_on_links and rigid_bodies do, and for a dielectric body that touches several conductors.
   Arrangement(const Scene& scene, ReducedContacts contacts, double accuracy,
               std::shared_ptr<LinkPoses> poses);
 
@@ -58,11 +59,16 @@ class Arrangement {
     return !is_settled_ || !motion_.rigid(link(a), link(b));
   }
 
+  /// Returns true if dielectric bodies touch a plate of a sensor.
+  bool covers_sensors() const;
+
   const PlacedBody& placed(std::size_t body) const { return placed_[body]; }
 
-  /// Returns the link that carries a rigid body: that of its first part.
+  /// Returns the link that carries a rigid body: that of its first part, or of its dielectric bodies.
   std::optional<std::size_t> link(std::size_t body) const {
-    return on_links_.bodies[rigid_[body].parts.front()].link;
+    const RigidBody& rigid = rigid_[body];
+    return rigid.parts.empty() ? insulators_[rigid.insulators.front()].link
+                               : on_links_.bodies[rigid.parts.front()].link;
   }
 
   /// Returns the poses of the links, as of the last update().
@@ -86,12 +92,16 @@ class Arrangement {
   void join();
   bool place();
   bool must_be_joined(std::size_t a, std::size_t b) const;
+  ChargedBody insulator_in_world(std::size_t insulator) const;
+  void refuse_contact_of_insulators(std::size_t a, std::size_t b) const;
+  std::vector<BodyGroup> groups(const std::vector<Contact>& contacts) const;
 
   ReducedContacts allowed_;
   double accuracy_;
   LinkMotion motion_;
   std::vector<Object> objects_;
   ChargedBodies on_links_;  ///< none of them joined
+  std::vector<LinkedInsulator> insulators_;
   SharedShapes shapes_;
 
   std::size_t joinings_ = 0;

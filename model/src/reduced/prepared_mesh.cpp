@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "numeric/interruption.hpp"
+#include "reduced/insulated_body.hpp"
 #include "reduced/outside_charges.hpp"
 #include "reduced/single_body_system.hpp"
 
@@ -73,6 +74,51 @@ Loads principal_loads(const SingleBodySystem& panels, const MatrixXd& potentials
   return loads;
 }
 
+/// Computes the combinations of a constant and of other potentials (rows) to which a body's responses are
+/// orthonormal in the energy: first the constant, if it has an energy, then the principal ones of the others.
+MatrixXd principal_loads(const MatrixXd& energies, Index most) {
+  /// Least eigenvalue, relative to the largest: the panels' errors are larger than smaller ones.
+  constexpr double least_energy = 1e-6;
+  const Index sources = energies.rows() - 1;
+  const double own = energies(0, 0);
+  RowVectorXd common = RowVectorXd::Zero(sources);
+  if (own > 0)
+    common = energies.row(0).tail(sources) / own;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(energies.bottomRightCorner(sources, sources) -
+                                                       own * common.transpose() * common);
+  const double largest = solver.eigenvalues().tail(1)[0];
+  const Index first = own > 0 ? 1 : 0;
+  Index count = first;
+  while (count < std::min(most, sources + first) &&
+         solver.eigenvalues()[sources - 1 - count + first] > least_energy * largest)
+    ++count;
+  MatrixXd loads = MatrixXd::Zero(sources + 1, count);
+  if (own > 0)
+    loads(0, 0) = 1 / std::sqrt(own);
+  for (Index k = first; k < count; ++k) {
+    const Index at = sources - 1 - k + first;
+    loads.col(k).tail(sources) = solver.eigenvectors().col(at) / std::sqrt(solver.eigenvalues()[at]);
+    loads(0, k) = -common.dot(loads.col(k).tail(sources));
+  }
+  return loads;
+}
+
+/// Returns a symmetric matrix with its eigenvalues' magnitudes.
+MatrixXd absolute(const MatrixXd& matrix) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(matrix);
+  return solver.eigenvectors() * solver.eigenvalues().cwiseAbs().asDiagonal() *
+         solver.eigenvectors().transpose();
+}
+
+std::vector<TriangleSurface> surfaces_of(const InsulatedBodies& bodies) {
+  std::vector<TriangleSurface> surfaces;
+  for (const ChargedBody& body : bodies.conductors.bodies)
+    surfaces.push_back(std::get<TriangleSurface>(body.surface));
+  for (const Insulator& insulator : bodies.insulators)
+    surfaces.push_back({insulator.surface});
+  return surfaces;
+}
+
 std::vector<Vector3d> corners_of(const std::vector<TriangleSurface>& surfaces) {
   std::vector<Vector3d> corners;
   for (const auto& [triangles] : surfaces)
@@ -115,7 +161,30 @@ PreparedMesh::PreparedMesh(std::vector<TriangleSurface> surfaces, double accurac
   if (surfaces_.size() > 1)
     net_ = net_charges(panels.mesh, responses, surfaces_.size());
 
-  panels_ = cluster_panels(all);
+  set_functions(all, responses);
+}
+
+PreparedMesh::PreparedMesh(const InsulatedBodies& bodies, double accuracy)
+    : surfaces_(surfaces_of(bodies)), is_closed_(is_any_closed(surfaces_)),
+      box_(box_around(corners_of(surfaces_))) {
+  for (const Insulator& insulator : bodies.insulators)
+    ratios_.push_back(insulator.ratio);
+  const InsulatedBody solved =
+      solve_insulated_body(bodies, accuracy, most_mesh_panels, [&](const std::vector<Panel>& panels) {
+        return potentials_on(panels, outside_charges(surfaces_, panels));
+      });
+  const MatrixXd loads = principal_loads(solved.energies, mesh_functions.back());
+  const MatrixXd responses = solved.responses * loads;
+  missing_ = absolute(loads.transpose() * (solved.energies - solved.coarse_energies) * loads);
+  if (!bodies.conductors.bodies.empty())
+    root_ = responses.col(0).sum();
+  if (bodies.conductors.bodies.size() > 1)
+    net_ = solved.free_charges * loads;
+  set_functions(solved.panels, responses);
+}
+
+void PreparedMesh::set_functions(const std::vector<Panel>& panels, const MatrixXd& responses) {
+  panels_ = cluster_panels(panels);
   const auto count = static_cast<std::size_t>(responses.cols());
   functions_.assign((count + 1) * static_cast<std::size_t>(places()), 0.0F);
   for (std::size_t function = 0; function < count; ++function)

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "bem/bodies.hpp"
+#include "bem/insulators.hpp"
 #include "reduced/node_kernels.hpp"
 #include "reduced/panel_clusters.hpp"
 #include "reduced/prepared_shape.hpp"
@@ -25,7 +26,14 @@ class PreparedMesh {
   /// coordinate of about 1. Panels are refined until energies are within `accuracy`.
   PreparedMesh(std::vector<TriangleSurface> surfaces, double accuracy);
 
+  /// Prepares conductors at one potential with dielectric bodies that are fixed to them, or dielectric bodies
+  /// alone, likewise. Their charges are those on the outermost panels, polarisation included.
+  PreparedMesh(const InsulatedBodies& bodies, double accuracy);
+
+  /// Returns the surfaces of the conductors, then those of the dielectric bodies.
   const std::vector<TriangleSurface>& surfaces() const { return surfaces_; }
+  /// Returns the permittivities of the dielectric bodies over the medium's.
+  const std::vector<double>& ratios() const { return ratios_; }
   /// Returns true if one of the surfaces is closed.
   bool is_closed() const { return is_closed_; }
   /// Returns a box around all triangles.
@@ -45,7 +53,10 @@ class PreparedMesh {
   PreparedLevel level(int index) const;
 
  private:
+  void set_functions(const std::vector<Panel>& panels, const Eigen::MatrixXd& responses);
+
   std::vector<TriangleSurface> surfaces_;
+  std::vector<double> ratios_;
   bool is_closed_;
   BoxNumbers box_;
   PanelClusters panels_;

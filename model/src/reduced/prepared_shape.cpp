@@ -144,8 +144,13 @@ PreparedShape::PreparedShape(const FacedSurface& surface) : levels_(levels) {
 }
 
 PreparedShape::PreparedShape(std::vector<TriangleSurface> surfaces, double accuracy)
-    : surface_(TriangleSurface{}), half_sides_(Vector3d::Zero()), levels_(levels),
-      mesh_(std::make_unique<PreparedMesh>(std::move(surfaces), accuracy)) {
+    : PreparedShape(std::make_unique<PreparedMesh>(std::move(surfaces), accuracy)) {}
+
+PreparedShape::PreparedShape(const InsulatedBodies& bodies, double accuracy)
+    : PreparedShape(std::make_unique<PreparedMesh>(bodies, accuracy)) {}
+
+PreparedShape::PreparedShape(std::unique_ptr<PreparedMesh> mesh)
+    : surface_(TriangleSurface{}), half_sides_(Vector3d::Zero()), levels_(levels), mesh_(std::move(mesh)) {
   std::vector<Vector3d> points;
   for (const auto& [triangles] : mesh_->surfaces())
     for (const Triangle& triangle : triangles)

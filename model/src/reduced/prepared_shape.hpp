@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "bem/bodies.hpp"
+#include "bem/insulators.hpp"
 #include "fringe/triangle.hpp"
 #include "reduced/node_kernels.hpp"
 
@@ -45,6 +46,8 @@ class PreparedShape {
   explicit PreparedShape(const FacedSurface& surface);
   /// Prepares a body of triangles, as PreparedMesh does.
   PreparedShape(std::vector<TriangleSurface> surfaces, double accuracy);
+  /// Prepares a body with insulators, as PreparedMesh does.
+  PreparedShape(const InsulatedBodies& bodies, double accuracy);
   ~PreparedShape();
 
   /// Returns the faces; none for a body of triangles.
@@ -69,6 +72,7 @@ class PreparedShape {
   const PreparedLevel& level(int index);
 
  private:
+  explicit PreparedShape(std::unique_ptr<PreparedMesh> mesh);
   void set_edge_points(std::vector<Eigen::Vector3d> points);
 
   BodySurface surface_;  ///< without triangles, which mesh_ has

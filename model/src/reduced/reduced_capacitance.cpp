@@ -113,6 +113,8 @@ class ReducedEvaluator::Implementation {
     return answer_;
   }
 
+  bool covers_sensors() const { return bodies_.covers_sensors(); }
+
  private:
   /// Returns whether the answer is that of the present poses.
   bool is_settled() const {
@@ -152,7 +154,10 @@ class ReducedEvaluator::Implementation {
                     [](const std::vector<std::string>& members) { return members.size() > 1; });
     std::vector<detail::ReducedBody> reduced;
     for (const RigidBody& body : bodies_.rigid())
-      reduced.push_back({body.shape, body.scale, bodies_.bodies().bodies[body.parts.front()].conductor, 0});
+      reduced.push_back({body.shape, body.scale,
+                         body.parts.empty() ? bodies_.bodies().conductors.size()
+                                            : bodies_.bodies().bodies[body.parts.front()].conductor,
+                         0});
     functions_.assign(count() * count(), {0, 0});
     charged_readings_ = detail::charged_readings(readings_, detail::drivable_conductors(bodies_.bodies()));
     system_.emplace(std::move(reduced), answer_.sensors, bodies_.bodies().conductors.size(),
@@ -366,11 +371,14 @@ class ReducedEvaluator::Implementation {
   /// distributed over them in proportion to their magnitudes.
   MatrixXd member_charges(const ReducedSolution& solution, const MatrixXd& fine) {
     const MatrixXd of_surfaces = system_->surface_charges();
-    MatrixXd of_bodies(of_surfaces.rows(), of_surfaces.cols());
+    MatrixXd of_bodies(static_cast<Index>(bodies_.bodies().bodies.size()), of_surfaces.cols());
     Index row = 0;
-    for (const RigidBody& body : bodies_.rigid())
+    for (const RigidBody& body : bodies_.rigid()) {
       for (const std::size_t part : body.parts)
         of_bodies.row(static_cast<Index>(part)) = of_surfaces.row(row++);
+      // Dielectric bodies alone have a row, too, and no charge.
+      row += body.parts.empty() ? 1 : 0;
+    }
     MatrixXd charges = detail::member_charges(solution.values, of_bodies, bodies_.bodies());
     Index first = 0;
     for (Index conductor = 0; conductor < fine.rows(); ++conductor) {
@@ -447,11 +455,30 @@ const MaxwellMatrix& ReducedEvaluator::maxwell(bool with_derivatives) {
     implementation_ = std::make_unique<Implementation>(scene_, options_, readings_, poses_);
   }
   MaxwellMatrix& matrix = implementation_->maxwell(with_derivatives);
+  if (implementation_->covers_sensors())
+    subtract_bare_sensors(matrix);
   if (readings_.empty())
     matrix.readings = detail::readings_of_sensors(matrix);
   else if (matrix.readings.empty())
     subtract_background(matrix, with_derivatives);
   return matrix;
+}
+
+/// Writes what objects, covers included, add to the sensors' own entries. Covers are prepared with the
+/// sensors, so that the sensors alone are solved by themselves; that answer is kept as long as they do not
+/// move.
+void ReducedEvaluator::subtract_bare_sensors(MaxwellMatrix& matrix) {
+  if (bare_ == nullptr) {
+    Scene bare = scene_;
+    bare.objects.clear();
+    bare.readings.clear();
+    bare_ = std::make_unique<Implementation>(bare, options_, std::vector<Reading>(), poses_);
+  }
+  const MaxwellMatrix& alone = bare_->maxwell(false);
+  for (Index sensor = 0; sensor < static_cast<Index>(matrix.sensors); ++sensor) {
+    matrix.delta_self[sensor] = matrix.values(sensor, sensor) - alone.values(sensor, sensor);
+    matrix.delta_self_errors[sensor] = matrix.errors(sensor, sensor) + alone.errors(sensor, sensor);
+  }
 }
 
 void ReducedEvaluator::subtract_background(MaxwellMatrix& matrix, bool with_derivatives) {

@@ -100,7 +100,8 @@ void ReducedSystem::find_change() {
   MatrixXd products(size, size), nets = MatrixXd::Zero(size, count);
   for (Index row = 0; row < size; ++row) {
     const std::size_t k = order[static_cast<std::size_t>(row)];
-    nets(row, static_cast<Index>(bodies_[vectors_[k].body].conductor)) = vectors_[k].net;
+    if (const std::size_t conductor = bodies_[vectors_[k].body].conductor; conductor < conductors_)
+      nets(row, static_cast<Index>(conductor)) = vectors_[k].net;
     for (Index column = 0; column <= row; ++column) {
       const auto [l, m] = std::minmax(k, order[static_cast<std::size_t>(column)]);
       products(row, column) = gram_[m * (m + 1) / 2 + l];

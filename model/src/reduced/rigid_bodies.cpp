@@ -1,13 +1,17 @@
 #include "reduced/rigid_bodies.hpp"
 
 #include <algorithm>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "bem/box_self_interaction.hpp"
+#include "bem/contact.hpp"
 #include "fringe/error.hpp"
+#include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 #include "reduced/prepared_mesh.hpp"
 #include "reduced/single_body_system.hpp"
@@ -117,6 +121,53 @@ std::vector<TriangleSurface> surfaces_of(const ChargedBodies& bodies, const std:
   return surfaces;
 }
 
+/// Finds the shape of conductors with the dielectric bodies that touch them, or of such bodies alone. Sensors
+/// with equal plates and covers share one: their triangles are put into the frame of the plate.
+RigidBody body_with_insulators(const ChargedBodies& bodies, const std::vector<Insulator>& insulators,
+                               const BodyGroup& group, double accuracy, SharedShapes& shapes) {
+  InsulatedBodies own;
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+  if (!group.parts.empty()) {
+    own.conductors.conductors.push_back({"", Role::grounded, {}});
+    if (const auto* plate = std::get_if<FlatPlate>(&bodies.bodies[group.parts.front()].surface))
+      frame = frame_of(*plate);
+  }
+  std::vector<TriangleSurface> surfaces;
+  for (const std::size_t part : group.parts)
+    surfaces.push_back(oriented_triangles(bodies.bodies[part].surface));
+  for (const std::size_t insulator : group.insulators)
+    surfaces.push_back({insulators[insulator].surface});
+  for (auto& [triangles] : surfaces)
+    for (Triangle& triangle : triangles)
+      triangle = transformed(triangle, frame.inverse());
+  const UnitSurfaces unit = in_unit(std::move(surfaces));
+  for (std::size_t k = 0; k < group.parts.size(); ++k)
+    own.conductors.bodies.push_back({0, k, unit.surfaces[k], bodies.bodies[group.parts[k]].name, {}});
+  for (std::size_t k = 0; k < group.insulators.size(); ++k) {
+    Insulator& insulator = own.insulators.emplace_back(insulators[group.insulators[k]]);
+    insulator.surface = unit.surfaces[group.parts.size() + k].triangles;
+    insulator.box = axis_aligned_box(insulator.surface);
+  }
+  try {
+    return {shapes.find(own, accuracy), unit.scale, frame * Eigen::Translation3d(unit.centre), {}};
+  } catch (const InputError& error) {
+    throw InputError(
+        fmt::format("{}: {}", insulators[group.insulators.front()].name, std::string_view(error.what())));
+  }
+}
+
+/// Returns true if two lists of triangles differ only by the rounding of poses, at a size of one.
+bool have_equal_corners(std::span<const Triangle> one, std::span<const Triangle> other) {
+  constexpr double rounding = 1e-9;
+  if (one.size() != other.size())
+    return false;
+  for (std::size_t k = 0; k < one.size(); ++k)
+    for (std::size_t corner = 0; corner < 3; ++corner)
+      if ((one[k][corner] - other[k][corner]).norm() > rounding)
+        return false;
+  return true;
+}
+
 }  // namespace
 
 std::vector<Object> ordered_objects(const Scene& scene) {
@@ -141,11 +192,32 @@ PreparedShape* SharedShapes::find(const std::vector<TriangleSurface>& surfaces, 
     return one.triangles == other.triangles;
   };
   for (const auto& shape : shapes_)
-    if (shape->mesh() != nullptr &&
+    if (shape->mesh() != nullptr && shape->mesh()->ratios().empty() &&
         std::equal(surfaces.begin(), surfaces.end(), shape->mesh()->surfaces().begin(),
                    shape->mesh()->surfaces().end(), are_equal))
       return shape.get();
   shapes_.push_back(std::make_unique<PreparedShape>(surfaces, accuracy));
+  return shapes_.back().get();
+}
+
+PreparedShape* SharedShapes::find(const InsulatedBodies& bodies, double accuracy) {
+  const auto are_alike = [&](const PreparedMesh& mesh) {
+    const std::size_t conductors = bodies.conductors.bodies.size();
+    if (mesh.surfaces().size() != conductors + bodies.insulators.size() ||
+        mesh.ratios().size() != bodies.insulators.size())
+      return false;
+    for (std::size_t k = 0; k < mesh.surfaces().size(); ++k)
+      if (!have_equal_corners(mesh.surfaces()[k].triangles,
+                              k < conductors ? triangles_of(bodies.conductors.bodies[k].surface)
+                                             : std::span(bodies.insulators[k - conductors].surface)) ||
+          (k >= conductors && mesh.ratios()[k - conductors] != bodies.insulators[k - conductors].ratio))
+        return false;
+    return true;
+  };
+  for (const auto& shape : shapes_)
+    if (shape->mesh() != nullptr && !shape->mesh()->ratios().empty() && are_alike(*shape->mesh()))
+      return shape.get();
+  shapes_.push_back(std::make_unique<PreparedShape>(bodies, accuracy));
   return shapes_.back().get();
 }
 
@@ -158,21 +230,29 @@ void SharedShapes::forget_others(const std::vector<RigidBody>& bodies) {
 }
 
 std::vector<RigidBody> rigid_bodies(const std::vector<Object>& objects, const ChargedBodies& bodies,
-                                    const std::vector<std::vector<std::size_t>>& groups, double accuracy,
+                                    const std::vector<Insulator>& insulators,
+                                    const std::vector<BodyGroup>& groups, double accuracy,
                                     SharedShapes& shapes) {
-  for (const std::vector<std::size_t>& group : groups)
-    refuse_large(name_of(bodies, group), surfaces_of(bodies, group));
+  for (const BodyGroup& group : groups)
+    if (!group.parts.empty())
+      refuse_large(name_of(bodies, group.parts), surfaces_of(bodies, group.parts));
   // The plates of sensors come before the objects.
   const std::size_t plates = bodies.bodies.size() - objects.size();
   std::vector<RigidBody> rigid;
-  for (const std::vector<std::size_t>& group : groups) {
-    const ChargedBody& first = bodies.bodies[group.front()];
-    const Object* const object = group.front() < plates ? nullptr : &objects[group.front() - plates];
-    rigid.push_back(group.size() == 1
-                        ? std::visit(ShapeFinder{object, first.name, accuracy, shapes}, first.surface)
-                        : body_of_triangles(name_of(bodies, group), surfaces_of(bodies, group),
-                                            Eigen::Isometry3d::Identity(), accuracy, shapes));
-    rigid.back().parts = group;
+  for (const BodyGroup& group : groups) {
+    if (!group.insulators.empty()) {
+      rigid.push_back(body_with_insulators(bodies, insulators, group, accuracy, shapes));
+    } else {
+      const ChargedBody& first = bodies.bodies[group.parts.front()];
+      const Object* const object =
+          group.parts.front() < plates ? nullptr : &objects[group.parts.front() - plates];
+      rigid.push_back(group.parts.size() == 1
+                          ? std::visit(ShapeFinder{object, first.name, accuracy, shapes}, first.surface)
+                          : body_of_triangles(name_of(bodies, group.parts), surfaces_of(bodies, group.parts),
+                                              Eigen::Isometry3d::Identity(), accuracy, shapes));
+    }
+    rigid.back().parts = group.parts;
+    rigid.back().insulators = group.insulators;
   }
   return rigid;
 }

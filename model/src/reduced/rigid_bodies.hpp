@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "bem/bodies.hpp"
+#include "bem/insulators.hpp"
 #include "reduced/prepared_shape.hpp"
 
 namespace fringe::detail {
@@ -17,6 +18,13 @@ struct RigidBody {
   double scale;
   Eigen::Isometry3d on_link;       ///< in the frame of its first part's link
   std::vector<std::size_t> parts;  ///< the charged bodies that it consists of; several are in contact
+  std::vector<std::size_t> insulators = {};  ///< the dielectric bodies that touch them; alone without parts
+};
+
+/// The charged bodies, in contact, and the dielectric ones that make up a rigid body.
+struct BodyGroup {
+  std::vector<std::size_t> parts;
+  std::vector<std::size_t> insulators;
 };
 
 /// Shapes by their proportions: bodies of the same proportions share one, which is prepared once.
@@ -28,6 +36,9 @@ class SharedShapes {
   /// Returns the shape of a body of triangles, which are as in PreparedMesh.
   PreparedShape* find(const std::vector<TriangleSurface>& surfaces, double accuracy);
 
+  /// Returns the shape of a body with insulators, which are as in PreparedMesh.
+  PreparedShape* find(const InsulatedBodies& bodies, double accuracy);
+
   /// Forgets the shapes of several surfaces that none of these bodies has.
   void forget_others(const std::vector<RigidBody>& bodies);
 
@@ -38,11 +49,12 @@ class SharedShapes {
 /// Returns the objects in the order of bodies_on_links.
 std::vector<Object> ordered_objects(const Scene& scene);
 
-/// Returns one body for each group of charged bodies. The surfaces of a group of several are triangles in the
-/// frame of its first body's link. `objects` are the last ones of `bodies`; energies of bodies of triangles
-/// are within `accuracy`. Throws InputError for more triangles than can be prepared.
+/// Returns one body for each group. The surfaces of a group of several are triangles in the frame of its
+/// first body's link, and so are `insulators`. `objects` are the last ones of `bodies`; energies of bodies of
+/// triangles are within `accuracy`. Throws InputError for more triangles than can be prepared.
 std::vector<RigidBody> rigid_bodies(const std::vector<Object>& objects, const ChargedBodies& bodies,
-                                    const std::vector<std::vector<std::size_t>>& groups, double accuracy,
+                                    const std::vector<Insulator>& insulators,
+                                    const std::vector<BodyGroup>& groups, double accuracy,
                                     SharedShapes& shapes);
 
 }  // namespace fringe::detail

@@ -42,8 +42,11 @@ int first_steps(double rtol) {
 }
 
 /// Tests whether the reduced method takes no more than some seconds. Bodies in contact on different links
-/// would take seconds for every pose; they are left to boundary elements.
+/// would take seconds for every pose; they are left to boundary elements, and so are dielectric bodies, which
+/// take seconds to prepare and many milliseconds for every pose.
 bool reduction_is_bounded(const Scene& scene) {
+  if (has_insulators(scene))
+    return false;
   std::size_t triangles = 0, bodies = scene.objects.size();
   for (const Sensor& sensor : scene.sensors)
     bodies += sensor.plates.size();

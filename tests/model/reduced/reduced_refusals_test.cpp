@@ -28,9 +28,7 @@ TEST(ReducedRefusals, TooManyTrianglesByName) {
               HasSubstr("object \"target\" has 5040 triangles"));
 }
 
-TEST(ReducedRefusals, DielectricsAndRooms) {
-  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].role = Dielectric{3}; }),
-              HasSubstr("object \"target\" is dielectric"));
+TEST(ReducedRefusals, Rooms) {
   EXPECT_THAT(refusal([](Scene& scene) { scene.has_room = true; }), HasSubstr("room"));
 }
 

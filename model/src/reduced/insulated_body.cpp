@@ -1,0 +1,153 @@
+#include "reduced/insulated_body.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "bem/error_indicators.hpp"
+#include "bem/group_densities.hpp"
+#include "bem/insulated_system.hpp"
+#include "fringe/error.hpp"
+#include "numeric/cholesky.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// The panels that carry the charges, with their single-layer matrix as it is and with one density on each
+/// group.
+struct Outermost {
+  std::vector<Index> panels;
+  std::vector<Index> groups;  ///< of each panel, among those that have any
+  VectorXd shares;            ///< of each panel, of its group's area
+  Index group_count = 0;
+  Cholesky factor;
+  Cholesky coarse;
+
+  MatrixXd at(const MatrixXd& rows) const { return rows(panels, Eigen::all); }
+
+  /// Averages rows over the groups.
+  MatrixXd means(const MatrixXd& rows) const {
+    MatrixXd result = MatrixXd::Zero(group_count, rows.cols());
+    for (std::size_t k = 0; k < panels.size(); ++k)
+      result.row(groups[k]) += shares[index_of(k)] * rows.row(index_of(k));
+    return result;
+  }
+};
+
+Outermost outermost_of(const InsulatedSystem& system) {
+  Outermost result;
+  result.panels = system.outermost_panels();
+  const std::vector<Panel>& all = system.mesh().panels();
+  std::vector<Index> group_of(all.size());
+  const auto& groups = system.mesh().groups();
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    std::fill_n(group_of.begin() + index_of(groups[g].first), groups[g].count, index_of(g));
+  std::vector<Index> place(groups.size(), -1);
+  std::vector<double> areas;
+  for (const Index panel : result.panels) {
+    const auto at = static_cast<std::size_t>(panel);
+    Index& own = place[static_cast<std::size_t>(group_of[at])];
+    if (own < 0) {
+      own = result.group_count++;
+      areas.push_back(0);
+    }
+    result.groups.push_back(own);
+    areas[static_cast<std::size_t>(own)] += all[at].area;
+  }
+  result.shares.resize(index_of(result.panels.size()));
+  for (std::size_t k = 0; k < result.panels.size(); ++k)
+    result.shares[index_of(k)] = all[static_cast<std::size_t>(result.panels[k])].area /
+                                 areas[static_cast<std::size_t>(result.groups[k])];
+  const MatrixXd matrix = system.single_layer()(result.panels, result.panels);
+  result.coarse = Cholesky(result.means(result.means(matrix).transpose()));
+  result.factor = Cholesky(matrix);
+  if (!result.factor.is_positive_definite() || !result.coarse.is_positive_definite())
+    throw InputError("its surfaces and those of its insulators overlap");
+  return result;
+}
+
+/// Potentials of degree 0 and 1 on the panels; without conductors those of degree 1 only.
+MatrixXd plain_potentials(const PanelMesh& mesh, bool has_conductors) {
+  MatrixXd result(index_of(mesh.panels().size()), 4);
+  for (std::size_t k = 0; k < mesh.panels().size(); ++k)
+    result.row(index_of(k)) << 1, mesh.panels()[k].centre.transpose();
+  return has_conductors ? result : MatrixXd(result.rightCols(3));
+}
+
+/// Writes responses and energies.
+void answer(const InsulatedResponse& response, const Outermost& outermost, const MatrixXd& potentials,
+            InsulatedBody& body) {
+  const MatrixXd outer = outermost.at(potentials);
+  body.responses = outermost.factor.solve(outer - outermost.at(response.potentials));
+  const MatrixXd coarse =
+      outermost.coarse.solve(outermost.means(outer - outermost.at(response.coarse_potentials)));
+  const auto symmetric = [](const MatrixXd& matrix) { return MatrixXd((matrix + matrix.transpose()) / 2); };
+  body.energies = symmetric(outer.transpose() * body.responses);
+  body.coarse_energies = symmetric(outermost.means(outer).transpose() * coarse);
+}
+
+}  // namespace
+
+InsulatedBody solve_insulated_body(const InsulatedBodies& bodies, double accuracy, std::size_t most_panels,
+                                   const OuterPotentials& potentials) {
+  /// Ratio of the matrix elements' quadrature tolerance to the accuracy of the energies.
+  constexpr double tolerance_per_accuracy = 0.02;
+  /// A-priori grading takes at most one in so many panels: the others are for refinement.
+  constexpr std::size_t most_graded = 2;
+  /// Least response that counts, relative to the largest one to a linear potential: a flat body has almost
+  /// none across it.
+  constexpr double least_response = 0.1;
+  const bool has_conductors = !bodies.conductors.bodies.empty();
+  InsulatedSystem system(bodies, {}, {grading_part * accuracy, most_panels / most_graded}, 0);
+  if (system.panels() > most_panels)
+    throw InputError("it has too many triangles with its insulators for the reduced method");
+  InsulatedBody body;
+  Outermost outermost;
+  while (true) {
+    system.evaluate(tolerance_per_accuracy * accuracy);
+    outermost = outermost_of(system);
+    const MatrixXd plain = plain_potentials(system.mesh(), has_conductors);
+    InsulatedResponse response = system.respond(plain, VectorXd::Ones(plain.cols()));
+    answer(response, outermost, plain, body);
+    VectorXd own = body.energies.diagonal();
+    own.tail(3) = own.tail(3).cwiseMax(least_response * own.tail(3).maxCoeff());
+    const VectorXd change = body.energies.diagonal() - body.coarse_energies.diagonal();
+    const double error = (change.array().abs() / own.array()).maxCoeff();
+    if (error <= accuracy || system.panels() >= most_panels)
+      break;
+    const VectorXd indicators = response.energies / own.maxCoeff();
+    const std::vector<bool> marked =
+        doerfler_marking(system.mesh().groups(), indicators, indicators.sum() * accuracy / error,
+                         most_panels - system.panels());
+    if (marked.empty())
+      break;
+    system.refine(marked, response.potentials + response.charges);
+  }
+  const std::vector<Panel>& all = system.mesh().panels();
+  const MatrixXd others = potentials(all);
+  MatrixXd outer(others.rows(), others.cols() + 1);
+  outer << VectorXd::Ones(others.rows()), others;
+  const InsulatedResponse response = system.respond(outer, VectorXd::Ones(outer.cols()));
+  answer(response, outermost, outer, body);
+  if (!has_conductors) {
+    // Without conductors a constant potential moves no charge.
+    body.responses.col(0).setZero();
+    for (MatrixXd* const energies : {&body.energies, &body.coarse_energies}) {
+      energies->row(0).setZero();
+      energies->col(0).setZero();
+    }
+  }
+  for (const Index panel : outermost.panels)
+    body.panels.push_back(all[static_cast<std::size_t>(panel)]);
+  body.free_charges = MatrixXd::Zero(index_of(bodies.conductors.bodies.size()), outer.cols());
+  for (const PanelGroup& group : system.mesh().groups())
+    if (group.body < bodies.conductors.bodies.size())
+      body.free_charges.row(index_of(group.body)) -=
+          response.charges.middleRows(index_of(group.first), index_of(group.count)).colwise().sum();
+  return body;
+}
+
+}  // namespace fringe::detail

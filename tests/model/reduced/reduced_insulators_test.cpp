@@ -1,0 +1,114 @@
+/// Tests the reduced method with dielectric bodies against boundary elements.
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "bem/scenes.hpp"
+#include "fringe/boundary_elements.hpp"
+#include "fringe/error.hpp"
+#include "fringe/reduced_capacitance.hpp"
+
+namespace fringe {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::MatrixXd;
+using test::at;
+using test::box;
+using test::object;
+using test::sensor;
+using test::square;
+using ::testing::HasSubstr;
+
+Object glass(const std::string& name, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+             double permittivity) {
+  Object result = box(name, low, high);
+  result.role = Dielectric{permittivity};
+  return result;
+}
+
+/// Returns a sensor of 10 cm under a layer of 2 mm, and a grounded box on the link "hand", 3 cm before it.
+Scene covered_sensor(double permittivity) {
+  Scene scene;
+  scene.links = {{"hand", {}, Isometry3d::Identity()}};
+  scene.sensors = {sensor("front", {square(0.1, 0)})};
+  scene.objects = {glass("cover", {-5, -5, 0}, {5, 5, 0.2}, permittivity),
+                   box("hand", {-5, -5, 3}, {5, 5, 6})};
+  scene.objects[1].link = 0;
+  return scene;
+}
+
+MaxwellMatrix by_boundary_elements(const Scene& scene) {
+  BoundaryElementOptions options;
+  options.rtol = 1e-2;
+  return maxwell(scene, options);
+}
+
+/// Tests that two answers agree within the errors that they state.
+void expect_agreement(const MaxwellMatrix& one, const MaxwellMatrix& other) {
+  const MatrixXd allowed = one.errors + other.errors;
+  EXPECT_TRUE(((one.values - other.values).array().abs() <= allowed.array()).all()) << one.values << "\n"
+                                                                                    << other.values << "\n"
+                                                                                    << allowed;
+  for (Eigen::Index k = 0; k < one.delta_self.size(); ++k)
+    EXPECT_NEAR(one.delta_self[k], other.delta_self[k],
+                one.delta_self_errors[k] + other.delta_self_errors[k]);
+  ASSERT_EQ(one.readings.size(), other.readings.size());
+  for (std::size_t k = 0; k < one.readings.size(); ++k)
+    EXPECT_NEAR(*one.readings[k].change.value, *other.readings[k].change.value,
+                *one.readings[k].change.error + *other.readings[k].change.error);
+}
+
+TEST(ReducedInsulators, ACoveredSensorAnswersAMovingHandAsBoundaryElementsDo) {
+  Scene scene = covered_sensor(4);
+  ReducedEvaluator reduced(scene);
+  for (const double height : {0.0, 0.04}) {
+    const Isometry3d pose = at(0.5 * height, 0, height);
+    reduced.set_pose("hand", pose);
+    scene.links[0].pose = pose;
+    const MaxwellMatrix& found = reduced.maxwell();
+    expect_agreement(found, by_boundary_elements(scene));
+    EXPECT_LT((found.errors.array() / found.values.array().abs()).maxCoeff(), 0.03);
+  }
+}
+
+TEST(ReducedInsulators, ALayerOfTheMediumChangesNothing) {
+  Scene scene = covered_sensor(1);
+  const MaxwellMatrix covered = reduced_capacitance(scene);
+  scene.objects.erase(scene.objects.begin());
+  const MaxwellMatrix bare = reduced_capacitance(scene);
+  expect_agreement(covered, bare);
+}
+
+TEST(ReducedInsulators, AnInsulatingTargetIsABodyWithoutFreeCharge) {
+  Scene scene = covered_sensor(4);
+  scene.objects[1].role = Dielectric{10};
+  scene.objects[1].target = true;
+  scene.objects[0].role = Grounded{};
+  scene.objects[0].pose = at(0, 0, -0.03);
+  const MaxwellMatrix found = reduced_capacitance(scene);
+  ASSERT_EQ(found.readings.size(), 1U);
+  EXPECT_GT(*found.readings[0].change.value, 2 * *found.readings[0].change.error);
+  expect_agreement(found, by_boundary_elements(scene));
+}
+
+TEST(ReducedInsulators, WhatTouchesSeveralConductorsOrAnotherLinkIsRefusedByName) {
+  Scene scene = covered_sensor(4);
+  scene.objects[0] = glass("pad", {-5, -5, 0}, {5, 5, 3}, 4);
+  const auto refusal = [&] {
+    try {
+      reduced_capacitance(scene);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_THAT(refusal(), HasSubstr("object \"pad\" and object \"hand\" touch"));
+  scene.objects[1].link.reset();
+  EXPECT_THAT(refusal(), HasSubstr("object \"pad\" touches sensor \"front\" plates[0] and object \"hand\""));
+}
+
+}  // namespace
+}  // namespace fringe
