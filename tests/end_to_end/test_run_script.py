@@ -36,6 +36,7 @@ def test_a_folder_named_like_ours_where_the_user_stands_is_not_taken_for_ours(tm
                 "company",
                 "machines",
                 "insulators",
+                "show position_sensor --readings",
                 "live sensor_head",
                 "run default --measure-model",
             ],
