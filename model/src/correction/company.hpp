@@ -151,6 +151,16 @@ class TargetAtRest {
   double error_;
 };
 
+/// Largest number of steps of the conjugate gradients for the charges on targets.
+constexpr int most_charge_steps = 10;
+
+/// Part of the accuracy asked for by which a change may alter in their last step.
+constexpr double last_step_part = 0.1;
+
+/// Ratio of the stated error to the sum of its parts: measured in open set-ups (model/CORRECTIONS.md, section
+/// 8).
+constexpr double stated_per_parts = 2;
+
 /// Evaluates what targets change, pose by pose.
 class CompanyFormula {
  public:

@@ -28,8 +28,8 @@ double stated_error(double nearness) {
 }
 
 /// Returns how finely the machine is prepared for an accuracy.
-CompanyResolution machine_resolution(std::optional<double> rtol) {
-  return rtol ? CompanyResolution{*rtol / 2, 20000, 400, 1600} : MachineAtRest::usual;
+CompanyResolution machine_resolution(std::optional<double> rtol, std::size_t threads) {
+  return rtol ? CompanyResolution{*rtol / 2, 25000, 400, 1600, threads} : MachineAtRest::usual;
 }
 
 /// Returns how finely the target is prepared for an accuracy.
@@ -132,10 +132,12 @@ void CompanyReadings::find_groups(const Scene& scene) {
     target_group_ = group(bodies, true);
 }
 
-void CompanyReadings::prepare(const Scene& scene, const std::vector<Isometry3d>& poses) {
+void CompanyReadings::prepare(const Scene& scene, const std::vector<Isometry3d>& poses, std::size_t threads) {
   if (!machine_) {
     charged_readings_ = charged_readings(readings(scene), drivable_conductors(machine_group_->bodies));
-    machine_.emplace(machine_group_->bodies, readings(scene), machine_resolution(rtol_));
+    machine_ = std::make_unique<const MachineAtRest>(machine_group_->bodies, readings(scene),
+                                                     machine_resolution(rtol_, threads));
+    tabulated_.reset();
   }
   if (target_)
     return;
@@ -147,6 +149,14 @@ void CompanyReadings::prepare(const Scene& scene, const std::vector<Isometry3d>&
   prepared_nearness_ = 0;
   for (const Isometry3d& pose : poses)
     prepared_nearness_ = std::max(prepared_nearness_, CompanyFormula::nearness(*machine_, *target_, pose));
+}
+
+void CompanyReadings::tabulate(const std::vector<Isometry3d>& poses, std::size_t threads) {
+  if (!rtol_)
+    return;
+  if (!tabulated_)
+    tabulated_ = std::make_unique<TabulatedMachine>(*machine_, *target_);
+  tabulated_->extend(*target_, poses, threads);
 }
 
 CompanyReadings::Contacts CompanyReadings::contacts(const Isometry3d& pose) const {
@@ -170,11 +180,13 @@ CompanyReadings::Contacts CompanyReadings::contacts(const Isometry3d& pose) cons
   return found;
 }
 
-void CompanyReadings::write_pose(CompanyFormula& formula, const Isometry3d& pose,
+void CompanyReadings::write_pose(CompanyFormula& formula, TabulatedFormula* tabulated, const Isometry3d& pose,
                                  std::vector<ReadingAnswer>& answers) const {
   const Contacts touching = contacts(pose);
   std::vector<CompanyFormula::Change> changes;
-  if (rtol_) {
+  if (tabulated != nullptr) {
+    changes = tabulated->solved(*tabulated_, *target_, pose, *rtol_);
+  } else if (rtol_) {
     changes = formula.solved(*machine_, *target_, pose, *rtol_);
   } else {
     for (const double change : formula.changes(*machine_, *target_, pose))
@@ -208,22 +220,28 @@ void CompanyReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answ
   update(rtol);
   find_groups(scene);
   const Isometry3d pose = target_pose();
-  prepare(scene, {pose});
+  prepare(scene, {pose}, 1);
   motion_.settle();
   unit_ = unit_of(scene);
-  write_pose(formula_, pose, answers);
-  if (!rtol || formula_.nearness() <= much_nearer * std::max(prepared_nearness_, near_enough) ||
+  TabulatedFormula* const tabulated = rtol ? &tabulated_formula_ : nullptr;
+  tabulate({pose}, 1);
+  write_pose(formula_, tabulated, pose, answers);
+  if (!rtol ||
+      CompanyFormula::nearness(*machine_, *target_, pose) <=
+          much_nearer * std::max(prepared_nearness_, near_enough) ||
       are_within(answers, *rtol))
     return;
   approach_.push_back(pose);
   target_.reset();
-  prepare(scene, std::vector<Isometry3d>(approach_));
-  write_pose(formula_, pose, answers);
+  prepare(scene, std::vector<Isometry3d>(approach_), 1);
+  tabulate({pose}, 1);
+  write_pose(formula_, tabulated, pose, answers);
 }
 
 void CompanyReadings::write_derivatives(std::vector<ReadingAnswer>& answers) {
   /// Ratio of the relative errors of derivatives and changes, that of boundary elements.
   constexpr double error_per_error = 10;
+  formula_.solved(*machine_, *target_, target_pose(), *rtol_);
   const std::vector<Wrench> wrenches = formula_.wrenches(*machine_, *target_);
   const Isometry3d to_world = frame(*machine_group_);
   // Parts of the machine or of the targets that move relative to each other are not prepared.
@@ -268,12 +286,14 @@ CompanyReadings::write_frames(const Scene& scene, std::size_t frames,
         !std::equal(poses.begin(), poses.end(), approach_.begin(),
                     [](const Isometry3d& a, const Isometry3d& b) { return a.matrix() == b.matrix(); }))
       target_.reset();
-    prepare(scene, poses);
+    prepare(scene, poses, threads);
+    tabulate(poses, threads);
     const std::size_t first = end - poses.size();
     parallel_for((poses.size() + together - 1) / together, threads, [&](std::size_t part) {
       CompanyFormula formula;
+      TabulatedFormula tabulated;
       for (std::size_t k = part * together; k < std::min((part + 1) * together, poses.size()); ++k)
-        write_pose(formula, poses[k], answers[first + k]);
+        write_pose(formula, rtol ? &tabulated : nullptr, poses[k], answers[first + k]);
     });
     poses.clear();
   };

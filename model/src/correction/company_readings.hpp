@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "correction/company.hpp"
+#include "correction/tabulated_formula.hpp"
 #include "fringe/reading_answer.hpp"
 #include "fringe/scene.hpp"
 #include "geometry/link_motion.hpp"
@@ -59,11 +60,14 @@ class CompanyReadings {
   void update(std::optional<double> rtol);
   void find_groups(const Scene& scene);
   /// Prepares what is not prepared; the target for an approach in these poses if it is not.
-  void prepare(const Scene& scene, const std::vector<Eigen::Isometry3d>& poses);
+  void prepare(const Scene& scene, const std::vector<Eigen::Isometry3d>& poses, std::size_t threads);
+  /// Tabulates the machine where the target is in some poses, if an accuracy is asked for.
+  void tabulate(const std::vector<Eigen::Isometry3d>& poses, std::size_t threads);
   Eigen::Isometry3d target_pose() const {
     return frame(*machine_group_).inverse(Eigen::Isometry) * frame(*target_group_);
   }
-  void write_pose(CompanyFormula& formula, const Eigen::Isometry3d& pose,
+  /// @param tabulated the formula with the tabulated machine; null: `formula` answers
+  void write_pose(CompanyFormula& formula, TabulatedFormula* tabulated, const Eigen::Isometry3d& pose,
                   std::vector<ReadingAnswer>& answers) const;
   bool has_moved(const Group& group) const;
   Eigen::Isometry3d frame(const Group& group) const;
@@ -80,13 +84,15 @@ class CompanyReadings {
   LinkMotion motion_;
   std::optional<Group> machine_group_, target_group_;
   std::optional<double> rtol_;  ///< that machine and target are prepared for
-  std::optional<MachineAtRest> machine_;
+  std::unique_ptr<const MachineAtRest> machine_;
   std::optional<TargetAtRest> target_;
-  std::vector<Eigen::Isometry3d> approach_;  ///< poses that the target is prepared for
-  double prepared_nearness_ = 0;             ///< largest one in these
+  std::unique_ptr<TabulatedMachine> tabulated_;  ///< for an accuracy
+  std::vector<Eigen::Isometry3d> approach_;      ///< poses that the target is prepared for
+  double prepared_nearness_ = 0;                 ///< largest one in these
   std::vector<ChargedReading> charged_readings_;
   double unit_ = 0;  ///< 4πε, F/m
   CompanyFormula formula_;
+  TabulatedFormula tabulated_formula_;
 };
 
 }  // namespace fringe::detail

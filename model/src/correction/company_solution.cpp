@@ -20,16 +20,6 @@ using Eigen::MatrixXd;
 using Eigen::MatrixXf;
 using Eigen::VectorXd;
 
-/// Largest number of steps of the conjugate gradients.
-constexpr int most_steps = 10;
-
-/// Part of the accuracy asked for by which a change may alter in the last step.
-constexpr double last_step_part = 0.1;
-
-/// Ratio of the stated error to the sum of its parts: measured in open set-ups (model/CORRECTIONS.md, section
-/// 8).
-constexpr double safety = 2;
-
 /// Returns a matrix that is stored in whole blocks.
 auto matrix_of(const std::vector<float>& blocks, std::size_t count) {
   const auto size = static_cast<Index>(count);
@@ -110,7 +100,7 @@ const std::vector<CompanyFormula::Change>& CompanyFormula::solved(const MachineA
   add_directions(inverse * right.leftCols(loads), right.leftCols(loads));
   std::vector<double> before;
   MatrixXd coefficients;
-  for (int step = 0; step < most_steps; ++step) {
+  for (int step = 0; step < most_charge_steps; ++step) {
     MatrixXd form = (directions.transpose() * images).cast<double>();
     form = (form + form.transpose()).eval() / 2;
     const MatrixXd sides = (directions.transpose() * right).cast<double>();
@@ -138,7 +128,7 @@ const std::vector<CompanyFormula::Change>& CompanyFormula::solved(const MachineA
     before.clear();
     for (const Change& change : solved_)
       before.push_back(change.value);
-    if (step + 1 < most_steps)
+    if (step + 1 < most_charge_steps)
       add_directions(inverse * residual, residual);
   }
   // What the functions lack is estimated by what their sums lack.
@@ -160,8 +150,8 @@ const std::vector<CompanyFormula::Change>& CompanyFormula::solved(const MachineA
                          std::abs(shifts(sense, drive)) + std::abs(shifts(drive, sense)) +
                          target.error() * std::abs(solved_[k].value);
     // Gaps below a function are not resolved; then the change may be wrong by as much as it is.
-    solved_[k].error = std::min(safety * parts * std::sqrt(std::max(nearness_, 1.0)),
-                                std::max(safety * parts, std::abs(solved_[k].value)));
+    solved_[k].error = std::min(stated_per_parts * parts * std::sqrt(std::max(nearness_, 1.0)),
+                                std::max(stated_per_parts * parts, std::abs(solved_[k].value)));
   }
   return solved_;
 }

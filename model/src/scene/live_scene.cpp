@@ -166,8 +166,9 @@ class LiveScene::Implementation {
   /// Answers by the method `recommended`.
   void choose(const EvaluationOptions& asked) {
     const double rtol = rtol_of(asked);
-    if (!recommended_ || recommended_->rtol() != rtol)
-      recommended_.emplace(rtol, poses_);
+    const bool goes_on = asked.rtol.has_value();
+    if (!recommended_ || recommended_->rtol() != rtol || recommended_->goes_on() != goes_on)
+      recommended_.emplace(rtol, goes_on, poses_);
     answer_ = recommended_->evaluate(scene_);
     if (answer_.matrix)
       find_readings();

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "bem/insulators.hpp"
 #include "bem/readings.hpp"
+#include "correction/company_readings.hpp"
 #include "fringe/error.hpp"
+#include "fringe/interruption.hpp"
 #include "fringe/reading.hpp"
 #include "fringe/triangulation.hpp"
 #include "numeric/infinity.hpp"
@@ -77,17 +80,28 @@ double largest_error(const MaxwellMatrix& matrix, const Scene& scene) {
   return largest;
 }
 
+/// Returns the largest relative error of the changes; infinity if one of them is not known.
+double largest_error_of_changes(const std::vector<ReadingAnswer>& readings) {
+  if (std::ranges::any_of(readings,
+                          [](const ReadingAnswer& reading) { return !reading.change.error.has_value(); }))
+    return infinity;
+  return errors_of_changes(readings).maxCoeff();
+}
+
 }  // namespace
 
-RecommendedMethod::RecommendedMethod(double rtol, std::shared_ptr<LinkPoses> poses)
-    : rtol_(rtol), poses_(std::move(poses)), company_(poses_) {}
+RecommendedMethod::RecommendedMethod(double rtol, bool goes_on, std::shared_ptr<LinkPoses> poses)
+    : rtol_(rtol), goes_on_(goes_on), poses_(std::move(poses)), company_(poses_), accurate_(poses_) {}
 
 Evaluation RecommendedMethod::evaluate(const Scene& scene) {
   std::optional<Candidate> best = by_reduced_method(scene);
   if (!best || !(best->error <= rtol_))
-    if (std::optional<Candidate> other = by_boundary_elements(scene);
+    if (std::optional<Candidate> other = by_boundary_elements(scene, most_unknowns);
         other && (!best || other->error < best->error))
       best = std::move(other);
+  if (goes_on_ && (!best || !(best->error <= rtol_)))
+    if (std::optional<Evaluation> answer = by_going_on(scene, best))
+      return *std::move(answer);
   if (!best || !(best->error <= std::max(rtol_, most_unreached_error))) {
     try {
       return by_formula(scene);
@@ -97,9 +111,42 @@ Evaluation RecommendedMethod::evaluate(const Scene& scene) {
             refusal_ == error.what() ? refusal_ : fmt::format("{}; the formula: {}", refusal_, error.what()));
     }
   }
-  const bool reached = best->matrix.reached = best->error <= rtol_;
-  SceneCapacitance felt = capacitance(scene, best->matrix, best->method);
-  return {std::move(felt), std::move(best->matrix), {}, std::move(best->method), reached};
+  return answer_of(scene, *std::move(best));
+}
+
+/// Tries what takes up to minutes; returns the formula's answer if it states less than the best matrix, which
+/// may become that of all unknowns. Nothing if the computation is interrupted before.
+std::optional<Evaluation> RecommendedMethod::by_going_on(const Scene& scene, std::optional<Candidate>& best) {
+  std::optional<Evaluation> formula;
+  try {
+    if (InsulatedReadings::knows(scene)) {
+      formula = by_formula(scene);
+      if (std::optional<Evaluation> accurate = by_accurate_formula(scene, *formula))
+        formula = std::move(accurate);
+      if (formula->reached)
+        return formula;
+    }
+  } catch (const InputError&) {
+    // What the formula refuses is left to boundary elements.
+    formula.reset();
+  }
+  try {
+    if (std::optional<Candidate> other = by_boundary_elements(scene, BoundaryElementOptions{}.most_unknowns);
+        other && (!best || other->error < best->error))
+      best = std::move(other);
+  } catch (const Interrupted&) {
+    if (!best && !formula)
+      throw;
+  }
+  if (!formula || (best && best->error <= largest_error_of_changes(formula->readings)))
+    return std::nullopt;
+  return formula;
+}
+
+Evaluation RecommendedMethod::answer_of(const Scene& scene, Candidate candidate) const {
+  const bool reached = candidate.matrix.reached = candidate.error <= rtol_;
+  SceneCapacitance felt = capacitance(scene, candidate.matrix, candidate.method);
+  return {std::move(felt), std::move(candidate.matrix), {}, std::move(candidate.method), reached};
 }
 
 std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_reduced_method(const Scene& scene) {
@@ -122,9 +169,10 @@ std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_reduced_method
   }
 }
 
-std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_boundary_elements(const Scene& scene) {
+std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_boundary_elements(const Scene& scene,
+                                                                                    std::size_t unknowns) {
   try {
-    MaxwellMatrix matrix = maxwell(scene, {.rtol = rtol_, .most_unknowns = most_unknowns});
+    MaxwellMatrix matrix = maxwell(scene, {.rtol = rtol_, .most_unknowns = unknowns});
     const double error = largest_error(matrix, scene);
     return Candidate{std::move(matrix), to_string(Method(BoundaryElements{})), error};
   } catch (const InputError& error) {
@@ -149,13 +197,28 @@ Evaluation RecommendedMethod::by_formula(const Scene& scene) {
   Evaluation answer{std::move(felt), std::nullopt, {}, to_string(Correction::formula), reached};
   if (InsulatedReadings::knows(scene)) {
     company_.write(scene, answer.readings);
-    answer.reached =
-        reached &&
-        std::ranges::all_of(answer.readings,
-                            [](const ReadingAnswer& reading) { return reading.change.error.has_value(); }) &&
-        errors_of_changes(answer.readings).maxCoeff() <= rtol_;
+    answer.reached = reached && largest_error_of_changes(answer.readings) <= rtol_;
   }
   return answer;
+}
+
+/// Returns the answer with the changes of the formula in company for the accuracy asked for; nothing if the
+/// computation is interrupted, or the formula refuses an accuracy.
+std::optional<Evaluation> RecommendedMethod::by_accurate_formula(const Scene& scene,
+                                                                 const Evaluation& in_closed_form) {
+  try {
+    Evaluation answer = in_closed_form;
+    accurate_.write(scene, answer.readings, rtol_);
+    answer.answered_by = CompanyReadings::name;
+    answer.reached = largest_error_of_changes(answer.readings) <= rtol_;
+    return answer;
+  } catch (const InputError&) {
+    return std::nullopt;
+  } catch (const Interrupted&) {
+    // Preparations that an interruption leaves incomplete must not serve the next answer.
+    accurate_ = InsulatedReadings(poses_);
+    return std::nullopt;
+  }
 }
 
 }  // namespace fringe::detail

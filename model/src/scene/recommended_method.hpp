@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,9 +17,12 @@ namespace fringe::detail {
 class RecommendedMethod {
  public:
   /// Prepares nothing yet: each of the methods is prepared when it is first needed.
-  RecommendedMethod(double rtol, std::shared_ptr<LinkPoses> poses);
+  /// @param goes_on whether an accuracy is worth minutes: where what takes seconds does not reach it, the
+  /// formula in company with this accuracy and then all unknowns of boundary elements are tried
+  RecommendedMethod(double rtol, bool goes_on, std::shared_ptr<LinkPoses> poses);
 
   double rtol() const { return rtol_; }
+  bool goes_on() const { return goes_on_; }
 
   /// Evaluates every sensor of the scene, which must be the same in every call, except for its poses.
   /// @throws InputError for scenes that all methods refuse.
@@ -33,16 +37,21 @@ class RecommendedMethod {
   };
 
   std::optional<Candidate> by_reduced_method(const Scene& scene);
-  std::optional<Candidate> by_boundary_elements(const Scene& scene);
+  std::optional<Candidate> by_boundary_elements(const Scene& scene, std::size_t most_unknowns);
   Evaluation by_formula(const Scene& scene);
+  std::optional<Evaluation> by_accurate_formula(const Scene& scene, const Evaluation& in_closed_form);
+  std::optional<Evaluation> by_going_on(const Scene& scene, std::optional<Candidate>& best);
+  Evaluation answer_of(const Scene& scene, Candidate candidate) const;
 
   double rtol_;
+  bool goes_on_;
   std::shared_ptr<LinkPoses> poses_;
   std::optional<ReducedEvaluator> reduced_;
   bool reduced_refuses_ = false;  ///< in every pose
   std::string refusal_;           ///< why a method that finds a matrix last refused
   std::optional<SceneEvaluator> formula_;
   InsulatedReadings company_;
+  InsulatedReadings accurate_;  ///< prepared for an accuracy
 };
 
 }  // namespace fringe::detail

@@ -246,5 +246,15 @@ TEST(FormulaInCompany, AnswersForRecommendedWhereMatricesWouldTakeTooLong) {
   EXPECT_EQ(answer.readings[0].change.value, evaluate(scene, by_formula).readings[0].change.value);
 }
 
+TEST(FormulaInCompany, AnswersForRecommendedToTheAccuracyThatIsGiven) {
+  Scene scene = with_one_reading(machine(0.03));
+  // More triangles than the methods that take seconds may have.
+  scene.objects.push_back(object_of("ball", Sphere{0.02, 72}, at(0, 0.2, 0)));
+  const Evaluation answer = evaluate(scene, {.method = Recommended{}, .rtol = 8e-2});
+  EXPECT_EQ(answer.answered_by, in_company);
+  EXPECT_TRUE(answer.reached);
+  EXPECT_LE(answer.readings[0].change.error.value(), 8e-2 * answer.readings[0].change.value.value());
+}
+
 }  // namespace
 }  // namespace fringe

@@ -1,0 +1,33 @@
+#include "correction/answer_modes.hpp"
+
+#include <algorithm>
+
+#include <Eigen/Eigenvalues>
+
+#include "reduced/node_kernels.hpp"
+
+namespace fringe::detail {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+AnswerModes answer_modes(const MachineAtRest& machine, const OutsidePotentials& potentials,
+                         std::span<const Eigen::Vector3d> places, Index most, std::size_t threads) {
+  const auto count = static_cast<Index>(machine.functions().count());
+  const Eigen::Map<const Eigen::MatrixXf, 0, Eigen::OuterStride<>> answers(
+      machine.answers().data(), count, count,
+      Eigen::OuterStride<>(whole_blocks(static_cast<std::ptrdiff_t>(count))));
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> of_answers(answers.cast<double>());
+  const MatrixXd root =
+      of_answers.eigenvectors() * of_answers.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  const MatrixXd seen = potentials.at(places, true, nullptr, threads).of_functions.cast<double>() * root;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(seen.transpose() * seen);
+  const Index modes = std::min(most, count);
+  AnswerModes result;
+  result.charges = (root * solver.eigenvectors().rightCols(modes).rowwise().reverse()).cast<float>();
+  const Eigen::MatrixXf own = (machine.functions().energies() * result.charges.cast<double>()).cast<float>();
+  result.missing = machine.coarse().defects(result.charges, own).cast<float>();
+  return result;
+}
+
+}  // namespace fringe::detail

@@ -1,0 +1,341 @@
+#include "correction/tabulated_formula.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "reduced/node_kernels.hpp"
+#include "simd/dispatch.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Index;
+using Eigen::Isometry3d;
+using Eigen::MatrixXd;
+using Eigen::MatrixXf;
+using Eigen::Vector3d;
+
+/// Largest number of modes: with them a hand's charges 2 cm from an arm lose less than 1e-3 of the energy of
+/// its answer.
+constexpr Index most_modes = 112;
+
+/// Largest number of places for which the modes are chosen.
+constexpr std::size_t most_places = 1500;
+
+/// Growth of the number of cells after which the modes are chosen anew.
+constexpr std::size_t regional_growth = 2;
+
+/// Side of the largest cells over the diagonal of the box around the targets.
+constexpr double largest_cell_size = 1;
+
+/// The coarsest level of the targets' points: with a few points in a cell, more cost little.
+constexpr std::size_t coarsest_target_level = 1;
+
+/// Calls a function with every point of the target, the number of its function and its share.
+template <typename Visit>
+void visit_points(const MachineAtRest& machine, const TargetAtRest& target, const Isometry3d& pose,
+                  const Visit& visit) {
+  const ChargeFunctions& functions = target.functions();
+  for (std::size_t function = 0; function < functions.count(); ++function) {
+    const Vector3d centre = pose * functions.centre(function);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const AlignedBox3d& box : machine.functions().boxes())
+      nearest = std::min(nearest, box.squaredExteriorDistance(centre));
+    const FunctionPoints& points = functions.points(
+        std::max(functions.level(function, std::sqrt(nearest), true), coarsest_target_level));
+    for (std::size_t k = points.first[function]; k < points.first[function + 1]; ++k)
+      visit(pose * points.at[k].cast<double>(), function, points.shares[k]);
+  }
+}
+
+double side_of_cells(const TargetAtRest& target) {
+  AlignedBox3d box;
+  for (const AlignedBox3d& each : target.functions().boxes())
+    box.extend(each);
+  return largest_cell_size * box.diagonal().norm();
+}
+
+/// Solves a symmetric system by Cholesky's method, without the directions that depend on those before, up to
+/// the rounding of single precision.
+MatrixXd solved_without_dependent(const MatrixXd& form, const MatrixXd& right) {
+  /// Part of a direction's energy that rounding may leave.
+  constexpr double rounding = 1e-6;
+  const Index count = form.rows();
+  MatrixXd factor = MatrixXd::Zero(count, count), result = right;
+  for (Index k = 0; k < count; ++k) {
+    const double pivot = form(k, k) - factor.row(k).head(k).squaredNorm();
+    if (!(pivot > rounding * form(k, k))) {
+      factor.row(k).setZero();
+      continue;
+    }
+    factor(k, k) = std::sqrt(pivot);
+    const Index below = count - k - 1;
+    factor.col(k).tail(below) =
+        (form.col(k).tail(below) - factor.bottomLeftCorner(below, k) * factor.row(k).head(k).transpose()) /
+        factor(k, k);
+  }
+  for (Index k = 0; k < count; ++k)
+    if (factor(k, k) > 0)
+      result.row(k) = (result.row(k) - factor.row(k).head(k) * result.topRows(k)) / factor(k, k);
+    else
+      result.row(k).setZero();
+  for (Index k = count - 1; k >= 0; --k)
+    if (factor(k, k) > 0) {
+      const Index below = count - k - 1;
+      result.row(k) =
+          (result.row(k) - factor.col(k).tail(below).transpose() * result.bottomRows(below)) / factor(k, k);
+    }
+  return result;
+}
+
+}  // namespace
+
+TabulatedMachine::TabulatedMachine(const MachineAtRest& machine, const TargetAtRest& target)
+    : machine_(machine), potentials_(machine.functions(), true), table_(potentials_, side_of_cells(target)) {}
+
+void TabulatedMachine::extend(const TargetAtRest& target, std::span<const Isometry3d> poses,
+                              std::size_t threads) {
+  const auto add = [&] {
+    for (const Isometry3d& pose : poses)
+      visit_points(machine_, target, pose, [&](const Vector3d& at, std::size_t, float) { table_.add(at); });
+  };
+  const std::size_t before = table_.count();
+  add();
+  if (table_.is_full() && before > 0) {
+    // Places of long ago make room.
+    table_.clear();
+    places_ = 0;
+    add();
+  }
+  if (modes_.charges.size() > 0 && table_.count() < regional_growth * places_) {
+    table_.fill(modes_.charges, threads);
+    return;
+  }
+  places_ = table_.count();
+  std::vector<Vector3d> places = table_.centres();
+  const std::size_t step = places.size() / most_places + 1;
+  for (std::size_t k = 0; k * step < places.size(); ++k)
+    places[k] = places[k * step];
+  places.resize((places.size() + step - 1) / step);
+  // Without cells, as in contact everywhere, the modes are those of the targets' own places.
+  if (places.empty())
+    for (std::size_t function = 0; function < target.functions().count(); ++function)
+      places.push_back(poses.front() * target.functions().centre(function));
+  modes_ = answer_modes(machine_, potentials_, places, most_modes, threads);
+  table_.forget_values();
+  table_.fill(modes_.charges, threads);
+}
+
+const std::vector<CompanyFormula::Change>& TabulatedFormula::solved(const TabulatedMachine& machine,
+                                                                    const TargetAtRest& target,
+                                                                    const Isometry3d& pose, double rtol) {
+  find_potentials(machine, target, pose);
+  start(machine, target);
+  const auto functions = static_cast<std::ptrdiff_t>(target.functions().count());
+  const auto& kernels = best_kernels<NodeKernels>();
+  const std::vector<MachineAtRest::OfReading>& readings = machine.machine().readings();
+  before_.assign(readings.size(), 0);
+  for (int step = 0;; ++step) {
+    solve_form(target);
+    solved_.clear();
+    double largest = 0;
+    for (const MachineAtRest::OfReading& reading : readings) {
+      const double value = reading.sign * changes_(reading.sense, reading.drive);
+      const double step_change = std::abs(value - before_[solved_.size()]);
+      largest = std::max(largest, step_change / std::abs(value));
+      solved_.push_back({value, step_change});
+    }
+    if (!(largest > last_step_part * rtol) || step + 1 == most_charge_steps)
+      break;
+    for (std::size_t k = 0; k < solved_.size(); ++k)
+      before_[k] = solved_[k].value;
+    const MatrixXf residual =
+        right_ - images_.topLeftCorner(right_.rows(), count_) * coefficients_.cast<float>();
+    const Index first = count_;
+    for (Index load = 0; load < right_.cols(); ++load) {
+      own_.col(count_).head(right_.rows()) = residual.col(load);
+      kernels.multiply(target.inverse().data(), functions, own_.col(count_).data(),
+                       charges_.col(count_).data());
+      add_direction(machine);
+    }
+    extend_form(first);
+  }
+  state_errors(machine, target, CompanyFormula::nearness(machine.machine(), target, pose));
+  return solved_;
+}
+
+/// Finds the potentials of everything that is tabulated on each function of the target.
+void TabulatedFormula::find_potentials(const TabulatedMachine& machine, const TargetAtRest& target,
+                                       const Isometry3d& pose) {
+  const PotentialTable& table = machine.table();
+  const auto& kernels = best_kernels<NodeKernels>();
+  const Index width = whole_blocks(machine.machine().given() + machine.modes().charges.cols());
+  seen_.setZero(index_of(target.functions().count()), width);
+  none_.assign(static_cast<std::size_t>(width), 0.0F);
+  sums_.resize(none_.size());
+  of_rows_.resize(std::max(target.functions().count(), PotentialTable::nodes));
+  outside_.clear();
+  cells_.clear();
+  std::size_t current = 0, in_cell = 0;
+  const auto finish = [&] {
+    for (std::size_t k = 0; k < cells_.size(); ++k) {
+      kernels.apply({table.values(cells_[k]), PotentialTable::nodes, width}, weights_[k].data(), none_.data(),
+                    of_rows_.data(), sums_.data());
+      kernels.add(1, sums_.data(), seen_.row(index_of(current)).data(), width);
+    }
+    cells_.clear();
+  };
+  visit_points(machine.machine(), target, pose, [&](const Vector3d& at, std::size_t function, float share) {
+    if (function != current) {
+      finish();
+      current = function;
+    }
+    // Points of a function follow each other in space, so that most are in the cell before.
+    if (cells_.empty() || !table.contains(cells_[in_cell], at)) {
+      const std::optional<std::size_t> cell = table.find(at);
+      if (!cell) {
+        outside_.push_back({at, index_of(function), share});
+        return;
+      }
+      in_cell = static_cast<std::size_t>(std::find(cells_.begin(), cells_.end(), *cell) - cells_.begin());
+      if (in_cell == cells_.size()) {
+        cells_.push_back(*cell);
+        weights_.resize(std::max(weights_.size(), cells_.size()));
+        weights_[in_cell].fill(0);
+      }
+    }
+    table.add_weights(cells_[in_cell], at, share, weights_[in_cell]);
+  });
+  finish();
+  if (!outside_.empty())
+    find_outside(machine);
+}
+
+/// Adds the potentials at the points that are in no cell.
+void TabulatedFormula::find_outside(const TabulatedMachine& machine) {
+  std::vector<Vector3d> places;
+  places.reserve(outside_.size());
+  for (const Outside& point : outside_)
+    places.push_back(point.at);
+  const OutsidePotentials::Values values = machine.potentials().at(places, true, &machine.modes().charges, 1);
+  for (std::size_t k = 0; k < outside_.size(); ++k) {
+    auto row = seen_.row(outside_[k].function);
+    row.head(values.of_given.cols()) += outside_[k].share * values.of_given.row(index_of(k));
+    row.segment(values.of_given.cols(), values.of_functions.cols()) +=
+        outside_[k].share * values.of_functions.row(index_of(k));
+  }
+}
+
+/// Begins with the charges of the target's conductors at unit potentials and those that the loads displace.
+void TabulatedFormula::start(const TabulatedMachine& machine, const TargetAtRest& target) {
+  const auto& kernels = best_kernels<NodeKernels>();
+  const Index functions = seen_.rows(), padded = whole_blocks(functions) + node_block,
+              floating = index_of(target.floating().size());
+  loads_ = machine.machine().loads();
+  right_.resize(functions, loads_ + floating);
+  right_.leftCols(loads_) = seen_.leftCols(loads_);
+  for (Index k = 0; k < floating; ++k)
+    right_.col(loads_ + k) = target.net().col(target.floating()[static_cast<std::size_t>(k)]).cast<float>();
+  const Index most = target.conductors() + loads_ + (most_charge_steps - 1) * right_.cols();
+  if (charges_.rows() != padded || charges_.cols() < most) {
+    for (MatrixXf* matrix : {&charges_, &own_, &images_})
+      matrix->setZero(padded, most);
+    form_.resize(most, most);
+    sides_.resize(most, right_.cols());
+  }
+  moments_.setZero(most, seen_.cols());
+  count_ = 0;
+  for (Index k = 0; k < target.conductors(); ++k) {
+    charges_.col(count_).head(functions) = target.equilibrium().col(k).cast<float>();
+    own_.col(count_).head(functions) = target.net().col(k).cast<float>();
+    add_direction(machine);
+  }
+  for (Index load = 0; load < loads_; ++load) {
+    own_.col(count_).head(functions) = right_.col(load);
+    kernels.multiply(target.inverse().data(), functions, own_.col(count_).data(),
+                     charges_.col(count_).data());
+    add_direction(machine);
+  }
+  extend_form(0);
+}
+
+/// Adds the direction whose charges and potentials are in the column behind the last one.
+void TabulatedFormula::add_direction(const TabulatedMachine& machine) {
+  const auto& kernels = best_kernels<NodeKernels>();
+  const Index functions = seen_.rows(), width = seen_.cols(), given = machine.machine().given();
+  const NodeMatrix seen{seen_.data(), functions, width};
+  float* const moments = moments_.row(count_).data();
+  kernels.apply(seen, charges_.col(count_).data(), none_.data(), of_rows_.data(), moments);
+  of_modes_.assign(moments, moments + width);
+  std::fill(of_modes_.begin(), of_modes_.begin() + given, 0.0F);
+  kernels.apply(seen, charges_.col(count_).data(), of_modes_.data(), of_rows_.data(), sums_.data());
+  images_.col(count_).head(functions) =
+      own_.col(count_).head(functions) - Eigen::Map<const Eigen::VectorXf>(of_rows_.data(), functions);
+  for (Index load = 0; load < loads_; ++load)
+    sides_(count_, load) = moments[load];
+  for (Index load = loads_; load < right_.cols(); ++load)
+    sides_(count_, load) = charges_.col(count_).head(functions).dot(right_.col(load));
+  ++count_;
+}
+
+/// Adds the energies of the directions from `before` on.
+void TabulatedFormula::extend_form(Index before) {
+  const Index functions = seen_.rows();
+  const MatrixXf energies = charges_.topLeftCorner(functions, count_).transpose() *
+                            images_.block(0, before, functions, count_ - before);
+  form_.block(0, before, count_, count_ - before) = energies.cast<double>();
+  form_.block(before, 0, count_ - before, before) =
+      form_.block(0, before, before, count_ - before).transpose();
+}
+
+/// Minimises the energy in the directions, with the net charges that floating targets may have.
+void TabulatedFormula::solve_form(const TargetAtRest& target) {
+  coefficients_ = solved_without_dependent(form_.topLeftCorner(count_, count_), sides_.topRows(count_));
+  changes_ = sides_.topLeftCorner(count_, loads_).transpose() * coefficients_.leftCols(loads_);
+  charged_ = coefficients_.leftCols(loads_);
+  const Index floating = right_.cols() - loads_;
+  if (floating == 0)
+    return;
+  // The net charge of what floats is that of its capacitance to the ground.
+  const MatrixXd net = sides_.topRows(count_).rightCols(floating);
+  MatrixXd block = net.transpose() * coefficients_.rightCols(floating);
+  block.diagonal() += target.to_ground();
+  charged_ -=
+      coefficients_.rightCols(floating) * block.llt().solve(net.transpose() * coefficients_.leftCols(loads_));
+  changes_ = sides_.topLeftCorner(count_, loads_).transpose() * charged_;
+}
+
+void TabulatedFormula::state_errors(const TabulatedMachine& machine, const TargetAtRest& target,
+                                    double nearness) {
+  const Index functions = seen_.rows(), given = machine.machine().given(),
+              modes = machine.modes().charges.cols();
+  const MatrixXf chosen = charged_.cast<float>();
+  const MatrixXd lacking = target.coarse().defects(charges_.topLeftCorner(functions, count_) * chosen,
+                                                   own_.topLeftCorner(functions, count_) * chosen);
+  // The moments with everything tabulated, a column for each load.
+  const MatrixXf moments = moments_.topRows(count_).transpose() * chosen;
+  const auto of_modes = moments.middleRows(given, modes);
+  const auto last = of_modes.bottomRows(modes / 4);
+  const MatrixXd unanswered =
+      (of_modes.transpose() * (machine.modes().missing * of_modes) + last.transpose() * last).cast<double>();
+  // The error of the given potentials is estimated by what fewer panels lack, and more where the panels are
+  // too few to tell how fast it falls.
+  const MatrixXf shifts = moments.middleRows(loads_, loads_).transpose() *
+                          static_cast<float>(std::sqrt(std::max(machine.machine().excess(), 1.0)));
+  for (std::size_t k = 0; k < solved_.size(); ++k) {
+    const auto [sense, drive, sign] = machine.machine().readings()[k];
+    const auto part = [s = sense, d = drive](const MatrixXd& defects) {
+      return std::sqrt(std::max(defects(s, s), 0.0) * std::max(defects(d, d), 0.0));
+    };
+    const double parts = solved_[k].error + part(lacking) + part(unanswered) +
+                         std::abs(shifts(sense, drive)) + std::abs(shifts(drive, sense)) +
+                         target.error() * std::abs(solved_[k].value);
+    // Gaps below a function are not resolved; then the change may be wrong by as much as it is.
+    solved_[k].error = std::min(stated_per_parts * parts * std::sqrt(std::max(nearness, 1.0)),
+                                std::max(stated_per_parts * parts, std::abs(solved_[k].value)));
+  }
+}
+
+}  // namespace fringe::detail

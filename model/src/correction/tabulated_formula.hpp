@@ -1,0 +1,96 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "correction/answer_modes.hpp"
+#include "correction/company.hpp"
+#include "correction/outside_potentials.hpp"
+#include "correction/potential_table.hpp"
+
+namespace fringe::detail {
+
+/// A machine at rest as targets feel it where they move: the potentials of its charges, and of the modes by
+/// which it answers, tabulated.
+class TabulatedMachine {
+ public:
+  /// Prepares nothing yet. Keeps a reference to the machine.
+  TabulatedMachine(const MachineAtRest& machine, const TargetAtRest& target);
+  TabulatedMachine(const TabulatedMachine&) = delete;
+  TabulatedMachine& operator=(const TabulatedMachine&) = delete;
+
+  /// Prepares what targets meet in some poses; costs little where they have been near before. The same bits
+  /// for any number of threads.
+  void extend(const TargetAtRest& target, std::span<const Eigen::Isometry3d> poses, std::size_t threads);
+
+  const MachineAtRest& machine() const { return machine_; }
+  const OutsidePotentials& potentials() const { return potentials_; }
+  const AnswerModes& modes() const { return modes_; }
+  const PotentialTable& table() const { return table_; }
+
+ private:
+  const MachineAtRest& machine_;
+  OutsidePotentials potentials_;
+  PotentialTable table_;
+  AnswerModes modes_;
+  std::size_t places_ = 0;  ///< number of cells for which the modes were chosen
+};
+
+/// Evaluates what targets change as CompanyFormula::solved() does, with the potentials of a tabulated
+/// machine.
+class TabulatedFormula {
+ public:
+  /// Returns the changes with all charges that the target's functions can carry, within `rtol` of these, in
+  /// m, to be multiplied by 4πε; valid until the next call.
+  const std::vector<CompanyFormula::Change>& solved(const TabulatedMachine& machine,
+                                                    const TargetAtRest& target, const Eigen::Isometry3d& pose,
+                                                    double rtol);
+
+ private:
+  using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  /// A point that lies in no cell, a share of a function.
+  struct Outside {
+    Eigen::Vector3d at;
+    Eigen::Index function;
+    float share;
+  };
+
+  void find_potentials(const TabulatedMachine& machine, const TargetAtRest& target,
+                       const Eigen::Isometry3d& pose);
+  void find_outside(const TabulatedMachine& machine);
+  void start(const TabulatedMachine& machine, const TargetAtRest& target);
+  void add_direction(const TabulatedMachine& machine);
+  void extend_form(Eigen::Index before);
+  void solve_form(const TargetAtRest& target);
+  void state_errors(const TabulatedMachine& machine, const TargetAtRest& target, double nearness);
+
+  Rows seen_;  ///< potentials of the given charges, then of the modes, on the target's functions (rows)
+  std::vector<Outside> outside_;
+  std::vector<std::size_t> cells_;  ///< around the points of one function
+  std::vector<std::array<float, PotentialTable::nodes>> weights_;
+
+  Eigen::Index count_ = 0;   ///< number of directions of the charge on the target
+  Eigen::Index loads_ = 0;   ///< of the readings; then come those of what floats
+  Eigen::MatrixXf right_;    ///< potentials (columns) that the charges are to have
+  Eigen::MatrixXf charges_;  ///< of the functions (rows) in each direction
+  Eigen::MatrixXf own_;      ///< their potentials by themselves
+  Eigen::MatrixXf images_;   ///< their potentials before the machine
+  Rows moments_;             ///< of each direction (row) with the given charges' potentials and the modes
+  std::vector<float> of_modes_, sums_;  ///< for everything that is tabulated
+  std::vector<float> none_;             ///< zeros for these
+  std::vector<float> of_rows_;
+  Eigen::MatrixXd form_, sides_;
+  Eigen::MatrixXd coefficients_;  ///< of the directions (rows) for each right side
+  Eigen::MatrixXd charged_;       ///< the same for each load, with the net charges of what floats
+  Eigen::MatrixXd changes_;
+  std::vector<double> before_;
+  std::vector<CompanyFormula::Change> solved_;
+};
+
+}  // namespace fringe::detail

@@ -1,0 +1,123 @@
+#include "correction/tabulated_formula.hpp"
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <gtest/gtest.h>
+
+#include "fringe/pose.hpp"
+#include "fringe/reading.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::MatrixXf;
+using Eigen::Vector3d;
+
+Object object_of(const char* name, const Shape& shape, const Vector3d& place) {
+  return {name, std::nullopt, shape, pose_from_axis({0, 0, 1}, 0, place), Grounded{}, true};
+}
+
+/// A sensor 3 mm before a housing, and a hand at the origin.
+class TabulatedFormulaTest : public testing::Test {
+ protected:
+  static Scene machine_scene() {
+    Scene scene;
+    Sensor sensor;
+    sensor.name = "sensor";
+    sensor.plates = {{{-0.03, -0.04, 0}, {0.06, 0, 0}, {0, 0.08, 0}}};
+    scene.sensors = {sensor};
+    scene.objects = {object_of("housing", Cuboid{0.2, 0.12, 0.05}, {0, 0, -0.028})};
+    return scene;
+  }
+  static Scene hand_scene() {
+    Scene scene;
+    scene.objects = {object_of("hand", Cuboid{0.05, 0.09, 0.02}, {0, 0, 0})};
+    return scene;
+  }
+
+  static constexpr CompanyResolution resolution{5e-2, 2000, 100, 400};
+  const MachineAtRest machine{charged_bodies(machine_scene()), readings(machine_scene()), resolution};
+  const TargetAtRest target{charged_bodies(hand_scene()), {5e-2, 1000, 48}};
+  const OutsidePotentials potentials{machine.functions(), true};
+  const Eigen::Isometry3d pose = pose_from_axis({1, 2, 3}, 0.4, {0.02, 0.01, 0.06});
+};
+
+TEST_F(TabulatedFormulaTest, TablesKnowThePotentialsToAPartInThousand) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> beside(-0.15, 0.15), above(0.01, 0.2);
+  std::vector<Vector3d> points;
+  PotentialTable table(potentials, 0.1);
+  for (int k = 0; k < 100; ++k) {
+    points.emplace_back(beside(random), beside(random), above(random));
+    table.add(points.back());
+  }
+  const auto functions = static_cast<Index>(machine.functions().count());
+  const MatrixXf ones = MatrixXf::Identity(functions, functions);
+  table.fill(ones, 1);
+  const OutsidePotentials::Values expected = potentials.at(points, true, nullptr, 1);
+  const Index given = expected.of_given.cols();
+  std::vector<float> found(table.width());
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const std::optional<std::size_t> cell = table.find(points[k]);
+    ASSERT_TRUE(cell);
+    EXPECT_TRUE(table.contains(*cell, points[k]));
+    std::array<float, PotentialTable::nodes> weights{};
+    table.add_weights(*cell, points[k], 1, weights);
+    found.assign(table.width(), 0);
+    for (std::size_t node = 0; node < PotentialTable::nodes; ++node)
+      for (std::size_t value = 0; value < table.width(); ++value)
+        found[value] += weights[node] * table.values(*cell)[node * table.width() + value];
+    EXPECT_NEAR(found[0], expected.of_given(static_cast<Index>(k), 0), 2e-3);
+    for (Index function = 0; function < functions; ++function) {
+      const float known = expected.of_functions(static_cast<Index>(k), function);
+      EXPECT_NEAR(found[static_cast<std::size_t>(given + function)], known, 5e-3 * known);
+    }
+  }
+}
+
+TEST_F(TabulatedFormulaTest, PointsTooCloseToTheMachineHaveNoCell) {
+  PotentialTable table(potentials, 0.1);
+  table.add({0, 0, 0.0001});
+  EXPECT_EQ(table.count(), 0U);
+  EXPECT_FALSE(table.find({0, 0, 0.0001}));
+}
+
+// Galerkin's answer with the machine's whole inverse, evaluated directly at 64 points in every function of
+// the target, where the formula takes as few as 4: that makes 5e-3 here.
+TEST_F(TabulatedFormulaTest, IsGalerkinsAnswer) {
+  const ChargeFunctions& functions = target.functions();
+  const auto count = static_cast<Index>(functions.count()),
+             parts = static_cast<Index>(machine.functions().count());
+  const FunctionPoints& points = functions.points(ChargeFunctions::points_per_function.size() - 1);
+  std::vector<Vector3d> places;
+  for (const Eigen::Vector3f& at : points.at)
+    places.push_back(pose * at.cast<double>());
+  const OutsidePotentials::Values values = potentials.at(places, true, nullptr, 1);
+  MatrixXd given = MatrixXd::Zero(count, values.of_given.cols()), coupling = MatrixXd::Zero(count, parts);
+  for (std::size_t function = 0; function < functions.count(); ++function)
+    for (std::size_t k = points.first[function]; k < points.first[function + 1]; ++k) {
+      const auto row = static_cast<Index>(function), point = static_cast<Index>(k);
+      given.row(row) += points.shares[k] * values.of_given.row(point).cast<double>();
+      coupling.row(row) += points.shares[k] * values.of_functions.row(point).cast<double>();
+    }
+  const Eigen::Map<const MatrixXf, 0, Eigen::OuterStride<>> answers(
+      machine.answers().data(), parts, parts, Eigen::OuterStride<>((parts + 15) / 16 * 16));
+  const MatrixXd before = functions.energies() - coupling * answers.cast<double>() * coupling.transpose();
+  const double expected = given.col(0).dot(before.llt().solve(given.col(0)));
+
+  TabulatedMachine tabulated(machine, target);
+  tabulated.extend(target, std::vector{pose}, 1);
+  TabulatedFormula formula;
+  const CompanyFormula::Change found = formula.solved(tabulated, target, pose, 1e-3)[0];
+  EXPECT_NEAR(found.value, expected, 1e-2 * expected);
+  EXPECT_GT(found.error, 0);
+  EXPECT_LT(found.error, 0.3 * expected);
+}
+
+}  // namespace
+}  // namespace fringe::detail
