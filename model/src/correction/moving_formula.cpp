@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -32,7 +33,8 @@ bool keep_pose(const Isometry3d& a, const Isometry3d& b) {
 
 /// Factorises a symmetric matrix in place, with so much on its diagonal that it is positive definite.
 void factorise_in_place(MatrixXf& matrix) {
-  for (float ridge = least_ridge;; ridge *= 10) {
+  float ridge = least_ridge;
+  while (true) {
     MatrixXf factor = matrix;
     factor.diagonal() *= 1 + ridge;
     const Eigen::LLT<Eigen::Ref<MatrixXf>> factorised(factor);
@@ -40,6 +42,9 @@ void factorise_in_place(MatrixXf& matrix) {
       matrix = std::move(factor);
       return;
     }
+    if (!(ridge < 1))
+      throw std::runtime_error("the matrix of the links' charges is not positive definite");
+    ridge *= 10;
   }
 }
 
@@ -241,8 +246,9 @@ const std::vector<CompanyFormula::Change>& MovingFormula::solved(const MovingMac
     const double value = reading.sign * changes(sense, drive);
     const double parts =
         root(lacking, sense) * root(lacking, drive) + root(unanswered, sense) * root(unanswered, drive) +
-        std::abs(unanswered(sense, loads + drive)) + std::abs(unanswered(drive, loads + sense)) +
-        std::abs(shifts(sense, drive)) + std::abs(shifts(drive, sense)) + target.error() * std::abs(value);
+        root(unanswered, sense) * root(unanswered, loads + drive) +
+        root(unanswered, drive) * root(unanswered, loads + sense) + std::abs(shifts(sense, drive)) +
+        std::abs(shifts(drive, sense)) + target.error() * std::abs(value);
     solved_.push_back({value, std::min(safety_of_links * parts * std::sqrt(std::max(near, 1.0)),
                                        std::max(safety_of_links * parts, std::abs(value)))});
   }
