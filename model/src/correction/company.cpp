@@ -12,6 +12,7 @@
 
 #include "bem/maxwell_matrix.hpp"
 #include "bem/readings.hpp"
+#include "correction/company_parts.hpp"
 #include "numeric/cholesky.hpp"
 #include "reduced/node_kernels.hpp"
 #include "reduced/prepared_shape.hpp"
@@ -65,7 +66,8 @@ MatrixXd inverse(const MatrixXd& energies, const MatrixXd& net, const VectorXd& 
   return answers;
 }
 
-/// Returns the capacitances to the ground of the conductors that float, in m.
+}  // namespace
+
 VectorXd to_ground_of(const ChargedBodies& bodies) {
   const std::size_t count = count_of(bodies, Role::floating);
   VectorXd result(index_of(count));
@@ -74,10 +76,11 @@ VectorXd to_ground_of(const ChargedBodies& bodies) {
   return result;
 }
 
-/// Returns the net charges of functions on the conductors that float (columns).
 MatrixXd net_on_floating(const ChargeFunctions& functions, const ChargedBodies& bodies) {
   return functions.net(bodies.conductors.size()).rightCols(index_of(count_of(bodies, Role::floating)));
 }
+
+namespace {
 
 /// Returns a box around a body.
 PlacedBox placed_box(std::span<const Triangle> triangles) {
@@ -96,7 +99,8 @@ PlacedBox placed_box(std::span<const Triangle> triangles) {
   return result;
 }
 
-/// Returns boxes around the sensed and driven bodies.
+}  // namespace
+
 std::vector<PlacedBox> boxes_of_used(const ChargedBodies& bodies,
                                      const std::vector<ChargedReading>& readings) {
   std::vector<PlacedBox> boxes;
@@ -111,10 +115,13 @@ std::vector<PlacedBox> boxes_of_used(const ChargedBodies& bodies,
   return boxes;
 }
 
+namespace {
+
 /// Distance from a body, relative to its size, within which parts are to be equal in size.
 constexpr double softness = 0.2;
 
-/// Returns the size of a part of the machine relative to its distance from what is sensed and driven.
+}  // namespace
+
 double relative_size(const AlignedBox3d& part, const std::vector<PlacedBox>& used) {
   const double size = part.diagonal().norm();
   double largest = 0;
@@ -126,6 +133,8 @@ double relative_size(const AlignedBox3d& part, const std::vector<PlacedBox>& use
   return largest;
 }
 
+namespace {
+
 /// Returns the importance of dividing a part of a target.
 double importance_for(const ChargeFunctions::Part& part, const std::optional<Approach>& approach) {
   if (!approach)
@@ -134,8 +143,8 @@ double importance_for(const ChargeFunctions::Part& part, const std::optional<App
   return size * size * part.density / part.density_of_body;
 }
 
-/// Returns the distinct loads of readings as combinations of the conductors' unit potentials (columns), and
-/// the readings by them.
+}  // namespace
+
 std::pair<MatrixXd, std::vector<MachineAtRest::OfReading>>
 loads_of(const std::vector<ChargedReading>& readings, Index conductors) {
   std::vector<VectorXd> loads;
@@ -156,6 +165,8 @@ loads_of(const std::vector<ChargedReading>& readings, Index conductors) {
     matrix.col(static_cast<Index>(k)) = loads[k];
   return {matrix, places};
 }
+
+namespace {
 
 ChargeFunctions functions_of_machine(const ConductorsAtRest& conductors, const std::vector<PlacedBox>& used,
                                      const MatrixXd& loads, const CompanyResolution& resolution) {

@@ -8,6 +8,7 @@
 
 #include "bem/contact.hpp"
 #include "bem/readings.hpp"
+#include "correction/company_parts.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/reading.hpp"
 #include "geometry/wrench.hpp"
@@ -32,7 +33,8 @@ CompanyResolution machine_resolution(std::optional<double> rtol, std::size_t thr
   return rtol ? CompanyResolution{*rtol / 2, 25000, 400, 1600, threads} : MachineAtRest::usual;
 }
 
-/// Returns how finely the target is prepared for an accuracy.
+}  // namespace
+
 CompanyResolution target_resolution(std::optional<double> rtol) {
   return rtol ? CompanyResolution{*rtol, 6000, 256} : TargetAtRest::usual;
 }
@@ -45,21 +47,18 @@ AlignedBox3d bounds_of(const ChargedBody& body) {
   return box;
 }
 
-/// Returns some of the bodies, with the conductors that these belong to.
-ChargedBodies part_of(const ChargedBodies& bodies, bool of_targets) {
+ChargedBodies part_of(const ChargedBodies& bodies, const std::function<bool(std::size_t)>& belongs) {
   ChargedBodies part;
   for (std::size_t k = 0; k < bodies.conductors.size(); ++k) {
-    const auto belongs = [&](const ChargedBody& body) {
-      return body.conductor == k && body.is_target == of_targets;
-    };
-    if (std::none_of(bodies.bodies.begin(), bodies.bodies.end(), belongs))
-      continue;
-    for (const ChargedBody& body : bodies.bodies)
-      if (belongs(body)) {
-        part.bodies.push_back(body);
+    bool is_part = false;
+    for (std::size_t body = 0; body < bodies.bodies.size(); ++body)
+      if (bodies.bodies[body].conductor == k && belongs(body)) {
+        part.bodies.push_back(bodies.bodies[body]);
         part.bodies.back().conductor = part.conductors.size();
+        is_part = true;
       }
-    part.conductors.push_back(bodies.conductors[k]);
+    if (is_part)
+      part.conductors.push_back(bodies.conductors[k]);
   }
   return part;
 }
@@ -68,8 +67,6 @@ double unit_of(const Scene& scene) {
   return 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
 }
 
-}  // namespace
-
 bool are_within(const std::vector<ReadingAnswer>& answers, double rtol) {
   return std::ranges::all_of(answers, [&](const ReadingAnswer& reading) {
     return reading.change.error && *reading.change.error <= rtol * std::abs(*reading.change.value);
@@ -77,10 +74,11 @@ bool are_within(const std::vector<ReadingAnswer>& answers, double rtol) {
 }
 
 CompanyReadings::CompanyReadings(std::shared_ptr<LinkPoses> poses)
-    : poses_(std::move(poses)), motion_(poses_) {}
+    : poses_(std::move(poses)), motion_(poses_), moving_(poses_) {}
 
 CompanyReadings::Group CompanyReadings::group(const ChargedBodies& bodies, bool of_targets) const {
-  ChargedBodies part = part_of(bodies, of_targets);
+  ChargedBodies part =
+      part_of(bodies, [&](std::size_t body) { return bodies.bodies[body].is_target == of_targets; });
   const std::optional<std::size_t> link = part.bodies.front().link;
   const Isometry3d to_frame = motion_.world_pose(link).inverse(Eigen::Isometry);
   for (ChargedBody& body : part.bodies)
@@ -159,16 +157,18 @@ void CompanyReadings::tabulate(const std::vector<Isometry3d>& poses, std::size_t
   tabulated_->extend(*target_, poses, threads);
 }
 
-CompanyReadings::Contacts CompanyReadings::contacts(const Isometry3d& pose) const {
-  Contacts found;
-  for (std::size_t t = 0; t < target_group_->boxes.size(); ++t) {
-    const AlignedBox3d box = moved_box(target_group_->boxes[t], pose);
-    const ChargedBody& target = target_group_->bodies.bodies[t];
-    const bool floats = target_group_->bodies.role(target) == Role::floating;
-    for (std::size_t m = 0; m < machine_group_->boxes.size(); ++m) {
-      const ChargedBody& body = machine_group_->bodies.bodies[m];
-      const Role role = machine_group_->bodies.role(body);
-      if ((role == Role::grounded && !floats) || !box.intersects(machine_group_->boxes[m]) ||
+TargetContacts contacts_of(const ChargedBodies& machine, const std::vector<AlignedBox3d>& machine_boxes,
+                           const ChargedBodies& targets, const std::vector<AlignedBox3d>& target_boxes,
+                           const Isometry3d& pose) {
+  TargetContacts found;
+  for (std::size_t t = 0; t < target_boxes.size(); ++t) {
+    const AlignedBox3d box = moved_box(target_boxes[t], pose);
+    const ChargedBody& target = targets.bodies[t];
+    const bool floats = targets.role(target) == Role::floating;
+    for (std::size_t m = 0; m < machine_boxes.size(); ++m) {
+      const ChargedBody& body = machine.bodies[m];
+      const Role role = machine.role(body);
+      if ((role == Role::grounded && !floats) || !box.intersects(machine_boxes[m]) ||
           !are_in_contact(moved(target, pose), body))
         continue;
       if (floats || role == Role::floating)
@@ -182,7 +182,8 @@ CompanyReadings::Contacts CompanyReadings::contacts(const Isometry3d& pose) cons
 
 void CompanyReadings::write_pose(CompanyFormula& formula, TabulatedFormula* tabulated, const Isometry3d& pose,
                                  std::vector<ReadingAnswer>& answers) const {
-  const Contacts touching = contacts(pose);
+  const TargetContacts touching = contacts_of(machine_group_->bodies, machine_group_->boxes,
+                                              target_group_->bodies, target_group_->boxes, pose);
   std::vector<CompanyFormula::Change> changes;
   if (tabulated != nullptr) {
     changes = tabulated->solved(*tabulated_, *target_, pose, *rtol_);
@@ -212,11 +213,15 @@ void CompanyReadings::write_pose(CompanyFormula& formula, TabulatedFormula* tabu
 }
 
 void CompanyReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answers,
-                            std::optional<double> rtol) {
+                            std::optional<double> rtol, bool with_derivatives) {
   /// Ratio to the largest prepared nearness beyond which the target is prepared again.
   constexpr double much_nearer = 1.5;
   /// Ratio of a function's radius to its distance below which the functions are fine enough.
   constexpr double near_enough = 0.5;
+  motion_.update();
+  if (rtol && !with_derivatives &&
+      moving_.write(scene, answers, *rtol, machine_ && has_moved(*machine_group_)))
+    return;
   update(rtol);
   find_groups(scene);
   const Isometry3d pose = target_pose();
@@ -276,6 +281,9 @@ CompanyReadings::write_frames(const Scene& scene, std::size_t frames,
                               std::size_t threads) {
   /// Number of poses that one thread answers in turn, with the same arrays.
   constexpr std::size_t together = 8;
+  if (rtol)
+    if (auto moving = moving_.write_frames(scene, frames, pose, *rtol, threads))
+      return *std::move(moving);
   unit_ = unit_of(scene);
   std::vector<std::vector<ReadingAnswer>> answers(frames);
   std::vector<Isometry3d> poses;

@@ -11,6 +11,7 @@
 
 #include "correction/company.hpp"
 #include "correction/tabulated_formula.hpp"
+#include "correction/moving_readings.hpp"
 #include "fringe/reading_answer.hpp"
 #include "fringe/scene.hpp"
 #include "geometry/link_motion.hpp"
@@ -37,7 +38,10 @@ class CompanyReadings {
   /// have different potentials.
   /// @throws InputError for scenes that maxwell() refuses, but for contact with targets.
   /// @param rtol the error asked of the changes, relative; without it the formula in closed form answers
-  void write(const Scene& scene, std::vector<ReadingAnswer>& answers, std::optional<double> rtol = {});
+  /// @param with_derivatives whether write_derivatives() follows: links of the machine that have moved
+  /// against each other are then prepared together
+  void write(const Scene& scene, std::vector<ReadingAnswer>& answers, std::optional<double> rtol = {},
+             bool with_derivatives = false);
 
   /// Writes the derivatives of the changes that write() has just found at an accuracy.
   void write_derivatives(std::vector<ReadingAnswer>& answers);
@@ -72,13 +76,6 @@ class CompanyReadings {
   bool has_moved(const Group& group) const;
   Eigen::Isometry3d frame(const Group& group) const;
   Group group(const ChargedBodies& bodies, bool of_targets) const;
-  /// Where a target touches the machine: the conductors of the machine that it grounds, and whether a contact
-  /// joins other potentials.
-  struct Contacts {
-    std::vector<std::size_t> grounded;
-    bool is_unknown = false;
-  };
-  Contacts contacts(const Eigen::Isometry3d& pose) const;
 
   std::shared_ptr<LinkPoses> poses_;
   LinkMotion motion_;
@@ -93,6 +90,7 @@ class CompanyReadings {
   double unit_ = 0;  ///< 4πε, F/m
   CompanyFormula formula_;
   TabulatedFormula tabulated_formula_;
+  MovingReadings moving_;  ///< once links of the machine move against each other
 };
 
 }  // namespace fringe::detail

@@ -112,9 +112,9 @@ void InsulatedReadings::prepare(const Scene& scene, std::optional<double> rtol) 
 }
 
 void InsulatedReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answers,
-                              std::optional<double> rtol) {
+                              std::optional<double> rtol, bool with_derivatives) {
   prepare(scene, rtol);
-  upper_->readings.write(upper_->scene, answers, rtol);
+  upper_->readings.write(upper_->scene, answers, rtol, with_derivatives);
   if (share_)
     enclose(answers);
 }

@@ -33,7 +33,8 @@ class InsulatedReadings {
 
   /// Writes the changes of the scene's readings, as CompanyReadings does. Throws InputError for an rtol in a
   /// scene with dielectric objects, whose effect has errors of its own.
-  void write(const Scene& scene, std::vector<ReadingAnswer>& answers, std::optional<double> rtol = {});
+  void write(const Scene& scene, std::vector<ReadingAnswer>& answers, std::optional<double> rtol = {},
+             bool with_derivatives = false);
 
   /// Writes the derivatives of the changes that write() has just found at an accuracy.
   void write_derivatives(std::vector<ReadingAnswer>& answers) { upper_->readings.write_derivatives(answers); }

@@ -113,7 +113,7 @@ class LiveScene::Implementation {
     answer_.matrix.reset();
     answer_.reached = true;
     if (in_company)
-      company_.write(scene_, answer_.readings, asked.rtol);
+      company_.write(scene_, answer_.readings, asked.rtol, asked.derivatives);
     if (asked.rtol) {
       if (!in_company)
         throw InputError("rtol is an option of the correction formula for the changes of readings, which "

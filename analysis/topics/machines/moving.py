@@ -1,0 +1,233 @@
+"""Machines whose links move before a target: the formula in company to an accuracy, beside stored truths by boundary elements.
+
+`python3 -m analysis.topics.machines.moving` prints a row for each machine; with `--solve COUNT` it first solves so many poses of each machine, spread over its
+motion, that have no truth in `moving_truths.json`, minutes each. Delete the file to solve all anew.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation, Slerp
+
+from analysis.pipeline import model_stage
+from analysis.results.store import read_json, write_json
+from geometries.scene import motion, reader
+from geometries.scene.poses import AxisRotation, Pose, Vector3
+from geometries.scene.scene import Link, Object, Plate, Scene, Sensor
+from geometries.scene.shapes import Capsule, Cuboid, Cylinder, Shape, Sphere
+from geometries.scene.writer import canonical
+
+Array = NDArray[np.float64]
+
+FILE = Path(__file__).with_name("moving_truths.json")
+POSES = 200
+"""Poses of a motion."""
+RTOL = 1e-2
+"""Accuracy asked of a true change, relative."""
+_SCENES = Path(__file__).parents[3] / "geometries" / "scenes"
+_PATIENT = ("head", "neck", "torso", "left arm", "right arm", "left leg", "right leg")
+_SEGMENTS = 24
+
+
+@dataclass(frozen=True)
+class Moving:
+    """A scene, and the poses of its links relative to their parents, (poses, links, 4, 4)."""
+
+    name: str
+    scene: Scene
+    poses: Array
+
+
+def x_ray_arm() -> Moving:
+    """Returns the X-ray arm with the patient as target, in steps of equal number between the frames of its motion."""
+    scene = reader.load(_SCENES / "x_ray_arm.toml")
+    frames = motion.load(_SCENES / "x_ray_arm.motion.toml", scene)
+    objects = tuple(replace(each, target=each.name in _PATIENT) for each in scene.objects)
+    poses = np.tile(np.eye(4), (POSES, len(scene.links), 1, 1))
+    times = np.linspace(0, len(frames) - 1, POSES)
+    for number, link in enumerate(scene.links):
+        own = [frame.poses[link.name].transform() for frame in frames]
+        turns = Slerp(np.arange(len(frames)), Rotation.from_matrix([each.rotation for each in own]))
+        poses[:, number, :3, :3] = turns(times).as_matrix()
+        places = np.array([each.translation for each in own])
+        for axis in range(3):
+            poses[:, number, axis, 3] = np.interp(times, np.arange(len(frames)), places[:, axis])
+    return Moving("X-ray arm", replace(scene, objects=objects), poses)
+
+
+_Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class _Joint:
+    """A revolute joint: where its link begins on the link before, its axis, and its angle in the motion: the mean, the amplitude (rad) and its periods."""
+
+    begin: _Vector
+    axis: _Vector
+    mean: float
+    amplitude: float
+    periods: float
+
+
+_JOINTS = (
+    _Joint((0, 0, 0.1), (0, 0, 1), 0.0, 0.5, 1.0),
+    _Joint((0, 0, 0.1), (0, 1, 0), 0.5, 0.25, 1.5),
+    _Joint((0, 0, 0.42), (0, 1, 0), 0.9, 0.35, 2.0),
+    _Joint((0, 0, 0.4), (0, 1, 0), 0.3, 0.4, 2.5),
+    _Joint((0, 0, 0.11), (1, 0, 0), 0.0, 0.4, 3.0),
+    _Joint((0, 0, 0.11), (0, 0, 1), 0.0, 0.8, 2.0),
+)
+
+
+def six_joint_arm() -> Moving:
+    """Returns an arm of six joints, each of which moves, with sensors on its upper arm, forearm and tool, before a person's trunk, arm and hand."""
+    links = [Link("base")]
+    for number, joint in enumerate(_JOINTS):
+        links.append(Link(f"link {number + 1}", links[-1].name, Pose(joint.begin)))
+
+    def body(
+        name: str,
+        link: int | None,
+        shape: Shape,
+        at: Vector3,
+        turn: AxisRotation | None = None,
+        target: bool = False,
+    ) -> Object:
+        return Object(
+            name,
+            shape,
+            None if link is None else links[link].name,
+            Pose(at, turn or AxisRotation()),
+            target=target,
+        )
+
+    across = AxisRotation((1.0, 0.0, 0.0), 90.0)
+    objects = (
+        body("foot", 0, Cylinder(0.1, 0.1, _SEGMENTS), (0.0, 0.0, 0.05)),
+        body("shoulder", 1, Cylinder(0.075, 0.18, _SEGMENTS), (0.0, 0.0, 0.07)),
+        body("upper arm", 2, Capsule(0.055, 0.4, _SEGMENTS), (0.0, 0.0, 0.21)),
+        body("elbow", 3, Cylinder(0.06, 0.14, _SEGMENTS), (0.0, 0.0, 0.0), across),
+        body("forearm", 3, Cuboid((0.09, 0.09, 0.37)), (0.0, 0.0, 0.2)),
+        body("wrist 1", 4, Capsule(0.042, 0.09, _SEGMENTS), (0.0, 0.0, 0.055)),
+        body("wrist 2", 5, Capsule(0.04, 0.09, _SEGMENTS), (0.0, 0.0, 0.055)),
+        body("tool flange", 6, Cylinder(0.05, 0.08, _SEGMENTS), (0.0, 0.0, 0.05)),
+        body("trunk", None, Capsule(0.14, 0.5, _SEGMENTS), (1.06, 0.0, 0.45), target=True),
+        body("hand", None, Sphere(0.05, _SEGMENTS), (0.7, 0.22, 0.4), target=True),
+        body(
+            "arm",
+            None,
+            Capsule(0.035, 0.26, _SEGMENTS),
+            (0.84, 0.19, 0.43),
+            AxisRotation((0.0, 1.0, 0.0), 80.0),
+            target=True,
+        ),
+    )
+
+    def sensor(name: str, link: int, corner: _Vector, u: _Vector, v: _Vector) -> Sensor:
+        return Sensor(name, (Plate(corner, u, v),), links[link].name)
+
+    sensors = (
+        sensor("upper arm front", 2, (0.067, -0.03, 0.1), (0, 0.06, 0), (0, 0, 0.22)),
+        sensor("upper arm left", 2, (-0.03, 0.067, 0.1), (0.06, 0, 0), (0, 0, 0.22)),
+        sensor("forearm front", 3, (0.057, -0.04, 0.1), (0, 0.08, 0), (0, 0, 0.24)),
+        sensor("forearm back", 3, (-0.057, -0.04, 0.1), (0, 0.08, 0), (0, 0, 0.24)),
+        sensor("forearm left", 3, (-0.04, 0.057, 0.1), (0.08, 0, 0), (0, 0, 0.24)),
+        sensor("forearm right", 3, (-0.04, -0.057, 0.1), (0.08, 0, 0), (0, 0, 0.24)),
+        sensor("tool", 6, (-0.03, -0.03, 0.102), (0.06, 0, 0), (0, 0.06, 0)),
+    )
+    poses = np.tile(np.eye(4), (POSES, len(links), 1, 1))
+    times = np.linspace(0, 1, POSES)
+    for number, joint in enumerate(_JOINTS, 1):
+        angles = joint.mean + joint.amplitude * np.sin(2 * math.pi * joint.periods * times + number)
+        poses[:, number, :3, :3] = Rotation.from_rotvec(np.outer(angles, joint.axis)).as_matrix()
+        poses[:, number, :3, 3] = joint.begin
+    return Moving("six-joint arm", Scene(links=tuple(links), sensors=sensors, objects=objects), poses)
+
+
+MACHINES: tuple[Callable[[], Moving], ...] = (x_ray_arm, six_joint_arm)
+
+
+def chosen(count: int) -> list[int]:
+    """Returns so many poses, spread over the motion."""
+    return [] if count == 0 else [round((k + 0.5) * POSES / count) for k in range(count)]
+
+
+def solve(machine: Moving, poses: list[int], file: Path = FILE) -> None:
+    """Solves the poses that have no stored truth; each is stored at once."""
+    for pose in poses:
+        records = read_json(file) or {}
+        known = records.setdefault(machine.name, {})
+        if str(pose) in known:
+            continue
+        scene = model_stage.model_module().Scene.loads(canonical(machine.scene))
+        for link, matrix in zip(machine.scene.links, machine.poses[pose], strict=True):
+            scene.set_pose(link.name, matrix)
+        readings = scene.readings(method="boundary-elements", rtol=RTOL)
+        known[str(pose)] = {name: [each.change, each.error["change"]] for name, each in readings.items()}
+        write_json(file, records)
+        print(f"{machine.name}, pose {pose}: solved", flush=True)
+
+
+def row(machine: Moving, rtol: float, poses: int = POSES, file: Path = FILE) -> str:
+    """Answers the first `poses` of the motion, and prints each reading that has a truth; returns a row of the table in model/CORRECTIONS.md: processor time
+    of a pose in ms and of the preparation in s, the number of truths, rms and worst error, the median of the errors stated and of the truths', in % of the true change,
+    and the parts of the errors within what is stated, by itself and with that of the truth.
+    """
+    scene = model_stage.model_module().Scene.loads(canonical(machine.scene))
+
+    def answered() -> tuple[dict[str, Any], float]:
+        before = time.process_time()
+        found = scene.readings_of(machine.poses[:poses], correction="formula", rtol=rtol, threads=1)
+        return found, time.process_time() - before
+
+    _, first_seconds = answered()
+    found, seconds = answered()
+    names = list(found["readings"])
+    errors, stated, sure = [], [], []
+    for pose, known in (read_json(file) or {}).get(machine.name, {}).items():
+        if int(pose) >= poses:
+            continue
+        for name, (change, error) in known.items():
+            at = int(pose), names.index(name)
+            errors.append(abs(found["change"][at] / change - 1))
+            stated.append(found["error"][at] / abs(change))
+            sure.append(error / abs(change))
+            print(
+                f"  {pose:>4} {name:20} {1e15 * change:10.3f} fF: error {100 * errors[-1]:.2f} %, stated {100 * stated[-1]:.2f} %, truth ± {100 * sure[-1]:.2f} %"
+            )
+    speed = f"| {machine.name} | {1e3 * seconds / poses:.0f} | {first_seconds - seconds:.0f} |"
+    if not errors:
+        return speed
+    of = np.array(errors)
+    return (
+        f"{speed} {len(of)} | {100 * np.sqrt(np.mean(of**2)):.2f} | {100 * of.max():.1f} | {100 * np.median(stated):.1f} | {100 * np.median(sure):.1f} | "
+        f"{np.mean(of <= stated):.2f} | {np.mean(of <= np.add(stated, sure)):.2f} |"
+    )
+
+
+def main() -> None:
+    """Prints the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rtol", type=float, default=1e-2)
+    parser.add_argument("--solve", type=int, default=0, help="poses of each machine that get a truth")
+    parser.add_argument("--poses", type=int, default=POSES, help="only the first poses of the motions")
+    asked = parser.parse_args()
+    machines = [make() for make in MACHINES]
+    for pose in chosen(asked.solve):
+        for machine in machines:
+            solve(machine, [pose])
+    for machine in machines:
+        print(row(machine, asked.rtol, asked.poses), flush=True)
+
+
+if __name__ == "__main__":
+    main()

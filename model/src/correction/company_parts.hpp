@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "bem/bodies.hpp"
+#include "correction/charge_functions.hpp"
+#include "correction/company.hpp"
+#include "fringe/scene.hpp"
+
+/// What machines of the formula in company, at rest or with links that move, are prepared from
+/// (model/CORRECTIONS.md, section 8).
+namespace fringe::detail {
+
+/// Returns the capacitances to the ground of the conductors that float, in m.
+Eigen::VectorXd to_ground_of(const ChargedBodies& bodies);
+
+/// Returns the net charges of functions on the conductors that float (columns).
+Eigen::MatrixXd net_on_floating(const ChargeFunctions& functions, const ChargedBodies& bodies);
+
+/// Returns boxes around the sensed and driven bodies.
+std::vector<PlacedBox> boxes_of_used(const ChargedBodies& bodies,
+                                     const std::vector<ChargedReading>& readings);
+
+/// Returns the size of a part of the machine relative to its distance from what is sensed and driven.
+double relative_size(const Eigen::AlignedBox3d& part, const std::vector<PlacedBox>& used);
+
+/// Returns the distinct loads of readings as combinations of the conductors' unit potentials (columns), and
+/// the readings by them.
+std::pair<Eigen::MatrixXd, std::vector<MachineAtRest::OfReading>>
+loads_of(const std::vector<ChargedReading>& readings, Eigen::Index conductors);
+
+/// Returns how finely the targets are prepared for an accuracy.
+CompanyResolution target_resolution(std::optional<double> rtol);
+
+/// Returns the box around a body.
+Eigen::AlignedBox3d bounds_of(const ChargedBody& body);
+
+/// Returns some of the bodies, given by their places, with the conductors that these belong to.
+ChargedBodies part_of(const ChargedBodies& bodies, const std::function<bool(std::size_t)>& belongs);
+
+/// Returns 4πε of a scene's medium, F/m.
+double unit_of(const Scene& scene);
+
+/// Where targets touch bodies of a machine: the conductors of these that they ground, and whether a contact
+/// joins other potentials.
+struct TargetContacts {
+  std::vector<std::size_t> grounded;
+  bool is_unknown = false;
+};
+
+/// Finds the contacts of targets with bodies of a machine. Every body has its box.
+/// @param pose from the frame of the targets to that of the machine
+TargetContacts contacts_of(const ChargedBodies& machine,
+                           const std::vector<Eigen::AlignedBox3d>& machine_boxes,
+                           const ChargedBodies& targets, const std::vector<Eigen::AlignedBox3d>& target_boxes,
+                           const Eigen::Isometry3d& pose);
+
+}  // namespace fringe::detail

@@ -1,0 +1,284 @@
+#include "correction/moving_readings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "bem/contact.hpp"
+#include "bem/readings.hpp"
+#include "correction/company_parts.hpp"
+#include "correction/company_readings.hpp"
+#include "fringe/reading.hpp"
+#include "numeric/infinity.hpp"
+#include "numeric/parallel.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Isometry3d;
+
+/// Number of poses that one thread answers in turn, with the same couplings.
+constexpr std::size_t together = 8;
+
+/// Ratio to the largest prepared nearness beyond which the target is prepared again.
+constexpr double much_nearer = 1.5;
+
+/// Ratio of a function's radius to its distance below which the functions are fine enough.
+constexpr double near_enough = 0.5;
+
+/// Tells whether parts of the machine are on links that move against each other.
+bool moves(const Scene& scene, const LinkMotion& motion) {
+  std::vector<std::optional<std::size_t>> links;
+  for (const Sensor& sensor : scene.sensors)
+    links.push_back(sensor.link);
+  const std::vector<bool> are_targets = targets(scene);
+  for (std::size_t k = 0; k < scene.objects.size(); ++k)
+    if (!are_targets[k])
+      links.push_back(scene.objects[k].link);
+  return std::ranges::any_of(
+      links, [&](std::optional<std::size_t> link) { return !motion.rigid(link, links.front()); });
+}
+
+/// Tells whether poses are the same.
+bool are_equal(const Isometry3d& a, const Isometry3d& b) {
+  return a.matrix() == b.matrix();
+}
+
+}  // namespace
+
+MovingReadings::MovingReadings(std::shared_ptr<LinkPoses> poses)
+    : poses_(std::move(poses)), motion_(poses_) {}
+
+MovingReadings::Group MovingReadings::group_of(const ChargedBodies& bodies,
+                                               const std::vector<std::size_t>& members) const {
+  std::vector<bool> belong(bodies.bodies.size(), false);
+  for (const std::size_t k : members)
+    belong[k] = true;
+  ChargedBodies part = part_of(bodies, [&](std::size_t body) { return belong[body]; });
+  const std::optional<std::size_t> link = part.bodies.front().link;
+  const Isometry3d to_frame = motion_.world_pose(link).inverse(Eigen::Isometry);
+  for (ChargedBody& body : part.bodies)
+    if (body.link != link)
+      body = moved(body, to_frame * motion_.world_pose(body.link));
+  Group result{joined(std::move(part)), {}, link};
+  for (const ChargedBody& body : result.bodies.bodies)
+    result.boxes.push_back(bounds_of(body));
+  return result;
+}
+
+/// Finds the groups of bodies on links that are rigid to each other. Returns false if the machine has only
+/// one, the targets have more, or a conductor that floats has bodies in several.
+bool MovingReadings::find_groups(const Scene& scene, const AreRigid& are_rigid) {
+  const ChargedBodies bodies = bodies_on_links(scene);
+  std::vector<std::vector<std::size_t>> machine, targets;
+  for (std::size_t k = 0; k < bodies.bodies.size(); ++k) {
+    std::vector<std::vector<std::size_t>>& groups = bodies.bodies[k].is_target ? targets : machine;
+    const auto known = std::ranges::find_if(groups, [&](const std::vector<std::size_t>& group) {
+      return are_rigid(bodies.bodies[group.front()].link, bodies.bodies[k].link);
+    });
+    if (known == groups.end())
+      groups.push_back({k});
+    else
+      known->push_back(k);
+  }
+  if (machine.size() < 2 || targets.size() != 1)
+    return false;
+  for (std::size_t conductor = 0; conductor < bodies.conductors.size(); ++conductor)
+    if (bodies.conductors[conductor].role == Role::floating &&
+        std::ranges::count_if(machine, [&](const std::vector<std::size_t>& group) {
+          return std::ranges::any_of(
+              group, [&](std::size_t body) { return bodies.bodies[body].conductor == conductor; });
+        }) > 1)
+      return false;
+  links_.clear();
+  for (const std::vector<std::size_t>& members : machine)
+    links_.push_back(group_of(bodies, members));
+  target_group_ = group_of(bodies, targets.front());
+  machine_.reset();
+  target_.reset();
+  motion_.settle();
+  return true;
+}
+
+/// Tells whether there are groups, and their bodies have kept their poses to each other.
+bool MovingReadings::keeps_groups() const {
+  const auto keeps = [&](const Group& group) {
+    return std::ranges::all_of(
+        group.bodies.bodies, [&](const ChargedBody& body) { return motion_.rigid(body.link, group.frame); });
+  };
+  return target_group_ && std::ranges::all_of(links_, keeps) && keeps(*target_group_);
+}
+
+MovingReadings::Poses MovingReadings::poses() const {
+  Poses result{{}, poses_->world_pose(target_group_->frame)};
+  for (const Group& link : links_)
+    result.links.push_back(poses_->world_pose(link.frame));
+  return result;
+}
+
+void MovingReadings::prepare(const Scene& scene, const std::vector<Poses>& poses, double rtol,
+                             std::size_t threads) {
+  if (rtol_ != rtol) {
+    machine_.reset();
+    target_.reset();
+    rtol_ = rtol;
+  }
+  std::vector<std::vector<Isometry3d>> of_links;
+  std::vector<Isometry3d> of_target;
+  for (const Poses& pose : poses) {
+    of_links.push_back(pose.links);
+    of_target.push_back(pose.target);
+  }
+  readings_ = readings(scene);
+  unit_ = unit_of(scene);
+  if (!machine_) {
+    std::vector<ChargedBodies> bodies;
+    for (const Group& link : links_)
+      bodies.push_back(link.bodies);
+    machine_.emplace(std::move(bodies), readings_, of_links, rtol, threads);
+    target_.reset();
+  }
+  const bool is_known =
+      target_ && approach_.size() == poses.size() &&
+      std::ranges::equal(poses, approach_, [](const Poses& a, const Poses& b) {
+        return are_equal(a.target, b.target) && std::ranges::equal(a.links, b.links, are_equal);
+      });
+  if (is_known)
+    return;
+  target_.emplace(target_group_->bodies, target_resolution(rtol),
+                  machine_->approach(of_target, of_links, MovingMachine::none));
+  approach_ = poses;
+  prepared_nearness_ = 0;
+  for (const Poses& pose : poses)
+    prepared_nearness_ =
+        std::max(prepared_nearness_, MovingFormula::nearness(*machine_, *target_, pose.links, pose.target));
+  formula_ = MovingFormula();
+}
+
+/// Refuses contact between bodies of links that move against each other and may have different potentials.
+void MovingReadings::refuse_contacts(const Poses& pose) const {
+  for (std::size_t a = 0; a < links_.size(); ++a)
+    for (std::size_t b = a + 1; b < links_.size(); ++b) {
+      const Isometry3d relative = pose.links[b].inverse(Eigen::Isometry) * pose.links[a];
+      for (std::size_t first = 0; first < links_[a].boxes.size(); ++first) {
+        const ChargedBody& body = links_[a].bodies.bodies[first];
+        const AlignedBox3d box = moved_box(links_[a].boxes[first], relative);
+        for (std::size_t second = 0; second < links_[b].boxes.size(); ++second) {
+          const ChargedBody& other = links_[b].bodies.bodies[second];
+          const Role role = links_[a].bodies.role(body), other_role = links_[b].bodies.role(other);
+          if ((role == Role::grounded && other_role == Role::grounded) ||
+              !box.intersects(links_[b].boxes[second]) ||
+              links_[a].bodies.conductors[body.conductor].name ==
+                  links_[b].bodies.conductors[other.conductor].name)
+            continue;
+          refuse_contact(moved(body, relative), other, "they may have different potentials");
+        }
+      }
+    }
+}
+
+void MovingReadings::write_pose(MovingFormula& formula, const Poses& pose,
+                                std::vector<ReadingAnswer>& answers) const {
+  const std::vector<CompanyFormula::Change>& changes =
+      formula.solved(*machine_, *target_, pose.links, pose.target);
+  answers.assign(changes.size(), {});
+  std::vector<TargetContacts> touching;
+  for (std::size_t link = 0; link < links_.size(); ++link)
+    touching.push_back(contacts_of(links_[link].bodies, links_[link].boxes, target_group_->bodies,
+                                   target_group_->boxes,
+                                   pose.links[link].inverse(Eigen::Isometry) * pose.target));
+  const bool is_unknown = std::ranges::any_of(touching, &TargetContacts::is_unknown);
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    ReadingAnswer& answer = answers[k];
+    answer.name = readings_[k].name;
+    answer.answered_by = CompanyReadings::name;
+    if (is_unknown)
+      continue;
+    bool is_shorted = false;
+    for (std::size_t link = 0; link < links_.size(); ++link)
+      for (const std::size_t conductor : touching[link].grounded) {
+        const ChargedReading& reading = machine_->readings_on(link)[k];
+        is_shorted =
+            is_shorted || reading.sense[index_of(conductor)] != 0 || reading.drive[index_of(conductor)] != 0;
+      }
+    answer.change =
+        is_shorted ? Estimate{infinity, 0} : Estimate{unit_ * changes[k].value, unit_ * changes[k].error};
+  }
+}
+
+std::optional<std::vector<std::vector<ReadingAnswer>>>
+MovingReadings::write_frames(const Scene& scene, std::size_t frames,
+                             const std::function<void(std::size_t)>& pose, double rtol, std::size_t threads) {
+  if (frames < 2)
+    return std::nullopt;
+  LinkMotion in_frames(poses_);
+  std::vector<std::vector<Isometry3d>> links(frames);
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    pose(frame);
+    in_frames.update();
+    if (frame == 0)
+      in_frames.settle();
+    for (std::size_t link = 0; link < scene.links.size(); ++link)
+      links[frame].push_back(poses_->world_pose(link));
+  }
+  if (!moves(scene, in_frames))
+    return std::nullopt;
+  motion_.update();
+  // Links that are groups already stay so, if they keep their bodies' poses.
+  if (!keeps_groups()) {
+    const bool is_found = find_groups(scene, [&](std::optional<std::size_t> a, std::optional<std::size_t> b) {
+      return in_frames.rigid(a, b);
+    });
+    if (!is_found)
+      return std::nullopt;
+  }
+  std::vector<Poses> poses;
+  const auto of = [&](const Group& group, std::size_t frame) {
+    return group.frame ? links[frame][*group.frame] : Isometry3d::Identity();
+  };
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    poses.push_back({{}, of(*target_group_, frame)});
+    for (const Group& link : links_)
+      poses.back().links.push_back(of(link, frame));
+  }
+  for (const Poses& each : poses)
+    refuse_contacts(each);
+  prepare(scene, poses, rtol, threads);
+  std::vector<std::vector<ReadingAnswer>> answers(frames);
+  write_pose(formula_, poses.front(), answers.front());
+  parallel_for((frames + together - 1) / together, threads, [&](std::size_t part) {
+    MovingFormula formula = formula_;
+    for (std::size_t k = part * together; k < std::min((part + 1) * together, frames); ++k)
+      write_pose(formula, poses[k], answers[k]);
+  });
+  return answers;
+}
+
+bool MovingReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answers, double rtol,
+                           bool has_moved) {
+  motion_.update();
+  if (!keeps_groups()) {
+    if (!has_moved)
+      return false;
+    // Which links will move is not known: bodies on different links are prepared by themselves.
+    if (!find_groups(scene,
+                     [](std::optional<std::size_t> a, std::optional<std::size_t> b) { return a == b; }))
+      return false;
+  }
+  const Poses pose = poses();
+  refuse_contacts(pose);
+  if (!target_ || rtol_ != rtol)
+    prepare(scene, {pose}, rtol, 1);
+  write_pose(formula_, pose, answers);
+  const double nearness = MovingFormula::nearness(*machine_, *target_, pose.links, pose.target);
+  if (nearness > much_nearer * std::max(prepared_nearness_, near_enough) && !are_within(answers, rtol)) {
+    std::vector<Poses> approach = approach_;
+    approach.push_back(pose);
+    prepare(scene, approach, rtol, 1);
+    write_pose(formula_, pose, answers);
+  }
+  return true;
+}
+
+}  // namespace fringe::detail

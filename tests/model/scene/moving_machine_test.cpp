@@ -1,0 +1,158 @@
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "fringe/error.hpp"
+#include "fringe/evaluation.hpp"
+#include "fringe/live_scene.hpp"
+#include "fringe/pose.hpp"
+
+/// The formula in company, at an accuracy, on machines whose links move against each other
+/// (model/CORRECTIONS.md, section 8, "Links that move").
+namespace fringe {
+namespace {
+
+const EvaluationOptions to_accuracy{
+    .correction = Correction::formula, .rtol = 5e-2, .entries = Entries::of_readings};
+
+Eigen::Isometry3d at(double x, double y, double z) {
+  return pose_from_axis({0, 0, 1}, 0, {x, y, z});
+}
+
+Eigen::Isometry3d turned(double degrees, const Eigen::Vector3d& place) {
+  return pose_from_axis({0, 1, 0}, degrees, place);
+}
+
+Object part_of(const std::string& name, std::size_t link, const Shape& shape, const Eigen::Isometry3d& pose) {
+  return {name, link, shape, pose, Grounded{}, true};
+}
+
+/// A foot, an upper arm and a forearm that overlap in two joints, sensors on the arms, and a hand.
+Scene arm() {
+  Scene scene;
+  scene.links = {{"foot", std::nullopt, Eigen::Isometry3d::Identity()},
+                 {"upper arm", 0, at(0, 0, 0.08)},
+                 {"forearm", 1, at(0, 0, 0.2)},
+                 {"hand", std::nullopt, at(0.2, 0, 0.3)}};
+  scene.objects = {part_of("foot", 0, Cuboid{0.16, 0.16, 0.1}, at(0, 0, 0.05)),
+                   part_of("upper arm", 1, Cuboid{0.06, 0.06, 0.24}, at(0, 0, 0.1)),
+                   part_of("forearm", 2, Cuboid{0.05, 0.05, 0.2}, at(0, 0, 0.09)),
+                   part_of("hand", 3, Cuboid{0.03, 0.09, 0.1}, at(0, 0, 0))};
+  scene.objects.back().target = true;
+  const auto add = [&](const std::string& name, std::size_t link, double x, double z) {
+    Sensor sensor;
+    sensor.name = name;
+    sensor.link = link;
+    sensor.plates = {{{x, -0.025, z}, {0, 0.05, 0}, {0, 0, 0.08}}};
+    scene.sensors.push_back(sensor);
+  };
+  add("above", 2, 0.035, 0.08);
+  add("below", 1, 0.04, 0.07);
+  scene.readings = {
+      {"above", "above", {"above"}}, {"below", "below", {"below"}}, {"across", "above", {"below"}}};
+  return scene;
+}
+
+/// Both joints turn.
+std::vector<Frame> motion(const Scene& scene, int frames = 10) {
+  std::vector<Frame> result;
+  for (int k = 0; k < frames; ++k) {
+    Frame& frame = result.emplace_back(Frame{std::to_string(k), {}});
+    for (const Link& link : scene.links)
+      frame.poses.push_back(link.pose);
+    frame.poses[1] = turned(-2.0 * k, {0, 0, 0.08});
+    frame.poses[2] = turned(4.0 * k, {0, 0, 0.2});
+  }
+  return result;
+}
+
+/// Expects changes within what is stated of them and of the others.
+void expect_within_stated(const std::vector<ReadingAnswer>& found, const std::vector<ReadingAnswer>& known) {
+  ASSERT_EQ(found.size(), known.size());
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    EXPECT_EQ(found[k].answered_by, "formula in company");
+    EXPECT_LE(std::abs(found[k].change.value.value() - known[k].change.value.value()),
+              found[k].change.error.value() + known[k].change.error.value())
+        << found[k].name;
+    EXPECT_GT(found[k].change.error.value(), 0) << found[k].name;
+  }
+}
+
+std::vector<ReadingAnswer> alone(const Scene& scene, const Frame& frame, const EvaluationOptions& options) {
+  LiveScene live(scene);
+  live.set_poses(frame.poses);
+  return live.evaluate(options).readings;
+}
+
+TEST(MovingMachine, IsNearBoundaryElementsInEveryPose) {
+  const Scene scene = arm();
+  const std::vector<Frame> frames = motion(scene);
+  LiveScene live(scene);
+  const std::vector<std::vector<ReadingAnswer>> found = live.readings_of(frames, to_accuracy, 2);
+  for (const std::size_t frame : {0, 9}) {
+    const std::vector<ReadingAnswer> truth = alone(
+        scene, frames[frame], {.method = BoundaryElements{}, .rtol = 2e-2, .entries = Entries::of_readings});
+    expect_within_stated(found[frame], truth);
+    for (std::size_t k = 0; k < truth.size(); ++k)
+      EXPECT_NEAR(found[frame][k].change.value.value(), truth[k].change.value.value(),
+                  0.04 * std::abs(truth[k].change.value.value()))
+          << truth[k].name;
+  }
+}
+
+TEST(MovingMachine, AnswersAsTheSceneByItself) {
+  const Scene scene = arm();
+  const std::vector<Frame> frames = motion(scene);
+  const std::vector<ReadingAnswer> known = alone(scene, frames[5], to_accuracy);
+  LiveScene motion_of_one(scene), live(scene);
+  expect_within_stated(motion_of_one.readings_of({frames[5]}, to_accuracy, 1).front(), known);
+  // Once its links have moved, a live scene does not prepare them again.
+  live.evaluate(to_accuracy);
+  live.set_poses(frames[5].poses);
+  expect_within_stated(live.evaluate(to_accuracy).readings, known);
+}
+
+TEST(MovingMachine, HasTheSameBitsForAnyNumberOfThreads) {
+  const Scene scene = arm();
+  const std::vector<Frame> frames = motion(scene);
+  LiveScene one(scene), two(scene);
+  const std::vector<std::vector<ReadingAnswer>> found = one.readings_of(frames, to_accuracy, 1),
+                                                other = two.readings_of(frames, to_accuracy, 2);
+  for (std::size_t frame = 0; frame < frames.size(); ++frame)
+    for (std::size_t k = 0; k < scene.readings.size(); ++k) {
+      EXPECT_EQ(found[frame][k].change.value, other[frame][k].change.value);
+      EXPECT_EQ(found[frame][k].change.error, other[frame][k].change.error);
+    }
+}
+
+TEST(MovingMachine, KnowsConductorsThatFloat) {
+  Scene scene = arm();
+  scene.objects.push_back(part_of("shield", 2, Cuboid{0.002, 0.05, 0.05}, at(0.07, 0.04, 0.12)));
+  scene.objects.back().role = Floating{};
+  scene.objects[3].role = Floating{1e-12};
+  const std::vector<Frame> frames = motion(scene, 2);
+  LiveScene live(scene);
+  expect_within_stated(live.readings_of(frames, to_accuracy, 1)[1], alone(scene, frames[1], to_accuracy));
+}
+
+TEST(MovingMachine, RefusesContactOfLinksAtDifferentPotentials) {
+  const Scene scene = arm();
+  std::vector<Frame> frames = motion(scene, 2);
+  // The sensor on the forearm, folded, passes through the upper arm.
+  frames[1].poses[2] = turned(160, {0, 0, 0.2});
+  LiveScene live(scene);
+  try {
+    live.readings_of(frames, to_accuracy, 1);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("sensor \"above\""), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("upper arm"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace fringe
