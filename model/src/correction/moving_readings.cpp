@@ -19,7 +19,7 @@ using Eigen::AlignedBox3d;
 using Eigen::Isometry3d;
 
 /// Number of poses that one thread answers in turn, with the same couplings.
-constexpr std::size_t together = 8;
+constexpr std::size_t poses_together = 8;
 
 /// Ratio to the largest prepared nearness beyond which the target is prepared again.
 constexpr double much_nearer = 1.5;
@@ -247,9 +247,9 @@ MovingReadings::write_frames(const Scene& scene, std::size_t frames,
   prepare(scene, poses, rtol, threads);
   std::vector<std::vector<ReadingAnswer>> answers(frames);
   write_pose(formula_, poses.front(), answers.front());
-  parallel_for((frames + together - 1) / together, threads, [&](std::size_t part) {
+  parallel_for((frames + poses_together - 1) / poses_together, threads, [&](std::size_t part) {
     MovingFormula formula = formula_;
-    for (std::size_t k = part * together; k < std::min((part + 1) * together, frames); ++k)
+    for (std::size_t k = part * poses_together; k < std::min((part + 1) * poses_together, frames); ++k)
       write_pose(formula, poses[k], answers[k]);
   });
   return answers;

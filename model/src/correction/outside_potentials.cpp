@@ -30,14 +30,14 @@ constexpr std::size_t first_level = ChargeFunctions::first_with_moments;
 /// Distance from a panel's centre, over its radius, beyond which it counts as a point.
 constexpr double far = 6;
 
-/// Number of points that are evaluated together, with the same levels: a block of the kernels.
-constexpr std::size_t together = node_block;
+/// Number of points that are evaluated points_together, with the same levels: a block of the kernels.
+constexpr std::size_t points_together = node_block;
 
 /// Bits of a coordinate's number in the Z-order, three of which fill a word.
 constexpr unsigned order_bits = 21;
 
 /// Returns the indices of points along Morton's space-filling curve, so that neighbours in it lie close
-/// together. Points of the same code stay in their order.
+/// points_together. Points of the same code stay in their order.
 std::vector<std::size_t> along_curve(std::span<const Vector3d> points) {
   Eigen::AlignedBox3d box;
   for (const Vector3d& point : points)
@@ -153,14 +153,14 @@ OutsidePotentials::Values OutsidePotentials::at(std::span<const Vector3d> points
   const Index columns = charges != nullptr ? charges->cols() : parts;
   Values values{TrianglePotentials(count, given), TrianglePotentials(count, with_functions ? columns : 0)};
   const std::vector<std::size_t> order = along_curve(points);
-  constexpr std::size_t in_group = 16 * together;
+  constexpr std::size_t in_group = 16 * points_together;
   parallel_for((points.size() + in_group - 1) / in_group, threads, [&](std::size_t group) {
     const std::span<const std::size_t> indices =
         std::span(order).subspan(group * in_group, std::min(in_group, points.size() - group * in_group));
     const auto size = static_cast<Index>(indices.size());
     TrianglePotentials of_given(size, given), of_functions(size, with_functions ? parts : 0);
-    for (std::size_t begin = 0; begin < indices.size(); begin += together)
-      evaluate(points, indices.subspan(begin, std::min(together, indices.size() - begin)),
+    for (std::size_t begin = 0; begin < indices.size(); begin += points_together)
+      evaluate(points, indices.subspan(begin, std::min(points_together, indices.size() - begin)),
                static_cast<Index>(begin), of_given, of_functions);
     if (charges != nullptr)
       of_functions = (of_functions * *charges).eval();
@@ -180,8 +180,8 @@ void OutsidePotentials::evaluate(std::span<const Vector3d> points, std::span<con
                                  TrianglePotentials& of_functions) const {
   std::vector<Vector3d> some;
   Eigen::AlignedBox3d box;
-  std::array<std::array<float, together>, 3> at{};
-  for (std::array<float, together>& coordinates : at)
+  std::array<std::array<float, points_together>, 3> at{};
+  for (std::array<float, points_together>& coordinates : at)
     coordinates.fill(padded_coordinate);
   for (const std::size_t index : indices) {
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -192,18 +192,18 @@ void OutsidePotentials::evaluate(std::span<const Vector3d> points, std::span<con
   std::vector<std::size_t> close;
   const Sources charges = sources(box.center(), box.diagonal().norm() / 2, close);
   const auto size = static_cast<Index>(some.size());
-  TrianglePotentials inverse_distances(charges.given.rows(), static_cast<Index>(together));
+  TrianglePotentials inverse_distances(charges.given.rows(), static_cast<Index>(points_together));
   best_kernels<NodeKernels>().fill(
       {charges.x.data(), charges.y.data(), charges.z.data(), charges.given.rows()},
       {at[0].data(), at[1].data(), at[2].data(), size}, inverse_distances.data());
   correct(some, charges, close, inverse_distances);
   of_given.middleRows(first, size) = inverse_distances.leftCols(size).transpose() * charges.given;
   for (Index part = 0; part < of_functions.cols(); ++part) {
-    std::array<float, together> sums{};
+    std::array<float, points_together> sums{};
     for (std::size_t k = charges.first[static_cast<std::size_t>(part)];
          k < charges.first[static_cast<std::size_t>(part) + 1]; ++k) {
       const float* row = inverse_distances.row(static_cast<Index>(k)).data();
-      for (std::size_t p = 0; p < together; ++p)
+      for (std::size_t p = 0; p < points_together; ++p)
         sums[p] += row[p] * charges.shares[k];
     }
     for (Index p = 0; p < size; ++p)
