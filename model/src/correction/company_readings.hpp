@@ -10,8 +10,8 @@
 #include <Eigen/Geometry>
 
 #include "correction/company.hpp"
-#include "correction/tabulated_formula.hpp"
 #include "correction/moving_readings.hpp"
+#include "correction/tabulated_formula.hpp"
 #include "fringe/reading_answer.hpp"
 #include "fringe/scene.hpp"
 #include "geometry/link_motion.hpp"
