@@ -137,8 +137,9 @@ MovingMachine::MovingMachine(std::vector<ChargedBodies> links, const std::vector
       if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end())
         names.push_back(name);
   const std::vector<ChargedReading> charged = charged_readings(readings, names);
-  const auto [loads, places] = loads_of(charged, index_of(names.size()));
-  readings_ = places;
+  const auto placed = loads_of(charged, index_of(names.size()));
+  const MatrixXd& loads = placed.first;
+  readings_ = placed.second;
   loads_ = loads.cols();
   for (const ChargedBodies& bodies : links) {
     charged_.push_back(readings_of(charged, names, bodies));

@@ -41,7 +41,7 @@ bool moves(const Scene& scene, const LinkMotion& motion) {
 }
 
 /// Tells whether poses are the same.
-bool are_equal(const Isometry3d& a, const Isometry3d& b) {
+bool are_same_pose(const Isometry3d& a, const Isometry3d& b) {
   return a.matrix() == b.matrix();
 }
 
@@ -140,10 +140,12 @@ void MovingReadings::prepare(const Scene& scene, const std::vector<Poses>& poses
     target_.reset();
   }
   const bool is_known =
-      target_ && approach_.size() == poses.size() &&
-      std::ranges::equal(poses, approach_, [](const Poses& a, const Poses& b) {
-        return are_equal(a.target, b.target) && std::ranges::equal(a.links, b.links, are_equal);
-      });
+      target_ && std::equal(poses.begin(), poses.end(), approach_.begin(), approach_.end(),
+                            [](const Poses& a, const Poses& b) {
+                              return are_same_pose(a.target, b.target) &&
+                                     std::equal(a.links.begin(), a.links.end(), b.links.begin(),
+                                                b.links.end(), are_same_pose);
+                            });
   if (is_known)
     return;
   target_.emplace(target_group_->bodies, target_resolution(rtol),
