@@ -163,8 +163,8 @@ void MovingFormula::project(const MatrixXf& solved, MatrixXf& on_floating) const
 /// Returns the charges of the machine's functions by potentials that the factor has solved.
 MatrixXf MovingFormula::charges(MatrixXf solved, const MatrixXf& on_floating) const {
   if (on_floating.rows() > 0) {
-    MatrixXf own = on_floating;
-    answers_.floating_block.transpose().triangularView<Eigen::Upper>().solveInPlace(own);
+    const MatrixXf own =
+        answers_.floating_block.transpose().triangularView<Eigen::Upper>().solve(on_floating);
     solved -= answers_.floating * own;
   }
   answers_.factor.transpose().triangularView<Eigen::Upper>().solveInPlace(solved);

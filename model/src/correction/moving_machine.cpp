@@ -153,6 +153,7 @@ MovingMachine::MovingMachine(std::vector<ChargedBodies> links, const std::vector
       if (const auto known = std::find(names.begin(), names.end(), own[row]); known != names.end())
         potentials.row(index_of(row)) = loads.row(known - names.begin());
     std::vector<Isometry3d> frames;
+    frames.reserve(poses.size());
     for (const std::vector<Isometry3d>& pose : poses)
       frames.push_back(pose[k]);
     made[k].emplace(links[k], charged_[k], potentials, approach(frames, poses, k),

@@ -86,9 +86,9 @@ bool MovingReadings::find_groups(const Scene& scene, const AreRigid& are_rigid) 
     return false;
   for (std::size_t conductor = 0; conductor < bodies.conductors.size(); ++conductor)
     if (bodies.conductors[conductor].role == Role::floating &&
-        std::ranges::count_if(machine, [&](const std::vector<std::size_t>& group) {
-          return std::ranges::any_of(
-              group, [&](std::size_t body) { return bodies.bodies[body].conductor == conductor; });
+        std::count_if(machine.begin(), machine.end(), [&](const std::vector<std::size_t>& group) {
+          return std::any_of(group.begin(), group.end(),
+                             [&](std::size_t body) { return bodies.bodies[body].conductor == conductor; });
         }) > 1)
       return false;
   links_.clear();

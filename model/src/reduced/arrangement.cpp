@@ -294,7 +294,7 @@ std::vector<BodyGroup> Arrangement::groups(const std::vector<Contact>& contacts)
       first.insulators.insert(first.insulators.end(), others.begin(), others.end());
       result.erase(result.begin() + static_cast<std::ptrdiff_t>(touched[g]));
     }
-    std::ranges::sort(first.insulators);
+    std::sort(first.insulators.begin(), first.insulators.end());
   }
   return result;
 }
