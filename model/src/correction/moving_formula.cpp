@@ -137,6 +137,8 @@ void MovingFormula::factorise(const MovingMachine& machine) {
   Index column = 0;
   for (std::size_t k = 0; k < machine.links().size(); ++k) {
     const MatrixXf& net = machine.links()[k].net();
+    if (net.cols() == 0)
+      continue;
     answers_.floating.block(first_[k], column, net.rows(), net.cols()) = net;
     to_ground.segment(column, net.cols()) = machine.links()[k].to_ground().cast<float>();
     column += net.cols();
