@@ -21,7 +21,7 @@ struct InsulatedSolution {
   Eigen::VectorXd error_indicators;  ///< of the groups of panels, relative to each conductor's own entry
 };
 
-/// What bodies with grounded conductors answer to potentials of charges elsewhere (columns); zeros where a
+/// Answers of bodies with grounded conductors to potentials of charges elsewhere (columns); zeros where a
 /// panel has none.
 struct InsulatedResponse {
   Eigen::MatrixXd potentials;         ///< of the interfaces' panels (rows: all panels)

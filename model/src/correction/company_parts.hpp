@@ -13,7 +13,7 @@
 #include "correction/company.hpp"
 #include "fringe/scene.hpp"
 
-/// What machines of the formula in company, at rest or with links that move, are prepared from
+/// Parts of the preparation of machines for the formula in company, at rest or with links that move
 /// (model/CORRECTIONS.md, section 8).
 namespace fringe::detail {
 

@@ -222,7 +222,7 @@ const std::vector<CompanyFormula::Change>& MovingFormula::solved(const MovingMac
       -by_target * on_target, target_floating.rows() > 0 ? MatrixXf(-target_floating * on_target)
                                                          : MatrixXf(0, loads));  // answer the target's
   const MatrixXf background = charges(-given, -given_of_floating);               // that answer the given ones
-  // What the functions lack is estimated by what their sums lack.
+  // The defect of the functions is estimated by that of their sums.
   const MatrixXd lacking = target.coarse().defects(on_target, energies * on_target);
   MatrixXd unanswered = MatrixXd::Zero(2 * loads, 2 * loads);
   double excess = 1;

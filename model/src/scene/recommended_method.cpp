@@ -127,7 +127,7 @@ std::optional<Evaluation> RecommendedMethod::by_going_on(const Scene& scene, std
         return formula;
     }
   } catch (const InputError&) {
-    // What the formula refuses is left to boundary elements.
+    // Boundary elements answer where the formula refuses.
     formula.reset();
   }
   try {
