@@ -97,7 +97,7 @@ def make(folder: Path) -> Report:
     )
     nights = history.load(folder)
     scenes = scene_pages.all_beside(folder)
-    whole = keys.page_inputs(inputs, nights, scenes)
+    whole = keys.page_inputs(inputs, nights, [file for _, file in scenes])
     if not (
         (folder / table.TABLE).is_file()
         and page.is_current(folder / page.REPORT, whole)

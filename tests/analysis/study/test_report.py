@@ -10,6 +10,7 @@ import pytest
 
 from analysis.report import plot_of_time
 from analysis.report.page import SCRIPT
+from analysis.report.scene_pages import LIVE, MOTION
 from analysis.results import store, study_results as results, table
 from analysis.results.study_results import Failure
 from analysis.study import report
@@ -270,6 +271,18 @@ def test_a_slice_of_the_potential_is_drawn_where_there_is_one(folder: Path) -> N
     slice_of = plane | {"along": [-0.1, 0.1], "z": [-0.1, 0.1], "potential": [[0.1, 0.2], [0.3, 0.4]]}
     store.write_json(case.folder / results.SLICE, {"key": "", **slice_of})
     assert "potential (V) in the vertical plane through both centres" in report_text(folder)
+
+
+def test_pages_of_scenes_beside_the_results_are_linked(tmp_path: Path) -> None:
+    folder = make_results(tmp_path / "default")
+    report.make(folder)
+    for each in (LIVE, MOTION):
+        file = folder.parent / each.folder / f"{each.scene}.html"
+        file.parent.mkdir()
+        file.touch()
+    text = report.make(folder).path.read_text()
+    for each in (LIVE, MOTION):
+        assert f'href="../{each.folder}/{each.scene}.html"' in text and each.title in text
 
 
 def test_the_report_is_made_again_only_when_an_answer_has_changed(folder: Path) -> None:
