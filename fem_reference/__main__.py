@@ -168,18 +168,10 @@ def main(arguments: list[str] | None = None, report: Report = lambda _: None) ->
     is_first = MPI.COMM_WORLD.rank == 0
     error_stream = sys.stderr if is_first else io.StringIO()
     try:
-        single_process_only = [
-            ("--slice", options.slice),
-            ("--output", options.output),
-            ("--error enclosure", options.error == "enclosure"),
-        ]
+        single_process_only = [("--slice", options.slice), ("--output", options.output)]
         refused = next((name for name, asked in single_process_only if asked), None)
         if MPI.COMM_WORLD.size > 1 and refused is not None:
-            raise InputError(
-                options.scene,
-                refused,
-                "needs a single process; several processes can only solve with --error estimate",
-            )
+            raise InputError(options.scene, refused, "needs a single process")
         if options.slice is not None:
             return documents.write_slice(Path(options.scene), Path(options.slice))
         if options.output is not None:
