@@ -22,12 +22,12 @@ plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1,
 [[object]]
 name = "plate"
 shape = { type = "plate", size = [0.06, 0.06] }
-translation = [0.01, 0.02, 0.03]
+translation = [0, 0, 0.03]
 
 [[object]]
 name = "ball"
 shape = { type = "sphere", radius = 0.02 }
-translation = [0.09, 0.02, 0.03]
+translation = [0, 0, 0.08]
 potential = "floating"
 """
 
