@@ -349,12 +349,13 @@ def _next_sizing(sizing: Sizing, level: Level, answer: Reference, rtol: float) -
     order, away_order = FIRST_ORDER, AWAY_ORDER
     if level.estimated is not None:
         order, away_order = FIRST_ORDER_OF_ESTIMATES, AWAY_ORDER_OF_ESTIMATES
+    orders = level.marks.orders(order)
     if sizing.adapted is not None:
-        order = LATER_ORDER
+        orders = np.full_like(orders, LATER_ORDER)
     for ratio in (1.0, np.sqrt(max(present, 1.0))):
         # Errors that a check contradicts are smaller than the true ones.
         goal = FRACTION_OF_GOAL * rtol * ratio * min(present, 1.0)
-        adapted = adapted_sizes(level.marks, goal, order, away_order)
+        adapted = adapted_sizes(level.marks, goal, orders, away_order)
         if adapted.growth_of_cells <= MOST_GROWTH_OF_CELLS:
             break
     return replace(sizing, refinement=sizing.refinement * max(present / ratio, 1.0), adapted=adapted)

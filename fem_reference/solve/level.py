@@ -192,7 +192,7 @@ def _charges_and_bounds(
             readings = (
                 None if readings is None else replace(readings, value_bounds=None, background_bounds=None)
             )
-        marked = marks(problem.bodies, *mesh.corners(), parts.of_cells, parts.whole)
+        marked = marks(problem.bodies, problem.owner, *mesh.corners(), parts.of_cells, parts.whole)
     return found, on_bodies, done, interval, readings, from_bounds, marked, between
 
 
