@@ -115,7 +115,7 @@ std::optional<GjkDistance> exchanged_distance(Simplex simplex, std::optional<Poi
           if ((members >> i & 1U) != 0)
             tried.pairs[tried.size++] = simplex.pairs[i];
         detail::PreciseSimplex precise(tried, extent);
-        if (const std::optional<GjkDistance> distance = precise.distance(a, b))
+        if (std::optional<GjkDistance> distance = precise.distance(a, b))
           return distance;
         next = tried;
         beyond_next = precise.beyond();
