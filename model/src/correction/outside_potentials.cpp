@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "bem/panel.hpp"
 #include "bem/panel_pair.hpp"
 #include "numeric/parallel.hpp"
+#include "numeric/progress.hpp"
 #include "reduced/node_kernels.hpp"
 #include "simd/dispatch.hpp"
 
@@ -32,6 +36,9 @@ constexpr double far = 6;
 
 /// Number of points that are evaluated points_together, with the same levels: a block of the kernels.
 constexpr std::size_t points_together = node_block;
+
+/// Number of groups of points from which on it is worth showing how far they are: some seconds.
+constexpr std::size_t groups_with_progress = 40;
 
 /// Bits of a coordinate's number in the Z-order, three of which fill a word.
 constexpr unsigned order_bits = 21;
@@ -154,7 +161,11 @@ OutsidePotentials::Values OutsidePotentials::at(std::span<const Vector3d> points
   Values values{TrianglePotentials(count, given), TrianglePotentials(count, with_functions ? columns : 0)};
   const std::vector<std::size_t> order = along_curve(points);
   constexpr std::size_t in_group = 16 * points_together;
-  parallel_for((points.size() + in_group - 1) / in_group, threads, [&](std::size_t group) {
+  const std::size_t groups = (points.size() + in_group - 1) / in_group;
+  std::atomic<std::size_t> begun = 0;
+  parallel_for(groups, threads, [&](std::size_t group) {
+    if (groups >= groups_with_progress)
+      show_progress(fmt::format("{} of {} points", in_group * begun++, points.size()));
     const std::span<const std::size_t> indices =
         std::span(order).subspan(group * in_group, std::min(in_group, points.size() - group * in_group));
     const auto size = static_cast<Index>(indices.size());
