@@ -44,7 +44,7 @@ METHOD: dict[bool, str] = {
     False: "Richardson extrapolation over meshes of edge size h, h/2, h/4 … where the ratio of their differences is that of the "
     "theory; the error is an estimate from those differences, plus a bound on the open boundary and what all meshes share",
 }
-"""How values and errors are found: between bounds on each mesh, or by several processes."""
+"""How values and errors are found: between bounds on each mesh, or by differences of meshes."""
 INTERVAL: dict[ErrorKind, str] = {
     "estimate": "lower and upper are the value less and plus its estimated error",
     "enclosure": "lower and upper enclose the true value: energies of a continuous potential and of a divergence-free flux, "
