@@ -162,7 +162,7 @@ OutsidePotentials::Values OutsidePotentials::at(std::span<const Vector3d> points
     for (std::size_t begin = 0; begin < indices.size(); begin += points_together)
       evaluate(points, indices.subspan(begin, std::min(points_together, indices.size() - begin)),
                static_cast<Index>(begin), of_given, of_functions);
-    if (charges != nullptr)
+    if (with_functions && charges != nullptr)
       of_functions = (of_functions * *charges).eval();
     for (Index p = 0; p < size; ++p) {
       const auto index = static_cast<Index>(indices[static_cast<std::size_t>(p)]);
