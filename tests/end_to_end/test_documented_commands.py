@@ -142,6 +142,7 @@ MINUTES = {
     "build/bin/boundary_elements_benchmark": "build/bin/boundary_elements_benchmark",
     "build/bin/boundary_element_scenes_benchmark": "build/bin/boundary_element_scenes_benchmark",
     "python3 -m analysis.topics.machines.accuracy --every 13": "python3 -m analysis.topics.machines.accuracy --every 400",
+    "python3 -m analysis.topics.machines.stated --poses 90 --seed 1": "python3 -m analysis.topics.machines.stated --poses 2",
     "python3 -m analysis.topics.machines.moving": "python3 -m analysis.topics.machines.moving --poses 2 --rtol 0.05",
     "build/bin/reduced_benchmark --moving SCENE POSES": "build/bin/reduced_benchmark --moving geometries/scenes/guarded_sensor.toml 2",
     "build/bin/reduced_benchmark --machine 3": "build/bin/reduced_benchmark --machine 0",

@@ -41,6 +41,14 @@ CompanyResolution target_resolution(std::optional<double> rtol) {
   return rtol ? CompanyResolution{*rtol, 6000, 256} : TargetAtRest::usual;
 }
 
+bool is_much_nearer(double nearness, double prepared) {
+  /// Ratio to the prepared nearness beyond which the functions are too coarse.
+  constexpr double much_nearer = 1.5;
+  /// Ratio of a function's radius to its distance below which the functions are fine enough.
+  constexpr double near_enough = 0.5;
+  return nearness > much_nearer * std::max(prepared, near_enough);
+}
+
 AlignedBox3d bounds_of(const ChargedBody& body) {
   AlignedBox3d box;
   for (const Triangle& triangle : triangulated(body.surface).triangles)
@@ -233,10 +241,6 @@ void CompanyReadings::write_pose(CompanyFormula& formula, TabulatedFormula* tabu
 
 void CompanyReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answers,
                             std::optional<double> rtol, bool with_derivatives) {
-  /// Ratio to the largest prepared nearness beyond which the target is prepared again.
-  constexpr double much_nearer = 1.5;
-  /// Ratio of a function's radius to its distance below which the functions are fine enough.
-  constexpr double near_enough = 0.5;
   motion_.update();
   if (rtol && !with_derivatives &&
       moving_.write(scene, answers, *rtol, machine_ && has_moved(*machine_group_)))
@@ -251,9 +255,7 @@ void CompanyReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answ
   TabulatedFormula* const tabulated = rtol ? &tabulated_formula_ : nullptr;
   tabulate(std::span(&pose, 1), 1);
   write_pose(formula_, tabulated, pose, answers);
-  if (!rtol ||
-      CompanyFormula::nearness(*machine_, *target_, pose) <=
-          much_nearer * std::max(prepared_nearness_, near_enough) ||
+  if (!rtol || !is_much_nearer(CompanyFormula::nearness(*machine_, *target_, pose), prepared_nearness_) ||
       are_within(answers, *rtol))
     return;
   approach_.push_back(pose);

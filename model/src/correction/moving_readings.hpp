@@ -60,6 +60,7 @@ class MovingReadings {
   bool keeps_groups() const;
   Poses poses() const;
   void prepare(const Scene& scene, const std::vector<Poses>& poses, double rtol, std::size_t threads);
+  void tabulate(const std::vector<Poses>& poses, std::size_t threads);
   void write_pose(MovingFormula& formula, const Poses& pose, std::vector<ReadingAnswer>& answers) const;
   void refuse_contacts(const Poses& pose) const;
 
@@ -70,6 +71,7 @@ class MovingReadings {
   std::optional<Group> target_group_;
   std::optional<double> rtol_;  ///< that machine and target are prepared for
   std::optional<MovingMachine> machine_;
+  std::optional<LinkTables> tables_;  ///< of the machine's links
   std::optional<TargetAtRest> target_;
   std::vector<Poses> approach_;  ///< poses that the target is prepared for
   double prepared_nearness_ = 0;

@@ -138,7 +138,7 @@ void PotentialTable::fill(const Eigen::MatrixXf& charges, std::size_t threads) {
       points.emplace_back(cell.centre + cell.half * Vector3d(chebyshev_node(k % per_side),
                                                              chebyshev_node(k / per_side % per_side),
                                                              chebyshev_node(k / (per_side * per_side))));
-  const OutsidePotentials::Values values = potentials_.at(points, true, &charges, threads);
+  const OutsidePotentials::Values values = potentials_.at(points, charges.cols() > 0, &charges, threads);
   const Index given = values.of_given.cols();
   width_ = static_cast<std::size_t>(whole_blocks(given + charges.cols()));
   values_.resize(cells_.size() * nodes * width_, 0.0F);
