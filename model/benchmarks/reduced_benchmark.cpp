@@ -5,8 +5,9 @@
 /// omitted; with --machine COUNT only the formula in company, for a hand in 500 poses before an arm, compared
 /// in COUNT of them with boundary elements; with --moving SCENE POSES only that formula on the first so many
 /// frames of SCENE.motion.toml, beside the scene, and with the folder of prepared data named behind these
-/// also from that (python3 -m analysis.topics.machines.moving --write FOLDER writes such scenes). Methods
-/// take turns; times are processor times of this thread, the least of five moves to the same pose.
+/// also from that (python3 -m analysis.topics.machines.moving --write FOLDER writes such scenes); with
+/// --covers COUNT only sensors under covers before a hand, and the same without covers, in COUNT poses each.
+/// Methods take turns; times are processor times of this thread, the least of five moves to the same pose.
 
 #include <algorithm>
 #include <cmath>
@@ -328,6 +329,86 @@ void measure_motion(const std::filesystem::path& file, std::size_t poses,
   report(", prepared data read");
 }
 
+/// A sensor of 10 cm, with a cover if that has a permittivity above 1, before a hand, a box whose nearest
+/// face is at the origin of the additional link.
+Scene covered_scene(double thickness, double relative_permittivity) {
+  constexpr double side = 0.1, hand_thickness = 0.03;
+  Scene scene;
+  scene.sensors.push_back(
+      {"sensor", {}, 2.5, 5e-12, {{{-side / 2, -side / 2, 0}, {side, 0, 0}, {0, side, 0}}}});
+  Object hand{"hand",
+              {},
+              Cuboid{0.12, 0.18, hand_thickness},
+              Eigen::Isometry3d(Eigen::Translation3d(0, 0, hand_thickness / 2))};
+  hand.target = true;
+  scene.objects.push_back(hand);
+  scene = movable(scene);
+  scene.links.back().pose.translation() = Vector3d(0, 0, side);
+  if (relative_permittivity > 1) {
+    Object cover{"cover",
+                 {},
+                 Cuboid{side, side, thickness},
+                 Eigen::Isometry3d(Eigen::Translation3d(0, 0, thickness / 2)),
+                 Dielectric{relative_permittivity}};
+    cover.conductor = "sensor";
+    scene.objects.insert(scene.objects.begin(), cover);
+  }
+  return scene;
+}
+
+/// Measures readings of `reduced:1` under covers and without, side by side in the same poses.
+void measure_covers(std::size_t poses) {
+  constexpr double truth_rtol = 1e-2;
+  const Scene bare = covered_scene(0, 1);
+  ReducedEvaluator uncovered(bare, {.steps = 1, .rtol = {}});
+  for (const auto& [thickness, permittivity] : {std::pair(2e-3, 4.0), {0.5e-3, 80.0}, {10e-3, 3.0}}) {
+    const Scene scene = covered_scene(thickness, permittivity);
+    double start = processor_seconds();
+    ReducedEvaluator evaluator(scene, {.steps = 1, .rtol = {}});
+    evaluator.maxwell();
+    const double preparation = processor_seconds() - start;
+    std::mt19937_64 random{1};
+    const auto number = [&](double from, double to) {
+      return from + (to - from) * static_cast<double>(random() >> 11) * 0x1p-53;
+    };
+    std::vector<double> ratios, times, errors;
+    std::size_t covered = 0, reached = 0;
+    for (std::size_t k = 0; k < poses; ++k) {
+      Eigen::Isometry3d pose(Eigen::Translation3d(number(-0.04, 0.04), number(-0.04, 0.04),
+                                                  thickness + 0.01 * std::pow(15, number(0, 1))));
+      pose.rotate(Eigen::AngleAxisd(number(0, 6.2), Vector3d::UnitZ()));
+      const auto time = [&](ReducedEvaluator& one) {
+        return quickest([&] {
+          one.set_pose(mover, pose);
+          one.maxwell();
+        });
+      };
+      const double without = time(uncovered), with = time(evaluator);
+      times.push_back(with);
+      ratios.push_back(with / without);
+      const MaxwellMatrix answer = evaluator.maxwell();
+      reached += answer.reached;
+      LiveScene there(scene);
+      there.set_pose(mover, pose);
+      const Estimate known =
+          there.evaluate({.method = BoundaryElements{}, .rtol = truth_rtol, .entries = Entries::of_readings})
+              .readings[0]
+              .change;
+      const Estimate& found = answer.readings[0].change;
+      const double error = std::abs(*found.value - *known.value);
+      errors.push_back(100 * error / std::abs(*known.value));
+      covered += error <= *found.error + *known.error;
+    }
+    fmt::print("cover of {} mm and {}: {:.1f} s to prepare; {} poses, ratio to the time without it median "
+               "{:.2f}, largest {:.2f}; µs median {:.0f}, longest {:.0f}\n  changes: error % median {:.2f}, "
+               "worst {:.2f}; reached {}, covered {}\n",
+               1e3 * thickness, permittivity, preparation, poses, quantile(ratios, 0.5), quantile(ratios, 1),
+               quantile(times, 0.5), quantile(times, 1), quantile(errors, 0.5), quantile(errors, 1), reached,
+               covered);
+    std::fflush(stdout);
+  }
+}
+
 }  // namespace
 
 int main(int argument_count, char** arguments) {
@@ -343,6 +424,10 @@ int main(int argument_count, char** arguments) {
   if (argument_count >= 4 && argument_count <= 5 && std::string(arguments[1]) == "--moving") {
     measure_motion(arguments[2], std::stoul(arguments[3]),
                    argument_count > 4 ? std::optional<std::string>(arguments[4]) : std::nullopt);
+    return 0;
+  }
+  if (argument_count == 3 && std::string(arguments[1]) == "--covers") {
+    measure_covers(std::stoul(arguments[2]));
     return 0;
   }
   Measurements of_files;

@@ -14,6 +14,8 @@
 #include "bem/proximity_refinement.hpp"
 #include "bem/single_layer_panels.hpp"
 #include "fringe/error.hpp"
+#include "geometry/median_split.hpp"
+#include "numeric/gmres.hpp"
 #include "numeric/interruption.hpp"
 
 namespace fringe::detail {
@@ -83,17 +85,105 @@ MatrixXd summed_rows(const Unknowns& unknowns, const MatrixXd& rows, bool are_we
   return result;
 }
 
-/// Solves the equations in the coarse space: one density, or one potential, on panels that are alike.
-MatrixXd solve_coarse(const Unknowns& unknowns, const MatrixXd& matrix, const MatrixXd& potentials) {
-  MatrixXd columns = matrix;
-  for (Index k = 0; k < unknowns.size(); ++k)
-    if (unknowns.is_conductor(k))
-      columns.col(k) *= unknowns.shares[k];
-  const MatrixXd half = summed_rows(unknowns, columns, true).transpose();
-  return summed_rows(unknowns, half, false)
-      .transpose()
-      .partialPivLu()
-      .solve(summed_rows(unknowns, potentials, true));
+/// The equations in the coarse space: one density, or one potential, on panels that are alike.
+class CoarseSpace {
+ public:
+  CoarseSpace(const Unknowns& unknowns, const MatrixXd& matrix) : unknowns_(unknowns) {
+    MatrixXd half = summed_rows(unknowns, matrix, true).transpose();
+    for (Index k = 0; k < unknowns.size(); ++k)
+      if (unknowns.is_conductor(k))
+        half.row(k) *= unknowns.shares[k];
+    factor_.compute(summed_rows(unknowns, half, false).transpose());
+  }
+
+  /// Solves for the densities and potentials of the coarse space.
+  MatrixXd solve(const MatrixXd& potentials) const {
+    return factor_.solve(summed_rows(unknowns_, potentials, true));
+  }
+
+  /// Returns what each panel has of a solution of the coarse space.
+  MatrixXd on_panels(const MatrixXd& solution) const {
+    MatrixXd result(unknowns_.size(), solution.cols());
+    for (Index k = 0; k < unknowns_.size(); ++k)
+      result.row(k) = (unknowns_.is_conductor(k) ? unknowns_.shares[k] : 1.0) *
+                      solution.row(unknowns_.coarse[static_cast<std::size_t>(k)]);
+    return result;
+  }
+
+ private:
+  const Unknowns& unknowns_;
+  Eigen::PartialPivLU<MatrixXd> factor_;
+};
+
+/// The inverses of the blocks of panels that are close to each other.
+class NearbyPanels {
+ public:
+  NearbyPanels(const PanelMesh& mesh, const Unknowns& unknowns, const MatrixXd& matrix) {
+    std::vector<Index> order(unknowns.panels.size());
+    for (std::size_t k = 0; k < order.size(); ++k)
+      order[k] = index_of(k);
+    divide(order, [&](Index k) -> const Eigen::Vector3d& {
+      return mesh.panels()[static_cast<std::size_t>(unknowns.panels[static_cast<std::size_t>(k)])].centre;
+    });
+    for (const std::vector<Index>& block : blocks_)
+      factors_.emplace_back(MatrixXd(matrix(block, block)));
+  }
+
+  MatrixXd solve(const MatrixXd& potentials) const {
+    MatrixXd result(potentials.rows(), potentials.cols());
+    for (std::size_t k = 0; k < blocks_.size(); ++k) {
+      // Eigen's solver cannot work in selected rows.
+      const MatrixXd own = potentials(blocks_[k], Eigen::all);
+      const MatrixXd solution = factors_[k].solve(own);
+      result(blocks_[k], Eigen::all) = solution;
+    }
+    return result;
+  }
+
+ private:
+  template <class CentreOf>
+  void divide(std::span<Index> part, const CentreOf& centre_of) {
+    /// Largest number of panels in a block.
+    constexpr std::size_t most = 96;
+    if (part.size() <= most) {
+      blocks_.emplace_back(part.begin(), part.end());
+      return;
+    }
+    const std::size_t half = part.size() / 2;
+    split_at_median(part, half, centre_of);
+    divide(part.first(half), centre_of);
+    divide(part.subspan(half), centre_of);
+  }
+
+  std::vector<std::vector<Index>> blocks_;
+  std::vector<Eigen::PartialPivLU<MatrixXd>> factors_;
+};
+
+/// Solves the equations of all panels: by factorisation if there are few, else by generalised minimal
+/// residuals with the coarse space and the blocks of nearby panels as preconditioner.
+MatrixXd solve_all(const PanelMesh& mesh, const Unknowns& unknowns, const MatrixXd& matrix,
+                   const CoarseSpace& coarse, const MatrixXd& right_sides) {
+  /// Least number of unknowns for each right side, and altogether, with which the iteration takes less time.
+  constexpr Index least_per_column = 60, least_unknowns = 1200;
+  /// Largest residual, relative to the right side: far below the accuracy that can be asked for.
+  constexpr double residual = 1e-7;
+  constexpr int most_steps = 150;
+  if (unknowns.size() >= std::max(least_unknowns, least_per_column * right_sides.cols())) {
+    const NearbyPanels nearby(mesh, unknowns, matrix);
+    const auto solution = gmres(
+        [&](const MatrixXd& columns) {
+          check_interruption();
+          return MatrixXd(matrix * columns);
+        },
+        [&](const MatrixXd& columns) {
+          const MatrixXd first = coarse.on_panels(coarse.solve(columns));
+          return MatrixXd(first + nearby.solve(columns - matrix * first));
+        },
+        right_sides, residual, most_steps);
+    if (solution)
+      return *solution;
+  }
+  return matrix.partialPivLu().solve(right_sides);
 }
 
 }  // namespace
@@ -201,11 +291,12 @@ struct Solutions {
   MatrixXd details;
 };
 
-Solutions solutions_of(const Equations& equations, const MatrixXd& right_sides) {
+Solutions solutions_of(const PanelMesh& mesh, const Equations& equations, const MatrixXd& right_sides) {
   const Unknowns& unknowns = equations.unknowns;
+  const CoarseSpace coarse(unknowns, equations.matrix);
   Solutions result;
-  result.fine = equations.matrix.partialPivLu().solve(right_sides);
-  result.coarse = solve_coarse(unknowns, equations.matrix, right_sides);
+  result.fine = solve_all(mesh, unknowns, equations.matrix, coarse, right_sides);
+  result.coarse = coarse.solve(right_sides);
   result.details = result.fine;
   const MatrixXd means = summed_rows(unknowns, result.fine, false),
                  weighted = summed_rows(unknowns, result.fine, true);
@@ -306,7 +397,7 @@ InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
   const Equations equations =
       equations_of(unknowns_of(mesh_, surroundings_[set]), bodies, single_layer_, double_layer_);
   const Unknowns& unknowns = equations.unknowns;
-  const Solutions found = solutions_of(equations, equations.potentials);
+  const Solutions found = solutions_of(mesh_, equations, equations.potentials);
   const Index conductors = index_of(bodies.conductors.size());
   InsulatedSolution result;
   result.matrix = {MatrixXd::Zero(conductors, conductors), MatrixXd::Zero(conductors, conductors)};
@@ -337,7 +428,7 @@ InsulatedResponse InsulatedSystem::respond(const MatrixXd& outer, const VectorXd
   MatrixXd right_sides(unknowns.size(), outer.cols());
   for (std::size_t k = 0; k < size; ++k)
     right_sides.row(index_of(k)) = -outer.row(unknowns.panels[k]);
-  const Solutions found = solutions_of(equations, right_sides);
+  const Solutions found = solutions_of(mesh_, equations, right_sides);
   InsulatedResponse result;
   result.potentials = result.coarse_potentials = result.charges =
       MatrixXd::Zero(index_of(panels()), outer.cols());
