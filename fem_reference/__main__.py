@@ -13,6 +13,7 @@ import math
 import os
 import shlex
 import sys
+import time
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -160,54 +161,56 @@ def main(arguments: list[str] | None = None, report: Report = lambda _: None) ->
     _prepare_libraries()
     from mpi4py import MPI
 
-    from fem_reference.bodies.wrapping import Geometry
-    from fem_reference.common.limits import Limits
-    from fem_reference.output import documents
-
     # Every process runs all of this and ends with the same status; only the first one prints messages.
     is_first = MPI.COMM_WORLD.rank == 0
     error_stream = sys.stderr if is_first else io.StringIO()
     try:
-        single_process_only = [
-            ("--slice", options.slice),
-            ("--output", options.output),
-            ("--error enclosure", options.error == "enclosure"),
-        ]
+        single_process_only = [("--slice", options.slice), ("--output", options.output)]
         refused = next((name for name, asked in single_process_only if asked), None)
         if MPI.COMM_WORLD.size > 1 and refused is not None:
-            raise InputError(
-                options.scene,
-                refused,
-                "needs a single process; several processes can only solve with --error estimate",
-            )
-        if options.slice is not None:
-            return documents.write_slice(Path(options.scene), Path(options.slice))
-        if options.output is not None:
-            documents.write_field(Path(options.scene), options.output)
-        limits = Limits(options.max_seconds, options.max_unknowns, options.max_memory * 2**30)
-        return documents.answer(
-            Path(options.scene),
-            options.json,
-            options.rtol,
-            options.error,
-            limits,
-            options.columns,
-            not options.no_symmetry,
-            Geometry(options.geometry, options.wrap_alpha, options.wrap_offset),
-            report,
-            options.only_readings,
-        )
+            raise InputError(options.scene, refused, "needs a single process")
+        return _answered(options, report)
     except InputError as wrong:
         print(f"fem_reference: {wrong}", file=error_stream)
         return WRONG_INPUT
     except (RuntimeError, OSError, MemoryError) as failure:
         words = shlex.join(sys.argv[1:] if arguments is None else arguments)
+        # The other processes may wait for this one. The first one, if it failed as well, is to say so alone.
+        time.sleep(0.0 if is_first else 1.0)
         print(
             f"fem_reference: {options.scene}: {failure or 'out of memory'}; "
             f"to see it again: {installation.command('fem_reference')} {words}",
-            file=error_stream,
+            file=sys.stderr,
+            flush=True,
         )
+        if MPI.COMM_WORLD.size > 1:
+            MPI.COMM_WORLD.Abort(FAILED)
         return FAILED
+
+
+def _answered(options: argparse.Namespace, report: Report) -> int:
+    """Solve the scene as the options say; returns the exit status."""
+    from fem_reference.bodies.wrapping import Geometry
+    from fem_reference.common.limits import Limits
+    from fem_reference.output import documents
+
+    if options.slice is not None:
+        return documents.write_slice(Path(options.scene), Path(options.slice))
+    if options.output is not None:
+        documents.write_field(Path(options.scene), options.output)
+    limits = Limits(options.max_seconds, options.max_unknowns, options.max_memory * 2**30)
+    return documents.answer(
+        Path(options.scene),
+        options.json,
+        options.rtol,
+        options.error,
+        limits,
+        options.columns,
+        not options.no_symmetry,
+        Geometry(options.geometry, options.wrap_alpha, options.wrap_offset),
+        report,
+        options.only_readings,
+    )
 
 
 def _prepare_libraries() -> None:

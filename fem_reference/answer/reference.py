@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import signal
 import time
 from itertools import combinations
 from collections.abc import Callable, Sequence
@@ -16,7 +18,7 @@ from scipy.constants import epsilon_0
 
 from fem_reference.answer.best_value import best_value
 from fem_reference.answer.checks import checked
-from fem_reference.answer.convergence import Estimate, estimate, open_boundary_error, shared_error
+from fem_reference.answer.convergence import Estimate, open_boundary_error
 from fem_reference.answer.readings import (
     ReadingAnswer,
     combined_readings,
@@ -27,7 +29,7 @@ from fem_reference.answer.wrapped import GeometryError, geometry_error
 from fem_reference.bodies.distances import distance, in_contact
 from fem_reference.bodies.distant import LeftOut, is_negligible, without_distant
 from fem_reference.solve.enclosure import Enclosure, intersection, with_left_out
-from fem_reference.solve.level import Bounds, Level, solve_level
+from fem_reference.solve.level import Level, solve_level
 from fem_reference.common.limits import Limits
 from fem_reference.mesh.tagged_mesh import OUTER_RADIUS
 from fem_reference.bodies.conductors import Conductors, Dielectric, conductors
@@ -58,8 +60,9 @@ MOST_LEVELS = 6
 """Largest number of levels; after it the answer is returned even if its errors are above `rtol`."""
 NARROW_GAP = 0.05
 """Gap over the size of a body beside it, below which the edges in the gap take most of the cells of the first mesh."""
-COARSE_RTOL_IN_GAPS = 5e-3
-"""Relative accuracy from which on an enclosure of a scene with narrow gaps starts from sizes twice as large, which halves the unknowns."""
+REFINEMENT_IN_NARROW_GAPS = 0.5
+"""Divisor of the sizes at edges on the first mesh of a scene with narrow gaps, whose errors choose the sizes of the next one: it halves the
+unknowns, most of which would lie along edges that may not matter."""
 MOST_GROWTH_OF_CELLS = 8.0
 """Largest growth of the number of cells at which the next mesh is to reach the goal at once."""
 PETSC_OUT_OF_MEMORY = "error code 55"
@@ -261,16 +264,17 @@ def solve_conductors(
     levels: list[Level] = []
     answer: Reference
     shape: GeometryError | None = None
-    # Fluxes are solved by a single process. Several ones estimate errors from meshes of halved sizes.
-    bounds: Bounds = error if MPI.COMM_WORLD.size == 1 else "none"
-    bounded = bounds != "none"
-    sizing = sizing_for(rtol, first_refinement(problem, rtol) if bounded else 1.0, bounded)
+    sizing = sizing_for(rtol, first_refinement(problem), True)
     while True:
         try:
-            level = solve_level(problem, relative_permittivity, sizing, bounds, planes, only_readings)
+            level = solve_level(problem, relative_permittivity, sizing, error, planes, only_readings)
         except (MemoryError, RuntimeError) as failure:
             if not levels or not _is_want_of_memory(failure):
                 raise
+            if MPI.COMM_WORLD.size > 1:
+                # The others wait for this process. It ends as if the system had ended it, whereupon mpirun ends the others, and the parent
+                # of the first one prints the answer.
+                os.kill(os.getpid(), signal.SIGKILL)
             return replace(answer, stopped_by="the next level took more memory than there is")
         bound = sum((body.bound for body in left_out), np.zeros(len(problem.names)))
         changes, of_changes = level.delta_self, bound[: problem.sensors]
@@ -290,7 +294,6 @@ def solve_conductors(
             relative_permittivity,
             levels,
             rtol,
-            0.0 if bounded else shared_error(sizing.growth),
             time.monotonic() - start,
             planes,
             bound,
@@ -327,22 +330,17 @@ def _planes(problem: Conductors, symmetry: bool) -> tuple[Plane, ...]:
     return mirror_planes(problem.bodies, problem.owner, problem.room) if symmetry else ()
 
 
-def first_refinement(problem: Conductors, rtol: float) -> float:
+def first_refinement(problem: Conductors) -> float:
     """The divisor of the sizes at edges on the first mesh, if the next ones are adapted."""
-    if rtol < COARSE_RTOL_IN_GAPS:
-        return 1.0
     bodies, owner = problem.bodies, problem.owner
-    return (
-        0.5
-        if any(
-            owner[i] != owner[j]
-            and min(owner[i], owner[j]) < problem.driven
-            and not in_contact(bodies[i], bodies[j])
-            and distance(bodies[i], bodies[j]) < NARROW_GAP * min(bodies[i].size, bodies[j].size)
-            for i, j in combinations(range(len(bodies)), 2)
-        )
-        else 1.0
+    narrow = any(
+        owner[i] != owner[j]
+        and min(owner[i], owner[j]) < problem.driven
+        and not in_contact(bodies[i], bodies[j])
+        and distance(bodies[i], bodies[j]) < NARROW_GAP * min(bodies[i].size, bodies[j].size)
+        for i, j in combinations(range(len(bodies)), 2)
     )
+    return REFINEMENT_IN_NARROW_GAPS if narrow else 1.0
 
 
 def _next_sizing(sizing: Sizing, level: Level, answer: Reference, rtol: float) -> Sizing:
@@ -357,12 +355,13 @@ def _next_sizing(sizing: Sizing, level: Level, answer: Reference, rtol: float) -
     order, away_order = FIRST_ORDER, AWAY_ORDER
     if level.estimated is not None:
         order, away_order = FIRST_ORDER_OF_ESTIMATES, AWAY_ORDER_OF_ESTIMATES
+    orders = level.marks.orders(order)
     if sizing.adapted is not None:
-        order = LATER_ORDER
+        orders = np.full_like(orders, LATER_ORDER)
     for ratio in (1.0, np.sqrt(max(present, 1.0))):
         # Errors that a check contradicts are smaller than the true ones.
         goal = FRACTION_OF_GOAL * rtol * ratio * min(present, 1.0)
-        adapted = adapted_sizes(level.marks, goal, order, away_order)
+        adapted = adapted_sizes(level.marks, goal, orders, away_order)
         if adapted.growth_of_cells <= MOST_GROWTH_OF_CELLS:
             break
     return replace(sizing, refinement=sizing.refinement * max(present / ratio, 1.0), adapted=adapted)
@@ -383,7 +382,6 @@ def _combined(
     relative_permittivity: float,
     levels: Sequence[Level],
     rtol: float,
-    shared: float,
     seconds: float,
     planes: Sequence[Plane],
     left_out: Array,
@@ -391,8 +389,7 @@ def _combined(
 ) -> Reference:
     """Extrapolate the levels, and add the errors that all levels share.
 
-    These are the errors of the open boundary, of the elements away from the edges, `shared` as a share of the values, of the bodies left
-    out, and of wraps: `left_out` (n,) bounds what these bodies may add to the diagonal, and `shape` is what wraps cost.
+    These are the errors of the open boundary, of the bodies left out, and of wraps: `left_out` (n,) bounds what these bodies may add to the diagonal, and `shape` is what wraps cost.
     """
     farads = epsilon_0 * relative_permittivity * problem.unit
     finest = levels[-1].maxwell
@@ -410,9 +407,9 @@ def _combined(
     from_bounds = two_sided[-1] if two_sided else None
     change = difference_estimate([level.delta_self for level in levels], width, from_bounds)
     relative_boundary = (np.diag(boundary) / np.diag(finest))[: problem.sensors]
-    matrix_error = matrix.error + boundary + shared * np.abs(matrix.value)
+    matrix_error = matrix.error + boundary
     matrix_error += np.sqrt(np.outer(left_out, left_out))
-    change_error = change.error + (relative_boundary + shared) * np.abs(change.value)
+    change_error = change.error + relative_boundary * np.abs(change.value)
     change_error += left_out[: problem.sensors]
     value = matrix.value
     delta_self = Estimate(change.value, change_error, change.extrapolated)
@@ -433,7 +430,7 @@ def _combined(
         check = check if check is None or shape is None else shape.widened(check)
         estimated = Estimate(value, matrix_error, matrix.extrapolated)
         answer, contradicted = checked(estimated, _exchanges(problem), check)
-    relative = float(np.max(np.diag(boundary) / np.diag(finest))) + shared
+    relative = float(np.max(np.diag(boundary) / np.diag(finest)))
     return Reference(
         readings=combined_readings(problem, levels, answer, relative, left_out, shape),
         names=problem.names,

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import basix
 import numpy as np
+from dolfinx.cpp.common import IndexMap
+from mpi4py import MPI
 from numpy.typing import NDArray
 
+from fem_reference.mesh.distributed import summed
 from fem_reference.mesh.quarter_points import TETRAHEDRON_EDGES, second_order, straighten
 
 Array = NDArray[np.float64]
@@ -53,20 +56,27 @@ def areas(nodes: Array, cells: NDArray[np.int32]) -> Array:
     return np.asarray((np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2) ** 2).max(axis=1))
 
 
-def straighten_inverted(nodes: Array, cells: NDArray[np.int32]) -> None:
+def straighten_inverted(
+    nodes: Array, cells: NDArray[np.int32], shared: IndexMap, comm: MPI.Intracomm
+) -> None:
     """Straighten the cells whose map is inverted (its determinant changes sign) at one of their ten nodes, in place.
 
-    Slivers on a curved surface sometimes have such maps. Straightening a cell moves nodes that its neighbours share, hence the
-    repetition; a cell with only straight sides is not inverted. Raises RuntimeError when inverted cells remain.
+    Slivers on a curved surface sometimes have such maps. Straightening a cell moves nodes that its neighbours share, also on other processes
+    (`shared` maps the nodes), hence the repetition; a cell with only straight sides is not inverted. Raises RuntimeError when inverted cells remain.
     """
     gradients = second_order().tabulate(1, SECOND_ORDER_NODES)[1:, :, :, 0]
     for _ in range(MOST_STRAIGHTENINGS):
         volumes = np.linalg.det(np.einsum("dpn,cni->cpid", gradients, nodes[cells]))
         straight = np.linalg.det(nodes[cells[:, 1:4]] - nodes[cells[:, :1]])
         inverted = cells[(volumes * np.sign(straight)[:, None]).min(axis=1) <= 0]
-        if not len(inverted):
+        remaining = comm.allreduce(len(inverted))
+        if not remaining:
             return
         straighten(nodes, inverted)
-    raise RuntimeError(
-        f"meshing failed: {len(inverted)} tetrahedra on a curved surface are turned inside out"
-    )
+        moved = np.zeros((len(nodes), 4))
+        moved[inverted[:, 4:]] = 1
+        moved[:, 1:] *= nodes
+        moved = summed(shared, moved)
+        anywhere = moved[:, 0] > 0
+        nodes[anywhere] = moved[anywhere, 1:] / moved[anywhere, :1]
+    raise RuntimeError(f"meshing failed: {remaining} tetrahedra on a curved surface are turned inside out")

@@ -17,7 +17,10 @@ from scipy.spatial import cKDTree
 
 from fem_reference.bodies.shapes import Body
 from fem_reference.mesh.edges import ON_EDGE, sides_along_edges
+from fem_reference.mesh.size_function import SizeFunction
 from fem_reference.mesh.size_rules import AdaptedSizes
+from fem_reference.mesh.sizing import distance_on_tape
+from fem_reference.mesh.tape import Tape
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -34,6 +37,9 @@ LEAST_DIVISION = 1.15
 """Ratio of successive sizes away from edges, from which on cells there are made smaller."""
 FIRST_ORDER, FIRST_ORDER_OF_ESTIMATES, LATER_ORDER = 1.2, 1.5, 1.1
 """Orders of the errors at edges in the size there: 1 in theory, but 1.3 to 3 between the first two meshes; 1.2 to 1.8 with fluxes of degree 2."""
+ORDER_ACROSS_GAPS, ACROSS = 4.0, 0.45
+"""Order at edges whose cells reach across a gap, so that one polynomial has to represent what both sides of the gap cause, and the least size of such
+cells over the width of the gap: between plates with a gap of 0.02 the order is 4 from 0.6 to 0.3 of it."""
 AWAY_ORDER, AWAY_ORDER_OF_ESTIMATES = 6.0, 4.0
 """Orders of the errors away from edges in the size of the cells: between bounds by fluxes of degree 3, and of degree 2."""
 LOGARITHMS, BISECTIONS = (-40.0, 10.0), 60
@@ -52,6 +58,8 @@ class Marks:
     """(s, 2): the numbers of the vertices at their ends."""
     sizes: Array
     """(v,): the mean length of the sides at each vertex."""
+    gaps: Array
+    """(v,): the distance of each vertex from the nearest body of another conductor; infinite without one."""
     lengths: Array
     """(v,): the length of edge for which each vertex stands."""
     at_edges: Array
@@ -69,11 +77,23 @@ class Marks:
     rest: Array
     """(q,): the remaining errors."""
 
+    def orders(self, order: float) -> Array:
+        """The orders (v,) of the errors at edges, if cells that do not reach across a gap have this one."""
+        return np.where(self.sizes > ACROSS * self.gaps, np.maximum(order, ORDER_ACROSS_GAPS), order)
+
 
 def marks(
-    bodies: Sequence[Body], nodes: Array, cells: NDArray[np.int32], errors: Array, totals: Array
+    bodies: Sequence[Body],
+    owner: Sequence[int],
+    nodes: Array,
+    cells: NDArray[np.int32],
+    errors: Array,
+    totals: Array,
 ) -> Marks:
-    """Collect the errors (cells, q) of the cells (n, 4) of a mesh, whose sums are at most the `totals` (q,)."""
+    """Collect the errors (cells, q) of the cells (n, 4) of a mesh, whose sums are at most the `totals` (q,).
+
+    `owner[k]` is the conductor, or the dielectric body, that body k belongs to.
+    """
     corners = nodes[cells]
     sides = sides_along_edges(bodies, nodes, cells)
     vertices, ends = np.unique(sides, return_inverse=True)
@@ -107,6 +127,7 @@ def marks(
         nodes[sides],
         ends,
         size,
+        _gaps(bodies, owner, nodes[vertices]),
         length / 2,
         at_edges,
         count,
@@ -118,20 +139,38 @@ def marks(
     )
 
 
-def adapted_sizes(found: Marks, goal: float, order: float, away_order: float = AWAY_ORDER) -> AdaptedSizes:
+def _gaps(bodies: Sequence[Body], owner: Sequence[int], points: Array) -> Array:
+    """The distances (n,) of points on bodies from the nearest body with another owner."""
+    if not len(points):
+        return np.zeros(0)
+    distances = np.empty((len(bodies), len(points)))
+    for body, found in zip(bodies, distances):
+        found[:] = SizeFunction(distance_on_tape(body, Tape()))(points)
+    owners = np.array(owner)
+    other = owners[:, None] != owners[distances.argmin(axis=0)]
+    return np.asarray(np.where(other, distances, np.inf).min(axis=0))
+
+
+def adapted_sizes(
+    found: Marks, goal: float, order: float | Array, away_order: float = AWAY_ORDER
+) -> AdaptedSizes:
     """Choose the sizes with the fewest cells that leave at most `goal` of each error, as far as the marks show.
 
-    `order` is that of the errors at edges in the size there, `away_order` that of the errors elsewhere. Errors outside of the mesh and those of curved surfaces fall in other
+    `order` is that of the errors at edges in the size there, one for all or (v,), `away_order` that of the errors elsewhere. Errors outside of the mesh and those of curved surfaces fall in other
     ways; at least half of the goal is for the cells.
     """
     goals = np.maximum(goal - found.rest, goal / 2)
+    order = np.broadcast_to(np.asarray(order), found.sizes.shape)
     at_edges = (found.at_edges / goals).max(axis=1) * found.sizes / np.maximum(found.lengths, 1e-300)
     away = (found.away / goals).max(axis=1, initial=0.0)
+
+    least = order.min(initial=np.inf)
 
     def ratios(logarithm: float) -> tuple[Array, Array]:
         """The ratios of sizes at edges, and the divisors of sizes away from them, if a side along an edge is to leave this error."""
         of_side = np.exp(logarithm)
-        ratio = (of_side / np.maximum(at_edges, 1e-300)) ** (1 / (order + 1))
+        # Where the order is higher, a smaller size takes away more.
+        ratio = (of_side * least / (order * np.maximum(at_edges, 1e-300))) ** (1 / (order + 1))
         division = (away_order / 3 * CELLS_PER_SIDE * away / of_side) ** (1 / (away_order + 3))
         return np.clip(ratio, LEAST_RATIO, MOST_RATIO), np.where(division > LEAST_DIVISION, division, 1.0)
 
@@ -139,7 +178,7 @@ def adapted_sizes(found: Marks, goal: float, order: float, away_order: float = A
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
         ratio, division = ratios(middle)
-        left = (found.at_edges * ratio[:, None] ** order).sum(axis=0)
+        left = (found.at_edges * (ratio**order)[:, None]).sum(axis=0)
         left += (found.away / division[:, None] ** away_order).sum(axis=0)
         low, high = (middle, high) if np.all(left <= goals) else (low, middle)
     ratio, division = ratios(low)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.shapes import Body, Cuboid, bounding_sphere
+from fem_reference.mesh.distributed import gathered, whole_numbers
 from fem_reference.mesh.curved_cells import areas, curved_cells, shape_errors, straighten_inverted
 from fem_reference.mesh.occ_shapes import add_ball, add_body, cut_to, united
 from fem_reference.mesh.quarter_points import is_pulled, pull, straighten, vertices_on_edges
@@ -101,6 +102,20 @@ class TaggedMesh:
         """Number of cells on this process: all of them if there is only one process."""
         return local_count(self.mesh, 3)
 
+    @property
+    def owned_cells(self) -> int:
+        """Number of the process's own ones, which come first; the others are ghosts."""
+        return int(self.mesh.topology.index_map(3).size_local)
+
+    def corners(self) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+        """The nodes (n, 3) of the whole mesh, and the numbers (cells, 4) of those at the corners of its cells, on every process."""
+        geometry = self.mesh.geometry
+        own = geometry.x[: geometry.index_map().size_local]
+        numbers = whole_numbers(geometry.index_map())[
+            geometry.dofmap.array.reshape(self.local_cells, -1)[: self.owned_cells, :4]
+        ]
+        return gathered(self.mesh.comm, own), gathered(self.mesh.comm, numbers.astype(np.int32))
+
 
 def local_count(mesh: dolfinx.mesh.Mesh, dimension: int) -> int:
     """Number of the mesh's entities of a dimension on this process, ghosts included."""
@@ -170,7 +185,7 @@ def tagged_mesh(
     error, mean = 0.0, 0.0
     if not straight:
         curved = curved_cells(nodes, node_numbers, centre, radius if room is None else np.inf)
-        straighten_inverted(nodes, node_numbers[curved])
+        straighten_inverted(nodes, node_numbers[curved], mesh.geometry.index_map(), comm)
         straighten(nodes, node_numbers[~curved])
         own, weights = shape_errors(nodes, node_numbers[curved]), areas(nodes, node_numbers[curved])
         error = comm.allreduce(float(own.max(initial=0.0)), op=MPI.MAX)

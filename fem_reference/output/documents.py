@@ -44,7 +44,7 @@ METHOD: dict[bool, str] = {
     False: "Richardson extrapolation over meshes of edge size h, h/2, h/4 … where the ratio of their differences is that of the "
     "theory; the error is an estimate from those differences, plus a bound on the open boundary and what all meshes share",
 }
-"""How values and errors are found: between bounds on each mesh, or by several processes."""
+"""How values and errors are found: between bounds on each mesh, or by differences of meshes."""
 INTERVAL: dict[ErrorKind, str] = {
     "estimate": "lower and upper are the value less and plus its estimated error",
     "enclosure": "lower and upper enclose the true value: energies of a continuous potential and of a divergence-free flux, "
@@ -76,12 +76,14 @@ def answer(
             print(f"fem_reference: remark: {remark}", file=sys.stderr, flush=True)
 
     def progress(so_far: Reference) -> None:
+        left = max(0.0, limits.seconds - so_far.seconds) + _GRACE
         if not is_first:
+            # The parents of other processes know that there is an answer, and leave it to the first to print it.
+            report(AnswerSoFar("", "", math.inf))
             return
         if not as_json:
             _print_level(so_far)
         stopped = replace(so_far, stopped_by="it was stopped before the next level ended")
-        left = max(0.0, limits.seconds - so_far.seconds) + _GRACE
         report(AnswerSoFar(_text(stopped, as_json, found), _shortfall(path, stopped), left))
 
     if is_first and math.isfinite(limits.seconds):

@@ -18,6 +18,7 @@ import basix
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_reference.mesh.distributed import gathered
 from fem_reference.mesh.tagged_mesh import local_count
 from fem_reference.solve.field_problem import (
     FieldProblem,
@@ -52,7 +53,7 @@ class BoundedMatrix:
     lower: Array
     upper: Array
     gaps: Array
-    """(cells, n, n): their sum is U − L, except for the gap outside of the mesh; 0 in cells without a field."""
+    """(cells, n, n) of the whole mesh: their sum is U − L, except for the gap outside of the mesh; 0 in cells without a field."""
 
     def of(self, rows: Sequence[int]) -> BoundedMatrix:
         """The same for some of the conductors."""
@@ -73,18 +74,21 @@ def bounded_matrix(
     `conductors[k]` lists the bodies of conductor k, the first of which have `potentials`, and `permittivities` are those of the bodies that
     have a field inside. Raises RuntimeError when the iteration for the fluxes does not converge.
     """
-    guesses = _on_faces(system, condensed, np.array(potentials))
+    with_ghosts = system.with_ghosts(potentials)
+    guesses = _on_faces(system, condensed, with_ghosts)
     flux = flux_energies(condensed, conductors, len(potentials), permittivities, guesses)
     upper = upper_energies(system, potentials)
     lower = flux.lower - np.diag(flux.algebraic_error)
-    above, fields = _without_floating(upper, np.array(potentials), floating, system.to_ground)
+    above, fields = _without_floating(upper, with_ghosts, floating, system.to_ground)
     below, multipliers = _without_floating(lower, flux.multipliers, floating, system.to_ground)
-    numbers = with_field(condensed.tagged, permittivities)
-    gaps = np.zeros((local_count(condensed.tagged.mesh, 3), *below.shape))
+    tagged = condensed.tagged
+    numbers = with_field(tagged, permittivities)
+    numbers = numbers[numbers < tagged.owned_cells]
+    gaps = np.zeros((tagged.owned_cells, *below.shape))
     for start in range(0, len(numbers), CELLS_AT_A_TIME):
         chosen = numbers[start : start + CELLS_AT_A_TIME]
         gaps[chosen] = _gaps(system, condensed, fields, multipliers, permittivities, chosen)
-    return BoundedMatrix(below, above, gaps)
+    return BoundedMatrix(below, above, gathered(tagged.mesh.comm, gaps))
 
 
 def _gaps(

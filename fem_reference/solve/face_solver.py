@@ -10,11 +10,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import dolfinx
 import numpy as np
 import scipy.sparse
+from dolfinx.cpp.common import IndexMap
+from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fem_reference.mesh.distributed import from_owners, gathered, numbered, summed, whole_numbers
 from fem_reference.solve.reference_flux import face_polynomials, polynomials_on_face
 from fem_reference.solve.field_problem import require_convergence, set_options
 
@@ -55,38 +59,58 @@ class FaceSolution:
     energy_left: float
 
 
+@dataclass(frozen=True)
+class CellForms:
+    """Condensed quadratic forms of cells with k faces each."""
+
+    forms: Array
+    """(n, k·m, k·m)"""
+    faces: Integers
+    """(n, k): the numbers of the faces on this process."""
+    own: int
+    """Number of the forms, the first ones, that belong to this process. The others are those of its ghost cells."""
+
+
 class FaceSystem:
-    """The sum of the cells' condensed quadratic forms, in which the multipliers on some faces are prescribed (Dirichlet)."""
+    """The sum of the cells' condensed quadratic forms, in which the multipliers on some faces are prescribed (Dirichlet).
+
+    Every process has the rows of the faces that it owns, both of whose cells it holds.
+    """
 
     def __init__(
-        self, parts: Sequence[tuple[Array, Integers]], face_vertices: Integers, fixed: Integers, degree: int
+        self, mesh: dolfinx.mesh.Mesh, parts: Sequence[CellForms], fixed: Integers, degree: int
     ) -> None:
-        """Assemble the system from `parts`: quadratic forms (n, k·m, k·m) of cells with k faces each, and these faces (n, k).
-
-        The vertices of each face in `face_vertices` (faces, 3) are in ascending order. The multipliers on the faces `fixed` are
-        prescribed.
-        """
+        """Assemble the system; the multipliers on the faces `fixed` are prescribed."""
         self.parts = parts
         self.per_face = face_polynomials(degree)
-        self.face_count = len(face_vertices)
+        self._faces, self._comm = mesh.topology.index_map(2), mesh.comm
+        self.face_count = self._faces.size_local + self._faces.num_ghosts
         used = np.zeros(self.face_count, dtype=bool)
-        for _, faces in parts:
-            used[faces.ravel()] = True
+        for part in parts:
+            used[part.faces.ravel()] = True
         used[fixed] = False
-        self.free = np.flatnonzero(used)
-        number = np.full(self.face_count, -1)
-        number[self.free] = np.arange(len(self.free))
-        matrix = _with_regular_blocks(
-            _assembled([(forms, number[faces]) for forms, faces in parts], len(self.free))
-        )
-        coarse = _coarse_space(face_vertices, self.free, fixed, degree)
-        self._coarse_matrix = _petsc_matrix(_galerkin_product(matrix, coarse))
-        self._matrix, self._coarse = _petsc_block_matrix(matrix), _petsc_matrix(coarse)
+        numbers, self._own = numbered(self._faces, self._comm, used)
+        free = np.flatnonzero(used)
+        self.free = free[: self._own]
+        local = np.full(self.face_count, -1)
+        local[free] = np.arange(len(free))
+        matrix = _with_regular_blocks(_assembled(parts, local, self._own, len(free)))
+        face_vertices = _face_vertices(mesh)
+        vertices = mesh.topology.index_map(0)
+        is_free = _free_vertices(vertices, face_vertices, self._faces.size_local, used, fixed)
+        of_vertices, own_vertices = numbered(vertices, self._comm, is_free)
+        coarse = _coarse_space(face_vertices[free], is_free, degree)
+        columns = of_vertices[is_free]
+        product = _galerkin_product(matrix, coarse)
+        self._coarse_matrix = _petsc_sum(product, columns, own_vertices, self._comm)
+        self._matrix = _petsc_block_matrix(matrix, numbers[free], self._comm)
+        own_rows = coarse[: self._own * self.per_face]
+        self._coarse = _petsc_matrix(own_rows, columns, own_vertices, self._comm)
         self._solver = self._two_level_solver()
 
     @property
     def unknowns(self) -> int:
-        return len(self.free) * self.per_face
+        return int(self._matrix.getSize()[0])
 
     def solve(self, driven: Integers, guess: Array) -> FaceSolution:
         """Solve for the multipliers with these fixed faces at potential 1 and the other fixed ones at 0, from a guess (faces, m).
@@ -96,25 +120,32 @@ class FaceSystem:
         potentials = np.zeros((self.face_count, self.per_face))
         potentials[driven] = 1
         load, solution = self._matrix.createVecLeft(), self._matrix.createVecRight()
-        load.array[:] = -self._applied(potentials)[self.free].ravel()
+        load.array[:] = -self._applied(potentials, False)[self.free].ravel()
         solution.array[:] = guess[self.free].ravel()
         self._solver.setInitialGuessNonzero(True)
         self._solver.solve(load, solution)
         require_convergence(self._solver)
         potentials[self.free] = solution.array.reshape(-1, self.per_face)
+        potentials = from_owners(self._faces, potentials)
         return FaceSolution(potentials, ALGEBRAIC_SAFETY * self._solver.getResidualNorm() ** 2)
 
     def energies(self, potentials: Sequence[Array]) -> Array:
         """The values (n, n) of the quadratic form for pairs of n sets of multipliers (faces, m)."""
-        images = [self._applied(own) for own in potentials]
-        found = np.array([[np.vdot(a, image) for image in images] for a in potentials])
+        images = [self._applied(own, True) for own in potentials]
+        found = self._comm.allreduce(np.array([[np.vdot(a, image) for image in images] for a in potentials]))
         return np.asarray((found + found.T) / 2)
 
-    def _applied(self, potentials: Array) -> Array:
-        """The product of the matrix of all faces, fixed ones too, with multipliers (faces, m)."""
+    def _applied(self, potentials: Array, only_own: bool) -> Array:
+        """The product of the matrix of all faces, fixed ones too, with multipliers (faces, m).
+
+        With `only_own` it is that of the process's own cells, so that the sum over the processes is the product. Without, the rows of its own faces are whole.
+        """
         image = np.zeros_like(potentials)
-        for forms, faces in self.parts:
-            local = potentials[faces].reshape(len(faces), -1, 1)
+        for part in self.parts:
+            cells = slice(part.own if only_own else None)
+            faces = part.faces[cells]
+            forms = part.forms[cells]
+            local = potentials[faces].reshape(len(faces), forms.shape[1], 1)
             flows = (forms @ local).reshape(*faces.shape, self.per_face)
             for k in range(self.per_face):
                 image[:, k] += np.bincount(faces.ravel(), flows[:, :, k].ravel(), minlength=self.face_count)
@@ -134,16 +165,19 @@ class FaceSystem:
         return solver
 
 
-def _assembled(parts: Sequence[tuple[Array, NDArray[np.int64]]], count: int) -> scipy.sparse.bsr_matrix:
-    """Assemble the forms into a block matrix over the `count` free faces; faces numbered −1 are not free."""
+def _assembled(
+    parts: Sequence[CellForms], local: NDArray[np.int64], rows: int, columns: int
+) -> scipy.sparse.bsr_matrix:
+    """Assemble the forms into a block matrix of the first `rows` by the first `columns` free faces; faces numbered −1 are not free."""
     keys, blocks = [], []
-    for forms, faces in parts:
+    for part in parts:
+        faces = local[part.faces]
         each = faces.shape[1]
-        per_face = forms.shape[1] // each
-        split = forms.reshape(-1, each, per_face, each, per_face).transpose(0, 1, 3, 2, 4)
-        rows, columns = np.repeat(faces, each, axis=1), np.tile(faces, (1, each))
-        kept = (rows >= 0) & (columns >= 0)
-        keys.append((rows * count + columns)[kept])
+        per_face = part.forms.shape[1] // each
+        split = part.forms.reshape(-1, each, per_face, each, per_face).transpose(0, 1, 3, 2, 4)
+        row, column = np.repeat(faces, each, axis=1), np.tile(faces, (1, each))
+        kept = (row >= 0) & (row < rows) & (column >= 0)
+        keys.append((row * columns + column)[kept])
         blocks.append(split.reshape(len(faces), each * each, per_face, per_face)[kept])
         # The largest arrays of a level are freed as soon as they are copied.
         del split
@@ -156,9 +190,9 @@ def _assembled(parts: Sequence[tuple[Array, NDArray[np.int64]]], count: int) -> 
     twice = times == 2
     summed[twice] += block[order[starts[twice] + 1]]
     del key, block, order
-    pointers = np.searchsorted(places // count, np.arange(count + 1))
-    size = count * summed.shape[1]
-    return scipy.sparse.bsr_matrix((summed, places % count, pointers), shape=(size, size))
+    pointers = np.searchsorted(places // columns, np.arange(rows + 1))
+    size = summed.shape[1]
+    return scipy.sparse.bsr_matrix((summed, places % columns, pointers), shape=(rows * size, columns * size))
 
 
 def _with_regular_blocks(matrix: scipy.sparse.bsr_matrix) -> scipy.sparse.bsr_matrix:
@@ -175,23 +209,42 @@ def _with_regular_blocks(matrix: scipy.sparse.bsr_matrix) -> scipy.sparse.bsr_ma
     return matrix
 
 
+def _face_vertices(mesh: dolfinx.mesh.Mesh) -> NDArray[np.int64]:
+    """The vertices (faces, 3) of each face, in the order of their numbers in the whole mesh."""
+    vertices = mesh.topology.connectivity(2, 0).array.reshape(-1, 3)
+    order = np.argsort(whole_numbers(mesh.topology.index_map(0))[vertices], axis=1)
+    return np.asarray(np.take_along_axis(vertices, order, axis=1), dtype=np.int64)
+
+
+def _free_vertices(
+    vertices: IndexMap, face_vertices: NDArray[np.int64], own: int, used: NDArray[np.bool_], fixed: Integers
+) -> NDArray[np.bool_]:
+    """Which of the vertices (n,) that this process holds are on a free face, and on no fixed one, of any process.
+
+    `used` (faces,) tells which faces are free; the first `own` faces belong to this process.
+    """
+    count = vertices.size_local + vertices.num_ghosts
+    on_free, on_fixed = np.zeros(count), np.zeros(count)
+    on_free[face_vertices[:own][used[:own]].ravel()] = 1
+    on_fixed[face_vertices[fixed].ravel()] = 1
+    touched = summed(vertices, np.column_stack([on_free, on_fixed]))
+    return np.asarray((touched[:, 0] > 0) & (touched[:, 1] == 0))
+
+
 def _coarse_space(
-    face_vertices: Integers, free: NDArray[np.int64], fixed: Integers, degree: int
+    face_vertices: NDArray[np.int64], is_free: NDArray[np.bool_], degree: int
 ) -> scipy.sparse.csr_matrix:
-    """The coarse space (unknowns, vertices): values on the free faces of the hat function of each free vertex.
+    """The coarse space (unknowns, vertices): values on the free faces (n, 3) of the hat function of each free vertex.
 
     A hat function is 1 at its vertex, 0 at the others, and linear in every cell.
     """
     points = polynomials_on_face(degree).points
     barycentric = np.column_stack([1 - points.sum(axis=1), points])
-    is_free = np.zeros(face_vertices.max() + 1, dtype=bool)
-    is_free[face_vertices[free].ravel()] = True
-    is_free[face_vertices[fixed].ravel()] = False
     number = np.cumsum(is_free) - 1
-    unknowns = len(free) * len(points)
+    unknowns = len(face_vertices) * len(points)
     rows = np.repeat(np.arange(unknowns), 3)
-    columns = np.repeat(face_vertices[free], len(points), axis=0).ravel()
-    values = np.tile(barycentric.ravel(), len(free))
+    columns = np.repeat(face_vertices, len(points), axis=0).ravel()
+    values = np.tile(barycentric.ravel(), len(face_vertices))
     kept = is_free[columns] & (values != 0)
     return scipy.sparse.csr_matrix(
         (values[kept], (rows[kept], number[columns[kept]])), shape=(unknowns, int(is_free.sum()))
@@ -217,20 +270,45 @@ def _galerkin_product(
     return found.tocsr()
 
 
-def _petsc_block_matrix(matrix: scipy.sparse.bsr_matrix) -> PETSc.Mat:
-    """Copy a block matrix to PETSc."""
-    pointers, columns = matrix.indptr.astype(PETSc.IntType), matrix.indices.astype(PETSc.IntType)
+def _petsc_block_matrix(
+    matrix: scipy.sparse.bsr_matrix, numbers: NDArray[np.int64], comm: MPI.Intracomm
+) -> PETSc.Mat:
+    """Copy the rows of this process to a block matrix of all; `numbers` (n,) are those of the blocks' columns in the whole matrix."""
+    size = matrix.shape[0]
+    pointers, columns = matrix.indptr.astype(PETSc.IntType), numbers[matrix.indices].astype(PETSc.IntType)
     return PETSc.Mat().createBAIJ(
-        size=matrix.shape,
+        size=((size, None), (size, None)),
         bsize=matrix.blocksize[0],
         csr=(pointers, columns, matrix.data),
-        comm=PETSc.COMM_SELF,
+        comm=comm,
     )
 
 
-def _petsc_matrix(matrix: scipy.sparse.csr_matrix) -> PETSc.Mat:
-    """Copy a sparse matrix without blocks to PETSc."""
-    pointers, columns = matrix.indptr.astype(PETSc.IntType), matrix.indices.astype(PETSc.IntType)
+def _petsc_matrix(
+    matrix: scipy.sparse.csr_matrix, numbers: NDArray[np.int64], columns: int, comm: MPI.Intracomm
+) -> PETSc.Mat:
+    """Copy the rows of this process to a matrix of all; `numbers` are those of its columns, of which the process owns some `columns`."""
+    pointers, places = matrix.indptr.astype(PETSc.IntType), numbers[matrix.indices].astype(PETSc.IntType)
     return PETSc.Mat().createAIJ(
-        size=matrix.shape, csr=(pointers, columns, matrix.data), comm=PETSc.COMM_SELF
+        size=((matrix.shape[0], None), (columns, None)), csr=(pointers, places, matrix.data), comm=comm
     )
+
+
+def _petsc_sum(
+    part: scipy.sparse.csr_matrix, numbers: NDArray[np.int64], own: int, comm: MPI.Intracomm
+) -> PETSc.Mat:
+    """The square matrix that is the sum of the parts of all processes; `numbers` are those of a part's rows and columns in it, of which
+    the process owns some `own`."""
+    entries = part.tocoo()
+    rows, columns, values = numbers[entries.row], numbers[entries.col], entries.data
+    first = comm.scan(own) - own
+    others = (rows < first) | (rows >= first + own)
+    rows, columns, values = (
+        np.concatenate([each[~others], gathered(comm, each[others])]) for each in (rows, columns, values)
+    )
+    kept = (rows >= first) & (rows < first + own)
+    whole = comm.allreduce(own)
+    found = scipy.sparse.coo_matrix(
+        (values[kept], (rows[kept] - first, columns[kept])), shape=(own, whole)
+    ).tocsr()
+    return _petsc_matrix(found, np.arange(whole), own, comm)

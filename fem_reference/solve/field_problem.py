@@ -14,6 +14,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fem_reference.mesh.distributed import from_owners
 from fem_reference.mesh.tagged_mesh import AWAY_FROM_EDGES, FIRST_BODY, NEAR_EDGE, OUTER_SURFACE, TaggedMesh
 from fem_reference.common.stages import stage
 
@@ -143,6 +144,13 @@ class FieldProblem:
         solver.destroy()
         constrained.destroy()
         return potentials
+
+    def with_ghosts(self, potentials: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+        """Potentials (n, unknowns) with the unknowns of other processes that this one's cells have; they come last."""
+        unknowns = self.space.dofmap.index_map
+        own = np.zeros((len(potentials), unknowns.size_local + unknowns.num_ghosts))
+        own[:, : unknowns.size_local] = potentials
+        return np.array([from_owners(unknowns, each) for each in own]).reshape(own.shape)
 
     def energies(self, potentials: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
         """The products u_i·K·u_j (n, n) of potentials (unknowns,): the charge on conductor i with conductor j at 1 V (ε = 1).

@@ -15,7 +15,8 @@ import basix
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_reference.solve.face_solver import FaceSystem
+from fem_reference.mesh.distributed import whole_numbers
+from fem_reference.solve.face_solver import CellForms, FaceSystem
 from fem_reference.mesh.tagged_mesh import FIRST_BODY, FREE_SPACE, OUTER_SURFACE, TaggedMesh
 from fem_reference.mesh.quarter_points import aligned_rule, patterns, second_order
 from fem_reference.solve.reference_flux import (
@@ -48,7 +49,7 @@ class FluxEnergies:
     algebraic_error: Array
     unknowns: int
     multipliers: Array
-    """The multipliers (n, faces, m) of these fluxes, which act as potentials on the faces."""
+    """The multipliers (n, faces, m) of these fluxes, which act as potentials on the faces that this process holds."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ class _Cells:
     faces: Integers
     """(n, 4): numbers of the faces."""
     orders: Integers
-    """(n, 4): index of the order in ORDERS that sorts the vertices of each face by their numbers."""
+    """(n, 4): index of the order in ORDERS that sorts the vertices of each face by their numbers in the whole mesh."""
     on_edge: NDArray[np.bool_]
     """(n, 4): which vertices lie on the edge of a plate."""
     curved: NDArray[np.bool_]
@@ -116,15 +117,15 @@ def flux_energies(
     cells = condensed.cells.at(numbers)
     forms = condensed.forms(numbers)
     forms *= cell_permittivities(tagged, permittivities or {})[numbers, None, None]
-    # The space beyond each face of the outer surface is one more cell, with this single face.
-    parts = [(forms, cells.faces)]
+    # The space beyond each face of the outer surface is one more cell, with this single face. A process's own cells come first.
+    own = int(np.searchsorted(numbers, tagged.owned_cells))
+    parts = [CellForms(forms, cells.faces, own)]
     fixed = [_faces_of(tagged, cells, bodies) for bodies in conductors]
     if tagged.in_room:
         fixed.append(tagged.facets.find(OUTER_SURFACE))
     else:
-        parts.append(_condensed_exterior(tagged, cells, degree))
-    face_vertices = np.sort(tagged.mesh.topology.connectivity(2, 0).array.reshape(-1, 3), axis=1)
-    system = FaceSystem(parts, face_vertices, np.concatenate(fixed), degree)
+        parts.append(_condensed_exterior(tagged, cells, own, degree))
+    system = FaceSystem(tagged.mesh, parts, np.concatenate(fixed), degree)
     if guesses is None:
         guesses = np.zeros((driven, system.face_count, system.per_face))
     solutions = [system.solve(faces, guess) for faces, guess in zip(fixed[:driven], guesses)]
@@ -145,7 +146,7 @@ def _all_cells(tagged: TaggedMesh) -> _Cells:
     for pair in ((3, 2), (3, 0), (2, 0)):
         topology.create_connectivity(*pair)
     count = tagged.local_cells
-    vertices = topology.connectivity(3, 0).array.reshape(count, 4)
+    vertices = whole_numbers(topology.index_map(0))[topology.connectivity(3, 0).array.reshape(count, 4)]
     codes = np.empty((count, 4), dtype=np.int32)
     place = np.array([9, 3, 1])
     lookup = np.zeros(27, dtype=np.int32)
@@ -213,10 +214,10 @@ def _curved_mass(nodes: Array, space: FluxSpace, collapsed: frozenset[int]) -> A
     return mass
 
 
-def _condensed_exterior(tagged: TaggedMesh, cells: _Cells, degree: int) -> tuple[Array, Integers]:
+def _condensed_exterior(tagged: TaggedMesh, cells: _Cells, own: int, degree: int) -> CellForms:
     """Condense the space beyond the outer surface: the energy of the best flux from each of its faces to infinity.
 
-    Returns the quadratic forms of the multipliers and the numbers of the faces. A flux of q per area that leaves along rays from the
+    The first `own` of the cells belong to this process, and so do the forms beyond them. A flux of q per area that leaves along rays from the
     centre has the energy ∫ q²·|x|²/(x·n) dA.
     """
     points, weights = basix.make_quadrature(basix.CellType.triangle, 2 * degree + 2)
@@ -235,7 +236,12 @@ def _condensed_exterior(tagged: TaggedMesh, cells: _Cells, degree: int) -> tuple
         value = tests.tabulate(0, in_order(barycentric, ORDERS[cells.orders[cell, face]]))[0][:, :, 0]
         product = np.einsum("p,pm,pn->mn", weights, value, value)
         forms.append(product @ np.linalg.solve(np.einsum("p,pm,pn->mn", weight, value, value), product))
-    return np.array(forms), cells.faces.ravel()[outer][:, None]
+    size = face_polynomials(degree)
+    return CellForms(
+        np.array(forms).reshape(-1, size, size),
+        cells.faces.ravel()[outer][:, None],
+        int((outer < 4 * own).sum()),
+    )
 
 
 def _faces_of(tagged: TaggedMesh, cells: _Cells, bodies: Sequence[int]) -> Integers:

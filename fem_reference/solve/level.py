@@ -107,7 +107,7 @@ def solve_level(
     if sizing.adapted is not None and len(sizing.adapted.sizes):
         edge_size = float(sizing.adapted.sizes.min())
     end = time.monotonic()
-    return Level(
+    level = Level(
         edge_size * problem.unit,
         found.unknowns,
         mesh.cell_count,
@@ -125,6 +125,10 @@ def solve_level(
         None if from_bounds is None else from_bounds.scaled(farads),
         marked,
     )
+    # All processes go on with the numbers of the first, to the last digit: these decide what all of them do next.
+    if mesh.mesh.comm.size > 1:
+        level = mesh.mesh.comm.bcast(level)
+    return level
 
 
 def _charges_and_bounds(
@@ -188,8 +192,7 @@ def _charges_and_bounds(
             readings = (
                 None if readings is None else replace(readings, value_bounds=None, background_bounds=None)
             )
-        corners = mesh.mesh.geometry.dofmap.array.reshape(mesh.local_cells, -1)[:, :4]
-        marked = marks(problem.bodies, mesh.mesh.geometry.x, corners, parts.of_cells, parts.whole)
+        marked = marks(problem.bodies, problem.owner, *mesh.corners(), parts.of_cells, parts.whole)
     return found, on_bodies, done, interval, readings, from_bounds, marked, between
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_reference.bodies.shapes import Body, Disc
+from fem_reference.mesh.distributed import gathered
 from fem_reference.mesh.edges import on_edges
 from fem_reference.mesh.tagged_mesh import TaggedMesh
 from fem_reference.solve.cell_gaps import BoundedMatrix
@@ -45,15 +46,16 @@ def equal_shares(cells: int, of_upper: float, error: float) -> Shares:
 
 def shares_by_kind(mesh: TaggedMesh, bodies: Sequence[Body]) -> Shares:
     """The shares for fluxes of degree 2, by the kinds of the cells."""
-    corners = mesh.mesh.geometry.dofmap.array.reshape(mesh.local_cells, -1)[:, :4]
+    nodes, corners = mesh.corners()
+    at_sheet = gathered(mesh.mesh.comm, mesh.on_edge[: mesh.owned_cells])
     kind = np.full(len(corners) + 1, ELSEWHERE)
     solids = [body for body in bodies if body.is_solid]
     discs = [body for body in bodies if isinstance(body, Disc)]
     used = np.unique(corners)
-    at_solid = on_edges(solids, mesh.mesh.geometry.x, used)[corners]
-    at_disc = on_edges(discs, mesh.mesh.geometry.x, used)[corners]
+    at_solid = on_edges(solids, nodes, used)[corners]
+    at_disc = on_edges(discs, nodes, used)[corners]
     kind[:-1][at_solid.any(axis=1)] = SOLID_EDGES
-    kind[:-1][mesh.on_edge.any(axis=1)] = SHEET_EDGES
+    kind[:-1][at_sheet.any(axis=1)] = SHEET_EDGES
     kind[:-1][at_disc.any(axis=1)] = ROUND_SHEET_EDGES
     return Shares(np.array(OF_UPPER)[kind], np.array(ERROR)[kind])
 

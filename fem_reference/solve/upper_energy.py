@@ -42,11 +42,13 @@ CELLS_AT_A_TIME = 4000
 
 def upper_energies(problem: FieldProblem, potentials: Sequence[Array]) -> Array:
     """The energies (n, n) of potentials (unknowns,) continued to infinity; ε is 1 outside of dielectric bodies."""
-    return _away_from_edges(problem, potentials) + _near_edges(problem, np.array(potentials))
+    fields = problem.with_ghosts(potentials)
+    own = _away_from_edges(problem, fields) + _near_edges(problem, fields)
+    return np.asarray(problem.tagged.mesh.comm.allreduce(own))
 
 
-def _away_from_edges(problem: FieldProblem, potentials: Sequence[Array]) -> Array:
-    """The energies (n, n) in the straight cells and, without a room, beyond the outer surface.
+def _away_from_edges(problem: FieldProblem, potentials: Array) -> Array:
+    """The energies (n, n) in this process's straight cells and, without a room, beyond their faces on the outer surface.
 
     Values u on the outer surface are continued as u(x)/t along the ray t·x, t ≥ 1. With d = x·n this continuation has the energy
     ∫ d·|∇_Γ u|² + (u + x·∇_Γ u)²/d dA.
@@ -78,15 +80,18 @@ def _away_from_edges(problem: FieldProblem, potentials: Sequence[Array]) -> Arra
     for potential in potentials:
         u.x.array[:] = potential
         image = assemble_vector(compiled)
-        images.append(image.array.copy())
+        # The vector with the unknowns of other processes, to which this process's cells have added.
+        with image.localForm() as local:
+            images.append(local.array.copy())
         image.destroy()
-    found = np.array(potentials) @ np.array(images).T
+    found = potentials @ np.array(images).T
     return np.asarray((found + found.T) / 2)
 
 
 def _near_edges(problem: FieldProblem, potentials: Array) -> Array:
-    """The energies (n, n) in the other cells: quarter-point elements, integrated to rounding error, and cells on curved surfaces."""
+    """The energies (n, n) in this process's other cells: quarter-point elements, integrated to rounding error, and cells on curved surfaces."""
     near = np.flatnonzero(is_pulled(problem.tagged.on_edge) | problem.tagged.curved)
+    near = near[near < problem.tagged.owned_cells]
     energies = np.zeros((len(potentials), len(potentials)))
     for start in range(0, len(near), CELLS_AT_A_TIME):
         chosen = near[start : start + CELLS_AT_A_TIME]
@@ -95,7 +100,7 @@ def _near_edges(problem: FieldProblem, potentials: Array) -> Array:
 
 
 def cell_energies(problem: FieldProblem, potentials: Array, cells: NDArray[np.int64]) -> Array:
-    """The energies (cells, n, n) of potentials (n, unknowns) in each of some cells."""
+    """The energies (cells, n, n) of potentials (n, unknowns), with those of ghosts, in each of some cells."""
     tagged = problem.tagged
     values = nodal_values(problem, potentials, cells)
     nodes = tagged.mesh.geometry.x[tagged.mesh.geometry.dofmap.array.reshape(tagged.local_cells, -1)[cells]]

@@ -88,9 +88,12 @@ py::dict maxwell_of(SharedScene& scene, const std::string& method, std::optional
 EvaluationOptions options_of(const std::string& method, const std::optional<std::string>& plates,
                              const std::optional<std::string>& faces, std::optional<double> tolerance,
                              std::optional<double> rtol, const std::optional<std::string>& correction,
-                             bool derivatives = false) {
-  EvaluationOptions options{
-      .method = parse_method(method), .tolerance = tolerance, .rtol = rtol, .derivatives = derivatives};
+                             const std::optional<std::filesystem::path>& prepared, bool derivatives = false) {
+  EvaluationOptions options{.method = parse_method(method),
+                            .tolerance = tolerance,
+                            .rtol = rtol,
+                            .derivatives = derivatives,
+                            .prepared = prepared};
   if (plates)
     options.plates = parse_plate_rule(*plates);
   if (faces)
@@ -103,9 +106,12 @@ EvaluationOptions options_of(const std::string& method, const std::optional<std:
 py::dict capacitance_of(SharedScene& scene, const std::string& method,
                         const std::optional<std::string>& plates, const std::optional<std::string>& faces,
                         std::optional<double> tolerance, std::optional<double> rtol,
-                        const std::optional<std::string>& correction, bool derivatives) {
-  const EvaluationOptions options =
-      options_of(method, plates, faces, tolerance, rtol, correction, derivatives);
+                        const std::optional<std::string>& correction, bool derivatives,
+                        const std::optional<std::filesystem::path>& prepared,
+                        std::optional<double> max_seconds) {
+  EvaluationOptions options =
+      options_of(method, plates, faces, tolerance, rtol, correction, prepared, derivatives);
+  options.max_seconds = max_seconds;
   return described_evaluation(scene, options, [&](const Evaluation& answer, double seconds) {
     return capacitance_answer(answer, options, seconds);
   });
@@ -146,8 +152,12 @@ PythonReadings python_readings(const Evaluation& answer) {
 PythonReadings readings_of(SharedScene& scene, const std::string& method,
                            const std::optional<std::string>& plates, const std::optional<std::string>& faces,
                            std::optional<double> tolerance, std::optional<double> rtol,
-                           const std::optional<std::string>& correction, bool derivatives) {
-  EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction, derivatives);
+                           const std::optional<std::string>& correction, bool derivatives,
+                           const std::optional<std::filesystem::path>& prepared,
+                           std::optional<double> max_seconds) {
+  EvaluationOptions options =
+      options_of(method, plates, faces, tolerance, rtol, correction, prepared, derivatives);
+  options.max_seconds = max_seconds;
   options.entries = Entries::of_readings;
   validate(options);
   return scene.locked([&](LiveScene& live) { return python_readings(live.evaluate(options)); });
@@ -159,8 +169,9 @@ using PythonFrame = std::tuple<std::string, PythonReadings>;
 std::vector<PythonFrame> sweep_of(SharedScene& scene, const std::filesystem::path& motion,
                                   const std::string& method, const std::optional<std::string>& plates,
                                   const std::optional<std::string>& faces, std::optional<double> tolerance,
-                                  std::optional<double> rtol, const std::optional<std::string>& correction) {
-  EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction);
+                                  std::optional<double> rtol, const std::optional<std::string>& correction,
+                                  const std::optional<std::filesystem::path>& prepared) {
+  EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction, prepared);
   options.entries = Entries::of_readings;
   validate(options);
   std::vector<PythonFrame> frames;
@@ -219,8 +230,8 @@ Eigen::MatrixXd table_of(const std::vector<std::vector<ReadingAnswer>>& answers,
 
 py::dict readings_of_motion(SharedScene& scene, const py::object& motion, const std::string& method,
                             std::optional<double> rtol, const std::optional<std::string>& correction,
-                            std::size_t threads) {
-  const EvaluationOptions options = options_of(method, {}, {}, {}, rtol, correction);
+                            std::size_t threads, const std::optional<std::filesystem::path>& prepared) {
+  const EvaluationOptions options = options_of(method, {}, {}, {}, rtol, correction, prepared);
   validate(options);
   std::vector<Frame> frames;
   {
@@ -277,18 +288,46 @@ MachinePotentials machine_potentials_of(SharedScene& scene, double rtol, std::si
   });
 }
 
-py::tuple potentials_at(const MachinePotentials& machine, const Array& positions, bool with_parts,
-                        const std::optional<Eigen::MatrixXf>& charges) {
+std::vector<Eigen::Vector3d> points_of(const Array& positions) {
   if (positions.ndim() != 2 || positions.shape(1) != 3)
     throw InputError("points must have shape (n, 3)");
   std::vector<Eigen::Vector3d> points(static_cast<std::size_t>(positions.shape(0)));
   for (std::size_t k = 0; k < points.size(); ++k)
     points[k] = Eigen::Vector3d(positions.data() + 3 * k);
+  return points;
+}
+
+py::tuple potentials_at(const MachinePotentials& machine, const Array& positions, bool with_parts) {
+  const std::vector<Eigen::Vector3d> points = points_of(positions);
   const MachinePotentials::Values values = [&] {
     const py::gil_scoped_release unlocked;
-    return charges ? machine.at(points, *charges) : machine.at(points, with_parts);
+    return machine.at(points, with_parts);
   }();
   return py::make_tuple(values.of_loads, values.of_parts);
+}
+
+py::tuple changes_by(const MachinePotentials& machine, const Array& positions,
+                     const Eigen::MatrixXd& potentials, const Array& rotations, const Array& translations,
+                     const Eigen::MatrixXf& answers, std::optional<double> to_ground) {
+  const MachinePotentials::Body body{points_of(positions), potentials};
+  const std::vector<Eigen::Vector3d> origins = points_of(translations);
+  if (rotations.ndim() != 3 || static_cast<std::size_t>(rotations.shape(0)) != origins.size() ||
+      rotations.shape(1) != 3 || rotations.shape(2) != 3)
+    throw InputError("rotations must have shape (n, 3, 3), as many as translations");
+  std::vector<Eigen::Isometry3d> poses;
+  for (std::size_t k = 0; k < origins.size(); ++k) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotations.data() + 9 * k);
+    pose.translation() = origins[k];
+    poses.push_back(pose);
+  }
+  const MachinePotentials::Changes changes = [&] {
+    const py::gil_scoped_release unlocked;
+    return machine.changes(body, poses, answers, to_ground);
+  }();
+  py::array_t<bool> clears(static_cast<py::ssize_t>(changes.clears.size()));
+  std::copy(changes.clears.begin(), changes.clears.end(), clears.mutable_data());
+  return py::make_tuple(changes.values, clears);
 }
 
 void add_machine_potentials(py::module_& module) {
@@ -314,12 +353,20 @@ void add_machine_potentials(py::module_& module) {
       .def_property_readonly("error", &MachinePotentials::error,
                              "The largest stated error of the energies of what is sensed, driven or floats.")
       .def_property_readonly("panels", &MachinePotentials::panels, "The number of panels.")
-      .def("at", &potentials_at, "points"_a, "with_parts"_a = true, "charges"_a = py::none(),
+      .def("at", &potentials_at, "points"_a, "with_parts"_a = true,
            "The potentials at points (n, 3), in single precision: of 1 V on what is sensed or driven, (n, "
            "columns), and "
-           "of a unit charge on each part, (n, parts) in 1/m; no columns of the latter without with_parts. "
-           "With charges "
-           "(parts, k) the latter are those of these k distributions of charges on the parts.");
+           "of a unit charge on each part, (n, parts) in 1/m; no columns of the latter without with_parts.")
+      .def(
+          "changes", &changes_by, "points"_a, "potentials"_a, "rotations"_a, "translations"_a, "answers"_a,
+          "to_ground"_a = py::none(),
+          R"(The changes of the readings by a body in poses, (n, readings) in m, to be multiplied by 4 pi epsilon; and whether it
+is apart from the machine, (n,).
+
+The body is a few points (p, 3) in its frame that stand for it, and the matrix (p, p) in 1/m that maps charges at them to
+potentials with no one else there. rotations (n, 3, 3) and translations (n, 3) map its frame to the world; answers
+(parts, k) are charges on the parts whose products with their transposes are the matrix of that name, as far as it
+matters there. The body is grounded, or else connected to ground through to_ground, over 4 pi epsilon in m.)");
 }
 
 py::dict sense_of(SharedScene& scene, const std::string& method) {
@@ -542,7 +589,8 @@ Links stay where they are. Raises InputError, with the scene as it was, for a te
       .def("__repr__", &representation)
       .def("capacitance", &capacitance_of, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
            "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
-           "correction"_a = py::none(), "derivatives"_a = false,
+           "correction"_a = py::none(), "derivatives"_a = false, "prepared"_a = py::none(),
+           "max_seconds"_a = py::none(),
            R"(What every sensor feels, as the dictionary that `fringe capacitance --json` prints; F and V.
 
 method: "exact", "split:N" or "gauss:K", as for plate_integral; or "boundary-elements", for every shape, or "reduced:K",
@@ -558,6 +606,12 @@ rtol: the error of every entry in the sensors' rows of the Maxwell matrix to be 
 correction "formula", of the changes of readings (model/CORRECTIONS.md, section 8).
 correction: "none", or what takes the place of the integral, "formula" or "recommended" (fringe.corrections()).
 derivatives: also those of the readings' changes, as readings() explains them.
+prepared: a folder in which what takes long to prepare is kept, and found again for the same bodies, readings, poses and
+accuracy, also by another process; with the correction "formula" and "recommended", both with an rtol. The answers are the
+same, to the bit.
+max_seconds: end after this time with the best answer so far, as "answered_by" names it, its errors as stated. "recommended"
+does not begin what would take longer than what is left, and answers by the formula in closed form where it has nothing
+better. Methods that answer at once refuse it; where there is no answer by then, RuntimeError is raised.
 
 plates, faces, tolerance and correction are options of "exact", "split:N" and "gauss:K"; None is the first value named.
 Asked again with the same options, only what moved since is evaluated; "counts" says what that was.
@@ -565,7 +619,8 @@ Asked again with the same options, only what moved since is evaluated; "counts" 
 Raises InputError (a ValueError) for unknown or inconsistent options and for objects that are not grounded.)")
       .def("readings", &readings_of, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
            "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
-           "correction"_a = py::none(), "derivatives"_a = false,
+           "correction"_a = py::none(), "derivatives"_a = false, "prepared"_a = py::none(),
+           "max_seconds"_a = py::none(),
            R"(What the scene's readings measure, {name: Reading}; options as for capacitance(). F.
 
 A scene without readings has one for every sensor, which senses and drives it. A reading's value is the charge on what it
@@ -585,14 +640,14 @@ Raises InputError as capacitance() does.)")
       .def(
           "sweep", &sweep_of, "motion"_a, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
           "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
-          "correction"_a = py::none(),
+          "correction"_a = py::none(), "prepared"_a = py::none(),
           R"(The readings in every frame of a motion file: a list of (name of the frame, {name: Reading}); options as for readings().
 
 The scene stays in the poses of the last frame, and begins in those that it has. Raises InputError for a file that cannot
 be used with the scene, and as readings() does.)")
       .def(
           "readings_of", &readings_of_motion, "motion"_a, "method"_a = "exact", py::kw_only(),
-          "rtol"_a = py::none(), "correction"_a = py::none(), "threads"_a = 0,
+          "rtol"_a = py::none(), "correction"_a = py::none(), "threads"_a = 0, "prepared"_a = py::none(),
           R"(The readings in every frame of a motion, a file or an array (frames, links, 4, 4) of the links' poses relative to their
 parents, as a dictionary of arrays (frames, readings) in F: "value", "background", "change" and "error", an estimate of the error of the
 change; NaN is what the method does not know. "frames" and "readings" are their names, "answered_by" the methods.

@@ -14,6 +14,7 @@ from analysis.topics.insulators import field_check, records, section, set_ups, s
 from geometries.common import installation
 
 PAGE = "insulators.html"
+_TITLE = "The model before insulators"
 
 
 def make(folder: Path) -> page.Made:
@@ -25,11 +26,11 @@ def make(folder: Path) -> page.Made:
     if not is_current(folder / PAGE, inputs):
         page.provide_script(folder)
         body = [
-            page.header(section.TITLE),
+            page.header(_TITLE),
             section.section(found, field_check.comparisons()),
             _reproduce(folder),
         ]
-        write_text(folder / PAGE, page.document(section.TITLE, inputs, body, page.SCRIPT))
+        write_text(folder / PAGE, page.document(_TITLE, inputs, body, page.SCRIPT))
     return page.Made(folder / PAGE, section.finding(found) if found else section.ABSENT)
 
 

@@ -214,14 +214,39 @@ def row(machine: Moving, rtol: float, poses: int = POSES, file: Path = FILE) -> 
     )
 
 
+def write(machine: Moving, folder: Path) -> Path:
+    """Writes a scene file and its motion for other programs, which find the machine as this module does; returns the former."""
+    file = folder / f"{machine.name.replace(' ', '_').replace('-', '_').lower()}.toml"
+    folder.mkdir(parents=True, exist_ok=True)
+    file.write_text(canonical(machine.scene))
+    lines = []
+    for pose in machine.poses:
+        lines.append("[[frame]]\nposes = [")
+        for link, matrix in zip(machine.scene.links, pose, strict=True):
+            x, y, z, w = Rotation.from_matrix(matrix[:3, :3]).as_quat().tolist()
+            lines.append(
+                f'  {{ link = "{link.name}", translation = {matrix[:3, 3].tolist()}, quaternion = {[w, x, y, z]} }},'
+            )
+        lines.append("]\n")
+    file.with_suffix(".motion.toml").write_text("\n".join(lines))
+    return file
+
+
 def main() -> None:
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rtol", type=float, default=1e-2)
     parser.add_argument("--solve", type=int, default=0, help="poses of each machine that get a truth")
     parser.add_argument("--poses", type=int, default=POSES, help="only the first poses of the motions")
+    parser.add_argument(
+        "--write", type=Path, metavar="FOLDER", help="only write the scenes and their motions to files"
+    )
     asked = parser.parse_args()
     machines = [make() for make in MACHINES]
+    if asked.write:
+        for machine in machines:
+            print(write(machine, asked.write))
+        return
     for pose in chosen(asked.solve):
         for machine in machines:
             solve(machine, [pose])

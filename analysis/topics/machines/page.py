@@ -14,6 +14,7 @@ from analysis.topics.machines import field_check, records, section, set_ups, sta
 from geometries.common import installation
 
 PAGE = "machines.html"
+_TITLE = "The model on machines"
 
 
 def make(folder: Path) -> page.Made:
@@ -24,8 +25,8 @@ def make(folder: Path) -> page.Made:
     inputs = keys.page_inputs(answers, read_json(field_check.FILE))
     if not is_current(folder / PAGE, inputs):
         page.provide_script(folder)
-        body = [page.header(section.TITLE), section.section(found, field_check.load()), _reproduce(folder)]
-        write_text(folder / PAGE, page.document(section.TITLE, inputs, body, page.SCRIPT))
+        body = [page.header(_TITLE), section.section(found, field_check.load()), _reproduce(folder)]
+        write_text(folder / PAGE, page.document(_TITLE, inputs, body, page.SCRIPT))
     return page.Made(folder / PAGE, section.finding(found) if found else section.ABSENT)
 
 

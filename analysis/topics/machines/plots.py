@@ -6,7 +6,7 @@ import math
 
 import plotly.graph_objects as go
 
-from analysis.report.plot import Panel, axis, figure, power_axis, series_colour
+from analysis.report.plot import Panel, axis, family_marker, figure, power_axis, series_colour
 from analysis.topics.machines.parts import ALL_PARTS
 from analysis.topics.machines.records import Entry
 from analysis.topics.machines.set_ups import FAMILIES
@@ -35,7 +35,7 @@ def of_methods(found: list[Entry]) -> Panel:
 def of_parts(found: list[Entry]) -> Panel:
     """Plots every part over the true change, a point for each set-up that has it."""
     there = [name for name in ALL_PARTS if any(entry.parts()[name] for entry in found)]
-    traces = [_points(found, family, there, series_colour(index)) for index, family in enumerate(FAMILIES)]
+    traces = [_points(found, family, there) for family in FAMILIES]
     # Parts of either sign over five decades: linear up to the change itself, then logarithmic.
     x = axis(
         "part of the error over the true change",
@@ -53,7 +53,7 @@ def _place(value: float) -> float:
     return value if abs(value) <= 1 else math.copysign(1 + math.log10(abs(value)), value)
 
 
-def _points(found: list[Entry], family: str, there: list[str], colour: str) -> go.Scatter:
+def _points(found: list[Entry], family: str, there: list[str]) -> go.Scatter:
     points = [
         (name, value, entry.set_up.name)
         for entry in found
@@ -66,7 +66,7 @@ def _points(found: list[Entry], family: str, there: list[str], colour: str) -> g
         y=[name for name, _, _ in points],
         text=[f"{value:+.3g}<br>{name}" for _, value, name in points],
         mode="markers",
-        marker={"color": colour, "size": 6, "opacity": 0.45},
+        marker=family_marker(family, list(FAMILIES), size=6, opacity=0.45),
         name=family,
         hovertemplate="%{text}<extra>%{y}</extra>",
     )

@@ -72,6 +72,7 @@ def machines() -> list[Machine]:
         Machine("room", "the same without the cylinder, in a room of 4 × 3 × 2.5 m", replace(housing, room=room), front, 1e-2),
         Machine("forty bodies", "the same in free space, on a table with 37 boxes",
                 replace(housing, objects=(*housing.objects, *_boxes(37))), front, 1e-2),
+        Machine("housing, finer", "the first of these again; only the reading", housing, front, 1e-3, only_readings=True),
         Machine("guarded_sensor", "geometries/scenes/guarded_sensor.toml", load(SCENES / "guarded_sensor.toml"), (), 1e-2),
         Machine("robot arm", "an arm of six links that overlap, four of them meshes that bound no solid; a sensor of 5 × 5 cm, 1 cm off the forearm; "
                 "a hand 5 cm before it; only the reading", _robot_arm(), front, 2e-2, "estimate", True),

@@ -11,6 +11,7 @@
 #include "fringe/reading.hpp"
 #include "numeric/infinity.hpp"
 #include "numeric/parallel.hpp"
+#include "numeric/progress.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -136,7 +137,7 @@ void MovingReadings::prepare(const Scene& scene, const std::vector<Poses>& poses
     std::vector<ChargedBodies> bodies;
     for (const Group& link : links_)
       bodies.push_back(link.bodies);
-    machine_.emplace(std::move(bodies), readings_, of_links, rtol, threads);
+    machine_.emplace(std::move(bodies), readings_, of_links, rtol, threads, files_.get());
     target_.reset();
   }
   const bool is_known =
@@ -148,8 +149,14 @@ void MovingReadings::prepare(const Scene& scene, const std::vector<Poses>& poses
                             });
   if (is_known)
     return;
-  target_.emplace(target_group_->bodies, target_resolution(rtol),
-                  machine_->approach(of_target, of_links, MovingMachine::none));
+  const Approach approach = machine_->approach(of_target, of_links, MovingMachine::none);
+  const ProgressPart part("targets");
+  TargetAtRest target;
+  read_or_prepare(
+      files_.get(), "targets",
+      bytes_of_bodies(target_group_->bodies) + bytes_of(target_resolution(rtol), std::optional(approach)),
+      target, [&] { target = TargetAtRest(target_group_->bodies, target_resolution(rtol), approach); });
+  target_ = std::move(target);
   approach_ = poses;
   prepared_nearness_ = 0;
   for (const Poses& pose : poses)

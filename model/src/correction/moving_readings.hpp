@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -11,6 +12,7 @@
 #include "correction/company.hpp"
 #include "correction/moving_formula.hpp"
 #include "correction/moving_machine.hpp"
+#include "correction/prepared_parts.hpp"
 #include "fringe/reading_answer.hpp"
 #include "fringe/scene.hpp"
 #include "geometry/link_motion.hpp"
@@ -23,6 +25,9 @@ class MovingReadings {
  public:
   /// Prepares nothing yet; the scene's links have the poses given.
   explicit MovingReadings(std::shared_ptr<LinkPoses> poses);
+
+  /// Keeps what is prepared in files from now on; null: in none.
+  void keep_in(std::shared_ptr<const PreparedFiles> files) { files_ = std::move(files); }
 
   /// Returns the readings in so many frames of a motion; none if no links of the machine move against each
   /// other, or if the targets do, or if a floating conductor has bodies on links that do. The same bits for
@@ -59,6 +64,7 @@ class MovingReadings {
   void refuse_contacts(const Poses& pose) const;
 
   std::shared_ptr<LinkPoses> poses_;
+  std::shared_ptr<const PreparedFiles> files_;
   LinkMotion motion_;  ///< settled when the groups were found
   std::vector<Group> links_;
   std::optional<Group> target_group_;

@@ -110,6 +110,15 @@ void PotentialTable::clear() {
   values_.clear();
 }
 
+std::vector<PotentialTable::Entry> PotentialTable::entries() const {
+  std::vector<Entry> result;
+  result.reserve(places_.size());
+  for (const auto& [key, cell] : places_)
+    result.push_back({key, cell});
+  std::sort(result.begin(), result.end(), [](const Entry& a, const Entry& b) { return a.key < b.key; });
+  return result;
+}
+
 std::vector<Vector3d> PotentialTable::centres() const {
   std::vector<Vector3d> result;
   result.reserve(cells_.size());

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem_reference.mesh.marks import Marks, adapted_sizes
+from fem_reference.mesh.marks import ORDER_ACROSS_GAPS, Marks, adapted_sizes
 
 
 def chain(errors: list[float], away: list[float] | None = None) -> Marks:
@@ -21,6 +21,7 @@ def chain(errors: list[float], away: list[float] | None = None) -> Marks:
         vertices[ends],
         ends,
         full,
+        np.full(count, np.inf),
         full,
         np.array(errors)[:, None],
         np.full(count, 30),
@@ -70,3 +71,14 @@ def test_cells_away_from_edges_are_divided_only_where_they_matter() -> None:
 def test_a_mesh_that_is_too_fine_becomes_coarser_within_limits() -> None:
     found = adapted_sizes(chain([1e-6] * 20), 10.0, 1.0)
     np.testing.assert_allclose(found.sizes, 0.3)
+
+
+def test_cells_that_reach_across_a_gap_have_a_higher_order_and_stay_larger() -> None:
+    near = np.repeat([0.2, 1.0], 40)
+    found = replace(chain([1.0] * 80), gaps=near)
+    orders = found.orders(1.2)
+    np.testing.assert_array_equal(orders, np.repeat([ORDER_ACROSS_GAPS, 1.2], 40))
+    sizes = adapted_sizes(found, 20.0, orders).sizes / 0.1
+    assert sizes[10] > 1.2 * sizes[-10]
+    left = 40 * (sizes[10] ** ORDER_ACROSS_GAPS + sizes[-10] ** 1.2)
+    assert left == pytest.approx(20, rel=0.01)
